@@ -19,7 +19,7 @@ STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 CASES = [(name, lubrication, step) for name, lubrication in (("far field", False), ("lubrication", True)) for step in STEPS]
 LENGTH, SETTLED = (60.0, 4.0) if FULL else (12.0, 2.0)
 SWEEPS = 40000 if FULL else 15000
-# What the energy and the virial may be off by where the step vanishes: so many errors, and this part for what is not linear.
+# Allowed error of the energy and the virial at vanishing step: a number of standard errors, and a relative part for nonlinear terms.
 ERRORS, BENT = 3.0, 0.02
 BINS = np.linspace(1.8, EDGE / 2, 16)
 
@@ -106,7 +106,8 @@ def main():
     for cells in rows:
         print(*cells, flush=True)
     lines = [
-        f"{COUNT} spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} kT/a at contact that starts at a gap of {RANGE:g}, over {LENGTH:g} times",
+        (f"{COUNT} spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} "
+         f"kT/a at contact that starts at a gap of {RANGE:g}, over {LENGTH:g} times"),
         "the time \\\\(a^2/D_0\\\\), steps in units of it: energy a sphere and virial over \\\\(3N\\\\) in kT, and the largest difference",
         "of the pair distribution from Monte Carlo, over its peak. Errors are in proportion to the step; values at 0 are those of lines",
         "through the others.",

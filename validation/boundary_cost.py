@@ -1,5 +1,5 @@
-"""What walls and open space cost: a solve for the motions of rigid spheres between walls, above one, or in open fluid over one for the
-same spheres in a periodic box of the same edges, in turns, medians."""
+"""Cost of walls and open space: a solve for the motions of rigid spheres between walls, above one wall, or in open fluid, over one
+for the same spheres in a periodic box with the same edges; timed in turns, medians."""
 
 import sys
 

@@ -1,5 +1,5 @@
-"""What a step of Brownian motion takes, over one solve for the motions of the same spheres under random forces that starts from
-nothing at the places before and after them: in turns, medians."""
+"""Cost of a step of Brownian motion, over one solve from zero for the motions of the same spheres under random forces, at the
+positions before and after the steps; timed in turns, medians."""
 
 import json
 import sys
@@ -69,9 +69,12 @@ def main():
     cases += [(scheme, 0.2, "walls") for scheme in BETWEEN_WALLS]
     rows = [row(*scheme, fraction, kind, lubrication) for scheme, fraction, kind in cases for lubrication in (False, True)]
     lines = [
-        f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: a step by either scheme, of runs of {STEPS} of which the last or every one is a row",
-        f"of the time series, over a solve for random forces that starts from nothing (the mean of those at the places at the start and at the end), in a periodic cube or between",
-        f"walls {HEIGHT:g} radii apart. Where half a step of noise presses spheres into each other, as steps too long for their gaps do, the solve takes",
+        (f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: a step "
+         f"by either scheme, of runs of {STEPS} of which the last or every one is a row"),
+        (f"of the time series, over a solve for random forces that starts from nothing (the mean "
+         "of those at the places at the start and at the end), in a periodic cube or between"),
+        (f"walls {HEIGHT:g} radii apart. Where half a step of noise presses spheres "
+         "into each other, as steps too long for their gaps do, the solve takes"),
         "longer.",
         "",
         *table(["scheme", "rows", "box", "φ", "lubrication", "milliseconds", "over a solve", "meant to be"], rows),

@@ -109,8 +109,10 @@ def main():
         print(*row, flush=True)
     lines = [
         f"{COUNT} lubricated spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} kT/a at contact that starts at a gap of {RANGE:g}, steps of",
-        f"{STEP:g} of \\\\(a^2/D_0\\\\) or less: the viscosity over that of the fluid by \\\\(\\mathrm{{Pe}} = \\dot\\gamma a^2/D_0\\\\), the parts of it,",
-        "and normal stress differences over \\\\(\\mu \\dot\\gamma\\\\). The part of stresslets has what forces of repulsion cause by the flow that they",
+        (f"{STEP:g} of \\\\(a^2/D_0\\\\) or less: the viscosity over that of the "
+         f"fluid by \\\\(\\mathrm{{Pe}} = \\dot\\gamma a^2/D_0\\\\), the parts of it,"),
+        ("and normal stress differences over \\\\(\\mu \\dot\\gamma\\\\). The part "
+         "of stresslets has what forces of repulsion cause by the flow that they"),
         f"drive. At rest it is the sum of {frequent[0]:.3f} ± {frequent[1]:.3f} at high frequency, on {FRAMES} configurations, and of the integral",
         "of the correlation of stresses, with which Green and Kubo's relation has that of slow shear.",
         "",

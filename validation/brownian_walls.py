@@ -26,7 +26,7 @@ STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 LENGTH, SETTLED = (60.0, 6.0) if FULL else (16.0, 4.0)
 SWEEPS = 60000 if FULL else 15000
 SCHEMES = ("midpoint", "two-evaluations")
-# What heights may be off by where the step vanishes, besides errors: for what is not linear in it.
+# Allowed error of heights at vanishing step, in addition to the statistical error: for nonlinear terms.
 BENT = 0.01
 BINS = np.linspace(0, HEIGHT, 37)
 
@@ -156,13 +156,16 @@ def main():
 
     columns = ["gap", "across", "exact", "along", "of the mobility", "drift", "exact"]
     lines = [
-        f"One sphere above a wall, lubricated, in a box of {ROOM:g} radii, {DRAWS} draws at a tolerance of {TOLERANCE:g}: the diffusivities across and along",
-        "the wall over \\\\(D_0\\\\), and the drift over \\\\(D_0/a\\\\), beside Brenner's exact mobility, its slope, and the program's own mobility along the wall; all by the same random",
+        (f"One sphere above a wall, lubricated, in a box of {ROOM:g} radii, {DRAWS} "
+         f"draws at a tolerance of {TOLERANCE:g}: the diffusivities across and along"),
+        ("the wall over \\\\(D_0\\\\), and the drift over \\\\(D_0/a\\\\), beside Brenner's exact "
+         "mobility, its slope, and the program's own mobility along the wall; all by the same random"),
         "numbers, whose errors are alike.",
         "",
         *table(columns, [cells for cells, _ in single]),
         "",
-        f"{COUNT} colloids that weigh kT/a between walls {HEIGHT:g} radii apart, in a box of {SIDE:g} radii along them, over {LENGTH:g} times \\\\(a^2/D_0\\\\), steps in",
+        (f"{COUNT} colloids that weigh kT/a between walls {HEIGHT:g} radii apart, in a box "
+         f"of {SIDE:g} radii along them, over {LENGTH:g} times \\\\(a^2/D_0\\\\), steps in"),
         "units of it: the mean height and its square, and the largest difference of the profile from that of Monte Carlo, over its peak. Values at 0",
         "are those of lines through the others.",
         "",

@@ -96,12 +96,16 @@ def main():
     off = abs(found / formula - 1)
     holds = off < 3 * SCATTER / np.sqrt(len(SEEDS)) + DISTANCE
     lines = [
-        f"Clouds of {SMALL['count']} rigid spheres at random in a ball of {SMALL['radius']:g} radii, as the scene `cloud` has them, begin to fall with",
-        f"{found:.2f} ± {error:.2f} times the velocity of one sphere; \\\\(6 N a / 5 R + 1\\\\) is {formula:.2f}. " + ("That holds." if holds else "That is off."),
-        *course(SMALL, "cloud.png", "The first of them in the course of time, its radius and semi-axes those of the ellipsoid that has its gyration tensor:"),
+        (f"Clouds of {SMALL['count']} rigid spheres at random in a ball of "
+         f"{SMALL['radius']:g} radii, as the scene `cloud` has them, begin to fall with"),
+        f"{found:.2f} ± {error:.2f} times the velocity of one sphere; \\\\(6 N a / 5 R + 1\\\\) is {formula:.2f}. "
+        + ("That holds." if holds else "That is off."),
+        *course(SMALL, "cloud.png", "The first of them in the course of time, its radius and semi-axes those of the ellipsoid "
+                "that has its gyration tensor:"),
     ]
     if FULL:
-        title = f"{LARGE['count']} forces in a ball of {LARGE['radius']:g} radii of their spheres, which become a torus and break up; means count those left behind too:"
+        title = (f"{LARGE['count']} forces in a ball of {LARGE['radius']:g} radii of their spheres, which become a torus "
+                 "and break up; means count those left behind too:")
         lines += course(LARGE, "cloud-torus.png", title)
     write_section("walls.md", "cloud", "A cloud", lines)
     print("\n".join(lines))

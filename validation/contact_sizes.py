@@ -14,7 +14,7 @@ CASES = ((0.45, 0.5), (0.50, 0.5)) if FULL else ((0.45, 0.5),)
 STIFFER = 4.0
 # Short enough for the stiffer springs too.
 STEP = 0.00125
-# What is compared with the first: spheres over its number, stiffness over that which it settles at.
+# Cases compared with the first one: spheres over its number, stiffness over its adapted stiffness.
 WAYS = {"as it settles": (1.0, None), "half as many spheres": (0.5, None), f"{STIFFER:g} times as stiff": (1.0, STIFFER)}
 ALLOWED = 3.0
 
@@ -47,7 +47,8 @@ def main():
                 if apart > ALLOWED:
                     failed.append(f"{name} at {case[0]:.0%}: {apart:.1f} errors away")
     lines = [
-        f"{SPHERES} spheres of radii 1 and {RATIO}, roughness {ROUGHNESS}, steps of {STEP} in strain, averages from a strain of {SETTLED:g} to {STRAIN:g}, means over {len(SEEDS)}",
+        (f"{SPHERES} spheres of radii 1 and {RATIO}, roughness {ROUGHNESS}, steps of {STEP} in "
+         f"strain, averages from a strain of {SETTLED:g} to {STRAIN:g}, means over {len(SEEDS)}"),
         f"starts with the errors that these have. Viscosities are to agree within {ALLOWED:g} errors. Overlaps are over the roughness.",
         "",
         *table(["φ", "μ", "", "relative viscosity", "stiffness", "largest overlap"], rows),

@@ -1,5 +1,5 @@
-"""What a step costs: seconds and memory by number of spheres, volume fraction and tolerance, with lubrication and
-without. One thread, sheared, fixed steps from a random start. On a machine that does nothing else; --full takes long."""
+"""Cost of a step: seconds and memory by number of spheres, volume fraction and tolerance, with lubrication and without. One thread,
+sheared, fixed steps from a random start. For a machine without other load; --full takes long."""
 
 import json
 import pathlib

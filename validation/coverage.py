@@ -1,8 +1,9 @@
-"""How often the true mean lies within the errors that runs print: of random starts of a scene, each cut to short lengths.
+"""Frequency with which the true mean lies within the errors that runs print, from random starts of a scene,
+each cut to short lengths.
 
-A scene is run from many starts. Its true mean is that over all of these runs after their transients, at their full length. A short run is a part of
-one, from its start, where `fcm-solve stats` has to find the transient, or between two times. A family is a quantity of a scene in such a part.
-Answers that are said to drift claim no steady state, and are counted by themselves.
+A scene is run from many starts. Its true mean is that over all of these runs after their transients, at their full length. A short
+run is a part of one, from its start, where `fcm-solve stats` has to find the transient, or between two times. A family is a
+quantity of a scene in such a part. Answers with the verdict that they drift claim no steady state, and are counted separately.
 
 With `--full` there are more starts and lengths."""
 
@@ -145,8 +146,10 @@ def main():
         for name, quantity, span, truth, spread, error, count, drifting, inside in rows
     ]
     lines = [
-        f"{STARTS} starts of each scene of 40 to 50 spheres, in boxes that are small so that fluctuations are large. Of {len(rows)} families, a quantity in a",
-        f"part of the runs each, {counted} answers are given as steady; the true mean lies within one error in {shares[0]:.0%} of them and within two in {shares[1]:.0%}.",
+        (f"{STARTS} starts of each scene of 40 to 50 spheres, in boxes that are small "
+         f"so that fluctuations are large. Of {len(rows)} families, a quantity in a"),
+        (f"part of the runs each, {counted} answers are given as steady; the true mean lies "
+         f"within one error in {shares[0]:.0%} of them and within two in {shares[1]:.0%}."),
         "",
         *table(
             ["scene", "quantity", "times", "true mean", "spread", "mean error", "answers", "drifting", "inside one", "inside two"], cells

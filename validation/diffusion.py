@@ -73,7 +73,8 @@ def main():
     columns += ["\\\\(\\eta_\\infty/\\mu\\\\)", "expansion of \\\\(D\\\\)", "of \\\\(D_r\\\\)"]
     lines = [
         f"{SPHERES} hard spheres, {CONFIGURATIONS} configurations at equilibrium, {DRAWS} draws on each, over what one sphere alone has; traces of",
-        f"translation column by column, those of rotation by {PROBES} vectors of random signs, with the error of the difference. In a large box the diffusivity is larger by",
+        (f"translation column by column, those of rotation by {PROBES} vectors of random "
+         "signs, with the error of the difference. In a large box the diffusivity is larger by"),
         f"\\\\({FINITE:.4f} (\\phi/N)^{{1/3}} \\mu/\\eta_\\infty\\\\). Expansions are \\\\(1 - 1.8315 \\phi - 0.219 \\phi^2\\\\) and",
         "\\\\(1 - 0.631 \\phi - 0.726 \\phi^2\\\\) (Cichocki, Ekiel-Jeżewska & Wajnryb 1999).",
         "",

@@ -24,7 +24,7 @@ PAIRS_ALONE = {(0.40, 0.0): (1.02, 0.03), (0.45, 0.0): (0.98, 0.04), (0.45, 0.5)
 CASES = list(PAIRS_ALONE) if FULL else [(0.40, 0.0), (0.45, 0.5)]
 FLOWS = {"shear": 1.0, "planar-extension": 0.5, "uniaxial-extension": 3**-0.5, "biaxial-extension": 12**-0.5}
 SHEAR, *EXTENSIONS = FLOWS
-# What N2 over the shear stress adds to the ratio.
+# Contribution of N2 over the shear stress to the ratio.
 OF_NORMAL_STRESS = {"planar-extension": 0.0, "uniaxial-extension": 3**-0.5, "biaxial-extension": -(3**-0.5)}
 COLUMNS = ["relative_viscosity", "second_normal_stress_difference"]
 SETTLED, END, STEP = 2.0, 6.0, 0.005
@@ -83,9 +83,12 @@ def main():
     lines = [
         f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, means over times from {SETTLED:g} to {END:g} of {len(SEEDS)} "
         f"start{'s' if len(SEEDS) > 1 else ''}: the relative viscosity in",
-        "shear at a rate of 1 and \\\\(N_2\\\\) over the stress there, and over it the viscosities in extensions at rates of 1/2, 1/√3 and 1/√12; errors",
-        "are those of means over quarters of the runs. In brackets is the ratio that the normal stress makes, \\\\(1 \\pm N_2 / (\\sqrt3\\\\, s)\\\\) in uniaxial",
-        f"and biaxial extension, if all else is as in a Newtonian fluid. For planar extension, and without friction for all, ratios within {ALLOWED:g} of it are",
+        ("shear at a rate of 1 and \\\\(N_2\\\\) over the stress there, and over "
+         "it the viscosities in extensions at rates of 1/2, 1/√3 and 1/√12; errors"),
+        ("are those of means over quarters of the runs. In brackets is the ratio that "
+         "the normal stress makes, \\\\(1 \\pm N_2 / (\\sqrt3\\\\, s)\\\\) in uniaxial"),
+        ("and biaxial extension, if all else is as in a Newtonian fluid. For planar "
+         f"extension, and without friction for all, ratios within {ALLOWED:g} of it are"),
         "allowed, and two errors beyond: so it is where nothing else is said. With friction uniaxial extension is as viscous as shear, whatever the",
         "normal stress. Last, the ratio for planar extension of pair lubrication and contacts without a far field.",
         "",

@@ -31,7 +31,7 @@ count = 2
 step = 0.05
 duration = 19.0
 """
-# What is left of the time steps' defaults.
+# Settings with smaller errors of time than the defaults.
 CAREFUL = ["time.integrator=adaptive", "hydrodynamics.tolerance=1e-5"]
 # Repulsion that no lubrication damps is stiff.
 SHORT = ["time.step=0.002", "output.trajectory_every=25"]

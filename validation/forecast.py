@@ -1,5 +1,5 @@
-"""What `check` says that a run takes against what it took: seconds and bytes, of the scenes that come with the program, of
-larger suspensions, and on two ranks. On a machine that does nothing else."""
+"""Forecasts of `check` against the measured seconds and bytes of runs: of the scenes that come with the program, of larger
+suspensions, and on two ranks. For a machine without other load."""
 
 import json
 import math

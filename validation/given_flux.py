@@ -71,7 +71,8 @@ def main():
     rows = [compared(fraction) for fraction in FRACTIONS]
     faults = [fault for _, found in rows for fault in found]
     lines = [
-        f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, over {STRAIN:g} strains, the first {SETTLED:g} left out: the pressure gradient that a given",
+        (f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, over {STRAIN:g} "
+         f"strains, the first {SETTLED:g} left out: the pressure gradient that a given"),
         "mean velocity takes over that of the fluid alone, which is the apparent viscosity; and the flux of spheres over the pressure gradient,",
         "times the viscosity of the fluid, with either given:",
         "",

@@ -30,7 +30,7 @@ SETTLE, MEASURED = (0.1, 0.4) if FULL else (0.05, 0.1)
 
 
 def example(name, *words, threads=1):
-    """What an example of the crate drivers prints."""
+    """Output of an example of the crate drivers."""
     ran = subprocess.run(
         [EXAMPLES / name, *map(str, words)],
         check=True, capture_output=True, text=True, env=os.environ | {"RAYON_NUM_THREADS": str(threads)},

@@ -1,16 +1,19 @@
-"""Where lubricated FCM ends: what many spheres do that neither far moments nor pairs have, against published values.
+"""Limits of lubricated FCM: many-body effects that neither the multipoles of the far field nor pairs include,
+against published values.
 
-Random hard spheres settle, and are moved each by a force of its own: the settling velocity over that of one sphere is the fit of
-Riest, Eckert, Richtering & Naegele, Soft Matter 11, 2821 (2015), to the simulations of Abade et al., J. Chem. Phys. 132, 014503 (2010),
+Random hard spheres settle, or are each moved by a separate force: the settling velocity over that of one sphere is the
+fit of Riest, Eckert, Richtering & Naegele, Soft Matter 11, 2821 (2015), to the simulations of Abade et al., J. Chem.
+Phys. 132, 014503 (2010),
 
     1 - 6.5464 phi (1 - 3.348 phi + 7.426 phi^2 - 10.034 phi^3 + 5.882 phi^4);
 
-the self-mobility that of `high_frequency_viscosity.py`. A box of N spheres settles too slowly by 1.7601 (phi/N)^(1/3) S(0) over the relative
-viscosity (Ladd, J. Chem. Phys. 93, 3484 (1990); Mo & Sangani, Phys. Fluids 6, 1637 (1994)), with Carnahan and Starling's S(0), and is corrected.
+the self-mobility is that of `high_frequency_viscosity.py`. A box of N spheres settles too slowly by 1.7601 (phi/N)^(1/3) S(0) over
+the relative viscosity (Ladd, J. Chem. Phys. 93, 3484 (1990); Mo & Sangani, Phys. Fluids 6, 1637 (1994)), with Carnahan and
+Starling's S(0); the results are corrected for that.
 
 Cubic lattices: drag, torque and viscosity of `data/lattices.csv`.
 
-With `--full` random spheres are in more configurations."""
+With `--full` there are more configurations of random spheres."""
 
 import concurrent.futures
 import csv

@@ -1,7 +1,8 @@
 """A long shear of a dense suspension with lubrication and repulsion, in adaptive steps: spheres stay apart, and the solve stays as cheap
 as it was.
 
-scripts/validate long-shear [STEPS] [--full]: 100,000 steps unless said otherwise, in full with more spheres. It fails if spheres overlap or a number is not finite."""
+scripts/validate long-shear [STEPS] [--full]: 100,000 steps unless said otherwise, in full with more spheres. It fails
+if spheres overlap or a number is not finite."""
 
 import sys
 

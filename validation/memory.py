@@ -11,7 +11,7 @@ from support.page import table, write_section
 from support.peak import measured, predicted
 from support.program import PROGRAM, ROOT
 
-# How far a prediction may be from what is measured.
+# Allowed relative difference of prediction and measurement.
 ALLOWED = 0.2
 FRACTION = 0.12
 SIZES, MORE = (1_000, 10_000, 100_000), (1_000_000,)

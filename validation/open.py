@@ -30,7 +30,8 @@ def single():
 def main():
     spheres = eight("free-space-8.csv", [12.0] * 3, OPEN)
     failed = missed(spheres)
-    verdict = "Every error is below its tolerance." if not failed else f"Not below the tolerance at {', '.join(f'{tolerance:.0e}' for tolerance in failed)}."
+    verdict = ("Every error is below its tolerance." if not failed
+               else f"Not below the tolerance at {', '.join(f'{tolerance:.0e}' for tolerance in failed)}.")
     clouds = []
     for count, radius in ((50, 20.0), (200, 40.0), (200, 80.0)):
         found, formula = zip(*(cloud(count, radius, seed) for seed in range(4)))

@@ -47,7 +47,8 @@ def main():
                      f"{first['storage_modulus'] / loss:+.3f} ± {first['storage_modulus_error'] / loss:.3f}", f"{size:.3f}"])
         print(*rows[-1], flush=True)
     lines = [
-        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, friction {FRICTION:g}, means over {PERIODS} periods after the first. Where the strain is small contacts open,",
+        (f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, friction {FRICTION:g}, means "
+         f"over {PERIODS} periods after the first. Where the strain is small contacts open,"),
         "the stress is viscous, and what is left of it is that of lubrication; at large strains each half period is one of shear,",
         "whose stress grows with strain: it has a third harmonic.",
         "",

@@ -30,7 +30,7 @@ FIGURE = ROOT / "docs" / "src" / "figures" / "pair-settling.svg"
 RADII = (1.0, 2.0)
 # The smaller box is this long, or this many separations; the larger one twice that.
 EDGE, SEPARATIONS = 60.0, 10.0
-# What the images leave in a relative velocity falls as this power of the box's side.
+# The effect of the images on a relative velocity decreases as this power of the side of the box.
 POWER = 3
 TOLERANCE = 1e-7
 # The tolerance, magnified by the extrapolation, and what falls faster than that power.

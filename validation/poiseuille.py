@@ -1,6 +1,7 @@
 """Suspensions that flow between walls: layers at the walls of a Couette flow (Yeo & Maxey, J. Fluid Mech. 649, 205, 2010) and its
-viscosity beside fits to that of bulk suspensions (Eilers, Kolloid-Z. 97, 313, 1941; Morris & Boulay, J. Rheol. 43, 1213, 1999); a Poiseuille flow that is blunted, and
-spheres that migrate to its middle (Nott & Brady, J. Fluid Mech. 275, 157, 1994)."""
+viscosity beside fits to that of bulk suspensions (Eilers, Kolloid-Z. 97, 313, 1941; Morris & Boulay, J. Rheol. 43, 1213, 1999);
+the blunted velocity profile of a Poiseuille flow, and the migration of spheres to its centre (Nott & Brady, J. Fluid Mech. 275,
+157, 1994)."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -128,9 +129,11 @@ def main():
         f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, Couette flow over {STRAIN:g} strains; stress on the walls over that of the fluid",
         "alone, beside fits to bulk suspensions (Eilers 1941, Morris & Boulay 1999) as dense as the middle, and the profile's peak at the walls:",
         "",
-        *table(["volume fraction", "viscosity", "Eilers", "Morris & Boulay", "peak at z / a", "peak / mean", "middle / mean"], [row for row, _ in sheared]),
+        *table(["volume fraction", "viscosity", "Eilers", "Morris & Boulay", "peak at z / a", "peak / mean", "middle / mean"],
+               [row for row, _ in sheared]),
         "",
-        "Poiseuille flow: mean velocity of spheres in the middle quarter over that of the flow without spheres, the same over that ratio half-way to the",
+        ("Poiseuille flow: mean velocity of spheres in the middle quarter over "
+         "that of the flow without spheres, the same over that ratio half-way to the"),
         "walls, and the second moment of their heights over that of even places, at first and in the last quarter:",
         "",
         *table(["volume fraction", "middle", "middle / half-way", "migration, first", "last"], [row for row, _ in driven]),
@@ -138,7 +141,8 @@ def main():
         "![Profiles between walls](figures/channel.png)",
         "",
         f"Expected are a viscosity within {VISCOSITY:.0%} of Eilers' fit, peaks between {PLACE[0]:g} and {PLACE[1]:g} radii",
-        f"from the walls that are at least {LAYER - 1:.0%} above the middle and grow with the volume fraction, and a slower and blunter Poiseuille flow:",
+        (f"from the walls that are at least {LAYER - 1:.0%} above the middle and "
+         "grow with the volume fraction, and a slower and blunter Poiseuille flow:"),
         "so it is." if not faults else "not so are " + ", ".join(faults) + ".",
     ]
     write_section("walls.md", "poiseuille", "Suspensions between walls", lines)

@@ -38,7 +38,7 @@ checkpoint_every = 0
 
 
 def counted(ranks):
-    """What one evaluation of the benchmark's spheres takes on so many ranks."""
+    """Cost of one evaluation of the benchmark's spheres on a number of ranks."""
     launch = ["mpirun", "--oversubscribe", "-n", str(ranks)] if ranks > 1 else []
     words = ["bench", "--particles", str(SPHERES), "--threads", "1", "--repeats", "1", "--no-error"]
     environment = {**os.environ, "OMPI_MCA_mpi_yield_when_idle": "1"}
@@ -98,7 +98,8 @@ said = [
     "",
     *table(["ranks", "MB sent", "messages", "MB of the first rank", "MB of others", "ms projected", "efficiency"], lines),
     "",
-    f"A billion spheres on {MANY:,} ranks, {share:,.0f} a rank, grid {grid[0]}³: an evaluation of {sum(parts):.2f} s, of which work {parts[0]:.2f} s,",
+    (f"A billion spheres on {MANY:,} ranks, {share:,.0f} a rank, grid {grid[0]}³: "
+     f"an evaluation of {sum(parts):.2f} s, of which work {parts[0]:.2f} s,"),
     f"transpositions {parts[1]:.2f} s ({moved / 1e6:.0f} MB a rank) and {exchanged:,.0f} messages {parts[2]:.2f} s. The first rank would need",
     f"{first / 1e9:,.0f} GB, the others {others / 1e9:.1f} GB.",
 ]

@@ -91,8 +91,10 @@ def main():
     faults = [claim for claim, holds in checks.items() if not holds]
     names = ("periodic box", f"bottom, below z = {NEAR:g} a", f"bottom, above z = {HEIGHT / 3:g} a")
     lines = [
-        f"{z.shape[1]} spheres at {FRACTION:.0%} of a box {SIZE:g} x {SIZE:g} x {HEIGHT:g} radii settle with {hindered:.3f} of Stokes' velocity V where it is periodic, in the",
-        f"mean of {len(SEEDS)} starts ((1 - φ)⁵ is {zaki:.3f}); above a bottom their front falls with {velocity:.3f}. At the end they lie up to about {sediment:.1f} radii, twice their",
+        (f"{z.shape[1]} spheres at {FRACTION:.0%} of a box {SIZE:g} x {SIZE:g} x {HEIGHT:g} "
+         f"radii settle with {hindered:.3f} of Stokes' velocity V where it is periodic, in the"),
+        (f"mean of {len(SEEDS)} starts ((1 - φ)⁵ is {zaki:.3f}); above a bottom their front falls "
+         f"with {velocity:.3f}. At the end they lie up to about {sediment:.1f} radii, twice their"),
         f"mean height, at a volume fraction of {packed:.2f}. Standard deviations of velocities over V at first:",
         "",
         *table(["", "x", "y", "vertical"], [[name, *(f"{value:.3f}" for value in found)] for name, found in zip(names, deviations)]),

@@ -1,8 +1,10 @@
-"""What a run survives: sweeps of time step, concentration, ratio of sizes, repulsion, its range and the cutoff of lubrication, with both
-integrators; starts that overlap, spheres pressed together, and a cluster of touching spheres that settles. Each ends with its spheres where numbers are finite, or in an error that says what to change.
+"""Stability of runs: sweeps of time step, concentration, size ratio, repulsion, its range and the cutoff of lubrication, with both
+integrators; starts with overlaps, spheres pressed together, and a cluster of touching spheres that settles. Each run must end
+with finite positions, or in an error that says what to change.
 
-scripts/validate stability [--full]: in full there are more spheres and more strain. It fails if a number is not finite, if more power is won than spent,
-if spheres overlap in adaptive steps after the start, or if a run ends in an error that does not say what to change."""
+scripts/validate stability [--full]: in full there are more spheres and more strain. It fails if a number is not finite, if
+more power is gained than spent, if spheres overlap in adaptive steps after the start, or if a run ends in an error that
+does not say what to change."""
 
 import concurrent.futures
 import csv
@@ -23,7 +25,7 @@ FULL = "--full" in sys.argv[1:]
 SPHERES, STRAIN = (64, 2.0) if FULL else (24, 0.2)
 # The time-step sweeps have as many steps as make the strain, but not fewer or more than this.
 FEWEST, MOST = (100, 4000) if FULL else (10, 200)
-# What an error that helps says.
+# Words in a helpful error message.
 ADVICE = ("try", "change", "give", "set ", "take ", "larger", "smaller")
 STEPS = (1e-4, 1e-3, 5e-3, 1e-2, 2e-2, 5e-2, 0.1, 0.2)
 FRACTIONS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.55)
@@ -69,7 +71,7 @@ class Case:
 
 @dataclass
 class Outcome:
-    """How it ended."""
+    """End of a run."""
 
     message: str
     finite: bool = True
@@ -214,7 +216,7 @@ def row(case, ended):
 
 
 def complaints(case, ended):
-    """What should not be."""
+    """Violations of the criteria of stability."""
     if not ended.finite:
         yield "not finite"
     # Repulsion gives back what it has stored: all of the forces' work, or what spheres that overlap by a step too long were given.

@@ -23,7 +23,7 @@ START, ROUNDS = 4, 5
 
 
 def timed_steps(count):
-    """How many steps are timed: more of few spheres."""
+    """Number of timed steps, larger for few spheres."""
     return max(4, min(40, 100_000 // count))
 # Ways to run a step: with lubrication or without, ranks, threads.
 WAYS = {"one": (True, 1, 1), "far field": (False, 1, 1), "threads": (True, 1, 2), "ranks": (True, 2, 1)}
@@ -83,8 +83,8 @@ def main():
         seconds = {way: found[way][0] for way in WAYS}
         one = seconds["one"]
         ratios = [one / seconds[way] for way in ("far field", "threads", "ranks")]
-        rows.append([f"{count:,}", f"{fraction:.0%}", f"{tolerance:.0e}", f"{one:.3g}", *(f"{ratio:.2f}" for ratio in ratios), f"{seconds['threads']:.3g}",
-                     f"{found['one'][1]:.1f}", f"{1e6 * one / count:.0f}"])
+        rows.append([f"{count:,}", f"{fraction:.0%}", f"{tolerance:.0e}", f"{one:.3g}", *(f"{ratio:.2f}" for ratio in ratios),
+                     f"{seconds['threads']:.3g}", f"{found['one'][1]:.1f}", f"{1e6 * one / count:.0f}"])
         print(*rows[-1], flush=True)
     header = ["spheres", "φ", "tolerance", "s a step", "over one without lubrication", "two threads faster by", "two ranks", "s on two threads",
               "evaluations a step", "µs a sphere"]

@@ -96,7 +96,8 @@ def main():
     draw(found)
     rows = [[f"{fraction:.0%}", f"{over:g}", f"{found[fraction, over][0]:.1f} ± {found[fraction, over][1]:.1f}", f"{PAIRS_ALONE[fraction][over]:g}",
              f"{found[fraction, over][2]:.2f}", f"{found[fraction, over][3]:.4f}"] for fraction, over in cases]
-    ways = ", ".join(f"{found[case][0]:.1f} ± {found[case][1]:.1f} and {viscosity:.1f} ± {error:.1f} at {case[1]:g}" for case, (viscosity, error) in zip(compared, rated))
+    ways = ", ".join(f"{found[case][0]:.1f} ± {found[case][1]:.1f} and {viscosity:.1f} ± {error:.1f} at {case[1]:g}"
+                     for case, (viscosity, error) in zip(compared, rated))
     apart = {case: abs(found[case][0] - viscosity) / np.hypot(found[case][1], error) for case, (viscosity, error) in zip(compared, rated)}
     failed = [f"{case}: the stress is {values[3]:.4f} of what was asked for" for case, values in found.items() if abs(values[3] - 1) > STRESS_ERROR]
     failed += [f"{case}: {errors:.1f} errors apart with stress and rate given" for case, errors in apart.items() if errors > WAYS_APART]
@@ -105,15 +106,18 @@ def main():
         if high < 1.8 * low:
             failed.append(f"{fraction}: {high:.1f} under the high stress, {low:.1f} under the low one")
     lines = [
-        f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, friction {FRICTION:g} where a contact bears more than the critical",
-        f"load \\\\(F_c\\\\), means over strains of about {SETTLED:g} to {STRAIN:g} in one run; stresses are in units of \\\\(F_c / (6 \\pi a^2)\\\\). Beside the",
+        (f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume "
+         f"each, friction {FRICTION:g} where a contact bears more than the critical"),
+        (f"load \\\\(F_c\\\\), means over strains of about {SETTLED:g} to {STRAIN:g} "
+         "in one run; stresses are in units of \\\\(F_c / (6 \\pi a^2)\\\\). Beside the"),
         "viscosity: that of pair lubrication and contacts without a far field (bands of 25%). The last columns are the share of contacts",
         "with friction, and the mean of the stress in the time series over the one asked for.",
         "",
         *table(["φ", "stress", "relative viscosity", "pairs alone", "frictional", "stress found"], rows),
         "",
         f"With the stress given, and with the mean rate that came out given, at 50%: {ways}; these are to agree within",
-        f"{WAYS_APART:g} errors, and the stress with that asked for within {STRESS_ERROR:.0%}. Where the viscosity fluctuates, that over the mean rate is below",
+        (f"{WAYS_APART:g} errors, and the stress with that asked for within "
+         f"{STRESS_ERROR:.0%}. Where the viscosity fluctuates, that over the mean rate is below"),
         "that of the mean stress.",
         "",
         f"Not so at {'; '.join(failed)}." if failed else "So it is.",

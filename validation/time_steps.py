@@ -1,5 +1,5 @@
-"""What time steps of each kind cost and how far they lead astray where a barrier holds near spheres apart: places after a while,
-against those by short steps of order 4; and the viscosity of a dense suspension with lubrication, by substeps."""
+"""Cost and error of time steps of each kind where a repulsive barrier keeps near spheres apart: positions after a while, against
+those by short steps of order 4; and the viscosity of a dense suspension with lubrication, by substeps."""
 
 import csv
 import pathlib
@@ -141,7 +141,8 @@ def viscosities():
                 exact = viscosity if exact is None else exact
                 evaluations, gap = sum(row["evaluations"] for row in series[1:]), min(row["smallest_gap"] for row in series)
                 off = viscosity / exact - 1
-                rows.append([f"{strength:g}", f"{integrator}, to {tolerance:g}", f"{evaluations:.0f}", f"{viscosity:.3f}", f"{100 * off:+.2f}%", f"{gap:.1e}"])
+                rows.append([f"{strength:g}", f"{integrator}, to {tolerance:g}", f"{evaluations:.0f}", f"{viscosity:.3f}",
+                             f"{100 * off:+.2f}%", f"{gap:.1e}"])
                 print(*rows[-1], flush=True)
                 if abs(off) > VISCOSITY_ALLOWED:
                     failed.append(f"strength {strength:g}, {integrator} to {tolerance:g}: viscosity off by {off:.1%}")
@@ -154,7 +155,8 @@ def main():
     dense, failed_dense = viscosities()
     lines = [
         "Spheres in a box of side 20, velocities to 1e-2, held apart by repulsion that starts at a gap of 0.2. Errors are",
-        f"those of places, over the small radius, against order {EXACT[0]} with a step of {EXACT[1]}. A velocity that is off by a hundredth leads 0.01 to 0.04 astray.",
+        (f"those of places, over the small radius, against order {EXACT[0]} with a step "
+         f"of {EXACT[1]}. A velocity that is off by a hundredth leads 0.01 to 0.04 astray."),
         f'Substeps, by `integrator = "adaptive"` and `"implicit"`, divide steps of {CLOCK_STEP:g} to the tolerance given.',
         "",
         *errors,

@@ -79,7 +79,7 @@ def dilute(box, random):
 
 
 def acting(box, model, radii, random):
-    """What acts on the spheres, by the keys of a case, and its name."""
+    """Loads on the spheres, as keys of a case, and their name."""
     name = drawn(random, LOADS)
     if model == "forces alone":
         name = str(random.choice(["equal", "weights", "random"]))
@@ -189,7 +189,8 @@ def main():
             for key, name in (("box", box), ("model", model), ("loads", loads), ("tolerance", f"{tolerance:.0e}")):
                 groups[key][name].append((index, kind, ratio))
             if ratio > 1:
-                above.append([str(index), f"{tolerance:.0e}", box, model, loads, str(spheres), f"{fraction:.2f}", kind.replace("_", " "), f"{ratio:.2f}"])
+                above.append([str(index), f"{tolerance:.0e}", box, model, loads, str(spheres), f"{fraction:.2f}",
+                              kind.replace("_", " "), f"{ratio:.2f}"])
                 print(*above[-1], flush=True)
     worst = max(ratio for found in groups["box"].values() for _, _, ratio in found)
     lines = [

@@ -145,14 +145,14 @@ def worst_run(kind, systems=OF_RUNS):
 
 
 def printed(command):
-    """What the program prints in the end, its lines of progress left out."""
+    """Output of the program at the end, without its progress lines."""
     ended = subprocess.run([PROGRAM, *map(str, command)], check=True, capture_output=True, text=True)
     lines = (ended.stdout + ended.stderr).splitlines()
     return [line for line in lines if not line.startswith("step ")]
 
 
 def silica():
-    """What `check` and `run` print of the scene in SI units, and what it comes to."""
+    """Output of `check` and `run` for the scene in SI units, and its results."""
     path = ROOT / "scenes" / "silica-in-water.toml"
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place) / "silica-in-water"

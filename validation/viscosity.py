@@ -71,7 +71,8 @@ def write_table(found):
         "",
         f"Relative viscosity of {SPHERES} equal spheres at random in a periodic box, the mean of {SEEDS} placings with its standard",
         "error: the high-frequency viscosity. The last columns have the intrinsic viscosity, (η - 1) / φ.",
-        "Suspensions at higher fractions are under [viscosity and self-mobility](lubrication.md#viscosity-and-self-mobility-scriptsvalidate-high-frequency-viscosity),",
+        ("Suspensions at higher fractions are under [viscosity and "
+         "self-mobility](lubrication.md#viscosity-and-self-mobility-scriptsvalidate-high-frequency-viscosity),"),
         "lattices under [limits of lubricated FCM](limits.md).",
         "",
         "| φ | 1 + 5/2 φ | 1 + 5/2 φ + 5.0 φ² | without lubrication | with lubrication | (η-1)/φ without | with |",

@@ -60,7 +60,8 @@ def eight(name, box, boundaries):
 
 def report(found):
     """Lines of a table of errors."""
-    lines = [[f"{tolerance:.0e}", *(f"{error:.1e}" for error in errors), plan.splitlines()[1].split(maxsplit=1)[1]] for tolerance, errors, plan in found]
+    lines = [[f"{tolerance:.0e}", *(f"{error:.1e}" for error in errors), plan.splitlines()[1].split(maxsplit=1)[1]]
+             for tolerance, errors, plan in found]
     return table(["tolerance", "velocities", "angular velocities", "stresslets", "grid"], lines)
 
 
@@ -91,7 +92,8 @@ def one_wall():
         exact = row["XA11"], row["YA11"] - row["YB11"] ** 2 / (3 * row["YC11"])
         ratios = [[drag(axis, row["gap"], lubrication) / value for lubrication in (False, True)] for axis, value in zip((2, 0), exact)]
         errors += [abs(ratio - 1) for _, ratio in ratios]
-        lines.append([f"{row['gap']:g}", *(text for value, pair in zip(exact, ratios) for text in (f"{value:.5g}", *(f"{ratio:.3f}" for ratio in pair)))])
+        lines.append([f"{row['gap']:g}", *(text for value, pair in zip(exact, ratios)
+                                           for text in (f"{value:.5g}", *(f"{ratio:.3f}" for ratio in pair)))])
     return table(["gap", "across", "without", "with", "along", "without", "with"], lines), max(errors)
 
 
@@ -138,7 +140,8 @@ def two_walls(lubrication):
             across.append(abs(pairs[0][1] / pairs[0][0] - 1))
         texts = [f"{found:.4f}" + ("" if np.isnan(exact) else f" ({abs(exact):.4f})") for exact, found in pairs]
         lines.append([f"{row['frac']:g}", f"{row['a_over_h']:g}", f"{2 / height:.2g}", *texts])
-    return table(["place / H", "a / place", "2 a / H", "across", "along", "Couette", "turning", "Poiseuille", "turning"], lines), max(errors), max(across)
+    return table(["place / H", "a / place", "2 a / H", "across", "along", "Couette", "turning", "Poiseuille", "turning"],
+                 lines), max(errors), max(across)
 
 
 def far():
@@ -150,7 +153,8 @@ def far():
         return 6 * np.pi * mobility({**case, **box}, 1e-4)["velocities"][0][2]
 
     single = speed(10.0, "wall")
-    return table(["H", "two walls", "one wall"], [[f"{height:g}", f"{speed(height, 'walls'):.5f}", f"{single:.5f}"] for height in (8.0, 16.0, 32.0, 64.0)])
+    return table(["H", "two walls", "one wall"],
+                 [[f"{height:g}", f"{speed(height, 'walls'):.5f}", f"{single:.5f}"] for height in (8.0, 16.0, 32.0, 64.0)])
 
 
 def main():
@@ -172,7 +176,8 @@ def main():
         "",
         *near,
         "",
-        "Between two walls without lubrication: \\\\(6 \\pi \\mu a U / F\\\\) across and along them, and velocity and angular velocity of a free sphere",
+        ("Between two walls without lubrication: \\\\(6 \\pi \\mu a U / F\\\\) "
+         "across and along them, and velocity and angular velocity of a free sphere"),
         "where the upper wall or the centre of the flow has the speed 1, in parentheses the exact ones:",
         "",
         *alone,
@@ -181,8 +186,10 @@ def main():
         "",
         *between,
         "",
-        f"With lubrication one wall is met within {with_lubrication:.1%}, and velocities between two, up to a radius of {WIDEST:g} of half their distance, within {widest:.1%}:",
-        f"{'within' if is_exact else 'not within'} the {ALLOWED:.0%} that is allowed. At {WIDEST_ACROSS:g} the velocity across them is off by {across:.1%}.",
+        (f"With lubrication one wall is met within {with_lubrication:.1%}, and velocities "
+         f"between two, up to a radius of {WIDEST:g} of half their distance, within {widest:.1%}:"),
+        (f"{'within' if is_exact else 'not within'} the {ALLOWED:.0%} that is allowed. "
+         f"At {WIDEST_ACROSS:g} the velocity across them is off by {across:.1%}."),
         "",
         "A wall that goes away, \\\\(6 \\pi \\mu a U / F\\\\) of a sphere three radii above the other wall, across it:",
         "",

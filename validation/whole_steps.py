@@ -1,4 +1,4 @@
-"""What whole steps take without lubrication, over one mobility of the same spheres: settling and sheared, in turns, medians."""
+"""Cost of whole steps without lubrication, over one mobility of the same spheres: settling and sheared, timed in turns, medians."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ from support.program import PROGRAM, series
 
 COUNT, FRACTION, TOLERANCE, ROUNDS, STEPS, EVERY = 3200, 0.12, 1e-3, 5, 60, 5
 SETTLING, SHEARED = ("force = [0.0, 0.0, -18.85]", ""), ("", 'flow = { kind = "shear", rate = 1.0, lees_edwards = true }')
-# What acts, the step, the method, and how many mobilities a step may be worth.
+# Loads, step, method, and the largest cost of a step in mobilities.
 RUNS = {
     "settling": (SETTLING, 0.015, "", 3.5),
     "settling, steps that repulsion makes jitter": (SETTLING, 0.05, "", None),
@@ -74,12 +74,14 @@ def main():
         if allowed and worth > allowed:
             failed.append(f"{name}: a step is worth {worth:.1f} mobilities, more than {allowed}")
     lines = [
-        f"{COUNT} rigid spheres at {FRACTION:.0%} without lubrication, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds in turns: iterations for the stresslets from",
+        (f"{COUNT} rigid spheres at {FRACTION:.0%} without lubrication, tolerance {TOLERANCE:g}, "
+         f"one thread, {ROUNDS} rounds in turns: iterations for the stresslets from"),
         "nothing, evaluations of the mobility in a step that goes on from those before, and the time of a step over that of one mobility.",
         "Explicit steps of up to 0.016 are those with which repulsion holds these pairs apart steadily. With longer ones, of which the program",
         "warns, near spheres jitter and stresslets with them; `implicit` steps may be as long as their errors allow.",
         "",
-        *table(["suspension", "step", "iterations, cold", "evaluations a step", "milliseconds", "mobilities' worth", "meant to be", "in a unit of time"], rows),
+        *table(["suspension", "step", "iterations, cold", "evaluations a step", "milliseconds", "mobilities' worth", "meant to be",
+                "in a unit of time"], rows),
         "",
         f"Not so: {'; '.join(failed)}." if failed else "So it is.",
     ]

@@ -1,5 +1,5 @@
-//! The disks as a peer of LAMMPS: a start for both, a run with its speed, and the distance between two runs. See
-//! `scripts/peers/disks_lammps.sh`.
+//! Compares the disks with LAMMPS: writes a start for both, times a run, and measures the distance between two runs.
+//! See `scripts/peers/disks_lammps.sh`.
 //!
 //!     disks_peer start SEED START.data
 //!     disks_peer run START.data VISCOSITY TIME_STEP STEPS EVERY OUT.dump
@@ -14,7 +14,7 @@ use std::fs;
 use std::time::Instant;
 
 type Outcome = Result<(), Box<dyn Error>>;
-/// Step and places of a frame.
+/// Step and positions of a frame.
 type Frame = (u64, Vec<Vector>);
 
 fn main() -> Outcome {
@@ -32,7 +32,7 @@ fn main() -> Outcome {
     }
 }
 
-/// Writes a prepared system in the form of LAMMPS's `read_data`, the origin at the centre.
+/// Writes a prepared system in LAMMPS's `read_data` format, with the origin at the centre.
 fn start(seed: u64, file: &str) -> Outcome {
     let model = Model::new(Parameters { seed, ..Parameters::default() })?;
     let (particles, _) = Disks::prepared(&model)?.store();
@@ -75,7 +75,7 @@ fn read_data(file: &str) -> Result<Particles, Box<dyn Error>> {
     Ok(particles)
 }
 
-/// A frame in the form of a dump of LAMMPS: id, type, radius, x, y, vx, vy.
+/// Writes a frame in LAMMPS's dump format: id, type, radius, x, y, vx, vy.
 fn write_frame(text: &mut String, disks: &Disks) -> Outcome {
     let (particles, _) = disks.store();
     writeln!(text, "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}", disks.steps(), particles.len())?;
@@ -90,7 +90,7 @@ fn write_frame(text: &mut String, disks: &Disks) -> Outcome {
     Ok(())
 }
 
-/// The places in each frame of a dump, by step, in the order of the ids.
+/// Positions in each frame of a dump, by step, in the order of the ids.
 fn frames(file: &str) -> Result<Vec<Frame>, Box<dyn Error>> {
     let text = fs::read_to_string(file)?;
     let mut all = Vec::new();
@@ -108,9 +108,9 @@ fn frames(file: &str) -> Result<Vec<Frame>, Box<dyn Error>> {
     Ok(all)
 }
 
-/// Prints how far apart the disks are in frames of the same step: median, 95 % and largest. Images are told apart along
-/// x and y one by one: where the offset of the rows is not a whole number of cells, a disk that only one of the two
-/// runs has wrapped upward shows as a large distance.
+/// Prints the distances of the disks in frames of the same step: median, 95 % and largest. The nearest image is
+/// chosen along x and y independently: where the offset of the rows is not a whole number of cells, a disk that only
+/// one of the two runs has wrapped upward shows a large distance.
 fn compare(one: &str, other: &str) -> Outcome {
     let others = frames(other)?;
     for (step, places) in frames(one)? {
@@ -125,7 +125,7 @@ fn compare(one: &str, other: &str) -> Outcome {
     Ok(())
 }
 
-/// Prints the speed of a system of the paper's mixture in a square cell: by processor time and by the clock.
+/// Prints the speed for the paper's mixture in a square cell, by processor time and by wall-clock time.
 fn speed(edge: f64, steps: u64) -> Outcome {
     let mut parameters = Parameters { edges: [edge; 2], ..Parameters::default() };
     parameters.preparation.mixed = parameters.preparation.settled;

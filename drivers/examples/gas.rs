@@ -1,5 +1,5 @@
-//! A gas of hard spheres in the event-driven engine, long enough to time it and to hold it against kinetic theory.
-//! Prints one line of JSON. See `scripts/validate grains`.
+//! A gas of hard spheres in the event-driven engine, run long enough to time it and to compare it with kinetic
+//! theory. Prints one line of JSON. See `scripts/validate grains`.
 //!
 //!     gas hit COUNT SOLID_FRACTION HITS          elastic: speed, rate of hits over Enskog's, overlap, energy
 //!     gas cool COUNT SOLID_FRACTION RESTITUTION  inelastic: temperature over Haff's until a twelfth is left
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// Smooth grains of diameter 1 and mass 1 in a periodic cube, at random places and with a temperature of 1.
+/// Smooth grains of diameter 1 and mass 1 in a periodic cube, at random positions and at a temperature of 1.
 fn gas(count: usize, solid_fraction: f64, restitution: f64) -> Result<(Model, Grains), Box<dyn Error>> {
     let edge = (count as f64 * PI / 6.0 / solid_fraction).cbrt();
     let contact = Contact { restitution, friction: 0.0, law: FrictionLaw::Box };
@@ -28,13 +28,13 @@ fn gas(count: usize, solid_fraction: f64, restitution: f64) -> Result<(Model, Gr
     Ok((model, grains))
 }
 
-/// Hits of one grain in unit time at temperature T (Enskog): `4 n D^2 g0 sqrt(pi T)` with Carnahan and Starling's g0.
+/// Collision rate of one grain at temperature `T` (Enskog): `4 n D^2 g0 sqrt(pi T)` with Carnahan and Starling's `g0`.
 fn enskog(solid_fraction: f64, temperature: f64) -> f64 {
     let g0 = (1.0 - 0.5 * solid_fraction) / (1.0 - solid_fraction).powi(3);
     4.0 * 6.0 / PI * solid_fraction * g0 * (PI * temperature).sqrt()
 }
 
-/// Hits after as many as ten for each grain, in ten parts after each of which overlaps are looked for.
+/// Makes `hits` collisions after ten of each grain, in ten parts with a check for overlaps after each part.
 fn hit(count: usize, solid_fraction: f64, hits: u64) -> Result<(), Box<dyn Error>> {
     let (model, grains) = gas(count, solid_fraction, 1.0)?;
     let mut engine = EventDriven::new(&model, &State::new(&model, &grains))?;
@@ -60,7 +60,7 @@ fn hit(count: usize, solid_fraction: f64, hits: u64) -> Result<(), Box<dyn Error
     Ok(())
 }
 
-/// Haff: `T = T0 / (1 + (1 - e^2) w0 t / 6)^2` with Enskog's rate `w0` at `T0`.
+/// Haff's law `T = T0 / (1 + (1 - e^2) w0 t / 6)^2` with Enskog's rate `w0` at `T0`.
 fn cool(count: usize, solid_fraction: f64, restitution: f64) -> Result<(), Box<dyn Error>> {
     let (model, grains) = gas(count, solid_fraction, restitution)?;
     let mut engine = EventDriven::new(&model, &State::new(&model, &grains))?;

@@ -1,9 +1,9 @@
-//! Why a driver's run can't be started.
+//! Reasons why a driver's run cannot be started.
 
 use crate::ParameterError;
 use crate::shear_cell::PackingError;
 
-/// Why a driver's run can't be started.
+/// A reason why a driver's run cannot be started.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
     /// More than one process.
@@ -14,26 +14,26 @@ pub enum StartError {
     /// A parameter outside its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Grains that can't be packed.
+    /// Grains that cannot be packed.
     #[error(transparent)]
     Packing(#[from] PackingError),
     /// Particles from outside that do not fit.
     #[error("{name}")]
     Given {
-        /// Where they are from.
+        /// Name of their source.
         name: String,
-        /// What is wrong with them.
+        /// Reason why they are refused.
         source: ParameterError,
     },
     /// Too little memory for particles from outside.
     #[error("particles.path brings {disks} disks; bring fewer: {missing}")]
     Memory {
-        /// How many there are.
+        /// Number of disks.
         disks: usize,
-        /// What they take and what there is.
+        /// Memory needed and available.
         missing: domain::NotEnoughMemory,
     },
-    /// A state without what a run goes on with.
+    /// A state without the data that a run resumes from.
     #[error("the checkpoint has no progress of disks; start the run anew")]
     State,
 }

@@ -1,15 +1,16 @@
-//! Ratios as the fractions of whole numbers that they are meant to be.
+//! Ratios of lengths as the exact fractions that they stand for.
 //!
-//! A random start is chaotic: grains that collide a hundred times make something else of the last bit of a ratio of two
-//! lengths. That bit depends on the unit in which a file gives them: 0.004 / 0.000787 and 4 / 0.787 may differ in it,
-//! but both mean 4000 / 787.
+//! A random start is chaotic: a hundred collisions amplify the last bit of a ratio of two lengths to a different
+//! state. That bit depends on the unit in which a file gives the lengths: 0.004 / 0.000787 and 4 / 0.787 may differ
+//! in it, but both mean 4000 / 787.
 
-/// Largest denominator: what two lengths of a few digits make. Hardly any other number is as near to such a fraction.
+/// Largest denominator, enough for two lengths of a few digits. Hardly any other number is this
+/// close to such a fraction.
 const LARGEST: u64 = 100_000;
-/// Round-off of two numbers and their ratio, over the ratio.
+/// Relative round-off of two numbers and their ratio.
 const ROUND_OFF: f64 = 4.0 * f64::EPSILON;
 
-/// The fraction with the least denominator that a positive ratio is up to round-off, by its continued fraction.
+/// The fraction with the smallest denominator that equals a positive ratio up to round-off, by its continued fraction.
 pub fn fraction(ratio: f64) -> Option<[u64; 2]> {
     let (mut before, mut now, mut rest) = ([0_u64, 1], [1_u64, 0], ratio);
     while rest.is_finite() && rest < 1e15 {
@@ -27,7 +28,7 @@ pub fn fraction(ratio: f64) -> Option<[u64; 2]> {
     None
 }
 
-/// The ratio of two positive numbers, of which it does not matter in which unit both are given.
+/// Ratio of two positive numbers, independent of the unit in which both are given.
 pub fn ratio(a: f64, b: f64) -> f64 {
     fraction(a / b).map_or(a / b, |[above, below]| above as f64 / below as f64)
 }

@@ -1,6 +1,6 @@
 //! Granular drivers on the particle store of the suspension code, without a fluid grid.
 //!
-//! Sheared disks, in units of the mean radius, of the mass of such a disk and of the time of contact over pi:
+//! Sheared disks, in units of the mean radius, the mass of a disk of that radius, and the contact time over pi:
 //! ```
 //! use drivers::disks::{Disks, Model, Parameters, Preparation};
 //!

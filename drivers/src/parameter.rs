@@ -3,9 +3,9 @@
 pub use domain::ParameterError;
 use domain::{Number, Vector};
 
-/// What was given, as a message shows it.
+/// Values that an error message can show.
 pub(crate) trait Found {
-    /// In words or digits.
+    /// The value in words or digits.
     fn shown(&self) -> String;
 }
 
@@ -57,12 +57,12 @@ impl Found for String {
     }
 }
 
-/// An error that says what was found and what is allowed.
+/// An error that states the value found and the values allowed.
 pub(crate) fn refused(key: &'static str, found: &str, allowed: &str) -> ParameterError {
     ParameterError::new(key, format!("is {found}; it needs {allowed}"))
 }
 
-/// Passes if `holds`; else names the key, what was found and what is allowed.
+/// Returns `Ok` if `holds`; otherwise an error with the key, the value found and the values allowed.
 pub(crate) fn require(
     holds: bool,
     key: &'static str,
@@ -72,14 +72,14 @@ pub(crate) fn require(
     if holds { Ok(()) } else { Err(refused(key, &found.shown(), &allowed.into())) }
 }
 
-/// Passes 0 and numbers whose size is between `10^-power` and `10^power`: beyond, products of them would leave the range
-/// of numbers. Units from 1e-30 to 1e30 make no others of what can be measured.
+/// Accepts 0 and numbers of magnitude `10^-power` to `10^power`: products of larger ones would leave the range of
+/// floating-point numbers. Measurable quantities are within it in any units from 1e-30 to 1e30.
 pub(crate) fn of_sensible_size(key: &'static str, found: f64, power: i32) -> Result<(), ParameterError> {
     let sensible = found == 0.0 || (found.abs().log10()).abs() <= f64::from(power);
     require(sensible, key, &found, format!("a size from 1e-{power} to 1e{power}: take another unit"))
 }
 
-/// Passes a positive, finite number.
+/// Accepts a positive, finite number.
 pub(crate) fn positive(key: &'static str, found: f64) -> Result<(), ParameterError> {
     require(found > 0.0 && found.is_finite(), key, &found, "a positive, finite number")
 }

@@ -1,18 +1,18 @@
-//! Running a loop with the widest SIMD vectors of the processor.
+//! Loops compiled for the widest SIMD vectors of the processor.
 
-/// A loop to run. The implementation marks `run` as `#[inline(always)]`, so that it is compiled for each vector width.
+/// A loop to run. Implementations mark `run` as `#[inline(always)]`, so that it is compiled for each vector width.
 pub(crate) trait Kernel {
     /// Runs the loop.
     fn run(self);
 }
 
-/// Runs a loop. All widths do the same operations in the same order, none of them fused: the result does not depend on
-/// the processor.
+/// Runs a loop. All widths do the same operations in the same order, none of them fused: the result does
+/// not depend on the processor.
 pub(crate) fn run(kernel: impl Kernel) {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") {
-            // SAFETY: the processor has what the function is compiled for.
+            // SAFETY: the processor supports the instructions that the function is compiled for.
             return unsafe { with_avx512(kernel) };
         }
         if is_x86_feature_detected!("avx2") {

@@ -1,4 +1,4 @@
-//! Tests of grains without a fluid, in one program: each file here is a module of it, or it is not run.
+//! Tests of grains without a fluid, in one program: each file here is a module of it, or its tests do not run.
 
 mod continuum;
 mod continuum_shooting;

@@ -12,7 +12,7 @@ fn close(found: f64, expected: f64, relative: f64) {
     assert!((found - expected).abs() <= relative * expected.abs(), "{found} should be {expected}");
 }
 
-/// g0, C1, C2, C3, C4, C6, B1, B2, B3, B4 at v = 0.5, P = 5500 Pa, to the six digits to which they are known.
+/// g0, C1, C2, C3, C4, C6, B1, B2, B3, B4 at v = 0.5, P = 5500 Pa, to the six digits that are known.
 #[test]
 fn constitutive_functions_take_their_check_values() {
     use RadialDistribution::{CarnahanStarling, LunSavage, SinclairJackson};
@@ -37,7 +37,7 @@ fn constitutive_functions_take_their_check_values() {
     }
 }
 
-/// B1 to B4 from central differences of the C's (error h^2 f'''/6, about 1e-8 of f).
+/// B1 to B4 from central differences of C1 to C6 (error h^2 f'''/6, about 1e-8 of f).
 #[test]
 fn reduced_coefficients_are_those_of_numeric_derivatives() {
     for radial in RadialDistribution::ALL {
@@ -64,7 +64,8 @@ fn reduced_coefficients_are_those_of_numeric_derivatives() {
     }
 }
 
-/// The C's and the wall's B's give back the wall's own statement: momentum `C1 sqrt(T)|u'| = M`, energy `q = M u - D`.
+/// C1 to C6 and the wall's B5 to B8 satisfy the wall laws as stated: momentum
+/// `C1 sqrt(T)|u'| = M`, energy `q = M u - D`.
 #[test]
 fn solutions_meet_the_wall_laws_as_printed() {
     for gradient in [false, true] {
@@ -105,7 +106,7 @@ fn without_energy_through_the_walls_the_flow_is_uniform() {
 
 /// Mean solid fraction, slip and stress of the default reading, from an independent solver (Python, shooting and
 /// collocation), rounded as stored. The paper gives 0.63, 0.58 and 0.51 at 5.5 kPa: no radial distribution that
-/// diverges at 0.65 spreads so far, see the documentation.
+/// diverges at 0.65 has so wide a range, see the documentation.
 #[test]
 fn the_default_reading_gives_the_known_table() {
     let table = [
@@ -184,7 +185,7 @@ fn wide_and_narrow_gaps_and_dissipative_grains_solve() {
     }
 }
 
-/// `(U, P) -> (l U, l^2 P)` leaves the solid fraction and turns `T`, `S` into `l^2 T`, `l^2 S`.
+/// `(U, P) -> (l U, l^2 P)` leaves the solid fraction unchanged and multiplies `T` and `S` by `l^2`.
 #[test]
 fn speed_and_root_of_load_scale_together() {
     let slow = solve(|p| p.speed = 1.1);
@@ -204,7 +205,7 @@ fn the_upper_half_mirrors_the_lower() {
     close(low.velocity + high.velocity, 2.0, 1e-12);
     close(low.solid_fraction, high.solid_fraction, 1e-12);
     close(low.energy_flux, -high.energy_flux, 1e-12);
-    // The power of the walls, S U, is dissipated: integrate C6 T^(3/2) and the wall losses.
+    // The power of the walls, S U, is dissipated: integrates C6 T^(3/2) and adds the wall losses.
     let profile = solution.profile(401);
     let c6 = |v| Parameters::default().grains.coefficients(v).c6;
     let heat = profile.iter().map(|p| c6(p.solid_fraction) * p.temperature.powf(1.5));
@@ -226,14 +227,14 @@ fn a_small_load_falls_to_the_dilute_branch_and_says_so() {
     assert!(solve(|_| ()).notice().is_none());
 }
 
-/// With the gradient term the default cell has a dense and a thin solution; `start` chooses.
-/// In the limit nothing is sheared, and the grains move at half the speed.
+/// As the factor on the slip law vanishes, nothing is sheared and the grains move at half the speed of the wall.
 #[test]
 fn walls_as_smooth_as_they_may_be_slip() {
     let solution = solve(|p| p.wall.roughness.r5 = 1e-12);
     close(solution.slip(), 0.5 * Parameters::default().speed, 1e-9);
 }
 
+/// With the gradient term the default cell has a dense and a dilute solution; `start` chooses.
 #[test]
 fn where_there_are_two_solutions_start_chooses() {
     let branch = |start| solve(|p| (p.wall.gradient, p.start) = (true, start)).mean_solid_fraction();
@@ -241,7 +242,7 @@ fn where_there_are_two_solutions_start_chooses() {
     assert!((branch(Start::SolidFraction(0.077)) - 0.077).abs() < 1e-3);
 }
 
-/// With the gradient term and half-disks no flow carries 1 kPa at 2.8 m/s: the two branches have met above it.
+/// With the gradient term and half-disks no flow carries 1 kPa at 2.8 m/s: the two branches have merged above it.
 #[test]
 fn failure_says_where() {
     let mut parameters = Parameters { pressure: 1000.0, speed: 2.8, ..Parameters::default() };

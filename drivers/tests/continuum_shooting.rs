@@ -1,5 +1,5 @@
-//! The continuum shear cell solved once more as the paper did: Runge-Kutta across the whole gap on eqs (11) and (12),
-//! with the solid fraction and the velocity at the lower wall guessed until the upper wall's laws hold.
+//! The continuum shear cell solved again as in the paper: Runge-Kutta integration of eqs (11) and (12) across the whole
+//! gap, with the solid fraction and the velocity at the lower wall iterated until the laws of the upper wall hold.
 
 use drivers::continuum::{Parameters, Problem, RadialDistribution, WallShape};
 
@@ -14,14 +14,14 @@ impl Shooting {
         [du, -b.b1 * dv * du, dv, -b.b2 * dv * dv - b.b3 - b.b4 * du * du]
     }
 
-    /// `u'` and `v'` into the flow that the wall asks for, at a slip and a solid fraction.
+    /// `u'` and `v'` along the normal into the flow according to the wall laws, at a slip and a solid fraction.
     fn wall(&self, slip: f64, v: f64) -> (f64, f64) {
         let (b, r) = (self.0.wall.coefficients(&self.0.grains, v, self.0.pressure), self.0.wall.roughness);
         let gradient = r.r5 * b.b5 * slip;
         (gradient, r.r7 * b.b7 * slip * slip + r.r8 * b.b8 * slip * gradient - r.r6 * b.b6)
     }
 
-    /// How far the upper wall's laws are from holding.
+    /// Residuals of the upper wall's laws.
     fn miss(&self, v: f64, u: f64) -> [f64; 2] {
         let (gradient, slope) = self.wall(self.0.speed - u, v);
         let steps = 2000;
@@ -39,7 +39,7 @@ impl Shooting {
         [(y[1] + gradient) / (self.0.speed / self.0.gap), (y[3] + slope) * self.0.gap]
     }
 
-    /// Newton's method with a numeric Jacobian, from a guess near the solution.
+    /// Newton's method with a numerical Jacobian, from a guess near the solution.
     fn solve(&self, mut v: f64, mut u: f64) -> (f64, f64) {
         for _ in 0..30 {
             let [f, g] = self.miss(v, u);

@@ -8,7 +8,7 @@ fn dry() -> Parameters {
     Parameters { viscosity: 0.0, flow: Flow::Still, edges: [40.0; 2], ..Parameters::default() }
 }
 
-/// Disks with places, velocities and radii given.
+/// Disks with given positions, velocities and radii.
 fn placed(disks: &[(f64, f64, f64, f64, f64)]) -> Particles {
     let mut particles = Particles::default();
     for (id, &(x, y, _, _, radius)) in disks.iter().enumerate() {
@@ -20,7 +20,7 @@ fn placed(disks: &[(f64, f64, f64, f64, f64)]) -> Particles {
     particles
 }
 
-/// Restitution of a head-on collision at a relative speed of 0.04, for a number of phases of the first touch within a
+/// Restitution in a head-on collision at a relative speed of 0.04, for several phases of first contact within a time
 /// step: the mean and the largest deviation from it.
 fn restitution(parameters: &Parameters, radii: [f64; 2], phases: u32) -> (f64, f64) {
     let speed = 0.04;
@@ -55,7 +55,7 @@ fn it_is_the_same_for_all_masses() {
     let (mean, spread) = alike([0.875, 0.875]);
     for radii in [[0.875, 3.5], [3.5, 3.5]] {
         let (other, also) = alike(radii);
-        // Round-off of places near 20 over a speed of 0.04, times the steps.
+        // Round-off of positions near 20 over a speed of 0.04, times the number of steps.
         assert!((mean - other).abs() < 1e-11 && (spread - also).abs() < 1e-11);
     }
 }
@@ -65,7 +65,7 @@ fn elastic_and_clipped_contacts_are_as_predicted() {
     let (mean, spread) = restitution(&Parameters { restitution: 1.0, ..dry() }, [1.0, 1.0], 1000);
     assert!((mean - 1.0).abs() < 1e-3 && spread < 1e-3, "{mean} {spread}");
     let (mean, _) = restitution(&Parameters { clip_attraction: true, ..dry() }, [1.0, 1.0], 1000);
-    // The damped spring that lets go when it would pull, in closed form; 5e-4 is the error of the time step.
+    // The damped spring that is released when it would pull, in closed form; 5e-4 is the error of the time step.
     assert!((mean - 0.80809).abs() < 5e-4, "{mean}");
 }
 
@@ -82,12 +82,12 @@ fn drag_relaxes_as_stokes_says() {
     let left = (-drag * t).exp();
     let expected_vy = vy * left;
     let expected_wx = (wx - rate * vy * t) * left;
-    // (drag * dt)^4 = 1e-6 for each relaxation time, of which two pass, from a start with the true derivatives.
+    // (drag * dt)^4 = 1e-6 per relaxation time, for two relaxation times, from a start with the exact derivatives.
     assert!((disk.excess.y / expected_vy - 1.0).abs() < 1e-6, "{}", disk.excess.y / expected_vy - 1.0);
     assert!((disk.excess.x / expected_wx - 1.0).abs() < 1e-6);
     let risen = vy / drag * (1.0 - left);
     assert!(((disk.position.y - 30.0) / risen - 1.0).abs() < 1e-6);
-    // x = int (u + w): u follows y; eq. (A4) is the limit of the integral of w.
+    // x = int (u + w): u depends on y; eq. (A4) is the limit of the integral of w.
     let along = rate * vy / drag * (t - (1.0 - left) / drag) + wx / drag * (1.0 - left)
         - rate * vy / drag * ((1.0 - left) / drag - t * left);
     assert!(((disk.position.x - 10.0) / along - 1.0).abs() < 1e-6);

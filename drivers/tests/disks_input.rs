@@ -1,4 +1,4 @@
-//! Sheared disks: input that makes no sense is refused by name.
+//! Sheared disks: invalid input is refused with the key.
 
 use domain::{Particles, Vector};
 use drivers::ParameterError;

@@ -15,7 +15,7 @@ fn going_on_from_a_store_is_going_on() {
     let (particles, progress) = through.store();
     let mut resumed = Disks::resume(through.model(), &particles, &progress).unwrap();
     through.advance(1500);
-    // Looking and stopping in between changes nothing.
+    // A snapshot or a store in between changes nothing.
     resumed.advance(400);
     let _ = (resumed.snapshot(), resumed.store());
     resumed.advance(1100);
@@ -26,7 +26,7 @@ fn going_on_from_a_store_is_going_on() {
     assert_eq!(Progress::from_numbers(&a.to_numbers()), Some(a));
 }
 
-/// Pairs that part or meet between the places of the forces and those of the step's end count once too.
+/// Pairs that separate or meet between the positions of the forces and those at the step's end count once, too.
 #[test]
 fn collisions_are_counted_alike_wherever_a_run_is_resumed() {
     let mut through = sheared([40.0, 50.0], 0.05);
@@ -56,7 +56,7 @@ fn a_preparation_can_be_resumed_too() {
     assert!(through.store().0 == Disks::prepared(&model).unwrap().store().0);
 }
 
-/// The same disks seen from another cell of the same lattice: the origin moved by `up`, and with it the liquid's zero.
+/// The same disks in another cell of the same lattice: the origin shifted by `up`, and with it the liquid's zero.
 fn moved(disks: &Disks, up: f64, rate: f64) -> Particles {
     let (mut particles, _) = disks.store();
     let height = disks.model().parameters().edges[1];
@@ -78,7 +78,7 @@ fn the_choice_of_the_cell_does_not_matter() {
     let parameters = start.model().parameters().clone();
     let mut one = Disks::flowing(parameters.clone(), &start.store().0).unwrap();
     let mut other = Disks::flowing(parameters, &moved(&start, 17.3, rate)).unwrap();
-    // Collisions multiply round-off by about 10 each time they follow each other: a few times in 30 time units.
+    // Consecutive collisions multiply round-off by about 10 each: a few times in 30 time units.
     one.advance(200);
     other.advance(200);
     let (a, b) = (one.snapshot(), other.snapshot());
@@ -101,15 +101,15 @@ fn disks_at_rest_in_the_flow_stay_there() {
     disks.advance(20_000);
     assert!(disks.strain() > 800.0);
     for disk in disks.snapshot().disks {
-        // Round-off of x in strides of 10 over 20000 steps.
+        // Round-off of x in steps of 10 over 20000 steps.
         assert!(disk.excess.length() < 1e-12 && (disk.position.y - 8.0 * disk.id as f64 - 0.5).abs() < 1e-12);
     }
     let steps = disks.store().0.steps;
     assert!(steps[3][0] > 100 && steps[0][0] < -100, "the flow has carried them around: {steps:?}");
 }
 
-/// Where disks are in the plane, out of their places in the cell and the lattice steps taken out of them, goes on
-/// straight through every turn of the lattice, in whatever step the list of neighbours was made.
+/// The unwrapped positions, from the positions in the cell and the lattice steps removed from them, are continuous
+/// through every reduction of the lattice strain, whenever the neighbour list was built.
 #[test]
 fn lattice_steps_keep_the_way_of_every_disk() {
     for rate in [0.3, -0.3] {
@@ -136,7 +136,7 @@ fn lattice_steps_keep_the_way_of_every_disk() {
             for (row, start) in start.iter().enumerate() {
                 let [x, y] = way(&disks, row);
                 let far = start[0] + rate * (start[1] - 0.5 * height) * disks.time();
-                // Round-off of places up to 1e3.
+                // Round-off of positions up to 1e3.
                 assert!((x - far).abs() < 1e-9 && (y - start[1]).abs() < 1e-9, "disk {row} at {}", disks.time());
             }
         }

@@ -1,5 +1,5 @@
-//! A start that an independent program made (plain C, and Python for the numbers): 1460 disks at the paper's
-//! parameters.
+//! A start made by an independent program (plain C, and Python for the numbers): 1460 disks
+//! with the paper's parameters.
 
 use domain::{Particles, Vector};
 use drivers::disks::{Disks, Parameters};
@@ -13,7 +13,7 @@ fn start() -> Particles {
     particles
 }
 
-/// Segregation by exact areas at the start, and at a strain of 1 as that program and LAMMPS have it.
+/// Segregation by exact areas at the start, and at a strain of 1 according to that program and LAMMPS.
 #[test]
 fn segregation_is_that_of_an_independent_program() {
     for (time_step, tolerance) in [(0.15, 1e-3), (0.05, 5e-4)] {

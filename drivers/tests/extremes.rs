@@ -1,4 +1,4 @@
-//! Parameters beyond all bounds end in an error that names a key and what would do.
+//! Parameters beyond all bounds end in an error with the key and an advice.
 
 use domain::{Particles, Vector};
 use drivers::disks::{Disks, Parameters as DiskParameters};
@@ -9,7 +9,7 @@ fn loaded(pressure: f64) -> Model {
     Model::new(Parameters { length: 4e-3, width: 4e-3, top, ..Parameters::default() }).unwrap()
 }
 
-/// Whether a run under a load gets to its end, and why not.
+/// Whether a run under a load reaches its end, and otherwise the error.
 fn run(pressure: f64, step: f64) -> Result<(), String> {
     let model = loaded(pressure);
     let mut grains = model.pack(model.count(0.2).unwrap(), 1).unwrap();
@@ -33,7 +33,7 @@ fn loads_too_large_for_the_time_step_are_named_with_a_step_that_is_not() {
     }
     let error = run(1e6, 5e-7).unwrap_err();
     let enough: f64 = error.split("at most about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-    // A whole number of steps in a window.
+    // A whole number of steps per window.
     run(1e6, 5e-5 / (5e-5 / enough).ceil()).unwrap();
 }
 
@@ -67,7 +67,7 @@ fn disks_that_fly_off_end_a_run() {
     for (id, x) in [4.0, 4.5].into_iter().enumerate() {
         particles.push(id as u64, Vector::new(x, 5.0, 0.0), 1.0, 0);
     }
-    // Faster than the cell is wide in one step.
+    // Faster than the width of the cell per step.
     particles.vectors("velocity")[0] = Vector::X * 1e3;
     let parameters = DiskParameters { edges: [12.0; 2], ..DiskParameters::default() };
     let mut disks = Disks::flowing(parameters, &particles).unwrap();

@@ -1,4 +1,4 @@
-//! What is predicted to be allocated against what is.
+//! Predicted against measured allocations.
 
 #[path = "../../domain/tests/heap/mod.rs"]
 mod heap;
@@ -6,14 +6,14 @@ mod heap;
 use drivers::disks::{AveragedProfile, Disks, Flow, Model, Parameters};
 use heap::measured;
 
-/// Predicted over found.
+/// Asserts bounds on the ratio of predicted to measured bytes.
 #[track_caller]
 fn is_within(least: f64, most: f64, predicted: f64, found: f64) {
     let range = least * found..most * found;
     assert!(range.contains(&predicted), "{predicted:.3e} bytes predicted, {found:.3e} found");
 }
 
-/// One test: what others allocate would count.
+/// A single test: allocations of other tests would count.
 #[test]
 fn predictions_are_what_is_allocated() {
     let disks = disks();
@@ -38,7 +38,7 @@ fn disks() -> Disks {
     disks
 }
 
-/// Series are kept in blocks of ever more moments: there is room for any number of them.
+/// Series are stored in blocks of increasing length: there is room for any number of samples.
 fn profile(disks: &Disks) {
     let (snapshot, model) = (disks.snapshot(), disks.model());
     let (_, found) = measured(|| {

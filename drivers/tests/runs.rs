@@ -1,11 +1,11 @@
-//! Runs of grains as what writes their results sees them.
+//! Runs of grains as seen by the code that writes their results.
 
 use domain::Comm;
 use drivers::disks::{self, Course, DiskRun, Preparation};
 use drivers::shear_cell::{self, CellRun, Collisions, Experiment, Sampling};
 use simulation::Simulation;
 
-/// What is observed is what the columns are named for, and all of it numbers.
+/// Asserts that the observed values match the columns in number, and are not NaN.
 fn is_observed_as_named(run: &mut impl Simulation) {
     let expected: Vec<usize> = run.quantities().iter().map(|quantity| quantity.columns().len()).collect();
     let values = run.observe();

@@ -26,7 +26,7 @@ fn wall(report: &Report, side: Side) -> (f64, f64) {
     (normal.mean, normal.error)
 }
 
-/// Stresses and temperature agree within four standard errors; balances close; bottom bears the weight.
+/// Stresses and temperature agree within four standard errors; balances close; the bottom wall bears the weight.
 #[test]
 fn the_engines_agree() {
     let [stepped, driven] = [STEPPED, Collisions::EventDriven].map(|c| report(small(), 0.45, c, [0.03, 0.05]));
@@ -44,15 +44,15 @@ fn the_engines_agree() {
     }
     assert!(stepped.tally.largest_overlap < 0.01);
     assert!(driven.tally.largest_overlap < 1e-11);
-    // The profiles and the map hold all grains.
+    // The profiles and the map account for all grains.
     let held: f64 = driven.layers.iter().map(|l| l.solid_fraction).sum::<f64>() / driven.layers.len() as f64;
     assert!((held / driven.solid_fraction - 1.0).abs() < 1e-9);
     let pixels = driven.map.solid_fractions();
-    // Lines at points of a pixel stand for its area.
+    // Lines at sample points of a pixel represent its area.
     assert!((pixels.iter().sum::<f64>() / pixels.len() as f64 / driven.solid_fraction - 1.0).abs() < 3e-3);
 }
 
-/// Normal stresses on the walls at `factor` times the speed, its square times gravity, and `1/factor` of all times.
+/// Normal stresses on the walls at `factor` times the speed, its square times gravity, and `1/factor` times all times.
 fn scaled(collisions: Collisions, factor: f64) -> [f64; 4] {
     let (speed, gravity) = (1.4 * factor, 9.81 * factor * factor);
     let slow = Model::new(small()).unwrap();
@@ -66,8 +66,8 @@ fn scaled(collisions: Collisions, factor: f64) -> [f64; 4] {
     run.report().walls.map(|w| w.normal.mean)
 }
 
-/// `U -> 2U, g -> 4g, t -> t/2` from the same places: stresses are four times as large, exactly so in binary
-/// arithmetic.
+/// `U -> 2U, g -> 4g, t -> t/2` from the same positions: stresses are four times as large,
+/// exactly so in binary arithmetic.
 #[test]
 fn stress_scales_with_the_square_of_the_speed() {
     let twice = Collisions::TimeStepped { step: 0.5 * STEP };
@@ -78,10 +78,10 @@ fn stress_scales_with_the_square_of_the_speed() {
     }
 }
 
-/// A free top wall finds the height where the grains bear its load.
+/// A free top wall settles at the height at which the grains bear its load.
 #[test]
 fn a_free_lid_is_borne_by_the_grains() {
-    // Light, so that it answers within the run.
+    // Light, so that it responds within the run.
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
     for collisions in [STEPPED, Collisions::EventDriven] {
         let r = report(Parameters { top, ..small() }, 0.45, collisions, [0.02, 0.04]);
@@ -92,7 +92,7 @@ fn a_free_lid_is_borne_by_the_grains() {
     }
 }
 
-/// On steps of 25 us fast grains overlap deeply, and the run says so.
+/// With a step of 25 us fast grains overlap deeply, and the run warns of it.
 #[test]
 fn deep_overlaps_are_reported() {
     let r = report(Parameters { speed: 5.6, ..small() }, 0.5, Collisions::TimeStepped { step: 2.5e-5 }, [0.0, 4e-3]);
@@ -100,7 +100,7 @@ fn deep_overlaps_are_reported() {
     assert!(r.warnings[0].starts_with("the largest overlap was"), "{:?}", r.warnings);
 }
 
-/// The dense start, and a refusal that says how far it came.
+/// A dense packing, and a refusal with the solid fraction reached.
 #[test]
 fn packing_reaches_dense_cells_or_says_how_far_it_came() {
     let model = Model::new(Parameters { length: 5e-3, width: 5e-3, ..small() }).unwrap();
@@ -111,8 +111,8 @@ fn packing_reaches_dense_cells_or_says_how_far_it_came() {
     assert!(error.starts_with("grains.solid_fraction is 0.7146; this cell was packed at random up to 0.6"), "{error}");
 }
 
-/// Sheared where they have no room, rigid grains jam, at once rather than after the time asked for; those on a time
-/// step overlap instead, and with a free top the same grains flow. All of them stop when told to.
+/// Rigid grains sheared without room to move jam, at once rather than after the requested time; with a time step they
+/// overlap instead, and with a free top wall the same grains flow. All of them stop on request.
 #[test]
 fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
     let narrow = Parameters { length: 5e-3, width: 5e-3, ..small() };
@@ -138,7 +138,7 @@ fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
     }
 }
 
-/// Going back undoes a step, measurements and all; what was saved resumes at the step's beginning.
+/// Going back undoes a step with its measurements; the saved state resumes at the beginning of that step.
 #[test]
 fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
     let model = Model::new(small()).unwrap();
@@ -170,8 +170,8 @@ fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> Report {
     report(Parameters { speed, ..Parameters::default() }, solid_fraction, Collisions::EventDriven, [settle, measure])
 }
 
-/// `cargo test --release -p drivers --test shear_cell_flow -- --ignored`: a few minutes. Bands of an independent
-/// prototype in C.
+/// `cargo test --release -p drivers --test shear_cell_flow -- --ignored`: a few minutes. Bands from an
+/// independent prototype in C.
 #[test]
 #[ignore = "long"]
 fn the_papers_cell_gives_the_known_stresses() {
@@ -225,7 +225,7 @@ fn bad_input_is_refused_by_key() {
     assert!(Engine::new(&model, &grains, STEPPED).err().unwrap().to_string().starts_with("position is"));
 }
 
-/// A run that stops and resumes at a checkpoint goes the way of the one that went on, to the last bit.
+/// A run that stops and resumes from a checkpoint continues with the same bits as the uninterrupted one.
 #[test]
 fn resuming_is_going_on() {
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
@@ -245,7 +245,7 @@ fn resuming_is_going_on() {
     }
 }
 
-/// To the particle store and back.
+/// Conversion to the particle store and back.
 #[test]
 fn grains_pass_through_the_particle_store() {
     let model = Model::new(small()).unwrap();

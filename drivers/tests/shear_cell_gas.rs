@@ -13,13 +13,13 @@ fn gas(count: usize, solid_fraction: f64, restitution: f64, friction: f64) -> (M
     (model, grains)
 }
 
-/// Hits of one grain in unit time at temperature T (Enskog): `4 n D^2 g0 sqrt(pi T)`, Carnahan and Starling's g0.
+/// Collision rate of one grain at temperature `T` (Enskog): `4 n D^2 g0 sqrt(pi T)`, Carnahan and Starling's `g0`.
 fn enskog(solid_fraction: f64, temperature: f64) -> f64 {
     let g0 = (1.0 - 0.5 * solid_fraction) / (1.0 - solid_fraction).powi(3);
     4.0 * 6.0 / PI * solid_fraction * g0 * (PI * temperature).sqrt()
 }
 
-/// 60 hits of each of 3000 grains: the statistical error is 0.3 %, that of g0 below 0.5 %.
+/// 60 collisions of each of 3000 grains: the statistical error is 0.3 %, that of `g0` below 0.5 %.
 #[test]
 fn elastic_grains_hit_at_enskogs_rate_and_keep_their_energy() {
     for solid_fraction in [0.05, 0.2, 0.4] {
@@ -38,14 +38,14 @@ fn elastic_grains_hit_at_enskogs_rate_and_keep_their_energy() {
     }
 }
 
-/// Haff: `T = T0 / (1 + (1 - e^2) w0 t / 6)^2` with Enskog's rate `w0` at `T0`. The Sonine correction of the cooling at
-/// e = 0.9 is 0.3 %. A thin gas: at 0.1 grains that meet again have made their cooling 2 % slower by then, which Enskog
-/// leaves out.
+/// Haff's law `T = T0 / (1 + (1 - e^2) w0 t / 6)^2` with Enskog's rate `w0` at `T0`. The Sonine correction of the
+/// cooling at e = 0.9 is 0.3 %. The gas is dilute: at a solid fraction of 0.1, repeated collisions of the same
+/// grains, which Enskog's theory neglects, make cooling 2 % slower by then.
 #[test]
 fn inelastic_grains_cool_by_haffs_law() {
     let (model, grains) = gas(8000, 0.02, 0.9, 0.0);
     let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
-    // Two hits each: the velocities settle.
+    // Two collisions per grain: the velocity distribution relaxes.
     engine.advance_hits(8000);
     let (start, hits, hot) = (engine.tally().time, engine.tally().pair_hits, engine.grains().temperature());
     let rate = (1.0 - 0.81) * enskog(0.02, hot) / 6.0;
@@ -53,10 +53,10 @@ fn inelastic_grains_cool_by_haffs_law() {
         engine.advance(0.5 / rate, &|| true);
         let cooled = (hot / engine.grains().temperature()).sqrt() - 1.0;
         let found = cooled / (rate * (engine.tally().time - start));
-        // Of the rate of cooling, seen over at least a unit of its time.
+        // Relative error of the cooling rate, over at least a unit of its time.
         assert!((found - 1.0).abs() < 0.01 || cooled < 0.9, "{cooled}: {found}");
     }
-    // From 1 to a twelfth, with as many hits as the rate at each temperature adds up to.
+    // From 1 to a twelfth, with the number of collisions that the rates at all temperatures add up to.
     let expected = 4000.0 * enskog(0.02, hot) * 3.5_f64.ln() / rate;
     assert!(((engine.tally().pair_hits - hits) as f64 / expected - 1.0).abs() < 0.01);
 }
@@ -70,7 +70,7 @@ fn energy_lost_is_energy_booked() {
     assert!((engine.tally().dissipated / lost - 1.0).abs() < 1e-12);
 }
 
-/// So inelastic that clusters would collapse: infinitely many hits in finite time. The contact time makes them finite.
+/// So inelastic that clusters collapse: infinitely many collisions in finite time. The contact time makes them finite.
 #[test]
 fn very_inelastic_grains_do_not_collapse() {
     let (model, grains) = gas(1000, 0.3, 0.2, 0.0);

@@ -1,4 +1,4 @@
-//! Single flights and hits in both engines against hand-worked answers.
+//! Single flights and collisions in both engines against results by hand.
 
 use domain::Vector;
 use drivers::shear_cell::{
@@ -45,8 +45,8 @@ fn near(a: Vector, b: Vector) {
     assert!((a - b).length() < 1e-12, "{a} should be {b}");
 }
 
-/// Down on the moving bottom at 4 with the wall sliding at 2: Jn = 7.2, slip -2 along x, bound 0.72 above the sticking
-/// impulse 4/7.
+/// Collision at 4 with the bottom wall sliding at 2: Jn = 7.2, slip -2 along x, the bound 0.72 is above
+/// the sticking impulse 4/7.
 #[test]
 fn a_grain_hits_each_wall() {
     for collisions in ENGINES {
@@ -57,7 +57,7 @@ fn a_grain_hits_each_wall() {
         let bottom = engine.tally().walls[Side::Bottom as usize];
         near(bottom.impulse, Vector::new(-4.0 / 7.0, -7.2, 0.0));
         assert!((bottom.work - 8.0 / 7.0).abs() < 1e-12 && bottom.hits == 1);
-        // The top rests: no slip, no friction. Both side walls slide.
+        // The top wall is at rest: no slip, no friction. Both side walls slide.
         let engine = run(parameters(), &thrown(&[([5.0, 8.5, 5.0], [0.0, 4.0, 0.0])]), collisions, 0.5);
         near(engine.grains().motions[0].velocity, Vector::new(0.0, -3.2, 0.0));
         for (z, v) in [(1.5, -4.0), (8.5, 4.0)] {
@@ -67,7 +67,7 @@ fn a_grain_hits_each_wall() {
     }
 }
 
-/// Head-on across the periodic face: centres at 19 and 1, relative speed 2, contact after half a unit of time.
+/// Head-on across the periodic face: centres at 19 and 1, relative speed 2, contact after 0.5 time units.
 #[test]
 fn two_grains_meet_across_the_periodic_face() {
     let grains = thrown(&[([19.0, 5.0, 5.0], [1.0, 0.0, 0.0]), ([1.0, 5.0, 5.0], [-1.0, 0.0, 0.0])]);
@@ -84,8 +84,8 @@ fn two_grains_meet_across_the_periodic_face() {
     }
 }
 
-/// An oblique hit at exact contact: n = (0.6, 0.8, 0), velocities (1, 0, 0) and 0. Jn = 0.9 (0.6) = 0.54; slip
-/// (0.64, -0.48, 0) of size 0.8, sticking 0.8/7 = 0.114 above the bound 0.054.
+/// An oblique collision at exact contact: n = (0.6, 0.8, 0), velocities (1, 0, 0) and 0. Jn = 0.9 (0.6) = 0.54; slip
+/// (0.64, -0.48, 0) of magnitude 0.8, sticking impulse 0.8/7 = 0.114 above the bound 0.054.
 #[test]
 fn an_oblique_hit_slides_within_the_cone() {
     let start = Vector::new(5.0, 5.0, 5.0);
@@ -98,13 +98,13 @@ fn an_oblique_hit_slides_within_the_cone() {
     near(after.positions[1], contact + impulse * 0.25);
 }
 
-/// Dropped from 8.5 above touching, g = 2: first contact after sqrt(8.5), rebound 0.8 of the speed, and again.
+/// Dropped from 8.5 above contact, g = 2: first contact after sqrt(8.5), rebound at 0.8 of the speed, and again.
 #[test]
 fn a_ball_bounces_as_it_should_under_gravity() {
     let parameters = Parameters { gravity: 2.0, speed: 0.0, ..parameters() };
     let fall = 8.5_f64.sqrt();
     let engine = run(parameters, &thrown(&[([5.0, 9.0, 5.0], [0.0; 3])]), Collisions::EventDriven, 3.0 * fall);
-    // Down for `fall`, up and down with 0.8 and then 0.64 of the speed: 1.6 and 1.28 times `fall`.
+    // Down in `fall`, up and down with 0.8 and then 0.64 of the speed: 1.6 and 1.28 times `fall`.
     let t = 0.4 * fall;
     let speed = 0.64 * 2.0 * fall;
     let expected = 0.5 + speed * t - t * t;
@@ -115,8 +115,8 @@ fn a_ball_bounces_as_it_should_under_gravity() {
     assert!((engine.tally().dissipated - lost).abs() < 1e-12);
 }
 
-/// A curved trough throws a grain outward, `a_z = -v^2/r` with `r` = 40 at mid-width where it starts: over a short time
-/// z falls by `v^2 t^2 / (2 r)`.
+/// A curved trough accelerates a grain outward, `a_z = -v^2/r` with `r` = 40 at mid-width, where it starts: over a
+/// short time z decreases by `v^2 t^2 / (2 r)`.
 #[test]
 fn a_curved_trough_throws_outward() {
     let around = Some(2.0 * std::f64::consts::PI * 40.0);
@@ -125,14 +125,15 @@ fn a_curved_trough_throws_outward() {
         let engine = run(curved, &thrown(&[([1.0, 5.0, 5.0], [4.0, 0.0, 0.0])]), collisions, 0.5);
         let grain = engine.grains();
         let fallen = 5.0 - grain.positions[0].z;
-        // 16/40 t^2/2 = 0.05; the step's order is 1/1024, the radius changes by 1e-3 on the way.
+        // 16/40 t^2/2 = 0.05; the error is of first order in the step of 1/1024, and the radius
+        // changes by 1e-3 on the way.
         assert!((fallen - 0.05).abs() < 2e-4, "{fallen}");
         assert!((grain.motions[0].velocity.z + 0.2).abs() < 1e-3);
     }
 }
 
-/// A lid of mass 100 (area 200, 0.5 each) falls under 20 (pressure 0.1): acceleration 0.2. It meets a grain at rest on
-/// nothing: a grain that hangs at 8 in the middle is met at 8.5, after sqrt(15), at speed 0.2 sqrt(15).
+/// A lid of mass 100 (area 200, 0.5 per area) falls under a load of 20 (pressure 0.1): acceleration 0.2. It meets a
+/// grain that rests in mid-air with its centre at 8 when at 8.5, after sqrt(15), at speed 0.2 sqrt(15).
 #[test]
 fn a_free_lid_falls_and_pushes() {
     let top = Top::Free { pressure: 0.1, mass_per_area: 0.5 };
@@ -151,7 +152,7 @@ fn a_free_lid_falls_and_pushes() {
     assert!((stepped.lid().height - expected).abs() < 2e-3);
 }
 
-/// The fast neighbour lists find what a search of all pairs finds: 800 elastic grains, after each of 200 steps.
+/// The neighbour lists find the same pairs as a search of all pairs: 800 elastic grains, after each of 200 steps.
 #[test]
 fn neighbour_lists_miss_no_pair() {
     let mut parameters = parameters();
@@ -169,7 +170,7 @@ fn neighbour_lists_miss_no_pair() {
                 let mut d = now.positions[i] - now.positions[j];
                 d.x -= (d.x / 20.0).round() * 20.0;
                 let closing = d.dot(now.motions[i].velocity - now.motions[j].velocity) < -1e-9;
-                // A later hit of the same step may turn a grain back toward an earlier partner: depth tells.
+                // A later collision of the same step may turn a grain back toward an earlier partner: the depth tells.
                 d.length() < 0.985 && closing
             })
         });

@@ -1,11 +1,11 @@
-//! Answers do not depend on the units of length, time and mass: by powers of two not in a bit, by powers of ten not
-//! beyond round-off. Runs are short, for flows of grains are chaotic.
+//! Answers do not depend on the units of length, time and mass: not by a bit for powers of two, and only by round-off
+//! for powers of ten. Runs are short, as granular flows are chaotic.
 
 use drivers::continuum;
 use drivers::disks::{Disks, LengthUnit, Model as DiskModel, Parameters as DiskParameters, Sizes, Species};
 use drivers::shear_cell::{Collisions, Model, Parameters, Run, Sampling, Side, Top};
 
-/// What a length, a time and a mass are multiplied by.
+/// Factors of length, time and mass.
 #[derive(Debug, Clone, Copy)]
 struct Units {
     length: f64,
@@ -59,14 +59,14 @@ fn same_bits(found: &[f64], expected: &[f64]) -> bool {
     found.len() == expected.len() && found.iter().zip(expected).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
-/// The largest difference, over the largest number.
+/// Largest difference, relative to the largest value.
 fn difference(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
     let largest = expected.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
     found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest
 }
 
-/// A small cell with a free top.
+/// A small cell with a free top wall.
 fn cell(units: &Units) -> Parameters {
     let Units { length, time, mass } = *units;
     let p = Parameters::default();
@@ -85,7 +85,7 @@ fn cell(units: &Units) -> Parameters {
     }
 }
 
-/// Positions in lengths, velocities, and wall stresses after some windows, all in SI units: three lists.
+/// Positions in units of length, velocities, and wall stresses after some windows, all in SI units: three lists.
 fn flow(units: &Units, is_time_stepped: bool) -> [Vec<f64>; 3] {
     let model = Model::new(cell(units)).unwrap();
     let mut grains = model.pack(model.count(0.3).unwrap(), 5).unwrap();
@@ -114,7 +114,7 @@ fn compare_flows(is_time_stepped: bool) {
     }
     for units in Units::powers_of_ten() {
         for (found, expected) in flow(&units, is_time_stepped).iter().zip(&expected) {
-            // Some hits for each grain, each of which multiplies round-off by about ten.
+            // Some collisions per grain, each of which multiplies round-off by about ten.
             let off = difference(found, expected);
             assert!(off < 1e-9, "{units:?}: {off:.1e}");
         }
@@ -148,7 +148,7 @@ fn the_continuum_is_the_same_in_any_units() {
                 point.velocity / units.speed(),
                 point.solid_fraction,
                 point.temperature / units.speed() / units.speed(),
-                // Of a size like the others.
+                // Scaled to a magnitude like that of the others.
                 point.energy_flux / flux * 1e-3,
             ]
         };

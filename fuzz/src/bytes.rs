@@ -1,28 +1,28 @@
-//! Changes of a file as bytes.
+//! Edits of a file as bytes.
 
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// One change.
+/// An edit.
 #[derive(Debug, Clone)]
 pub enum Edit {
-    /// One bit.
+    /// Flips one bit.
     Flip(Index, u8),
-    /// One byte.
+    /// Sets one byte.
     Set(Index, u8),
-    /// Nothing from here on.
+    /// Removes everything from here on.
     Cut(Index),
-    /// Without so many bytes.
+    /// Removes a number of bytes.
     Remove(Index, usize),
-    /// More bytes.
+    /// Inserts bytes.
     Insert(Index, Vec<u8>),
-    /// So many bytes from one place once more at another.
+    /// Copies a number of bytes from one position to another.
     Copy(Index, Index, usize),
-    /// Eight bytes of a number or a length.
+    /// Replaces the eight bytes of a number or a length.
     Number(Index, u64),
 }
 
-/// One to five changes.
+/// One to five edits.
 pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     let index = any::<Index>;
     let lengths = prop_oneof![any::<u64>(), Just(u64::MAX), Just(0), Just(1 << 40), Just(f64::NAN.to_bits())];
@@ -40,7 +40,7 @@ pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     )
 }
 
-/// Carries out a change.
+/// Applies an edit.
 pub fn apply(bytes: &mut Vec<u8>, edit: &Edit) {
     if bytes.is_empty() {
         return;

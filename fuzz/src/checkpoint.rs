@@ -1,19 +1,20 @@
-//! Changes of a checkpoint that its checksum does not show.
+//! Edits of a checkpoint with a correct checksum.
 
 use crate::tree;
 use proptest::sample::Index;
 use toml::Value;
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Changes of a checkpoint: its header's keys, and numbers among its arrays.
+/// Edits of a checkpoint: of its header's keys, and of numbers in its arrays.
 pub struct Edits {
-    /// Those of the header.
+    /// Edits of the header.
     pub header: Vec<tree::Edit>,
-    /// Eight aligned bytes and what takes their place.
+    /// Index of eight aligned bytes, and the number that replaces them.
     pub numbers: Vec<(Index, f64)>,
 }
 
-/// The checkpoint with its changes and a checksum that fits: a line, the header's length, the header, arrays, the sum.
+/// The edited checkpoint with a correct checksum: a line, the length of the header, the header,
+/// arrays, and the checksum.
 pub fn changed(bytes: &[u8], edits: &Edits) -> Option<Vec<u8>> {
     let start = bytes.iter().position(|&byte| byte == b'\n')? + 1;
     let length = u64::from_le_bytes(bytes.get(start..start + 8)?.try_into().ok()?) as usize;

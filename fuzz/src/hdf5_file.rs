@@ -1,4 +1,4 @@
-//! Changes of an HDF5 file that leave it an HDF5 file.
+//! Edits of an HDF5 file that leave it a valid HDF5 file.
 
 use crate::hostile;
 use hdf5::types::{VarLenAscii, VarLenUnicode};
@@ -8,30 +8,30 @@ use proptest::sample::Index;
 use std::path::Path;
 use toml::Value;
 
-/// One change. Places count the groups and datasets of the file.
+/// An edit. Indices count the groups and datasets of the file.
 #[derive(Debug, Clone)]
 pub enum Edit {
-    /// Without the group or dataset.
+    /// Removes the group or dataset.
     Remove(Index),
-    /// The two exchanged.
+    /// Exchanges the two.
     Swap(Index, Index),
-    /// A link in the place of the one, to the other: by its address, or by its name.
+    /// Replaces the first by a link to the second: a hard link, or a soft link by name.
     Link(Index, Index, bool),
-    /// A link to nowhere.
+    /// Replaces it by a link to nothing.
     Dangling(Index),
-    /// A dataset of this type and shape in its place.
+    /// Replaces it by a dataset of this type and shape.
     Replace(Index, Type, Vec<usize>, f64),
-    /// A dataset in its place that says it has more numbers than any disk.
+    /// Replaces it by a dataset that claims more numbers than fit on any disk.
     Huge(Index, usize),
-    /// One number of a dataset.
+    /// Changes one number of a dataset.
     Number(Index, Index, f64),
-    /// A group in its place.
+    /// Replaces it by a group.
     Group(Index),
-    /// An attribute less, or one of another type.
+    /// Removes an attribute, or gives it another type.
     Attribute(Index, String, Option<f64>),
 }
 
-/// A type that a dataset can have.
+/// Type of a dataset.
 #[derive(Debug, Clone, Copy)]
 pub enum Type {
     /// `i8`.
@@ -42,11 +42,11 @@ pub enum Type {
     Single,
     /// `f64`.
     Double,
-    /// Truth values.
+    /// Booleans.
     Bool,
-    /// Text of any length.
+    /// Text of variable length.
     Text,
-    /// Text of any length in ASCII.
+    /// ASCII text of variable length.
     Ascii,
     /// Pairs of numbers.
     Compound,
@@ -59,7 +59,7 @@ struct Pair {
     second: i32,
 }
 
-/// One to three changes.
+/// One to three edits.
 pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     let index = any::<Index>;
     let types = prop::sample::select(vec![
@@ -91,7 +91,7 @@ pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     )
 }
 
-/// Carries out the changes of a good file; those that make no sense are left out.
+/// Applies edits to a valid file; inapplicable ones are skipped.
 pub fn apply(path: &Path, edits: &[Edit]) -> hdf5::Result<()> {
     let file = File::open_rw(path)?;
     let mut names = Vec::new();
@@ -157,7 +157,7 @@ fn change(file: &File, names: &[String], edit: &Edit) -> hdf5::Result<()> {
     }
 }
 
-/// A link to a group that it stands in makes the file endless.
+/// Replaces an object by a link. A link to a group that contains it makes the file endless.
 fn link(file: &File, at: &str, to: &str, hard: bool) -> hdf5::Result<()> {
     let parent = at.rsplit_once('/').map_or("/", |(parent, _)| if parent.is_empty() { "/" } else { parent });
     let to = if hard { parent } else { to };
@@ -193,7 +193,7 @@ fn filled<T: H5Type + Clone>(group: &Group, name: &str, shape: &[usize], value: 
     group.new_dataset::<T>().shape(extents).create(name)?.write(&values)
 }
 
-/// A tree of keys and values as groups and datasets, as cases are brought in HDF5.
+/// Writes a tree of keys and values as groups and datasets, like cases in HDF5.
 pub fn write_tree(path: &Path, tree: &Value) -> hdf5::Result<()> {
     let file = File::create(path)?;
     write_members(&file, tree);
@@ -203,7 +203,7 @@ pub fn write_tree(path: &Path, tree: &Value) -> hdf5::Result<()> {
 fn write_members(group: &Group, tree: &Value) {
     let Value::Table(table) = tree else { return };
     for (name, value) in table {
-        // A name that HDF5 can't have is left out.
+        // A name that HDF5 does not allow is skipped.
         let _ = write_member(group, name, value);
     }
 }

@@ -1,4 +1,4 @@
-//! Values that nobody expects, and values that somebody might mean.
+//! Extreme values, and plausible ones.
 
 use proptest::prelude::*;
 use proptest::sample::select;
@@ -76,7 +76,7 @@ const WORDS: [&str; 39] = [
     "sphere",
 ];
 
-/// A number: extreme, usual, or of any magnitude.
+/// A number: extreme, plausible, or of any magnitude.
 pub fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => select(&NUMBERS[..]),
@@ -92,7 +92,7 @@ pub fn whole() -> impl Strategy<Value = i64> {
     prop_oneof![3 => select(&WHOLE[..]), 1 => 0..20i64, 1 => any::<i64>()]
 }
 
-/// Text without slashes, so that no file name leaves its folder.
+/// Text without slashes, so that no file name leads out of its folder.
 pub fn word() -> impl Strategy<Value = String> {
     prop_oneof![
         6 => select(&WORDS[..]).prop_map(str::to_owned),
@@ -102,7 +102,7 @@ pub fn word() -> impl Strategy<Value = String> {
     ]
 }
 
-/// A value of any type, lists in lists and sections included.
+/// A value of any type, including nested lists and sections.
 pub fn value() -> impl Strategy<Value = Value> {
     leaf().prop_recursive(3, 12, 4, |inner| {
         prop_oneof![

@@ -1,4 +1,4 @@
-//! A case: a folder of its own, random choices that its number fixes, and the program.
+//! A case: a separate folder, random choices determined by its number, and the program.
 
 use crate::pool::Pool;
 use crate::program::{Ended, Program};
@@ -9,18 +9,18 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// Why a case was not survived.
+/// A failure of the program in a case.
 #[derive(Debug)]
 pub struct Fault {
-    /// What happened.
+    /// Description of the failure.
     pub what: String,
     /// The command.
     pub command: Vec<OsString>,
-    /// Its last words.
+    /// Standard error of the command.
     pub stderr: String,
 }
 
-/// A mistake of the harness itself, so that it is not passed over.
+/// A mistake of the harness itself counts as a fault, so that it is noticed.
 impl<E: std::error::Error> From<E> for Fault {
     fn from(error: E) -> Self {
         Self::new(&format!("the harness failed: {error}"))
@@ -28,25 +28,25 @@ impl<E: std::error::Error> From<E> for Fault {
 }
 
 impl Fault {
-    /// One that no command shows.
+    /// A fault without a command.
     pub fn new(what: &str) -> Self {
         Self { what: what.to_owned(), command: vec![], stderr: String::new() }
     }
 }
 
-/// Where a case is made.
+/// Environment of a case.
 pub struct Lab<'a> {
     /// The program.
     pub program: &'a Program,
-    /// Good files.
+    /// Valid files.
     pub pool: &'a Pool,
-    /// The folder of the case.
+    /// Folder of the case.
     pub folder: PathBuf,
     random: TestRunner,
 }
 
 impl<'a> Lab<'a> {
-    /// The place of the case of this number.
+    /// Environment of the case with this number.
     pub fn new(program: &'a Program, pool: &'a Pool, folder: &Path, [seed, number]: [u64; 2]) -> Self {
         let mut bytes = [0; 32];
         bytes[..8].copy_from_slice(&seed.to_le_bytes());
@@ -56,35 +56,35 @@ impl<'a> Lab<'a> {
         Self { program, pool, folder: folder.to_owned(), random }
     }
 
-    /// A random choice.
+    /// Draws a random value.
     pub fn draw<S: Strategy>(&mut self, strategy: S) -> S::Value {
         strategy.new_tree(&mut self.random).expect("no strategy here rejects values").current()
     }
 
-    /// One of a list.
+    /// Draws an item of a list.
     pub fn one_of<'b, T>(&mut self, list: &'b [T]) -> &'b T {
         &list[self.draw(0..list.len())]
     }
 
-    /// A file in the case's folder.
+    /// Writes a file to the case's folder.
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> std::io::Result<()> {
         std::fs::write(self.folder.join(name), content)
     }
 
-    /// A folder of good results in the case's folder, under the same name.
+    /// Copies a folder of valid results to the case's folder, under the same name.
     pub fn bring(&self, name: &str) -> std::io::Result<PathBuf> {
         let to = self.folder.join(name);
         copy(&self.pool.folder.join(name), &to)?;
         Ok(to)
     }
 
-    /// Runs the program and judges it.
+    /// Runs the program and judges its reaction.
     pub fn ask(&self, arguments: &[&str]) -> Result<End, Fault> {
         let arguments: Vec<OsString> = arguments.iter().map(OsString::from).collect();
         self.ask_os(&arguments)
     }
 
-    /// The same with arguments that need not be text.
+    /// Like [`Self::ask`], with arguments that need not be text.
     pub fn ask_os(&self, arguments: &[OsString]) -> Result<End, Fault> {
         let ended = self.program.run(&self.folder, arguments).map_err(|error| Fault {
             what: format!("it does not start: {error}"),
@@ -94,7 +94,7 @@ impl<'a> Lab<'a> {
         judge(&ended, &self.names(arguments)).map_err(|what| fault(ended, what))
     }
 
-    /// The same, where nothing in the case's folder may be touched that is not permitted.
+    /// Like [`Self::ask`], but requires that only permitted paths in the case's folder are changed.
     pub fn ask_within(&self, arguments: &[&str], permit: &Permit) -> Result<End, Fault> {
         let before = Surroundings::of(&self.folder)?;
         let end = self.ask(arguments)?;
@@ -104,7 +104,7 @@ impl<'a> Lab<'a> {
         }
     }
 
-    /// Has something refused that can't be meant. The error has this word.
+    /// Requires that an invalid input is refused with an error that contains `word`.
     pub fn ask_refused(&self, arguments: &[&str], word: &str) -> Result<End, Fault> {
         if self.ask(arguments)? != End::Refused {
             return Err(self.fault_of(arguments, "it accepted what it can't have read whole"));
@@ -121,17 +121,18 @@ impl<'a> Lab<'a> {
         Fault { what: what.to_owned(), command, stderr: self.said() }
     }
 
-    /// The errors and warnings of the last command.
+    /// Errors and warnings of the last command.
     pub fn said(&self) -> String {
         String::from_utf8_lossy(&std::fs::read(self.folder.join("stderr")).unwrap_or_default()).into_owned()
     }
 
-    /// Whether the tables and HDF5 files in a folder of results are numbers, but for those that may be undefined.
+    /// Requires that the tables and HDF5 files in a folder of results have no NaN or infinity, except
+    /// where values may be undefined.
     pub fn results_are_numbers(&self, folder: &str) -> Result<(), Fault> {
         files(&self.folder.join(folder)).iter().try_for_each(|path| self.is_numbers(path))
     }
 
-    /// The same of one file.
+    /// The same requirement for one file.
     pub fn is_numbers(&self, path: &Path) -> Result<(), Fault> {
         let judged = match path.extension().and_then(|extension| extension.to_str()) {
             Some("csv") => of_table(&String::from_utf8_lossy(&std::fs::read(path)?)),
@@ -143,7 +144,7 @@ impl<'a> Lab<'a> {
         judged.map_err(|what| Fault::new(&format!("{name}: {what}")))
     }
 
-    /// What an error may name.
+    /// Names that an error message may refer to.
     fn names(&self, arguments: &[OsString]) -> Names {
         let words = arguments.iter().skip(1).map(|word| word.to_string_lossy().into_owned());
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
@@ -157,7 +158,7 @@ fn fault(ended: Ended, what: String) -> Fault {
     Fault { what, command: ended.arguments, stderr: ended.stderr }
 }
 
-/// All files in a folder and its folders, by name.
+/// All files in a folder and its subfolders, sorted by name.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> =
         std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();

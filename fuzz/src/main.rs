@@ -1,4 +1,4 @@
-//! Hostile input for fcm-solve: good files of every kind with changes, and what the program does with them.
+//! Hostile input for fcm-solve: valid files of every kind with edits, and the program's reaction to them.
 
 mod bytes;
 mod checkpoint;
@@ -34,28 +34,28 @@ struct Args {
     /// The program
     #[arg(long, value_name = "FILE")]
     program: PathBuf,
-    /// How many cases
+    /// Number of cases
     #[arg(long, value_name = "N", default_value_t = 1000)]
     cases: u64,
-    /// Where random numbers start
+    /// Seed of the random numbers
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Only the case of this number
+    /// Number of the only case to try
     #[arg(long, value_name = "K")]
     case: Option<u64>,
-    /// Only this kind of input; once for each
+    /// Only this kind of input; may be given several times
     #[arg(long, value_name = "NAME")]
     kind: Vec<String>,
-    /// Where the folders of cases are kept that the program did not survive
+    /// Folder for the cases that the program did not survive
     #[arg(long, value_name = "DIR", default_value = "target/fuzz")]
     keep: PathBuf,
-    /// Processes at a time
+    /// Number of processes at a time
     #[arg(long, value_name = "N", default_value_t = 2)]
     jobs: usize,
-    /// Gigabytes of address space that a process may have
+    /// Gigabytes of address space of a process
     #[arg(long, value_name = "GB", default_value_t = 2)]
     memory: u64,
-    /// Seconds until a run is asked to stop, and that anything else may take of a core
+    /// Seconds until a run is asked to stop; also the processor time of any other command
     #[arg(long, value_name = "S", default_value_t = 10)]
     seconds: u64,
 }

@@ -1,30 +1,30 @@
-//! Lists of another length than they have, tables where lists are meant, and lists where tables are.
+//! Lists of a wrong length, tables in place of lists, and lists in place of tables.
 
 use crate::tree::{self, Part};
 use proptest::prelude::*;
 use toml::{Table, Value};
 
-/// One change of a list or a table.
+/// An edit of a list or a table.
 #[derive(Debug, Clone, Copy)]
 pub enum Misfit {
-    /// The last item once more.
+    /// Repeats the last item.
     Longer,
-    /// Without the last item.
+    /// Removes the last item.
     Shorter,
-    /// A list as a table, and a table as the list of its values.
+    /// Makes a list a table, and a table the list of its values.
     Exchanged,
 }
 
-/// Lists of any length.
+/// Lists that may have any length.
 const FREE: [&str; 9] =
     ["seeds", "viscosities", "rates", "area_fractions", "speeds", "pressures", "rate", "pairs", "particles"];
 
-/// Any change.
+/// Any edit.
 pub fn any_misfit() -> impl Strategy<Value = Misfit> {
     prop_oneof![3 => Just(Misfit::Longer), 1 => Just(Misfit::Shorter), 2 => Just(Misfit::Exchanged)]
 }
 
-/// The places where a change can't be meant.
+/// Places at which an edit makes the input invalid.
 pub fn candidates(tree: &Value, misfit: Misfit) -> Vec<Vec<Part>> {
     let mut tree = tree.clone();
     let mut places = tree::places(&tree);
@@ -42,7 +42,7 @@ fn fits(value: &Value, place: &[Part], misfit: Misfit) -> bool {
     }
 }
 
-/// Carries out a change.
+/// Applies an edit.
 pub fn apply(tree: &mut Value, place: &[Part], misfit: Misfit) {
     let Some(value) = tree::find(tree, place) else { return };
     match (&mut *value, misfit) {
@@ -57,7 +57,7 @@ pub fn apply(tree: &mut Value, place: &[Part], misfit: Misfit) {
     }
 }
 
-/// The last key of a place, which an error has to name.
+/// Last key of a place, which an error must name.
 pub fn key(place: &[Part]) -> &str {
     let key = |part: &Part| matches!(part, Part::Key(_));
     match place.iter().rfind(|part| key(part)) {

@@ -1,4 +1,4 @@
-//! Good input, from which hostile input is made.
+//! Valid input, from which hostile input is made.
 
 use crate::program::Program;
 use crate::{hdf5_file, tree};
@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use toml::Value;
 
-/// Scenes of every kind; together they have every key.
+/// Scenes of every kind; together they have all keys.
 pub const SCENES: [(&str, &str); 10] = [
     ("suspension", include_str!("../scenes/suspension.toml")),
     ("plain", include_str!("../scenes/plain.toml")),
@@ -34,21 +34,21 @@ pub const CASES: [&str; 3] = [
         "rigid": false, "stresslets": [[1.0, 0.0, 0.0, -1.0, 0.5], [0.0, 0.0, 0.0, 0.0, 0.0]]}"#,
 ];
 
-/// Places of spheres, as a table.
+/// Positions of spheres, as a table.
 pub const CSV: &str = "x,y,z,radius,species\n1,2,3,1,0\n4,5,6,1,0\n7,8,9,1.5,1\n1,6,2,1,0\n";
 
-/// The same in extended XYZ.
+/// The same positions in extended XYZ.
 pub const XYZ: &str = "4\nLattice=\"10 0 0 0 10 0 0 0 10\" Properties=species:I:1:pos:R:3:radius:R:1\n\
     0 1 2 3 1\n0 4 5 6 1\n1 7 8 9 1.5\n0 1 6 2 1\n";
 
-/// A scene whose spheres come from a file.
+/// A scene with spheres from a file.
 pub const PLACED: &str = "[box]\nedges = [10.0, 10.0, 10.0]\n[fluid]\nviscosity = 1.0\n[[species]]\nname = 'a'\n\
     radius = 1.0\nforce = [0.0, 0.0, -1.0]\n[[species]]\nname = 'b'\nradius = 1.5\n[hydrodynamics]\ntolerance = 1e-2\n\
     [time]\nstep = 0.01\nsteps = 1\n[particles]\ninitial = 'file'\n";
 
-/// Good input on the disk, and the keys that it has.
+/// Valid input on the disk, and its keys.
 pub struct Pool {
-    /// A folder with results of every scene by its name, and cases in HDF5.
+    /// Folder with results of every scene by name, and cases in HDF5.
     pub folder: PathBuf,
     /// Scenes as trees, by name.
     pub scenes: Vec<(&'static str, Value)>,
@@ -59,7 +59,7 @@ pub struct Pool {
 }
 
 impl Pool {
-    /// Makes the results with the program itself.
+    /// Computes the results with the program itself.
     pub fn make(folder: &Path, program: &Program) -> anyhow::Result<Self> {
         let program = program.with_patience(10);
         let scenes: Vec<(&str, Value)> =
@@ -82,7 +82,7 @@ impl Pool {
         keys.dedup();
         Ok(Self { folder: folder.to_owned(), scenes, cases, keys: keys.leak() })
     }
-    /// The keys that scenes have in a section, with it.
+    /// Keys that scenes have in a section, including the section.
     pub fn siblings(&self, section: &str) -> Vec<String> {
         let paths = self.scenes.iter().flat_map(|(_, tree)| tree::paths(tree));
         let is_in = |path: &String| path.rsplit_once('.').map_or("", |(parent, _)| parent) == section;

@@ -7,50 +7,51 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// What a process may use.
+/// Limits of a process.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
     /// Address space in bytes.
     pub memory: u64,
-    /// After this time a run is asked to stop.
+    /// Time after which a run is asked to stop.
     pub patience: Duration,
-    /// Seconds of its own in which anything else ends, and in which a run stops that was asked to.
+    /// Processor time in seconds after which any other command must have ended, and within which a
+    /// run must stop when asked to.
     pub processor_seconds: u64,
 }
 
 /// The program.
 #[derive(Debug)]
 pub struct Program {
-    /// Where it is.
+    /// Path of the program.
     pub path: PathBuf,
-    /// What it may use.
+    /// Limits of its processes.
     pub limits: Limits,
 }
 
-/// A process that came to its end.
+/// A process that has ended.
 #[derive(Debug)]
 pub struct Ended {
     /// Its arguments.
     pub arguments: Vec<OsString>,
-    /// How it ended.
+    /// Exit status.
     pub status: ExitStatus,
-    /// What it printed.
+    /// Standard output.
     pub stdout: String,
-    /// What it said besides.
+    /// Standard error.
     pub stderr: String,
     /// Whether it was asked to stop.
     pub asked_to_stop: bool,
 }
 
 impl Program {
-    /// The same with so many times the time.
+    /// The same program with all time limits multiplied.
     pub fn with_patience(&self, times: u32) -> Self {
         let Limits { memory, patience, processor_seconds } = self.limits;
         let processor_seconds = processor_seconds * u64::from(times);
         Self { path: self.path.clone(), limits: Limits { memory, patience: patience * times, processor_seconds } }
     }
 
-    /// Runs it in a folder, which is also where it finds the costs of the machine.
+    /// Runs the program in a folder, which is also that of the machine's costs.
     pub fn run(&self, folder: &Path, arguments: &[OsString]) -> anyhow::Result<Ended> {
         let [out, err] = ["stdout", "stderr"].map(|name| folder.join(name));
         let mut child = Command::new(&self.path)
@@ -72,7 +73,7 @@ impl Program {
         let pid = Pid::from_child(child);
         let Limits { memory, patience, processor_seconds } = self.limits;
         for (resource, most) in [(Resource::As, memory), (Resource::Cpu, processor_seconds), (Resource::Core, 0)] {
-            // The process may be gone already.
+            // The process may have ended already.
             let _ = prlimit(Some(pid), resource, Rlimit { current: Some(most), maximum: Some(most) });
         }
         let (start, mut asked, mut nap) = (Instant::now(), false, Duration::from_millis(1));
@@ -98,7 +99,7 @@ mod tests {
     use super::*;
     use crate::verdict::{End, Names, judge};
 
-    /// What a shell that carries out these lines, as the command `run` or another, is judged to be.
+    /// Verdict on a shell that executes these lines as the command `run` or another one.
     fn judged(name: &str, lines: &str) -> Result<End, String> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(name), lines).unwrap();

@@ -1,4 +1,4 @@
-//! What the program survived.
+//! Results of the cases.
 
 use crate::kinds::KINDS;
 use crate::lab::Fault;
@@ -31,14 +31,14 @@ impl Count {
     }
 }
 
-/// Counts by kind of input.
+/// Counts for each kind of input.
 pub struct Report {
     counts: Mutex<[Count; KINDS.len()]>,
     keep: PathBuf,
 }
 
 impl Report {
-    /// Nothing yet. Folders of faults go into `keep`.
+    /// Empty counts. Folders of faults are moved to `keep`.
     pub fn new(keep: &Path) -> Self {
         Self { counts: Mutex::new([Count::default(); KINDS.len()]), keep: keep.to_owned() }
     }
@@ -47,7 +47,7 @@ impl Report {
         self.counts.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Counts a case; tells of a fault, and keeps its folder.
+    /// Counts a case; reports a fault, and keeps its folder.
     pub fn add(&self, kind: usize, number: u64, result: Result<End, Fault>, folder: TempDir) {
         let mut counts = self.counts();
         let count = &mut counts[kind];

@@ -1,4 +1,4 @@
-//! Files of all formats with places of spheres that are known.
+//! Files of all formats with known positions of spheres.
 
 use hdf5::types::VarLenUnicode;
 use hdf5::{File, H5Type};
@@ -8,21 +8,21 @@ use std::path::Path;
 
 /// Edges of the box.
 pub const EDGE: f64 = 10.0;
-/// Radii of the two species, of which the second has one sphere.
+/// Radii of the two species, the second of which has one sphere.
 pub const RADII: [f64; 2] = [1.0, 1.5];
 
-/// Spheres, and how they are written.
+/// Spheres, and the style in which they are written.
 #[derive(Debug, Clone)]
 pub struct Start {
-    /// Places, far enough from each other.
+    /// Positions, far enough apart.
     pub positions: Vec<[f64; 3]>,
-    /// The sphere of the second species.
+    /// Index of the sphere of the second species.
     pub large: usize,
-    /// Frames before the one that is meant.
+    /// Number of frames before the wanted one.
     pub before: usize,
-    /// Whether the file's box is twice as large as the scene's.
+    /// Whether the file's box is twice as large as that of the scene.
     pub other_box: bool,
-    /// Turns of style: a byte order mark, capitals, quotes, decimal commas.
+    /// Optional styles: a byte order mark, capitals, quotes, decimal commas.
     pub style: [bool; 4],
 }
 
@@ -51,13 +51,13 @@ impl Start {
         if self.other_box { 2.0 * EDGE } else { EDGE }
     }
 
-    /// All frames: those before are shifted.
+    /// All frames; the positions of earlier frames are shifted.
     fn frames(&self) -> Vec<Vec<[f64; 3]>> {
         let shifted = |by: usize| self.positions.iter().map(|p| [p[0] + 0.3 * by as f64, p[1], p[2]]).collect();
         (0..=self.before).rev().map(shifted).collect()
     }
 
-    /// A table of the one frame.
+    /// The last frame as a table.
     pub fn csv(&self) -> String {
         let [mark, capitals, quotes, commas] = self.style;
         let separator = if commas { ";" } else { "," };
@@ -72,7 +72,7 @@ impl Start {
         text
     }
 
-    /// Extended XYZ.
+    /// The frames in extended XYZ.
     pub fn xyz(&self) -> String {
         let (mut text, edge) = (String::new(), self.edge());
         for frame in self.frames() {
@@ -86,7 +86,7 @@ impl Start {
         text
     }
 
-    /// A dump of LAMMPS.
+    /// The frames as a LAMMPS dump.
     pub fn dump(&self) -> String {
         let (mut text, edge) = (String::new(), self.edge());
         for (number, frame) in self.frames().iter().enumerate() {
@@ -100,7 +100,7 @@ impl Start {
         text
     }
 
-    /// H5MD with a list of steps, or with a fixed step.
+    /// The frames in H5MD, with a list of steps or with a fixed step.
     pub fn h5md(&self, path: &Path) -> hdf5::Result<()> {
         let file = File::create(path)?;
         let group = file.create_group("particles")?.create_group("all")?;
@@ -117,7 +117,7 @@ impl Start {
         write(&group.create_group("box")?, "edges", &[3], vec![self.edge(); 3])
     }
 
-    /// Datasets of a case, the places in a shape: as they are, transposed, with a column more, or flat.
+    /// Datasets of a case, with the positions in the given shape.
     pub fn datasets(&self, path: &Path, shape: Shape) -> hdf5::Result<()> {
         let (file, count) = (File::create(path)?, self.positions.len());
         let rows = self.positions.iter();
@@ -134,7 +134,7 @@ impl Start {
         write(&file, "species", &[count], names)
     }
 
-    /// What is wrong with the first frame of a trajectory, whatever the order of its spheres.
+    /// Difference between the start and the first frame of a trajectory, for any order of its spheres.
     pub fn differs(&self, trajectory: &Path) -> hdf5::Result<Option<String>> {
         let group = File::open(trajectory)?.group("particles/all")?;
         let count = self.positions.len();
@@ -155,7 +155,7 @@ impl Start {
     }
 }
 
-/// Shapes of a dataset of places.
+/// Shapes of a dataset of positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// (N, 3).
@@ -188,7 +188,7 @@ mod tests {
         any_start().new_tree(&mut TestRunner::deterministic()).unwrap().current()
     }
 
-    /// What is found in a trajectory of one frame with these places.
+    /// Difference that is found in a trajectory of one frame with these positions.
     fn found(start: &Start, positions: &[[f64; 3]], swapped: bool) -> Option<String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.h5");

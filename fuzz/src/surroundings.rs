@@ -1,10 +1,10 @@
-//! Digests of everything in a folder, which tell what a process has touched.
+//! Digests of everything in a folder, for finding the files that a process has changed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// The contents of a folder and its folders. Links are not followed.
+/// Contents of a folder and its subfolders. Links are not followed.
 #[derive(Debug)]
 pub struct Surroundings(BTreeMap<PathBuf, Entry>);
 
@@ -15,16 +15,16 @@ enum Entry {
     Folder,
 }
 
-/// Paths, relative to the folder, that a process may write to.
+/// Paths, relative to the folder, that a process may change.
 #[derive(Debug, Default)]
 pub struct Permit {
-    /// Files and folders that a run has made: they may change and go.
+    /// Files and folders that a run has made: they may be changed and removed.
     pub made: BTreeSet<PathBuf>,
-    /// The folder in which anything may be made that was not there.
+    /// Folder in which new files may be created.
     pub into: Option<PathBuf>,
 }
 
-/// The answers of a process, and the costs of the machine.
+/// Output of a process, and the costs of the machine.
 const ITS_OWN: [&str; 3] = ["stdout", "stderr", "fcm-solve"];
 
 impl Surroundings {
@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use std::os::unix::fs::symlink;
 
-    /// The change that is found when a folder with files inside and outside of `out` is changed.
+    /// The change that is found after `change` in a folder with files inside and outside of `out`.
     fn found(change: impl FnOnce(&Path) -> std::io::Result<()>) -> Option<String> {
         let folder = tempfile::tempdir().unwrap();
         let place = folder.path();

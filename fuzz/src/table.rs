@@ -1,23 +1,23 @@
-//! Changes of tables in text: cells and lines.
+//! Edits of text tables: cells and lines.
 
 use crate::hostile;
 use proptest::prelude::*;
 use proptest::sample::Index;
 
-/// One change.
+/// An edit.
 #[derive(Debug, Clone)]
 pub enum Edit {
-    /// Another text in a cell.
+    /// Replaces the text of a cell.
     Cell(Index, Index, String),
-    /// A line less.
+    /// Removes a line.
     Remove(Index),
-    /// A line once more at another place.
+    /// Copies a line to another position.
     Copy(Index, Index),
-    /// One of the separators doubled, or left out.
+    /// Doubles or removes a separator.
     Separator(Index, Index, bool),
 }
 
-/// One to four changes.
+/// One to four edits.
 pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     let index = any::<Index>;
     let cell = prop_oneof![
@@ -37,7 +37,7 @@ pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     )
 }
 
-/// Carries out a change of a table whose cells this character separates.
+/// Applies an edit to a table with this separator of cells.
 pub fn apply(text: &str, separator: char, edit: &Edit) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     if lines.is_empty() {

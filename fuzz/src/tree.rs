@@ -1,32 +1,32 @@
-//! Changes of a tree of keys and values, as TOML and JSON have it.
+//! Edits of a tree of keys and values, as in TOML and JSON.
 
 use crate::hostile;
 use proptest::prelude::*;
 use proptest::sample::Index;
 use toml::Value;
 
-/// One change. Places count the nodes of the tree in the order of its text.
+/// An edit. Indices count the nodes of the tree in the order of its text.
 #[derive(Debug, Clone)]
 pub enum Edit {
-    /// Another value.
+    /// Replaces a value.
     Replace(Index, Value),
-    /// A number of the tree times this.
+    /// Multiplies a number of the tree.
     Scale(Index, f64),
-    /// Without the key or item.
+    /// Removes a key or an item.
     Remove(Index),
-    /// The value of the one put in the place of the other.
+    /// Replaces one value by a copy of another.
     Copy(Index, Index),
-    /// The two exchanged.
+    /// Exchanges two values.
     Swap(Index, Index),
-    /// A key under another name.
+    /// Renames a key.
     Rename(Index, String),
-    /// A key of any section, or an item of any list, more.
+    /// Inserts a key into a section, or an item into a list.
     Insert(Index, String, Value),
-    /// A value in so many lists.
+    /// Wraps a value in a number of lists.
     Nest(Index, usize),
 }
 
-/// A place in a tree, from its root.
+/// A part of a place in a tree; a place is a path from the root.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Part {
     /// A key of a table.
@@ -35,7 +35,7 @@ pub enum Part {
     Item(usize),
 }
 
-/// One to four changes; half of the time they leave the shape of the tree as it is.
+/// One to four edits; half of the time they preserve the shape of the tree.
 pub fn edits(keys: &'static [String]) -> impl Strategy<Value = Vec<Edit>> {
     let mild = prop_oneof![
         3 => (any::<Index>(), 0.3..3.0).prop_map(|(at, factor)| Edit::Scale(at, factor)),
@@ -60,7 +60,7 @@ fn any_edit(keys: &'static [String]) -> impl Strategy<Value = Edit> {
     ]
 }
 
-/// Carries out a change, if the tree has something to change.
+/// Applies an edit, if the tree has a suitable place.
 pub fn apply(tree: &mut Value, edit: &Edit) {
     let places = places(tree);
     if places.is_empty() {
@@ -101,7 +101,7 @@ pub fn apply(tree: &mut Value, edit: &Edit) {
     }
 }
 
-/// The places of all values but the root.
+/// Places of all values except the root.
 pub fn places(tree: &Value) -> Vec<Vec<Part>> {
     let mut all = Vec::new();
     collect(tree, &mut Vec::new(), &mut all);
@@ -154,7 +154,7 @@ fn insert(tree: &mut Value, parent: &[Part], name: &str, value: Value) {
     }
 }
 
-/// Whole numbers stay whole.
+/// Multiplies a number. Whole numbers stay whole.
 fn scale(tree: &mut Value, places: &[Vec<Part>], at: Index, factor: f64) {
     let is_number =
         |place: &&Vec<Part>| matches!(find(&mut tree.clone(), place), Some(Value::Float(_) | Value::Integer(_)));
@@ -178,12 +178,12 @@ pub fn keys(tree: &Value) -> Vec<String> {
     places(tree).into_iter().filter_map(key).collect()
 }
 
-/// The keys of a tree with their sections, as `species[0].radius`.
+/// Keys of a tree with their sections, such as `species[0].radius`.
 pub fn paths(tree: &Value) -> Vec<String> {
     places(tree).iter().map(|place| path(place)).collect()
 }
 
-/// A place as messages and `--set` have it.
+/// A place in the notation of messages and `--set`.
 pub fn path(place: &[Part]) -> String {
     place.iter().fold(String::new(), |path, part| match part {
         Part::Key(key) if path.is_empty() => key.clone(),
@@ -192,7 +192,7 @@ pub fn path(place: &[Part]) -> String {
     })
 }
 
-/// The tree as JSON; what JSON has no word for stands there as it must not.
+/// The tree as JSON; values that JSON cannot represent are written all the same.
 pub fn to_json(tree: &Value) -> String {
     let joined = |parts: Vec<String>| parts.join(", ");
     match tree {

@@ -1,4 +1,4 @@
-//! A run with a function of one's own between its steps: a scene that comes with the program, watched as it settles.
+//! A run that calls a user's function between steps: a scene that comes with the program, observed as it settles.
 //!
 //!     cargo run --release -p fcm-solve-io --example callback
 
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     })
 }
 
-/// Steps until step `last`, with a call every twenty.
+/// Advances to step `last`, calling `call` every twenty steps.
 fn run(simulation: &mut dyn Simulation, last: u64, call: impl Fn(&mut dyn Simulation)) -> Result<(), Box<dyn Error>> {
     while simulation.clock().step() < last {
         let next = (simulation.clock().step() / 20 + 1) * 20;

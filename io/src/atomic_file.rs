@@ -1,4 +1,4 @@
-//! Atomic replacement of files: they are complete, or as they were before.
+//! Atomic replacement of files: a file is either complete or unchanged.
 
 use crate::FileError;
 use std::ffi::OsString;
@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Replaces a file atomically: the content is written to a temporary file in the same folder, which is synced and
-/// renamed, and the folder is synced. If anything fails, the former file is intact. What is not a regular file, such as
-/// a pipe, is written to directly.
+/// renamed, and the folder is synced. If anything fails, the former file is intact. A path that is not a regular
+/// file, such as a pipe, is written to directly.
 pub fn replace(path: &Path, content: &[u8]) -> Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return std::fs::write(path, content).map_err(|e| FileError::write(path, &e));
@@ -18,7 +18,7 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), FileError> {
     put(path, |file, _| file.write_all(content))
 }
 
-/// The same with content that `write` writes, to the handle or the path of the temporary file.
+/// Like [`replace`], with content that `write` writes to the handle or the path of the temporary file.
 pub(crate) fn put<E: std::fmt::Display>(
     path: &Path,
     write: impl FnOnce(&mut File, &Path) -> Result<(), E>,
@@ -34,18 +34,18 @@ pub(crate) fn put<E: std::fmt::Display>(
     })
 }
 
-/// Makes the temporary file of a path: a new one, where nothing of that name was, no symbolic link either.
+/// Creates the temporary file of a path. Fails if anything of that name exists, including a symbolic link.
 pub(crate) fn create_temporary(path: &Path) -> std::io::Result<File> {
     let (name, mut options) = (temporary(path), OpenOptions::new());
     options.read(true).write(true).create_new(true);
     options.open(&name).or_else(|error| {
-        // Only this process uses the name: the file is what it could not remove after a failure.
+        // Only this process uses the name, so the file is one that it could not remove after a failure.
         let is_left = std::fs::symlink_metadata(&name).is_ok_and(|found| found.is_file());
         if is_left && std::fs::remove_file(&name).is_ok() { options.open(&name) } else { Err(error) }
     })
 }
 
-/// Gives a temporary file, of which this is a handle, its name once its content is on the disk.
+/// Syncs the temporary file with this handle and renames it to its final name.
 pub(crate) fn place(file: &File, path: &Path) -> std::io::Result<()> {
     sync(file)?;
     std::fs::rename(temporary(path), path)?;
@@ -53,12 +53,13 @@ pub(crate) fn place(file: &File, path: &Path) -> std::io::Result<()> {
     bear(File::open(folder).and_then(|folder| folder.sync_all()))
 }
 
-/// Waits until a file is on the disk, where the file system can say so.
+/// Waits until a file is on the disk, where the file system supports that.
 pub(crate) fn sync(file: &File) -> std::io::Result<()> {
     bear(file.sync_all())
 }
 
-/// Lets pass what a file system cannot do, and a program can do without. Errors of a disk are other ones.
+/// Ignores errors of file systems that do not support syncing, which the program can do without. Disk
+/// failures have other error codes.
 fn bear(synced: std::io::Result<()>) -> std::io::Result<()> {
     synced.or_else(|error| match error.raw_os_error() {
         Some(number) if CANNOT.contains(&number) => Ok(()),
@@ -66,11 +67,11 @@ fn bear(synced: std::io::Result<()>) -> std::io::Result<()> {
     })
 }
 
-/// The errors of file systems that cannot sync a file or a folder, or open a folder for that.
+/// Error codes of file systems that cannot sync a file or a folder, or open a folder for that.
 const CANNOT: [i32; 8] =
     [libc::EINVAL, libc::EBADF, libc::ENOTSUP, libc::ENOSYS, libc::ENOTTY, libc::EISDIR, libc::EPERM, libc::EACCES];
 
-/// The name of the temporary file, which has the mark of this process.
+/// Name of the temporary file, which includes the mark of this process.
 pub(crate) fn temporary(path: &Path) -> PathBuf {
     let mut name = OsString::from(path);
     name.push(format!(".{}{END}", mark()));
@@ -79,7 +80,7 @@ pub(crate) fn temporary(path: &Path) -> PathBuf {
 
 const END: &str = ".tmp";
 
-/// The mark of this process: 16 digits that no other one has.
+/// Mark of this process: 16 digits, unique to it.
 pub(crate) fn mark() -> &'static str {
     static MARK: OnceLock<String> = OnceLock::new();
     MARK.get_or_init(|| {
@@ -88,13 +89,13 @@ pub(crate) fn mark() -> &'static str {
     })
 }
 
-/// The mark in the name of a temporary file.
+/// Mark in the name of a temporary file.
 pub(crate) fn writer_of(path: &Path) -> Option<&str> {
     let (_, mark) = path.file_name()?.to_str()?.strip_suffix(END)?.rsplit_once('.')?;
     Some(mark)
 }
 
-/// Removes the temporary file after a failure. That failure is reported; an error of this removal is not.
+/// Removes the temporary file after a failure. That failure is reported; an error of the removal is not.
 pub(crate) fn remove_temporary(path: &Path) {
     let _ = std::fs::remove_file(temporary(path));
 }

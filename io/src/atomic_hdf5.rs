@@ -4,8 +4,8 @@ use crate::{FileError, atomic_file, stored_inside};
 use hdf5::{File, FileBuilder, OpenMode};
 use std::path::Path;
 
-/// Writes a file by `fill`. It appears under its name when it is complete and on the disk; until then a former file of
-/// that name is intact.
+/// Writes a file with `fill`. It appears under its name when it is complete and on the disk; until then a former
+/// file of that name is intact.
 pub(crate) fn write(path: &Path, fill: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
     atomic_file::put(path, |_, temporary| {
         let file = at_once().create(temporary)?;
@@ -14,7 +14,7 @@ pub(crate) fn write(path: &Path, fill: impl FnOnce(&File) -> hdf5::Result<()>) -
     })
 }
 
-/// Changes a file by `edit` in the same way: a copy is changed.
+/// Edits a copy of a file with `edit`, which then replaces the file like [`write()`].
 pub(crate) fn change(path: &Path, edit: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
     atomic_file::put(path, |_, temporary| {
         std::fs::copy(path, temporary).map_err(|e| hdf5::Error::from(e.to_string()))?;
@@ -25,16 +25,16 @@ pub(crate) fn change(path: &Path, edit: impl FnOnce(&File) -> hdf5::Result<()>) 
     })
 }
 
-/// Makes writes to datasets reach the file at once, or fail at once: HDF5 can lose data that it caches until a dataset
-/// is closed, without an error.
+/// File options with which a write to a dataset reaches the file at once, or fails at once: HDF5 can lose data that
+/// it caches until a dataset is closed, without an error.
 fn at_once() -> FileBuilder {
     let mut builder = File::with_options();
     builder.with_fapl(|f| f.sieve_buf_size(0).chunk_cache(0, 0, 0.0));
     builder
 }
 
-/// Keeps a file open until the program ends. After a failed write, closing would write the rest again, and HDF5 can't
-/// handle that this fails too.
+/// Keeps a file open until the program ends. Closing it after a failed write would write the remaining data again,
+/// and HDF5 cannot handle a failure of that.
 pub(crate) fn leave_open(file: &File) {
     std::mem::forget(file.clone());
 }

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-/// An error with all its causes in a line.
+/// An error with all its causes in one line.
 pub fn in_full(error: &dyn Error) -> String {
     let causes = std::iter::successors(error.source(), |cause| (*cause).source());
     causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))

@@ -1,5 +1,5 @@
-//! Checksums of datasets that are written once, as their attribute `checksum`: XXH3 (64 bits) of the bytes of the
-//! numbers, little-endian and in their order, or of the text.
+//! Checksums of datasets that are written once, stored in the attribute `checksum`: XXH3 (64 bits) of the bytes of
+//! the numbers, little-endian and in their order, or of the text.
 
 use crate::claimed_size;
 use bytemuck::NoUninit;
@@ -18,7 +18,7 @@ pub(crate) fn of_text(text: &str) -> String {
     format!("{:016x}", xxh3_64(text.as_bytes()))
 }
 
-/// Stores a list of so many numbers, of which `each` brings a block after the other, with its checksum.
+/// Stores a list of `count` numbers, which `each` passes on block by block, with its checksum.
 pub(crate) fn write_blocks<T: H5Type + NoUninit>(
     group: &Group,
     (name, count): (&str, usize),
@@ -36,17 +36,17 @@ pub(crate) fn write_blocks<T: H5Type + NoUninit>(
     Ok(dataset)
 }
 
-/// The checksum of numbers that come one after another.
+/// Checksum of numbers that arrive in parts.
 #[derive(Default)]
 pub(crate) struct Sum(Xxh3);
 
 impl Sum {
-    /// Takes in more of them.
+    /// Adds numbers.
     pub(crate) fn add<T: NoUninit>(&mut self, values: &[T]) {
         self.0.update(bytemuck::cast_slice(values));
     }
 
-    /// The checksum of all so far.
+    /// Checksum of all numbers so far.
     pub(crate) fn get(&self) -> u64 {
         self.0.digest()
     }
@@ -57,7 +57,7 @@ pub(crate) fn attach(dataset: &Dataset, checksum: u64) -> hdf5::Result<()> {
     dataset.new_attr::<u64>().create(NAME)?.write_scalar(&checksum)
 }
 
-/// Reads all numbers of a dataset; `Err` if they are not those of its checksum, where it has one.
+/// Reads all numbers of a dataset; `Err` if they do not match its checksum, if it has one.
 pub(crate) fn read<T: H5Type + NoUninit>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
     claimed_size::check(dataset)?;
     let values = dataset.read_raw::<T>()?;
@@ -65,7 +65,7 @@ pub(crate) fn read<T: H5Type + NoUninit>(dataset: &Dataset) -> hdf5::Result<Vec<
     Ok(values)
 }
 
-/// `Err` if a dataset's checksum, where it has one, is not the one that is found.
+/// `Err` if a dataset has a checksum that differs from `found`.
 pub(crate) fn compare(dataset: &Dataset, found: impl FnOnce() -> u64) -> hdf5::Result<()> {
     if !has_one(dataset)? {
         return Ok(());

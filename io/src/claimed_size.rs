@@ -1,14 +1,14 @@
-//! Reading HDF5 datasets whose claimed size is checked against the size of the file.
+//! Check of the claimed size of HDF5 datasets against the size of the file.
 
 use hdf5::{Container, Dataset, Group, H5Type};
 
-/// The largest compression ratio of a filter (deflate: 1032).
+/// Largest compression ratio of a filter (deflate: 1032).
 const TIGHTEST: f64 = 1100.0;
 /// Bytes that a dataset may have without storage in the file: if nothing was written, all values are the fill value.
 const UNWRITTEN: f64 = 1048576.0;
 
-/// Refuses a dataset that would need far more memory than its storage in the file allows: a few bytes can claim a shape
-/// of petabytes.
+/// Refuses a dataset that needs far more memory than its storage in the file allows: a few bytes can
+/// claim a shape of petabytes.
 pub(crate) fn check(values: &Container) -> hdf5::Result<()> {
     let (shape, stored) = (values.shape(), values.storage_size());
     let claimed = shape.iter().map(|&n| n as f64).product::<f64>() * values.dtype()?.size() as f64;

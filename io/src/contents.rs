@@ -13,43 +13,43 @@ use std::path::Path;
 /// The contents of an HDF5 file of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Contents {
-    /// Where its numbers come from.
+    /// Provenance of the numbers.
     #[serde(flatten)]
     pub provenance: Provenance,
-    /// Steps and times of the first and the last frame and the number of frames, where the file has frames.
+    /// Number of frames, and steps and times of the first and the last one, if the file has frames.
     pub frames: Option<FrameSpan>,
-    /// The keys of the scene that have changed in the course of the run.
+    /// Keys of the scene that have changed in the course of the run.
     pub changes: Vec<SceneChange>,
     /// The datasets.
     pub datasets: Vec<DatasetShape>,
-    /// The parts that do not fit their checksums.
+    /// Parts that do not match their checksums.
     pub damage: Vec<String>,
 }
 
-/// A dataset without its values.
+/// Description of a dataset, without its values.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DatasetShape {
-    /// Its path in the file.
+    /// Path in the file.
     pub name: String,
-    /// Its extents.
+    /// Shape.
     pub shape: Vec<usize>,
-    /// The physical dimensions of its values.
+    /// Physical dimensions of the values.
     pub dimensions: String,
 }
 
 /// The frames of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FrameSpan {
-    /// How many.
+    /// Number of frames.
     pub count: usize,
-    /// Steps of the first and of the last.
+    /// Steps of the first and the last frame.
     pub steps: [u64; 2],
-    /// Their times.
+    /// Times of the first and the last frame.
     pub times: [f64; 2],
 }
 
 impl Contents {
-    /// Reads a file that this program wrote.
+    /// Reads a file written by this program.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         if path.is_dir() {
             return Err(FileError::read(path, &"it is a folder; name a file in it, such as trajectory.h5"));
@@ -70,7 +70,7 @@ impl Contents {
         Self::of(&file).map_err(|e| FileError::damaged(path, &e))
     }
 
-    /// The scene that the file comes from; after it, as comments, what has changed from which step on.
+    /// The scene of the file, followed by comments with the changes and the steps from which they hold.
     pub fn scene(&self) -> String {
         SceneHistory { first: self.provenance.scene.clone(), changes: self.changes.clone() }.in_words()
     }
@@ -122,7 +122,7 @@ impl Contents {
     }
 }
 
-/// Whether a file begins with the signature of HDF5.
+/// Whether a file begins with the HDF5 signature.
 fn starts_as_hdf5(path: &Path) -> std::io::Result<bool> {
     let mut start = Vec::new();
     std::fs::File::open(path)?.take(text::HDF5.len() as u64).read_to_end(&mut start)?;
@@ -135,7 +135,7 @@ fn frames(steps: &Dataset, times: &Dataset) -> hdf5::Result<Option<FrameSpan>> {
     let (steps, times): (Vec<u64>, Vec<f64>) = (steps.read_raw()?, times.read_raw()?);
     let count = steps.len();
     let Some(last) = count.checked_sub(1) else { return Ok(None) };
-    // Times are written before steps: there may be one more.
+    // Times are written before steps, so there may be one more.
     let [Some(&from), Some(&until)] = [times.first(), times.get(last)] else {
         return Err(format!("it has {count} steps, but {times_name} has {} times", times.len()).into());
     };
@@ -178,7 +178,7 @@ impl Display for Contents {
 mod tests {
     use super::*;
 
-    /// A file with the parameters of a run and what else `fill` writes.
+    /// Reads a file with the parameters of a run and the content that `fill` writes.
     fn read(fill: impl FnOnce(&File)) -> Result<Contents, String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.h5");

@@ -1,4 +1,4 @@
-//! What can go wrong with the files of a run.
+//! Errors with the files of a run.
 
 use std::path::{Path, PathBuf};
 
@@ -8,45 +8,45 @@ pub enum FileError {
     /// Writing failed.
     #[error("can't write {}: {reason}; what was written before is intact", path.display())]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The system's words.
+        /// Message of the operating system.
         reason: String,
     },
-    /// A file has lost its name or its content while it was written.
+    /// A file was renamed, removed or cut while the run was writing to it.
     #[error(
         "{} {what} while the run was writing to it; what is gone of it is missing, and the run goes on from its last checkpoint \
          by resume",
         path.display()
     )]
     Lost {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its fate.
+        /// The change that was noticed.
         what: String,
     },
     /// Reading failed.
     #[error("can't read {}: {reason}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The reason.
         reason: String,
     },
-    /// A file of a user's that a run can't start from.
+    /// A user's file that a run cannot start from.
     #[error("can't start from {}: {reason}", path.display())]
     Start {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What was found, what is needed and what to do.
+        /// The problem, the requirement, and advice.
         reason: String,
     },
-    /// The content is not what was written.
+    /// The content differs from what was written.
     #[error("{} is damaged: {reason}; restore it from a copy, or move it away", path.display())]
     Damaged {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The damage.
         reason: String,
     },
 }
@@ -69,7 +69,7 @@ impl FileError {
     }
 }
 
-/// The HDF5 library reports the system's reason in the middle of its own.
+/// Extracts the operating system's message from the middle of a message of the HDF5 library.
 fn in_plain_words(reason: &str) -> String {
     match reason.split_once("error message = '").and_then(|(_, rest)| rest.split_once('\'')) {
         Some((words, _)) => words.to_lowercase(),

@@ -12,13 +12,13 @@ const FILES: [&str; 4] = ["trajectory.h5", "observables.h5", "statistics/statist
 /// The contents of a folder of results.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FolderContents {
-    /// The kind of its scene.
+    /// Kind of the scene.
     pub kind: &'static str,
-    /// The step of the last checkpoint, and the last step of the scene; none of a scene without steps.
+    /// Step of the last checkpoint, and last step of the scene; `None` for a scene without steps.
     pub steps: Option<[u64; 2]>,
     /// The HDF5 files.
     pub files: Vec<FolderFile>,
-    /// Where the folder is, for what to do next.
+    /// Path of the folder, for advice.
     #[serde(skip)]
     folder: String,
 }
@@ -26,11 +26,11 @@ pub struct FolderContents {
 /// An HDF5 file of a folder.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FolderFile {
-    /// Its name within the folder.
+    /// Name within the folder.
     pub name: String,
-    /// Its frames, if it has some.
+    /// Frames, if the file has some.
     pub frames: Option<FrameSpan>,
-    /// The parts that do not fit their checksums, or why it can't be read.
+    /// The parts that do not match their checksums, or the reason why the file cannot be read.
     pub damage: Vec<String>,
 }
 
@@ -55,7 +55,7 @@ impl FolderContents {
         })
     }
 
-    /// What is damaged, by file.
+    /// Damaged parts of each file.
     pub fn damage(&self) -> Vec<String> {
         let of =
             |file: &FolderFile| (!file.damage.is_empty()).then(|| format!("{}: {}", file.name, file.damage.join("; ")));

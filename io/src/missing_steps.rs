@@ -1,17 +1,17 @@
-//! Steps at which output was due and that a file has nothing of.
+//! Steps at which output was due and that a file lacks.
 
 use simulation::Schedule;
 use std::fmt::{Display, Formatter};
 use std::ops::RangeInclusive;
 
-/// The schedule of an output in a part of a run, both ends included.
+/// Schedule of an output in a part of a run, including both ends.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Period {
     pub(crate) steps: RangeInclusive<u64>,
     pub(crate) schedule: Schedule,
 }
 
-/// Steps that are missing, in ascending order.
+/// Missing steps, in ascending order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MissingSteps {
     runs: Vec<Progression>,
@@ -26,7 +26,7 @@ struct Progression {
 }
 
 impl MissingSteps {
-    /// The steps of a span that were due in some periods, in ascending order, and are not among those that are there.
+    /// The steps of a span that were due in some periods and are not in `there`, in ascending order.
     pub(crate) fn of(periods: &[Period], there: &[u64], span: &RangeInclusive<u64>) -> Self {
         let mut there = there.to_vec();
         there.sort_unstable();
@@ -43,19 +43,19 @@ impl MissingSteps {
         Self { runs }
     }
 
-    /// Their number.
+    /// Number of missing steps.
     pub fn count(&self) -> u64 {
         self.runs.iter().fold(0, |count, run| count.saturating_add(run.count()))
     }
 
-    /// Whether there are none.
+    /// Whether no step is missing.
     pub fn is_empty(&self) -> bool {
         self.runs.is_empty()
     }
 }
 
 impl Progression {
-    /// The steps of a range at which something is due, if there are any.
+    /// The steps of a range at which output is due, if there are any.
     fn due(schedule: Schedule, range: RangeInclusive<u64>) -> Option<Self> {
         let (from, until) = range.into_inner();
         let every = schedule.next_after(0).filter(|_| from <= until)?;
@@ -68,7 +68,7 @@ impl Progression {
     }
 }
 
-/// Progressions that are named.
+/// Largest number of progressions that are listed.
 const NAMED: usize = 6;
 
 impl Display for MissingSteps {

@@ -1,4 +1,4 @@
-//! The provenance of results, stored in every result file.
+//! Provenance of results, stored in every result file.
 
 use crate::{FileError, frames, stored_inside, text};
 use hdf5::types::{FixedAscii, VarLenUnicode};
@@ -6,29 +6,29 @@ use hdf5::{File, Group};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The version of the layout of our files.
+/// Version of the layout of the files.
 const SCHEMA: &str = "1";
 
-/// What is needed to compute the numbers of a file again.
+/// The data needed to reproduce the numbers of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Provenance {
     /// The scene, as TOML.
     pub scene: String,
     /// Name and version of the program.
     pub program: String,
-    /// How the fluid was computed, in words.
+    /// Evaluation plan of the fluid, in words.
     pub plan: String,
     /// Number of ranks that the run started with.
     pub ranks: usize,
-    /// The scene's seed.
+    /// Seed of the scene.
     pub seed: u64,
 }
 
-/// Files from which that of a folder is read, in order of preference.
+/// Files from which the provenance of a folder is read, in order of preference.
 const FILES: [&str; 6] = ["trajectory.h5", "observables.h5", "averages.h5", "sweep.h5", "solution.h5", "family.h5"];
 
 impl Provenance {
-    /// That of the results in a folder; nothing if there are none.
+    /// Provenance of the results in a folder; `None` if there are none.
     pub fn of_folder(folder: &Path) -> Result<Option<Self>, FileError> {
         let file = FILES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
         let read = |path: PathBuf| {
@@ -73,7 +73,7 @@ impl Provenance {
     }
 }
 
-/// H5MD's attributes are of a fixed length; readers in C and Fortran count on it.
+/// H5MD attributes have a fixed length, on which readers in C and Fortran rely.
 fn write_fixed(group: &Group, name: &str, text: &str) -> hdf5::Result<()> {
     group.new_attr::<FixedAscii<64>>().create(name)?.write_scalar(&text::fixed(text)?)
 }

@@ -1,6 +1,6 @@
-//! The scenes of a file of frames: that of its first frame, and a table of the keys that have changed since, in
-//! `parameters/changes`: `step`, `key`, `before` and `after`, a row for each. Like frames, rows are there once the length of
-//! `step` says so.
+//! Scenes of a file of frames: that of its first frame, and a table of the keys that have changed since then, in
+//! `parameters/changes`: `step`, `key`, `before` and `after`, one row per change. As with frames, rows are valid once
+//! the length of `step` includes them.
 
 use crate::frames::group;
 use crate::missing_steps::Period;
@@ -14,11 +14,11 @@ use std::path::Path;
 use std::str::FromStr;
 use toml::{Table, Value};
 
-/// The group of the table.
+/// Path of the table's group.
 const PLACE: &str = "parameters/changes";
-/// Rows that a file has room for.
+/// Number of rows that a file has room for.
 const ROOM: usize = 200;
-/// Bytes of a key, and of a value; longer ones are cut.
+/// Largest number of bytes of a key, and of a value; longer ones are cut.
 const KEY: usize = 64;
 const VALUE: usize = 128;
 
@@ -27,20 +27,20 @@ const VALUE: usize = 128;
 pub(crate) struct SceneHistory {
     /// The scene of the first frame.
     pub first: String,
-    /// In the order of their steps.
+    /// Changes in the order of their steps.
     pub changes: Vec<SceneChange>,
 }
 
 impl SceneHistory {
-    /// That of a file, as far as it can be read.
+    /// Scene history of a file, as far as it can be read.
     pub fn of(path: &Path) -> Option<Self> {
         let file = File::open(path).ok()?;
         let changes = changes(&file).ok()?;
         Some(Self { first: Provenance::read(&file).ok()?.scene, changes })
     }
 
-    /// Drops what came after a step, and adds what makes the scene that of `now`, from that step on. `Err` if it is no scene of
-    /// this run: keys differ that can't change.
+    /// Drops changes after a step, and adds those that make the scene equal to `now` from that step on. `Err` if it
+    /// is not a scene of this run, i.e. if fixed keys differ.
     pub fn bring_to(&mut self, now: &str, step: u64) -> Result<(), String> {
         self.changes.retain(|change| change.step <= step);
         let all = differences_of(now, &self.first).map_err(|e| format!("its scene is no TOML: {e}"))?;
@@ -66,18 +66,18 @@ impl SceneHistory {
         Ok(())
     }
 
-    /// The latest change of a key.
+    /// Latest change of a key.
     fn latest(&self, key: &str) -> Option<&SceneChange> {
         self.changes.iter().rev().find(|change| change.key == key)
     }
 
-    /// As it was at first.
+    /// Value of a changed key in the first scene.
     fn at_first(&self, key: &str) -> Option<String> {
         self.changes.iter().find(|change| change.key == key).and_then(|change| change.before.clone())
     }
 
-    /// Makes the table of a file that of the latest of these changes, for which it has room. A file of an older version has no
-    /// table.
+    /// Replaces the table of a file by the latest of these changes, as many as it has room for. A file of an
+    /// older version has no table.
     pub fn write(&self, file: &File) -> hdf5::Result<()> {
         let Ok(steps) = file.dataset(&format!("{PLACE}/step")) else { return Ok(()) };
         let (stored, first) = (changes(file)?, self.changes.len().saturating_sub(ROOM));
@@ -98,7 +98,7 @@ impl SceneHistory {
         Ok(())
     }
 
-    /// When frames were to be written.
+    /// Periods with their schedule of frames.
     pub fn periods(&self) -> Vec<Period> {
         let Ok(mut scene) = toml::from_str::<Table>(&self.first) else { return Vec::new() };
         let mut periods = Vec::new();
@@ -114,7 +114,7 @@ impl SceneHistory {
         periods
     }
 
-    /// The scene of the first frame, and after it, as comments, what has changed from which step on.
+    /// The scene of the first frame, followed by comments with the changes and the steps from which they hold.
     pub fn in_words(&self) -> String {
         let mut text = self.first.clone();
         if !self.changes.is_empty() && !text.ends_with('\n') {
@@ -125,7 +125,7 @@ impl SceneHistory {
     }
 }
 
-/// When frames were to be written in some steps, by the scene that held then.
+/// Schedule of frames for a range of steps, according to the scene at that time.
 fn period(scene: &Table, steps: RangeInclusive<u64>) -> Option<Period> {
     let text = toml::to_string(scene).ok()?;
     let scene = Scene::parse(&text, "the scene of the run", &[]).ok()?;
@@ -133,7 +133,7 @@ fn period(scene: &Table, steps: RangeInclusive<u64>) -> Option<Period> {
     Some(Period { steps, schedule })
 }
 
-/// Changes a key of a section; a value that was cut off, of which no schedule is made, is left as it is.
+/// Changes a key of a section. A value that was cut, which no schedule has, is left unchanged.
 fn change_key(scene: &mut Table, change: &SceneChange) {
     let Some((section, name)) = change.key.split_once('.') else { return };
     let section = scene.entry(section).or_insert_with(|| Value::Table(Table::new()));
@@ -149,7 +149,7 @@ fn change_key(scene: &mut Table, change: &SceneChange) {
     }
 }
 
-/// Makes an empty table.
+/// Creates an empty table.
 pub(crate) fn create(file: &File) -> hdf5::Result<()> {
     let table = group(file, PLACE)?;
     reserve::<u64>(&table, "step")?;
@@ -158,7 +158,7 @@ pub(crate) fn create(file: &File) -> hdf5::Result<()> {
     reserve::<FixedUnicode<VALUE>>(&table, "after")
 }
 
-/// Makes a column without rows, of which all storage is there from the start.
+/// Creates a column without rows, with all its storage allocated.
 fn reserve<T: H5Type>(table: &Group, name: &str) -> hdf5::Result<()> {
     let new = table.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never));
     let column = new.chunk((ROOM,)).shape((0..=ROOM,)).create(name)?;
@@ -166,7 +166,7 @@ fn reserve<T: H5Type>(table: &Group, name: &str) -> hdf5::Result<()> {
     column.resize((0,))
 }
 
-/// The changes that a file lists; none if it has no table.
+/// Changes listed in a file; empty if it has no table.
 pub(crate) fn changes(file: &File) -> hdf5::Result<Vec<SceneChange>> {
     let column = |name: &str| file.dataset(&format!("{PLACE}/{name}"));
     let Ok(steps) = column("step") else { return Ok(Vec::new()) };
@@ -184,12 +184,12 @@ pub(crate) fn changes(file: &File) -> hdf5::Result<Vec<SceneChange>> {
     Ok(steps.iter().zip(&keys).enumerate().map(row).collect())
 }
 
-/// A text, of which a damaged file may have any bytes.
+/// A text, which may have any bytes in a damaged file.
 fn read<const N: usize>(text: &FixedUnicode<N>) -> String {
     String::from_utf8_lossy(text.as_bytes()).into_owned()
 }
 
-/// All values of a column that is no longer than the table can be.
+/// All values of a column, which must not be longer than the table can be.
 fn short<T: H5Type>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
     if dataset.shape().iter().product::<usize>() > ROOM {
         return Err(format!("{} has more than {ROOM} rows", dataset.name()).into());
@@ -208,7 +208,7 @@ fn text<const N: usize>(value: Option<&String>) -> hdf5::Result<FixedUnicode<N>>
     FixedUnicode::from_str(value).map_err(|e| format!("`{value}`: {e}").into())
 }
 
-/// A value that fits into the table, of which the end is cut off if it is long.
+/// A value cut to the length that fits into the table.
 fn cut(value: &str) -> String {
     const DOTS: &str = "...";
     let value = value.replace('\0', " ");

@@ -1,8 +1,8 @@
-//! HDF5 files that are read: all that they hold has to be stored in themselves.
+//! Check that HDF5 input files are self-contained.
 //!
-//! A dataset may have its numbers in any other file of the machine (external storage, virtual datasets), and a name may
-//! stand for an object of another HDF5 file (external links). A file from elsewhere could so have bytes of the user's own
-//! files read, or written to.
+//! A dataset may have its numbers in any other file of the machine (external storage, virtual datasets), and a name
+//! may refer to an object of another HDF5 file (external links). A file from elsewhere could thus make the program
+//! read, or write to, the user's own files.
 
 use hdf5::plist::dataset_create::Layout;
 use hdf5::{Dataset, File, Group, LinkType, Result};
@@ -15,7 +15,7 @@ pub(crate) fn open(path: &Path) -> Result<File> {
     Ok(file)
 }
 
-/// `Err` if anything in a file is stored in another one.
+/// `Err` if anything in a file is stored in another file.
 pub(crate) fn check(file: &File) -> Result<()> {
     let (mut waiting, mut seen) = (vec![file.as_group()?], Vec::new());
     while let Some(group) = waiting.pop() {
@@ -29,7 +29,7 @@ pub(crate) fn check(file: &File) -> Result<()> {
     Ok(())
 }
 
-/// Checks what a group has names for; returns the groups among it.
+/// Checks the members of a group; returns the groups among them.
 fn check_members(group: &Group) -> Result<Vec<Group>> {
     let mut names = Vec::new();
     group.iter_visit_default(|name, link| {
@@ -64,7 +64,7 @@ fn check_dataset(dataset: &Dataset) -> Result<()> {
     }
 }
 
-/// Virtual datasets of the program's own fields, for programs that draw them: nothing here reads these.
+/// Virtual datasets of the program's own fields, for visualisation programs: the program does not read them.
 const OF_FIELDS: [&str; 3] = ["position", "repeated/velocity", "repeated/position"];
 
 const REMEDY: &str = "copy all that it needs into the file itself, for example by h5copy";

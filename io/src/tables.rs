@@ -1,4 +1,4 @@
-//! Tables of results, as CSV for reading and as HDF5 for programs.
+//! Tables of results, as CSV for people and as HDF5 for programs.
 
 use crate::{FileError, Manifest, Provenance, atomic_file, atomic_hdf5, text};
 use hdf5::File;
@@ -6,7 +6,7 @@ use hdf5::types::VarLenUnicode;
 use simulation::{Table, csv_line};
 use std::path::Path;
 
-/// The rows of a CSV file that has the columns of a table without words.
+/// Rows of a CSV file with the columns of a table without words.
 pub fn read_rows(table: &Table, path: &Path) -> Result<Vec<Vec<f64>>, FileError> {
     let csv = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
     let mut lines = csv.lines();
@@ -37,8 +37,8 @@ fn write(table: &Table, file: &File) -> hdf5::Result<()> {
     Ok(())
 }
 
-/// Writes tables into a folder, which is made: each as a CSV file of its own, all together as `NAME.h5`. Files of those
-/// names are replaced at once, where the manifest lists them or is not that of the folder.
+/// Writes tables to a folder, which is created: each as a separate CSV file, and all together as `NAME.h5`. Existing
+/// files of those names are replaced if the manifest lists them or is not that of the folder.
 pub fn write_tables(
     (folder, name): (&Path, &str),
     provenance: &Provenance,

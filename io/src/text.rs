@@ -5,7 +5,7 @@ use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{Dataset, Group, Location};
 use std::str::FromStr;
 
-/// The first bytes of an HDF5 file.
+/// First bytes of an HDF5 file.
 pub(crate) const HDF5: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
 
 /// Text as HDF5 stores it.
@@ -25,30 +25,30 @@ pub(crate) fn write_dataset(group: &Group, name: &str, text: &str) -> hdf5::Resu
     checksum::attach(&dataset, checksum::of(text.as_bytes()))
 }
 
-/// Reads a text; `Err` if it does not fit its checksum, where it has one.
+/// Reads a text; `Err` if it does not match its checksum, if it has one.
 pub(crate) fn read_dataset(group: &Group, name: &str) -> hdf5::Result<String> {
     read(&group.dataset(name)?)
 }
 
-/// The same of a dataset that is open.
+/// Like [`read_dataset`], for an open dataset.
 pub(crate) fn read(dataset: &Dataset) -> hdf5::Result<String> {
     let text = dataset.read_scalar::<VarLenUnicode>()?;
     checksum::compare(dataset, || checksum::of(text.as_bytes()))?;
     Ok(text.as_str().to_owned())
 }
 
-/// Text of at most 64 bytes in ASCII as H5MD asks for it in its own attributes: of a fixed length.
+/// ASCII text of at most 64 bytes with a fixed length, as H5MD requires of its own attributes.
 pub(crate) fn fixed(text: &str) -> hdf5::Result<FixedAscii<64>> {
     FixedAscii::from_ascii(text).map_err(|e| format!("`{text}`: {e}").into())
 }
 
-/// Notes the physical dimensions of a dataset's numbers, in terms of length, time and force. H5MD's `unit` would not
-/// do: it is for names of units, by which readers convert, and a scene's units are the user's choice.
+/// Stores the physical dimensions of a dataset's numbers, in terms of length, time and force. H5MD's `unit` is not
+/// suitable: it has names of units, by which readers convert, and the units of a scene are the user's choice.
 pub(crate) fn write_dimensions(dataset: &Dataset, dimensions: &str) -> hdf5::Result<()> {
     write_attribute(dataset, "dimensions", dimensions)
 }
 
-/// The physical dimensions of a dataset's numbers; files of before have them as `unit`.
+/// Physical dimensions of a dataset's numbers; older files have them as `unit`.
 pub(crate) fn read_dimensions(dataset: &Dataset) -> String {
     let attribute = dataset.attr("dimensions").or_else(|_| dataset.attr("unit"));
     let text = attribute.and_then(|a| a.read_scalar::<VarLenUnicode>());

@@ -17,11 +17,11 @@ pub struct Trajectory {
     description: Description,
 }
 
-/// What a new file needs that the particles do not say.
+/// Data for a new file that the particles do not provide.
 struct Description {
     elements: Vec<Element>,
     periodic: [bool; 3],
-    /// Frames at the end of the run.
+    /// Number of frames at the end of the run.
     planned: u64,
     origin: Origin,
 }
@@ -36,7 +36,7 @@ impl Description {
     }
 }
 
-/// The columns that are written, with their units.
+/// Columns that are written, with their units.
 const COLUMNS: [(&str, &str, &str); 3] = [
     ("velocity", "particles/all/velocity", "length/time"),
     ("angular_velocity", "particles/all/angular_velocity", "1/time"),
@@ -44,13 +44,13 @@ const COLUMNS: [(&str, &str, &str); 3] = [
 ];
 
 impl Trajectory {
-    /// A trajectory of a run of so many frames, like the first frame given: radii, species and periodic axes are those
-    /// that it has, and the columns are those that it has.
+    /// A trajectory with `frames` frames at the end of the run. The first frame determines radii, species,
+    /// periodic axes and columns.
     pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
         alone(&first.particles, |rows| Self::create_for(path, provenance, (rows, first.periodic), frames))
     }
 
-    /// The same with particles that are on many ranks.
+    /// Like [`Self::create`], with particles distributed over the ranks.
     pub(crate) fn create_for(
         path: &Path,
         provenance: &Provenance,
@@ -60,8 +60,8 @@ impl Trajectory {
         Self::open(provenance, first, frames, |kind| Frames::create(path, kind))
     }
 
-    /// Continues the trajectory of a former run after step `last`: later frames are dropped. `frames` is the number of
-    /// frames at the end of the run.
+    /// Continues the trajectory of an earlier part of the run after step `last`: later frames are dropped. `frames`
+    /// is the number of frames at the end of the run.
     pub fn resume(
         path: &Path,
         provenance: &Provenance,
@@ -71,7 +71,7 @@ impl Trajectory {
         alone(&first.particles, |rows| Self::resume_for(path, provenance, (rows, first.periodic), (last, frames)))
     }
 
-    /// The same with particles that are on many ranks.
+    /// Like [`Self::resume`], with particles distributed over the ranks.
     pub(crate) fn resume_for(
         path: &Path,
         provenance: &Provenance,
@@ -92,17 +92,17 @@ impl Trajectory {
         Ok(Self { frames: description.with_kind(rows, open)?, description })
     }
 
-    /// Notes the changes of the scene.
+    /// Records the changes of the scene.
     pub(crate) fn note_scenes(&mut self, scenes: &SceneHistory) -> Result<(), FileError> {
         self.description.origin.note_scenes(scenes, &mut self.frames)
     }
 
-    /// The steps of the frames.
+    /// Steps of the frames.
     pub(crate) fn steps(&self) -> Result<Vec<u64>, FileError> {
         self.frames.steps_written()
     }
 
-    /// The frames of the former run that are not as they were written.
+    /// Damaged frames of the earlier part of the run.
     pub fn damage(&self) -> &[Damage] {
         self.frames.damage()
     }
@@ -118,15 +118,15 @@ impl Trajectory {
         self.frames.sync()
     }
 
-    /// Adds a frame.
+    /// Appends a frame.
     pub fn append(&mut self, clock: (u64, f64), Frame { cell, particles, .. }: &Frame) -> Result<(), FileError> {
         alone(particles, |rows| self.append_for(clock, rows, cell))
     }
 
-    /// Adds a frame of particles that are on many ranks.
+    /// Appends a frame of particles distributed over the ranks.
     pub(crate) fn append_for(&mut self, clock: (u64, f64), rows: &ById, cell: &PeriodicBox) -> Result<(), FileError> {
         let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
-        // A lattice is told by its vectors alone.
+        // A lattice is determined by its vectors alone.
         let strain = if cell.axes().is_none() { cell.strain() } else { 0.0 };
         let mut values = vec![
             Added::InBlocks(Box::new(|each| rows.positions(|x| each(&bytemuck::cast_slice::<_, f64>(x).into())))),
@@ -166,7 +166,7 @@ fn elements<'a>(columns: impl Iterator<Item = (&'a str, usize)>, count: usize) -
     elements
 }
 
-/// What no frame changes.
+/// Writes the data that are the same for all frames.
 fn write_fixed(file: &hdf5::File, (rows, periodic): (&ById, [bool; 3])) -> hdf5::Result<()> {
     let (group, count) = (file.group("particles/all")?, rows.count());
     checksum::write_blocks::<u64>(&group, ("id", count), |each| rows.ids(each))?;
@@ -185,7 +185,7 @@ mod tests {
     use super::*;
     use domain::Vector;
 
-    /// Whoever has the particles, in whatever order, files have the same content.
+    /// Files have the same content for any distribution and order of the particles.
     #[test]
     fn ranks_write_one_file() {
         let cell = PeriodicBox::sheared(Vector::splat(4.0), 0.2).unwrap();
@@ -230,7 +230,7 @@ mod tests {
         assert_eq!((read.ids, read.positions, read.steps), (all.ids, all.positions, all.steps));
     }
 
-    /// What does not change and the checksums of all frames, which their values fit.
+    /// Data that do not change and the checksums of all frames, after checking that values match them.
     fn content(path: &Path) -> (Vec<u64>, Vec<f64>, Vec<u64>) {
         assert_eq!(crate::Contents::read(path).unwrap().damage, Vec::<String>::new());
         let file = hdf5::File::open(path).unwrap();

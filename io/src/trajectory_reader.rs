@@ -1,4 +1,4 @@
-//! Reading trajectories.
+//! Reader of trajectories.
 
 use crate::frames::Sums;
 use crate::missing_steps::MissingSteps;
@@ -23,17 +23,17 @@ pub struct TrajectoryReader {
     scenes: SceneHistory,
 }
 
-/// A frame at its step and time.
+/// A frame with its step and time.
 pub struct Snapshot {
-    /// The step.
+    /// Step.
     pub step: u64,
-    /// The time.
+    /// Time.
     pub time: f64,
     /// The box and the particles.
     pub frame: Frame,
 }
 
-/// The columns of a frame that may be there, and their widths.
+/// Optional columns of a frame, and their widths.
 const COLUMNS: [(&str, usize); 3] = [("velocity", 3), ("angular_velocity", 3), ("stresslet", 5)];
 
 impl TrajectoryReader {
@@ -62,7 +62,7 @@ impl TrajectoryReader {
             columns: Vec::new(),
         };
         let mut times: Vec<f64> = claimed_size::read(&group, "position/time")?;
-        // Times are written before steps: there may be one more.
+        // Times are written before steps, so there may be one more.
         let steps: Vec<u64> = claimed_size::read(&group, "position/step")?;
         times.truncate(steps.len());
         let (sums, provenance) = (Sums::open(&file)?, Provenance::read(&file)?);
@@ -70,22 +70,22 @@ impl TrajectoryReader {
         Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, provenance, scenes })
     }
 
-    /// The provenance of the file.
+    /// Provenance of the file.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance
     }
 
-    /// The times of the frames.
+    /// Times of the frames.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// The steps of the frames.
+    /// Steps of the frames.
     pub fn steps(&self) -> &[u64] {
         &self.steps
     }
 
-    /// The largest number of steps of which all intervals between some frames are multiples; 0 if there are none.
+    /// Largest common divisor of the intervals in steps between some frames; 0 if there are none.
     pub fn common_interval(&self, frames: &[usize]) -> u64 {
         let steps = frames.iter().map(|&frame| self.steps[frame]);
         steps
@@ -94,32 +94,32 @@ impl TrajectoryReader {
             .fold(0, |common, (before, after)| common_divisor(common, after.abs_diff(before)))
     }
 
-    /// The steps of a span, both ends included, of which the run was to write a frame that the file does not have.
+    /// Steps of a span, including both ends, at which a frame was due and is missing in the file.
     pub fn missing_steps(&self, span: &RangeInclusive<u64>) -> MissingSteps {
         MissingSteps::of(&self.scenes.periods(), &self.steps, span)
     }
 
-    /// The keys of the scene that have changed in the course of the run.
+    /// Keys of the scene that have changed in the course of the run.
     pub fn changes(&self) -> &[SceneChange] {
         &self.scenes.changes
     }
 
-    /// Whether a frame's step and time are as they were written.
+    /// Whether a frame's step and time match their checksum.
     pub fn has_clock(&self, frame: usize) -> bool {
         self.sums.as_ref().is_none_or(|sums| sums.has_clock(frame))
     }
 
-    /// The radii of the particles, in the order of their ids.
+    /// Radii of the particles, in the order of their ids.
     pub fn radii(&self) -> &[f64] {
         &self.fixed.radii
     }
 
-    /// The species of the particles, in the order of their ids.
+    /// Species of the particles, in the order of their ids.
     pub fn species(&self) -> &[u32] {
         &self.fixed.species
     }
 
-    /// A frame with its step and time. `Err` as from [`Self::frame`].
+    /// A frame with its step and time. Errors as for [`Self::frame`].
     pub fn snapshot(&self, frame: usize) -> Result<Snapshot, FileError> {
         let (cell, particles) = self.frame(frame)?;
         let periodic = periodic(&self.group).map_err(|e| FileError::damaged(&self.path, &e))?;
@@ -127,8 +127,8 @@ impl TrajectoryReader {
         Ok(Snapshot { step, time, frame: Frame { particles, cell, periodic } })
     }
 
-    /// A frame: the box, and all particles in the order of their ids with the columns that the file has. `Err` if it is
-    /// not as it was written.
+    /// A frame: the box, and all particles in the order of their ids with the columns that the file
+    /// has. `Err` if it is damaged.
     pub fn frame(&self, frame: usize) -> Result<(PeriodicBox, Particles), FileError> {
         self.try_frame(frame).map_err(|e| FileError::damaged(&self.path, &e))
     }
@@ -172,7 +172,7 @@ fn common_divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { common_divisor(b, a % b) }
 }
 
-/// The box of lattice vectors, one after the other, which is at a strain if it is a sheared one.
+/// Box from consecutive lattice vectors; `strain` is that of a sheared box.
 fn cell(vectors: &[f64; 9], strain: f64) -> Result<PeriodicBox, BoxError> {
     match *vectors {
         [xx, 0.0, 0.0, _, yy, 0.0, 0.0, 0.0, zz] => PeriodicBox::sheared(Vector::new(xx, yy, zz), strain),
@@ -180,8 +180,8 @@ fn cell(vectors: &[f64; 9], strain: f64) -> Result<PeriodicBox, BoxError> {
     }
 }
 
-/// The box where it follows particles, which files do not say: in open fluid, and along an axis that is not periodic where
-/// centres are outside otherwise, they are in its middle.
+/// The box at the position of the particles that it follows, which files do not store. Along an axis that is not
+/// periodic it is centred at the particles: always in unbounded fluid, otherwise if centres are outside of it.
 fn around(cell: PeriodicBox, particles: &Particles, periodic: [bool; 3]) -> PeriodicBox {
     let mut origin = Vector::ZERO;
     for axis in (0..3).filter(|&axis| !periodic[axis] && !particles.is_empty()) {
@@ -194,14 +194,14 @@ fn around(cell: PeriodicBox, particles: &Particles, periodic: [bool; 3]) -> Peri
     if origin == Vector::ZERO { cell } else { cell.spanning(origin, cell.edges()).unwrap_or(cell) }
 }
 
-/// Along which axes the box is periodic.
+/// Whether the box is periodic along each axis.
 fn periodic(group: &Group) -> hdf5::Result<[bool; 3]> {
     let boundary = group.group("box")?.attr("boundary")?.read_raw::<FixedAscii<64>>()?;
     let periodic: Vec<bool> = boundary.iter().map(|axis| axis.as_str() == "periodic").collect();
     periodic.try_into().map_err(|axes: Vec<bool>| format!("its box has {} boundaries", axes.len()).into())
 }
 
-/// Refuses particles whose numbers mean nothing.
+/// Refuses particles with invalid numbers.
 fn numbers(particles: &Particles) -> Result<(), String> {
     if !particles.radii.iter().all(|&radius| radius > 0.0 && radius.is_finite()) {
         return Err("a radius is no finite number above 0".to_owned());
@@ -221,7 +221,7 @@ mod tests {
     use crate::{Provenance, Trajectory};
     use hdf5::File;
 
-    /// A trajectory of one frame of one particle, after it was changed; what is said of its frame.
+    /// Error message for a trajectory of one frame of one particle after a change.
     fn changed(change: impl FnOnce(&File) -> hdf5::Result<()>) -> String {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("trajectory.h5");
@@ -257,7 +257,7 @@ mod tests {
         assert_ne!(changed(|file| file.dataset("particles/all/box/strain/value")?.resize((0,))), "");
     }
 
-    /// In open fluid the box is around the particles, wherever they are; along an open axis where they are outside of it.
+    /// In unbounded fluid the box is always around the particles; along an open axis if they are outside of it.
     #[test]
     fn boxes_that_follow_particles_are_around_them() {
         let mut particles = Particles::default();
@@ -326,7 +326,7 @@ mod tests {
         assert!(error.contains("trajectory.h5 is damaged: particles/all/radius does not fit its checksum"), "{error}");
     }
 
-    /// Changes a bit of the first number of this value in a file.
+    /// Changes a bit of the first number with this value in a file.
     fn flip(path: &Path, number: f64) {
         let mut bytes = std::fs::read(path).unwrap();
         let place = bytes.windows(8).position(|b| b == number.to_le_bytes()).unwrap();

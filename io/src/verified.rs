@@ -1,10 +1,10 @@
-//! Verification of datasets, of any type that this program stores, by their checksums.
+//! Verification of datasets of any type that this program stores, by their checksums.
 
 use crate::{checksum, text};
 use hdf5::Dataset;
 use hdf5::types::{IntSize, TypeDescriptor};
 
-/// `Err` if a dataset of any type that this program stores does not fit its checksum.
+/// `Err` if a dataset of any type that this program stores does not match its checksum.
 pub(crate) fn verify(dataset: &Dataset) -> hdf5::Result<()> {
     if !checksum::has_one(dataset)? {
         return Ok(());

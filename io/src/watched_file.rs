@@ -1,18 +1,18 @@
-//! A file that is being written, and the name under which it has to stay.
+//! A file that is being written, which must keep its name.
 
 use crate::FileError;
 use std::fs::{File, Metadata};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-/// A file that is open for writing. What becomes of its name is seen at the next write: a file that was removed or replaced
-/// would take all later writes with it, without an error of the system.
+/// A file that is open for writing. Each write checks whether it still has its name: a file that was removed or
+/// replaced would take all later writes with it, without an error of the operating system.
 pub(crate) struct WatchedFile {
     path: PathBuf,
     file: File,
-    /// Device and number of the file.
+    /// Device and inode number of the file.
     identity: (u64, u64),
-    /// The length that it has at least.
+    /// Smallest possible length.
     length: u64,
 }
 
@@ -28,7 +28,7 @@ impl WatchedFile {
         &self.file
     }
 
-    /// `Err` if the name stands for no file or another one now, or the file has become shorter.
+    /// `Err` if the name now refers to no file or to another one, or the file has become shorter.
     pub(crate) fn check(&self) -> Result<(), FileError> {
         let what = match std::fs::metadata(&self.path) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => "was removed or renamed".to_owned(),
@@ -42,13 +42,13 @@ impl WatchedFile {
         Err(FileError::Lost { path: self.path.clone(), what })
     }
 
-    /// Notes the length after a write, which may only have made the file longer.
+    /// Records the length after a write, which can only have made the file longer.
     pub(crate) fn note_growth(&mut self) -> Result<(), FileError> {
         self.check()?;
         self.note_length()
     }
 
-    /// Notes the length after a change of any kind.
+    /// Records the length after a change of any kind.
     pub(crate) fn note_length(&mut self) -> Result<(), FileError> {
         let found = self.file.metadata().map_err(|e| FileError::write(&self.path, &e))?;
         self.length = found.len();

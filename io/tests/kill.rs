@@ -1,4 +1,4 @@
-//! A program that is killed while it writes a trajectory leaves one that can be read.
+//! A trajectory can be read after the program that writes it was killed.
 
 #![allow(clippy::float_cmp, reason = "what was written is read, to the bit")]
 
@@ -21,7 +21,7 @@ fn frame(step: u64) -> Frame {
     Frame { particles, cell: PeriodicBox::new(Vector::ONE).unwrap(), periodic: [true; 3] }
 }
 
-/// Writes frames until it is killed, when it runs as the child of the test below.
+/// Writes frames until it is killed, when it runs as the child process of the test below.
 #[test]
 fn writer_to_be_killed() {
     let Some(path) = std::env::var_os("TRAJECTORY_TO_WRITE") else { return };
@@ -35,7 +35,7 @@ fn writer_to_be_killed() {
     }
 }
 
-/// Reads a trajectory as any reader would, and returns its steps; the frames must be whole.
+/// Reads a trajectory like any reader, and returns its steps; the frames must be complete.
 fn steps_of(path: &Path) -> Vec<u64> {
     let file = hdf5::File::open(path).unwrap();
     let reals = |name: &str| file.dataset(&format!("particles/all/{name}")).unwrap().read_raw::<f64>().unwrap();
@@ -66,7 +66,7 @@ fn a_writer_killed_at_any_moment_leaves_whole_frames() {
         while !path.with_extension("ready").exists() {
             std::thread::yield_now();
         }
-        // Another time in each attempt, so that the kill meets another moment of writing a frame.
+        // Each attempt sleeps for a different time, so that the kill occurs at a different point of writing a frame.
         std::thread::sleep(Duration::from_micros(731 * attempt));
         child.kill().unwrap();
         child.wait().unwrap();

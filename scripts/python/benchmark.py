@@ -47,7 +47,7 @@ class Case:
         self.lines.append({"label": self.label, "key": self.key(), **json.loads(ended.stdout)})
 
     def key(self):
-        """What tells this case from others, wherever the programs are."""
+        """Identification of the case, independent of the folder of the programs."""
         arguments = [argument for argument in self.command if not argument.startswith("/")]
         return " ".join([self.label, *arguments, self.environment["OMP_NUM_THREADS"]])
 
@@ -160,7 +160,7 @@ def verdicts(cases):
 
 
 def speedups(lines):
-    """How much faster it goes on more than one thread."""
+    """Speedups on several threads."""
     alone, *others = [line["seconds"]["total"] for line in lines]
     for line, seconds in zip(lines[1:], others):
         yield f"- {line['label']}: {alone / seconds:.2f} times as fast as one thread."

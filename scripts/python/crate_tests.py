@@ -35,12 +35,12 @@ HUNG, SECONDS = 8, 60
 
 
 def priority(seconds):
-    """How early a test comes, from 100 to -100: the later the slower."""
+    """Priority of a test by its duration, from 100 (first) to -100 (last): slower tests come later."""
     return max(-100, min(100, -round(20 * math.log10(max(seconds, 1e-3) / 0.1)) - 1))
 
 
 def outermost(span):
-    """Where a macro was called that an error is in, or the error itself."""
+    """Position of the outermost macro call that contains an error, or of the error itself."""
     return outermost(span["expansion"]["span"]) if span["expansion"] else span
 
 
@@ -96,7 +96,7 @@ class CrateTests:
         return self.outcome(self.nextest(stage), **more)
 
     def tested(self, stage, number, function):
-        """What those tests of a stage that reach a function make of one of its changes, which is planted."""
+        """Outcome of the tests of a stage that reach a function, run with one of its planted changes."""
         names = self.reaching[function]
         if not names:
             return "missed"

@@ -16,7 +16,7 @@ VERDICTS = ROOT / "validation" / "data" / "mutants.jsonl"
 
 OUTCOMES = ("noticed", "timed out", "missed", "changes nothing", "unviable", "not yet tested")
 
-# Those that others are built on come first: these are built once, after them.
+# Crates that others depend on come first: these are built once, after them.
 ORDER = "domain solver lubrication statistics fcm drivers simulation suspension io fcm-solve".split()
 
 

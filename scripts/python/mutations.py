@@ -12,7 +12,7 @@ import tomllib
 class Mutation:
     """One change of one place."""
 
-    # What is changed and how, with the line of source that it is in: the same after edits elsewhere, and in a file
+    # The change and its line of source: the same after edits elsewhere, and in a file
     # that has moved.
     key: str
     # The folder of the crate.
@@ -31,7 +31,7 @@ class Mutation:
 
     @staticmethod
     def offset(text, edge):
-        """Where in a source a line and column are."""
+        """Offset of a line and column in a source text."""
         line, column = edge
         return sum(map(len, text.splitlines(keepends=True)[: line - 1])) + column - 1
 
@@ -45,7 +45,7 @@ def edges(span):
 
 
 def all_mutations(root):
-    """Those of every crate."""
+    """Mutations of all crates."""
     command = ["cargo", "mutants", "--workspace", "--list", "--json", "--config", "scripts/mutants.toml"]
     listed = json.loads(subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout)
     seen, sources = collections.Counter(), {}

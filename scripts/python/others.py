@@ -121,7 +121,7 @@ density_difference = 1.0
         return path
 
     def error(self, path, tolerance):
-        """That of velocities under random forces, against a tolerance of 1e-6."""
+        """Error of velocities under random forces, against a tolerance of 1e-6."""
         given = json.loads(path.read_text())
         forces = np.random.default_rng(1).normal(size=(BETWEEN, 3))
         case = {
@@ -241,7 +241,8 @@ PEERS = {
         "motion with a thermal energy of 0.6 pi mu a^3 times the rate.",
     ]),
     "DPSTOKES": ("dpstokes", "Between walls beside DPStokes", beside_dpstokes, [
-        f"CPU seconds for forces to velocities of {BETWEEN:,} equal spheres at {BETWEEN_FRACTION:.0%} between walls {HEIGHT:g} radii apart: here a whole step without",
+        (f"CPU seconds for forces to velocities of {BETWEEN:,} equal spheres at "
+         f"{BETWEEN_FRACTION:.0%} between walls {HEIGHT:g} radii apart: here a whole step without"),
         "stresslets, there a product alone. Errors are those of the grid, against a tolerance of 1e-6 here and a grid twice as fine there.",
     ]),
 }

@@ -16,7 +16,7 @@ MESSAGES = 10
 
 
 def output(command, **environment):
-    """What a command prints, as JSON lines."""
+    """Output of a command, as JSON lines."""
     environment = {**os.environ, **environment}
     ended = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True)
     if ended.returncode:
@@ -101,7 +101,7 @@ def exchanging():
 
 
 def page(programs, target):
-    """What the benchmark page says of all this."""
+    """Section of the benchmark page with these results."""
     grid, total, exchanged = exchange(programs)
     return [
         "## Transforms",
@@ -127,7 +127,8 @@ def page(programs, target):
         "",
         f"One mobility of {EXCHANGING} spheres at 12% on a grid of {grid}^3, which takes {1e3 * total:.0f} ms on one thread. Bytes are",
         "counted, with more ranks than cores. Times are a projection, not a measurement: the work shared out, bytes at",
-        f"{BANDWIDTH / 1e9} GB/s a rank, {1e6 * LATENCY:.0f} microseconds a message, about {MESSAGES} messages to every other rank. In brackets: the halos' part extrapolated as the square root of the ranks.",
+        (f"{BANDWIDTH / 1e9} GB/s a rank, {1e6 * LATENCY:.0f} microseconds a message, about {MESSAGES} messages "
+         "to every other rank. In brackets: the halos' part extrapolated as the square root of the ranks."),
         "",
         *exchanged,
         "",

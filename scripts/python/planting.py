@@ -3,7 +3,7 @@
 import collections
 import re
 
-# Which change is made: the one of the number in the environment, or none. It is asked for at the start of each function
+# The active change: the one with the number in the environment, or none. It is read at the start of each function
 # that has changes, named by the first of them; so tests leave a note of the functions that they reach.
 SWITCH = """
 pub(crate) fn chosen_mutation(function: usize) -> usize {
@@ -67,7 +67,7 @@ class Planted:
 
     @staticmethod
     def body(source, start):
-        """Where the body of a function begins: at the first brace outside of comments, parentheses and brackets."""
+        """Start of the body of a function: the first brace outside of comments, parentheses and brackets."""
         depth = 0
         for place in re.finditer(r"//.*|[](){[]", source[start:]):
             if place[0] == "{" and depth == 0:
@@ -77,7 +77,7 @@ class Planted:
 
 
 def plant(sources, changes):
-    """Those sources, by file, with the changes of each as branches."""
+    """The changed sources, by file, with the changes of each as branches."""
     files = collections.defaultdict(dict)
     for number, change in changes.items():
         files[change.file][number] = change

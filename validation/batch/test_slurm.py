@@ -36,7 +36,7 @@ class Jobs(unittest.TestCase):
         cls.slurm.start()
 
     def in_a_job(self, *command):
-        """What a command prints in a job of two tasks."""
+        """Output of a command in a job of two tasks."""
         script, log = self.place / "job.sh", self.place / "job.log"
         script.write_text("#!/bin/sh\nexec " + " ".join(command) + "\n")
         log.unlink(missing_ok=True)

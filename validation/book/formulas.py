@@ -42,7 +42,7 @@ class Formula:
 
     @property
     def meant(self):
-        """What a reader's browser is to have."""
+        """The formula that a reader's browser must receive."""
         return re.sub(r"\\([\\*_])", r"\1", self.source)
 
 

@@ -61,7 +61,7 @@ def around(text, match):
 
 
 def compare(source, found):
-    """Where the formulas of a page are not those of its source."""
+    """Differences between the formulas of a page and those of its source."""
     meant = [formula.meant for formula in source]
     if len(meant) != len(found):
         yield f"{len(meant)} formulas in the source, {len(found)} on the page"

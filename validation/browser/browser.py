@@ -96,7 +96,7 @@ class Browser:
         self.until("document.readyState === 'complete'")
 
     def value(self, expression):
-        """What an expression has on the page."""
+        """Value of an expression on the page."""
         answer = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(f"{expression}: {answer['exceptionDetails']}")
@@ -132,7 +132,7 @@ class Browser:
         return path
 
     def place(self, element):
-        """Where an element is on the page."""
+        """Position and size of an element on the page."""
         corner = f"const r = document.querySelector({json.dumps(element)}).getBoundingClientRect();"
         sizes = "return {x: r.x + scrollX, y: r.y + scrollY, width: r.width, height: r.height}"
         return self.value(f"(() => {{ {corner} {sizes} }})()")

@@ -32,7 +32,7 @@ SCENES = {
 
 @dataclass
 class Picture:
-    """What is seen of a run's page."""
+    """The part of a run's page that a picture shows."""
 
     run: str
     colours: str

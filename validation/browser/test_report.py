@@ -20,7 +20,7 @@ def seen(browser, place):
 
 
 def coloured(picture):
-    """Which pixels are neither gray nor nearly so: the box is gray, the spheres are not."""
+    """Pixels that are neither gray nor nearly gray: the box is gray, the spheres are not."""
     return np.ptp(picture, axis=-1) > 0.15
 
 

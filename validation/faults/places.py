@@ -34,7 +34,7 @@ class Fault:
 
 
 class Place:
-    """Where the runs of one kind are tried, with the library that makes calls fail."""
+    """The folder in which runs of one kind are tried, with the library that makes system calls fail."""
 
     def __init__(self, run, folder, library):
         self.run, self.out, self.log = run, folder / "out", folder / "log"
@@ -86,7 +86,7 @@ class Place:
         return self.wrong_end(fault, code, said) or self.wrong_after(code)
 
     def wrong_end(self, fault, code, said):
-        """What is wrong with the way in which the run ended."""
+        """Fault in the way in which the run ended, or None."""
         if code is None:
             return f"it hangs: {said}"
         if fault.kills and code != -signal.SIGKILL:
@@ -99,7 +99,7 @@ class Place:
         return f"it left unreadable files: {broken}; {said}" if broken else None
 
     def wrong_after(self, code):
-        """What is wrong when the run is gone on with; a run that bore the fault has nothing left to do."""
+        """Fault after the run has been resumed, or None; a run that survived the failed call has nothing left to do."""
         if code != 0:
             code, said = self.call(self.run.go_on(self.out))
             if code != 0:

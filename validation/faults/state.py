@@ -1,10 +1,10 @@
-"""What a run determines of the files in its folder, bit by bit, and whether each of them can be read."""
+"""The reproducible content of the files in the folder of a run, bit by bit; files that cannot be read."""
 
 import csv
 
 import h5py
 
-# How long steps took is not the same twice, and checksums of it neither.
+# Durations of steps, and checksums of them, are not reproducible.
 UNDETERMINED = "seconds_per_step"
 
 

@@ -1,4 +1,4 @@
-"""What the figures of bidisperse sheared suspensions have in common."""
+"""Common parts of the figures of bidisperse sheared suspensions."""
 
 import shear
 from report import Report

@@ -1,5 +1,5 @@
-"""What the runs of the figures cost: what the quick ones took of a core, and what full ones took or, by the same rate for a sphere
-and a step, would need."""
+"""Cost of the runs of the figures: core time of the quick runs, and of the full runs, measured or estimated from the same
+time per sphere and step."""
 
 import json
 
@@ -37,7 +37,7 @@ def joined(lists):
 
 
 def spheres(run):
-    """How many a run has."""
+    """Number of spheres of a run."""
     box = run.scene["box"]["edges"][0] ** 3
     counted = [one.get("count") or round(one["volume_fraction"] * box / volume(one["radius"])) for one in run.scene["species"]]
     return sum(counted)

@@ -55,8 +55,8 @@ def draw(mode):
 
 
 def streams(report, totals, dynamic, places):
-    """How the velocity of the first species changes with time where the second rises, in the box, beside that at places at
-    equilibrium for the largest total."""
+    """Velocity of the first species over time where the second rises, in the box, and its value at equilibrium
+    positions for the largest total."""
     at_places, error = over_seeds(places, settling.downwards("first"))
     for total, (run, *_) in zip(totals, dynamic):
         times, values = (np.array(column) for column in run.series("mean_velocity_z[first]"))
@@ -72,8 +72,7 @@ def streams(report, totals, dynamic, places):
 
 
 def arrangement(report, dynamic):
-    """How spheres of the two species stand to each other where the second rises, and what that makes of the velocity of the
-    first."""
+    """Relative positions of spheres of the two species where the second rises, and their effect on the velocity of the first."""
     distributions = {phi: unlike(run) for phi, (run, *_) in dynamic.items()}
     near = [g[(distance > 2) & (distance < NEAR)] for distance, _, g in distributions.values()]
     cosine = next(iter(distributions.values()))[1]
@@ -95,8 +94,9 @@ def unlike(run):
 
 
 def taken_off(phi, distance, cosine, g):
-    """What spheres of the second species take off the velocity of one of the first by where they are, compared with random
-    places outside it, over the Stokes velocity: by the mobility of Rotne & Prager, `3/(4 r) [1 + 2/(3 r²) + (1 - 2/r²) cos²]`."""
+    """Reduction of the velocity of a sphere of the first species by the positions of the second species, compared with random
+    positions outside of it, over the Stokes velocity: by the mobility of Rotne & Prager,
+    `3/(4 r) [1 + 2/(3 r²) + (1 - 2/r²) cos²]`."""
     outside = distance > 2
     r, g = distance[outside, None], g[outside]
     mobility = 0.75 / r * (1 + 2 / (3 * r**2) + (1 - 2 / r**2) * cosine**2)

@@ -16,7 +16,7 @@ STRONGER = 4.0
 
 
 def draw(mode):
-    """Which mixtures separate into streams."""
+    """Mixtures that separate into streams."""
     cases = {pair: settling.segregation(*pair, mode) for pair in settling.PAIRS[mode]}
     barriers = [settling.segregation(0.10, 0.10, "quick", stronger) for stronger in (1.0, STRONGER)]
     make(sum([*cases.values(), *barriers], []))

@@ -10,7 +10,7 @@ KINDS = {False: ("k", ""), True: ("C3", ", lubrication")}
 
 
 def first_zero(times, values):
-    """Where a function first changes its sign."""
+    """Time at which a function first changes its sign."""
     for (s, a), (t, b) in zip(zip(times, values), zip(times[1:], values[1:])):
         if a > 0 >= b:
             return s + (t - s) * a / (a - b)

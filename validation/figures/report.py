@@ -1,4 +1,4 @@
-"""What a figure leaves: its picture, its data, the rows that judge it, and the page of the documentation with those of all."""
+"""Output of a figure: its picture, its data, the rows that judge it, and the page of the documentation with all of these."""
 
 import argparse
 import csv
@@ -89,7 +89,7 @@ def shown(found):
 
 
 def number(path):
-    """That of a figure; what is no figure of the paper comes last."""
+    """Number of a figure; figures that are not in the paper come last."""
     return int(path.stem.partition("fig")[2] or 1000)
 
 

@@ -113,7 +113,7 @@ class Run:
 
 
 def kept(name, compute):
-    """What a function gives, numbers, lists or words, from a file once that is there."""
+    """Result of a function (numbers, lists or words), cached in a file."""
     file = FOLDER / "kept" / f"{name}.json"
     if not file.exists():
         answer = json.dumps(compute())

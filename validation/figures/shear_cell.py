@@ -15,7 +15,7 @@ PAPER = [0.63, 0.58, 0.51]
 DENSE = 0.595
 # Load at which the theory has that solid fraction at the first speed.
 LOAD = 3574.0
-# Where the particles are compared.
+# Solid fraction at which the particles are compared.
 FRACTION = 0.5
 # The paper's speeds, at which the weight of the grains is two fifths of the stress at first, and speeds at which it is a
 # fortieth and less: the collisional regime.

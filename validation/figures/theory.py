@@ -1,4 +1,4 @@
-"""What theories and correlations say, from their formulas."""
+"""Predictions of theories and correlations, from their formulas."""
 
 import concurrent.futures
 import functools
@@ -58,7 +58,7 @@ def structure(densities, radii):
 
 
 def periodic_images(species, edge, rigid=True):
-    """What the images of a cubic box take off the mean settling velocity of each species at random places, over its Stokes
+    """Reduction of the mean settling velocity of each species at random positions by the images of a cubic box, over its Stokes
     velocity: 2.8373 a_i / L sum_j S_ij F_j / F_i / eta (Mo & Sangani, Phys. Fluids 6, 1637, 1994, for one species), with the
     viscosity 1 + 5/2 phi + 5 phi^2 of rigid spheres, or 1. Species are (name, radius, density difference, volume fraction)."""
     radii, excess, fractions = (np.array(column, float) for column in list(zip(*species))[1:])

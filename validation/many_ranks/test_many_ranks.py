@@ -77,7 +77,8 @@ class ManyRanks(unittest.TestCase):
 
     def test_a_cloud_whose_box_grows(self):
         """In open fluid: the box and its grid follow the spheres, on any ranks and after other numbers of them."""
-        sets = {"species[0].count": 12, "particles.radius": 6.0, "flow": '{kind="shear", rate=1.0}', "time.step": 0.1, "output.checkpoint_every": 3, "output.trajectory_every": 3, "hydrodynamics.tolerance": TIGHT}
+        sets = {"species[0].count": 12, "particles.radius": 6.0, "flow": '{kind="shear", rate=1.0}', "time.step": 0.1,
+                "output.checkpoint_every": 3, "output.trajectory_every": 3, "hydrodynamics.tolerance": TIGHT}
         words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
         frames = []
         for ranks in (None, 2, 3, 7):

@@ -64,7 +64,7 @@ class Launchers(unittest.TestCase):
         step = lambda mpi, program: ("srun", f"--mpi={mpi}", "--ntasks=2", program, *BENCH)
         said = slurm.call(*step("pmi2", WITH_MPICH))
         self.assertEqual(ranks(said), [2], said)
-        # What speaks no PMI2, as Debian's Open MPI, ends the program by itself.
+        # A library without PMI2, such as Debian's Open MPI, ends the program itself.
         for mpi, program, reason in (
             ("none", WITH_MPICH, "error: srun started 2 processes that can't find each other"),
             ("pmix", WITH_MPICH, "error: the launcher started 2 processes, but the MPI library sees 1"),

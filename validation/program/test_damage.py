@@ -31,7 +31,7 @@ def flip(path, place, bit=0):
 
 
 def place_of(path, dataset, frame):
-    """Where the middle number of a frame stands in a file."""
+    """Position of the middle number of a frame in a file."""
     with h5py.File(path) as file:
         number = file[dataset][frame].reshape(-1)[12].tobytes()
     return path.read_bytes().index(number)

@@ -1,4 +1,4 @@
-"""What others read of a run: every HDF5 file opens in h5py and holds what the documentation says."""
+"""The files of a run as other programs read them: every HDF5 file opens in h5py and has the documented content."""
 
 import json
 import pathlib
@@ -175,7 +175,7 @@ class Files(unittest.TestCase):
         np.testing.assert_allclose(velocities, [[0, 0, -expected]] * 2, atol=0.01)
 
     def test_info_describes_the_folder(self):
-        """How far the run has come, and the frames of its files; damage of any of them is an error."""
+        """Progress of the run, and the frames of its files; damage of any of them is an error."""
         said = run(["info", self.out])
         with h5py.File(self.out / "trajectory.h5") as file:
             frames = len(file["particles/all/position/step"])

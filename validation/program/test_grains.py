@@ -16,7 +16,7 @@ from program import ROOT, run, start
 from small_run import has_checkpoint, wait_for
 from support.checkpoint import state_of
 
-# What makes a run short: about a second each, with checkpoints on the way.
+# Settings of short runs: about a second each, with checkpoints on the way.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
 EVENTS = {"time.steps": 60, "time.settle": 0.02, "output.checkpoint_every": 7, "grains.solid_fraction": 0.45}
 RUNS = {
@@ -300,7 +300,7 @@ class Grains(unittest.TestCase):
         failed = self.run_scene("shear-cell-continuum", sets, out, expect=1)
         self.assertIn("did not converge from a uniform solid fraction of 0.6400", failed)
         self.assertIn("2 problems have no solution", failed)
-        # What has no solution is tried again, and is not forgotten.
+        # A problem without a solution is tried again, and is not forgotten.
         again = run(["run", *words("shear-cell-continuum", sets), "--out", out, "--continue"], expect=1)
         self.assertEqual(again, failed)
 

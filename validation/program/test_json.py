@@ -1,4 +1,4 @@
-"""What the program says to other programs: values as JSON, the schema of scenes, manual pages."""
+"""Output for other programs: values as JSON, the schema of scenes, manual pages."""
 
 import json
 import pathlib

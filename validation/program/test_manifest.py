@@ -38,7 +38,7 @@ STRANGERS = (
 
 
 def digests(folder):
-    """What stands in every file below a folder, and where its links lead to."""
+    """Digest of every file below a folder, and the target of every link."""
     found = {}
     for path in sorted(folder.rglob("*")):
         if path.is_symlink():

@@ -1,4 +1,4 @@
-"""What a run takes at its peak is what was predicted, and what can't be had is refused before it is taken."""
+"""The peak memory of a run is as predicted, and a run that would need more than is available is refused before it allocates it."""
 
 import pathlib
 import subprocess
@@ -55,7 +55,7 @@ class Memory(unittest.TestCase):
             self.compare(words, 1, name)
 
     def refused(self, words, limit_kb=None, ranks=None):
-        """What is said of a run that is refused at once; a limit on address space is there in any case."""
+        """Error message of a run that is refused at once; a limit on address space is always set."""
         launcher = ["mpirun", "-n", str(ranks)] if ranks else []
         command = ["bash", "-c", f'ulimit -v {limit_kb or 8_000_000}; exec "$@"', "bash", *launcher, PROGRAM, *map(str, words)]
         began = time.monotonic()

@@ -10,7 +10,7 @@ import numpy as np
 
 from program import ROOT, run
 
-# What makes each scene small; a scene without an entry runs as it is.
+# Settings that make each scene small; a scene without an entry runs unchanged.
 SMALLER = {
     "settling": {"box.edges": "[16.0, 16.0, 16.0]", "species[0].count": 100, "time.steps": 5},
     "silica-in-water": {"box.edges": "[40e-6, 40e-6, 40e-6]", "time.steps": 5},

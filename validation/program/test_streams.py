@@ -1,4 +1,4 @@
-"""What becomes of a command whose output nobody takes: the disk is full, the reader has gone, or does not read."""
+"""Commands whose output is not read: the disk is full, the reader has closed the pipe, or does not read."""
 
 import json
 import os
@@ -15,7 +15,7 @@ CASE = {"box": [10, 10, 10], "viscosity": 1, "radii": 1, "positions": [[1, 2, 3]
 
 
 def closed_pipe():
-    """Where writing fails, since nobody will ever read."""
+    """A stream on which writing fails, since its reader has closed the pipe."""
     reading, writing = os.pipe()
     os.close(reading)
     return os.fdopen(writing, "w")

@@ -35,7 +35,7 @@ class Units(unittest.TestCase):
 
 class Planning(unittest.TestCase):
     def check(self, *sets):
-        """What `check` says of the scene with these keys, in a time that a search through all grids would not meet."""
+        """Output of `check` for the scene with these keys, within a time that is too short for a search through all grids."""
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "scene.toml"
             path.write_text(TINY)

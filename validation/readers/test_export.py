@@ -32,7 +32,7 @@ def exported(name, to):
 
 @functools.cache
 def stored(name):
-    """What the trajectory has: arrays of all frames."""
+    """Arrays of all frames of the trajectory."""
     with h5py.File(folder(name) / "trajectory.h5") as file:
         particles = file["particles/all"]
         data = {key: particles[key][:] for key in ("id", "species", "radius", "position/step", "position/time")}

@@ -1,4 +1,4 @@
-"""What the documentation says of other programs works as it stands there."""
+"""The snippets of the documentation for other programs work as they are printed."""
 
 import contextlib
 import gc

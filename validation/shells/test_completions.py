@@ -10,7 +10,7 @@ import unittest
 
 from program import PROGRAM, run
 
-# What is typed before the tab, and what the shell makes of it.
+# Text typed before the tab, and the shell's completion of it.
 WORDS = {
     "run --wa": "run --walltime",
     "che": "check",
@@ -50,7 +50,7 @@ class Completions(unittest.TestCase):
         return self.read_until(terminal, f"fcm-solve {(WORDS | VALUES)[typed]}")
 
     def read_until(self, terminal, wanted):
-        """What the terminal shows until the text has appeared, or time is over."""
+        """Output of the terminal until the text has appeared, or time is over."""
         shown, end = "", time.monotonic() + PATIENCE
         while wanted not in shown and time.monotonic() < end:
             if select.select([terminal], [], [], 0.1)[0]:

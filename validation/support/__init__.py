@@ -1,1 +1,1 @@
-"""What the cases have in common."""
+"""Common parts of the validation cases."""

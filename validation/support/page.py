@@ -9,7 +9,8 @@ FIGURES = BOOK / "figures"
 
 
 def write_section(page, name, title, lines, command=None):
-    """Puts a title, the command, which is that of `scripts/validate` unless it is given, and lines between the marks `<!-- name -->` and `<!-- /name -->` of a page."""
+    """Writes a title, the command, by default that of `scripts/validate`, and lines between the marks `<!-- name -->` and
+    `<!-- /name -->` of a page."""
     path = BOOK / page
     text = path.read_text()
     pattern = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- /{re.escape(name)} -->)", re.S)

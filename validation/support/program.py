@@ -14,7 +14,7 @@ PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
 
 
 def plain(value):
-    """What JSON can hold in place of arrays."""
+    """The value as JSON can represent it: arrays as lists."""
     return value.tolist() if hasattr(value, "tolist") else value
 
 

@@ -19,7 +19,7 @@ SETS = {
 }
 ARGUMENTS = [str(ROOT / "scenes" / "settling.toml"), *(word for item in SETS.items() for word in ("--set", "=".join(map(str, item))))]
 JOB = ROOT / "scripts" / "batch" / "slurm.sh"
-# How srun and mpirun start two ranks in a job.
+# Commands by which srun and mpirun start two ranks in a job.
 LAUNCHERS = {"srun": "srun --mpi=pmix", "mpirun": "mpirun -n 2"}
 
 
@@ -59,7 +59,7 @@ def last_step(out):
 
 
 def end_state(out):
-    """What has to be the same to the last bit: the last checkpoint, and the frames of the trajectory."""
+    """Data that must be the same to the last bit: the last checkpoint, and the frames of the trajectory."""
     checkpoint = out / f"checkpoint-{SETS['time.steps']:010}.bin"
     with h5py.File(out / "trajectory.h5") as file:
         particles = file["particles/all"]

@@ -40,7 +40,7 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 DAEMONS = ("slurmd", "slurmctld", "munge")
 PATIENCE = 60
-# What a test does not take over from the job that it may itself run in.
+# Variables that a test does not inherit from the job in which it may run itself.
 FOREIGN = ("SLURM", "SBATCH", "PMI", "OMPI_COMM")
 
 

@@ -1,9 +1,9 @@
-//! Chebyshev points on [0, 1], integrals up to them, and what lies between.
+//! Chebyshev collocation on [0, 1]: points, integrals from 0, and interpolation.
 
 use std::f64::consts::PI;
 
-/// `intervals + 1` Chebyshev-Lobatto points and the matrix of integrals from 0 to each, exact for the polynomial
-/// through the values at the points.
+/// `intervals + 1` Chebyshev-Lobatto points and the matrix of the integrals from 0 to each of them, exact for the
+/// polynomial through the values at the points.
 pub struct Collocation {
     pub points: Vec<f64>,
     integrals: Vec<f64>,
@@ -14,7 +14,7 @@ impl Collocation {
         let n = intervals;
         let angle = |k: usize, j: usize| (PI * ((k * j) % (2 * n)) as f64 / n as f64).cos();
         let points: Vec<f64> = (0..=n).map(|j| 0.5 * (1.0 - angle(1, j))).collect();
-        // T_k at the point j, whose place on [-1, 1] is -cos(pi j / n), and its integral from -1.
+        // T_k at the point j, which is -cos(pi j / n) on [-1, 1], and its integral from -1.
         let polynomial = |k: usize, j: usize| if k.is_multiple_of(2) { angle(k, j) } else { -angle(k, j) };
         let primitive = |k: usize, j: usize| {
             let (up, m) = (polynomial(k + 1, j), k as f64);
@@ -40,13 +40,13 @@ impl Collocation {
         self.points.len() - 1
     }
 
-    /// The weights of the integral from 0 to a point.
+    /// Weights of the integral from 0 to a point.
     pub fn up_to(&self, point: usize) -> &[f64] {
         let width = self.points.len();
         &self.integrals[point * width..(point + 1) * width]
     }
 
-    /// The value at `x` of the polynomial through values at the points (barycentric formula).
+    /// Value at `x` of the polynomial through the values at the points (barycentric formula).
     pub fn interpolate(&self, values: impl Fn(usize) -> f64, x: f64) -> f64 {
         let (mut above, mut below) = (0.0, 0.0);
         for (j, &p) in self.points.iter().enumerate() {
@@ -76,7 +76,7 @@ mod tests {
         }
         assert!((grid.interpolate(|j| f[j], 0.3217) - 0.6434_f64.exp()).abs() < 1e-14);
         assert!((grid.interpolate(|j| f[j], grid.points[7]) - f[7]).abs() < 1e-15);
-        // What vanishes at the wall has its digits close to it, too: round-off times the number of points.
+        // A function that vanishes at the wall keeps its digits close to it: round-off times the number of points.
         assert!((grid.interpolate(|j| grid.points[j], 1e-15) - 1e-15).abs() < 1e-27);
     }
 }

@@ -1,14 +1,15 @@
-//! Stress, conduction and dissipation of nearly elastic spheres: the functions C1 to C6 and what is made of them.
+//! Stress, conduction and dissipation of nearly elastic spheres: the functions C1 to C6 and the
+//! reduced coefficients B1 to B4.
 
 use super::{RadialDistribution, jet::Jet};
 use std::f64::consts::PI;
 
-/// What the grains are made of.
+/// Properties of the grains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Grains {
     /// Diameter `D`.
     pub diameter: f64,
-    /// Density of the material `rho`.
+    /// Density `rho` of their material.
     pub density: f64,
     /// Coefficient of restitution `e` between two grains.
     pub restitution: f64,
@@ -16,9 +17,9 @@ pub struct Grains {
     pub radial: RadialDistribution,
 }
 
-/// Lun et al.'s functions at a solid fraction. With the granular temperature `T`:
-/// shear stress `C1 sqrt(T) |u'|`, pressure `C2 T`, flux of energy `-(C3 sqrt(T) T' + C4 T^(3/2) v')`, dissipation
-/// `C6 T^(3/2)`; the work of the stress takes `C5 = C1`.
+/// Lun et al.'s functions at a solid fraction. With the granular temperature `T`: shear stress
+/// `C1 sqrt(T) |u'|`, pressure `C2 T`, energy flux `-(C3 sqrt(T) T' + C4 T^(3/2) v')`, dissipation `C6 T^(3/2)`;
+/// the work of the stress has `C5 = C1`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
     /// Viscosity over `sqrt(T)`: density times length.
@@ -27,7 +28,7 @@ pub struct Coefficients {
     pub c2: f64,
     /// Conductivity over `sqrt(T)`: density times length.
     pub c3: f64,
-    /// Flux of energy along the gradient of solid fraction, over `T^(3/2)`: density times length. Negative for `e < 1`.
+    /// Energy flux along the gradient of solid fraction, over `T^(3/2)`: density times length. Negative for `e < 1`.
     pub c4: f64,
     /// Dissipation over `T^(3/2)`: density over length.
     pub c6: f64,
@@ -46,7 +47,7 @@ pub struct ReducedCoefficients {
     pub b4: f64,
 }
 
-/// The functions in units of the grains' density and diameter, with their slopes.
+/// The functions in units of the grains' density and diameter, with their derivatives.
 #[derive(Debug, Clone, Copy)]
 pub struct Functions {
     pub c1: Jet,
@@ -54,7 +55,7 @@ pub struct Functions {
     pub c3: Jet,
     pub c4: Jet,
     pub c6: Jet,
-    /// `K = C3 C2'/C2 - C4`: the flux of energy is `K T^(3/2) v'` at constant pressure. Value and slope only.
+    /// `K = C3 C2'/C2 - C4`: the energy flux is `K T^(3/2) v'` at constant pressure. Value and slope only.
     pub conduction: Jet,
     /// `v g0`.
     pub contact: Jet,
@@ -74,7 +75,7 @@ impl Grains {
         }
     }
 
-    /// B1 to B4 at a solid fraction in `(0, packed)` under the pressure given.
+    /// B1 to B4 at a solid fraction in `(0, packed)` under the given pressure.
     pub fn reduced(&self, solid_fraction: f64, pressure: f64) -> ReducedCoefficients {
         let f = self.functions(solid_fraction);
         let log_slope = |c: Jet| c.slope() / c.value();

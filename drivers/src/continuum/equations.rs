@@ -1,7 +1,7 @@
-//! The boundary value problem as equations for the values at collocation points, with their exact Jacobian.
+//! The boundary value problem as equations for the values at the collocation points, with their exact Jacobian.
 //!
-//! Units: density and diameter of the grains, `U`. Unknowns on the half gap, `x = 2y/H` in [0, 1]: the logit `z` of the
-//! solid fraction, `w = q / P^(3/2)`, `u`, and the number `s = S/P`. With `h` the half gap, `p` the load:
+//! Units: density and diameter of the grains, and `U`. Unknowns on the half gap, `x = 2y/H` in [0, 1]: the logit `z`
+//! of the solid fraction, `w = q / P^(3/2)`, `u`, and the number `s = S/P`. With the half gap `h` and the load `p`:
 //!
 //! ```text
 //! z' = h w C2^(3/2) / (K v'(z)),   w' = h (s^2 C2^(1/2) / C1 - C6 / C2^(3/2)),   u' = -h s (p C2)^(1/2) / C1
@@ -14,7 +14,7 @@ use super::{Problem, Roughness, collocation::Collocation, jet::Jet};
 /// Unknowns at a point.
 pub const WIDTH: usize = 3;
 
-/// Right-hand sides at a point, and their derivatives by `z`, `w` and `s`.
+/// Right-hand sides at a point, and their derivatives with respect to `z`, `w` and `s`.
 pub struct Rates {
     pub values: [f64; WIDTH],
     by_z: [f64; WIDTH],
@@ -23,7 +23,7 @@ pub struct Rates {
 }
 
 impl Problem {
-    /// The rates of `z`, `w` and `u` along `x`.
+    /// Derivatives of `z`, `w` and `u` along `x`.
     pub fn rates(&self, z: f64, w: f64, s: f64) -> Rates {
         let (v, turn) = self.logistic(z);
         let f = self.parameters().grains.functions(v);
@@ -41,15 +41,15 @@ impl Problem {
         }
     }
 
-    /// The solid fraction at a logit, and its derivative by `z` as a function of the solid fraction.
+    /// Solid fraction at a logit, and its derivative with respect to `z` as a function of the solid fraction.
     fn logistic(&self, z: f64) -> (f64, Jet) {
         let v = self.solid_fraction(z);
         let jet = Jet::variable(v);
         (v, jet * (-jet * (1.0 / self.parameters().grains.radial.packed()) + 1.0))
     }
 
-    /// Residuals of the two wall laws at `(z, w, u, s)` and their derivatives by each. `energy` scales the terms by
-    /// which energy crosses the wall: 0 none, 1 all.
+    /// Residuals of the two wall laws at `(z, w, u, s)` and their derivatives with respect to each. `energy` scales
+    /// the terms by which energy crosses the wall: 0 for none, 1 for all.
     fn wall_laws(&self, [z, w, u, s]: [f64; 4], energy: f64) -> [[f64; 5]; 2] {
         let (v, turn) = self.logistic(z);
         let f = self.parameters().grains.functions(v);
@@ -79,7 +79,7 @@ impl Problem {
         ]
     }
 
-    /// Residuals of all equations and, by rows, their Jacobian.
+    /// Residuals of all equations and their Jacobian, row by row.
     pub fn linearise(&self, grid: &Collocation, unknowns: &[f64], energy: f64) -> (Vec<f64>, Vec<f64>) {
         let (points, size) = (grid.points.len(), unknowns.len());
         let s = unknowns[size - 1];

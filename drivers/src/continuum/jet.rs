@@ -1,4 +1,4 @@
-//! Functions of one variable with their first two derivatives, so that the theory's derivatives are exact.
+//! Functions of one variable with their first two derivatives (forward differentiation), exact to round-off.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -25,8 +25,8 @@ impl Jet {
         self.0[1]
     }
 
-    /// The derivative as a function. Its own second derivative is not known and is left zero: of the result only the
-    /// value and the slope may be used.
+    /// The derivative as a function. Its own second derivative is unknown and set to zero: only the value and the
+    /// slope of the result may be used.
     pub fn derivative(self) -> Self {
         Self([self.0[1], self.0[2], 0.0])
     }
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_closed_form() {
-        // f = sqrt(x) (1 - x) / (2 + x^2) at x = 0.7, derivatives by hand-differentiated pieces.
+        // f = sqrt(x) (1 - x) / (2 + x^2) at x = 0.7.
         let x = 0.7_f64;
         let v = Jet::variable(x);
         let f = v.power(0.5) * (-v + 1.0) / (v * v + 2.0);

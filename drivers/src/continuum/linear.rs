@@ -1,7 +1,7 @@
 //! Dense linear equations.
 
-/// Solves `a x = b` in place by elimination with partial pivoting; `a` is square, by rows, and is destroyed. `None` if
-/// it's singular to machine precision.
+/// Solves `a x = b` in place by elimination with partial pivoting; `a` is square, stored by rows, and overwritten.
+/// `None` if `a` is singular to machine precision.
 pub fn solve(a: &mut [f64], mut b: Vec<f64>) -> Option<Vec<f64>> {
     let n = b.len();
     for k in 0..n {

@@ -9,8 +9,8 @@
 //! |u'| = R5 B5 u_slip,   dv/dn = R7 B7 u_slip^2 + R8 B8 u_slip |u'| - R6 B6   at both walls
 //! ```
 //!
-//! The C's are those of Lun, Savage, Jeffrey and Chepurniy 1984, the wall laws those of Jenkins and Richman 1986.
-//! [`Problem`] checks the input, [`Problem::solve`] returns a [`Solution`] or says where it failed.
+//! The functions C1 to C6 are those of Lun, Savage, Jeffrey and Chepurniy 1984, the wall laws those of Jenkins and
+//! Richman 1986. [`Problem`] checks the input, [`Problem::solve`] returns a [`Solution`] or says where it failed.
 
 mod collocation;
 mod constitutive;

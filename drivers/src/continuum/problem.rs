@@ -1,26 +1,26 @@
-//! The input of the boundary value problem, checked.
+//! The checked input of the boundary value problem.
 
 use super::{Grains, RadialDistribution, Roughness, Wall, WallShape, wall::Bumps};
 use crate::parameter::{ParameterError, of_sensible_size, positive, require};
 use domain::Number;
 use std::f64::consts::FRAC_PI_2;
 
-/// The smallest factor on the slip law: below, the shear stress is lost in the rounding of the pressure.
+/// Smallest factor on the slip law: below it the shear stress is lost in the rounding of the pressure.
 const SMOOTHEST: f64 = 1e-12;
 
-/// Which of several solutions to look for.
+/// Choice between several solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Start {
     /// The densest that the solver finds.
     #[default]
     Densest,
-    /// The one that Newton's method reaches from this uniform solid fraction.
+    /// The solution that Newton's method reaches from this uniform solid fraction.
     SolidFraction(f64),
 }
 
-/// What a scene gives. The default is Yu and Tichy's cell at `U` = 1.4 m/s and 5.5 kPa with the reading of the paper
-/// that follows it best: Sinclair and Jackson's radial distribution, half-disks where one grain just fits, no gradient
-/// term, all factors 0.5.
+/// Parameters of a scene. The default is Yu and Tichy's cell at `U` = 1.4 m/s and 5.5 kPa, with the reading of the
+/// paper that reproduces it best: Sinclair and Jackson's radial distribution, half-disks between which one grain just
+/// fits, no gradient term, all factors 0.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// Gap `H` between the planes of the walls' bumps.
@@ -29,11 +29,11 @@ pub struct Parameters {
     pub speed: f64,
     /// Normal stress `P` on the walls.
     pub pressure: f64,
-    /// The grains.
+    /// Properties of the grains.
     pub grains: Grains,
-    /// Both walls.
+    /// Properties of both walls.
     pub wall: Wall,
-    /// Which solution to look for.
+    /// Choice of the solution.
     pub start: Start,
 }
 
@@ -58,7 +58,7 @@ impl Default for Parameters {
     }
 }
 
-/// A boundary value problem that makes sense.
+/// A boundary value problem with checked parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Problem {
     parameters: Parameters,
@@ -73,7 +73,7 @@ impl Problem {
         positive("cell.pressures", pressure)?;
         positive("grains.diameter", grains.diameter)?;
         positive("grains.density", grains.density)?;
-        // Below e = 1/3 the theory of nearly elastic spheres has negative terms in its viscosity.
+        // For e < 1/3 the theory of nearly elastic spheres has negative terms in its viscosity.
         let e = grains.restitution;
         require((1.0 / 3.0..1.0).contains(&e), "grains.restitution", &e, "1/3 <= restitution < 1")?;
         positive("walls.diameter", wall.diameter)?;
@@ -113,7 +113,7 @@ impl Problem {
         0.5 * self.parameters.gap / self.parameters.grains.diameter
     }
 
-    /// `P / (rho U^2)`: with the gap in diameters all that the solution depends on.
+    /// `P / (rho U^2)`: with the gap in diameters, the only parameter of the solution.
     pub(super) fn load(&self) -> f64 {
         self.parameters.pressure / (self.parameters.grains.density * self.parameters.speed.powi(2))
     }

@@ -2,13 +2,14 @@
 
 use super::jet::Jet;
 
-/// Solid fraction at which the diverging forms end: the most that equal spheres pack at random (the paper's 0.65).
+/// Solid fraction at which the diverging forms end: random close packing of equal spheres (the paper's 0.65).
 const PACKED: f64 = 0.65;
 
-/// How often spheres touch compared with points: `g0(v)`. The paper doesn't name its own; these are the candidates.
+/// Radial distribution at contact `g0(v)`: the collision rate of spheres over that of points. The paper does not say
+/// which form it uses; these are the candidates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RadialDistribution {
-    /// `(2 - v) / (2 (1 - v)^3)` (Carnahan and Starling 1969); doesn't diverge at random packing.
+    /// `(2 - v) / (2 (1 - v)^3)` (Carnahan and Starling 1969); does not diverge at random packing.
     CarnahanStarling,
     /// `(1 - v/v0)^(-2.5 v0)` (Lun and Savage 1987).
     LunSavage,
@@ -24,7 +25,7 @@ pub enum RadialDistribution {
 }
 
 impl RadialDistribution {
-    /// All of them.
+    /// All forms.
     pub const ALL: [Self; 6] = [
         Self::CarnahanStarling,
         Self::LunSavage,
@@ -34,7 +35,7 @@ impl RadialDistribution {
         Self::Torquato,
     ];
 
-    /// The solid fraction where it diverges.
+    /// Solid fraction at which the form diverges.
     pub fn packed(self) -> f64 {
         match self {
             Self::CarnahanStarling => 1.0,
@@ -43,7 +44,7 @@ impl RadialDistribution {
         }
     }
 
-    /// Its value at a solid fraction in `(0, packed)`.
+    /// Value at a solid fraction in `(0, packed)`.
     pub fn at(self, solid_fraction: f64) -> f64 {
         self.jet(Jet::variable(solid_fraction)).value()
     }
@@ -93,7 +94,8 @@ mod tests {
                 let jet = radial.jet(Jet::variable(v));
                 let (f, h) = (|v| printed(radial, v), 1e-5 * v.min(0.64 - v));
                 assert!((radial.at(v) / f(v) - 1.0).abs() < 1e-13, "{radial:?} at {v}: {} for {}", radial.at(v), f(v));
-                // Central differences: at most h^2 over the squared distance from 0 or from packing, and roundings.
+                // Central differences: error at most h^2 over the squared distance from 0 or
+                // from packing, and round-off.
                 let slope = (f(v + h) - f(v - h)) / (2.0 * h);
                 assert!(
                     (jet.slope() - slope).abs() < 1e-7 * f(v) / v.min(0.64 - v),

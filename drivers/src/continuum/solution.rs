@@ -1,4 +1,4 @@
-//! A solved flow: its profiles and what an experiment measures.
+//! A solved flow: its profiles and the quantities that an experiment measures.
 
 use super::{Problem, collocation::Collocation, equations::WIDTH};
 
@@ -33,7 +33,7 @@ impl Solution {
         solution
     }
 
-    /// The flow at a height from 0 to `H`; heights outside are taken to the nearer wall. The upper half mirrors the
+    /// The flow at a height from 0 to `H`; heights outside are clamped to the nearer wall. The upper half mirrors the
     /// lower: `u(H - y) = U - u(y)`.
     pub fn at(&self, y: f64) -> Point {
         let p = self.problem.parameters();
@@ -64,7 +64,7 @@ impl Solution {
         weights.iter().zip(self.unknowns.chunks_exact(WIDTH)).map(|(w, y)| w * self.problem.solid_fraction(y[0])).sum()
     }
 
-    /// Slip velocity at either wall, `U - u(0) = u(H)`. Negative where the extrapolated flow outruns the wall.
+    /// Slip velocity at either wall, `U - u(0) = u(H)`. Negative where the extrapolated flow is faster than the wall.
     pub fn slip(&self) -> f64 {
         self.problem.parameters().speed * (1.0 - self.unknowns[2])
     }
@@ -80,7 +80,7 @@ impl Solution {
         self.mean_solid_fraction() < self.problem.dilute_below()
     }
 
-    /// A sentence for the user where the result needs one.
+    /// A warning for the user, if the result needs one.
     pub fn notice(&self) -> Option<String> {
         let (v, least) = (self.mean_solid_fraction(), self.problem.dilute_below());
         (v < least).then(|| {
@@ -103,7 +103,7 @@ impl Solution {
         self.worst.0
     }
 
-    /// The largest residual and the height where it is.
+    /// Largest residual and its height.
     pub(super) fn worst(&self) -> (f64, f64) {
         self.worst
     }
@@ -116,13 +116,13 @@ impl Solution {
         std::array::from_fn(|c| self.grid.interpolate(|j| self.unknowns[WIDTH * j + c], x))
     }
 
-    /// The unknowns of other collocation points.
+    /// The unknowns interpolated at other collocation points.
     pub(super) fn unknowns_at(&self, points: &[f64]) -> Vec<f64> {
         let stress = self.unknowns[self.unknowns.len() - 1];
         points.iter().flat_map(|&x| self.interpolated(x)).chain([stress]).collect()
     }
 
-    /// The largest relative difference of mean solid fraction, velocity at the wall and shear stress.
+    /// Largest relative difference in mean solid fraction, velocity at the wall and shear stress.
     pub(super) fn difference(&self, other: &Self) -> f64 {
         let measured = |s: &Self| [s.mean_solid_fraction(), s.unknowns[2], s.shear_stress()];
         measured(self).iter().zip(measured(other)).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max)

@@ -1,10 +1,10 @@
-//! Newton's method with continuation in the energy that crosses the walls, on ever finer collocation points.
+//! Newton's method with continuation in the energy that crosses the walls, on successively finer collocation grids.
 
 use super::{Problem, Solution, Start, Uniform, collocation::Collocation, equations::WIDTH, linear};
 use domain::Number;
 
-/// Intervals of the grids on which the continuation runs: the second, for the first start only, where the first
-/// is too coarse to converge on.
+/// Intervals of the grids for the continuation: the second, with the first start only, is for problems that do not
+/// converge on the first grid.
 const COARSE: [usize; 2] = [24, 96];
 /// Intervals beyond which the solver gives up.
 const FINEST: usize = 384;
@@ -12,12 +12,12 @@ const FINEST: usize = 384;
 const STEPS: usize = 40;
 /// Smallest step of the continuation.
 const SMALLEST: f64 = 1.0 / 256.0;
-/// Change of the solution between two grids, and the residual between points, at which it counts as resolved.
+/// Change of the solution between two grids, and residual between points, at which it counts as resolved.
 const RESOLVED: f64 = 1e-9;
-/// Residual that Newton's method aims at, and the largest that it may leave where round-off stops it: near packing
+/// Target residual of Newton's method, and the largest residual accepted where round-off stops it: near packing
 /// `1 - v/v0` has lost digits.
 const SMALL: [f64; 2] = [1e-12, 1e-9];
-/// Solid fractions, over packed, of the last starts.
+/// Solid fractions of the last starts, over that of packing.
 const LAST: [f64; 4] = [0.75, 0.25, 0.05, 0.01];
 
 /// Why there is no solution.
@@ -31,15 +31,15 @@ pub enum SolveError {
         Number(*y)
     )]
     NoConvergence {
-        /// The solid fraction that it started from.
+        /// Solid fraction of the start.
         start: f64,
-        /// How far the continuation came: 0 no energy through the walls, 1 the problem itself.
+        /// Progress of the continuation: 0 for no energy through the walls, 1 for the problem itself.
         energy: f64,
         /// The equation with the largest residual.
         equation: &'static str,
         /// That residual.
         residual: f64,
-        /// Where it is.
+        /// Height of that residual.
         y: f64,
         /// The solid fraction there.
         solid_fraction: f64,
@@ -55,12 +55,13 @@ pub enum SolveError {
         intervals: usize,
         /// Largest residual between the points.
         residual: f64,
-        /// Where it is.
+        /// Height of that residual.
         y: f64,
     },
 }
 
-/// Where Newton's method stopped: the equation's index and its residual.
+/// A failure of Newton's method to converge: index of the equation with the largest residual, that
+/// residual, and the unknowns.
 struct Stall {
     equation: usize,
     residual: f64,
@@ -68,9 +69,9 @@ struct Stall {
 }
 
 impl Problem {
-    /// Solves the problem: from each uniform flow in turn, densest first, first at once and else by letting the energy
-    /// through the walls bit by bit; then from thinner and
-    /// thinner guesses. Refines until the answer no longer depends on the grid. The error is that of the first start.
+    /// Solves the problem from each uniform flow in turn, densest first: directly, or else by continuation in the
+    /// energy through the walls; then from thinner and thinner guesses. Refines the grid until the answer no longer
+    /// depends on it. The error is that of the first start.
     pub fn solve(&self) -> Result<Solution, SolveError> {
         let mut failure = None;
         let starts = self.starts();
@@ -119,7 +120,7 @@ impl Problem {
         unknowns
     }
 
-    /// Damped Newton: the logit moves by at most 1 a step, and a step must lessen the residuals.
+    /// Damped Newton method: the logit moves by at most 1 per step, and each step must reduce the residuals.
     fn newton(&self, grid: &Collocation, mut unknowns: Vec<f64>, energy: f64) -> Result<Vec<f64>, Stall> {
         let norm = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
         let (mut residual, mut jacobian) = self.linearise(grid, &unknowns, energy);
@@ -203,7 +204,7 @@ mod tests {
     use super::*;
     use crate::continuum::Parameters;
 
-    /// Collocation converges faster than any power of the number of intervals: beyond 24 only round-off is left.
+    /// Collocation converges faster than any power of the number of intervals: beyond 24 only round-off remains.
     #[test]
     fn the_answer_does_not_depend_on_the_grid() {
         for (speed, pressure) in [(1.4, 5500.0), (2.0, 5500.0), (2.8, 2500.0)] {

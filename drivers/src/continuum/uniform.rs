@@ -1,4 +1,4 @@
-//! Uniform solutions: without energy through the walls (R6 = R7 = R8 = 0) shear heats and collisions cool the same
+//! Uniform solutions: without energy through the walls (R6 = R7 = R8 = 0) shear heating balances collisional cooling
 //! everywhere, and the problem is one equation for the solid fraction.
 
 use super::Problem;
@@ -14,14 +14,14 @@ pub struct Uniform {
     pub stress_ratio: f64,
 }
 
-/// Intervals of the scan for roots, evenly spaced in the logit of the solid fraction.
+/// Intervals of the scan for roots, equally spaced in the logit of the solid fraction.
 const SCAN: usize = 400;
-/// The scan's range of logits: solid fractions from 1e-6 of packed to 1e-6 below it.
+/// Range of logits of the scan: solid fractions from 1e-6 of packing to 1e-6 below it.
 const LOGIT: f64 = 14.0;
 
 impl Problem {
-    /// All uniform solutions that the problem would have if no energy crossed its walls, densest first:
-    /// `R5 B5 u_slip = |u'|`, `U = 2 u_slip + |u'| H`, `P = (C1 C2 / C6) u'^2`.
+    /// All uniform solutions of the problem without energy through its walls, densest first: `R5 B5 u_slip = |u'|`,
+    /// `U = 2 u_slip + |u'| H`, `P = (C1 C2 / C6) u'^2`.
     pub fn uniform(&self) -> Vec<Uniform> {
         let excess = |z: f64| self.uniform_at(self.solid_fraction(z)).1;
         let logit = |i: usize| LOGIT * (1.0 - 2.0 * i as f64 / SCAN as f64);
@@ -35,8 +35,8 @@ impl Problem {
         found
     }
 
-    /// The uniform flow at a solid fraction, and the logarithm of the pressure that it would need over the pressure
-    /// given (not a number where the walls can't drive such a flow).
+    /// The uniform flow at a solid fraction, and the logarithm of the pressure that it needs over the given pressure
+    /// (NaN where the walls cannot drive such a flow).
     fn uniform_at(&self, v: f64) -> (Uniform, f64) {
         let f = self.parameters().grains.functions(v);
         let (c1, c2, c6) = (f.c1.value(), f.c2.value(), f.c6.value());
@@ -52,7 +52,7 @@ impl Problem {
         (flow, if gradient > 0.0 { (load / self.load()).ln() } else { f64::NAN })
     }
 
-    /// The solid fraction below which a uniform shear flow needs more pressure the thinner it is: the dilute branch.
+    /// Solid fraction below which a thinner uniform shear flow needs more pressure: the dilute branch.
     pub fn dilute_below(&self) -> f64 {
         let need = |z: f64| {
             let f = self.parameters().grains.functions(self.solid_fraction(z));
@@ -68,12 +68,12 @@ impl Problem {
         self.solid_fraction(0.5 * (low + high))
     }
 
-    /// The solid fraction of a logit: `v0 / (1 + exp(-z))`, always below packed.
+    /// Solid fraction of a logit: `v0 / (1 + exp(-z))`, always below packing.
     pub(super) fn solid_fraction(&self, z: f64) -> f64 {
         self.parameters().grains.radial.packed() / (1.0 + (-z).exp())
     }
 
-    /// The logit of a solid fraction.
+    /// Logit of a solid fraction.
     pub(super) fn logit(&self, v: f64) -> f64 {
         (v / (self.parameters().grains.radial.packed() - v)).ln()
     }

@@ -1,9 +1,9 @@
-//! What a bumpy, frictionless wall does to the flow beside it (Jenkins and Richman 1986).
+//! Boundary conditions at a bumpy, frictionless wall (Jenkins and Richman 1986).
 
 use super::{Grains, constitutive::Functions, jet::Jet};
 use std::f64::consts::PI;
 
-/// What the wall is studded with.
+/// Shape of the wall's bumps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WallShape {
     /// Half-disks (half-cylinders across the flow).
@@ -13,37 +13,38 @@ pub enum WallShape {
     Sphere,
 }
 
-/// The paper's factors R5 to R8 on each term of the wall's laws: 0 smooth, 1 rough.
+/// The paper's factors R5 to R8 on the terms of the wall laws: 0 for smooth, 1 for rough.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Roughness {
-    /// On the slip law.
+    /// Factor on the slip law.
     pub r5: f64,
-    /// On the energy that the wall's inelastic hits take.
+    /// Factor on the energy lost in inelastic collisions with the wall.
     pub r6: f64,
-    /// On the energy that slip feeds.
+    /// Factor on the energy supplied by slip.
     pub r7: f64,
-    /// On the energy that slip and the gradient feed together.
+    /// Factor on the energy supplied by slip and gradient together.
     pub r8: f64,
 }
 
-/// A wall.
+/// Properties of a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wall {
-    /// Disks or spheres.
+    /// Shape of the bumps.
     pub shape: WallShape,
-    /// How far down a grain reaches between two bumps: `sin theta = (Dw + gap) / (Dw + D)`, in radians, at most pi/2.
+    /// Depth to which a grain reaches between two bumps, as an angle: `sin theta = (Dw + gap) / (Dw + D)`,
+    /// in radians, at most pi/2.
     pub theta: f64,
-    /// Whether the traction has the term in the velocity gradient.
+    /// Whether the traction includes the term in the velocity gradient.
     pub gradient: bool,
-    /// Diameter of the bumps `Dw`.
+    /// Diameter `Dw` of the bumps.
     pub diameter: f64,
-    /// Coefficient of restitution of a grain and the wall.
+    /// Coefficient of restitution between a grain and the wall.
     pub restitution: f64,
-    /// Factors on the terms.
+    /// Factors on the terms of the wall laws.
     pub roughness: Roughness,
 }
 
-/// The wall's coefficients, with `n` into the flow: `|u'| = R5 B5 u_slip` and
+/// Coefficients of the wall laws, with `n` into the flow: `|u'| = R5 B5 u_slip` and
 /// `dv/dn = R7 B7 u_slip^2 + R8 B8 u_slip |u'| - R6 B6`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallCoefficients {
@@ -67,12 +68,14 @@ pub struct Bumps {
 }
 
 impl Wall {
-    /// Traction and dissipation of a Maxwellian with the first correction for shear, `sigma = (D + Dw)/2`:
+    /// Traction and dissipation for a Maxwellian with the first correction for shear, `sigma = (D + Dw)/2`:
     ///
     /// ```text
     /// M = (P/sqrt T) sqrt(8/pi) [a u_slip + b (1 + Bk) sigma |u'|],  loss = (1 - e_w) P sqrt(T) sqrt(2/pi) d
-    /// disks:   a = (theta/sin - cos)/2,          b = sin^2/3,  d = theta/sin,         Bk = pi/(8 sqrt 2)(1 + 1/(v g0)) D/sigma
-    /// spheres: a = [2(1 - cos)/sin^2 - cos]/3,   b = sin^2/4,  d = 2(1 - cos)/sin^2,  Bk = pi/(12 sqrt 2)(1 + 5/(8 v g0)) D/sigma
+    /// disks:   a = (theta/sin - cos)/2,          b = sin^2/3,  d = theta/sin,
+    ///          Bk = pi/(8 sqrt 2)(1 + 1/(v g0)) D/sigma
+    /// spheres: a = [2(1 - cos)/sin^2 - cos]/3,   b = sin^2/4,  d = 2(1 - cos)/sin^2,
+    ///          Bk = pi/(12 sqrt 2)(1 + 5/(8 v g0)) D/sigma
     /// ```
     pub(super) fn bumps(&self, grains: &Grains, contact: Jet) -> Bumps {
         let (sin, cos) = self.theta.sin_cos();
@@ -95,7 +98,7 @@ impl Wall {
         }
     }
 
-    /// B5 to B8 at a solid fraction in `(0, packed)` under the pressure given.
+    /// B5 to B8 at a solid fraction in `(0, packed)` under the given pressure.
     pub fn coefficients(&self, grains: &Grains, solid_fraction: f64, pressure: f64) -> WallCoefficients {
         let Functions { c1, c2, conduction, contact, .. } = grains.functions(solid_fraction);
         let bumps = self.bumps(grains, contact);

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-/// A contact of overlap `xi > 0` pushes with `mu (xi + 2 kappa dxi/dt)`, `mu` the reduced mass: the stiffness follows
-/// the pair, so that an undamped contact lasts `pi` for every pair. Eq. (1) of Santra, Schwarzer & Herrmann, PRE 54,
-/// 5066 (1996), with the dot and the sign that make `xi'' + 2 kappa xi' + xi = 0`.
+/// A contact with overlap `xi > 0` repels with the force `mu (xi + 2 kappa dxi/dt)`, `mu` the reduced mass: the
+/// stiffness scales with the reduced mass, so that an undamped contact lasts `pi` for every pair. Eq. (1) of Santra,
+/// Schwarzer & Herrmann, PRE 54, 5066 (1996), with the dot and the sign that make `xi'' + 2 kappa xi' + xi = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     restitution: f64,
@@ -13,7 +13,7 @@ pub struct Contact {
 
 impl Contact {
     /// A contact that leaves the fraction `restitution` of the normal velocity, `0 < restitution <= 1`. With
-    /// `clips_attraction` it never pulls, which raises the fraction a little.
+    /// `clips_attraction` it never attracts, which raises the fraction a little.
     pub(super) fn new(restitution: f64, clips_attraction: bool) -> Self {
         Self { restitution, clips_attraction }
     }
@@ -23,18 +23,19 @@ impl Contact {
         if self.restitution < 1.0 { 1.0 / (1.0 + (PI / self.restitution.ln()).powi(2)).sqrt() } else { 0.0 }
     }
 
-    /// How long a contact of two disks lasts, `pi / sqrt(1 - kappa^2)`.
+    /// Duration of a contact, `pi / sqrt(1 - kappa^2)`; shorter with `clips_attraction`, as it
+    /// ends when the force vanishes.
     pub fn duration(&self) -> f64 {
         let (k, w) = (self.damping(), self.frequency());
         if self.clips_attraction { (PI - (2.0 * k * w).atan2(w * w - k * k)) / w } else { PI / w }
     }
 
-    /// The fraction of the normal velocity that a contact of two disks leaves: `exp(-kappa * duration)`.
+    /// Fraction of the normal velocity after a contact: `exp(-kappa * duration)`.
     pub fn restitution(&self) -> f64 {
         (-self.damping() * self.duration()).exp()
     }
 
-    /// What a push over the reduced mass can't fall below.
+    /// Lower bound of the contact force over the reduced mass.
     pub(super) fn floor(&self) -> f64 {
         if self.clips_attraction { 0.0 } else { f64::NEG_INFINITY }
     }

@@ -1,4 +1,4 @@
-//! The flow of the liquid, which the disks feel as drag and do not change.
+//! The flow of the liquid, which drags the disks and is not changed by them.
 
 /// The liquid's velocity along x as a function of y.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -10,23 +10,23 @@ pub enum Flow {
         /// Velocity gradient.
         rate: f64,
     },
-    /// `4 peak (y / Ly) (1 - y / Ly)`, repeated with the period `Ly`: driven through the liquid, without walls.
+    /// `4 peak (y / Ly) (1 - y / Ly)`, repeated with the period `Ly`: driven by a body force, without walls.
     Poiseuille {
         /// Velocity at mid-height.
         peak: f64,
     },
 }
 
-/// A flow in a cell of given height, written as one quadratic that is evaluated at `y` inside `[low, high)`.
+/// Velocity profile of a flow in a cell of given height: one quadratic, evaluated at `y` inside `[low, high)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Profile {
     coefficients: [f64; 3],
     low: f64,
     high: f64,
     height: f64,
-    /// The rate at which the lattice of images shears.
+    /// Shear rate of the lattice of images.
     pub(super) lattice_rate: f64,
-    /// The largest velocity gradient anywhere.
+    /// Largest velocity gradient.
     pub(super) steepest: f64,
 }
 
@@ -51,12 +51,12 @@ impl Flow {
         }
     }
 
-    /// The velocity along x at a height `y` less than one period outside a cell of this height.
+    /// Velocity along x at a height `y` less than one period outside a cell of this height.
     pub fn velocity(&self, y: f64, height: f64) -> f64 {
         self.profile(height).speed(y)
     }
 
-    /// A rate of shear to measure strain with: the mean one, or that of the whole rise of a Poiseuille flow.
+    /// Shear rate that defines strain: the mean one, or that of the whole rise of a Poiseuille flow.
     pub fn rate(&self, height: f64) -> f64 {
         match *self {
             Self::Still => 0.0,
@@ -67,7 +67,7 @@ impl Flow {
 }
 
 impl Profile {
-    /// The velocity along x at a height less than one period outside the cell.
+    /// Velocity along x at a height less than one period outside the cell.
     #[inline(always)]
     pub(super) fn speed(&self, y: f64) -> f64 {
         let (y, [a, b, c]) = (self.inside(y), self.coefficients);
@@ -81,7 +81,7 @@ impl Profile {
         b + 2.0 * c * self.inside(y)
     }
 
-    /// A height where the liquid is at rest.
+    /// A height at which the liquid is at rest.
     pub(super) fn rest_height(&self) -> f64 {
         if self.low.is_finite() { 0.0 } else { 0.5 * self.height }
     }

@@ -8,7 +8,7 @@ use super::verlet_list::{Batch, Chunk, Image, List, Pair};
 use domain::Vector;
 use glam::DVec2;
 
-/// What pairs need to know of their disks.
+/// Input of the pair forces: the disks and the parameters of the contacts.
 #[derive(Clone, Copy)]
 struct View<'a> {
     bodies: &'a [Body],
@@ -18,17 +18,17 @@ struct View<'a> {
     step: u32,
 }
 
-/// The work on a chunk.
+/// Work of one thread on a chunk.
 struct Part<'a> {
     chunk: &'a mut Chunk,
-    /// Of the chunk's own rows.
+    /// Forces on the chunk's own rows.
     forces: &'a mut [DVec2],
     sums: ContactSums,
 }
 
 impl List {
-    /// Adds the contact forces at a step to the state's. Measures energies and stresses on request; the encounters that
-    /// begin are counted always.
+    /// Adds the contact forces at a step to those of the state. Measures energies and stresses on request; contacts
+    /// that begin are always counted.
     pub(super) fn push_apart(&mut self, state: &mut State, law: &Law, step: u64, measure: bool) -> ContactSums {
         self.move_images(law, step);
         let view = View {
@@ -79,7 +79,7 @@ impl Pair {
 }
 
 impl Batch {
-    /// Finds the pairs that touch, without a branch, and writes their places.
+    /// Finds the pairs in contact, without a branch, and writes their indices.
     #[inline(always)]
     fn find<'a>(&self, bodies: &[Body], found: &'a mut [u32]) -> &'a [u32] {
         let (image, mut count) = (self.image, 0);
@@ -90,7 +90,7 @@ impl Batch {
         &found[..count]
     }
 
-    /// Hands over the force on the second disk of each pair that touches, `mu (xi + 2 kappa dxi/dt) n`.
+    /// Passes on the force on the second disk of each pair in contact, `mu (xi + 2 kappa dxi/dt) n`.
     #[inline(always)]
     fn push<const MEASURE: bool>(
         &mut self,
@@ -108,7 +108,7 @@ impl Batch {
             let square = larger(d.length_squared(), f64::MIN_POSITIVE);
             let distance = square.sqrt();
             let parting = d.dot(u);
-            // Times distance over reduced mass.
+            // Multiplied by distance over reduced mass.
             let push = larger((pair.reach - distance) * distance - view.damping * parting, view.floor);
             let force = d * (push / (square * pair.lightness));
             apply(pair, force);
@@ -127,7 +127,7 @@ impl Batch {
 }
 
 impl ContactSums {
-    /// Adds a pair of given separation, speed of parting and force.
+    /// Adds a pair with given separation, rate of separation and force.
     fn measure(&mut self, pair: &Pair, d: DVec2, parting: f64, force: DVec2) {
         let distance = d.length();
         let overlap = pair.reach - distance;

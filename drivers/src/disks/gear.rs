@@ -1,7 +1,7 @@
-//! Gear's predictor-corrector for equations of second order (Allen & Tildesley, Computer Simulation of Liquids, 1987,
+//! Gear's predictor-corrector for second-order equations (Allen & Tildesley, Computer Simulation of Liquids, 1987,
 //! appendix E), in Nordsieck form: `q_k = dt^k x^(k) / k!`.
 
-/// Which of Gear's schemes.
+/// Gear's schemes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Gear {
     /// Four values: third order, robust against stiff damping.
@@ -12,7 +12,7 @@ pub enum Gear {
     FiveValuePositional,
 }
 
-/// What the corrector adds to `x`, `v` and the higher `q` for each unit of `Delta = dt^2 a / 2 - q_2`.
+/// Increments of `x`, `v` and the higher `q` in the corrector per unit of `Delta = dt^2 a / 2 - q_2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corrector {
     position: f64,
@@ -33,7 +33,7 @@ impl Gear {
         Corrector { position, velocity: velocity / dt, higher, dt, frequency: 1.0 / dt }
     }
 
-    /// How many derivatives the scheme carries beyond the velocity.
+    /// Number of derivatives that the scheme carries beyond the velocity.
     pub(super) fn derivatives(self) -> usize {
         if self == Self::FourValue { 2 } else { 3 }
     }
@@ -49,7 +49,7 @@ pub(super) struct Coordinate {
 }
 
 impl Corrector {
-    /// The state one step on by Taylor's series.
+    /// Advances the state by one step with Taylor's series.
     #[inline(always)]
     pub(super) fn predict(&self, state: &mut Coordinate) {
         let [a, b, c] = state.q;
@@ -58,7 +58,7 @@ impl Corrector {
         state.q = [a + b * 3.0 + c * 6.0, b + c * 4.0, c];
     }
 
-    /// Corrects a predicted state by `half_kick = dt^2 a / 2`, `a` the acceleration there.
+    /// Corrects a predicted state by `half_kick = dt^2 a / 2` with the acceleration `a` there.
     #[inline(always)]
     pub(super) fn correct(&self, state: &mut Coordinate, half_kick: f64) {
         let delta = half_kick - state.q[0];

@@ -1,4 +1,4 @@
-//! Sums over the disks of each vector lane.
+//! Sums over the disks for each SIMD lane.
 
 use super::state::{LANES, Lanes};
 use super::sums::MotionSums;

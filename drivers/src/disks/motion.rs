@@ -1,4 +1,4 @@
-//! Moving the disks: one pass over all of them corrects one step and predicts the next.
+//! Motion of the disks: one pass over all of them corrects one step and predicts the next.
 
 use super::flow::Profile;
 use super::for_each_part;
@@ -10,7 +10,7 @@ use super::sums::MotionSums;
 use crate::simd::{self, Kernel};
 use glam::DVec2;
 
-/// What a pass over the disks does.
+/// Task of a pass over the disks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Task {
     /// Predicts the first step.
@@ -21,17 +21,17 @@ pub(super) enum Task {
     Both,
 }
 
-/// What is the same for all disks.
+/// Parameters of a pass, the same for all disks.
 #[derive(Clone, Copy)]
 struct Pass {
     corrector: Corrector,
     profile: Profile,
-    /// Time from the making of the list to the step predicted.
+    /// Time from the construction of the neighbour list to the predicted step.
     age: f64,
     dt: f64,
 }
 
-/// The disks that one thread processes.
+/// Disks that one thread processes.
 struct Rows<'a> {
     bodies: &'a mut [Body],
     blocks: &'a mut [Block],
@@ -39,15 +39,15 @@ struct Rows<'a> {
     sums: LaneSums,
 }
 
-/// A pass over them.
+/// A pass over these disks.
 struct PassOver<'p, 'r, 's, const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> {
     pass: &'p Pass,
     rows: &'r mut Rows<'s>,
 }
 
 impl State {
-    /// Does a task. `age` is the number of steps from the making of the list to the step predicted. Measures in the
-    /// state that is corrected, on request.
+    /// Does a task. `age` is the number of steps from the construction of the neighbour list to the predicted step.
+    /// On request, measures in the corrected state.
     pub(super) fn advance(&mut self, law: &Law, task: Task, age: u64, measure: bool) -> MotionSums {
         let pass = Pass { corrector: law.corrector(), profile: law.profile, age: age as f64 * law.dt, dt: law.dt };
         let mut parts = self.parts();
@@ -77,8 +77,8 @@ impl State {
         rows.map(|((bodies, forces), blocks)| Rows { bodies, blocks, forces, sums: LaneSums::default() }).collect()
     }
 
-    /// Sets the higher derivatives from the forces, which are cleared: the acceleration is exact, the next two are
-    /// those of the drag.
+    /// Sets the higher derivatives from the forces, which are cleared: the acceleration is exact, the next two
+    /// derivatives are those of the drag.
     pub(super) fn start(&mut self, law: &Law, masses: impl Fn(f64) -> f64) {
         for row in 0..self.len() {
             let mut motion = self.motion(row);
@@ -103,7 +103,7 @@ impl<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> Kernel
 {
     #[inline(always)]
     fn run(self) {
-        // Copies of its own tell the compiler that nothing else writes to them.
+        // Local copies tell the compiler that nothing else writes to them.
         let (pass, mut sums) = (*self.pass, LaneSums::default());
         let Rows { bodies, blocks, forces, .. } = self.rows;
         let disks = bodies.as_chunks_mut::<LANES>().0.iter_mut().zip(forces.as_chunks_mut::<LANES>().0);
@@ -183,7 +183,8 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// `dv/dt = U(y(t)) - v` with `U = 4/5 y - 2/25 y^2`, and `y = 5/2 + 1 - exp(-t)`: derivatives at the start by hand.
+    /// `dv/dt = U(y(t)) - v` with `U = 4/5 y - 2/25 y^2` and `y = 5/2 + 1 - exp(-t)`: the
+    /// derivatives at the start by hand.
     #[test]
     fn a_start_has_the_derivatives_of_a_disk_that_crosses_a_parabolic_flow() {
         let law = Law {

@@ -1,59 +1,61 @@
-//! The input of a system of disks, checked.
+//! Checked parameters of a system of disks.
 
 use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
 use crate::parameter::{ParameterError, positive, refused, require};
 use domain::{Comm, Need, Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
 
-/// How a random start is made ready for the shear: overlaps are taken out by almost plastic contacts, then elastic ones
-/// bring the disks near the equilibrium of hard disks. No drag, no flow. Times are counted from the start.
+/// Preparation of a random start for the shear: almost plastic contacts remove overlaps, then elastic contacts bring
+/// the disks near the equilibrium of hard disks. There is no drag and no flow. Times are counted from the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Preparation {
-    /// Restitution while overlaps are taken out.
+    /// Restitution while overlaps are removed.
     pub restitution: f64,
-    /// When that ends.
+    /// Time at which the removal of overlaps ends.
     pub settled: f64,
-    /// When the elastic stage ends.
+    /// Time at which the elastic stage ends.
     pub mixed: f64,
-    /// Integrator of both. With many contacts of restitution 0.1 five values are unstable at a time step of 0.15.
+    /// Integrator of both stages. With many contacts of restitution 0.1 the five-value schemes are
+    /// unstable at a time step of 0.15.
     pub gear: Gear,
-    /// Time step of both.
+    /// Time step of both stages.
     pub time_step: f64,
 }
 
-/// What a scene gives. The default is the system of Santra, Schwarzer & Herrmann, PRE 54, 5066 (1996), Fig. 4. Units:
-/// a length after `length_unit`, the mass of a disk of radius 1, and a time in which an undamped contact lasts `pi`.
+/// Parameters of a scene. The default is the system of Fig. 4 of Santra, Schwarzer & Herrmann, PRE 54, 5066 (1996).
+/// Units: a length according to `length_unit`, the mass of a disk of radius 1, and a time in which an undamped
+/// contact lasts `pi`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
     /// Periods along the flow (x) and the gradient (y).
     pub edges: [f64; 2],
-    /// Strain of the lattice of images at the start, of disks that come from a sheared box.
+    /// Strain of the lattice of images at the start, for disks that come from a sheared box.
     pub strain: f64,
-    /// Fraction of the area that disks cover.
+    /// Area fraction of the disks.
     pub area_fraction: f64,
     /// The distribution of radii.
     pub sizes: Sizes,
-    /// Which radius is 1.
+    /// The radius that is 1.
     pub length_unit: LengthUnit,
-    /// Power of the radius that mass is proportional to: 2 for disks, 3 for spheres.
+    /// Power of the radius to which mass is proportional: 2 for disks, 3 for spheres.
     pub mass_exponent: i32,
-    /// Fraction of the normal velocity that a contact leaves.
+    /// Fraction of the normal velocity after a contact.
     pub restitution: f64,
-    /// Whether a contact that is about to end may not pull.
+    /// Whether a contact that is about to end may not attract.
     pub clip_attraction: bool,
-    /// Viscosity of the liquid in Stokes' drag `6 pi r viscosity`.
+    /// Viscosity of the liquid in the Stokes drag `6 pi r viscosity`.
     pub viscosity: f64,
-    /// The liquid's flow.
+    /// Flow of the liquid.
     pub flow: Flow,
-    /// The integrator.
+    /// Integrator.
     pub gear: Gear,
-    /// Its time step.
+    /// Time step.
     pub time_step: f64,
-    /// How a random start is made ready.
+    /// Preparation of a random start.
     pub preparation: Preparation,
-    /// Names the random start.
+    /// Seed of the random start.
     pub seed: u64,
-    /// Steps from one measurement of energies and stresses to the next.
+    /// Number of steps between measurements of energies and stresses.
     pub measure_every: u64,
 }
 
@@ -82,14 +84,15 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// The units that reproduce the viscous lengths which the paper quotes with its Fig. 6: the smallest radius is 1.
+    /// Parameters with the units that reproduce the viscous lengths quoted with Fig. 6 of the paper:
+    /// the smallest radius is 1.
     #[must_use]
     pub fn santra1996_zeta() -> Self {
         Self { length_unit: LengthUnit::Smallest, ..Self::default() }
     }
 }
 
-/// A system of disks that makes sense.
+/// A system of disks with checked parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
     parameters: Parameters,
@@ -99,7 +102,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The disks that the parameters ask for.
+    /// Model with the disks that the parameters specify.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
@@ -118,7 +121,7 @@ impl Model {
         Self::of(parameters, sizes)
     }
 
-    /// The disks of a store, whatever sizes and area fraction the parameters ask for.
+    /// Model with the disks of a particle store, whatever sizes and area fraction the parameters specify.
     pub fn with_particles(parameters: Parameters, particles: &Particles) -> Result<Self, ParameterError> {
         particles.radii.iter().try_for_each(|&r| positive("particles.radius", r))?;
         let of_row = |(&radius, &species): (&f64, &u32)| Size { radius, species };
@@ -126,7 +129,7 @@ impl Model {
         Self::of(parameters, sizes)
     }
 
-    /// Refuses more disks than rows have numbers, or than there is memory to list them.
+    /// Refuses more disks than row numbers can count, or than there is memory to list.
     fn check_count(count: f64, fraction: f64) -> Result<(), ParameterError> {
         let found = || format!("{fraction}, which takes {count:.1e} disks");
         let key = "particles.area_fraction";
@@ -209,7 +212,7 @@ impl Model {
         &self.sizes
     }
 
-    /// Mass of a disk of given radius.
+    /// Mass of a disk of the given radius.
     pub fn mass(&self, radius: f64) -> f64 {
         radius.powi(self.parameters.mass_exponent)
     }
@@ -229,29 +232,29 @@ impl Model {
         radius * radius > self.smallest() * self.largest() * (1.0 + 1e-9)
     }
 
-    /// Fraction of the area that the disks cover.
+    /// Area fraction of the disks.
     pub fn area_fraction(&self) -> f64 {
         let [length, height] = self.parameters.edges;
         PI * self.sizes.iter().map(|s| s.radius * s.radius).sum::<f64>() / (length * height)
     }
 
-    /// The lattice of images at a strain. It is one largest diameter deep.
+    /// The lattice of images at a strain. Its depth is the largest diameter.
     pub fn cell(&self, strain: f64) -> PeriodicBox {
         let [length, height] = self.parameters.edges;
         PeriodicBox::sheared(Vector::new(length, height, 2.0 * self.largest()), strain).expect("edges were checked")
     }
 
-    /// The shortest time in which drag slows a disk, inverted, for a viscosity of 1.
+    /// Largest rate at which drag slows a disk, for a viscosity of 1.
     fn fastest_drag(&self) -> f64 {
         self.sizes.iter().map(|s| 6.0 * PI * s.radius / self.mass(s.radius)).fold(0.0, f64::max)
     }
 
-    /// Steps of the stages before the flow.
+    /// Number of steps of the stages before the flow.
     pub(super) fn preparing_steps(&self) -> u64 {
         [Stage::Settle, Stage::Mix].into_iter().filter_map(|stage| self.law(stage).steps).sum()
     }
 
-    /// What governs the motion during a stage.
+    /// Contacts, drag, flow and integrator of a stage.
     pub(super) fn law(&self, stage: Stage) -> Law {
         let p = &self.parameters;
         let height = p.edges[1];
@@ -281,10 +284,11 @@ impl Model {
     }
 }
 
-/// Steps of a preparation.
+/// Largest number of steps of a preparation.
 const MOST_STEPS: f64 = 1e12;
 
-/// Powers of very unlike radii, and with them a spread of radii, can be beyond the numbers of the machine.
+/// Refuses radii whose squares are outside the range of floating-point numbers, e.g. from
+/// powers of very different radii.
 fn check_radii(asked: &Sizes, sizes: &[Size]) -> Result<(), ParameterError> {
     let wrong = sizes.iter().find(|s| !(s.radius * s.radius > 0.0 && (s.radius * s.radius).is_finite()));
     wrong.map_or(Ok(()), |size| {

@@ -3,25 +3,25 @@
 use super::{Measurement, Stage, Tally};
 use domain::Vector;
 
-/// The state of a run besides its particles.
+/// State of a run apart from its particles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// The stage.
     pub stage: Stage,
-    /// Steps done in it.
+    /// Steps completed in this stage.
     pub step: u64,
-    /// Step at which the list of neighbours was made.
+    /// Step at which the neighbour list was built.
     pub list_made: u64,
-    /// What was counted so far.
+    /// Sums over time so far.
     pub tally: Tally,
-    /// Rows of the pairs that touched when forces were computed last.
+    /// Rows of the pairs in contact at the last computation of forces.
     pub touching: Vec<[u32; 2]>,
 }
 
 const STAGES: [Stage; 3] = [Stage::Settle, Stage::Mix, Stage::Flow];
 
 impl Progress {
-    /// All of it, to the bit.
+    /// All values, exact to the last bit.
     pub fn to_numbers(&self) -> Vec<f64> {
         let Tally { first, latest, input, drag, damping, path, stress, collisions } = self.tally;
         let stage = STAGES.iter().position(|&s| s == self.stage).unwrap_or_default();
@@ -34,7 +34,7 @@ impl Progress {
         numbers
     }
 
-    /// The progress that has these numbers, if they are as many as one has.
+    /// Progress from these numbers, or `None` if their count is wrong.
     pub fn from_numbers(numbers: &[f64]) -> Option<Self> {
         let (&[stage, step, list_made, input, drag, damping, path], rest) = numbers.split_first_chunk::<7>()?;
         let (&stress, rest) = rest.split_first_chunk::<3>()?;
@@ -58,7 +58,7 @@ impl Progress {
     }
 }
 
-/// Numbers of a measurement.
+/// Number of values of a measurement.
 const MEASURED: usize = 14;
 
 impl Measurement {

@@ -1,4 +1,4 @@
-//! Sheared disks as a simulation in steps of the flow.
+//! A run of sheared disks as a simulation whose steps are those of the flow.
 
 use super::{
     AveragedProfile, Disks, MeanProfileStrip, Model, Progress, Record, Stage, estimated_free_path, viscous_length,
@@ -8,11 +8,10 @@ use domain::{Bytes, Comm, GivenPositions, Need, Number, Particles, Process};
 use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, Table, TableSet};
 use statistics::{State as Stored, Store};
 
-/// The largest number of disks times steps in one call, so that requests to stop are noticed soon.
+/// Largest number of disks times steps in one call, so that requests to stop are noticed soon.
 const MOMENT: u64 = 1_000_000;
 
-/// A run of sheared disks. Its steps are those of the stage with flow; the preparation of a random start comes before
-/// step 0.
+/// A run of sheared disks. Its steps are those of the stage with flow; a random start is prepared before step 0.
 pub struct DiskRun {
     disks: Disks,
     clock: Clock,
@@ -21,7 +20,7 @@ pub struct DiskRun {
     comm: Comm,
 }
 
-/// The part of a checkpoint besides the disks.
+/// State of a checkpoint apart from the disks.
 struct Kept {
     progress: Vec<f64>,
     profile: AveragedProfile,
@@ -34,18 +33,18 @@ impl Stored for Kept {
     }
 }
 
-/// The length of a run of disks, and the resolution of its profile.
+/// Length of a run of disks and resolution of its profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Course {
-    /// The last step.
+    /// Last step.
     pub steps: u64,
     /// Strips over the height in the profile.
     pub profile_strips: usize,
 }
 
 impl DiskRun {
-    /// Disks at the start of the flow: at given positions, or at random and prepared. `tell` is called now and then
-    /// with the part of the preparation that is done.
+    /// Disks at the start of the flow: at given positions, or at random positions and prepared. `tell` is called now
+    /// and then with the completed fraction of the preparation.
     pub fn start(
         model: &Model,
         course: Course,
@@ -60,7 +59,7 @@ impl DiskRun {
         Ok(Self::of(disks, course, AveragedProfile::new(course.profile_strips), comm))
     }
 
-    /// Disks in the state of a checkpoint; those from a file have sizes of their own.
+    /// Disks in the state of a checkpoint; disks from a file have their own sizes.
     pub fn resume(
         model: &Model,
         course: Course,
@@ -87,7 +86,7 @@ impl DiskRun {
     }
 }
 
-/// Disks at given positions, if there is memory for them.
+/// Disks at given positions, if there is enough memory for them.
 fn flowing(model: &Model, course: Course, placed: &GivenPositions, comm: &Comm) -> Result<Disks, StartError> {
     let (parameters, particles) = (model.parameters(), given(placed));
     let refused = |source| StartError::Given { name: placed.name.clone(), source };
@@ -98,12 +97,12 @@ fn flowing(model: &Model, course: Course, placed: &GivenPositions, comm: &Comm) 
     Disks::flowing(parameters.clone(), &particles).map_err(refused)
 }
 
-/// The memory of a run of disks with a profile of `strips` strips.
+/// Predicted memory of a run of disks with a profile of `strips` strips.
 pub fn run_bytes(model: &Model, strips: usize) -> Bytes {
     model.bytes(strips).then(Frame::bytes(model.sizes().len() as f64, 3))
 }
 
-/// A system of disks in words and numbers.
+/// Summary of a system of disks in words and numbers.
 pub fn outline(model: &Model, steps: u64) -> Outline {
     let (p, count) = (model.parameters(), model.sizes().len());
     let (fraction, zeta) = (model.area_fraction(), viscous_length(model));
@@ -125,7 +124,7 @@ pub fn outline(model: &Model, steps: u64) -> Outline {
         .value("strain", strain)
 }
 
-/// Disks at given positions, moving with the liquid.
+/// Disks at given positions, with no velocities of their own: they move with the liquid.
 fn given(placed: &GivenPositions) -> Particles {
     let mut particles = Particles::default();
     for (id, position) in placed.positions.iter().enumerate() {
@@ -165,7 +164,7 @@ impl Simulation for DiskRun {
         Record::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit)).collect()
     }
 
-    /// Averages are those since the row before. The profile is sampled at each row.
+    /// Averages are over the time since the previous row. The profile is sampled at each row.
     fn observe(&mut self) -> Vec<Vec<f64>> {
         self.profile.add(&self.disks.snapshot());
         let record = self.disks.record();
@@ -201,6 +200,6 @@ impl Simulation for DiskRun {
     }
 }
 
-/// The averages over a strip.
+/// Names and units of the averages over a strip.
 const PROFILE: [(&str, &str); 3] =
     [("velocity", "length/time"), ("excess_velocity", "length/time"), ("temperature", "length^2/time^2")];

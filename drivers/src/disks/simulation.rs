@@ -1,4 +1,4 @@
-//! A system of disks in motion.
+//! A system of disks and its time stepping.
 
 use super::motion::Task;
 use super::stage::Law;
@@ -23,11 +23,11 @@ pub struct Disks {
     pub(super) lost: bool,
 }
 
-/// The largest number of disks times steps in one call of the preparation.
+/// Largest number of disks times steps in one call during the preparation.
 const MOMENT: u64 = 1_000_000;
 
 impl Disks {
-    /// The model's disks at random places, overlapping, at rest.
+    /// The model's disks at random positions, overlapping, at rest.
     pub fn random(model: &Model) -> Self {
         let (mut particles, edges) = (Particles::default(), model.cell(0.0).edges());
         for (id, size) in model.sizes().iter().enumerate() {
@@ -44,7 +44,7 @@ impl Disks {
         Self::prepare_and_tell(model, &mut |_| {})
     }
 
-    /// The same; `tell` is called now and then with the part of the steps that is done.
+    /// Like [`Disks::prepared`]; `tell` is called now and then with the completed fraction of the steps.
     pub fn prepare_and_tell(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
         let moment = (MOMENT / disks.state.len() as u64).max(1);
@@ -64,7 +64,7 @@ impl Disks {
         Ok(disks)
     }
 
-    /// Refuses disks that have flown off, as they do where the contacts are unstable.
+    /// Refuses disks that have flown off, as happens where the contacts are unstable.
     pub fn check(&self) -> Result<(), ParameterError> {
         let key = if self.stage == Stage::Flow { "time.step" } else { "preparation.time_step" };
         let allowed = format!(
@@ -75,7 +75,7 @@ impl Disks {
         require(!self.lost, key, &self.law.dt, allowed)
     }
 
-    /// The disks of a store in the flow. Without a column `velocity` they move with the liquid.
+    /// Disks of a particle store, in the stage with flow. Without a column `velocity` they move with the liquid.
     pub fn flowing(parameters: super::Parameters, particles: &Particles) -> Result<Self, ParameterError> {
         let model = Model::with_particles(parameters, particles)?;
         check_places(&model, particles)?;
@@ -89,7 +89,7 @@ impl Disks {
         Ok(Self::begin(model.clone(), stage, state))
     }
 
-    /// Starts a stage from places and velocities.
+    /// Starts a stage from positions and velocities.
     fn begin(model: Model, stage: Stage, mut state: State) -> Self {
         let law = model.law(stage);
         let list = List::make(&mut state, &model, &law, 0, None);
@@ -101,8 +101,8 @@ impl Disks {
         disks
     }
 
-    /// Ends the stage, early or at its end, and starts the next; the last has no end. When the flow starts, the disks
-    /// move with the liquid.
+    /// Ends the present stage, early or at its end, and starts the next; the last stage has no end. When the flow
+    /// starts, the disks move with the liquid.
     pub fn enter_next_stage(&mut self) {
         let Some(stage) = self.stage.next() else { return };
         let mut state = std::mem::take(&mut self.state);
@@ -117,7 +117,7 @@ impl Disks {
         *self = Self::begin(self.model.clone(), stage, state);
     }
 
-    /// Makes a number of steps of the present stage.
+    /// Takes a number of steps of the present stage.
     pub fn advance(&mut self, steps: u64) {
         if steps == 0 {
             return;
@@ -154,12 +154,12 @@ impl Disks {
         Measurement::of(self.time(), length * height, self.state.len(), motion, contact)
     }
 
-    /// Restarts the tally from its latest measurement.
+    /// Restarts the tally at its latest measurement.
     pub fn restart_tally(&mut self) {
         self.tally = Tally::begin(self.tally.latest);
     }
 
-    /// Lattice periods by which the strain was turned back since the list was made.
+    /// Number of lattice periods by which the strain was reduced since the list was built.
     pub(super) fn turns_since_list(&self) -> i32 {
         let [length, height] = self.model.parameters().edges;
         let turns = |step| (self.law.strain(step) * height / length + 0.5).floor() as i32;
@@ -176,12 +176,12 @@ impl Disks {
         self.stage
     }
 
-    /// Steps done in the present stage.
+    /// Steps completed in the present stage.
     pub fn steps(&self) -> u64 {
         self.step
     }
 
-    /// Steps that the present stage has left, if it has an end.
+    /// Steps left in the present stage, if it has an end.
     pub fn left(&self) -> Option<u64> {
         self.law.steps.map(|steps| steps.saturating_sub(self.step))
     }
@@ -191,23 +191,23 @@ impl Disks {
         self.law.dt * self.step as f64
     }
 
-    /// Rate of shear times that time.
+    /// Shear rate times that time.
     pub fn strain(&self) -> f64 {
         self.model.parameters().flow.rate(self.model.parameters().edges[1]) * self.time()
     }
 
-    /// The lattice of images now.
+    /// The lattice of images at the present time.
     pub fn cell(&self) -> PeriodicBox {
         self.model.cell(self.law.strain(self.step))
     }
 
-    /// What was counted since the stage began or the count was restarted.
+    /// Sums over time since the stage began or the tally was restarted.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 }
 
-/// Two disks at one point exert no force on each other.
+/// Refuses two disks at the same position: they would exert no force on each other.
 fn check_places(model: &Model, particles: &Particles) -> Result<(), ParameterError> {
     let cell = model.cell(model.parameters().strain);
     let mut places: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();

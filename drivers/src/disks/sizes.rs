@@ -6,18 +6,18 @@ use crate::parameter::{ParameterError, positive, require};
 /// Disks of one radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Species {
-    /// Radius, relative to the other species'.
+    /// Radius, relative to those of other species.
     pub radius: f64,
-    /// How many there are, relative to the other species.
+    /// Number of disks, relative to other species.
     pub share: f64,
 }
 
-/// The distribution of radii by number. Its scale is fixed by the unit of length.
+/// Number distribution of the radii. Its scale is fixed by the unit of length.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sizes {
     /// Any number of species; one species makes a monodisperse system.
     Species(Vec<Species>),
-    /// All radii between two limits, with a density proportional to a power of the radius: 0 makes them uniform.
+    /// All radii between two limits, with a density proportional to a power of the radius: a power of 0 is uniform.
     Spread {
         /// The smallest radius, relative to the largest.
         smallest: f64,
@@ -28,13 +28,13 @@ pub enum Sizes {
     },
 }
 
-/// Which radius is 1.
+/// The radius that is 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LengthUnit {
-    /// The mean by number.
+    /// The number average.
     #[default]
     Mean,
-    /// The smallest.
+    /// The smallest radius.
     Smallest,
 }
 
@@ -43,12 +43,12 @@ pub enum LengthUnit {
 pub struct Size {
     /// Radius.
     pub radius: f64,
-    /// The place of its species in the list; for a spread of sizes 0 is the lower part and 1 the upper.
+    /// Index of its species in the list; for a spread of radii, 0 is the lower part and 1 the upper.
     pub species: u32,
 }
 
 impl Sizes {
-    /// Small disks of relative radius 1 and big ones, so many for each small one.
+    /// Small disks of relative radius 1 and large ones of radius `ratio`, `share` of them for each small one.
     pub fn bidisperse(ratio: f64, share: f64) -> Self {
         Self::Species(vec![Species { radius: 1.0, share: 1.0 }, Species { radius: ratio, share }])
     }
@@ -82,7 +82,7 @@ impl Sizes {
         }
     }
 
-    /// The same with the smallest radius 1, so that what follows does not depend on the unit of the radii.
+    /// The same with a smallest radius of 1, so that results do not depend on the unit of the radii.
     fn relative(&self) -> Self {
         match self {
             Self::Species(list) => {
@@ -95,7 +95,7 @@ impl Sizes {
         }
     }
 
-    /// How many disks cover an area.
+    /// Number of disks that cover an area.
     pub(super) fn count(&self, area: f64, unit: LengthUnit) -> f64 {
         let relative = self.relative();
         match &relative {
@@ -107,7 +107,7 @@ impl Sizes {
         }
     }
 
-    /// The disks that cover an area as nearly as whole numbers can.
+    /// The disks that cover an area, as nearly as a whole number of them can.
     pub(super) fn cover(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
         let relative = self.relative();
         let Self::Species(list) = &relative else { return relative.cover_by_spread(area, unit) };
@@ -127,7 +127,7 @@ impl Sizes {
         radii.into_iter().map(|radius| Size { radius, species: u32::from(radius > divide) }).collect()
     }
 
-    /// So many radii of a spread.
+    /// `count` radii of a spread, at equally spaced quantiles.
     fn scaled(&self, count: usize, unit: LengthUnit) -> Vec<f64> {
         let radii: Vec<f64> = (0..count).map(|i| self.quantile((i as f64 + 0.5) / count as f64)).collect();
         let length = match unit {
@@ -137,7 +137,7 @@ impl Sizes {
         radii.into_iter().map(|r| r / length).collect()
     }
 
-    /// The radius that a fraction of all disks is below, in closed form for a spread.
+    /// Quantile of the radius: a fraction of all disks is smaller. In closed form for a spread.
     fn quantile(&self, fraction: f64) -> f64 {
         let &Self::Spread { smallest, largest, exponent } = self else { return 1.0 };
         let power = exponent + 1.0;
@@ -149,8 +149,8 @@ impl Sizes {
     }
 }
 
-/// Numbers of disks of each species. Species other than the most frequent one are as many as their shares say; the most
-/// frequent one fills what is left.
+/// Numbers of disks of each species. Numbers of species other than the most frequent one follow their shares; the
+/// most frequent one fills the remaining area.
 fn counts(list: &[Species], length: f64, area: f64) -> Vec<f64> {
     let covers: Vec<f64> = list.iter().map(|s| disk_area(s.radius / length)).collect();
     let frequent = (1..list.len()).fold(0, |best, s| if list[s].share > list[best].share { s } else { best });
@@ -162,7 +162,7 @@ fn counts(list: &[Species], length: f64, area: f64) -> Vec<f64> {
     counts
 }
 
-/// The radius that is 1.
+/// The radius that is 1, in the unit of the list.
 fn unit_length(list: &[Species], unit: LengthUnit) -> f64 {
     match unit {
         LengthUnit::Mean => {
@@ -213,7 +213,7 @@ mod tests {
         for exponent in [-3.0, -1.0, 0.0, 2.0] {
             let sizes = Sizes::Spread { smallest: 1.0, largest: 3.0, exponent }.cover(6000.0, LengthUnit::Mean);
             let mean = sizes.iter().map(|s| s.radius).sum::<f64>() / sizes.len() as f64;
-            // To half a disk.
+            // Up to half a disk.
             assert!((fraction(&sizes) - 0.6).abs() < 5e-4 && (mean - 1.0).abs() < 1e-12, "{exponent}");
         }
         let three = [(1.0, 6.0), (2.0, 3.0), (3.0, 1.0)].map(|(radius, share)| Species { radius, share });

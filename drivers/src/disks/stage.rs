@@ -12,7 +12,7 @@ pub enum Stage {
     Settle,
     /// Elastic contacts bring the disks close to equilibrium.
     Mix,
-    /// The run itself: flow, drag and the contacts asked for.
+    /// The run itself: flow, drag and the contacts of the parameters.
     Flow,
 }
 
@@ -37,7 +37,7 @@ pub(super) struct Law {
     /// Strain of the lattice before the first step.
     pub(super) start_strain: f64,
     pub(super) dt: f64,
-    /// How long the stage lasts; the last has no end.
+    /// Number of steps of the stage; the last stage has no end.
     pub(super) steps: Option<u64>,
 }
 
@@ -46,13 +46,13 @@ impl Law {
         self.gear.corrector(self.dt)
     }
 
-    /// Stokes' drag on a disk for a unit of velocity.
+    /// Stokes drag on a disk per unit of velocity.
     pub(super) fn drag(&self, radius: f64) -> f64 {
         6.0 * PI * radius * self.viscosity
     }
 
-    /// The factors `kick` and `drag` of a disk in `dt^2 a / 2 = force * kick - excess * drag`, with the velocity in
-    /// excess of the liquid's.
+    /// The factors `kick` and `drag` of a disk in `dt^2 a / 2 = force * kick - excess * drag`, where `excess` is the
+    /// velocity relative to the liquid.
     pub(super) fn response(&self, radius: f64, mass: f64) -> (f64, f64) {
         let kick = 0.5 * self.dt * self.dt / mass;
         (kick, self.drag(radius) * kick)
@@ -63,7 +63,7 @@ impl Law {
         self.start_strain + self.strain_in(step)
     }
 
-    /// Contribution of a number of steps.
+    /// Strain of the lattice in a number of steps.
     pub(super) fn strain_in(&self, steps: u64) -> f64 {
         self.profile.lattice_rate * self.dt * steps as f64
     }

@@ -1,20 +1,20 @@
-//! The state of the disks in the layout that the time step needs.
+//! State of the disks in the memory layout of the time step.
 
 use super::stage::Law;
 use super::{Model, for_each_part};
 use domain::{PeriodicBox, Vector};
 use glam::DVec2;
 
-/// Disks that are moved together, with a lane of the processor's vectors each.
+/// Number of disks that are advanced together, one per SIMD lane.
 pub(super) const LANES: usize = 32;
-/// Disks of one chunk move and collide on one thread. The number of threads does not change what a chunk is.
+/// Disks of one chunk are processed by one thread. The division into chunks does not depend on the number of threads.
 pub(super) const CHUNK: usize = 256 * LANES;
 
-/// A number for each disk of a block.
+/// One number for each disk of a block.
 pub(super) type Lanes = [f64; LANES];
 
-/// What pairs see of a disk. Its place may lie a little outside the cell: it is wrapped when the list of neighbours is
-/// made.
+/// The part of a disk's state that pair forces need. The position may be slightly outside the cell: it is wrapped
+/// when the neighbour list is built.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C, align(32))]
 pub(super) struct Body {
@@ -22,7 +22,7 @@ pub(super) struct Body {
     pub(super) velocity: DVec2,
 }
 
-/// The rest of a block's motion: higher derivatives, reference positions and response.
+/// The rest of the state of a block of disks: higher derivatives, reference positions and response factors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Block {
@@ -30,39 +30,39 @@ pub(super) struct Block {
     pub(super) qx: [Lanes; 3],
     /// The same along y.
     pub(super) qy: [Lanes; 3],
-    /// Place when the list was made.
+    /// Position when the list was built.
     pub(super) x0: Lanes,
     pub(super) y0: Lanes,
     /// `dt^2 / 2` over the mass.
     pub(super) kick: Lanes,
-    /// The kick times the drag for a unit of velocity.
+    /// The kick times the drag per unit of velocity.
     pub(super) drag: Lanes,
 }
 
-/// A disk's identity.
+/// Properties of a disk that do not change during a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Identity {
     pub(super) id: u64,
     pub(super) species: u32,
     pub(super) radius: f64,
-    /// Its place among all disks by radius.
+    /// Rank of its radius among all disks.
     pub(super) rank: u32,
     pub(super) is_large: bool,
     pub(super) lightness: f64,
 }
 
-/// The whole motion of a disk.
+/// Complete state of motion of a disk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Motion {
     pub(super) body: Body,
     pub(super) higher: [DVec2; 3],
-    /// Place when the list was made.
+    /// Position when the list was built.
     pub(super) reference: DVec2,
-    /// Lattice steps taken out of the place.
+    /// Lattice steps removed from the position by wrapping.
     pub(super) steps: [i32; 2],
 }
 
-/// All disks, one row each. Lanes of the last block may be left over.
+/// All disks, one row each. The last block may have unused lanes.
 #[derive(Debug, Clone, Default)]
 pub(super) struct State {
     pub(super) identities: Vec<Identity>,
@@ -105,7 +105,7 @@ impl State {
         }
     }
 
-    /// Where a disk was when the list was made.
+    /// Position of a disk when the list was built.
     pub(super) fn reference(&self, row: usize) -> DVec2 {
         let (block, lane) = (&self.blocks[row / LANES], row % LANES);
         DVec2::new(block.x0[lane], block.y0[lane])
@@ -121,8 +121,8 @@ impl State {
         (block.x0[lane], block.y0[lane]) = (motion.reference.x, motion.reference.y);
     }
 
-    /// Sets how the disks respond to forces and drag in a stage.
-    /// The lanes left over float where the liquid is at rest.
+    /// Sets the response of the disks to forces and drag in a stage. Unused lanes stay at a height at
+    /// which the liquid is at rest.
     pub(super) fn set_response(&mut self, law: &Law, model: &Model) {
         for lane in self.len()..self.bodies.len() {
             let (block, lane_of) = (&mut self.blocks[lane / LANES], lane % LANES);
@@ -136,7 +136,7 @@ impl State {
         }
     }
 
-    /// Sets the reference positions of drift to the present ones.
+    /// Sets the reference positions of the drift to the present ones.
     pub(super) fn refer(&mut self) {
         let mut parts: Vec<_> = self.bodies.chunks(CHUNK).zip(self.blocks.chunks_mut(CHUNK / LANES)).collect();
         for_each_part(&mut parts, |(bodies, blocks)| {
@@ -148,8 +148,8 @@ impl State {
         });
     }
 
-    /// Brings all places back into the cell; the velocity of a disk that changes rows changes with its image's. The
-    /// lattice's strain has been turned back by `turns` periods since the last time.
+    /// Wraps all positions into the cell; the velocity of a disk that crosses into another row of images changes by
+    /// that row's velocity. The lattice's strain has been reduced by `turns` periods since the last time.
     pub(super) fn wrap(&mut self, cell: &PeriodicBox, law: &Law, turns: i32) {
         let jump = law.profile.lattice_rate * cell.edges().y;
         let mut parts: Vec<_> = self.bodies.chunks_mut(CHUNK).zip(self.steps.chunks_mut(CHUNK)).collect();

@@ -8,13 +8,14 @@ use crate::parameter::{ParameterError, refused, require};
 use domain::{Particles, PeriodicBox, Vector};
 use glam::DVec2;
 
-/// The columns besides velocity: `dt^k x^(k) / k!` for k = 2, 3, 4, and what fixes the list of neighbours: row, place,
-/// velocity, place when the list was made and lattice steps, as the time step has them, before wrapping.
+/// Columns apart from velocity: `dt^k x^(k) / k!` for k = 2, 3, 4; and the data that determine the neighbour
+/// list, as the time step has them, before wrapping: row, position, velocity, position when the list was
+/// built, and lattice steps.
 const GEAR: (&str, usize) = ("gear", 6);
 const LIST: (&str, usize) = ("list", 9);
 
 impl Disks {
-    /// The state: particles in the order of their ids, positions inside the box, and how far the run is.
+    /// The state: particles in the order of their ids, positions inside the box, and the progress of the run.
     pub fn store(&self) -> (Particles, Progress) {
         let state = &self.state;
         let mut order: Vec<usize> = (0..state.len()).collect();
@@ -38,14 +39,15 @@ impl Disks {
         (particles, Progress { stage, step, list_made, tally, touching })
     }
 
-    /// The state with all places inside the cell.
+    /// The state with all positions wrapped into the cell.
     pub(super) fn wrapped(&self) -> State {
         let mut state = self.state.clone();
         state.wrap(&self.cell(), &self.law, self.turns_since_list());
         state
     }
 
-    /// Goes on from a stored state. The parameters may differ from those of the stored run where that makes sense.
+    /// Continues from a stored state. The parameters may differ from those of the stored run where
+    /// that is physically sensible.
     pub fn resume(model: &Model, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
         let law = model.law(progress.stage);
         let mut state = State::stored(particles, model, (&model.cell(law.strain(progress.list_made)), law.dt))?;
@@ -56,7 +58,7 @@ impl Disks {
     }
 }
 
-/// The place from which drift is counted is in the box, up to round-off, and the disk near it.
+/// Refuses a reference position outside the box (up to round-off) or far from the disk.
 fn check_place(motion: &Motion, cell: &PeriodicBox) -> Result<(), ParameterError> {
     let (edges, reference) = (cell.edges().truncate(), motion.reference);
     let inside = DVec2::new(reference.x - cell.strain() * reference.y, reference.y) / edges;
@@ -65,7 +67,7 @@ fn check_place(motion: &Motion, cell: &PeriodicBox) -> Result<(), ParameterError
     require(is_inside && is_near, LIST.0, &reference, "a place in the box, and the disk near it")
 }
 
-/// In a step a disk does not go farther than the box.
+/// Refuses a motion that carries a disk farther than the box in one step.
 fn check_motion(motion: &Motion, cell: &PeriodicBox, dt: f64) -> Result<(), ParameterError> {
     let (shortest, [a, b, c], velocity) = (cell.edges().truncate().min_element(), motion.higher, motion.body.velocity);
     let is_less = |way: DVec2| way.abs().max_element() < shortest && way.is_finite();
@@ -96,8 +98,8 @@ fn motion_of(gear: &[f64], list: &[f64]) -> Motion {
 }
 
 impl State {
-    /// The disks of a store that was not made by this driver, in its order. Without a column `velocity` they move with
-    /// the liquid.
+    /// Disks of a particle store that was not written by this driver, in its order. Without a column `velocity`
+    /// they move with the liquid.
     pub(super) fn given(particles: &Particles, law: &Law, model: &Model) -> Result<Self, ParameterError> {
         let velocities = rows_of(particles, ("velocity", 3));
         let height = model.parameters().edges[1];
@@ -141,7 +143,7 @@ fn identities(particles: &Particles, model: &Model) -> Vec<Identity> {
     Identity::all(rows.map(|((&id, &species), &radius)| (id, species, radius)), model)
 }
 
-/// The rows of a column, if there is one of this name and width.
+/// Rows of the column of this name and width, if there is one.
 fn rows_of<'a>(particles: &'a Particles, (name, width): (&str, usize)) -> Option<Vec<&'a [f64]>> {
     let column = particles.columns.iter().find(|c| c.name == name && c.width == width)?;
     (column.values.len() == width * particles.len()).then(|| column.values.chunks_exact(width).collect())

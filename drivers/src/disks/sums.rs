@@ -1,21 +1,21 @@
-//! The sums that a time step with measurement computes.
+//! Sums computed in a time step with measurement.
 
 use domain::Vector;
 use std::ops::Add;
 
-/// Sums over the pairs that touch.
+/// Sums over the pairs in contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ContactSums {
-    /// Contacts that have just begun: of two small disks, a small and a large, two large.
+    /// Contacts that have just begun: of two small disks, of a small and a large one, of two large ones.
     pub(super) encounters: [u64; 3],
     pub(super) contacts: u64,
-    /// Energy of the springs.
+    /// Elastic energy of the springs.
     pub(super) spring: f64,
-    /// Power that damping takes.
+    /// Power dissipated by damping.
     pub(super) loss: f64,
-    /// Force on the second disk times the velocity of its image's flow past its own.
+    /// Force on the second disk times the velocity of the flow at its image relative to that at the disk itself.
     pub(super) jump_work: f64,
-    /// xx, xy and yy of separation times force.
+    /// xx, xy and yy components of separation times force.
     pub(super) virial: Vector,
 }
 
@@ -34,20 +34,20 @@ impl Add for ContactSums {
     }
 }
 
-/// Sums over the disks; `w` is the velocity in excess of the liquid's.
+/// Sums over the disks; `w` is the velocity relative to the liquid.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MotionSums {
     /// `m w^2 / 2`.
     pub(super) kinetic: f64,
-    /// xx, xy and yy of `m w w`.
+    /// xx, xy and yy components of `m w w`.
     pub(super) flux: Vector,
     /// `|w|`.
     pub(super) excess: f64,
-    /// Power that drag takes, `6 pi r viscosity w^2`.
+    /// Power dissipated by drag, `6 pi r viscosity w^2`.
     pub(super) drag: f64,
-    /// `m u' w_x w_y + F_x u`, which the flow gives with the opposite sign.
+    /// `m u' w_x w_y + F_x u`, the negative of the power from the flow.
     pub(super) flow_work: f64,
-    /// Largest squared distance from the place that the flow would have carried a disk to.
+    /// Largest squared distance of a disk from the point to which the flow would have carried it.
     pub(super) drift_squared: f64,
 }
 

@@ -3,7 +3,7 @@
 use super::sums::{ContactSums, MotionSums};
 use domain::Vector;
 
-/// Energies, stresses and powers at a step. Velocities are those in excess of the liquid's.
+/// Energies, stresses and powers at a step. Velocities are relative to the liquid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measurement {
     /// Time since the stage began.
@@ -12,19 +12,19 @@ pub struct Measurement {
     pub kinetic: f64,
     /// Elastic energy of all contacts.
     pub elastic: f64,
-    /// xx, xy and yy of the stress that moving disks carry, `sum m w w / area`. Pressure is positive.
+    /// xx, xy and yy of the kinetic stress, `sum m w w / area`. Pressure is positive.
     pub kinetic_stress: Vector,
-    /// xx, xy and yy of the stress that contacts carry, `sum r f / area`.
+    /// xx, xy and yy of the contact stress, `sum r f / area`.
     pub contact_stress: Vector,
-    /// Mean magnitude of the velocity.
+    /// Mean speed.
     pub mean_speed: f64,
-    /// Pairs that touch.
+    /// Pairs in contact.
     pub contacts: u64,
-    /// Power from the flow.
+    /// Power supplied by the flow.
     pub input: f64,
-    /// Power taken by drag.
+    /// Power dissipated by drag.
     pub drag: f64,
-    /// Power taken by the contacts' damping.
+    /// Power dissipated by the contacts' damping.
     pub damping: f64,
 }
 
@@ -44,7 +44,7 @@ impl Measurement {
         }
     }
 
-    /// xx, xy and yy of the whole stress.
+    /// xx, xy and yy of the total stress.
     pub fn stress(&self) -> Vector {
         self.kinetic_stress + self.contact_stress
     }
@@ -60,24 +60,24 @@ impl Measurement {
     }
 }
 
-/// Sums over time since the count began.
+/// Sums over time since the tally was started.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Tally {
-    /// The measurement that the count began with.
+    /// The measurement at the start.
     pub first: Measurement,
     /// The latest measurement.
     pub latest: Measurement,
-    /// Work of the flow.
+    /// Work done by the flow.
     pub input: f64,
-    /// Work that drag took.
+    /// Work dissipated by drag.
     pub drag: f64,
-    /// Work that the contacts' damping took.
+    /// Work dissipated by the contacts' damping.
     pub damping: f64,
-    /// Length of a disk's path through the liquid, on average.
+    /// Mean path length of a disk through the liquid.
     pub path: f64,
-    /// Integrals over time of xx, xy and yy of the stress.
+    /// Time integrals of xx, xy and yy of the stress.
     pub stress: Vector,
-    /// Collisions that began: of two small disks, a small and a large, two large.
+    /// Collisions that began: of two small disks, of a small and a large one, of two large ones.
     pub collisions: [u64; 3],
 }
 
@@ -98,24 +98,24 @@ impl Tally {
         self.stress += (last.stress() + now.stress()) * half;
     }
 
-    /// Time counted.
+    /// Time covered.
     pub fn time(&self) -> f64 {
         self.latest.time - self.first.time
     }
 
-    /// The error of the energy balance, over the work of the flow and the energy at the start.
+    /// Error of the energy balance, relative to the work of the flow and the energy at the start.
     pub fn imbalance(&self) -> f64 {
         let gained = self.latest.energy() - self.first.energy();
         (gained - self.input + self.drag + self.damping)
             / (self.input.abs() + self.first.energy()).max(f64::MIN_POSITIVE)
     }
 
-    /// xx, xy and yy of the stress, averaged over time.
+    /// xx, xy and yy of the time-averaged stress.
     pub fn mean_stress(&self) -> Vector {
         self.stress / self.time()
     }
 
-    /// How far one of so many disks goes through the liquid between two collisions, on average.
+    /// Mean free path through the liquid between two collisions of one of `disks` disks.
     pub fn mean_free_path(&self, disks: usize) -> f64 {
         self.path * disks as f64 / (2.0 * self.collisions.iter().sum::<u64>() as f64)
     }

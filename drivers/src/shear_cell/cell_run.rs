@@ -1,4 +1,4 @@
-//! Grains in a shear cell as a simulation whose steps are the intervals of observation.
+//! A run of grains in a shear cell as a simulation whose steps are the intervals of observation.
 
 use super::tables::{WALLS, tables};
 use super::{Collisions, Grains, Model, Run, Sample, Sampling, Side};
@@ -6,31 +6,31 @@ use crate::StartError;
 use domain::{Comm, Interrupt, Number, PeriodicBox, Vector};
 use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, TableSet};
 
-/// A cell and how it is run.
+/// A cell and the parameters of its run.
 #[derive(Debug, Clone, Copy)]
 pub struct Experiment {
     /// The cell, its walls and its grains.
     pub model: Model,
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// How many grains.
+    /// Number of grains.
     pub count: usize,
-    /// Standard deviation of each component of the velocities at the start.
+    /// Standard deviation of each velocity component at the start.
     pub agitation: f64,
-    /// How hits are found.
+    /// Method of collision detection.
     pub collisions: Collisions,
-    /// What is measured: a sample of the grains each step.
+    /// Averages to measure; the grains are sampled at each step.
     pub sampling: Sampling,
-    /// Steps before measuring.
+    /// Number of steps before measuring.
     pub settle: u64,
-    /// The interval of observation.
+    /// Interval of observation.
     pub time_step: f64,
-    /// The last step.
+    /// Last step.
     pub steps: u64,
 }
 
 impl Experiment {
-    /// The cell in words and numbers.
+    /// Summary of the cell in words and numbers.
     pub fn outline(&self) -> Outline {
         let fraction = self.solid_fraction();
         let engine = match self.collisions {
@@ -52,7 +52,7 @@ impl Experiment {
             .warnings(self.caution())
     }
 
-    /// A warning if nothing is measured until the end.
+    /// A warning if nothing is measured until the end of the run.
     fn caution(&self) -> Option<String> {
         let [end, from] = [self.steps, self.settle].map(|steps| Number(steps as f64 * self.time_step));
         (self.settle > 0 && self.settle >= self.steps).then(|| {
@@ -69,7 +69,7 @@ impl Experiment {
     }
 }
 
-/// Grains that have no room to move.
+/// Error of grains without room to move.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower {}, or take \
@@ -96,8 +96,8 @@ pub struct CellRun {
 }
 
 impl CellRun {
-    /// An experiment at time zero: grains packed at random, with random velocities. `tell` is called now and then with
-    /// the part of the packing that is done.
+    /// An experiment at time zero: grains packed at random, with random velocities. `tell` is called now and then
+    /// with the completed fraction of the packing.
     pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
@@ -152,8 +152,8 @@ impl Simulation for CellRun {
         self.caution.iter().cloned().collect()
     }
 
-    /// Takes one step. The engine is restarted after each, as from a checkpoint, so that a run does not depend on
-    /// interruptions; a step that is interrupted is not taken.
+    /// Takes one step. The engine is restarted after each step, as from a checkpoint, so that the results of a run do
+    /// not depend on interruptions; an interrupted step is discarded.
     fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
         let before = *self.run.engine().tally();
         let go_on = || !self.interrupt.is_requested();
@@ -193,7 +193,7 @@ impl Simulation for CellRun {
         [stress].into_iter().chain(numbers).collect()
     }
 
-    /// Stresses are averages over the last step; there are none at the start.
+    /// Stresses are averages over the last step; at the start they are NaN.
     fn observe(&mut self) -> Vec<Vec<f64>> {
         let none = *self.run.engine().tally();
         let sample = self.sample.unwrap_or_else(|| self.run.sample_since(&none));

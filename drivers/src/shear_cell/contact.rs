@@ -1,13 +1,13 @@
-//! What a hit does: the collision rule of eqs (16) to (23), the same for both engines.
+//! The collision rule of eqs (16) to (23), the same for both engines.
 //!
-//! Impulses are per mass of a grain. A grain is a uniform sphere: moment of inertia `J = 2/5 m R^2`.
+//! Impulses are per mass of a grain. A grain is a uniform sphere with the moment of inertia `J = 2/5 m R^2`.
 
 use domain::Vector;
 
 /// Moment of inertia over `m R^2`.
 pub const INERTIA: f64 = 0.4;
 
-/// The motion of a grain.
+/// Translational and angular velocity of a grain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
     /// Velocity of the centre.
@@ -16,17 +16,17 @@ pub struct Motion {
     pub spin: Vector,
 }
 
-/// How Coulomb's law bounds the two tangential components at a wall.
+/// Coulomb's bound on the two tangential components at a wall.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FrictionLaw {
-    /// Each component by itself, as eq. (20) has it: up to `sqrt 2` times the cone in all.
+    /// On each component separately, as in eq. (20): up to `sqrt 2` times the friction cone in all.
     #[default]
     Box,
-    /// Both together.
+    /// On both components together.
     Cone,
 }
 
-/// What two surfaces do to each other.
+/// Collision parameters of two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// Coefficient of restitution.
@@ -37,7 +37,7 @@ pub struct Contact {
     pub law: FrictionLaw,
 }
 
-/// A wall as a grain meets it.
+/// A wall at the time of a collision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Face {
     /// Axis of its normal.
@@ -46,12 +46,12 @@ pub struct Face {
     pub below: bool,
     /// Its velocity.
     pub velocity: Vector,
-    /// Mass of a grain over the wall's along the normal: 0 for a wall that's held.
+    /// Mass of a grain over that of the wall along the normal: 0 for a fixed wall.
     pub mass_ratio: f64,
 }
 
 impl Face {
-    /// The unit normal into the grains.
+    /// Unit normal into the grains.
     pub fn normal(&self) -> Vector {
         let mut n = Vector::ZERO;
         n[self.axis] = if self.below { 1.0 } else { -1.0 };
@@ -70,7 +70,7 @@ impl Motion {
         self.velocity + self.spin.cross(arm)
     }
 
-    /// Takes an impulse per mass at `arm` from the centre.
+    /// Applies an impulse per mass at `arm` from the centre.
     fn push(&mut self, impulse: Vector, arm: Vector) {
         self.velocity += impulse;
         self.spin += arm.cross(impulse) / (INERTIA * arm.length_squared());
@@ -78,14 +78,14 @@ impl Motion {
 }
 
 impl Contact {
-    /// Two equal grains of radius `radius` meet along the unit vector `n` from the first to the second:
+    /// Collision of two equal grains of radius `radius` along the unit vector `n` from the first to the second:
     ///
     /// ```text
-    /// Jn = (1 + e)(g - vn)/2,   Jt = min(mu Jn, |s|/7),   rebound at least `least`
+    /// Jn = (1 + e)(g - vn)/2,   Jt = min(mu Jn, |s|/7),   rebound speed at least `least`
     /// ```
     ///
-    /// with `vn` the rate at which their centres part, `g` that at which their diameter grows, and `s` the slip of
-    /// their surfaces. Returns the impulse on the second, per mass.
+    /// with `vn` the rate at which their centres separate, `g` the growth rate of their diameter, and `s` the slip
+    /// between their surfaces. Returns the impulse on the second grain, per mass.
     pub fn strike_pair(&self, pair: [&mut Motion; 2], n: Vector, radius: f64, [growth, least]: [f64; 2]) -> Vector {
         let [a, b] = pair;
         let arm = n * radius;
@@ -101,9 +101,9 @@ impl Contact {
         impulse
     }
 
-    /// A grain of radius `radius` meets a wall: `vn -> -e vn` relative to it and for each tangential component
-    /// `Ji = min(mu Jn, 2/7 |si|)` against the slip `si` (or both together for the cone); a wall with mass along its
-    /// normal takes its share, `Jn = (1 + e)|vn| / (1 + m/M)`. Returns the impulse on the grain, per mass.
+    /// Collision of a grain of radius `radius` with a wall: `vn -> -e vn` relative to the wall, and for each tangential
+    /// component `Ji = min(mu Jn, 2/7 |si|)` against the slip `si` (or both together for the cone); a wall that is free
+    /// to move along its normal recoils, `Jn = (1 + e)|vn| / (1 + m/M)`. Returns the impulse on the grain, per mass.
     pub fn strike_wall(&self, grain: &mut Motion, face: &Face, radius: f64, [growth, least]: [f64; 2]) -> Vector {
         let n = face.normal();
         let arm = -n * radius;
@@ -143,8 +143,8 @@ mod tests {
         assert!((a - b).length() < 1e-12, "{a} should be {b}");
     }
 
-    /// v = (1, -2, 0.5), w = 0, e = 0.9: Jn = 3.8. Slip (1, 0, 0.5); sticking takes 2/7 of it, with mu = 0.05 the bound
-    /// is 0.19.
+    /// v = (1, -2, 0.5), w = 0, e = 0.9: Jn = 3.8. Slip (1, 0, 0.5); sticking removes 2/7 of it; the bound is
+    /// 0.19 with mu = 0.05.
     #[test]
     fn wall_hits_follow_the_closed_form() {
         let start = Motion { velocity: Vector::new(1.0, -2.0, 0.5), spin: Vector::ZERO };
@@ -164,7 +164,7 @@ mod tests {
         near(cone.velocity, Vector::new(1.0, 1.8, 0.5) - Vector::new(2.0, 0.0, 1.0) / 5f64.sqrt() * 0.19);
     }
 
-    /// The same relative to a wall that moves: Galilei.
+    /// Galilean invariance: the same relative to a moving wall.
     #[test]
     fn a_moving_wall_is_a_wall_at_rest_seen_in_passing() {
         let mut still = Motion { velocity: Vector::new(1.0, -2.0, 0.5), spin: Vector::new(0.3, 2.0, -1.0) };
@@ -176,7 +176,7 @@ mod tests {
         near(still.spin, moving.spin);
     }
 
-    /// A lid of three grain masses: momentum along the normal is shared, the relative velocity turns to -e of itself.
+    /// A lid of three grain masses: momentum along the normal is shared, the relative velocity is multiplied by -e.
     #[test]
     fn a_lid_with_mass_takes_its_share() {
         let mut grain = Motion { velocity: Vector::Y * 2.0, spin: Vector::ZERO };
@@ -187,7 +187,7 @@ mod tests {
         assert!((3.0 * after.y + grain.velocity.y + 1.0).abs() < 1e-12);
     }
 
-    /// Head-on along x with sideways slip 1 between the surfaces: Jn = 1.9, sticking impulse 1/7.
+    /// Head-on along x with a sideways slip of 1 between the surfaces: Jn = 1.9, sticking impulse 1/7.
     #[test]
     fn pair_hits_follow_the_closed_form() {
         let hit = |mu| {

@@ -4,15 +4,15 @@ use super::{EventDriven, Grains, Lid, Model, Tally, TimeStepped};
 use crate::parameter::{ParameterError, require};
 use domain::Vector;
 
-/// How hits are found.
+/// Method of collision detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Collisions {
-    /// On a fixed time step, as the paper does.
+    /// With a fixed time step, as in the paper.
     TimeStepped {
-        /// The step; the paper's is 0.5 us.
+        /// Time step; the paper's is 0.5 us.
         step: f64,
     },
-    /// At their exact times.
+    /// At the exact times of contact.
     EventDriven,
 }
 
@@ -33,13 +33,13 @@ impl State {
         Self { grains: grains.clone(), lid: Lid::new(model), tally: Tally::default() }
     }
 
-    /// Refuses grains that are not inside the cell or don't move at a finite speed.
+    /// Refuses grains that are outside the cell or have a speed that is not finite.
     pub(super) fn check(&self, model: &Model) -> Result<(), ParameterError> {
         let (positions, motions) = (&self.grains.positions, &self.grains.motions);
         let found = format!("{} values", motions.len());
         require(positions.len() == motions.len(), "velocity", &found, format!("one for each of {}", positions.len()))?;
         let edges = Vector { y: self.lid.height, ..model.edges() };
-        // A grain may touch a wall, with an overlap of half its radius at most.
+        // A grain may overlap a wall, by half its radius at most.
         let margin = Vector::from(std::array::from_fn(|k| if model.is_walled(k) { 0.5 * model.radius() } else { 0.0 }));
         for (x, motion) in positions.iter().zip(motions) {
             let inside = x.cmpge(margin).all() && x.cmple(edges - margin).all();
@@ -53,19 +53,19 @@ impl State {
 
 /// One of the two engines.
 pub enum Engine {
-    /// On a fixed time step.
+    /// With a fixed time step.
     TimeStepped(Box<TimeStepped>),
     /// From event to event.
     EventDriven(Box<EventDriven>),
 }
 
 impl Engine {
-    /// Starts from grains inside the cell; the event-driven engine needs them apart.
+    /// Starts from grains inside the cell; the event-driven engine needs them not to overlap.
     pub fn new(model: &Model, grains: &Grains, collisions: Collisions) -> Result<Self, ParameterError> {
         Self::resume(model, &State::new(model, grains), collisions)
     }
 
-    /// Goes on from a state.
+    /// Resumes from a state.
     pub fn resume(model: &Model, state: &State, collisions: Collisions) -> Result<Self, ParameterError> {
         Ok(match collisions {
             Collisions::TimeStepped { step } => Self::TimeStepped(Box::new(TimeStepped::new(model, state, step)?)),
@@ -74,14 +74,14 @@ impl Engine {
     }
 
     /// The present state. The engine is restarted from it, like one that resumes from a checkpoint, so that both
-    /// continue in the same way bit for bit.
+    /// continue with the same bits.
     pub fn checkpoint(&mut self, model: &Model) -> Result<State, ParameterError> {
         let state = State { grains: self.grains(), lid: self.lid(), tally: *self.tally() };
         *self = Self::resume(model, &state, self.collisions()).map_err(|error| self.cause(error))?;
         Ok(state)
     }
 
-    /// Why this engine can't continue: a time step that is too long.
+    /// The cause of a failure: for the time-stepped engine, a time step that is too long.
     fn cause(&self, error: ParameterError) -> ParameterError {
         match self {
             Self::TimeStepped(engine) => engine.too_long(),
@@ -89,7 +89,7 @@ impl Engine {
         }
     }
 
-    /// Why the engine stopped early, if that is due to the time step.
+    /// The error of an engine that stopped early because of its time step.
     pub fn failure(&self) -> Option<ParameterError> {
         match self {
             Self::TimeStepped(engine) => engine.has_escaped().then(|| engine.too_long()),
@@ -97,7 +97,7 @@ impl Engine {
         }
     }
 
-    /// Which of the two it is.
+    /// Method of collision detection of this engine.
     pub fn collisions(&self) -> Collisions {
         match self {
             Self::TimeStepped(engine) => Collisions::TimeStepped { step: engine.step() },
@@ -105,8 +105,8 @@ impl Engine {
         }
     }
 
-    /// Runs for a time, with a time step for the nearest whole number of steps, while the grains are not jammed and
-    /// `go_on`, which is called several times a second, returns true. Returns whether it reached the end.
+    /// Runs for a duration, rounded to whole time steps by the time-stepped engine, while the grains are not jammed
+    /// and `go_on`, which is called several times a second, returns true. Returns whether it reached the end.
     pub fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         match self {
             Self::TimeStepped(engine) => engine.advance((duration / engine.step()).round() as u64, go_on),

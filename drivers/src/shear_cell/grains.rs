@@ -1,4 +1,4 @@
-//! The grains of a shear cell, to and from the particle store.
+//! The grains of a shear cell, and their conversion to and from the particle store.
 
 use super::{Model, Motion};
 use crate::parameter::{ParameterError, require};
@@ -7,15 +7,15 @@ use domain::{Number, Particles, PeriodicBox, Random, Vector};
 /// Positions and motions of all grains, in the order of their ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Grains {
-    /// Centres. Those along a periodic axis are inside the box.
+    /// Centres; their coordinates along periodic axes are inside the box.
     pub positions: Vec<Vector>,
     /// Velocities and angular velocities.
     pub motions: Vec<Motion>,
 }
 
 impl Grains {
-    /// The grains of a store, whose columns `velocity` and `angular_velocity` count as zero where they are missing.
-    /// Refuses radii that aren't the model's.
+    /// Grains of a particle store; missing columns `velocity` and `angular_velocity` count as zero. Refuses radii
+    /// that differ from the model's.
     pub fn from_particles(model: &Model, particles: &Particles) -> Result<Self, ParameterError> {
         let vectors = |name: &str| -> Vec<Vector> {
             let column = particles.columns.iter().find(|c| c.name == name && c.width == 3);
@@ -50,8 +50,8 @@ impl Grains {
         particles
     }
 
-    /// Sets the velocities: the linear profile between the walls and, in each component, a normal deviate of standard
-    /// deviation `agitation`; no spin.
+    /// Sets the velocities: the linear profile between the walls plus, in each component, a normal deviate of
+    /// standard deviation `agitation`; no spin.
     pub fn stir(&mut self, model: &Model, agitation: f64, seed: u64) {
         let p = model.parameters();
         for (i, (position, motion)) in self.positions.iter().zip(&mut self.motions).enumerate() {
@@ -62,12 +62,12 @@ impl Grains {
         }
     }
 
-    /// How many there are.
+    /// Number of grains.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no grains.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -82,15 +82,15 @@ impl Grains {
         model.mass() * self.motions.iter().map(|m| m.velocity).sum::<Vector>()
     }
 
-    /// A third of the mean squared velocity relative to the mean: the granular temperature of a gas at rest.
+    /// One third of the mean squared velocity relative to the mean: the granular temperature of a gas at rest.
     pub fn temperature(&self) -> f64 {
         let count = self.len() as f64;
         let mean = self.motions.iter().map(|m| m.velocity).sum::<Vector>() / count;
         self.motions.iter().map(|m| (m.velocity - mean).length_squared()).sum::<f64>() / (3.0 * count)
     }
 
-    /// The deepest overlap of two grains, over the diameter; negative if all keep a distance (then only pairs nearer
-    /// than a quarter diameter are seen).
+    /// Deepest overlap of two grains, over the diameter; negative if none overlap (then only pairs within a
+    /// quarter of a diameter are seen).
     pub fn deepest_overlap(&self, model: &Model) -> f64 {
         let diameter = model.parameters().diameter;
         let ids: Vec<u64> = (0..self.len() as u64).collect();
@@ -101,7 +101,7 @@ impl Grains {
     }
 }
 
-/// The cell as a periodic box in which nothing reaches across a wall: walled axes have `margin` to spare.
+/// The cell as a periodic box in which no pair reaches across a wall: walled axes are longer by `margin`.
 pub(super) fn periodic_box(model: &Model, margin: f64, height: f64) -> PeriodicBox {
     let mut edges = Vector { y: height, ..model.edges() };
     for k in 0..3 {
@@ -110,7 +110,7 @@ pub(super) fn periodic_box(model: &Model, margin: f64, height: f64) -> PeriodicB
     PeriodicBox::new(edges).expect("a model's edges are positive")
 }
 
-/// Brings positions back into the box along its periodic axes.
+/// Wraps positions into the box along its periodic axes.
 pub(super) fn wrap(model: &Model, positions: &mut [Vector]) {
     let edges = model.edges();
     for k in (0..3).filter(|&k| !model.is_walled(k)) {

@@ -1,15 +1,16 @@
-//! The lengths of a cell in a unit that does not depend on the input's, so that the random start, which a last bit
-//! would change, does not either.
+//! Lengths of a cell in a unit that does not depend on that of the input: a random start would
+//! change with the last bit.
 
 use crate::fraction::fraction;
 
-/// Length, height, width and diameter in a unit that makes whole numbers of decimal ones, and the diameter one of
-/// from 1e-4 to 1e-3: that of sand in metres. Those that are no decimal numbers stay as they are.
+/// Length, height, width and diameter in a unit in which decimal numbers become whole numbers times a power of
+/// ten, and the diameter is from 1e-4 to 1e-3, like that of sand in metres. Lengths that are not decimal
+/// numbers are returned unchanged.
 pub fn without_unit(lengths: [f64; 4]) -> [f64; 4] {
     whole(lengths).and_then(decimal).unwrap_or(lengths)
 }
 
-/// Whole numbers in the same ratios.
+/// Whole numbers with the same ratios.
 fn whole(lengths: [f64; 4]) -> Option<[u64; 4]> {
     let [length, height, width, diameter] = lengths;
     let [x, y, z] = [length, height, width].map(|edge| fraction(edge / diameter));
@@ -26,7 +27,7 @@ fn divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { divisor(b, a % b) }
 }
 
-/// Divided by the power of ten that brings the last into its range.
+/// The numbers divided by the power of ten that brings the last one into its range.
 fn decimal(whole: [u64; 4]) -> Option<[f64; 4]> {
     let power = 4 + whole[3].ilog10();
     let parsed = whole.map(|n| format!("{n}e-{power}").parse().ok());

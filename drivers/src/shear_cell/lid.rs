@@ -1,9 +1,9 @@
-//! The top wall: at its height, or free to move up and down under its load.
+//! The top wall: fixed at its height, or free to move up and down under its load.
 
 use super::Model;
 use statistics::{State, Store};
 
-/// Height and velocity of the top wall, and what they cost.
+/// Height and velocity of the top wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lid {
     /// Height above the bottom.

@@ -1,5 +1,5 @@
-//! Frictional, inelastic spheres in a shear cell: flow along x (periodic), walls below and above (y) and at both sides
-//! (z). Bottom and side walls move along x, the top rests.
+//! Frictional, inelastic spheres in a shear cell: flow along x (periodic), walls at the bottom and top (y) and at
+//! both sides (z). The bottom and side walls move along x, the top wall is at rest.
 
 mod cell_run;
 mod contact;

@@ -7,20 +7,20 @@ use std::collections::HashMap;
 
 /// Solid fraction of the random sequential addition at the start.
 const SEEDED: f64 = 0.2;
-/// Speeds of growth over the thermal speed, tried in turn: slow growth lets grains find denser places.
+/// Growth rates over the thermal speed, tried in turn: slower growth reaches denser packings.
 const GROWTH: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
-/// The grains count as jammed when a lap takes less than this time, a diameter over the thermal speed being 1: they
-/// rattle.
+/// The grains count as jammed when a lap takes less than this time, in units of the diameter over the thermal speed.
 const JAMMED: f64 = 3e-4;
-/// Hits for each grain between two moments at which the heat of growth is taken out, and after growth has ended.
+/// Collisions per grain between two times at which velocities are rescaled to remove the heat of
+/// growth, and after growth.
 const LAP: u64 = 10;
-/// Places tried for each grain.
+/// Positions tried for each grain.
 const TRIES: usize = 10_000;
 
-/// Why the grains could not be packed.
+/// Reasons why the grains could not be packed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PackingError {
-    /// The grains jam, or don't fit at all.
+    /// The grains jam, or do not fit at all.
     #[error(
         "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a larger cell"
     )]
@@ -33,13 +33,14 @@ pub enum PackingError {
 }
 
 impl Model {
-    /// Places for `count` grains at random, without overlap, at rest. The same seed gives the same places, in
-    /// diameters, in any unit.
+    /// `count` grains at random positions, without overlap, at rest. The same seed gives the same positions, in
+    /// diameters, in any unit of length.
     pub fn pack(&self, count: usize, seed: u64) -> Result<Grains, PackingError> {
         self.pack_and_tell(count, seed, &mut |_| {})
     }
 
-    /// The same; `tell` is called now and then with the part of the diameter that the grains have reached.
+    /// Like [`Model::pack`]; `tell` is called now and then with the fraction of the diameter
+    /// that the grains have reached.
     pub fn pack_and_tell(&self, count: usize, seed: u64, tell: &mut dyn FnMut(f64)) -> Result<Grains, PackingError> {
         let p = self.parameters();
         let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);
@@ -59,7 +60,7 @@ impl Model {
         Err(PackingError::Jammed { wanted: fraction, reached })
     }
 
-    /// The same cell at rest with elastic, smooth contacts, in units of the diameter and of the thermal speed.
+    /// The same cell at rest with elastic, smooth contacts, in units of the diameter and the thermal speed.
     fn calm(&self, [length, height, width]: [f64; 3]) -> Model {
         let contact = Contact { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
         self.with(Parameters {
@@ -79,7 +80,7 @@ impl Model {
         })
     }
 
-    /// Grows grains from a part of their diameter at a speed; on failure, the diameter reached.
+    /// Grows grains from the fraction `small` of their diameter at the rate `growth`; on failure, the diameter reached.
     fn grow(
         &self,
         (count, seed): (usize, u64),
@@ -100,13 +101,14 @@ impl Model {
             }
             engine.scale_velocities(1.0 / engine.grains().temperature().sqrt());
         }
-        // The last flights end a rounding error short of the full diameter, or beyond.
+        // The last flights end at a diameter that differs from the full one by round-off.
         let mut engine = EventDriven::growing(self, &State::new(self, &engine.grains()), [1.0, 0.0]);
         engine.run(f64::INFINITY, lap, &|| true);
         Ok(engine.grains())
     }
 
-    /// Random places one after another, each kept if it is a diameter from all before.
+    /// Random sequential addition: random positions, each kept if it is at least a diameter
+    /// away from all previous ones.
     fn scatter(&self, count: usize, diameter: f64, seed: u64) -> Option<Grains> {
         let margin = Vector::from(std::array::from_fn(|k| if self.is_walled(k) { 0.5 * diameter } else { 0.0 }));
         let (edges, room) = (self.edges(), self.edges() - 2.0 * margin);

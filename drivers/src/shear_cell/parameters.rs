@@ -1,26 +1,27 @@
-//! The shear cell's input, checked.
+//! Checked parameters of the shear cell.
 
 use super::{Contact, Face, FrictionLaw, Side};
 use crate::parameter::{ParameterError, of_sensible_size, positive, require};
 use domain::Vector;
 use std::f64::consts::PI;
 
-/// How the top wall is held.
+/// Constraint of the top wall.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Top {
-    /// At its height.
+    /// Fixed at its height.
     #[default]
     Fixed,
     /// Free to move up and down under a load.
     Free {
-        /// Normal stress that presses it down, its own weight included.
+        /// Normal stress of the load, including the weight of the wall.
         pressure: f64,
-        /// Its mass over its area. A dead weight has `pressure / gravity`; less makes it answer faster.
+        /// Mass per area. A dead weight has `pressure / gravity`; less mass makes the wall respond faster.
         mass_per_area: f64,
     },
 }
 
-/// What a scene gives. The default is Yu and Tichy's cell at `U` = 1.4 m/s; they don't state the grains' friction.
+/// Parameters of a scene. The default is Yu and Tichy's cell at `U` = 1.4 m/s; they do not state
+/// the friction of the grains.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// Period along the flow (x).
@@ -33,21 +34,21 @@ pub struct Parameters {
     pub diameter: f64,
     /// Density of their material.
     pub density: f64,
-    /// Between grains.
+    /// Contact between grains.
     pub grain_contact: Contact,
-    /// Between a grain and a wall.
+    /// Contact of a grain with a wall.
     pub wall_contact: Contact,
-    /// Speed of bottom and side walls along x.
+    /// Speed of the bottom and side walls along x.
     pub speed: f64,
-    /// How the top wall is held.
+    /// Constraint of the top wall.
     pub top: Top,
     /// Acceleration of gravity along -y.
     pub gravity: f64,
-    /// Circumference of the trough at mid-width, `None` for a straight one.
+    /// Circumference of the trough at mid-width, or `None` for a straight one.
     pub circumference: Option<f64>,
     /// Whether the curved path also turns velocity along z into velocity along x, `a_x = v_x v_z / r`.
     pub coriolis: bool,
-    /// Two hits of a grain within this time count as one contact; the second is elastic (event-driven engine).
+    /// Two collisions of a grain within this time count as one contact; the second is elastic (event-driven engine).
     pub contact_time: f64,
 }
 
@@ -72,7 +73,7 @@ impl Default for Parameters {
     }
 }
 
-/// A shear cell, or a periodic box of its grains, that makes sense.
+/// A shear cell, or a periodic box of its grains, with checked parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
     parameters: Parameters,
@@ -110,7 +111,7 @@ impl Model {
         Ok(Self { parameters, walled: true, mid_radius: 0.0 }.with(parameters))
     }
 
-    /// A box that is periodic along all three axes, without walls, weight or curvature: a granular gas.
+    /// A box that is periodic along all three axes, without walls, gravity or curvature: a granular gas.
     pub fn gas(edges: Vector, diameter: f64, density: f64, contact: Contact) -> Result<Self, ParameterError> {
         let [length, height, width] = edges.to_array();
         for (key, value) in [("cell.length", length), ("cell.height", height), ("cell.width", width)] {
@@ -127,14 +128,14 @@ impl Model {
             speed: 0.0,
             gravity: 0.0,
             circumference: None,
-            // Short against the time in which a gas of speed 1 crosses a diameter.
+            // Short compared with the time in which a grain of a gas with speed 1 crosses a diameter.
             contact_time: 1e-9 * diameter,
             ..Parameters::default()
         };
         Ok(Self { walled: false, ..Self::new(gas)? })
     }
 
-    /// The same walls or none with other parameters, which need no check.
+    /// The same geometry with other parameters, which are not checked.
     pub(super) fn with(&self, parameters: Parameters) -> Self {
         let mid_radius = parameters.circumference.map_or(f64::INFINITY, |around| around / (2.0 * PI));
         Self { parameters, walled: self.walled, mid_radius }
@@ -160,7 +161,7 @@ impl Model {
         self.parameters.density * PI / 6.0 * self.parameters.diameter.powi(3)
     }
 
-    /// The number of grains that comes nearest to a mean solid fraction.
+    /// Number of grains whose mean solid fraction is nearest to the given one.
     pub fn count(&self, solid_fraction: f64) -> Result<usize, ParameterError> {
         require(
             solid_fraction > 0.0 && solid_fraction <= 0.62,
@@ -177,7 +178,7 @@ impl Model {
         self.walled && axis > 0
     }
 
-    /// The walls there are.
+    /// Walls of the cell.
     pub fn sides(&self) -> &'static [Side] {
         if self.walled { &Side::ALL } else { &[] }
     }
@@ -187,7 +188,7 @@ impl Model {
         self.parameters.length * if side.axis() == 1 { self.parameters.width } else { self.parameters.height }
     }
 
-    /// A wall as a grain meets it, if a free top wall moves at the speed given.
+    /// A wall at a collision; `lid` is the upward velocity of a free top wall.
     pub(super) fn face(&self, side: Side, lid: f64) -> Face {
         let (p, top) = (&self.parameters, side == Side::Top);
         let velocity = if top { Vector::Y * lid } else { Vector::X * p.speed };
@@ -208,7 +209,7 @@ impl Model {
         }
     }
 
-    /// Downward acceleration of a free top wall by its load.
+    /// Downward acceleration of a free top wall due to its load.
     pub(super) fn lid_fall(&self) -> f64 {
         match self.parameters.top {
             Top::Free { pressure, mass_per_area } if self.walled => pressure / mass_per_area,
@@ -216,18 +217,19 @@ impl Model {
         }
     }
 
-    /// A bound on the usual difference of two neighbours' accelerations: gravity and the path's curvature.
+    /// Typical upper bound on the difference between two neighbours' accelerations: gravity and
+    /// the curvature of the path.
     pub(super) fn turning(&self) -> f64 {
         self.parameters.gravity + self.parameters.speed.powi(2) / self.mid_radius + self.lid_fall()
     }
 
-    /// Whether grains or the top wall accelerate between hits.
+    /// Whether grains or the top wall accelerate between collisions.
     pub(super) fn has_body_force(&self) -> bool {
         self.parameters.gravity > 0.0 || self.mid_radius.is_finite() || self.lid_mass().is_some()
     }
 
-    /// Gravity along -y; in a curved trough of mid radius `r_m` also `a_z = -v_x^2/r` toward the outer wall at z = 0,
-    /// `r = r_m - (z - W/2)`, and on request its partner `a_x = v_x v_z/r`.
+    /// Acceleration of a grain: gravity along -y; in a curved trough of mid radius `r_m` also `a_z = -v_x^2/r` toward
+    /// the outer wall at z = 0, `r = r_m - (z - W/2)`, and with `coriolis` its counterpart `a_x = v_x v_z/r`.
     #[inline]
     pub(super) fn acceleration(&self, position: Vector, velocity: Vector) -> Vector {
         let p = &self.parameters;
@@ -255,7 +257,7 @@ fn check_sizes(p: &Parameters) -> Result<(), ParameterError> {
         ("grains.density", p.density, 140),
         ("top.mass_per_area", mass_per_area, 100),
         ("top.pressure", pressure, 140),
-        // Where a scene does not say it, it follows from the others.
+        // Where a scene does not set it, it follows from the others.
         ("grains.contact_time", p.contact_time, 60),
     ];
     sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))

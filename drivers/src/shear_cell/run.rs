@@ -1,4 +1,4 @@
-//! A run of the shear cell: one of the two engines, and what is measured on the way.
+//! A run of the shear cell: one of the two engines, and its measurements.
 
 use super::{
     Balance, Collisions, DensityMap, Engine, Grains, Layer, Lid, Model, Sample, Side, State, Tally, WallStress,
@@ -9,14 +9,14 @@ use domain::Number;
 use statistics::{Estimate, State as _, Store};
 use std::f64::consts::PI;
 
-/// What is sampled, and how often.
+/// Quantities and intervals of sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
     /// Time over which wall stresses are averaged; the paper's is 0.05 ms.
     pub window: f64,
-    /// Windows from one sample of the profiles and the map to the next.
+    /// Windows between two samples of the profiles and the map.
     pub every: u64,
-    /// Layers of the profiles.
+    /// Number of layers of the profiles.
     pub layers: usize,
     /// Pixels of the map along z and y.
     pub pixels: [usize; 2],
@@ -29,7 +29,7 @@ impl Default for Sampling {
 }
 
 impl Sampling {
-    /// Refuses what can't be measured with an engine.
+    /// Refuses counts of zero, and a window that the engine cannot measure.
     pub fn check(&self, collisions: Collisions) -> Result<(), ParameterError> {
         positive("measure.window", self.window)?;
         require(self.every > 0, "measure.every", &self.every, "at least 1")?;
@@ -56,7 +56,7 @@ pub struct Run {
     mark: (State, Measured),
 }
 
-/// The part of a checkpoint besides the grains.
+/// State of a checkpoint apart from the grains.
 struct Kept {
     lid: Lid,
     tally: Tally,
@@ -76,7 +76,7 @@ impl statistics::State for Kept {
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// Time measured.
+    /// Duration of the measurements.
     pub measured: f64,
     /// Stress on each wall.
     pub walls: [WallStress; 4],
@@ -88,7 +88,7 @@ pub struct Report {
     pub temperature: f64,
     /// Profiles from the bottom up.
     pub layers: Vec<Layer>,
-    /// Solid fraction across the cell.
+    /// Map of the solid fraction across the cell.
     pub map: DensityMap,
     /// Balances of the whole run.
     pub balance: Balance,
@@ -100,7 +100,7 @@ pub struct Report {
 
 /// Largest overlap, over the diameter, that needs no warning.
 const OVERLAP: f64 = 0.02;
-/// Largest share of energy or momentum that the balances may lose to round-off.
+/// Largest relative error of the balances of energy and momentum that round-off explains.
 const UNBALANCED: f64 = 1e-9;
 
 impl Run {
@@ -121,13 +121,13 @@ impl Run {
         Ok(Self { model: *model, engine, sampling, start, measured, mark })
     }
 
-    /// Runs for a time without measuring, while the grains are not jammed and `go_on` returns true. Returns whether it
-    /// reached the end.
+    /// Runs for a duration without measuring, while the grains are not jammed and `go_on` returns true. Returns
+    /// whether it reached the end.
     pub fn settle(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         self.engine.advance(duration, go_on)
     }
 
-    /// The same while measuring, for the nearest whole number of windows.
+    /// Like [`Run::settle`], but measures, for the nearest whole number of windows.
     pub fn measure(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         for _ in 0..(duration / self.sampling.window).round() as u64 {
             let before = *self.engine.tally();
@@ -145,21 +145,21 @@ impl Run {
         Ok(())
     }
 
-    /// Goes back to the last restart of the engine.
+    /// Returns to the last restart of the engine.
     pub fn go_back(&mut self) -> Result<(), ParameterError> {
         self.engine = Engine::resume(&self.model, &self.mark.0, self.engine.collisions())?;
         self.measured = self.mark.1.clone();
         Ok(())
     }
 
-    /// The part of a checkpoint besides the grains. A run whose engine was restarted and one that is resumed continue
-    /// in the same way bit for bit.
+    /// State of a checkpoint apart from the grains. A run whose engine was restarted and one that is resumed
+    /// continue with the same bits.
     pub fn save(&self) -> Vec<u8> {
         let (lid, tally) = (self.engine.lid(), *self.engine.tally());
         Kept { lid, tally, start: self.start, measured: self.measured.clone() }.save()
     }
 
-    /// Goes on from the grains of a checkpoint and what was saved there; the rest as for a new run.
+    /// Resumes from the grains of a checkpoint and the bytes saved there; the other arguments are those of a new run.
     pub fn resume(
         model: &Model,
         grains: &Grains,
@@ -176,17 +176,17 @@ impl Run {
         Ok(Self { model: *model, engine, sampling, start, mark: (state, measured.clone()), measured })
     }
 
-    /// The engine, to look at.
+    /// The engine.
     pub fn engine(&self) -> &Engine {
         &self.engine
     }
 
-    /// How the cell is now, and averages since an earlier tally.
+    /// The present state of the cell, and averages since an earlier tally.
     pub fn sample_since(&self, before: &Tally) -> Sample {
         Sample::of(&self.model, &self.engine, (before, self.start.balance(&self.model, &self.engine)))
     }
 
-    /// The results so far; stresses and profiles of what was measured.
+    /// The results so far; stresses and profiles are averages over the time measured.
     pub fn report(&self) -> Report {
         let (model, tally, measured) = (&self.model, *self.engine.tally(), &self.measured);
         let height = measured.heights.estimate();

@@ -5,7 +5,7 @@
 pub enum Side {
     /// `y = 0`: moves with the trough.
     Bottom,
-    /// `y = H`: rests.
+    /// `y = H`: at rest along x.
     Top,
     /// `z = 0`: the outer side wall, moves with the trough.
     Outer,
@@ -14,7 +14,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// All four.
+    /// All four walls.
     pub const ALL: [Self; 4] = [Self::Bottom, Self::Top, Self::Outer, Self::Inner];
 
     /// Axis of the normal.

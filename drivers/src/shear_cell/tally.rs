@@ -1,17 +1,17 @@
-//! Sums of impulses, works and losses over a run, from which stresses and balances follow.
+//! Sums of impulses, work and losses over a run, from which stresses and balances follow.
 
 use super::{Lid, Model, Side, contact::Face};
 use domain::Vector;
 use statistics::{State, Store};
 
-/// One wall's part.
+/// Sums for one wall.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct WallTally {
-    /// Momentum that the grains gave the wall.
+    /// Momentum transferred from the grains to the wall.
     pub impulse: Vector,
-    /// Work that the wall did on the grains by moving.
+    /// Work done by the moving wall on the grains.
     pub work: f64,
-    /// Hits.
+    /// Number of collisions.
     pub hits: u64,
 }
 
@@ -20,41 +20,41 @@ pub struct WallTally {
 pub struct Tally {
     /// Time since the start.
     pub time: f64,
-    /// By wall, in the order of [`Side::ALL`].
+    /// Sums for each wall, in the order of [`Side::ALL`].
     pub walls: [WallTally; 4],
-    /// Momentum that gravity and the curved path gave the grains.
+    /// Momentum transferred to the grains by gravity and the curved path.
     pub body_impulse: Vector,
-    /// Their work.
+    /// Work of gravity and the curved path.
     pub body_work: f64,
     /// Work of the load on a free top wall.
     pub load_work: f64,
-    /// Energy lost in hits.
+    /// Energy lost in collisions.
     pub dissipated: f64,
-    /// Hits between grains.
+    /// Collisions between grains.
     pub pair_hits: u64,
-    /// Hits that were taken as elastic because one of the grains had been hit within the contact time.
+    /// Collisions treated as elastic because one of the grains had collided within the contact time.
     pub elastic_hits: u64,
-    /// Largest overlap met, over the diameter.
+    /// Largest overlap so far, over the diameter.
     pub largest_overlap: f64,
-    /// Sum of the overlaps met in hits between grains, over the diameter.
+    /// Sum of the overlaps in collisions between grains, over the diameter.
     pub overlaps: f64,
 }
 
 impl Tally {
-    /// All hits.
+    /// Number of all collisions.
     pub fn hits(&self) -> u64 {
         self.pair_hits + self.walls.iter().map(|w| w.hits).sum::<u64>()
     }
 
-    /// Mean overlap met in a hit between grains, over the diameter.
+    /// Mean overlap in a collision between grains, over the diameter.
     pub fn mean_overlap(&self) -> f64 {
         if self.pair_hits == 0 { 0.0 } else { self.overlaps / self.pair_hits as f64 }
     }
 }
 
 impl Tally {
-    /// Adds a collision with a wall: the impulse per mass on the grain, and the energy per mass that the grain gained.
-    /// A free top wall takes the recoil.
+    /// Adds a collision with a wall: the impulse per mass on the grain, and the energy per mass that the grain
+    /// gained. A free top wall recoils.
     pub(super) fn strike_wall(
         &mut self,
         model: &Model,

@@ -6,7 +6,7 @@ use crate::verdict::End;
 use crate::{hdf5_file, tree};
 use proptest::prelude::*;
 
-/// Asks for the answer on the standard output, or in a file.
+/// Evaluates a case, with the answer on the standard output or in a file.
 fn evaluate(lab: &mut Lab, case: &str) -> Result<End, Fault> {
     let answer = *lab.one_of(&["", "answer.h5", "answer.json"]);
     let out: &[&str] = if answer.is_empty() { &[] } else { &["--out", answer] };

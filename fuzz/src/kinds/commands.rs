@@ -7,7 +7,7 @@ use crate::verdict::End;
 use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt;
 
-/// Good command lines.
+/// Valid command lines.
 const COMMANDS: [&[&str]; 15] = [
     &["run", "scene.toml", "--out", "out", "--set", "time.steps=1"],
     &["check", "scene.toml", "--set", "box.edges=[9,9,9]"],

@@ -1,4 +1,4 @@
-//! Results whose scene was edited before they are resumed.
+//! Results with a scene that was edited before they are resumed.
 
 use crate::lab::{Fault, Lab};
 use crate::misfit;
@@ -7,10 +7,10 @@ use crate::tree::{self, Part};
 use crate::verdict::End;
 use toml::Value;
 
-/// Runs of scenes with one species or several, and of disks and grains.
+/// Runs of scenes with one or several species, of disks, and of grains.
 const RUNS: [&str; 6] = ["suspension", "plain", "direct", "positions", "cell", "poiseuille"];
 
-/// Keys that may have another value when a run goes on, as the page on scenes says.
+/// Keys that may be changed when a run is resumed, according to the page on scenes.
 const MAY_CHANGE: [&str; 11] = [
     "title",
     "time.steps",
@@ -55,7 +55,7 @@ pub fn scenes(lab: &mut Lab) -> Result<End, Fault> {
     }
 }
 
-/// Whether a number is another one now.
+/// Multiplies a number; returns whether it has changed.
 fn scale(tree: &mut Value, at: &[Part], factor: f64) -> bool {
     match tree::find(tree, at) {
         Some(Value::Float(number)) if *number != 0.0 => *number *= factor,

@@ -1,4 +1,4 @@
-//! Names of species, which stand in tables.
+//! Names of species, which appear in tables.
 
 use crate::lab::{Fault, Lab, files};
 use crate::pool::SCENES;
@@ -6,7 +6,7 @@ use crate::verdict::{End, of_cells};
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// Names that tables can hold if they are quoted, and some that no table should have.
+/// Names that tables can hold if they are quoted, and names that no table should have.
 const NAMES: [&str; 26] = [
     "a",
     "a,b",
@@ -36,7 +36,7 @@ const NAMES: [&str; 26] = [
     " a",
 ];
 
-/// Whether no table can have a name and mean it.
+/// Whether a name must not appear in tables.
 fn is_forbidden(name: &str) -> bool {
     name.trim().is_empty()
         || name.eq_ignore_ascii_case("all")

@@ -1,4 +1,4 @@
-//! Lists and tables of scenes and cases that do not fit. None of them can be meant, so that each is refused by its key.
+//! Lists and tables of scenes and cases with a wrong length or type. All of them must be refused by key.
 
 use crate::lab::{Fault, Lab};
 use crate::pool::SCENES;
@@ -7,7 +7,7 @@ use crate::{hdf5_file, misfit, tree};
 use proptest::prelude::*;
 use toml::Value;
 
-/// Keys with lists that the good scenes do not have, for the scene of given positions.
+/// Keys with lists that the valid scenes lack, for the scene with given positions.
 const MORE: &str = "[[bonds]]\npairs = [[0, 1]]\nstiffness = 10.0\n[flow]\nkind = 'shear'\n\
     rate = [[0.0, 1.0], [0.1, -0.5]]\n[gravity]\nacceleration = [0.0, 0.0, -1.0]\n\
     [repulsion]\nstrength = 1.0\n[[traps]]\nparticles = [0]\nstiffness = 1.0\n";
@@ -34,7 +34,7 @@ fn with_more_lists() -> String {
     SCENES[3].1.replace("[hydrodynamics]", &format!("{MORE}[hydrodynamics]"))
 }
 
-/// `run` refuses what `check` does.
+/// Requires that both `check` and `run` refuse the scene.
 fn refused(lab: &Lab, more: &[&str], key: &str) -> Result<End, Fault> {
     lab.ask_refused(&[&["check", "scene.toml"], more].concat(), key)?;
     lab.ask_refused(&[&["run", "scene.toml", "--out", "out"], more].concat(), key)

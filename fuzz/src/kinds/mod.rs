@@ -1,4 +1,4 @@
-//! Kinds of hostile input, and what the program is asked to do with each.
+//! Kinds of hostile input, and the commands that the program is given with each.
 
 mod cases;
 mod commands;
@@ -16,10 +16,10 @@ use crate::lab::{Fault, Lab};
 use crate::tree;
 use crate::verdict::End;
 
-/// Makes a case and has it judged; mistakes of the harness itself come as faults, too.
+/// Makes a case and judges the program's reaction; mistakes of the harness itself are faults, too.
 pub type Trial = fn(&mut Lab) -> Result<End, Fault>;
 
-/// The kinds with their parts of all cases.
+/// The kinds, with their shares of all cases.
 pub const KINDS: [(&str, usize, Trial); 23] = [
     ("scenes", 10, scenes::keys),
     ("scenes as bytes", 2, scenes::bytes),
@@ -46,14 +46,14 @@ pub const KINDS: [(&str, usize, Trial); 23] = [
     ("folders with files of others", 4, strangers::folders),
 ];
 
-/// The kind of the case of this number.
+/// Kind of the case with this number.
 pub fn kind_of(number: u64) -> usize {
     let all: usize = KINDS.iter().map(|(_, part, _)| part).sum();
     let mut place = (number as usize).wrapping_mul(7) % all;
     KINDS.iter().position(|(_, part, _)| place.checked_sub(*part).map(|rest| place = rest).is_none()).unwrap_or(0)
 }
 
-/// Changes of a tree, at random.
+/// Applies random edits to a tree.
 fn change_tree(lab: &mut Lab, mut tree: toml::Value) -> toml::Value {
     for edit in lab.draw(tree::edits(lab.pool.keys)) {
         tree::apply(&mut tree, &edit);
@@ -61,7 +61,7 @@ fn change_tree(lab: &mut Lab, mut tree: toml::Value) -> toml::Value {
     tree
 }
 
-/// Changes of bytes, at random.
+/// Applies random edits to bytes.
 fn change_bytes(lab: &mut Lab, good: &[u8]) -> Vec<u8> {
     let mut bytes = good.to_vec();
     for edit in lab.draw(bytes::edits()) {

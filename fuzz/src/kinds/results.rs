@@ -1,4 +1,4 @@
-//! Results of runs: checkpoints, HDF5 files, tables, and the folders that they are in.
+//! Results of runs: checkpoints, HDF5 files, tables, and their folders.
 
 use super::change_bytes;
 use crate::lab::{Fault, Lab, files};
@@ -24,7 +24,7 @@ pub fn checkpoint_numbers(lab: &mut Lab) -> Result<End, Fault> {
     })
 }
 
-/// Goes on with a run whose only checkpoint was changed.
+/// Resumes a run whose only checkpoint was edited.
 fn with_checkpoints(lab: &mut Lab, change: impl Fn(&mut Lab, &[u8]) -> Option<Vec<u8>>) -> Result<End, Fault> {
     let name = *lab.one_of(&RUNS);
     let folder = lab.bring(name)?;
@@ -62,7 +62,7 @@ pub fn bytes(lab: &mut Lab) -> Result<End, Fault> {
     )
 }
 
-/// Asks everything of a folder of results one file of which was changed.
+/// Gives all commands on a folder of results in which one file was edited.
 fn with_results(
     lab: &mut Lab,
     change: impl Fn(&mut Lab, &Path) -> Result<(), Fault>,

@@ -1,4 +1,4 @@
-//! Scenes, what `--set` makes of them, and the costs that they are planned with.
+//! Scenes, changes of them by `--set`, and the costs with which they are planned.
 
 use super::{change_bytes, change_tree};
 use crate::lab::{Fault, Lab};
@@ -7,7 +7,7 @@ use crate::verdict::End;
 use crate::{hostile, tree};
 use proptest::prelude::*;
 
-/// Checks a scene, and takes a step or two of one that passes.
+/// Checks a scene, and takes a step or two if it is accepted.
 pub fn check_and_run(lab: &mut Lab, more: &[&str]) -> Result<End, Fault> {
     if lab.ask(&[&["check", "scene.toml"], more].concat())? == End::Refused {
         return Ok(End::Refused);
@@ -38,7 +38,8 @@ pub fn bytes(lab: &mut Lab) -> Result<End, Fault> {
     check_and_run(lab, &[])
 }
 
-/// Sets one or two keys of a scene: half of the time those that it has, else others of its sections, now and then any.
+/// Sets one or two keys of a scene: half of the time keys that it has, otherwise other keys of its
+/// sections, and sometimes any key.
 pub fn overrides(lab: &mut Lab) -> Result<End, Fault> {
     let (name, tree) = lab.one_of(&lab.pool.scenes).clone();
     let text = SCENES.iter().find(|scene| scene.0 == name).map_or("", |(_, text)| text);

@@ -1,4 +1,4 @@
-//! Starts from files of all formats: the spheres are where the file has them, or the file is refused.
+//! Starts from files of all formats: the spheres have the positions in the file, or the file is refused.
 
 use crate::lab::{Fault, Lab};
 use crate::pool::PLACED;
@@ -35,7 +35,7 @@ pub fn shapes(lab: &mut Lab) -> Result<End, Fault> {
     lab.ask_refused(&RUN, "positions")
 }
 
-/// These files leave no doubt, so that none may be refused.
+/// Requires that an unambiguous file is accepted.
 fn taken(lab: &Lab, start: &crate::start::Start) -> Result<End, Fault> {
     match lab.ask(&RUN)? {
         End::Answered => {}

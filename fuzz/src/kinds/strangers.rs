@@ -1,4 +1,4 @@
-//! Folders of results in which there are files that no run has made.
+//! Results folders with files that no run has made.
 
 use crate::lab::{Fault, Lab};
 use crate::pool::SCENES;
@@ -36,7 +36,7 @@ const NAMES: [&str; 24] = [
     "thesis.txt",
 ];
 
-/// The request for the folder.
+/// Commands on the folder.
 const COMMANDS: [&[&str]; 8] = [
     &["run", "plain.toml", "--out", "FOLDER"],
     &["run", "plain.toml", "--out", "FOLDER", "--force"],
@@ -82,7 +82,7 @@ pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
     Ok(end)
 }
 
-/// The files and folders that the manifest of a folder lists, and itself.
+/// The files and folders that the manifest of a folder lists, and the manifest itself.
 fn listed(place: &Path, folder: &str) -> BTreeSet<PathBuf> {
     let manifest = place.join(folder).join("manifest.jsonl");
     let Ok(text) = std::fs::read_to_string(manifest) else { return BTreeSet::new() };
@@ -91,7 +91,7 @@ fn listed(place: &Path, folder: &str) -> BTreeSet<PathBuf> {
     names.chain(["manifest.jsonl".to_owned()]).map(|name| Path::new(folder).join(name)).collect()
 }
 
-/// Now and then the scene is gone, or the manifest lists a file outside.
+/// Sometimes removes the scene, or lists a file outside of the folder in the manifest.
 fn damage(lab: &mut Lab, made: &mut BTreeSet<PathBuf>) -> Result<(), Fault> {
     match lab.draw(0..4) {
         0 => {
@@ -108,7 +108,7 @@ fn damage(lab: &mut Lab, made: &mut BTreeSet<PathBuf>) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Puts a file, a folder or a link where there is nothing yet.
+/// Creates a file, a folder or a link where nothing exists.
 fn plant(lab: &mut Lab, name: &Path) -> Result<(), Fault> {
     let path = lab.folder.join(name);
     let Some(parent) = path.parent() else { return Ok(()) };

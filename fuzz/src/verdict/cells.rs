@@ -1,7 +1,7 @@
-//! Whether the rows of a table have the cells that its first line names.
+//! Check that the rows of a table have the cells that its first line names.
 
-/// Refuses a table whose rows have other numbers of cells, or of which no column is named after a species. Cells may be
-/// quoted.
+/// Refuses a table with rows of a different number of cells, or without a column named after a
+/// species. Cells may be quoted.
 pub fn of_cells(text: &str, species: &str) -> Result<(), String> {
     let rows: Vec<Vec<String>> = rows(text);
     let Some(names) = rows.first() else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! What a process that was given hostile input may do.
+//! Acceptable reactions of a process to hostile input.
 
 mod cells;
 mod named;
@@ -14,19 +14,20 @@ use std::os::unix::process::ExitStatusExt;
 /// The end of a process that did nothing wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// It did what it was asked to.
+    /// It did what it was asked to do.
     Answered,
-    /// It said in a line what is wrong.
+    /// It reported in one line what is wrong.
     Refused,
-    /// It ran for long, and stopped when it was asked to.
+    /// It ran for a long time, and stopped when it was asked to.
     Stopped,
 }
 
-/// The signal that asks a run to stop, and the exit codes of one that does: 75, or as shells say that signal.
+/// The signal that asks a run to stop, and the exit codes of a run that does: 75, or the code
+/// of shells for that signal.
 const TERM: i32 = 15;
 const STOPPED: [i32; 2] = [75, 128 + TERM];
 
-/// Judges a process. An error has to name a file, a key or an option.
+/// Judges a process. An error must name a file, a key or an option.
 pub fn judge(ended: &Ended, names: &Names) -> Result<End, String> {
     if let Some(line) = ended.stderr.lines().find(|line| line.contains("panicked at")) {
         return Err(format!("panic: {line}"));
@@ -64,7 +65,8 @@ fn refused(ended: &Ended, names: &Names) -> Result<End, String> {
     }
 }
 
-/// What is said of a command line names an option or an argument, or quotes a word; without one it is the help.
+/// Requires that an error of the command line names an option or an argument, or quotes a word; without
+/// arguments it is the help.
 fn misused(ended: &Ended) -> Result<(), String> {
     if ended.arguments.iter().all(|word| word == "--") && ended.stderr.contains("\nUsage:") {
         return Ok(());

@@ -1,6 +1,6 @@
-//! Whether an error says what it is about.
+//! Check that an error message names its subject.
 
-/// What an error may name.
+/// Names that an error message may refer to.
 #[derive(Debug, Default, Clone)]
 pub struct Names {
     /// Files and folders of a case, and words of its command line, which may be names of files.
@@ -10,8 +10,8 @@ pub struct Names {
 }
 
 impl Names {
-    /// Whether a message names a file, a key or an option. English words are none, even if a key is called so: a key
-    /// has its section before it, or stands in quotes or brackets, or is what a clause is about.
+    /// Whether a message names a file, a key or an option. English words do not count, even if a key has the same
+    /// name: a key has its section before it, or is in quotes or brackets, or is the subject of a clause.
     pub fn are_in(&self, message: &str) -> bool {
         message.split_whitespace().any(|word| self.has_key(word) || is_option(word))
             || message.split(": ").any(|clause| self.is_about_key(clause))
@@ -22,7 +22,8 @@ impl Names {
         self.keys.iter().any(|key| key == word)
     }
 
-    /// `particles.area_fraction`, `species[0].radius`, `[[species]]`, `"radii"`, or a key of several words.
+    /// Whether a word is a key: `particles.area_fraction`, `species[0].radius`, `[[species]]`,
+    /// `"radii"`, or with an underscore.
     fn has_key(&self, word: &str) -> bool {
         let word = word.trim_end_matches([',', '.', ':', ';', ')']).trim_start_matches('(');
         let bare = word.trim_matches(['`', '"', '\'', '[', ']']);
@@ -34,7 +35,7 @@ impl Names {
             || self.is_key(&parts[0]) && word.contains('[')
     }
 
-    /// `radii has 3 numbers`.
+    /// Whether a clause is about a key, like `radii has 3 numbers`.
     fn is_about_key(&self, clause: &str) -> bool {
         let mut words = clause.split_whitespace();
         let (first, second) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
@@ -42,19 +43,19 @@ impl Names {
     }
 }
 
-/// A part of a key without the numbers of items: `species` of `species[0]`.
+/// A part of a key without the index of an item: `species` of `species[0]`.
 fn without_items(part: &str) -> String {
     part.split('[').next().unwrap_or_default().trim_matches(['`', '"', '\'']).to_owned()
 }
 
-/// `--steps`, in quotes or not, with a value or not.
+/// Whether a word is an option like `--steps`, in quotes or not, with a value or not.
 pub fn is_option(word: &str) -> bool {
     let name = word.trim_start_matches(['`', '"', '\'', '(']).strip_prefix("--");
     name.is_some_and(|name| name.starts_with(|c: char| c.is_ascii_lowercase()))
 }
 
-/// A name with a dot or a slash is that of a file wherever it stands by itself; another one could be an English word, and
-/// has to stand in quotes, or before what is said of it.
+/// Whether a message names a file. A name with a dot or a slash counts wherever it is a separate word; any other name
+/// could be an English word, and must be in quotes, or the subject of a clause.
 fn names_file(message: &str, name: &str) -> bool {
     let name = name.chars().map(|c| if c.is_control() { c.escape_default().to_string() } else { c.to_string() });
     let name: String = name.collect();

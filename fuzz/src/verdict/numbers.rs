@@ -1,21 +1,21 @@
-//! Whether what the program answers consists of numbers.
+//! Check that the output of the program has no NaN or infinity.
 
 use hdf5::types::TypeDescriptor;
 use hdf5::{Dataset, File, Group};
 use std::path::Path;
 
-/// Columns that may have no number: errors that can't be estimated, what has not been measured yet, what did not happen,
-/// and a length that a liquid without viscosity does not have, as the page on file formats says.
+/// Columns that may be undefined, according to the page on file formats: errors that cannot be estimated, quantities
+/// that have not been measured yet or did not occur, and a length that does not exist without viscosity.
 const UNDEFINED: [&str; 4] = ["error", "wall_stress", "mean_free_path", "viscous_length"];
 
-/// Columns that say, by a zero, that a row averages over nothing.
+/// Columns in which a zero means that a row averages over nothing.
 const OF_NOTHING: [&str; 3] = ["converged", "solid_fraction", "disks"];
 
 fn may_lack(name: &str) -> bool {
     UNDEFINED.iter().any(|word| name.contains(word))
 }
 
-/// Refuses a table with a number that is none where one has to be.
+/// Refuses a table with a number that is not finite where one is required.
 pub fn of_table(text: &str) -> Result<(), String> {
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
@@ -34,7 +34,7 @@ pub fn of_table(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Refuses text with a number that is none.
+/// Refuses text with a number that is not finite.
 pub fn of_text(text: &str) -> Result<(), String> {
     let is_none = |word: &&str| ["nan", "inf", "infinity", "null"].contains(&word.to_ascii_lowercase().as_str());
     let line = |line: &&str| line.split(|c: char| !c.is_alphanumeric()).any(|word| is_none(&word));
@@ -43,14 +43,14 @@ pub fn of_text(text: &str) -> Result<(), String> {
         .map_or(Ok(()), |line| Err(format!("no number: {}", &line.chars().take(200).collect::<String>())))
 }
 
-/// Refuses an HDF5 file with a number that is none in a dataset that has to have one, but for rows over nothing.
+/// Refuses an HDF5 file with a number that is not finite where one is required, except in rows over nothing.
 pub fn of_hdf5(path: &Path) -> Result<(), String> {
     let unreadable = |error: hdf5::Error| format!("it can't be read: {error}");
     let file = File::open(path).map_err(unreadable)?;
     of_group(&file).map_err(unreadable)?.map_or(Ok(()), Err)
 }
 
-/// What is wrong in a group.
+/// The first number of a group that is not finite.
 fn of_group(group: &Group) -> hdf5::Result<Option<String>> {
     let datasets = group.datasets()?;
     let empty = empty_rows(&datasets)?;
@@ -67,7 +67,7 @@ fn of_group(group: &Group) -> hdf5::Result<Option<String>> {
     Ok(None)
 }
 
-/// Rows that say of themselves that they average over nothing.
+/// Rows that average over nothing, according to their own columns.
 fn empty_rows(datasets: &[Dataset]) -> hdf5::Result<Vec<usize>> {
     let says = |dataset: &&Dataset| OF_NOTHING.iter().any(|name| dataset.name().rsplit('/').next() == Some(name));
     let mut rows = Vec::new();

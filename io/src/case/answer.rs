@@ -1,4 +1,4 @@
-//! What is found for a case.
+//! The answer to a case.
 
 use super::is_hdf5;
 use crate::{FileError, atomic_file, atomic_hdf5};
@@ -10,7 +10,7 @@ use std::path::Path;
 /// The answer to a [`Case`](super::Case); fields that were not computed are absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Answer {
-    /// Velocities relative to the background flow at the centres.
+    /// Velocities at the centres, relative to the background flow.
     pub velocities: Vec<[f64; 3]>,
     /// Angular velocities relative to the background flow.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -18,10 +18,10 @@ pub struct Answer {
     /// Rates of strain of the disturbance flow (xx, xy, xz, yy, yz).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strain_rates: Option<Vec<[f64; 5]>>,
-    /// Stresslets (xx, xy, xz, yy, yz); with lubrication, the whole hydrodynamic ones.
+    /// Stresslets (xx, xy, xz, yy, yz); with lubrication, the total hydrodynamic stresslets.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stresslets: Option<Vec<[f64; 5]>>,
-    /// With lubrication, the part of the stresslets that the far field sees.
+    /// With lubrication, the part of the stresslets that acts on the far field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stresslets_far: Option<Vec<[f64; 5]>>,
     /// Random velocities, one list for each draw.
@@ -30,25 +30,25 @@ pub struct Answer {
     /// Random angular velocities.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_angular_velocities: Option<Vec<Vec<[f64; 3]>>>,
-    /// Random rates of strain (xx, xy, xz, yy, yz), of particles that are not rigid.
+    /// Random rates of strain (xx, xy, xz, yy, yz) of particles that are not rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_strain_rates: Option<Vec<Vec<[f64; 5]>>>,
-    /// Random parts of the drift at a thermal energy of 1, velocities, one list for each draw.
+    /// Velocities of the random part of the drift at a thermal energy of 1, one list for each draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift_velocities: Option<Vec<Vec<[f64; 3]>>>,
-    /// Angular velocities.
+    /// Angular velocities of the random part of the drift.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift_angular_velocities: Option<Vec<Vec<[f64; 3]>>>,
-    /// Stresslets (xx, xy, xz, yy, yz) that go with it.
+    /// Stresslets (xx, xy, xz, yy, yz) of the random part of the drift.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub drift_stresslets: Option<Vec<Vec<[f64; 5]>>>,
-    /// Iterations for the stresslets and for lubrication.
+    /// Iterations of the solve for stresslets and lubrication.
     pub iterations: usize,
-    /// Their relative residual.
+    /// Relative residual of that solve.
     pub residual: f64,
-    /// Seconds that the evaluation took.
+    /// Wall-clock time of the evaluation in seconds.
     pub seconds: f64,
-    /// How it was evaluated.
+    /// Plan of the evaluation.
     pub plan: String,
 }
 
@@ -101,7 +101,7 @@ impl Answer {
     }
 }
 
-/// Lists of draws, `(draws, N, W)`.
+/// Writes lists of draws with the shape `(draws, N, W)`.
 fn draws<const W: usize>(file: &File, name: &str, lists: Option<&[Vec<[f64; W]>]>) -> hdf5::Result<()> {
     let Some(lists) = lists else { return Ok(()) };
     let shape = (lists.len(), lists.first().map_or(0, Vec::len), W);

@@ -1,13 +1,13 @@
-//! What a user says of the axes of a box.
+//! Boundary conditions of a case, as the user specifies them.
 
 use domain::{Boundaries, Turn};
 use serde::{Deserialize, Serialize};
 
-/// What a box is along one axis.
+/// Boundary condition along one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseBoundary {
-    /// It repeats.
+    /// Periodic.
     Periodic,
     /// Walls at 0 and at the edge.
     Walls,
@@ -17,19 +17,19 @@ pub enum CaseBoundary {
     Open,
 }
 
-/// A word that is none of these.
+/// An unknown boundary condition.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("a boundary is {0:?}; it needs to be \"periodic\", \"walls\", \"wall\" or \"open\"")]
 pub struct UnknownBoundary(String);
 
 impl CaseBoundary {
-    /// What a word says.
+    /// Boundary condition of this name.
     pub fn of_word(word: &str) -> Result<Self, UnknownBoundary> {
         serde_json::from_value(serde_json::Value::from(word)).map_err(|_| UnknownBoundary(word.to_owned()))
     }
 }
 
-/// Axes that can't go together.
+/// An impossible combination of boundary conditions.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "boundaries are {0:?}; possible are \"periodic\" along all axes, \"walls\", \"wall\" or \"open\" along one and \"periodic\" \
@@ -37,7 +37,7 @@ impl CaseBoundary {
 )]
 pub struct BoundariesError([CaseBoundary; 3]);
 
-/// The boundaries of a box in whose axes the special one is the last, and the turn to them.
+/// Boundaries of a box whose non-periodic axis is the last, and the rotation of axes to it.
 pub fn boundaries_of(axes: [CaseBoundary; 3]) -> Result<(Boundaries, Turn), BoundariesError> {
     use CaseBoundary::{Open, Periodic, Wall, Walls};
     if axes == [Open; 3] {

@@ -5,13 +5,13 @@ use crate::document::{Alternative, NumberOr};
 use domain::{Boundaries, BoxError, PeriodicBox, Turn, Vector};
 use serde::{Deserialize, Serialize};
 
-/// The periodic box that a user gives.
+/// A box as the user specifies it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, try_from = "[NumberOr<[f64; 3]>; 3]")]
 pub enum CaseBox {
-    /// Edges along x, y and z, of a box that may be sheared.
+    /// Edges along x, y and z, for a box that may be sheared.
     Edges([f64; 3]),
-    /// Three vectors of a lattice.
+    /// Three lattice vectors.
     Vectors([[f64; 3]; 3]),
 }
 
@@ -33,29 +33,29 @@ impl TryFrom<[NumberOr<[f64; 3]>; 3]> for CaseBox {
     }
 }
 
-/// Why a box can't be.
+/// Errors of a box.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseBoxError {
-    /// A box that has no volume.
+    /// A box without volume.
     #[error("{0}")]
     Box(#[from] BoxError),
-    /// Lattice vectors and a strain besides.
+    /// Lattice vectors together with a strain.
     #[error("strain is for a box of three edges; lattice vectors have it in them")]
     Strain,
-    /// Axes that can't go together.
+    /// An impossible combination of boundary conditions.
     #[error(transparent)]
     Boundaries(#[from] BoundariesError),
-    /// Lattice vectors or a strain, and an axis that does not repeat.
+    /// Lattice vectors or a strain together with an axis that is not periodic.
     #[error("boundaries other than \"periodic\" are for a box of three edges that is not sheared")]
     Bounded,
-    /// No box, where one is needed.
+    /// No box where one is needed.
     #[error("box is missing; only spheres that are in open fluid along all axes need none")]
     Missing,
 }
 
 impl CaseBox {
-    /// The box, at a strain, with its special axis last, and the turn to its axes. Without a box, in open fluid alone, that is
-    /// one around the spheres.
+    /// The box at a strain, with its non-periodic axis last, and the rotation of axes to it. Without a box, which is
+    /// allowed in unbounded fluid only, a box around the spheres.
     pub fn bounded(
         given: Option<Self>,
         strain: f64,
@@ -78,7 +78,7 @@ impl CaseBox {
         }
     }
 
-    /// The box, at a strain.
+    /// The box at a strain.
     pub fn cell(&self, strain: f64) -> Result<PeriodicBox, CaseBoxError> {
         let vectors = match self {
             Self::Edges(edges) => return Ok(PeriodicBox::sheared(Vector::from_array(*edges), strain)?),
@@ -87,7 +87,7 @@ impl CaseBox {
         if strain != 0.0 {
             return Err(CaseBoxError::Strain);
         }
-        // A grid does less where the last vector is at right angles to the others.
+        // A grid is cheaper if the last vector is perpendicular to the others.
         let [a, b, c] = vectors;
         let cell = PeriodicBox::of_lattice(vectors)?;
         let others = [[b, c, a], [c, a, b]].map(PeriodicBox::of_lattice).into_iter().flatten();
@@ -95,13 +95,13 @@ impl CaseBox {
     }
 }
 
-/// Edges of a box around spheres.
+/// Edges of a box around the spheres.
 fn around((positions, radii): (&[[f64; 3]], &[f64])) -> [f64; 3] {
     let radius = radii.iter().copied().fold(0.0, f64::max);
     std::array::from_fn(|axis| {
         let lowest = positions.iter().map(|x| x[axis]).fold(f64::INFINITY, f64::min);
         let highest = positions.iter().map(|x| x[axis]).fold(f64::NEG_INFINITY, f64::max);
-        // Wider than two radii, as every box is.
+        // Wider than two radii, as every box must be.
         (highest - lowest).max(0.0) + 2.5 * radius
     })
 }

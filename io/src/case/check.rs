@@ -1,10 +1,10 @@
-//! What a case has to be.
+//! Checks of a case.
 
 use super::{Case, MOST_DRAWS, Terms, periodic};
 use domain::Number;
 
 impl Case {
-    /// Refuses what means nothing, by key.
+    /// Refuses invalid values by key.
     pub(super) fn check(&self) -> Result<(), String> {
         if self.cell.is_none() || self.boundaries != periodic() {
             self.bounded_box().map_err(|error| error.to_string())?;

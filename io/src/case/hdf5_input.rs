@@ -7,10 +7,10 @@ use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenU
 use hdf5::{Container, Group, H5Type};
 use ndarray::{ArrayD, ArrayViewD};
 
-/// Bytes of a word of fixed length.
+/// Bytes of a string of fixed length.
 const WORD: usize = 256;
 
-/// The datasets and attributes of a group, with its groups, and their content if `counts`: a case has
+/// Reads the datasets and attributes of a group, and its groups; the content of these only if `counts`: a case has
 /// only one level of groups, and links may form cycles.
 pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Node> {
     let mut entries: Vec<Entry> = Vec::new();
@@ -32,7 +32,7 @@ pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Node> {
     Ok(Value::Section(entries.into()).into())
 }
 
-/// What is wrong with a value, with the shape of its dataset.
+/// Message about an invalid value, with the shape of its dataset.
 pub(super) fn in_words(misfit: &Misfit, file: &Group) -> String {
     let words = misfit.in_words(KIND);
     let shape = misfit.first_key().and_then(|key| file.dataset(key).ok()).map(|dataset| dataset.shape());

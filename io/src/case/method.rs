@@ -1,33 +1,33 @@
-//! What a user says of the method.
+//! Method of a case, as the user specifies it.
 
 use fcm::MethodName;
 use serde::{Deserialize, Serialize};
 
-/// How the far field is evaluated.
+/// Evaluation method of the far field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseMethod {
-    /// In the way that takes less time.
+    /// The faster one.
     #[default]
     Auto,
     /// The envelopes themselves on the grid.
     Direct,
-    /// Wider envelopes on a coarser grid, and the difference pair by pair.
+    /// Wider envelopes on a coarser grid, and a pair correction for the difference.
     Split,
 }
 
-/// A word that is none of these.
+/// An unknown method.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("method is {0:?}; it needs to be \"auto\", \"direct\" or \"split\"")]
 pub struct UnknownMethod(String);
 
 impl CaseMethod {
-    /// What a word says.
+    /// Method of this name.
     pub fn of_word(word: &str) -> Result<Self, UnknownMethod> {
         serde_json::from_value(serde_json::Value::from(word)).map_err(|_| UnknownMethod(word.to_owned()))
     }
 
-    /// The method of a plan that it allows alone, if it does.
+    /// The only method that a plan may use, or `None` if there is a choice.
     pub fn alone(self) -> Option<MethodName> {
         match self {
             Self::Auto => None,

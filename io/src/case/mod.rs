@@ -19,14 +19,14 @@ use domain::{PeriodicBox, Turn};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Particles in a box, what acts on them, and what is asked for. Lists of `N` have an entry for each particle.
+/// Particles in a box, the loads on them, and the requested results. Lists of `N` have one entry per particle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Edges of the box, or its lattice vectors; only spheres in open fluid need none.
+    /// Edges of the box, or its lattice vectors; may be absent only for spheres in unbounded fluid.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<CaseBox>,
-    /// What the box is along each axis.
+    /// Boundary condition along each axis.
     #[serde(default = "periodic")]
     pub boundaries: [CaseBoundary; 3],
     /// Lees-Edwards strain of the box.
@@ -34,9 +34,9 @@ pub struct Case {
     pub strain: f64,
     /// Viscosity of the fluid.
     pub viscosity: f64,
-    /// Centres of the particles, `N` of them.
+    /// Centres of the `N` particles.
     pub positions: Vec<[f64; 3]>,
-    /// Their radii.
+    /// Radii of the particles.
     pub radii: OneOrAll,
     /// Forces; zero if absent.
     #[serde(default)]
@@ -47,52 +47,52 @@ pub struct Case {
     /// Stresslets (xx, xy, xz, yy, yz) of particles that are not rigid; zero if absent.
     #[serde(default)]
     pub stresslets: Vec<[f64; 5]>,
-    /// Whether the stresslets are to be found that keep the particles rigid.
+    /// Whether to solve for the stresslets that keep the particles rigid.
     #[serde(default = "yes")]
     pub rigid: bool,
     /// `"monopole"` or `"dipole"`.
     #[serde(default)]
     pub multipoles: Terms,
-    /// Whether near pairs of rigid particles feel lubrication.
+    /// Whether near pairs of rigid particles have lubrication forces.
     #[serde(default)]
     pub lubrication: bool,
-    /// The gap where lubrication ends over the larger radius of the two; the program's default if absent.
+    /// Gap at which lubrication ends, over the larger radius of the pair; the program's default if absent.
     #[serde(default)]
     pub lubrication_cutoff: Option<f64>,
-    /// How the far field is evaluated.
+    /// Evaluation method of the far field.
     #[serde(default)]
     pub method: CaseMethod,
     /// The background flow.
     #[serde(default)]
     pub background: Background,
-    /// Random motions whose covariance is the mobility, besides.
+    /// Random motions, in addition, with a covariance given by the mobility.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
 }
 
-/// Random motions that are asked for.
+/// Requested random motions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
-    /// How many.
+    /// Number of draws.
     pub draws: u64,
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Whether random parts of the drift are wanted besides, of rigid particles.
+    /// Whether to compute the random part of the drift of rigid particles, too.
     #[serde(default)]
     pub drift: bool,
 }
 
-/// Random motions of one draw come as this many numbers of a particle, at most, and so does the drift.
+/// Largest number of values per particle of the random motions of one draw; the same holds for the drift.
 pub const NOISE_NUMBERS: usize = 11;
 
-/// A number for all particles, or one for each.
+/// One number for all particles, or one per particle.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, from = "NumberOr<Vec<f64>>")]
 pub enum OneOrAll {
-    /// The same for all.
+    /// The same number for all.
     One(f64),
-    /// Each its own.
+    /// One number per particle.
     All(Vec<f64>),
 }
 
@@ -132,10 +132,10 @@ pub struct Background {
     pub pressure_gradient: [f64; 3],
 }
 
-/// The keys' owner, as messages call it.
+/// Name of the document that messages use.
 const KIND: &str = "a case";
 
-/// Draws of a case at most.
+/// Largest number of draws of a case.
 const MOST_DRAWS: u64 = 1_000_000;
 
 fn yes() -> bool {
@@ -147,7 +147,7 @@ fn periodic() -> [CaseBoundary; 3] {
 }
 
 impl Case {
-    /// Reads a case and checks it. Files whose name ends in `.h5` or `.hdf5` are HDF5, all others JSON.
+    /// Reads and checks a case. Files whose name ends in `.h5` or `.hdf5` are HDF5, all others JSON.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         if !is_hdf5(path) {
             let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
@@ -158,7 +158,7 @@ impl Case {
         Self::of_document(&document, path, &|misfit| hdf5_input::in_words(misfit, &file))
     }
 
-    /// Checks a case in JSON; `name` is what messages call it.
+    /// Checks a case in JSON; `name` identifies it in messages.
     pub fn parse(text: &str, name: &Path) -> Result<Self, FileError> {
         let document = Node::of_json(text).map_err(|e| FileError::read(name, &bounded(&e.to_string())))?;
         Self::of_document(&document, name, &|misfit| misfit.in_words(KIND))
@@ -175,7 +175,7 @@ impl Case {
         serde_json::to_string(self).expect("finite numbers and text can be written as JSON")
     }
 
-    /// A case as another rank sent it.
+    /// A case sent by another rank.
     ///
     /// # Panics
     /// If the text is not from [`Case::to_json`].
@@ -191,7 +191,7 @@ impl Case {
         }
     }
 
-    /// The box with its special axis last, and the turn to its axes.
+    /// The box with its non-periodic axis last, and the rotation of axes to it.
     pub fn bounded_box(&self) -> Result<(PeriodicBox, Turn), CaseBoxError> {
         CaseBox::bounded(self.cell, self.strain, self.boundaries, (&self.positions, &self.radii()))
     }

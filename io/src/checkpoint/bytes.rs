@@ -1,6 +1,6 @@
-//! A checkpoint as bytes: a line that names the format, the length of a JSON header, the header, the arrays one after
-//! another, all little-endian, and the XXH3 checksum of everything before it. No more than a block of an array is in
-//! memory at a time.
+//! Binary format of a checkpoint: a line that names the format, the length of a JSON header, the header, the arrays
+//! one after another, all little-endian, and the XXH3 checksum of everything before it. At most one block of an
+//! array is in memory at a time.
 
 use super::SceneRecord;
 use bytemuck::Pod;
@@ -13,24 +13,24 @@ use xxhash_rust::xxh3::Xxh3;
 
 const MAGIC: &[u8] = b"fcm-solve checkpoint 1\n";
 
-/// Values that are read at a time.
+/// Number of values that are read at a time.
 const BLOCK: usize = 1 << 16;
 
-/// What comes before the arrays.
+/// Header before the arrays.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Header {
     step: u64,
-    /// The bits of the number, which text would not keep.
+    /// Bits of the number, which text would not preserve.
     strain: u64,
     plan: String,
     particles: usize,
     columns: Vec<(String, usize)>,
     #[serde(default)]
     statistics: usize,
-    /// The lengths of the pieces of the statistics, where these are not one.
+    /// Lengths of the pieces of the statistics, unless there is exactly one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pieces: Vec<usize>,
-    /// None in files of versions before 0.3.
+    /// `None` in files of versions before 0.3.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     scene: Option<SceneRecord>,
 }
@@ -58,7 +58,7 @@ impl Header {
         serde_json::to_vec(self).expect("a header is JSON")
     }
 
-    /// The lengths of the pieces of the statistics.
+    /// Lengths of the pieces of the statistics.
     fn lengths(&self) -> Vec<usize> {
         match (&self.pieces[..], self.statistics) {
             ([], 0) => Vec::new(),
@@ -67,7 +67,7 @@ impl Header {
         }
     }
 
-    /// Bytes of the arrays; none where there would be too many to count.
+    /// Bytes of the arrays; `None` if they are too many to count.
     fn arrays(&self) -> Option<usize> {
         let width = |sum: usize, column: &(String, usize)| sum.checked_add(column.1);
         let numbers = self.columns.iter().try_fold(0, width)?.checked_mul(8)?;
@@ -75,7 +75,7 @@ impl Header {
     }
 }
 
-/// Bytes of a checkpoint of a state that is all here.
+/// Bytes of a checkpoint of a state that is entirely on this rank.
 pub(super) fn count(state: &State, scene: &SceneRecord) -> usize {
     let columns = state.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
     let pieces: Vec<usize> = state.statistics.iter().map(Vec::len).collect();
@@ -104,7 +104,7 @@ pub(super) fn write(file: &mut File, of: (&State, &SceneRecord), rows: &ById) ->
     out.file.flush()
 }
 
-/// A file and the checksum of what was written to it.
+/// A file and the checksum of everything written to it.
 struct Summed<'a> {
     file: BufWriter<&'a mut File>,
     sum: Xxh3,
@@ -117,14 +117,14 @@ impl Summed<'_> {
     }
 }
 
-/// A checkpoint whose checksum and values were looked at, at the start of its arrays.
+/// A checkpoint whose checksum and values have been verified, positioned at the start of its arrays.
 pub(super) struct Whole {
     file: BufReader<File>,
     header: Header,
 }
 
 impl Whole {
-    /// Reads a checkpoint once, or says what is wrong with it.
+    /// Reads a checkpoint once; `Err` says what is wrong with it.
     pub fn open(file: File) -> Result<Self, String> {
         let length = file.metadata().map_err(|e| e.to_string())?.len() as usize;
         let mut file = BufReader::new(file);
@@ -177,7 +177,7 @@ impl Whole {
     }
 }
 
-/// Refuses content that its checksum, which ends it, does not fit.
+/// Refuses content that does not match the checksum at its end.
 fn check_sum(file: &mut BufReader<File>, length: usize) -> Result<(), String> {
     let content = length.checked_sub(8).ok_or("it is empty or cut short")?;
     let (mut sum, mut start, mut left) = (Xxh3::new(), Vec::new(), content);
@@ -200,7 +200,7 @@ fn check_sum(file: &mut BufReader<File>, length: usize) -> Result<(), String> {
     if sum.digest() == stored { Ok(()) } else { Err("its checksum does not fit its content".into()) }
 }
 
-/// So many values, which take no more than the bytes that are left.
+/// Reads `count` values, which must take no more than the `left` remaining bytes.
 fn values<T: Pod>(file: &mut impl Read, count: usize, left: usize) -> Result<Vec<T>, String> {
     if count.saturating_mul(size_of::<T>()) > left {
         return Err("it is cut short".into());
@@ -210,8 +210,8 @@ fn values<T: Pod>(file: &mut impl Read, count: usize, left: usize) -> Result<Vec
     Ok(values)
 }
 
-/// The state and the scene of a checkpoint that the first rank has opened, on each rank with its share of the particles: as many as each
-/// other rank has. Collective.
+/// State and scene of a checkpoint that the first rank has opened, on each rank with its share of the particles;
+/// shares are of equal size. Collective.
 pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<SceneRecord>), String> {
     let header = whole.as_ref().map_or_else(Vec::new, |whole| whole.header.text());
     let header = comm.broadcast_text(&String::from_utf8(header).expect("JSON is text"));
@@ -237,7 +237,7 @@ pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<
     }
 }
 
-/// Deals arrays out, which the first rank reads.
+/// Distribution to all ranks of the arrays that the first rank reads.
 struct Deal<'a> {
     file: Option<BufReader<File>>,
     count: usize,
@@ -256,7 +256,7 @@ impl Deal<'_> {
         own
     }
 
-    /// This rank's pieces of bytes of these lengths, of which number `k` goes to rank `k mod ranks`. Collective.
+    /// This rank's pieces out of pieces of these lengths in bytes; piece `k` goes to rank `k mod ranks`. Collective.
     fn pieces(&mut self, lengths: &[usize]) -> Vec<Vec<u8>> {
         let (rank, ranks) = (self.comm.rank(), self.comm.size());
         let mut own = Vec::new();
@@ -269,7 +269,7 @@ impl Deal<'_> {
         own
     }
 
-    /// The next rows, which go to a rank; none on the others. Collective.
+    /// The next rows, sent to `rank`; empty on the other ranks. Collective.
     fn sent_to<T: Pod>(&mut self, rank: usize, rows: usize, width: usize) -> Vec<T> {
         let mut own = Vec::new();
         for start in (0..rows).step_by(BLOCK) {

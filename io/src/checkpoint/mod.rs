@@ -13,38 +13,38 @@ use simulation::State;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// How many checkpoints a folder keeps.
+/// Number of checkpoints that a folder keeps.
 pub(crate) const KEPT: usize = 2;
 
-/// The checkpoints of a run's folder.
+/// The checkpoints in the folder of a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Checkpoints<'a>(&'a Path);
 
-/// The last checkpoint that is whole.
+/// The last intact checkpoint.
 #[derive(Debug)]
 pub struct Latest {
     /// Its state, with this rank's share of the particles.
     pub state: State,
-    /// Its scene; none where an older version has written it.
+    /// Its scene; `None` if an older version has written it.
     pub scene: Option<SceneRecord>,
-    /// What is wrong with those that came after it, on the first rank.
+    /// Errors of the damaged checkpoints after it, on the first rank.
     pub damaged: Vec<FileError>,
 }
 
-/// Bytes of a checkpoint of a state that is all here.
+/// Bytes of a checkpoint of a state that is entirely on this rank.
 pub(crate) fn bytes_of(state: &State, scene: &SceneRecord) -> usize {
     bytes::count(state, scene)
 }
 
 impl<'a> Checkpoints<'a> {
-    /// Those of a folder.
+    /// The checkpoints in a folder.
     pub fn of(folder: &'a Path) -> Self {
         Self(folder)
     }
 
-    /// Writes a checkpoint of a state, of which each rank brings its own particles, and removes all but the last two of those
-    /// that the run's manifest lists. The file appears under its name only when it is whole and on the disk. The first rank
-    /// writes. Collective.
+    /// Writes a checkpoint of a state, of which each rank contributes its own particles, and removes all but the last
+    /// two of those that the run's manifest lists. The file appears under its name only when it is complete and on
+    /// the disk. The first rank writes. Collective.
     pub fn write(run: &Manifest, (state, scene): (&State, &SceneRecord), comm: &Comm) -> Result<(), FileError> {
         let path = Checkpoints(run.folder()).path(state.step);
         let put = |rows: &domain::ById| {
@@ -57,30 +57,31 @@ impl<'a> Checkpoints<'a> {
         all.retain(|path| is_one(path) && path.is_file());
         all.sort();
         for old in all.iter().rev().skip(KEPT) {
-            // What can't be removed now will be after the next one; that is no reason to end a run.
+            // A checkpoint that cannot be removed now will be removed after the next one; that
+            // is no reason to end a run.
             let _ = run.remove(old);
         }
         Ok(())
     }
 
-    /// The file of a step.
+    /// File of the checkpoint at a step.
     fn path(&self, step: u64) -> PathBuf {
         self.0.join(format!("checkpoint-{step:010}.bin"))
     }
 
-    /// Whether there is any, whole or not.
+    /// Whether there is any checkpoint, intact or damaged.
     pub fn any(&self) -> Result<bool, FileError> {
         Ok(!self.paths()?.is_empty())
     }
 
-    /// The step of the last one, whole or not, by its name.
+    /// Step of the last checkpoint, intact or damaged, according to its name.
     pub fn last_step(&self) -> Result<Option<u64>, FileError> {
         let paths = self.paths()?;
         let name = paths.last().and_then(|path| path.file_stem()?.to_str()?.strip_prefix("checkpoint-"));
         Ok(name.and_then(|step| step.parse().ok()))
     }
 
-    /// The last checkpoint that is whole, of whose particles each rank gets a share, and what is wrong with those that came
+    /// The last intact checkpoint, with a share of its particles on each rank, and the errors of the damaged ones
     /// after it. The first rank reads. Collective.
     pub fn latest(&self, comm: &Comm) -> Result<Latest, Failure> {
         let opened = if comm.is_first() { self.latest_whole().map(Some) } else { Ok(None) };
@@ -107,7 +108,7 @@ impl<'a> Checkpoints<'a> {
         }))
     }
 
-    /// Their files, oldest first.
+    /// Files of the checkpoints, oldest first.
     fn paths(&self) -> Result<Vec<PathBuf>, FileError> {
         let entries = std::fs::read_dir(self.0).map_err(|e| FileError::read(self.0, &e))?;
         let mut paths: Vec<PathBuf> =

@@ -5,23 +5,23 @@ use crate::{Output, checksum};
 use serde::{Deserialize, Serialize};
 use simulation::Schedule;
 
-/// The scene that a checkpoint belongs to, and what the run was to write when.
+/// The scene that a checkpoint belongs to, and the output schedules over the course of the run.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneRecord {
     text: String,
-    /// The XXH3 checksum of the text, of 64 bits, in hexadecimal digits.
+    /// XXH3 checksum of the text (64 bits) as hexadecimal digits.
     digest: String,
     written: Vec<Intervals>,
 }
 
-/// Steps between frames, rows, fields and lists of contacts from a step on; 0 is never.
+/// Steps between frames, rows, fields and contact lists, from a step on; 0 means never.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Intervals {
     from: u64,
     every: [u64; 4],
 }
 
-/// An output whose steps are known.
+/// An output with a schedule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Written {
     Frames,
@@ -31,13 +31,13 @@ pub(crate) enum Written {
 }
 
 impl SceneRecord {
-    /// That of a run at its start.
+    /// Record of a run at its start.
     pub fn new(text: &str, output: &Output) -> Self {
         let every = intervals(output);
         Self { text: text.to_owned(), digest: digest(text), written: vec![Intervals { from: 0, every }] }
     }
 
-    /// The same run with a scene that has changed after a step.
+    /// Record of the same run with a scene that has changed after a step.
     #[must_use]
     pub fn changed(mut self, text: &str, output: &Output, step: u64) -> Self {
         let every = intervals(output);
@@ -53,12 +53,12 @@ impl SceneRecord {
         &self.text
     }
 
-    /// Whether the digest fits the text.
+    /// Whether the digest matches the text.
     pub(super) fn is_whole(&self) -> bool {
         self.digest == digest(&self.text)
     }
 
-    /// When something was to be written, up to a step.
+    /// Schedules of an output up to a step.
     pub(crate) fn periods(&self, what: Written, last: u64) -> Vec<Period> {
         let ends = self.written.iter().skip(1).map(|next| next.from.saturating_sub(1)).chain([last]);
         let period = |(intervals, end): (&Intervals, u64)| Period {
@@ -74,7 +74,7 @@ fn intervals(output: &Output) -> [u64; 4] {
     [output.trajectory, output.observables, output.fields, output.contacts].map(every)
 }
 
-/// The digest of the text of a scene.
+/// Digest of the text of a scene.
 fn digest(text: &str) -> String {
     format!("{:016x}", checksum::of(text.as_bytes()))
 }

@@ -33,12 +33,12 @@ fn what_is_written_is_read_bit_for_bit() {
     assert!(damaged.is_empty());
 }
 
-/// Those of a rank.
+/// Pieces of the statistics of a rank.
 fn pieces(whole: &State, comm: &Comm) -> Vec<Vec<u8>> {
     whole.statistics.iter().skip(comm.rank()).step_by(comm.size()).cloned().collect()
 }
 
-/// Statistics of one piece have no list of pieces, as in files of before there were any; and some have none.
+/// Statistics of a single piece are stored without a list of pieces, as in files of versions before pieces.
 #[test]
 fn one_piece_is_as_it_was() {
     for statistics in [Vec::new(), vec![vec![3, 4]]] {
@@ -52,7 +52,7 @@ fn one_piece_is_as_it_was() {
     }
 }
 
-/// The file has the same bytes whoever has the particles, and is read in shares that make up all.
+/// The file has the same bytes for any distribution of the particles, and is read in shares that add up to the whole.
 #[test]
 fn ranks_write_one_file_and_read_shares_of_it() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Forces of contacts, a file for each step at which they are due: `contacts/contacts-STEP.h5`.
+//! Contact forces, one file for each step at which they are due: `contacts/contacts-STEP.h5`.
 
 mod recorded;
 #[cfg(test)]
@@ -10,7 +10,7 @@ pub use recorded::RecordedContacts;
 use simulation::{ContactForce, ContactForces};
 use std::path::{Path, PathBuf};
 
-/// The folder of the files.
+/// Folder of the files.
 pub(crate) const FOLDER: &str = "contacts";
 
 /// Writes the contacts of a step to `contacts/` in the folder of a run.
@@ -42,7 +42,7 @@ fn fill(file: &File, contacts: &ContactForces, provenance: &Provenance) -> hdf5:
     columns.write("state", ("", 1), |contact| [contact.state.number()])
 }
 
-/// The datasets of a file, a row a contact.
+/// Datasets of a file, one row per contact.
 struct Columns<'a> {
     file: &'a File,
     list: &'a [ContactForce],
@@ -66,14 +66,14 @@ impl Columns<'_> {
     }
 }
 
-/// Removes the contacts of a former run after step `last`.
+/// Removes the contacts of an earlier part of the run after step `last`.
 pub fn drop_contacts_after(run: &Manifest, last: u64) -> Result<(), FileError> {
     let late = name(last);
     let is_late = |path: &PathBuf| path.file_name().is_some_and(|name| *name > *late);
     files(run.folder())?.iter().filter(|path| is_late(path)).try_for_each(|path| run.remove(path))
 }
 
-/// The files in the folder of a run, oldest first.
+/// Contact files in the folder of a run, oldest first.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, FileError> {
     let folder = folder.join(FOLDER);
     if !folder.is_dir() {

@@ -1,4 +1,4 @@
-//! Reading contacts.
+//! Reader of the contacts of a run.
 
 use super::files;
 use crate::{FileError, checksum, stored_inside};
@@ -14,24 +14,24 @@ pub struct RecordedContacts {
 }
 
 impl RecordedContacts {
-    /// Those in the folder of a run; none if it wrote none.
+    /// Contacts in the folder of a run; empty if it wrote none.
     pub fn of(folder: &Path) -> Result<Self, FileError> {
         let paths = files(folder)?;
         let clocks = paths.iter().map(|path| read(path, clock)).collect::<Result<_, _>>()?;
         Ok(Self { clocks, paths })
     }
 
-    /// Steps and times at which they were written.
+    /// Steps and times at which contacts were written.
     pub fn clocks(&self) -> &[(u64, f64)] {
         &self.clocks
     }
 
-    /// Those written at a place among the clocks. `Err` if they are not as they were written.
+    /// Contacts at an index of [`Self::clocks`]. `Err` if they are damaged.
     pub fn at(&self, place: usize) -> Result<ContactForces, FileError> {
         read(&self.paths[place], contents)
     }
 
-    /// Those of a step, if they were written. `Err` as from [`Self::at`].
+    /// Contacts of a step, if they were written. Errors as for [`Self::at`].
     pub fn of_step(&self, step: u64) -> Option<Result<ContactForces, FileError>> {
         let place = self.clocks.iter().position(|clock| clock.0 == step)?;
         Some(self.at(place))

@@ -2,7 +2,7 @@ use super::*;
 use domain::Vector;
 use simulation::ContactState;
 
-/// Contacts of a step: as many as its number.
+/// Contacts of a step: their count is the step's number.
 fn contacts(step: u64) -> ContactForces {
     let one = |k: u64| ContactForce {
         ids: [k, k + 7],

@@ -17,12 +17,12 @@ impl Node {
         Misfit::of_type(self.value.shown(), expected)
     }
 
-    /// The items of a list.
+    /// Items of a list.
     fn items(&self, expected: &str) -> Result<&[Node], Misfit> {
         if let Value::List(items) = &self.value { Ok(items) } else { Err(self.not(expected)) }
     }
 
-    /// The number, if nothing is lost of it.
+    /// The number, if it is representable exactly.
     fn number(&self) -> Result<f64, Misfit> {
         match &self.value {
             Value::Real(number) => Ok(*number),
@@ -40,14 +40,14 @@ impl Node {
     }
 }
 
-/// Passes all items of a list, and refuses a list of which some are left over.
+/// Visits all items of a list, and refuses a list with surplus items.
 fn pass_all<'de, V: Visitor<'de>>(list: &[Node], visitor: V) -> Result<V::Value, Misfit> {
     let mut items = Items { list, passed: 0 };
     let value = visitor.visit_seq(&mut items)?;
     if items.passed == list.len() { Ok(value) } else { Err(other_length(list, items.passed)) }
 }
 
-/// A list of another length than is wanted.
+/// Error of a list whose length differs from the wanted one.
 fn other_length(list: &[Node], wanted: usize) -> Misfit {
     let things = match list.first().map(|item| &item.value) {
         Some(Value::List(_)) => " lists",
@@ -97,7 +97,7 @@ impl<'de> MapAccess<'de> for Entries<'_> {
     }
 }
 
-/// Methods that take a whole number.
+/// Methods for whole numbers.
 macro_rules! whole_numbers {
     ($($unsigned:ident)*; $($signed:ident)*) => {
         $(fn $unsigned<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {

@@ -1,16 +1,16 @@
-//! Values in messages, which have at most a line of them.
+//! Values in messages, shortened to one line.
 
-/// Characters of a value that a message shows.
+/// Largest number of characters of a value in a message.
 const SHOWN: usize = 60;
-/// Characters of a whole message.
+/// Largest number of characters of a message.
 const MESSAGE: usize = 1500;
 
-/// The beginning of a text, without line breaks and other control characters.
+/// Beginning of a text, without line breaks and other control characters.
 pub(crate) fn excerpt(text: &str) -> String {
     cut(text.chars().flat_map(visible), SHOWN)
 }
 
-/// A message without its end if it is longer than anybody reads.
+/// A message, cut if it is too long to be read.
 pub(crate) fn bounded(message: &str) -> String {
     cut(message.chars(), MESSAGE)
 }
@@ -23,7 +23,7 @@ fn cut(mut characters: impl Iterator<Item = char>, most: usize) -> String {
     shown
 }
 
-/// A character, escaped if it is one of control.
+/// A character, escaped if it is a control character.
 fn visible(character: char) -> impl Iterator<Item = char> {
     let escaped = character.is_control().then(|| character.escape_default());
     let plain = escaped.is_none().then_some(character);

@@ -5,7 +5,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor}
 use std::collections::HashSet;
 
 impl Node {
-    /// Reads a text in JSON.
+    /// Parses a JSON text.
     pub(crate) fn of_json(text: &str) -> serde_json::Result<Self> {
         serde_json::from_str(text.strip_prefix('\u{feff}').unwrap_or(text))
     }

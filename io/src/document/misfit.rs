@@ -1,18 +1,18 @@
-//! Values that are not what is asked for, in words.
+//! Errors of values that differ from the expected form, in words.
 
 use super::{excerpt, known};
 use serde::de::{Error, Expected, Unexpected};
 use std::fmt::Display;
 
-/// A value that is not what is asked for.
+/// A value that differs from the expected form.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Misfit {
-    /// The way to the value, the last step first.
+    /// Path to the value, innermost step first.
     steps: Vec<Step>,
     problem: Problem,
 }
 
-/// A step from a value to one in it.
+/// A step of a path, from a value to one inside it.
 #[derive(Debug, Clone, PartialEq)]
 enum Step {
     Key(Box<str>),
@@ -29,7 +29,7 @@ enum Problem {
 }
 
 impl Misfit {
-    /// A value of another type than is expected.
+    /// A value of the wrong type.
     pub(super) fn of_type(found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::of(Problem::Type { found: found.into(), expected: expected.into() })
     }
@@ -38,19 +38,19 @@ impl Misfit {
         Self { steps: Vec::new(), problem }
     }
 
-    /// The same of a value that a section has under a key.
+    /// The same error, for a value under a key of a section.
     pub(super) fn in_key(mut self, key: &str) -> Self {
         self.steps.push(Step::Key(key.into()));
         self
     }
 
-    /// The same of an item of a list.
+    /// The same error, for an item of a list.
     pub(super) fn in_item(mut self, index: usize) -> Self {
         self.steps.push(Step::Item(index));
         self
     }
 
-    /// The outermost key.
+    /// Outermost key.
     pub(crate) fn first_key(&self) -> Option<&str> {
         match self.steps.last() {
             Some(Step::Key(key)) => Some(key),
@@ -58,7 +58,7 @@ impl Misfit {
         }
     }
 
-    /// The key, as `species[0].radius`; empty if it is the whole document.
+    /// The key, such as `species[0].radius`; empty for the whole document.
     pub(crate) fn key(&self) -> String {
         let inner = match &self.problem {
             Problem::Missing(key) => Some(*key),
@@ -76,7 +76,7 @@ impl Misfit {
         })
     }
 
-    /// What is wrong with the value, to be read after the key; `of` says what the keys are of, as "a scene".
+    /// Message to be read after the key; `of` names the document, such as "a scene".
     pub(crate) fn message(&self, of: &str) -> String {
         match &self.problem {
             Problem::Missing(_) => "is missing".to_owned(),
@@ -94,7 +94,7 @@ impl Misfit {
     }
 }
 
-/// A key of a path, in quotes unless it could stand without.
+/// A key of a path, in quotes unless it is a bare key.
 fn quoted(key: &str) -> String {
     let is_bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if is_bare { excerpt(key) } else { format!("\"{}\"", excerpt(key)) }

@@ -1,5 +1,5 @@
-//! The values of a file in TOML, JSON or HDF5, and one strict reader for all of them: a list has exactly the length that is
-//! asked for, a section is no list, and no value is converted to another type if that loses anything.
+//! The values of a file in TOML, JSON or HDF5, and one strict reader for all of them: a list must have exactly the
+//! expected length, a section is not a list, and no value is converted to another type if anything is lost.
 
 mod deserializer;
 mod excerpt;

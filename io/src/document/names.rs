@@ -1,6 +1,6 @@
-//! The nearest known name.
+//! Suggestion of the nearest known name.
 
-/// Letters of a name that may be a slip of the pen.
+/// Largest number of letters of a name that may be a misspelling.
 const LONGEST: usize = 60;
 
 /// The one of `known` that `name` probably means: at most a third of its letters are wrong, swapped, missing or extra.
@@ -14,7 +14,7 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
     (edits <= 1 + name.chars().count() / 3).then_some(best)
 }
 
-/// What to do about a name that is not among the known ones.
+/// Advice about a name that is not one of the known ones.
 pub(crate) fn known(name: &str, known: &[&str]) -> String {
     let all = known.join(", ");
     match nearest(name, known) {
@@ -23,7 +23,8 @@ pub(crate) fn known(name: &str, known: &[&str]) -> String {
     }
 }
 
-/// Letters to insert, delete, replace or swap with their neighbour (Damerau's distance, each letter touched once).
+/// Number of letters to insert, delete, replace or swap with their neighbour (Damerau's distance,
+/// each letter touched once).
 fn edits(a: &str, b: &str) -> usize {
     let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
     let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];

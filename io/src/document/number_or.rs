@@ -1,4 +1,4 @@
-//! Values that are a number, or else a list or a word.
+//! Values that are a number, or a list or a word instead.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -6,7 +6,7 @@ use serde::de::value::{SeqAccessDeserializer, StrDeserializer};
 use serde::de::{Deserialize, Deserializer, Error, IntoDeserializer, SeqAccess, Unexpected, Visitor};
 use std::marker::PhantomData;
 
-/// A number, or a list or a word in its place.
+/// A number, or a list or a word instead.
 #[derive(Debug, Clone, Copy, PartialEq, JsonSchema, Serialize)]
 #[schemars(untagged, inline)]
 #[serde(untagged)]
@@ -17,9 +17,9 @@ pub(crate) enum NumberOr<T> {
     Other(T),
 }
 
-/// A value that may stand in the place of a number.
+/// A value that may replace a number.
 pub(crate) trait Alternative {
-    /// The number and the value in words, as "a number or a table of times and rates".
+    /// The number and the alternative in words, such as "a number or a table of times and rates".
     const WORDS: &'static str;
 }
 

@@ -4,7 +4,7 @@ use super::{Entry, Node, Value, Whole};
 use toml::de::{DeTable, DeValue, Error};
 
 impl Node {
-    /// Reads a text in TOML; every value has the place of its key, or its own in a list.
+    /// Parses a TOML text; every value has the position of its key, or its own position in a list.
     pub(crate) fn of_toml(text: &str) -> Result<Self, Error> {
         Ok(Self::at(0, section(DeTable::parse(text)?.get_ref())))
     }
@@ -36,7 +36,7 @@ fn whole(text: &str, radix: u32) -> Value {
     number.map_or_else(|| Value::Other(text.into()), Value::Whole)
 }
 
-/// The number of the line, from 1, that a place in a text is on.
+/// Line number, from 1, of a position in a text.
 pub(crate) fn line(text: &str, place: usize) -> usize {
     text.bytes().take(place).filter(|&b| b == b'\n').count() + 1
 }

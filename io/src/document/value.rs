@@ -4,18 +4,18 @@ use super::{Misfit, excerpt};
 use serde::de::DeserializeOwned;
 use std::num::NonZeroU32;
 
-/// A value and its place in the text.
+/// A value and its position in the text.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Node {
     pub(crate) value: Value,
-    /// One more than the number of bytes before it or its key.
+    /// Number of bytes before it or its key, plus one.
     place: Option<NonZeroU32>,
 }
 
 /// A value.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Value {
-    /// No value, of JSON.
+    /// No value (JSON `null`).
     Null,
     /// True or false.
     Bool(bool),
@@ -25,7 +25,7 @@ pub(crate) enum Value {
     Real(f64),
     /// Text.
     Text(Box<str>),
-    /// A date, or a number that nothing here can hold, as it is written.
+    /// A date, or a number that is not representable, as it is written.
     Other(Box<str>),
     /// A list.
     List(Box<[Node]>),
@@ -54,12 +54,12 @@ impl From<Value> for Node {
 }
 
 impl Node {
-    /// A value at a place in a text.
+    /// A value at a position in a text.
     pub(super) fn at(place: usize, value: Value) -> Self {
         Self { value, place: u32::try_from(place + 1).ok().and_then(NonZeroU32::new) }
     }
 
-    /// Reads it as a type. The error names the key.
+    /// Deserialises the value as a type. The error names the key.
     pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, Misfit> {
         T::deserialize(self)
     }
@@ -70,12 +70,12 @@ impl Node {
         entries.iter().find(|entry| *entry.key == *key).map(|entry| &entry.node)
     }
 
-    /// The text, if it is one.
+    /// The text, if the value is a text.
     pub(crate) fn text(&self) -> Option<&str> {
         if let Value::Text(text) = &self.value { Some(text) } else { None }
     }
 
-    /// The place in the text of a key such as `species[1].radius`, or of the innermost of its parents that the text has.
+    /// Position in the text of a key such as `species[1].radius`, or of its innermost parent that the text has.
     pub(crate) fn find(&self, key: &str) -> Option<usize> {
         let (mut node, mut place) = (self, None);
         for part in key.split(['.', '[']) {
@@ -92,7 +92,7 @@ impl Node {
 }
 
 impl Value {
-    /// The value as a message shows it.
+    /// The value as messages show it.
     pub(super) fn shown(&self) -> String {
         match self {
             Self::Null => "null".to_owned(),
@@ -113,7 +113,7 @@ impl Whole {
         Some(Self { is_negative: number < 0, size })
     }
 
-    /// As a number with a fraction, if it is one exactly.
+    /// The number as a float, if it is represented exactly.
     pub(super) fn real(self) -> Option<f64> {
         let size = self.size as f64;
         let is_exact = size as u128 == u128::from(self.size);

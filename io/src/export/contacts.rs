@@ -1,4 +1,4 @@
-//! Forces of contacts for other programs: a table, or the lines of force chains.
+//! Export of contact forces: a table, or the lines of force chains.
 
 use super::vtp::{Array, Piece, write_pieces};
 use crate::{FileError, Manifest, atomic_file};
@@ -7,18 +7,18 @@ use simulation::{ContactForce, ContactForces};
 use std::io::{BufWriter, Result, Write};
 use std::path::Path;
 
-/// How contacts are written.
+/// Output format of contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ContactFormat {
     /// A CSV table with a row for each contact of each step.
     Csv,
-    /// `PolyData` of VTK with a line from centre to centre for each contact, a file for each step, and a `.pvd` file that
-    /// lists them.
+    /// `PolyData` of VTK with a line from centre to centre for each contact, one file per step, and a
+    /// `.pvd` file that lists them.
     Vtp,
 }
 
 impl ContactFormat {
-    /// What names of its files end in; of VTP that is the list.
+    /// Extension of the file name; for VTP that of the list.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Csv => "csv",
@@ -30,8 +30,8 @@ impl ContactFormat {
 const HEAD: &str = "step,time,first,second,x,y,z,dx,dy,dz,normal_force,tangential_force_x,tangential_force_y,\
                     tangential_force_z,state";
 
-/// Writes the contacts of some steps to a file, which is entered in the manifest if it is in that folder. It appears under
-/// its name when it is whole.
+/// Writes the contacts of some steps to a file, which is entered in the manifest if it is in the manifest's folder.
+/// The file appears under its name when it is complete.
 pub fn export_contacts(
     steps: &mut dyn Iterator<Item = ContactForces>,
     format: ContactFormat,
@@ -60,7 +60,7 @@ fn table(out: &mut impl Write, steps: &mut dyn Iterator<Item = ContactForces>) -
     out.flush()
 }
 
-/// Lines with two points of their own, which both have the normal force: tubes take their radii from points.
+/// Lines with two separate points each, which both have the normal force: tubes take their radii from points.
 fn lines(contacts: &ContactForces) -> Piece {
     let list = &contacts.list;
     let (count, points) = (list.len() as i64, 2 * list.len() as i64);

@@ -1,4 +1,4 @@
-//! Trajectories in the formats of other programs.
+//! Export of trajectories to the formats of other programs.
 
 mod contacts;
 mod gsd;
@@ -16,19 +16,19 @@ use crate::{FileError, Kind, Manifest, Scene, atomic_file};
 use std::io::BufWriter;
 use std::path::Path;
 
-/// A format of other programs.
+/// Format of another program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Extended XYZ: text, all frames in a file.
+    /// Extended XYZ: text, all frames in one file.
     Xyz,
-    /// GSD of HOOMD-blue: binary, single precision, all frames in a file.
+    /// GSD of HOOMD-blue: binary, single precision, all frames in one file.
     Gsd,
-    /// `PolyData` of VTK, a file for each frame, and a `.pvd` file that lists them with their times.
+    /// `PolyData` of VTK, one file per frame, and a `.pvd` file that lists them with their times.
     Vtp,
 }
 
 impl Format {
-    /// What names of its files end in; of VTP that is the list.
+    /// Extension of the file name; for VTP that of the list.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Xyz => "xyz",
@@ -38,8 +38,8 @@ impl Format {
     }
 }
 
-/// Writes frames of a trajectory to a file, which is entered in the manifest if it is in that folder. It appears under its
-/// name when it is whole.
+/// Writes frames of a trajectory to a file, which is entered in the manifest if it is in the manifest's folder. The
+/// file appears under its name when it is complete.
 pub fn export(
     recorded: &TrajectoryReader,
     frames: &mut dyn Iterator<Item = Snapshot>,
@@ -59,7 +59,7 @@ pub fn export(
     }
 }
 
-/// Names of the species: those of the scene, or their numbers.
+/// Names of the species according to the scene, or else their numbers.
 fn species(recorded: &TrajectoryReader) -> Vec<String> {
     let count = recorded.species().iter().max().map_or(0, |last| *last as usize + 1);
     let mut names: Vec<String> = (0..count).map(|number| number.to_string()).collect();

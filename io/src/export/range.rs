@@ -2,18 +2,18 @@
 
 use std::str::FromStr;
 
-/// Frames by their numbers, as slices of Python name them: `START:STOP:STEP` counts from 0 and leaves STOP out, each
-/// part may be missing, negative numbers count from the end, and a number alone is one frame.
+/// Frames selected by number like a slice in Python: `START:STOP:STEP` counts from 0 and excludes STOP, each part may
+/// be missing, negative numbers count from the end, and a single number selects one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameRange {
     start: i64,
-    /// None: up to the last.
+    /// `None` selects up to the last frame.
     stop: Option<i64>,
     step: usize,
 }
 
 impl FrameRange {
-    /// The selected frames of `count` frames.
+    /// Numbers of the selected frames out of `count` frames.
     pub fn of(&self, count: usize) -> impl Iterator<Item = usize> + use<> {
         let place = |number: i64| {
             let from_end = if number < 0 { count as i64 } else { 0 };

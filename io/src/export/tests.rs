@@ -3,7 +3,7 @@ use crate::{Provenance, Trajectory};
 use domain::{Particles, PeriodicBox, Vector};
 use simulation::Frame;
 
-/// A trajectory of two frames of two particles in a sheared box between walls, exported; the folder and the file.
+/// An exported trajectory of two frames of two particles in a sheared box between walls: the folder and the file.
 fn exported(format: Format) -> (tempfile::TempDir, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let recorded = recorded(folder.path());

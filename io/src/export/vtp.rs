@@ -1,4 +1,4 @@
-//! `PolyData` of VTK in XML, a file for each frame: `NAME/STEP.vtp` beside the list `NAME.pvd`.
+//! `PolyData` of VTK in XML, one file per frame: `NAME/STEP.vtp` and the list `NAME.pvd`.
 
 use crate::trajectory_reader::Snapshot;
 use crate::{FileError, Manifest, atomic_file};
@@ -15,7 +15,7 @@ pub(super) fn write(
     write_pieces(list, &mut frames.map(|snapshot| Piece::of_frame(&snapshot)))
 }
 
-/// Writes pieces, each to a file of its own, and their list.
+/// Writes each piece to a separate file, and the list of the files.
 pub(super) fn write_pieces(
     (list, run): (&Path, &Manifest),
     pieces: &mut dyn Iterator<Item = Piece>,
@@ -39,12 +39,12 @@ pub(super) fn write_pieces(
     atomic_file::replace(list, format!("{start}{entries}  </Collection>\n</VTKFile>\n").as_bytes())
 }
 
-/// A text as the value of an attribute.
+/// Escapes a text for the value of an attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-/// An array of the file: name, VTK's type, numbers a point, and its bytes.
+/// An array of the file: name, VTK type, numbers per point, and bytes.
 pub(super) struct Array {
     name: String,
     kind: &'static str,
@@ -71,14 +71,14 @@ impl Array {
     }
 }
 
-/// What a file has: points, and vertices or lines.
+/// Content of a file: points, and vertices or lines.
 pub(super) struct Piece {
     pub(super) step: u64,
     pub(super) time: f64,
     pub(super) lattice: [Vector; 3],
-    /// How many points there are and how many of what, as attributes of the piece.
+    /// Numbers of points and of vertices or lines, as attributes of the piece.
     pub(super) counts: String,
-    /// Its elements and their arrays.
+    /// Elements of the piece and their arrays.
     pub(super) groups: Vec<(&'static str, Vec<Array>)>,
 }
 
@@ -103,7 +103,7 @@ impl Piece {
         }
     }
 
-    /// All arrays stand at the end of the file as they are in memory, each after its number of bytes.
+    /// Appends all arrays as raw data at the end of the file, each after its number of bytes.
     fn write(&self, out: &mut impl Write) -> Result<()> {
         let mut place = 0;
         writeln!(out, "<?xml version=\"1.0\"?>")?;
@@ -127,7 +127,7 @@ impl Piece {
         out.flush()
     }
 
-    /// The time, and the lattice vectors of the box.
+    /// Writes the time and the lattice vectors of the box.
     fn write_field_data(&self, out: &mut impl Write) -> Result<()> {
         let (ascii, time) = ("format=\"ascii\"", self.time);
         writeln!(out, "<FieldData>")?;

@@ -1,4 +1,4 @@
-//! Extended XYZ: for each frame the number of particles, a line of keys, and a line for each particle.
+//! Extended XYZ: for each frame the number of particles, a line of keys, and one line per particle.
 
 use crate::trajectory_reader::Snapshot;
 use domain::{Column, Particles, PeriodicBox, Vector};
@@ -12,7 +12,7 @@ pub(super) fn write(out: &mut impl Write, frames: &mut dyn Iterator<Item = Snaps
     out.flush()
 }
 
-/// Numbers are the shortest that read back as they were.
+/// Writes numbers in the shortest form that reads back exactly.
 fn frame(out: &mut impl Write, Snapshot { step, time, frame }: &Snapshot) -> Result<()> {
     let Frame { particles, cell, periodic } = frame;
     let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
@@ -24,13 +24,13 @@ fn frame(out: &mut impl Write, Snapshot { step, time, frame }: &Snapshot) -> Res
     (0..particles.len()).try_for_each(|row| line(out, particles, row))
 }
 
-/// Where the box begins, if that is not the origin, as OVITO reads it.
+/// Origin of the box, if that is not at zero, in the form that OVITO reads.
 fn origin(cell: &PeriodicBox) -> String {
     let Vector { x, y, z } = cell.origin();
     if cell.origin() == Vector::ZERO { String::new() } else { format!("Origin=\"{x:?} {y:?} {z:?}\" ") }
 }
 
-/// OVITO knows velocities as `velo`.
+/// Columns of a frame. OVITO knows velocities as `velo`.
 fn properties(particles: &Particles) -> String {
     let name = |column: &Column| if column.name == "velocity" { "velo" } else { &column.name }.to_owned();
     let columns = particles.columns.iter().map(|column| format!(":{}:R:{}", name(column), column.width));

@@ -1,19 +1,19 @@
-//! Where the points of a field are in a box that does not repeat along all axes: attributes of its file, which those of other boxes
-//! do not have.
+//! Grid points of a field in a box that is not periodic along all axes: attributes of its file, which fully
+//! periodic boxes do not have.
 
 use crate::text;
 use hdf5::types::FixedAscii;
 use hdf5::{File, Group};
 use simulation::VelocityField;
 
-/// Where points are, by x, y and z.
+/// Grid of the points, by x, y and z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lattice {
-    /// The place of the first.
+    /// Position of the first point.
     pub(super) origin: [f64; 3],
-    /// Distances along each axis.
+    /// Spacing along each axis.
     pub(super) spacing: [f64; 3],
-    /// Along which axes the box repeats.
+    /// Whether the box is periodic, for each axis.
     pub(super) periodic: [bool; 3],
 }
 
@@ -28,7 +28,7 @@ pub(super) fn write(root: &Group, field: &VelocityField) -> hdf5::Result<()> {
     Ok(())
 }
 
-/// Reads them, if a file has them.
+/// Reads the attributes, if a file has them.
 pub(super) fn read(file: &File) -> hdf5::Result<Option<Lattice>> {
     if !file.attr_names()?.iter().any(|name| name == "boundary") {
         return Ok(None);

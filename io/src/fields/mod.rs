@@ -1,4 +1,4 @@
-//! Velocity fields on the grid, and the XDMF file with which `ParaView` opens them.
+//! Velocity fields on the grid, and the XDMF file for opening them in `ParaView`.
 
 mod lattice;
 mod repeated;
@@ -22,7 +22,7 @@ pub fn write_field(field: &VelocityField, run: &Manifest, provenance: &Provenanc
     add_to_index(run, &path)
 }
 
-/// The XDMF file.
+/// Name of the XDMF file.
 const INDEX: &str = "fields.xdmf";
 
 fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Result<()> {
@@ -46,7 +46,7 @@ fn fill(file: &File, field: &VelocityField, provenance: &Provenance) -> hdf5::Re
     if field.cell.strain() == 0.0 { Ok(()) } else { repeated::add_position(file) }
 }
 
-/// Removes the fields of a former run after step `last`.
+/// Removes the fields of an earlier part of the run after step `last`.
 pub fn drop_fields_after(run: &Manifest, last: u64) -> Result<(), FileError> {
     let late = format!("velocity-{last:010}.h5");
     let is_late = |path: &PathBuf| path.file_name().is_some_and(|name| *name > *late);
@@ -59,15 +59,15 @@ pub fn drop_fields_after(run: &Manifest, last: u64) -> Result<(), FileError> {
     index_fields(run)
 }
 
-/// The files of fields that the run has made, oldest first.
+/// Field files that the run has made, oldest first.
 fn field_files(run: &Manifest) -> Vec<PathBuf> {
     let fields = run.folder().join("fields");
     let is_field = |path: &PathBuf| path.starts_with(&fields) && manifest::is_numbered(path, "velocity-", ".h5");
     run.files().into_iter().filter(|path| is_field(path) && path.is_file()).collect()
 }
 
-/// Adds the latest field to the index. The index is written again if it lacks earlier fields, or if these need another
-/// kind of mesh beside this one. So a run reads each of its fields once.
+/// Adds the latest field to the index. The index is rewritten if it lacks earlier fields, or if these need another
+/// kind of mesh together with this one. Otherwise no earlier field is read.
 fn add_to_index(run: &Manifest, path: &Path) -> Result<(), FileError> {
     let (index, before) = (run.folder().join(INDEX), field_files(run).len() - 1);
     let series = std::fs::read_to_string(&index).unwrap_or_default();
@@ -79,10 +79,11 @@ fn add_to_index(run: &Manifest, path: &Path) -> Result<(), FileError> {
     atomic_file::replace(&index, longer.as_bytes())
 }
 
-/// Readers take all frames of a series for the kind of mesh that the first one is, and for as large. So where one frame
-/// is of a sheared box, all are given as curved meshes, those of a straight box too; and frames of another grid than the
-/// last one's, as former versions computed them in sheared boxes, are left out. Frames of a box that follows spheres are not:
-/// each is a collection of one mesh then, the parts of which may be of any size.
+/// Writes the index of all fields. Readers assume that all frames of a series have the mesh type and the size of the
+/// first. So if any frame is of a sheared box, all are given as curvilinear meshes, also those of an orthogonal box;
+/// and frames on a grid that differs from that of the last frame, as former versions computed them in sheared boxes,
+/// are left out. Frames of a box that follows the spheres are kept: each is a collection of one mesh, and parts of
+/// collections may have any size.
 fn index_fields(run: &Manifest) -> Result<(), FileError> {
     let files = field_files(run);
     let mut frames = Vec::with_capacity(files.len());
@@ -98,8 +99,8 @@ fn index_fields(run: &Manifest) -> Result<(), FileError> {
     atomic_file::replace(&run.folder().join(INDEX), xdmf::series(frames, curved).as_bytes())
 }
 
-/// Adds to a file what the series needs of it: places to the frames of a straight box before the first sheared one, and
-/// repeated planes to files that this program wrote before it knew them.
+/// Adds to a file what the series requires: positions to the frames of an orthogonal box before the first sheared
+/// one, and repeated planes to files of versions of this program that did not write them.
 fn complete(path: &Path, curved: bool) -> Result<(), FileError> {
     atomic_hdf5::change(path, |file| {
         repeated::add_velocity(file)?;

@@ -1,12 +1,12 @@
-//! A field with the first plane of each axis repeated at the far end of the box, as programs that draw it need it: they
-//! know nothing of periodicity, and would leave a gap of one grid spacing.
+//! A field with the first plane along each axis repeated at the far end of the box, as visualisation programs need
+//! it: they do not know of periodicity, and would leave a gap of one grid spacing.
 //!
-//! `repeated/velocity` (nz + 1, ny + 1, nx + 1, 3) is a virtual dataset: it shows the numbers of `velocity` again, and
-//! takes no room. `repeated/position` has the places of its points in a sheared box,
-//! `x = i Lx / nx + s y`, `y = j Ly / ny`, `z = k Lz / nz`. It is stored by rows of x for all z, one component each, in
-//! which the same numbers come again and again, so that compression leaves about a hundredth.
+//! `repeated/velocity` (nz + 1, ny + 1, nx + 1, 3) is a virtual dataset: it refers to the numbers of `velocity`, and
+//! takes no space. `repeated/position` has the positions of its points in a sheared box, `x = i Lx / nx + s y`,
+//! `y = j Ly / ny`, `z = k Lz / nz`. It is stored by rows of x for all z, one component each, with so many repeated
+//! numbers that compression reduces it to about a hundredth.
 //!
-//! Along an axis along which the box does not repeat there is no plane again.
+//! Along an axis that is not periodic no plane is repeated.
 
 use super::lattice;
 use crate::text;
@@ -15,10 +15,10 @@ use hdf5::{Dataset, File, Group};
 use ndarray::Array4;
 use std::ops::Range;
 
-/// The group of the repeated field.
+/// Name of the group of the repeated field.
 pub(super) const GROUP: &str = "repeated";
 
-/// Adds the velocity with repeated planes, where it is not there yet.
+/// Adds the velocity with repeated planes, if the file lacks it.
 pub(super) fn add_velocity(file: &File) -> hdf5::Result<()> {
     let group = group(file)?;
     if group.link_exists("velocity") {
@@ -38,8 +38,8 @@ pub(super) fn add_velocity(file: &File) -> hdf5::Result<()> {
     text::write_dimensions(&new.create("velocity")?, "length/time")
 }
 
-/// Where a part of the repeated field comes from and where it goes: all points, or along the axes marked the first
-/// plane, which goes behind the last.
+/// Source and destination of a part of the repeated field: all points, or along the axes in `again` the first plane,
+/// which is copied after the last.
 fn blocks(points: [usize; 3], again: [bool; 3]) -> [[Range<usize>; 3]; 2] {
     let along = |axis: usize| {
         if again[axis] { [0..1, points[axis]..points[axis] + 1] } else { [0..points[axis], 0..points[axis]] }
@@ -48,8 +48,8 @@ fn blocks(points: [usize; 3], again: [bool; 3]) -> [[Range<usize>; 3]; 2] {
     [[z[0].clone(), y[0].clone(), x[0].clone()], [z[1].clone(), y[1].clone(), x[1].clone()]]
 }
 
-/// Adds the places of the points of a sheared box, where they are not there yet: with repeated planes and, under the
-/// name `position`, of the points of `velocity`.
+/// Adds the positions of the grid points of a sheared box, if the file lacks them: with repeated planes and, under
+/// the name `position`, without.
 pub(super) fn add_position(file: &File) -> hdf5::Result<()> {
     let group = group(file)?;
     if group.link_exists("position") {
@@ -86,7 +86,7 @@ fn show_without_repeats(file: &File, [nz, ny, nx]: [usize; 3]) -> hdf5::Result<(
     text::write_dimensions(&new.create("position")?, "length")
 }
 
-/// Points along z, y and x.
+/// Numbers of points along z, y and x.
 fn points(file: &File) -> hdf5::Result<[usize; 3]> {
     match file.dataset("velocity")?.shape()[..] {
         [nz, ny, nx, 3] => Ok([nz, ny, nx]),

@@ -8,7 +8,7 @@ fn provenance() -> Provenance {
     Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 0 }
 }
 
-/// Writes fields of 4 x 3 x 2 points, at the times 0.1 STEP, whose velocities are the numbers of the points.
+/// Writes fields of 4 x 3 x 2 points, at the times 0.1 STEP, with the numbers of the points as velocities.
 fn write(folder: &Path, steps_and_strains: &[(u64, f64)]) {
     let values: Vec<Vector> = (0..24).map(|i| Vector::splat(f64::from(i))).collect();
     for &(step, strain) in steps_and_strains {
@@ -54,7 +54,7 @@ fn straight_boxes_are_straight_meshes() {
 #[test]
 fn one_sheared_frame_makes_all_of_them_curved_meshes() {
     let folder = tempfile::tempdir().unwrap();
-    // The strain returns to zero where the lattice does, in the middle of a run.
+    // The strain is zero again after a full lattice period, in the middle of a run.
     write(folder.path(), &[(0, 0.0), (10, 0.2), (20, 0.0)]);
     let xdmf = index(folder.path());
     assert_eq!(xdmf.matches("3DSMesh").count(), 3);
@@ -105,7 +105,7 @@ fn an_index_that_grows_is_that_of_all_files() {
     }
 }
 
-/// One that lacks fields, as after a failure between a field and its index, or that was cut.
+/// An index that lacks fields, as after a failure between a field and its index, or that was cut.
 #[test]
 fn an_index_that_does_not_fit_is_made_anew() {
     let folder = tempfile::tempdir().unwrap();
@@ -119,7 +119,7 @@ fn an_index_that_does_not_fit_is_made_anew() {
     }
 }
 
-/// What was read for the index is not read again: files before the last may even be of no use.
+/// Adding to the index reads no earlier fields: they may even be damaged.
 #[test]
 fn a_field_is_indexed_without_those_before() {
     let folder = tempfile::tempdir().unwrap();
@@ -138,7 +138,7 @@ fn files_of_before_are_completed() {
         file.unlink("repeated").unwrap();
         file.unlink("position").unwrap();
     }
-    // As a run does that goes on.
+    // As in a resumed run.
     drop_fields_after(&Manifest::of_test(folder.path()), 10).unwrap();
     write(folder.path(), &[(20, 0.3)]);
     for step in [0, 10, 20] {
@@ -199,7 +199,8 @@ fn places_take_little_room() {
     assert!(size < velocities * 11 / 10, "{size} bytes for {velocities} of velocities");
 }
 
-/// Writes fields of so many points and of the origin, in a box that does not repeat along z, at times 0.1 STEP.
+/// Writes fields with the given numbers of points and origins, in a box that is not periodic
+/// along z, at times 0.1 STEP.
 fn write_bounded(folder: &Path, frames: &[(u64, [usize; 3], f64)]) {
     for &(step, points, origin) in frames {
         let values = (0..points.iter().product()).map(|i: usize| Vector::splat(i as f64)).collect();
@@ -227,7 +228,7 @@ fn points_from_wall_to_wall_are_not_repeated_across_them() {
     assert_eq!(file.attr("spacing").unwrap().read_raw::<f64>().unwrap(), [1.0, 2.0, 0.25]);
 }
 
-/// Readers take meshes for as large as the first, those in collections for what they are.
+/// Readers assume the size of the first mesh, but use the actual sizes of meshes in collections.
 #[test]
 fn a_box_that_follows_spheres_has_a_mesh_of_its_own_in_each_frame() {
     let frames = [(0, [4, 3, 5], -0.5), (1, [4, 3, 5], -0.25), (2, [4, 3, 7], -0.75), (3, [4, 3, 6], 1.5)];

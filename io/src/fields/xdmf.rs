@@ -1,33 +1,33 @@
-//! The XDMF file that names fields, for programs that draw them. Paths are relative to it; axes are in the order z, y,
-//! x.
+//! The XDMF file that describes fields for visualisation programs. Paths are relative to it; axes
+//! are in the order z, y, x.
 
 use super::lattice::{self, Lattice};
 use super::repeated::GROUP;
 use crate::stored_inside;
 use std::path::Path;
 
-/// What the XDMF file says of a field.
+/// Description of a field for the XDMF file.
 pub(super) struct Frame {
     /// Whether its file has the velocity with repeated planes.
     pub(super) has_velocity: bool,
-    /// Whether it has the places of those points.
+    /// Whether it has the positions of those points.
     pub(super) has_position: bool,
-    /// The Lees-Edwards strain of the box.
+    /// Lees-Edwards strain of the box.
     pub(super) strain: f64,
     name: String,
     time: f64,
     edges: [f64; 3],
     points: [usize; 3],
-    /// Where the points are, if the box does not repeat along all axes.
+    /// Grid of the points, if the box is not periodic along all axes.
     lattice: Option<Lattice>,
 }
 
-/// What meshes a series has, the same for all frames.
+/// Mesh type of a series, the same for all frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Meshes {
     Straight,
     Curved,
-    /// Straight ones of any sizes, each the only part of a collection.
+    /// Rectilinear meshes of any size, each the only part of a collection.
     Collected,
 }
 
@@ -106,8 +106,8 @@ impl Frame {
     }
 }
 
-/// The whole file: of boxes that repeat along all axes the frames of the same grid as the last one, and in a comment the names of
-/// the others; of other boxes all.
+/// The whole file. For fully periodic boxes it has the frames on the same grid as the last one, and in a comment the
+/// names of the others; for other boxes it has all frames.
 pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
     let last = frames.last().map(|frame| (frame.points, frame.lattice.is_some()));
     let is_like_last = |frame: &Frame| {
@@ -133,12 +133,12 @@ pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
 const END: &str = "</Grid>\n</Domain>\n</Xdmf>\n";
 const COLLECTION: &str = "GridType=\"Collection\" CollectionType=\"Spatial\"";
 
-/// Whether the frames of a file are curved meshes.
+/// Whether the frames of a file are curvilinear meshes.
 pub(super) fn is_curved(series: &str) -> bool {
     series.contains("3DSMesh")
 }
 
-/// A file with one more frame, if it has `before` of them and stays as it is: of the same grid and kind of mesh.
+/// The file with one more frame, if it has `before` frames of the same grid and mesh type; otherwise `None`.
 pub(super) fn longer(series: &str, before: usize, frame: &Frame) -> Option<String> {
     let has = series.matches("<Time ").count() + series.matches("<!-- left out").count();
     let meshes = match (is_curved(series), series.contains(COLLECTION)) {

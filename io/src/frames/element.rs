@@ -12,18 +12,18 @@ use std::borrow::Cow;
 /// The description of a quantity.
 #[derive(Debug, Clone)]
 pub(crate) struct Element {
-    /// Its group in the file.
+    /// Path of its group in the file.
     pub(crate) path: String,
-    /// Rows and columns of a frame's value, or one number.
+    /// Rows and columns of the value of a frame; `None` for a single number.
     pub(crate) shape: Option<[usize; 2]>,
     /// Whether its numbers are integers.
     pub(crate) whole: bool,
-    /// Its unit, in terms of length, time and force.
+    /// Unit, in terms of length, time and force.
     pub(crate) unit: &'static str,
 }
 
 impl Element {
-    /// Bytes of a frame's value, with its checksum.
+    /// Bytes of the value of a frame, including its checksum.
     pub(crate) fn bytes(&self) -> usize {
         let numbers = self.shape.map_or(1, |shape| shape.iter().product());
         size_of::<u64>() + numbers * if self.whole { size_of::<i32>() } else { size_of::<f64>() }
@@ -46,7 +46,7 @@ impl Values<'_> {
         }
     }
 
-    /// Its real numbers; none where they are integers.
+    /// Real numbers; empty for integers.
     pub(crate) fn reals(&self) -> &[f64] {
         match self {
             Self::Reals(values) => values,
@@ -73,12 +73,12 @@ impl From<f64> for Values<'_> {
     }
 }
 
-/// What passes the rows of a value on, a block after the other.
+/// Function that passes on the rows of a value, block by block.
 pub(crate) type Blocks<'a> = dyn Fn(&mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> + 'a;
 
-/// The value of one quantity in a frame that is added.
+/// Value of one quantity in a frame to be added.
 pub(crate) enum Added<'a> {
-    /// As it stands.
+    /// In one piece.
     Whole(Values<'a>),
     /// Block by block.
     InBlocks(Box<Blocks<'a>>),
@@ -93,10 +93,10 @@ impl Added<'_> {
     }
 }
 
-/// Rows of a value that are read at a time.
+/// Number of rows that are read at a time.
 pub(super) const BLOCK: usize = 1 << 16;
 
-/// A quantity's dataset.
+/// Dataset of a quantity.
 pub(super) struct Stored {
     values: Dataset,
     shape: Option<[usize; 2]>,
@@ -104,7 +104,7 @@ pub(super) struct Stored {
 }
 
 impl Stored {
-    /// Makes the quantity's group; its steps and times are those of the group `clock`.
+    /// Creates the group of a quantity; its steps and times are those of the group `clock`.
     pub(super) fn create(file: &File, element: &Element, (clock, room): (&str, Room)) -> hdf5::Result<Self> {
         let group = group(file, &element.path)?;
         let shape = element.shape.as_ref().map_or(&[][..], |shape| shape);
@@ -152,7 +152,7 @@ impl Stored {
         Ok(sum.get())
     }
 
-    /// Writes rows of a frame's value from one on; returns how many.
+    /// Writes rows of a frame's value, starting at row `first`; returns their number.
     fn write_rows<T: H5Type + NoUninit>(
         &self,
         (frame, first): (usize, usize),
@@ -170,7 +170,7 @@ impl Stored {
         Ok(rows)
     }
 
-    /// Passes a frame's value on as [`Self::write`] takes it.
+    /// The value of a frame in the form that [`Self::write`] takes.
     pub(super) fn blocks(&self, frame: usize) -> Added<'_> {
         let Some([rows, _]) = self.shape else {
             return Added::InBlocks(Box::new(move |each| each(&self.read(frame)?)));
@@ -204,7 +204,7 @@ impl Stored {
     }
 }
 
-/// A frame of a dataset of so many dimensions, as a block of length 1.
+/// Selection of one frame of a dataset with this number of dimensions, as a block of length 1.
 pub(crate) fn one_of(frame: usize, dimensions: usize) -> Selection {
     let all = SliceOrIndex::Unlimited { start: 0, step: 1, block: 1 };
     let mut slices = vec![all; dimensions];
@@ -212,7 +212,7 @@ pub(crate) fn one_of(frame: usize, dimensions: usize) -> Selection {
     Selection::new(Hyperslab::from(slices))
 }
 
-/// Rows of a frame of a dataset of three dimensions.
+/// Selection of rows of one frame of a three-dimensional dataset.
 pub(super) fn rows_of(frame: usize, rows: std::ops::Range<usize>) -> Selection {
     let range = |start, count| SliceOrIndex::SliceCount { start, step: 1, count, block: 1 };
     let all = SliceOrIndex::Unlimited { start: 0, step: 1, block: 1 };
@@ -224,7 +224,7 @@ pub(super) fn write_number<T: H5Type + Clone>(dataset: &Dataset, frame: usize, n
     dataset.write_slice(&ndarray::arr1(&[number]), one_of(frame, 1))
 }
 
-/// The group at a path, made with its parents where they are not there yet.
+/// The group at a path, created with its parents if they do not exist.
 pub(crate) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
     let mut group = file.as_group()?;
     for name in path.split('/') {
@@ -233,17 +233,17 @@ pub(crate) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
     Ok(group)
 }
 
-/// A dataset without frames of numbers, for which all storage is reserved.
+/// A one-dimensional dataset without frames, with all storage reserved.
 pub(super) fn reserve<T: H5Type>(group: &Group, name: &str, room: Room) -> hdf5::Result<Dataset> {
     let new = group.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never));
     let dataset = new.chunk((room.frames.min(512),)).shape((0..=room.frames,)).create(name)?;
-    // The first frame makes the library reserve the room; the file then has none again.
+    // The first frame makes the library reserve the storage; then the dataset is emptied again.
     resize_first(&dataset, 1)?;
     resize_first(&dataset, 0)?;
     Ok(dataset)
 }
 
-/// A dataset without frames, of values of a shape, whose storage grows in pieces.
+/// A dataset without frames, with values of the given shape, whose storage grows in chunks.
 pub(super) fn growing<T: H5Type + Clone + Zeroable>(
     group: &Group,
     name: &str,
@@ -255,7 +255,7 @@ pub(super) fn growing<T: H5Type + Clone + Zeroable>(
     let chunk = [&[piece], shape].concat();
     let extents = [Extent::from(0..=room.frames)].into_iter().chain(shape.iter().map(|&n| Extent::from(n)));
     let dataset = new.chunk(chunk).shape(extents.collect::<Vec<_>>()).create(name)?;
-    // The first number makes the library write the list of pieces, of which it then takes and gives places only.
+    // The first number makes the library write the list of chunks; later it only changes addresses in the list.
     resize_first(&dataset, 1)?;
     if !shape.contains(&0) {
         let first =

@@ -1,19 +1,19 @@
-//! The end of an HDF5 file, as its superblock says it.
+//! End of an HDF5 file according to its superblock.
 //!
-//! The library writes the superblock last, after lists that name pieces beyond the end that it still says. A program that is
-//! killed in between would leave a file that readers refuse. So the end is moved first.
+//! The library writes the superblock last, after lists with chunks beyond the end that the superblock states. A
+//! program that is killed in between would leave a file that readers refuse. So the end is moved first.
 
 use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt;
 
-/// Bytes of a superblock of version 2 or 3 whose places are of eight bytes, and where it has the end and its checksum.
+/// Bytes of a superblock of version 2 or 3 with 8-byte addresses, and offsets of the end address and the checksum.
 const LENGTH: usize = 48;
 const END: usize = 28;
 const CHECKSUM: usize = 44;
 const SIGNATURE: &[u8; 8] = b"\x89HDF\r\n\x1a\n";
 
-/// Makes the file `end` bytes long at least, and lets the superblock say so.
+/// Extends the file to at least `end` bytes, and updates the superblock.
 pub(super) fn extend_to(file: &File, end: u64) -> io::Result<()> {
     let mut block = superblock(file)?;
     lengthen(file, end)?;
@@ -26,7 +26,8 @@ pub(super) fn extend_to(file: &File, end: u64) -> io::Result<()> {
     file.write_all_at(&block, 0)
 }
 
-/// Makes the file as long as its superblock says, which it is not after a kill while it was cut.
+/// Extends the file to the end that its superblock states; it may be shorter if the program
+/// was killed while cutting it.
 pub(super) fn restore(file: &File) -> io::Result<()> {
     superblock(file).and_then(|block| lengthen(file, said_by(&block)))
 }
@@ -48,7 +49,7 @@ fn lengthen(file: &File, end: u64) -> io::Result<()> {
     if file.metadata()?.len() < end { file.set_len(end) } else { Ok(()) }
 }
 
-/// Jenkins' lookup3 ("hashlittle", seed 0), the checksum of HDF5's metadata.
+/// Jenkins' lookup3 ("hashlittle", seed 0), the checksum of HDF5 metadata.
 fn checksum(bytes: &[u8]) -> u32 {
     let word = |part: &[u8], at: usize| {
         let mut word = [0; 4];
@@ -95,7 +96,7 @@ fn finish([a, b, c]: &mut [u32; 3]) {
 mod tests {
     use super::*;
 
-    /// Values that the author of the function gives with it.
+    /// Published values of the author of the function.
     #[test]
     fn checksums_are_those_published() {
         assert_eq!(checksum(b""), 0xdead_beef);

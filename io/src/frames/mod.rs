@@ -1,15 +1,17 @@
 //! HDF5 files to which whole frames are appended, and which stay readable if the program is killed.
 //!
-//! A frame changes three things: its own numbers; lists of the pieces in which datasets grow, where it begins one, with the
-//! lengths of the datasets; and last the length of `step`. A program that is killed at any moment leaves a file that every
-//! HDF5 reader opens, and the length of `step` is the number of whole frames in it. For that
+//! A frame changes three things: its own numbers; the lists of the chunks in which datasets grow, if it begins a
+//! chunk, and the lengths of the datasets; and last the length of `step`. A program that is killed at any time leaves
+//! a file that every HDF5 reader opens, and the length of `step` is the number of complete frames in it. To that end
 //!
-//! - no write of a list or a length may be cut in two: each stands within a page of memory, between which alone the kernel
-//!   looks for signals. A list has a bounded number of places then (HDF5's fixed array; no filters), and a file room for a
-//!   bounded number of frames; a full file is replaced by a larger one with the same frames;
-//! - the superblock has the end of the file before a list names a piece that goes beyond the former one;
-//! - the storage of `step`, eight bytes a frame, is reserved from the start, since its length and a list of its pieces would
-//!   be two writes.
+//! - no write of a list or a length may be cut in two: each is within one page of memory, as the
+//!   kernel handles signals only
+//! between pages. A list therefore has a bounded number of entries (HDF5's fixed array; no filters), and a file has
+//! room for a bounded number of frames; a full file is replaced by a larger one with the same frames;
+//! - the superblock has the new end of the file before a list refers to a chunk beyond the former end;
+//! - the storage of `step`, eight bytes per frame, is reserved from the start, since its length and
+//!   a list of its chunks would
+//! be two writes.
 //!
 //! `h5repack` compresses a finished file.
 
@@ -29,39 +31,40 @@ use std::path::{Path, PathBuf};
 pub use sums::Damage;
 pub(crate) use sums::Sums;
 
-/// Bytes up to which frames are dropped by a copy without them. The library cuts a file before its superblock says so: a
-/// larger one, whose copy takes long, is none for a moment, and if the program is killed then, until the run goes on.
+/// Size up to which frames are dropped by making a copy without them. The library cuts a file before it updates the
+/// superblock: a larger file, whose copy would take long, is invalid for a moment, and if the program is killed then,
+/// until the run is resumed.
 const SMALL: u64 = 64 << 20;
 
-/// A file of elements in the sense of H5MD: groups with a `value` for each frame beside its `step` and `time`; and a
-/// checksum of each frame of each.
+/// A file of elements as defined by H5MD: groups with a `value` for each frame, and its `step` and `time`; and a
+/// checksum of each element of each frame.
 pub(crate) struct Frames {
     path: PathBuf,
-    /// Nothing after a failed write: what was in the file by then stays as it is.
+    /// `None` after a failed write: the content of the file then stays as it is.
     open: Option<Open>,
-    /// Another handle of the file, which knows of all that fails later on.
+    /// Second handle of the file, for detecting changes by others.
     file: WatchedFile,
     damage: Vec<Damage>,
 }
 
-/// What all files of a kind have.
+/// Description that all files of a kind share.
 pub(crate) struct Kind<'a> {
-    /// What each frame has a value of.
+    /// Quantities of a frame.
     pub(crate) elements: &'a [Element],
-    /// Frames at the end of the run.
+    /// Number of frames at the end of the run.
     pub(crate) planned: u64,
-    /// Writes what does not change from frame to frame.
+    /// Writes the data that are the same for all frames.
     pub(crate) fixed: &'a dyn Fn(&File) -> hdf5::Result<()>,
 }
 
 impl Frames {
-    /// A file without frames; it replaces any of that name once it is complete.
+    /// Creates a file without frames; it replaces any file of that name once it is complete.
     pub(crate) fn create(path: &Path, kind: &Kind) -> Result<Self, FileError> {
         let made = Self::prepare(path, kind, 0).and_then(Self::place);
         made.inspect_err(|_| atomic_file::remove_temporary(path))
     }
 
-    /// The same under the name of a temporary file, for those frames too that are written elsewhere.
+    /// Creates the file under a temporary name, with room for the `written` frames that will be copied to it as well.
     fn prepare(path: &Path, kind: &Kind, written: usize) -> Result<Self, FileError> {
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let file = atomic_file::create_temporary(path).map_err(failed)?;
@@ -76,7 +79,7 @@ impl Frames {
         Ok(self)
     }
 
-    /// Opens a file of a former run and drops the frames after step `last`.
+    /// Opens a file of an earlier part of the run and drops the frames after step `last`.
     pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
         let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
         let file = std::fs::File::options().read(true).write(true).open(path);
@@ -95,14 +98,14 @@ impl Frames {
             return old.larger(kind, keep);
         }
         old.attempt(|open, _| open.truncate(keep))?;
-        // Places that are given back would be taken again: after a loss of power they may be beyond the end of the file.
+        // Space that was freed would be reused: after a power failure it may be beyond the end of the file.
         old.open = None;
         old.open = Some(Open::existing(path, kind.elements).map_err(|e| damaged(&e))?);
         old.file.note_length()?;
         Ok(old)
     }
 
-    /// A file that takes the place of this one, with its first frames and room for more.
+    /// A larger file that replaces this one, with its first frames and room for more.
     fn larger(&self, kind: &Kind, frames: usize) -> Result<Self, FileError> {
         let copied = || {
             let mut new = Self::prepare(&self.path, kind, frames)?;
@@ -114,12 +117,12 @@ impl Frames {
         Ok(Self { damage: self.damage.clone(), ..new })
     }
 
-    /// The frames, of those that were there before, that are not as they were written. They are left as they are.
+    /// The damaged frames among those that were there at the start. They are left as they are.
     pub(crate) fn damage(&self) -> &[Damage] {
         &self.damage
     }
 
-    /// The steps of the frames, in order.
+    /// Steps of the frames, in order.
     pub(crate) fn steps_written(&self) -> Result<Vec<u64>, FileError> {
         self.look(Open::steps_written)
     }
@@ -129,13 +132,14 @@ impl Frames {
         self.look(|open| open.frame(frame))
     }
 
-    /// Adds a frame with one value for each element of the kind, in their order. It is in the file when this returns.
+    /// Appends a frame with one value for each element of the kind, in their order. It is in
+    /// the file when this returns.
     pub(crate) fn append(&mut self, kind: &Kind, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
         let values: Vec<Added> = values.iter().map(|values| Added::Whole(values.borrowed())).collect();
         self.append_blocks(kind, clock, &values)
     }
 
-    /// The same with values that may come block by block.
+    /// Like [`Self::append`], with values that may come block by block.
     pub(crate) fn append_blocks(&mut self, kind: &Kind, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
         self.file.check().inspect_err(|_| self.abandon())?;
         if self.look(|open| Ok(open.is_full()))? {
@@ -143,13 +147,13 @@ impl Frames {
             *self = self.larger(kind, frames).inspect_err(|_| self.abandon())?;
         }
         let sums = self.attempt(|open, _| open.write(clock, values))?;
-        // Now a file that was cut meanwhile is still shorter, or has lost its beginning.
+        // Now a file that was cut in the meantime is still shorter, or has lost its beginning.
         self.file.check().and_then(|()| self.check_start()).inspect_err(|_| self.abandon())?;
         self.attempt(|open, file| open.publish(clock.0, &sums, file))?;
         self.file.note_growth()
     }
 
-    /// `Err` if the header of the root group is not there any more, which begins the second page of the file.
+    /// `Err` if the header of the root group, which begins the second page of the file, is missing.
     fn check_start(&self) -> Result<(), FileError> {
         let mut header = [0; 4];
         let read = self.file.file().read_exact_at(&mut header, open::PAGE);
@@ -159,7 +163,7 @@ impl Frames {
         Err(FileError::Lost { path: self.path.clone(), what: "was cut or overwritten".to_owned() })
     }
 
-    /// Writes something else into the file.
+    /// Writes other data to the file.
     pub(crate) fn write(&mut self, write: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
         self.attempt(|open, _| write(open.file()))
     }
@@ -187,7 +191,7 @@ impl Frames {
         Err(FileError::write(&self.path, &error))
     }
 
-    /// Leaves the file as it is.
+    /// Gives up the file and leaves its content as it is.
     fn abandon(&mut self) {
         if let Some(open) = self.open.take() {
             atomic_hdf5::leave_open(open.file());

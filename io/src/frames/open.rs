@@ -1,4 +1,4 @@
-//! A file of frames as the HDF5 library has it open.
+//! A file of frames that is open in the HDF5 library.
 
 use super::element::{Stored, group, growing, reserve, resize_first, write_number};
 use super::room::Room;
@@ -14,14 +14,14 @@ pub(super) struct Open {
     stored: Vec<Stored>,
     steps: Dataset,
     times: Dataset,
-    /// Nothing in files of programs that wrote none.
+    /// `None` for files of versions without checksums.
     sums: Option<Sums>,
 }
 
 impl Open {
-    /// Makes a file without frames, which is to take those that are written elsewhere already.
+    /// Creates a file without frames, with room for `written` frames that will be copied to it.
     pub(super) fn create(path: &Path, kind: &Kind, written: usize) -> hdf5::Result<Self> {
-        // A superblock of this version has no mark for files open for writing, which a killed program would leave set.
+        // A superblock of this version has no flag for files open for writing, which a killed program would leave set.
         File::with_options()
             .with_fapl(|f| in_pages(f).libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
             .create(path)?
@@ -48,7 +48,7 @@ impl Open {
         Ok(Self { file: file.clone(), stored, steps, times, sums })
     }
 
-    /// Opens a file of a former run.
+    /// Opens a file of an earlier part of the run.
     pub(super) fn existing(path: &Path, elements: &[Element]) -> hdf5::Result<Self> {
         let file = for_writing(path)?;
         stored_inside::check(&file)?;
@@ -63,19 +63,19 @@ impl Open {
         &self.file
     }
 
-    /// The steps of the frames, in order.
+    /// Steps of the frames, in order.
     pub(super) fn steps_written(&self) -> hdf5::Result<Vec<u64>> {
         claimed_size::check(&self.steps)?;
         self.steps.read_raw()
     }
 
-    /// Whether it has no room for another frame.
+    /// Whether the file has no room for another frame.
     pub(super) fn is_full(&self) -> bool {
         let most = |d: &Dataset| d.space().ok()?.maxdims().first().copied()?;
         most(&self.steps).is_some_and(|most| self.steps.size() >= most)
     }
 
-    /// How many frames there are until step `last`, and which of them are damaged.
+    /// Number of frames up to step `last`, and the damaged ones among them.
     pub(super) fn kept(&self, last: u64) -> hdf5::Result<(usize, Vec<Damage>)> {
         let steps = self.steps_written()?;
         let mut damage: Vec<Damage> =
@@ -99,7 +99,7 @@ impl Open {
         Ok(sums)
     }
 
-    /// Makes a frame that is written one of the file, of which `on_disk` is another handle.
+    /// Publishes a frame that has been written; `on_disk` is another handle of the file.
     pub(super) fn publish(&self, step: u64, sums: &[u64], on_disk: &std::fs::File) -> hdf5::Result<()> {
         let frame = self.steps.size();
         self.write_sums(frame, sums)?;
@@ -119,17 +119,17 @@ impl Open {
         Ok((clock, self.stored.iter().map(|stored| stored.read(frame)).collect::<hdf5::Result<_>>()?))
     }
 
-    /// Whether there are no more than so many frames, nor parts of some.
+    /// Whether there are exactly `frames` frames, and no parts of others.
     pub(super) fn ends_with(&self, frames: usize) -> bool {
         self.growing().into_iter().chain([&self.steps]).all(|dataset| dataset.shape().first() == Some(&frames))
     }
 
-    /// Drops all but the first frames.
+    /// Drops all but the first `frames` frames.
     pub(super) fn truncate(&self, frames: usize) -> hdf5::Result<()> {
         resize_first(&self.steps, frames)?;
         self.file.flush()?;
         for dataset in self.growing() {
-            // Lists have pieces beyond the last frame where the length was not written any more.
+            // Lists may have chunks beyond the last frame if the length was not written any more.
             let most = dataset.space()?.maxdims().first().copied().flatten();
             resize_first(dataset, most.unwrap_or(frames).max(frames))?;
             resize_first(dataset, frames)?;
@@ -137,13 +137,13 @@ impl Open {
         self.file.flush()
     }
 
-    /// All datasets of frames but the steps.
+    /// All datasets of frames except the steps.
     fn growing(&self) -> Vec<&Dataset> {
         let values = self.stored.iter().map(Stored::values);
         values.chain([&self.times]).chain(self.sums.as_ref().map(Sums::stored)).collect()
     }
 
-    /// Adds the first frames to another file, which nobody reads yet, with the checksums that they have.
+    /// Appends the first `frames` frames to another file, which nobody reads yet, with their stored checksums.
     pub(super) fn copy_to(&self, new: &Self, frames: usize) -> hdf5::Result<()> {
         for frame in 0..frames {
             let clock = (one::<i64>(&self.steps, frame)?, one(&self.times, frame)?);
@@ -167,11 +167,11 @@ fn for_writing(path: &Path) -> hdf5::Result<File> {
     File::with_options().with_fapl(|f| in_pages(f).libver_bounds(newest, newest)).open_as(path, OpenMode::ReadWrite)
 }
 
-/// Makes whatever the file consists of begin at a page of memory, by itself. Values are written at once: the library
-/// would keep them until it is closed, and lose them without a word if that fails.
+/// Aligns every object of the file to a page of memory of its own. Values are written at once: the library would
+/// cache them until it is closed, and lose them silently if that fails.
 fn in_pages(file: &mut FileAccessBuilder) -> &mut FileAccessBuilder {
     file.alignment(1, PAGE).meta_block_size(0).small_data_block_size(0).sieve_buf_size(0).chunk_cache(0, 0, 0.0)
 }
 
-/// A page of memory.
+/// Size of a page of memory.
 pub(super) const PAGE: u64 = 4096;

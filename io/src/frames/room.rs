@@ -1,27 +1,28 @@
-//! The room that a file has for frames, and the pieces in which its datasets grow.
+//! Number of frames that a file has room for, and chunk sizes of its datasets.
 
 use super::Element;
 
-/// Pieces of a dataset: the list of their places then stands within a page of memory.
+/// Largest number of chunks of a dataset: the list of their addresses is then within a page of memory.
 const PIECES: usize = 500;
-/// Bytes of the pieces that all datasets together have begun and not filled, or this share of what is written.
+/// Bytes of the chunks of all datasets together that are begun and not filled, or this fraction of the written bytes.
 const UNFILLED: usize = 28 << 20;
 const UNFILLED_SHARE: usize = 200;
-/// Bytes of a piece below which it would cost more room and time than it saves.
+/// Bytes of a chunk below which it would cost more space and time than it saves.
 const SMALL: usize = 64 << 10;
-/// Bytes that a piece may have in HDF5.
+/// Largest number of bytes of a chunk in HDF5.
 const LARGEST: usize = u32::MAX as usize;
 
-/// The frames that a file has room for. Storage is taken piece by piece as frames come, but for the steps, eight bytes each.
+/// Number of frames that a file has room for. Storage is allocated chunk by chunk, except for
+/// the steps, eight bytes each.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Room {
     pub frames: usize,
 }
 
 impl Room {
-    /// Room for the frames of a run, of which `written` are there already; less if pieces would become too large.
+    /// Room for the frames of a run, `written` of which are there already; less if chunks would become too large.
     pub fn new(elements: &[Element], planned: u64, written: usize) -> Self {
-        // Beside the values there are step, time and checksums.
+        // Apart from the values there are step, time and checksums.
         let largest = elements.iter().map(Element::bytes).max().unwrap_or(0);
         let frame = elements.iter().map(Element::bytes).sum::<usize>() + 3 * size_of::<u64>();
         let unfilled = UNFILLED.max(written.saturating_mul(frame) / UNFILLED_SHARE);
@@ -31,7 +32,7 @@ impl Room {
         Self { frames: planned.min(most).max(written + 1) }
     }
 
-    /// The frames in a piece of a dataset with so many bytes a frame.
+    /// Number of frames in a chunk of a dataset with `bytes` bytes per frame.
     pub fn piece(self, bytes: usize) -> usize {
         let small = (SMALL / bytes.max(1)).clamp(1, self.frames);
         self.frames.div_ceil(PIECES).max(small)
@@ -54,15 +55,15 @@ mod tests {
         }
     }
 
-    /// However many frames are planned: what is begun and not filled is below 64 MB or a hundredth of what is written, lists of
-    /// pieces stay within a page, and room for at least a tenth more comes with each larger file.
+    /// For any number of planned frames, space begun and not filled is below 64 MB or a hundredth of the written
+    /// bytes, lists of chunks fit into a page, and each larger file has room for at least a tenth more frames.
     #[test]
     fn what_is_not_filled_is_bounded() {
         for count in [1, 10, 1000, 300_000, 10_000_000] {
             let elements = of_spheres(count);
             let frame: usize = elements.iter().map(Element::bytes).sum();
             let mut written = 0;
-            // Pieces of 4 GB end what HDF5 can hold.
+            // Chunks of 4 GB are the largest that HDF5 supports.
             while written * frame < 1_000_000_000_000 {
                 let room = Room::new(&elements, 1_000_000_000, written);
                 let pieces = elements.iter().map(|e| (room.piece(e.bytes()), e.bytes()));

@@ -9,37 +9,37 @@ use hdf5::{Dataset, File, H5Type};
 use ndarray::{Array2, IxDyn};
 use std::fmt::{Display, Formatter};
 
-/// Where they are in a file: a row for each frame, a column for each name of the attribute `of`.
+/// Path of the checksums in a file: a row for each frame, a column for each name in the attribute `of`.
 const PLACE: &str = "parameters/checksums";
-/// The first column.
+/// Name of the first column.
 const CLOCK: &str = "step and time";
 
-/// XXH3 (64 bits) of each frame: of the bytes of its step (i64) and time (f64), and of the bytes of each element's value,
-/// little-endian, row by row.
+/// XXH3 checksums (64 bits) of each frame: of the bytes of its step (i64) and time (f64), and of the bytes of each
+/// element's value, little-endian, row by row.
 pub(crate) struct Sums {
     stored: Dataset,
     columns: Vec<Column>,
-    /// Where the steps are: their group has the times too.
+    /// Datasets of steps and times.
     clock: Option<[Dataset; 2]>,
 }
 
-/// An element that has checksums.
+/// An element with checksums.
 struct Column {
     path: String,
     values: Option<Dataset>,
 }
 
-/// A frame that is not as it was written.
+/// A damaged frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Damage {
-    /// Its place among the frames, from 0.
+    /// Index of the frame, from 0.
     pub frame: usize,
-    /// What of it is damaged: paths of elements in the file, or `step and time`.
+    /// The damaged parts: paths of elements in the file, or `step and time`.
     pub elements: Vec<String>,
 }
 
 impl Sums {
-    /// Makes their dataset for frames of the elements at these paths.
+    /// Creates the dataset for frames of the elements at these paths.
     pub(super) fn create(file: &File, paths: &[String], room: Room) -> hdf5::Result<Self> {
         let names: Vec<&str> = [CLOCK].into_iter().chain(paths.iter().map(String::as_str)).collect();
         let (folder, name) = PLACE.split_once('/').expect("a group and a name");
@@ -49,7 +49,7 @@ impl Sums {
         Self::of(file, stored)
     }
 
-    /// Those of a file, if it has some.
+    /// The checksums of a file, if it has some.
     pub(crate) fn open(file: &File) -> hdf5::Result<Option<Self>> {
         let Ok(stored) = file.dataset(PLACE) else { return Ok(None) };
         Self::of(file, stored).map(Some)
@@ -68,7 +68,7 @@ impl Sums {
         Ok(Self { stored, columns, clock })
     }
 
-    /// The checksum of a frame's step and time.
+    /// Checksum of a frame's step and time.
     pub(super) fn of_clock((step, time): (u64, f64)) -> u64 {
         checksum::of(&[step, time.to_bits()])
     }
@@ -87,13 +87,13 @@ impl Sums {
         Ok(self.stored.read_slice::<u64, _, IxDyn>(one_of(frame, 2))?.into_raw_vec_and_offset().0)
     }
 
-    /// Whether a frame's step and time are as they were written.
+    /// Whether a frame's step and time match their checksum.
     pub(crate) fn has_clock(&self, frame: usize) -> bool {
         let stored = self.read(frame).ok().and_then(|sums| sums.first().copied());
         stored.is_some() && self.clock_sum(frame).ok() == stored
     }
 
-    /// What is wrong with a frame, if anything is.
+    /// Damage of a frame, if there is any.
     pub(crate) fn damage(&self, frame: usize) -> Option<Damage> {
         let sums = self.read(frame).unwrap_or_default();
         let fits = |place: usize, found: hdf5::Result<u64>| found.is_ok_and(|found| sums.get(place) == Some(&found));
@@ -127,7 +127,7 @@ impl Column {
     }
 }
 
-/// The checksum of a frame's value, of which a block is read at a time if it has rows.
+/// Checksum of the value of a frame, which is read block by block if it has rows.
 fn sum_of<T: H5Type + NoUninit>(values: &Dataset, frame: usize) -> hdf5::Result<u64> {
     let mut sum = Sum::default();
     let mut add = |part| -> hdf5::Result<()> {
@@ -146,7 +146,7 @@ fn sum_of<T: H5Type + NoUninit>(values: &Dataset, frame: usize) -> hdf5::Result<
 }
 
 impl Damage {
-    /// Whether it is its step or time that is damaged.
+    /// Whether the step or the time is damaged.
     pub(super) fn has_clock(&self) -> bool {
         self.elements.iter().any(|element| element == CLOCK)
     }

@@ -24,7 +24,7 @@ fn append(frames: &mut Frames, step: u64) {
     frames.append(&kind(&elements(), 20), (step, 0.5 * step as f64), &values).unwrap();
 }
 
-/// Reads the file as any reader would, and returns its steps; the frames must be whole.
+/// Reads the file like any reader, and returns its steps; the frames must be complete.
 fn steps_of(path: &Path) -> Vec<u64> {
     let file = File::open(path).unwrap();
     let steps: Vec<u64> = file.dataset("all/position/step").unwrap().read_raw().unwrap();
@@ -39,7 +39,7 @@ fn steps_of(path: &Path) -> Vec<u64> {
     steps
 }
 
-/// The end that the superblock says.
+/// End of the file according to the superblock.
 fn said_end(path: &Path) -> u64 {
     u64::from_le_bytes(std::fs::read(path).unwrap()[28..36].try_into().unwrap())
 }
@@ -60,7 +60,8 @@ fn frames_are_in_the_file_at_once() {
     assert_eq!(steps_of(&path), (0..20).collect::<Vec<_>>());
 }
 
-/// However long a run is to be, its file has no more room than it needs, and pieces come one after the other.
+/// Whatever the planned length of a run, its file has no more space than it needs, and chunks are
+/// allocated one after another.
 #[test]
 fn files_grow_in_pieces() {
     let folder = tempfile::tempdir().unwrap();
@@ -81,7 +82,7 @@ fn files_grow_in_pieces() {
     assert_eq!(frames.frame(59).unwrap().1[0].reals(), values);
 }
 
-/// A file that is full is replaced by a larger one with the same frames, what stands beside them, and their checksums.
+/// A full file is replaced by a larger one with the same frames, checksums and other content.
 #[test]
 fn full_files_are_replaced() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,8 +105,8 @@ fn full_files_are_replaced() {
     assert!((0..50).all(|frame| sums.damage(frame).is_none()));
 }
 
-/// A machine that loses its power may keep lists of pieces and lose the pieces; one that is killed while a file is cut leaves it
-/// shorter than it says. In both cases the frames before the last sync are kept, and those to come are whole.
+/// After a power failure lists of chunks may be on the disk without the chunks; a kill while a file is cut leaves it
+/// shorter than it states. In both cases the frames before the last sync are kept, and later frames are complete.
 #[test]
 fn pieces_that_were_lost_are_dropped() {
     let folder = tempfile::tempdir().unwrap();
@@ -145,7 +146,7 @@ fn pieces_that_were_lost_are_dropped() {
     }
 }
 
-/// Values that come in blocks are in the file as if they had come at once, with the same checksums.
+/// Values written in blocks are stored as if written at once, with the same checksums.
 #[test]
 fn blocks_of_rows_make_up_the_frame() {
     let folder = tempfile::tempdir().unwrap();
@@ -203,7 +204,8 @@ fn a_damaged_file_is_named() {
     }
 }
 
-/// A kill ends a write between two pages of memory. So a header, which has a checksum, must not straddle two.
+/// A kill ends a write between two pages of memory. So a header, which has a checksum, must not
+/// straddle a page boundary.
 #[test]
 fn headers_begin_at_pages() {
     let folder = tempfile::tempdir().unwrap();
@@ -225,7 +227,7 @@ fn headers_begin_at_pages() {
     }
 }
 
-/// Where the bytes of a number stand in a file, which has it once.
+/// Position of the bytes of a number in a file, in which it occurs once.
 fn place_of(bytes: &[u8], number: [u8; 8]) -> usize {
     let places: Vec<usize> = bytes.windows(8).enumerate().filter(|(_, w)| *w == number).map(|(at, _)| at).collect();
     assert_eq!(places.len(), 1, "{places:?}");
@@ -259,7 +261,7 @@ fn a_bit_flipped_in_any_element_is_seen_and_the_run_goes_on() {
         for capacity in [9, 20] {
             let mut frames = Frames::resume(&path, &kind(&elements, capacity), 3_000_000_009).unwrap();
             let damage = Damage { frame, elements: vec![element.to_owned()] };
-            // The step of the last frame is not known, so that it is dropped.
+            // The step of the last frame is damaged, so the frame is dropped.
             let (kept, damage) = if frame == 3 { (3, vec![]) } else { (4, vec![damage]) };
             assert_eq!(frames.damage(), damage);
             assert_eq!(frames.steps_written().unwrap().len(), kept);

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Component, Path};
 
-/// The first word of a manifest, by which it is told from a file of another program.
+/// First word of a manifest, which distinguishes it from files of other programs.
 pub(super) const FORMAT: &str = "fcm-solve results";
-/// The version of its layout.
+/// Version of the layout.
 const SCHEMA: u32 = 1;
 
 /// A line.
@@ -22,9 +22,9 @@ pub(super) enum Entry {
         /// Name and version of the program that wrote it.
         program: String,
     },
-    /// The checksum of the text of `scene.toml`; the last one holds.
+    /// Checksum of the text of `scene.toml`; the last such line holds.
     Scene(String),
-    /// The mark of a process that writes here, by which the names of its temporary files are known.
+    /// Mark of a process that writes here, which identifies its temporary files.
     Writer(String),
     /// A folder, relative to that of the manifest.
     Folder(String),
@@ -40,13 +40,13 @@ impl Entry {
         Self::Manifest { format: FORMAT.to_owned(), schema: SCHEMA, program }
     }
 
-    /// The line with its end.
+    /// The line including its end.
     pub(super) fn line(&self) -> String {
         serde_json::to_string(self).expect("words and numbers are JSON") + "\n"
     }
 }
 
-/// The entries of a manifest together.
+/// The entries of a manifest, combined.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(super) struct Entries {
     pub(super) files: BTreeSet<String>,
@@ -56,7 +56,7 @@ pub(super) struct Entries {
 }
 
 impl Entries {
-    /// Reads the whole lines of a manifest; a last line without an end was cut short, and what it names was not made.
+    /// Parses the complete lines of a manifest; a last line without an end was cut short, and its file was not made.
     pub(super) fn parse(text: &str) -> Result<Self, String> {
         if !text.starts_with("{\"manifest\":") || !text.contains('\n') {
             return Err("it does not begin as a manifest of this program".to_owned());
@@ -91,7 +91,7 @@ impl Entries {
         Ok(())
     }
 
-    /// The manifest with these entries.
+    /// Text of the manifest with these entries.
     pub(super) fn text(&self) -> String {
         let scene = self.scene.iter().cloned().map(Entry::Scene);
         let writers = self.writers.iter().cloned().map(Entry::Writer);
@@ -102,7 +102,7 @@ impl Entries {
     }
 }
 
-/// A name, unless it leads out of the folder.
+/// Accepts a name that stays inside the folder.
 fn inside(name: String) -> Result<String, String> {
     let mut parts = Path::new(&name).components().peekable();
     let is_inside = parts.peek().is_some() && parts.all(|part| matches!(part, Component::Normal(_)));

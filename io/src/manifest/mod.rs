@@ -1,8 +1,8 @@
-//! The manifest of a folder of results: the names of all files and folders that the program has made there. What it does
-//! not list is the user's, and is neither replaced nor removed.
+//! The manifest of a results folder: the names of all files and folders that the program has made there. Anything
+//! that it does not list belongs to the user, and is neither replaced nor removed.
 //!
-//! It is a file of lines, to which a name is added before the file of that name is made, and which is on the disk before
-//! that. So a program that is killed at any moment leaves no file of its own that is not listed.
+//! The manifest is a text file. A name is added and is on the disk before the file of that name is made. So a program
+//! that is killed at any time leaves no file of its own that is not listed.
 
 mod entry;
 mod names;
@@ -21,40 +21,40 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The file in the folder of results.
+/// Name of the manifest in the results folder.
 pub const MANIFEST: &str = "manifest.jsonl";
 
-/// The largest manifest that is read: some two million names.
+/// Largest size of a manifest that is read: some two million names.
 const MOST: u64 = 1 << 26;
 
-/// The files that the program has made in a folder of results.
+/// The files that the program has made in a results folder.
 pub struct Manifest {
     folder: PathBuf,
-    /// Nothing where the folder has no manifest: then nothing is noted, and nothing removed.
+    /// `None` if the folder has no manifest: then nothing is entered or removed.
     listed: Option<Mutex<Listed>>,
 }
 
 /// Entries of a manifest, and its file.
 struct Listed {
     entries: Entries,
-    /// The manifest, once this process has written to it.
+    /// The manifest file, once this process has written to it.
     file: Option<WatchedFile>,
     /// Whether the file has these entries; a manifest of files of an older version is not written until it is needed.
     is_written: bool,
 }
 
 impl Manifest {
-    /// A folder whose files nobody lists, such as one that a user names for an export.
+    /// A folder without a manifest, such as one that a user names for an export.
     pub fn none(folder: &Path) -> Self {
         Self { folder: folder.to_owned(), listed: None }
     }
 
-    /// The manifest of a folder; [`Self::none`] if it has none.
+    /// Manifest of a folder; [`Self::none`] if it has none.
     pub fn of(folder: &Path) -> Result<Self, FileError> {
         Ok(Self::open(folder)?.unwrap_or_else(|| Self::none(folder)))
     }
 
-    /// The manifest of a folder, if it has one. Nothing is written.
+    /// Manifest of a folder, if it has one. Nothing is written.
     pub(crate) fn open(folder: &Path) -> Result<Option<Self>, FileError> {
         let path = folder.join(MANIFEST);
         let Some(found) = found(&path) else { return Ok(None) };
@@ -69,8 +69,8 @@ impl Manifest {
         Ok(Some(Self::with(folder, entries, true)))
     }
 
-    /// The results of an older version, which wrote no manifest, as one of the files that are known by their contents;
-    /// nothing where there are none.
+    /// Manifest for the results of an older version, which wrote none: the files that are recognised by their
+    /// content; `None` if there are none.
     pub(crate) fn of_older_version(folder: &Path) -> Result<Option<Self>, FileError> {
         let entries = older::entries(folder)?;
         Ok(entries.map(|entries| Self::with(folder, entries, false)))
@@ -81,7 +81,8 @@ impl Manifest {
         Self { folder: folder.to_owned(), listed: Some(Mutex::new(listed)) }
     }
 
-    /// A new manifest of a run of this scene. It replaces a former one, of which it keeps the folders that are still there.
+    /// A new manifest for a run of this scene. It replaces a former one, of which it keeps the
+    /// folders that still exist.
     pub fn begin(folder: &Path, scene: &str, former: Option<&Self>) -> Result<Self, FileError> {
         let listed = former.and_then(Self::listed);
         let is_left = |name: &&String| found(&folder.join(name)).is_some_and(|found| found.is_dir());
@@ -95,18 +96,18 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// That of a folder, or a new one.
+    /// The manifest of a folder, or a new one.
     #[cfg(test)]
     pub(crate) fn of_test(folder: &Path) -> Self {
         Self::open(folder).unwrap().unwrap_or_else(|| Self::begin(folder, "", None).unwrap())
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Notes that the scene of the folder is now this one.
+    /// Records a new scene of the folder.
     pub fn note_scene(&self, scene: &str) -> Result<(), FileError> {
         let Some(mut listed) = self.listed() else { return Ok(()) };
         let digest = checksum::of_text(scene);
@@ -118,8 +119,8 @@ impl Manifest {
         listed.add(&self.folder, &[Entry::Scene(digest)])
     }
 
-    /// Enters a file that is about to be made, changed or replaced. `Err` if one of that name is there that is not listed.
-    /// What is not in the folder of the manifest is the caller's.
+    /// Enters a file that is about to be made, changed or replaced. `Err` if a file of that name exists and is not
+    /// listed. Paths outside of the folder of the manifest are not checked.
     pub fn enter(&self, path: &Path) -> Result<(), FileError> {
         let (Some(mut listed), Some(name)) = (self.listed(), self.name(path)) else { return Ok(()) };
         self.check_parents(&name, path)?;
@@ -134,7 +135,8 @@ impl Manifest {
         listed.add(&self.folder, &[Entry::File(name)])
     }
 
-    /// The same in a folder that may have no manifest: there, one of that name is replaced if `is_ours` says so.
+    /// Like [`Self::enter`], for a folder that may have no manifest: there, an existing file is
+    /// replaced only if `is_ours`.
     pub(crate) fn enter_known(&self, path: &Path, is_ours: impl Fn(&Path) -> bool) -> Result<(), FileError> {
         let is_of_folder = path.parent() == Some(&self.folder);
         if self.listed.is_none() && is_of_folder && found(path).is_some_and(|found| found.is_file()) && !is_ours(path) {
@@ -143,7 +145,7 @@ impl Manifest {
         self.enter(path)
     }
 
-    /// Makes a folder, with those that it is in, and enters it; one that is there has to be listed.
+    /// Creates a folder and its parents and enters it; an existing folder must be listed.
     pub fn make_folder(&self, path: &Path) -> Result<(), FileError> {
         if let (Some(mut listed), Some(name)) = (self.listed(), self.name(path)) {
             self.check_parents(&name, path)?;
@@ -159,8 +161,8 @@ impl Manifest {
         std::fs::create_dir_all(path).map_err(|e| FileError::write(path, &e))
     }
 
-    /// Makes folders, and enters them and files that will be made in them, with a single wait for the disk. What is there and
-    /// not listed is `Err`.
+    /// Creates folders, and enters them and files that will be made in them, with a single sync to the disk. `Err`
+    /// for anything that exists and is not listed.
     pub(crate) fn make_folders(&self, folders: &[String], files: &[String]) -> Result<(), FileError> {
         let Some(mut listed) = self.listed() else { return Ok(()) };
         listed.prepare(&self.folder)?;
@@ -188,12 +190,12 @@ impl Manifest {
         })
     }
 
-    /// The folders that are listed.
+    /// Listed folders.
     pub(crate) fn folders(&self) -> Vec<PathBuf> {
         self.listed().iter().flat_map(|listed| &listed.entries.folders).map(|name| self.folder.join(name)).collect()
     }
 
-    /// Removes the manifest itself, once all that it lists is gone.
+    /// Removes the manifest itself, once everything that it lists is gone.
     pub(crate) fn discard(self) -> Result<(), FileError> {
         let path = self.folder.join(MANIFEST);
         if self.listed.is_none() || found(&path).is_none() {
@@ -208,7 +210,7 @@ impl Manifest {
         self.listed().zip(name).is_some_and(|(listed, name)| listed.entries.files.contains(&name))
     }
 
-    /// Removes a file that is listed, if it is there. `Err` if it is not listed, or no file.
+    /// Removes a listed file, if it exists. `Err` if it is not listed, or is not a file.
     pub(crate) fn remove(&self, path: &Path) -> Result<(), FileError> {
         let Some(is_there) = found(path) else { return Ok(()) };
         let name = self.name(path).filter(|_| self.lists(path) && is_there.is_file());
@@ -220,14 +222,14 @@ impl Manifest {
         listed.add(&self.folder, &[Entry::Removed(name)])
     }
 
-    /// The files that are listed.
+    /// Listed files.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         let listed = self.listed();
         listed.iter().flat_map(|listed| &listed.entries.files).map(|name| self.folder.join(name)).collect()
     }
 
-    /// Removes all that is listed, folders only if nothing else is in them. The scene, by which a folder is known as that of a
-    /// run, is the last file.
+    /// Removes everything that is listed; folders only if they are empty then. The scene, which identifies a folder
+    /// as that of a run, is the last file.
     pub(crate) fn remove_all(&self) -> Result<(), FileError> {
         let scene = self.folder.join(SCENE);
         let mut files = self.files();
@@ -237,7 +239,7 @@ impl Manifest {
         for name in folders.iter().rev() {
             let path = self.folder.join(name);
             self.check_parents(name, &path)?;
-            // One in which the user has files stays with them.
+            // A folder with files of the user stays.
             if found(&path).is_some_and(|found| found.is_dir()) {
                 let _ = std::fs::remove_dir(&path);
             }
@@ -245,7 +247,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// Removes the temporary files of programs that were killed while they wrote here.
+    /// Removes temporary files of processes that were killed while writing here.
     pub(crate) fn remove_temporary_files(&self) {
         let Some(listed) = self.listed() else { return };
         let folders = listed.entries.folders.iter().map(|name| (name.as_str(), self.folder.join(name)));
@@ -256,7 +258,7 @@ impl Manifest {
                 let mark = atomic_file::writer_of(&path);
                 let is_one = mark.is_some_and(|mark| listed.entries.writers.contains(mark));
                 if (is_one || is_unplaced(&path)) && found(&path).is_some_and(|found| found.is_file()) {
-                    // One that can't be removed now will be at the next start.
+                    // A file that cannot be removed now will be removed at the next start.
                     let _ = std::fs::remove_file(path);
                 }
             }
@@ -267,7 +269,7 @@ impl Manifest {
         Some(self.listed.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The name of a path in the folder.
+    /// Name relative to the folder, if the path is inside it.
     fn name(&self, path: &Path) -> Option<String> {
         let inside = |folder: &Path, path: &Path| Some(path.strip_prefix(folder).ok()?.to_str()?.to_owned());
         let name = inside(&self.folder, path).or_else(|| {
@@ -277,7 +279,7 @@ impl Manifest {
         name.filter(|name| !name.is_empty())
     }
 
-    /// `Err` if a folder between that of the manifest and a path is a symbolic link, by which one gets out.
+    /// `Err` if a folder between that of the manifest and a path is a symbolic link, which could lead elsewhere.
     fn check_parents(&self, name: &str, path: &Path) -> Result<(), FileError> {
         let mut parents = Path::new(name).ancestors().skip(1).filter(|parent| !parent.as_os_str().is_empty());
         let is_link = |parent: &Path| found(&self.folder.join(parent)).is_some_and(|found| found.is_symlink());
@@ -295,7 +297,7 @@ impl Manifest {
 }
 
 impl Listed {
-    /// Makes the file ready for this process to write to, whose mark it gets.
+    /// Opens the file for writing by this process, and adds the mark of the process.
     fn prepare(&mut self, folder: &Path) -> Result<(), FileError> {
         if self.file.is_some() {
             return Ok(());
@@ -321,7 +323,7 @@ impl Listed {
         file.check()?;
         let lines: String = entries.iter().map(Entry::line).collect();
         let written = file.file().write_all(lines.as_bytes()).and_then(|()| match entries {
-            // Names of files that are gone do no harm.
+            // Names of removed files do no harm.
             [Entry::Removed(_)] => Ok(()),
             _ => atomic_file::sync(file.file()),
         });
@@ -330,7 +332,7 @@ impl Listed {
     }
 }
 
-/// Whether a file is a manifest that a killed program has not given its name, and that so lists its own mark nowhere else.
+/// Whether a file is a manifest under its temporary name, left by a killed process whose mark no manifest lists yet.
 fn is_unplaced(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let is_named = name.starts_with(MANIFEST) && atomic_file::writer_of(path).is_some_and(|mark| mark.len() == 16);
@@ -339,7 +341,7 @@ fn is_unplaced(path: &Path) -> bool {
     is_named && read.is_ok() && expected.starts_with(&start)
 }
 
-/// Opens a manifest for adding lines, without the rest of a line that was cut short.
+/// Opens a manifest for appending, without a last line that was cut short.
 fn whole_lines(path: &Path) -> std::io::Result<File> {
     let mut file = OpenOptions::new().read(true).append(true).open(path)?;
     let mut text = Vec::new();
@@ -351,7 +353,7 @@ fn whole_lines(path: &Path) -> std::io::Result<File> {
     Ok(file)
 }
 
-/// The entry of a name in its folder, whatever it is, a symbolic link too.
+/// Metadata of a path, not following a symbolic link.
 fn found(path: &Path) -> Option<Metadata> {
     std::fs::symlink_metadata(path).ok()
 }

@@ -1,11 +1,11 @@
-//! Names that results have in the folder of a run.
+//! Names of results in the folder of a run.
 
 use std::path::Path;
 
-/// The scene of the run.
+/// Scene of the run.
 pub(crate) const SCENE: &str = "scene.toml";
 
-/// Files that commands leave in the folder of a run, besides its checkpoints.
+/// Files that commands write to the folder of a run, apart from checkpoints.
 const FILES: [&str; 23] = [
     SCENE,
     "report.html",
@@ -32,7 +32,8 @@ const FILES: [&str; 23] = [
     "family.h5",
 ];
 
-/// Folders in it, with what names of files in them start and end with around the digits of a step or a number.
+/// Folders in it, with the beginnings and endings of the names of their files, which have the digits of a
+/// step or a number in between.
 const FOLDERS: [(&str, &str, &str); 7] = [
     ("fields", "velocity-", ".h5"),
     ("contacts", "contacts-", ".h5"),
@@ -43,7 +44,7 @@ const FOLDERS: [(&str, &str, &str); 7] = [
     ("stats", "", ""),
 ];
 
-/// The folder of a sweep's runs, in which the scene is kept that they are of.
+/// Folder of the runs of a sweep, which also holds the scene of these runs.
 const CASES: &str = "cases";
 
 /// Files in `statistics` and `stats`.
@@ -80,7 +81,7 @@ pub(crate) fn is_checkpoint(name: &str) -> bool {
     has_number(name, "checkpoint-", ".bin")
 }
 
-/// Whether a path is that of a field, a file of contacts, or another one of a name with digits in a folder of results.
+/// Whether a path is that of a field, a contact file, or another file with digits in its name in a results folder.
 pub(crate) fn is_numbered(path: &Path, start: &str, end: &str) -> bool {
     path.file_name().and_then(|name| name.to_str()).is_some_and(|name| has_number(name, start, end))
 }

@@ -1,4 +1,4 @@
-//! Files in a folder that have names of results and that no run is known to have made.
+//! Files in a folder that have names of results and that no known run has made.
 
 use super::names::{is_of_results, is_of_results_in};
 use super::{MANIFEST, Manifest, found, older};
@@ -6,15 +6,15 @@ use crate::FileError;
 use std::fmt::{Display, Formatter};
 use std::path::Path;
 
-/// Names that are shown at most.
+/// Largest number of names that are shown.
 const SHOWN: usize = 8;
 
-/// Names in a folder that a new run would need and that it may not remove: folders end in `/`.
+/// Names in a folder that a new run would need and must not remove; folders end in `/`.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Obstacles(Vec<String>);
 
 impl Obstacles {
-    /// Those of a folder with its manifest, if it has one.
+    /// Obstacles in a folder with this manifest, if it has one.
     pub(crate) fn of(folder: &Path, manifest: Option<&Manifest>) -> Result<Self, FileError> {
         let listed = manifest.and_then(Manifest::listed);
         let (files, folders) = listed.as_ref().map(|l| (&l.entries.files, &l.entries.folders)).unzip();
@@ -46,7 +46,7 @@ impl Obstacles {
         Ok(Self(obstacles))
     }
 
-    /// Whether there are none.
+    /// Whether there are no obstacles.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

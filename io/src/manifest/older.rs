@@ -1,4 +1,4 @@
-//! Files of results that are known by what they contain, as those of versions that wrote no manifest.
+//! Files of results that are recognised by their content: those of versions without a manifest.
 
 use super::entry::Entries;
 use super::{SCENE, found, is_checkpoint};
@@ -8,13 +8,13 @@ use hdf5::types::VarLenUnicode;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Folders in which runs and `stats` leave files.
+/// Folders to which runs and `stats` write files.
 const FOLDERS: [&str; 5] = ["fields", "contacts", "statistics", "stats", "cases"];
 
-/// The first bytes of a checkpoint of those versions.
+/// First bytes of a checkpoint of those versions.
 const CHECKPOINT: &[u8] = b"fcm-solve checkpoint 1\n";
 
-/// The files of a run of an older version; nothing if the folder has a scene but no other file of this program.
+/// Files of a run of an older version; `None` if the folder has a scene but no other file of this program.
 pub(super) fn entries(folder: &Path) -> Result<Option<Entries>, FileError> {
     let mut entries = Entries::default();
     let of_run = known(folder)?;
@@ -37,7 +37,7 @@ pub(super) fn entries(folder: &Path) -> Result<Option<Entries>, FileError> {
     Ok(Some(entries))
 }
 
-/// Names of the files in a folder that this program wrote: HDF5 files and checkpoints by themselves, tables beside an
+/// Names of the files in a folder that this program wrote: HDF5 files and checkpoints by their content, tables by an
 /// HDF5 file that has the same table.
 fn known(folder: &Path) -> Result<Vec<String>, FileError> {
     let read = std::fs::read_dir(folder).map_err(|e| FileError::read(folder, &e))?;
@@ -65,8 +65,8 @@ fn known(folder: &Path) -> Result<Vec<String>, FileError> {
     Ok(names)
 }
 
-/// Whether a file of a name that is listed looks as what the program writes under it, as far as contents tell: one that
-/// the user has put in its place does not.
+/// Whether a listed file looks like a file that the program writes under that name, as far as its content tells: a
+/// file that the user has put in its place does not.
 pub(super) fn looks_like_ours(path: &Path) -> bool {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("h5") => is_of_this_program(path, &mut Vec::new()),
@@ -76,7 +76,7 @@ pub(super) fn looks_like_ours(path: &Path) -> bool {
     }
 }
 
-/// Whether an HDF5 file has the parameters that this program writes; and the names of its tables.
+/// Whether an HDF5 file has the parameters that this program writes; adds the names of its tables to `tables`.
 fn is_of_this_program(path: &Path, tables: &mut Vec<String>) -> bool {
     let read = || {
         let file = stored_inside::open(path)?;

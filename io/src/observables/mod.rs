@@ -1,4 +1,4 @@
-//! Reading the time series of a run.
+//! Reader of the time series of a run.
 
 mod text_table;
 
@@ -14,24 +14,24 @@ use std::path::Path;
 pub(crate) struct Observables {
     /// Times of the rows.
     pub(crate) times: Vec<f64>,
-    /// The step of the last row in the file.
+    /// Step of the last row in the file.
     pub(crate) last_step: Option<u64>,
     /// The quantities.
     pub(crate) quantities: Vec<Observed>,
-    /// Damaged rows, which are left out, with the damage of each.
+    /// Damage of the damaged rows, which are left out.
     pub(crate) damage: Vec<String>,
 }
 
 /// One quantity of a time series.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Observed {
-    /// Its name.
+    /// Name.
     pub(crate) name: String,
-    /// Its unit.
+    /// Unit.
     pub(crate) unit: String,
-    /// Names of the rows of a table, such as species; of a number, none.
+    /// Names of the rows of a table, such as species; empty for a number.
     pub(crate) rows: Vec<String>,
-    /// Names of its columns, such as components.
+    /// Names of the columns, such as components.
     pub(crate) columns: Vec<String>,
     /// For each time the numbers, row by row.
     values: Vec<f64>,
@@ -46,7 +46,8 @@ impl Observables {
         Self::try_read(path, &|_| true).map(Some).map_err(|e| FileError::damaged(path, &e))
     }
 
-    /// The same of the quantities of some names, in the folder of a run: from the table where the other file is gone.
+    /// The time series in the folder of a run, restricted to the quantities that `names` selects: from the table if
+    /// the HDF5 file is missing.
     pub(crate) fn of_folder(folder: &Path, names: &dyn Fn(&str) -> bool) -> Result<Option<Self>, FileError> {
         let (path, table) = (folder.join("observables.h5"), folder.join("observables.csv"));
         if path.is_file() {
@@ -97,13 +98,13 @@ impl Observables {
         self.quantities.iter().find(|quantity| quantity.name == name)
     }
 
-    /// The line of a quantity of this name that is a number, over the times.
+    /// The quantity of this name, which is a single number, and its values over time.
     pub(crate) fn line(&self, name: &str) -> Option<(&Observed, Vec<[f64; 2]>)> {
         let quantity = self.get(name)?;
         Some((quantity, self.over_time(quantity.column(0, 0))))
     }
 
-    /// Values over the times.
+    /// Pairs of time and value.
     pub(crate) fn over_time(&self, values: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
         self.times.iter().zip(values).map(|(&time, value)| [time, value]).collect()
     }
@@ -131,12 +132,12 @@ impl Observed {
         Ok(read)
     }
 
-    /// Numbers at a time.
+    /// Number of values per time.
     fn width(&self) -> usize {
         self.rows.len().max(1) * self.columns.len().max(1)
     }
 
-    /// The numbers in a row and a column of the table, over the times.
+    /// The numbers in a row and a column of the table, over time.
     pub(crate) fn column(&self, row: usize, column: usize) -> impl Iterator<Item = f64> {
         let place = row * self.columns.len().max(1) + column;
         self.values.chunks_exact(self.width()).map(move |values| values[place])

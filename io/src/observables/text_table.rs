@@ -1,12 +1,12 @@
-//! The time series as it stands in its table.
+//! Reader of the time series in CSV.
 
 use super::{Observables, Observed};
 use crate::FileError;
 use simulation::csv_words;
 use std::path::Path;
 
-/// The quantities of some names of a table, without their units; rows that are not whole are left out, as the last one
-/// of a run that was killed.
+/// Reads the quantities that `names` selects, without their units; incomplete rows, such as the last one of a
+/// killed run, are left out.
 pub(super) fn read(path: &Path, names: &dyn Fn(&str) -> bool) -> Result<Observables, FileError> {
     let csv = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
     let mut lines = csv.split_inclusive('\n');
@@ -33,7 +33,7 @@ pub(super) fn read(path: &Path, names: &dyn Fn(&str) -> bool) -> Result<Observab
     Ok(series)
 }
 
-/// Columns in turn that are of one quantity.
+/// Consecutive columns of one quantity.
 struct Group {
     name: String,
     rows: Vec<String>,
@@ -42,7 +42,7 @@ struct Group {
     count: usize,
 }
 
-/// The quantities whose numbers are columns of such names, `name` or `name_column[row]`, row by row.
+/// The quantities with columns named `name` or `name_column[row]`, row by row.
 fn grouped(columns: &[String]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (first, column) in columns.iter().enumerate() {

@@ -1,60 +1,60 @@
-//! The box that a file has, beside that of a scene.
+//! Box of a file, and its comparison with the box of a scene.
 
 use domain::{BoxError, Number, PeriodicBox, Tensor, Vector};
 use std::fmt::{Display, Formatter};
 
-/// Part of an edge by which boxes may differ that are the same: text may have six digits.
+/// Relative difference of edges at which boxes count as equal: text may have six digits.
 const ROUNDING: f64 = 1e-5;
-/// A strain below this is the round-off of none.
+/// A strain below this is round-off of zero.
 const NO_STRAIN: f64 = 1e-12;
 
-/// A box as a file has it.
+/// Box of a file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FileBox {
-    /// The vectors of its edges.
+    /// Lattice vectors.
     pub vectors: [Vector; 3],
-    /// The corner where it begins.
+    /// Corner at the origin of lattice coordinates.
     pub origin: Vector,
-    /// Along which edges it repeats; other edges that end at walls or at nothing.
+    /// Whether the box is periodic along each edge.
     pub periodic: [bool; 3],
-    /// The strain of a sheared box, if the file says it besides the vectors.
+    /// Strain of a sheared box, if the file has it in addition to the vectors.
     pub strain: Option<f64>,
 }
 
-/// One of the axes of a scene's box.
+/// Boundary condition along an axis of a scene's box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Axis {
-    /// The box repeats along it.
+    /// Periodic.
     Periodic,
-    /// The box ends at walls.
+    /// Walls.
     Walls,
-    /// The edge has no meaning.
+    /// Open: the edge has no meaning.
     Open,
 }
 
-/// The box of a scene, in the axes of the user.
+/// Box of a scene, in the axes of the user.
 pub(super) struct SceneBox {
     pub(super) shape: Shape,
     pub(super) axes: [Axis; 3],
 }
 
-/// The shape of a scene's box.
+/// Shape of a scene's box.
 pub(super) enum Shape {
-    /// Along x, y and z.
+    /// Edges along x, y and z.
     Straight(Vector),
-    /// With a strain, by which the second edge leans along x.
+    /// Edges, and the strain by which the second lattice vector is tilted along x.
     Sheared(Vector, f64),
-    /// Any lattice.
+    /// Any lattice vectors.
     Lattice([Vector; 3]),
 }
 
 impl FileBox {
-    /// A box along x, y and z that repeats along all of them.
+    /// A fully periodic box with edges along x, y and z.
     pub(super) fn straight(edges: Vector) -> Self {
         Self::lattice([Vector::X * edges.x, Vector::Y * edges.y, Vector::Z * edges.z])
     }
 
-    /// A box of any vectors that begins at zero and repeats along all of them.
+    /// A fully periodic box with any lattice vectors and its origin at zero.
     pub(super) fn lattice(vectors: [Vector; 3]) -> Self {
         Self { vectors, origin: Vector::ZERO, periodic: [true; 3], strain: None }
     }
@@ -75,14 +75,14 @@ impl FileBox {
         Ok(self)
     }
 
-    /// The edges along x, y and z of a box that is straight, or sheared along x.
+    /// Edges along x, y and z of an orthogonal box, or of one sheared along x.
     pub(crate) fn edges(&self) -> Vector {
         let [a, b, c] = self.vectors;
         Vector::new(a.x, b.y, c.z)
     }
 
-    /// The strain of the box, after it was compared to that of a scene: edges need to be equal where both boxes have
-    /// them.
+    /// Strain of the box, after comparing it with that of a scene: edges must be equal along the
+    /// axes that both boxes have.
     pub(super) fn strain_in(&self, scene: &SceneBox) -> Result<f64, String> {
         let differs = || format!("its box is {self}, but that of the scene is {scene}");
         match &scene.shape {
@@ -101,7 +101,7 @@ impl FileBox {
         }
     }
 
-    /// The strain, if the edges are those of a scene.
+    /// The strain, if the edges are equal to those of a scene.
     fn compared(&self, edges: Vector, scene: &SceneBox) -> Option<f64> {
         let counts = [0, 1, 2].map(|axis| match scene.axes[axis] {
             Axis::Periodic => self.periodic[axis],
@@ -122,7 +122,8 @@ impl FileBox {
         Some(if strain.abs() < NO_STRAIN { 0.0 } else { strain })
     }
 
-    /// The vectors without the multiples of others that the second and the third may have more.
+    /// The lattice vectors, with multiples of other vectors subtracted from the second and third
+    /// along the axes in `counts`.
     fn reduced(&self, counts: [bool; 3]) -> [Vector; 3] {
         let [a, mut b, mut c] = self.vectors;
         if counts[1] {
@@ -136,7 +137,7 @@ impl FileBox {
     }
 }
 
-/// Whether two sets of vectors span the same points.
+/// Whether two sets of vectors span the same lattice.
 fn is_same_lattice(one: &[Vector; 3], other: &[Vector; 3]) -> bool {
     let [one, other] = [one, other].map(|v| Tensor::from_cols(v[0], v[1], v[2]));
     let steps = other.inverse() * one;
@@ -144,7 +145,7 @@ fn is_same_lattice(one: &[Vector; 3], other: &[Vector; 3]) -> bool {
     is_whole && (steps.determinant().abs() - 1.0).abs() <= ROUNDING
 }
 
-/// Whether two strains of a box of these edges are the same, but for the rounding of text.
+/// Whether two strains of a box with these edges give the same lattice, up to the rounding of text.
 pub(super) fn is_same_strain(one: f64, other: f64, edges: Vector) -> bool {
     let period = edges.x / edges.y;
     let apart = (one - other) / period;

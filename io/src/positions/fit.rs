@@ -7,28 +7,27 @@ use domain::{Boundaries, GivenPositions, Number, Turn, Vector};
 use drivers::disks;
 use suspension::{Model, Species};
 
-/// Part of a radius by which those of a file may differ from those of a scene: text may have six digits.
+/// Relative difference at which radii of a file and of a scene count as equal: text may have six digits.
 const ROUNDING: f64 = 1e-5;
 
-/// Positions that fit a scene, and what is to be said of them.
+/// Positions that fit a scene, and notes for the user.
 #[derive(Debug)]
 pub(crate) struct Fitted {
     pub(crate) given: GivenPositions,
     pub(crate) notes: Vec<String>,
 }
 
-/// The strain of the box in a file, where the scene's box is the same but for that; 0 where the file says nothing of
-/// it.
+/// Strain of the box in a file, if the box is otherwise that of the scene; 0 if the file has no box.
 pub(crate) fn strain_for_spheres(file: &StartFile, model: &Model) -> Result<f64, String> {
     file.cell.as_ref().map_or(Ok(0.0), |cell| cell.strain_in(&box_of_model(model)))
 }
 
-/// The same for disks.
+/// Strain of the box in a file of disks, like [`strain_for_spheres`].
 pub(crate) fn strain_for_disks(file: &StartFile, parameters: &disks::Parameters) -> Result<f64, String> {
     file.cell.as_ref().map_or(Ok(0.0), |cell| cell.strain_in(&box_of_disks(parameters)))
 }
 
-/// Spheres of a file as those of a model, whose box has the strain of the file's.
+/// Spheres of a file as those of a model, whose box has the strain of the file's box.
 pub(crate) fn spheres(mut file: StartFile, model: &Model) -> Result<Fitted, String> {
     let scene = box_of_model(model);
     let mut notes = Vec::new();
@@ -43,7 +42,7 @@ pub(crate) fn spheres(mut file: StartFile, model: &Model) -> Result<Fitted, Stri
     Ok(Fitted { given: GivenPositions { positions: file.positions, species, ..GivenPositions::default() }, notes })
 }
 
-/// Disks of a file, whose radii are their own.
+/// Disks of a file, with the radii of the file.
 pub(crate) fn disks(mut file: StartFile, parameters: &disks::Parameters) -> Result<Fitted, String> {
     let scene = box_of_disks(parameters);
     let mut notes = Vec::new();
@@ -57,14 +56,14 @@ pub(crate) fn disks(mut file: StartFile, parameters: &disks::Parameters) -> Resu
     Ok(Fitted { given, notes })
 }
 
-/// The box of disks, whose third edge has no meaning.
+/// Box of the disks; its third edge has no meaning.
 fn box_of_disks(parameters: &disks::Parameters) -> SceneBox {
     let [length, height] = parameters.edges;
     let shape = Shape::Sheared(Vector::new(length, height, 1.0), parameters.strain);
     SceneBox { shape, axes: [Axis::Periodic, Axis::Periodic, Axis::Open] }
 }
 
-/// The box of a model in the axes of its user.
+/// Box of a model in the axes of the user.
 fn box_of_model(model: &Model) -> SceneBox {
     let (cell, axes) = (&model.cell, model.user_axes());
     let kinds = [0, 1, 2].map(|axis| match cell.boundaries() {
@@ -94,7 +93,7 @@ fn check_strain(cell: &FileBox, scene: &SceneBox, expected: f64) -> Result<(), S
     }
 }
 
-/// What to say of a box that does not repeat where that of the scene does.
+/// A note about a box that is not periodic along axes along which that of the scene is.
 fn without_period(cell: &FileBox, scene: &SceneBox) -> Option<String> {
     let differs = |&axis: &usize| scene.axes[axis] == Axis::Periodic && !cell.periodic[axis];
     let axes: Vec<&str> = (0..3).filter(differs).map(|axis| ["x", "y", "z"][axis]).collect();
@@ -102,7 +101,7 @@ fn without_period(cell: &FileBox, scene: &SceneBox) -> Option<String> {
         .then(|| format!("its box does not repeat along {}; there the period is that of the scene", axes.join(" and ")))
 }
 
-/// Moves particles so that their box begins at zero, except along open axes; says so if it began elsewhere.
+/// Shifts particles so that their box begins at zero, except along open axes; returns a note if they were shifted.
 fn moved(positions: &mut [Vector], cell: &FileBox, scene: &SceneBox) -> Option<String> {
     let part = |axis: usize| if scene.axes[axis] == Axis::Open { 0.0 } else { cell.origin[axis] };
     let origin = Vector::new(part(0), part(1), part(2));
@@ -116,7 +115,7 @@ fn moved(positions: &mut [Vector], cell: &FileBox, scene: &SceneBox) -> Option<S
     Some(format!("positions are counted from the corner of its box, ({corner})"))
 }
 
-/// Along open axes particles are where they are; along others images are one place.
+/// Unwraps the positions along open axes; along the other axes images are equivalent.
 fn add_images(file: &mut StartFile, scene: &SceneBox) {
     let (Some(images), Some(cell)) = (&file.images, &file.cell) else { return };
     for axis in (0..3).filter(|&axis| scene.axes[axis] == Axis::Open) {
@@ -126,8 +125,8 @@ fn add_images(file: &mut StartFile, scene: &SceneBox) {
     }
 }
 
-/// The species of all spheres, by their names or numbers, or by their radii if the file has only these and each
-/// species has its own; nothing if they follow from the order of rows.
+/// Species of all spheres, from their names or numbers, or from their radii if the file has only these and the radii
+/// of all species differ; `None` if they follow from the order of rows.
 fn species(file: &mut StartFile, all: &[Species], notes: &mut Vec<String>) -> Result<Option<Vec<u32>>, String> {
     let found = match file.species.take() {
         Some(kinds) => {
@@ -165,7 +164,7 @@ fn by_radius(file: &StartFile, all: &[Species], notes: &mut Vec<String>) -> Resu
     radii.iter().map(|radius| find(radius).ok_or_else(|| unknown(radius))).collect::<Result<_, _>>().map(Some)
 }
 
-/// Radii need to be those of the species.
+/// Radii must be those of the species.
 fn check_radii(file: &StartFile, all: &[Species], species: Option<&[u32]>) -> Result<(), String> {
     let Some(radii) = &file.radii else { return Ok(()) };
     let counted =
@@ -173,7 +172,7 @@ fn check_radii(file: &StartFile, all: &[Species], species: Option<&[u32]>) -> Re
     let of_rows: Vec<&Species> = match (species, all) {
         (Some(species), _) => species.iter().map(|&place| &all[place as usize]).collect(),
         (None, [only]) => vec![only; radii.len()],
-        // Counts that do not fit are refused where spheres are counted.
+        // Wrong numbers of spheres are refused elsewhere.
         (None, _) => counted(),
     };
     match radii.iter().zip(of_rows).enumerate().find(|(_, (radius, species))| !is_same_radius(**radius, species)) {

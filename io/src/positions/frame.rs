@@ -1,6 +1,6 @@
-//! The frame of a file that is asked for.
+//! Selection of a frame of a file.
 
-/// The number of a frame among `count`, from 0: the last where none is asked for; negative numbers count from the end.
+/// Number of a frame out of `count`, from 0: the last one by default; negative numbers count from the end.
 pub(super) fn pick(asked: Option<i64>, count: usize) -> Result<usize, String> {
     if count == 0 {
         return Err("it has no frame".to_owned());

@@ -1,4 +1,4 @@
-//! Positions to start from, as files of this program and of others have them.
+//! Starting positions from files of this program and of others.
 
 mod file_box;
 mod fit;
@@ -19,28 +19,28 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// A file or a run's folder to start from, and which of its frames and groups of particles.
+/// A file or the folder of a run to start from, and the choice of its frame and its group of particles.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StartSource {
     /// The file or the folder.
     pub path: PathBuf,
-    /// The frame, from 0, or from the end if it is negative; the last where there is none.
+    /// The frame, from 0, or from the end if negative; `None` for the last one.
     pub frame: Option<i64>,
-    /// The group of particles of an H5MD file; the only one where there is none.
+    /// The group of particles of an H5MD file; `None` for the only one.
     pub group: Option<String>,
 }
 
-/// Particles in one frame of a file. All lists have an entry for each particle.
+/// Particles in one frame of a file. All lists have one entry per particle.
 #[derive(Debug, Clone, Default)]
 pub struct StartFile {
-    /// Positions, in or outside the box.
+    /// Positions, inside or outside of the box.
     pub positions: Vec<Vector>,
-    /// Lattice vectors to add to each position.
+    /// Lattice steps to the unwrapped positions.
     images: Option<Vec<[i32; 3]>>,
     /// Radii.
     pub radii: Option<Vec<f64>>,
     species: Option<Kinds>,
-    /// Numbers by which particles are told apart, in any order.
+    /// Numbers that identify the particles, in any order.
     ids: Option<Vec<u64>>,
     /// The box.
     pub cell: Option<FileBox>,
@@ -51,13 +51,13 @@ pub struct StartFile {
 /// The frame that was read.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct TakenFrame {
-    /// Its place among the frames, from 0.
+    /// Number of the frame, from 0.
     pub number: usize,
-    /// Frames of the file.
+    /// Number of frames of the file.
     pub count: usize,
-    /// Its step, if the file says it.
+    /// Step, if the file has it.
     pub step: Option<i64>,
-    /// Its time, if the file says it.
+    /// Time, if the file has it.
     pub time: Option<f64>,
 }
 
@@ -67,8 +67,8 @@ impl StartSource {
         Self { path: path.into(), frame: None, group: None }
     }
 
-    /// Reads CSV with a line of names; XYZ, plain or extended; dumps of LAMMPS; HDF5 with a dataset `positions`, or in the
-    /// H5MD format; or a frame of a former run, by its folder.
+    /// Reads CSV with a line of names; plain or extended XYZ; LAMMPS dumps; HDF5 with a dataset `positions`, or in
+    /// the H5MD format; or a frame of a former run, given by its folder.
     pub fn read(&self) -> Result<StartFile, FileError> {
         let read = self.read_any()?;
         check(&read).map_err(|reason| FileError::start(&self.path, &reason))?;
@@ -97,7 +97,7 @@ impl StartSource {
         }
     }
 
-    /// The text of the file: UTF-8, or UTF-16 with a mark of the order of its bytes.
+    /// Text of the file: UTF-8, or UTF-16 with a byte order mark.
     fn text(&self) -> Result<String, FileError> {
         let bytes = std::fs::read(&self.path).map_err(|e| FileError::read(&self.path, &e))?;
         text::decoded(bytes).map_err(|reason| FileError::start(&self.path, &reason))
@@ -113,7 +113,7 @@ fn begins_as_dump(path: &Path) -> std::io::Result<bool> {
     Ok(start == b"ITEM:")
 }
 
-/// Every particle needs a position, and a radius, a species and an id if any has these.
+/// Every particle must have a position, and a radius, a species and an id if any particle has these.
 fn check(file: &StartFile) -> Result<(), String> {
     let count = file.positions.len();
     let lists = [

@@ -1,9 +1,9 @@
-//! Particles in the order of their ids.
+//! Sorting of particles by id.
 
 use super::StartFile;
 
-/// Sorts the particles by their ids, if they have some; says how they are numbered from then on unless the ids are
-/// whole numbers from 0 or from 1 on.
+/// Sorts the particles by their ids, if they have some; returns a note on their new numbers unless the ids
+/// are consecutive from 0 or 1.
 pub(super) fn sort(file: &mut StartFile) -> Result<Option<String>, String> {
     let Some(ids) = file.ids.take() else { return Ok(None) };
     let mut rows: Vec<usize> = (0..ids.len()).collect();
@@ -26,7 +26,7 @@ pub(super) fn sort(file: &mut StartFile) -> Result<Option<String>, String> {
     }))
 }
 
-/// Puts a list into the order of rows.
+/// Puts a list into the order of `rows`.
 fn arranged<T: Clone>(list: &mut [T], rows: &[usize]) {
     let sorted: Vec<T> = rows.iter().map(|&row| list[row].clone()).collect();
     list.clone_from_slice(&sorted);

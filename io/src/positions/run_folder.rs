@@ -1,4 +1,4 @@
-//! Former runs, by their folders: frames of the trajectory, or the last checkpoint where there is none.
+//! Positions from the folder of a run: a frame of the trajectory, or the last checkpoint if there is no trajectory.
 
 use super::species::Kinds;
 use super::{FileBox, StartFile, StartSource, TakenFrame, frame};
@@ -21,7 +21,7 @@ pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
     of_state(state, &scene).map_err(unfit)
 }
 
-/// The particles of a checkpoint, in the axes of the user.
+/// Particles of a checkpoint, in the axes of the user.
 fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
     let mut positions = state.particles.positions;
     let (cell, time_step) = match scene.kind() {
@@ -59,7 +59,7 @@ fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
     })
 }
 
-/// Species of a run by their numbers, with the names that its scene has.
+/// Species of a run by number, with the names in its scene.
 pub(super) fn recorded(numbers: Vec<u32>, scene: &Scene) -> Kinds {
     let Kind::Suspension(scene) = scene.kind() else { return Kinds::Indices(numbers) };
     let names = scene.model.species.iter().map(|species| species.name.clone()).collect();

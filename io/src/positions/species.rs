@@ -1,35 +1,35 @@
-//! Species of a file's particles, and those of a scene that they are.
+//! Assignment of the species in a file to those of a scene.
 
 use crate::document::excerpt;
 use suspension::Species;
 
-/// Species of particles, as files have them.
+/// Species of particles as a file specifies them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Kinds {
-    /// Numbers from 0 on, in the order of the scene.
+    /// Numbers from 0, in the order of the scene.
     Indices(Vec<u32>),
-    /// Numbers from 1 on, in the order of the scene.
+    /// Numbers from 1, in the order of the scene.
     Types(Vec<u32>),
     /// Names.
     Names(Names),
-    /// Numbers from 0 on in a run of this program, and the names that its species had.
+    /// Numbers from 0 in a run of this program, and the names of its species.
     Recorded { numbers: Vec<u32>, names: Vec<String> },
 }
 
-/// Names of species, each once, and which of them each particle has.
+/// Distinct names of species, and the index of each particle's name.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Names {
     pub(super) list: Vec<String>,
     pub(super) of: Vec<u32>,
-    /// Whether they may be symbols of no meaning here, as the first column of plain XYZ.
+    /// Whether they may be arbitrary symbols, as in the first column of plain XYZ.
     pub(super) are_symbols: bool,
 }
 
-/// The name that other programs give to particles of no species.
+/// Name that other programs give to particles without a species.
 const NOTHING: &str = "X";
 
-/// Species of a scene's spheres, one for each, if the file says them; and how they were found, where that needs to be
-/// said.
+/// Species of a scene for each sphere, if the file determines them; and a note on the
+/// assignment, if the user should know.
 pub(super) type Assigned = (Option<Vec<u32>>, Option<String>);
 
 impl Kinds {
@@ -40,7 +40,7 @@ impl Kinds {
         }
     }
 
-    /// The number of each particle.
+    /// Number of each particle.
     pub(super) fn numbers_mut(&mut self) -> &mut [u32] {
         match self {
             Self::Indices(numbers) | Self::Types(numbers) | Self::Recorded { numbers, .. } => numbers,
@@ -48,7 +48,7 @@ impl Kinds {
         }
     }
 
-    /// The species of a scene that particles have.
+    /// Species of the scene for each particle.
     pub(super) fn assigned(self, species: &[Species]) -> Result<Assigned, String> {
         match self {
             Self::Indices(numbers) => indices(numbers, species.len()).map(|numbers| (Some(numbers), None)),
@@ -58,7 +58,7 @@ impl Kinds {
         }
     }
 
-    /// Numbers from 0 on, where species are no more than labels: names in the order in which they first appear.
+    /// Numbers from 0, where species are mere labels: names are numbered in the order of their first appearance.
     pub(super) fn labels(self) -> Result<Vec<u32>, String> {
         match self {
             Self::Indices(numbers) | Self::Recorded { numbers, .. } => Ok(numbers),
@@ -74,7 +74,7 @@ fn indices(numbers: Vec<u32>, count: usize) -> Result<Vec<u32>, String> {
     Err(format!("it has a particle of species {unknown}; the scene has {count} species, from 0{counts_from_one}"))
 }
 
-/// Species of a former run by their names, if the scene has these; by their numbers if it has none of them.
+/// Species of a former run by name, if the scene has these names; by number if it has none of them.
 fn recorded(numbers: Vec<u32>, names: Vec<String>, species: &[Species]) -> Result<Vec<u32>, String> {
     if names.iter().all(|name| species.iter().all(|s| s.name != *name)) {
         return indices(numbers, species.len());
@@ -120,8 +120,8 @@ impl Names {
         self.by_order(species)
     }
 
-    /// Names of no meaning to the scene say nothing against its species by the order of rows, if rows of one name are of one
-    /// species.
+    /// Assigns species by the order of rows if the names are unknown to the scene but consistent with that: rows of
+    /// one name must be of one species.
     fn by_order(self, species: &[Species]) -> Result<Assigned, String> {
         let is_unnamed = species.iter().enumerate().all(|(index, s)| s.name == format!("{}", index + 1));
         let may_be_symbols = self.are_symbols || is_unnamed || self.list == [NOTHING];
@@ -136,8 +136,8 @@ impl Names {
         Ok((None, Some(note)))
     }
 
-    /// Whether rows of one name are of one species, and the other way around, if there are several names; rows are of
-    /// species by their counts.
+    /// Whether rows of one name are of one species and vice versa, if there are several names; rows are assigned to
+    /// species by the counts of the scene.
     fn fits_order(&self, species: &[Species]) -> bool {
         if self.list.len() == 1 {
             return true;
@@ -206,7 +206,7 @@ mod tests {
         }
     }
 
-    /// Symbols that the scene does not have go by the order of rows only where they do not contradict it.
+    /// Symbols that the scene does not have are ignored only if they do not contradict the order of rows.
     #[test]
     fn unknown_symbols_go_by_order_if_that_is_possible() {
         assert_eq!(found(&["C", "C", "O", "O"], true, &["A", "B"]), Ok(None));

@@ -12,7 +12,7 @@ fn read(name: &str, text: &str) -> Result<StartFile, String> {
     StartSource::last(path).read().map_err(|e| e.to_string())
 }
 
-/// An HDF5 file that `fill` makes, and what is read of it.
+/// Reads an HDF5 file that `fill` makes.
 fn hdf5(fill: impl FnOnce(&hdf5::File)) -> Result<StartFile, String> {
     hdf5_at(None, None, fill)
 }
@@ -48,7 +48,8 @@ fn scene(
     Scene::parse(&text, &folder.join("scene.toml").display().to_string(), &[]).map_err(|e| e.to_string())
 }
 
-/// Names, radii and counts of species in a box of 20, with spheres from a file; positions by species, and what is said.
+/// A start in a box of 20 with species of the given names, radii and counts, and spheres from a file: positions and
+/// radii in the order of species, and the notes.
 fn started(name: &str, text: &str, species: &[(&str, f64, u64)]) -> Result<(Vec<[f64; 4]>, String), String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), text).unwrap();
@@ -247,7 +248,7 @@ fn lists_in_hdf5_have_an_entry_for_each_position() {
     assert!(with("box", vec![4.0]).unwrap_err().contains("its box has 1 numbers"));
 }
 
-/// The values of an element for frames.
+/// Writes an element with a value for each frame.
 fn element(group: &hdf5::Group, name: &str, frames: usize, value: impl Fn(usize) -> f64) -> hdf5::Group {
     let element = group.create_group(name).unwrap();
     let values = Array3::from_shape_fn((frames, 2, 3), |(frame, row, axis)| value(frame) + (3 * row + axis) as f64);
@@ -373,7 +374,7 @@ fn boxes_of_h5md_are_edges_or_vectors_fixed_or_of_frames() {
     assert!(with(&|cell| put(cell, "edges", &Array1::from(vec![8.0, 4.0]))).unwrap_err().contains("has the shape [2]"));
 }
 
-/// The frames of a run that shears: positions, box and strain are those of the last, to the last bit.
+/// Frames of a sheared run: positions, box and strain are those of the last frame, to the last bit.
 #[test]
 fn a_former_run_is_read_with_the_strain_of_its_box() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use drivers::disks::Flow as DiskFlow;
 use suspension::Flow;
 use toml::Table;
 
-/// The scene of a run. If this version can't read it, as that of a later version, it has a text only.
+/// The scene of a run. If this version cannot read it, e.g. because it is from a later version, only its text.
 pub(super) struct About {
     file: Option<SceneFile>,
     table: Table,
@@ -28,12 +28,12 @@ impl About {
         }
     }
 
-    /// What it computes.
+    /// Kind of the scene.
     pub(super) fn kind(&self) -> Option<&Kind> {
         self.scene().map(Scene::kind)
     }
 
-    /// The family, if it is one.
+    /// The family, if the scene is one.
     pub(super) fn family(&self) -> Option<&Family> {
         match self.file.as_ref()? {
             SceneFile::Family(family) => Some(family),
@@ -41,7 +41,7 @@ impl About {
         }
     }
 
-    /// The kind's name.
+    /// Name of the kind.
     pub(super) fn kind_name(&self) -> &str {
         self.text("kind").unwrap_or("suspension")
     }
@@ -55,7 +55,7 @@ impl About {
         self.table.get(key).and_then(toml::Value::as_str)
     }
 
-    /// What particles are called.
+    /// Word for the particles.
     pub(super) fn particles(&self) -> &'static str {
         match self.kind() {
             Some(Kind::GranularDisks(_)) => "disks",
@@ -64,7 +64,7 @@ impl About {
         }
     }
 
-    /// Names of the species, where they have some.
+    /// Names of the species; empty if they have none.
     pub(super) fn species(&self) -> Vec<String> {
         match self.kind() {
             Some(Kind::Suspension(scene)) => scene.model.species.iter().map(|species| species.name.clone()).collect(),
@@ -74,14 +74,15 @@ impl About {
         }
     }
 
-    /// The axis along which forces act most, and its name; `None` without forces.
+    /// Axis of the largest applied force, and its name; `None` without forces.
     pub(super) fn force_axis(&self) -> Option<(usize, char)> {
         let Some(Kind::Suspension(scene)) = self.kind() else { return None };
         let axes = scene.model.user_axes();
         scene.model.force_axis().map(|axis| (axes.axis(axis), axes.name(axis)))
     }
 
-    /// The axis that is drawn upwards, y or z: that across walls or of the gradient in a shear flow, and of the height of a cell.
+    /// Axis that is drawn upwards, y or z: normal to the walls, along the gradient of a shear flow, or
+    /// along the height of a cell.
     pub(super) fn up(&self) -> char {
         match self.kind() {
             Some(Kind::Suspension(scene)) if scene.model.cell.boundaries().walls() > 0 => {
@@ -95,12 +96,12 @@ impl About {
         }
     }
 
-    /// What particles are coloured by.
+    /// Data of the scene for colouring particles.
     pub(super) fn colours(&self) -> Colours {
         Colours { species: self.species(), flow: self.flow() }
     }
 
-    /// The flow that velocities are taken relative to.
+    /// The flow relative to which velocities are shown.
     fn flow(&self) -> Option<Box<dyn Fn(Vector) -> Vector>> {
         match self.kind()? {
             Kind::Suspension(scene) => match scene.model.flow {

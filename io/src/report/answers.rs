@@ -1,11 +1,11 @@
-//! The answers of a run on its page.
+//! Answers of a run on its page.
 
 use super::chart::unit_text;
 use super::html::table;
 use crate::{RunAnswer, value_in_words, verdict_in_words};
 use domain::Number;
 
-/// A table of the answers; nothing where there are none.
+/// Table of the answers; empty if there are none.
 pub(super) fn table_of(answers: &[RunAnswer]) -> String {
     if answers.is_empty() {
         return String::new();

@@ -1,12 +1,12 @@
-//! Why a report can't be made.
+//! Errors of making a report.
 
 use crate::FileError;
 use std::path::PathBuf;
 
-/// Why a report can't be made.
+/// Reasons why a report cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A file that can't be read or written.
+    /// A file that cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
     /// A folder without a run.

@@ -6,10 +6,10 @@ use crate::observables::Observables;
 use crate::{Family, Kind, Provenance, TrajectoryReader};
 use domain::Number;
 
-/// A name and what it is.
+/// Name and value of a fact.
 pub(super) type Fact = (&'static str, String);
 
-/// The trajectory of a run, with the frames that are shown, and its time series.
+/// Trajectory of a run with the frames that are shown, and its time series.
 pub(super) struct Course<'a> {
     pub(super) trajectory: Option<(&'a TrajectoryReader, &'a Playback)>,
     pub(super) series: &'a Observables,
@@ -42,12 +42,12 @@ pub(super) fn facts(about: &About, provenance: &Provenance, course: &Course) -> 
     facts.into_iter().filter_map(|(name, fact)| Some((name, fact?))).collect()
 }
 
-/// How many runs a family has.
+/// Number of runs of a family.
 fn runs(family: &Family) -> String {
     format!("{} at {} points", family.members().len(), family.points().count())
 }
 
-/// How many particles there are of each kind, and of which radii.
+/// Number and radii of the particles of each species.
 fn particles(about: &About, recorded: &TrajectoryReader) -> String {
     let (species, radii, names) = (recorded.species(), recorded.radii(), about.species());
     let kinds = species.iter().max().map_or(0, |last| last + 1);

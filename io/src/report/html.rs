@@ -1,6 +1,6 @@
-//! Pieces of HTML.
+//! HTML fragments.
 
-/// A text as the content of an element or the value of an attribute.
+/// Escapes a text for the content of an element or the value of an attribute.
 pub(super) fn escaped(text: &str) -> String {
     let escape = |c: char| match c {
         '&' => "&amp;".to_owned(),
@@ -8,7 +8,7 @@ pub(super) fn escaped(text: &str) -> String {
         '>' => "&gt;".to_owned(),
         '"' => "&quot;".to_owned(),
         '\'' => "&#39;".to_owned(),
-        // What no text of a page may have.
+        // Characters that are not allowed on a page.
         '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' => "\u{fffd}".to_owned(),
         c => c.to_string(),
     };
@@ -26,7 +26,7 @@ pub(super) fn table(heads: &[&str], rows: &[Vec<String>]) -> String {
     format!("<div class=\"table\"><table>\n{head}{body}</table></div>\n")
 }
 
-/// A part of the page that is folded up at first.
+/// A section of the page that is collapsed at first.
 pub(super) fn folded(title: &str, content: &str) -> String {
     format!("<details><summary>{}</summary>\n{content}</details>\n", escaped(title))
 }

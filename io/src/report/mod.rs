@@ -30,7 +30,7 @@ use playback::Playback;
 use std::path::Path;
 use stored_table::StoredTable;
 
-/// Files of tables that a run writes, and of statistics computed afterwards.
+/// Files of tables written by runs, and of statistics computed afterwards.
 const TABLES: [&str; 4] = ["averages.h5", "sweep.h5", "solution.h5", "family.h5"];
 const STATISTICS: [&str; 2] = ["statistics/statistics.h5", "stats/statistics.h5"];
 

@@ -1,4 +1,4 @@
-//! The page.
+//! HTML of the page.
 
 use super::chart::{Chart, svg};
 use super::facts::Fact;
@@ -8,14 +8,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// What the page shows.
+/// Contents of the page.
 pub(super) struct Page<'a> {
     pub(super) title: &'a str,
     pub(super) facts: &'a [Fact],
     /// The answers of the run as HTML.
     pub(super) answers: &'a str,
     pub(super) warnings: &'a [String],
-    /// What is played, and which axis is drawn upwards.
+    /// The frames to play, and the axis that is drawn upwards.
     pub(super) playback: Option<(&'a Playback, char)>,
     pub(super) charts: &'a [Chart],
     /// Tables as HTML.
@@ -26,10 +26,10 @@ pub(super) struct Page<'a> {
 
 const STYLE: &str = include_str!("page.css");
 const PLAYER: &str = include_str!("player.js");
-/// The page needs nothing from elsewhere, and may not ask for it.
+/// Content security policy: the page needs nothing from elsewhere, and may not request anything.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:";
 
-/// Where the player stands on the page.
+/// HTML of the player.
 const STAGE: &str = r#"<section id="player">
 <div id="picture"></div>
 <div id="controls">
@@ -41,18 +41,18 @@ const STAGE: &str = r#"<section id="player">
 <p><span id="time"></span> <span id="legend"></span></p>
 </section>
 "#;
-/// What makes spheres small, so that lines between their centres are seen.
+/// HTML of the checkbox that shrinks the spheres, so that the lines between their centres are visible.
 const CHOICE: &str = "<label><input id=\"show-chains\" type=\"checkbox\"> contact forces</label>\n";
 const HINT: &str = "Drag to turn, with the right button to move, wheel to zoom; space plays, arrows step.";
 
-/// Whether a file is such a page.
+/// Whether a file is a page made by this program.
 pub(crate) fn is_page(path: &Path) -> bool {
     let (expected, mut found) = (start(), String::new());
     let read = File::open(path).and_then(|file| file.take(expected.len() as u64).read_to_string(&mut found));
     read.is_ok() && found == expected
 }
 
-/// The first lines.
+/// First lines of the page.
 fn start() -> String {
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -61,7 +61,7 @@ fn start() -> String {
 }
 
 impl Page<'_> {
-    /// The page as HTML: one file that needs no other.
+    /// The page as HTML: a single file that needs no other.
     pub(super) fn html(&self) -> String {
         let title = escaped(self.title);
         let played = self.playback.filter(|(playback, _)| playback.shown() > 0);
@@ -104,10 +104,10 @@ impl Page<'_> {
     }
 }
 
-/// The player, and what it plays.
+/// Script of the player, and its data.
 fn script(playback: &Playback, up: char) -> String {
     let (description, lists) = playback.parts(up);
-    // As part of a page no text may look like the end of its element.
+    // Text embedded in the page must not look like the end of its element.
     let description = description.to_string().replace('<', "\\u003c");
     let mut script = format!("<script type=\"application/json\" id=\"run\">{description}</script>\n");
     for (id, bytes) in &lists {

@@ -1,4 +1,4 @@
-//! Reading tables of results.
+//! Reader of tables of results.
 
 use crate::{FileError, checksum, claimed_size, stored_inside, text};
 use domain::Number;
@@ -9,7 +9,7 @@ use std::path::Path;
 /// A table of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StoredTable {
-    /// Its name.
+    /// Name.
     pub(super) name: String,
     columns: Vec<(String, Column)>,
 }
@@ -17,12 +17,12 @@ pub(super) struct StoredTable {
 #[derive(Debug, Clone, PartialEq)]
 enum Column {
     Words(Vec<String>),
-    /// With their unit.
+    /// Numbers with their unit.
     Numbers(Vec<f64>, String),
 }
 
 impl StoredTable {
-    /// The tables of a file; none if there is no such file.
+    /// Tables of a file; empty if there is no such file.
     pub(super) fn all(path: &Path) -> Result<Vec<Self>, FileError> {
         if !path.is_file() {
             return Ok(Vec::new());
@@ -69,7 +69,7 @@ impl StoredTable {
         }
     }
 
-    /// What a cell says: words, or a number of a few digits; nothing if there is no such column.
+    /// Text of a cell: words, or a number with a few digits; empty if there is no such column.
     pub(super) fn cell(&self, name: &str, row: usize) -> String {
         match self.get(name) {
             Some(Column::Words(words)) => words[row].clone(),
@@ -78,7 +78,7 @@ impl StoredTable {
         }
     }
 
-    /// The same, with all digits of a number.
+    /// Text of a cell, with all digits of a number.
     fn word(&self, name: &str, row: usize) -> String {
         match self.get(name) {
             Some(Column::Numbers(numbers, _)) => Number(numbers[row]).to_string(),
@@ -86,7 +86,7 @@ impl StoredTable {
         }
     }
 
-    /// The rows that are alike in these columns, with what the columns say, in the order of their first ones.
+    /// Groups of rows with equal cells in these columns, and those cells, in the order of their first rows.
     pub(super) fn groups(&self, columns: &[&str]) -> Vec<(Vec<String>, Vec<usize>)> {
         let mut groups: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
         for row in 0..self.len() {
@@ -99,8 +99,8 @@ impl StoredTable {
         groups
     }
 
-    /// Points with the numbers of two columns in some rows, and standard errors from the column with `_error` after the
-    /// second one's name. `None` if there is not either column.
+    /// Points from two columns in the given rows, and standard errors from the column named like the second with
+    /// `_error` appended. `None` if either column is missing.
     pub(super) fn points(&self, x: &str, y: &str, rows: &[usize]) -> Option<(Vec<[f64; 2]>, Vec<f64>)> {
         let ((x, _), (values, _)) = (self.numbers(x)?, self.numbers(y)?);
         let errors = self.numbers(&format!("{y}_error")).map_or(&[][..], |(errors, _)| errors);

@@ -35,7 +35,7 @@ fn shown(stored: &StoredTable) -> Option<(&'static str, String)> {
     }
 }
 
-/// Quantities with their errors.
+/// Table of quantities with their errors.
 fn statistics(stored: &StoredTable) -> String {
     let bounds = stored.numbers("converged").map_or(&[][..], |(numbers, _)| numbers);
     let row = |row: usize| {
@@ -50,7 +50,7 @@ fn statistics(stored: &StoredTable) -> String {
     table(&["quantity", "species", "value", "standard error", "unit"], &rows)
 }
 
-/// Some columns, with their units.
+/// Table of some columns, with their units.
 fn columns(stored: &StoredTable, names: &[&str]) -> String {
     let heads: Vec<String> = names.iter().map(|name| head(stored, name)).collect();
     let rows: Vec<Vec<String>> =
@@ -58,7 +58,7 @@ fn columns(stored: &StoredTable, names: &[&str]) -> String {
     table(&heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
 }
 
-/// A table of one row, turned.
+/// A table of one row, transposed.
 fn totals(stored: &StoredTable) -> String {
     let row = |name: &str| vec![head(stored, name), stored.cell(name, 0)];
     let rows: Vec<Vec<String>> = if stored.len() == 1 { stored.number_names().map(row).collect() } else { Vec::new() };

@@ -26,7 +26,7 @@ fn provenance() -> Provenance {
     Provenance { scene: SCENE.into(), program: "test 1".into(), plan: "method <x>".into(), ranks: 2, seed: 7 }
 }
 
-/// Rows of a mean velocity and of the smallest gap at steps 0, 10, ...
+/// Writes rows of a mean velocity and of the smallest gap at steps 0, 10, ...
 fn add_series(folder: &Path, gaps: &[f64]) {
     let mean = Quantity::vectors("mean_velocity", "length/time", &["</script><b>".into()]);
     let quantities = [mean, Quantity::number("smallest_gap", "length")];
@@ -53,7 +53,7 @@ fn report(folder: &Path) -> Result<String, String> {
     Ok(std::fs::read_to_string(out).unwrap())
 }
 
-/// No two elements have one name, by which the player finds them.
+/// Element ids, by which the player finds elements, are unique.
 #[test]
 fn forces_of_contacts_can_be_shown() {
     let folder = tempfile::tempdir().unwrap();
@@ -159,7 +159,7 @@ fn statistics_are_charts_and_a_table() {
     assert!(page.contains(">a and b</text>") && page.contains("distance of centres (length)"));
     let row = "<td>T_xx</td><td>a</td><td>0.5</td><td>\u{b1} 0.01 at least</td><td>length\u{b2}/time\u{b2}</td>";
     assert!(page.contains(row) && page.contains("<td>unknown</td><td></td>"), "{page}");
-    // Both points, from margin to margin of their area.
+    // Both points, from margin to margin of the plot area.
     assert!(page.contains("d=\"M82.2 270.8L487.8 41.2\""), "{page}");
 }
 

@@ -6,7 +6,7 @@ use super::stored_table::StoredTable;
 use crate::Kind;
 use domain::Number;
 
-/// The number of damaged parts that are listed; more are only counted.
+/// Number of damaged parts that are listed; further ones are only counted.
 const TOLD: usize = 5;
 
 /// The warnings that follow from the results.
@@ -24,14 +24,14 @@ pub(super) fn warnings(about: &About, course: &Course, tables: &[StoredTable]) -
     warnings
 }
 
-/// Whether nothing was to be written between a step and the end.
+/// Whether no output was due between a step and the end.
 fn is_due_later(about: &About, last: u64, steps: u64) -> bool {
     let Some(output) = about.kind().and_then(Kind::output) else { return true };
     let next = [output.trajectory, output.observables].into_iter().filter_map(|schedule| schedule.next_after(last));
     next.min().is_none_or(|next| next > steps)
 }
 
-/// Rows of the time series in which spheres overlap.
+/// Warning if spheres overlap in rows of the time series.
 fn overlaps(course: &Course) -> Option<String> {
     let gaps: Vec<f64> = course.series.get("smallest_gap")?.column(0, 0).collect();
     let overlapping = gaps.iter().filter(|&&gap| gap < 0.0).count();
@@ -42,7 +42,7 @@ fn overlaps(course: &Course) -> Option<String> {
     })
 }
 
-/// Solutions of a continuum that are dilute, where the theory is asked for dense ones.
+/// Warning if solutions of a continuum are dilute, while the theory is meant for dense ones.
 fn dilute(table: &StoredTable) -> Option<String> {
     let count = table.numbers("dilute")?.0.iter().filter(|&&dilute| dilute != 0.0).count();
     (count > 0).then(|| format!("{count} of {} solutions are dilute.", table.len()))

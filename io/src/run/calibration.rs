@@ -5,7 +5,7 @@ use crate::{Kind, Scene};
 use domain::Comm;
 use suspension::least_repulsion;
 
-/// The scene with the least strength of repulsion that keeps its spheres apart in a trial, and that strength, if
+/// The scene with the smallest strength of repulsion that prevents overlaps in a trial, and that strength, if
 /// `repulsion.calibrate` is set. Collective.
 pub fn with_least_repulsion(scene: Scene, comm: &Comm) -> Result<(Scene, Option<f64>), RunError> {
     let Kind::Suspension(checked) = scene.kind() else { return Ok((scene, None)) };

@@ -15,10 +15,10 @@ pub(super) fn is_solved(problems: &ContinuumScene, folder: &Path) -> bool {
     folder.join(SOLUTION).with_extension("h5").exists() && rows.is_ok_and(|rows| rows.len() == problems.problems.len())
 }
 
-/// The file of all tables, which is written last.
+/// Name of the file of all tables, which is written last.
 const SOLUTION: &str = "solution";
 
-/// Solves all problems and writes their profiles. Those that have no solution are named at the end.
+/// Solves all problems and writes their profiles. Problems without a solution are listed at the end.
 pub(super) fn solve(
     problems: &ContinuumScene,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! Why a run can't begin or go on.
+//! Errors of starting or continuing a run.
 
 use crate::{FileError, SceneError};
 use domain::{Failure, Interrupted};
@@ -7,31 +7,31 @@ use simulation::SimulationError;
 use std::path::PathBuf;
 use suspension::LeastRepulsionError;
 
-/// Why a run can't begin or go on.
+/// Reasons why a run cannot begin or continue.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
-    /// A file that can't be read or written.
+    /// A file that cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),
     /// A scene that was refused.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A suspension that can't be started.
+    /// A suspension that cannot be started.
     #[error(transparent)]
     Suspension(#[from] suspension::StartError),
-    /// Grains that can't be started.
+    /// Grains that cannot be started.
     #[error(transparent)]
     Grains(#[from] drivers::StartError),
-    /// A simulation that can't go on.
+    /// A simulation that cannot continue.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
-    /// No least repulsion.
+    /// No strength of repulsion prevents overlaps.
     #[error(transparent)]
     LeastRepulsion(#[from] LeastRepulsionError),
     /// A parameter of a sweep's runs.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Something that only some ranks know of.
+    /// A failure on another rank.
     #[error(transparent)]
     Failed(#[from] Failure),
     /// A request to stop.
@@ -40,33 +40,33 @@ pub enum RunError {
     /// A scene of a kind that is not advanced in steps.
     #[error("scenes of this kind have no steps")]
     NoSteps,
-    /// A folder that can't be used.
+    /// A folder that cannot be used.
     #[error("can't {what} {}", path.display())]
     Folder {
-        /// What was tried.
+        /// The failed action.
         what: &'static str,
-        /// The folder or the file in it.
+        /// Path of the folder or the file in it.
         path: PathBuf,
-        /// Why not.
+        /// Cause.
         source: std::io::Error,
     },
-    /// A folder that may not be used.
+    /// A folder that must not be used.
     #[error("{0}")]
     Refused(String),
     /// Problems of a continuum without a solution.
     #[error("{} of {problems} problems have no solution:\n{}", unsolved.len(), unsolved.join("\n"))]
     Unsolved {
-        /// Which, and why not.
+        /// Each problem without a solution, and the reason.
         unsolved: Vec<String>,
-        /// How many problems there are.
+        /// Number of problems.
         problems: usize,
     },
     /// Too little memory.
     #[error("{remedy}: {missing}")]
     Memory {
-        /// What the scene is, and what to change.
+        /// Description of the scene, and advice.
         remedy: String,
-        /// What it takes and what there is.
+        /// Memory needed and available.
         missing: domain::NotEnoughMemory,
     },
 }

@@ -1,4 +1,4 @@
-//! The folder of a run, locked by one program at a time.
+//! The folder of a run, locked by one process at a time.
 
 use super::RunError;
 use crate::manifest::SCENE;
@@ -8,7 +8,7 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 
-/// What to do with a run that the folder contains already.
+/// Treatment of a run that the folder already contains.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ExistingRun {
     /// Keep it, and refuse the folder.
@@ -22,15 +22,15 @@ pub enum ExistingRun {
 /// The folder of a run, locked until the run ends.
 pub struct RunFolder {
     path: PathBuf,
-    /// The files that runs have made here; known to the first rank.
+    /// Files that runs have made here; known on the first rank.
     manifest: Manifest,
-    /// On the first rank; the system unlocks it when the program ends, however it ends.
+    /// Held on the first rank; the system releases it when the process ends, however it ends.
     _lock: Option<File>,
 }
 
 impl RunFolder {
-    /// Locks a folder for a run, unless it contains a run that is to be kept, or files that no run has made under names that
-    /// a run uses.
+    /// Locks a folder for a run, unless it contains a run that is to be kept, or files that no run has made
+    /// under names that a run uses.
     pub fn claim(path: &Path, comm: &Comm, former: ExistingRun) -> Result<Self, RunError> {
         if !comm.is_first() {
             return Ok(Self::elsewhere(path));
@@ -39,7 +39,7 @@ impl RunFolder {
         Self::claim_by(path, former, || lock(path))
     }
 
-    /// The same where other programs may be busy in the folder for a moment, for which it waits.
+    /// Like [`RunFolder::claim`], but waits until other processes have released the folder.
     pub(super) fn claim_when_free(path: &Path, former: ExistingRun) -> Result<Self, RunError> {
         std::fs::create_dir_all(path).map_err(|source| failed("make the folder", path, source))?;
         let held = lock_when_free(path)?;
@@ -67,7 +67,7 @@ impl RunFolder {
         hold(manifest.unwrap_or_else(|| Manifest::none(path)))
     }
 
-    /// Locks the folder of a run that is continued.
+    /// Locks the folder of a run to be continued.
     pub fn reopen(path: &Path, comm: &Comm) -> Result<Self, RunError> {
         if !comm.is_first() {
             return Ok(Self::elsewhere(path));
@@ -87,17 +87,17 @@ impl RunFolder {
         }
     }
 
-    /// On a rank that writes nothing.
+    /// The folder on a rank that writes nothing.
     fn elsewhere(path: &Path) -> Self {
         Self { path: path.to_owned(), manifest: Manifest::none(path), _lock: None }
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The files that runs have made here; none are known to other ranks than the first.
+    /// Files that runs have made here; known on the first rank only.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
@@ -107,12 +107,12 @@ impl RunFolder {
         comm.any(comm.is_first() && self.scene().exists())
     }
 
-    /// The path of the scene.
+    /// Path of the scene.
     pub fn scene(&self) -> PathBuf {
         self.path.join(SCENE)
     }
 
-    /// `Err` if the scene is gone, without which the run can't be gone on with.
+    /// `Err` if the scene is missing, without which the run cannot be continued.
     pub(super) fn check_scene(&self) -> Result<(), FileError> {
         if self.scene().is_file() {
             return Ok(());
@@ -132,14 +132,14 @@ impl RunFolder {
         self.keep(scene)
     }
 
-    /// Removes what a run has left here.
+    /// Removes everything that a run has left here.
     pub(super) fn clear(self) -> Result<(), RunError> {
         self.manifest.remove_temporary_files();
         self.manifest.remove_all()?;
         Ok(self.manifest.discard()?)
     }
 
-    /// Writes the scene of this run.
+    /// Stores the scene of this run.
     pub fn keep(&self, scene: &str) -> Result<(), RunError> {
         self.manifest.enter(&self.scene())?;
         replace_file(&self.scene(), scene.as_bytes())?;
@@ -147,7 +147,7 @@ impl RunFolder {
     }
 }
 
-/// The manifest of the files of a run, or of one that an older version has left; nothing if there is no file of a run.
+/// Manifest of the files of a run, or of a run of an older version; `None` if there are no files of a run.
 fn known_files(path: &Path) -> Result<Option<Manifest>, RunError> {
     match Manifest::open(path)? {
         Some(manifest) => Ok(Some(manifest)),
@@ -167,7 +167,7 @@ fn kept(path: &Path) -> String {
     )
 }
 
-/// Refuses a folder in which files of others have names that a run uses.
+/// Refuses a folder with files of others under names that a run uses.
 fn refuse_obstacles(path: &Path, manifest: Option<&Manifest>) -> Result<(), RunError> {
     let obstacles = Obstacles::of(path, manifest)?;
     if obstacles.is_empty() {
@@ -188,10 +188,10 @@ fn refuse_obstacles(path: &Path, manifest: Option<&Manifest>) -> Result<(), RunE
     )))
 }
 
-/// The file by which a folder is locked.
+/// Name of the lock file of a folder.
 const LOCK: &str = ".lock";
 
-/// Locks the file `.lock`, which is made if need be and otherwise left as it is.
+/// Locks the file `.lock`, which is created if it does not exist and otherwise left unchanged.
 fn lock(path: &Path) -> Result<File, RunError> {
     let file = lock_file(path)?;
     match file.try_lock() {
@@ -204,7 +204,7 @@ fn lock(path: &Path) -> Result<File, RunError> {
     }
 }
 
-/// The same once no other program has the lock.
+/// Waits for the lock.
 pub(super) fn lock_when_free(path: &Path) -> Result<File, RunError> {
     let file = lock_file(path)?;
     // Some file systems have no locks.
@@ -212,7 +212,7 @@ pub(super) fn lock_when_free(path: &Path) -> Result<File, RunError> {
     Ok(file)
 }
 
-/// Whether a program is writing to a folder.
+/// Whether a process is writing to a folder.
 pub(super) fn is_locked(path: &Path) -> bool {
     let file = File::open(path.join(LOCK));
     file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))

@@ -1,17 +1,17 @@
-//! Messages and progress of work that takes long.
+//! Messages and progress of long computations.
 
-/// Receives messages and progress of a scene that is carried out, and can stop it.
+/// Receives messages and progress while a scene is computed, and can stop the computation.
 pub trait Listener: Sync {
     /// Called with a message for the user.
     fn line(&self, text: &str);
 
-    /// Called now and then with the part of the work that is done.
+    /// Called now and then with the completed fraction of the work.
     fn part(&self, _part: f64) {}
 
-    /// Called when a result is stored that need not be computed again.
+    /// Called when a result has been stored and need not be computed again.
     fn stored(&self) {}
 
-    /// Whether to continue. It is called often; the work stops when it first returns false.
+    /// Whether to continue. Called often; the work stops when it first returns false.
     fn goes_on(&self) -> bool {
         true
     }

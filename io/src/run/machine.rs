@@ -1,5 +1,5 @@
 //! Measured costs of evaluations on this machine: stored in the user's cache folder, and written into the scenes that
-//! are run here, so that they are resumed by the same plan on any machine.
+//! are run here, so that they are resumed with the same plan on any machine.
 
 use super::RunError;
 use crate::{Kind, Scene, replace_file};
@@ -8,7 +8,7 @@ use fcm::Costs;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// The file in the cache folder.
+/// Content of the file in the cache folder.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Cached {

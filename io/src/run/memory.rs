@@ -9,7 +9,7 @@ use drivers::shear_cell::Experiment;
 use simulation::{Frame, Outline, Table};
 use suspension::Ranks;
 
-/// The memory of a run at its peak.
+/// Memory of a run at its peak.
 pub fn need(kind: &Kind) -> Need {
     let peak = match kind {
         Kind::GranularDisks(scene) => disks(scene),
@@ -17,12 +17,12 @@ pub fn need(kind: &Kind) -> Need {
         Kind::Continuum(scene) => continuum(scene),
         _ => Bytes::default(),
     };
-    // Tables are written at once, everything else into files that stay open.
+    // Tables are written at once, all other output to files that stay open.
     let process = Process { writes: !matches!(kind, Kind::Continuum(_)), ..Process::ALONE };
     Need { resident: process.resident(peak.most), ..Need::default() }
 }
 
-/// The bytes that a run in one process takes at its peak, as far as they are known before its particles are placed.
+/// Bytes that a run in one process takes at its peak, as far as they are known before its particles are placed.
 pub fn predicted_memory(kind: &Kind, threads: usize) -> Result<Option<f64>, RunError> {
     match kind {
         Kind::Suspension(scene) => Ok(suspension::predicted_memory(&scene.model, Ranks { count: 1, threads })?),
@@ -30,7 +30,7 @@ pub fn predicted_memory(kind: &Kind, threads: usize) -> Result<Option<f64>, RunE
     }
 }
 
-/// Refuses a scene of grains for which memory is insufficient; suspensions are checked when they are planned.
+/// Refuses a scene of grains if memory is insufficient; suspensions are checked when they are planned.
 pub fn check_memory(kind: &Kind, comm: &Comm) -> Result<(), RunError> {
     if let Kind::Suspension(_) = kind {
         return Ok(());
@@ -47,7 +47,7 @@ pub fn add_to(outline: Outline, kind: &Kind, comm: &Comm) -> Outline {
         .refusal(check_memory(kind, comm).err().map(|error| error.to_string()))
 }
 
-/// The description of a scene, and what to change if it needs too much memory.
+/// Description of a scene, and advice for reducing its memory.
 fn remedy(kind: &Kind) -> String {
     match kind {
         Kind::GranularDisks(scene) => remedy_of_disks(scene),
@@ -97,11 +97,11 @@ fn cell(scene: &ShearCellScene) -> Bytes {
     sampling.bytes(model, *count, *collisions).then(Frame::bytes(*count as f64, 6))
 }
 
-/// A solution, or rows of the profiles of all problems and their text.
+/// Memory of a solution, or of rows of the profiles of all problems and their text.
 fn continuum(scene: &ContinuumScene) -> Bytes {
     let solved = scene.problems.first().map(|_| Problem::bytes()).unwrap_or_default();
     solved.or(Table::bytes(scene.problems.len() as f64 * scene.points as f64, ROW))
 }
 
-/// Columns of a row of the profiles: pressure and speed, and what is at a height.
+/// Columns of a row of the profiles: pressure and speed, and the quantities at a height.
 const ROW: usize = 7;

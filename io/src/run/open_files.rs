@@ -1,4 +1,4 @@
-//! The files that grow in the course of a run: opened at its start, or after the last step of a former part.
+//! Files that grow in the course of a run: opened at its start, or after the last step of an earlier part.
 
 use crate::checkpoint::Written;
 use crate::missing_steps::MissingSteps;
@@ -15,15 +15,16 @@ use std::path::PathBuf;
 pub(super) struct Files {
     pub trajectory: Option<Trajectory>,
     pub series: Option<Series>,
-    /// What is damaged or missing in the files of a former part of the run, which the run does not need.
+    /// Warnings about damaged or missing parts, which the run does not need, in the files of
+    /// an earlier part of the run.
     pub warnings: Vec<String>,
 }
 
-/// Way of opening files: from the start, or after the last step of a former part, with room until a step.
+/// Parameters for opening files: at the start, or after the last step of an earlier part, with room until a step.
 pub(super) struct Open<'a> {
     pub run: &'a Manifest,
     pub provenance: &'a Provenance,
-    /// The scene, and what was to be written when.
+    /// The scene, and the output schedules.
     pub scene: &'a SceneRecord,
     pub last: Option<u64>,
     pub room: u64,
@@ -34,13 +35,13 @@ const SERIES: &str = "observables.h5";
 const TABLE: &str = "observables.csv";
 
 impl Files {
-    /// Waits until all that was written is on the disk.
+    /// Waits until all written data are on the disk.
     pub fn sync(&self) -> Result<(), FileError> {
         self.trajectory.as_ref().map_or(Ok(()), Trajectory::sync)?;
         self.series.as_ref().map_or(Ok(()), Series::sync)
     }
 
-    /// Damaged frames and rows of a former part of the run.
+    /// Damaged frames and rows of an earlier part of the run.
     fn damage(&self) -> Vec<String> {
         let trajectory = self.trajectory.iter().flat_map(Trajectory::damage).map(|damage| (TRAJECTORY, damage));
         let series = self.series.iter().flat_map(Series::damage).map(|damage| (SERIES, damage));
@@ -77,7 +78,7 @@ impl Open<'_> {
         Ok(files)
     }
 
-    /// Frames and rows at the end: those that are there, of whatever intervals, and those to come.
+    /// Numbers of frames and rows at the end: existing ones, at whatever intervals, and future ones.
     fn capacities(&self, output: &Output, quantities: &[Quantity]) -> [u64; 2] {
         let first = quantities.first().map_or(String::new(), |quantity| format!("observables/{}/step", quantity.name));
         let files = [
@@ -98,7 +99,8 @@ impl Open<'_> {
         self.run.folder().join(name)
     }
 
-    /// The scenes of the trajectory and of the time series, up to that of now. Where one has none, it takes those of the other.
+    /// Scene histories of the trajectory and of the time series, up to the present scene. If one file has none,
+    /// it takes that of the other.
     fn histories(&self) -> Result<[SceneHistory; 2], FileError> {
         let now = self.scene.text();
         let own = [TRAJECTORY, SERIES].map(|name| self.last.and_then(|_| SceneHistory::of(&self.path(name))));
@@ -143,7 +145,7 @@ impl Open<'_> {
         Provenance { scene: scenes.first.clone(), ..self.provenance.clone() }
     }
 
-    /// What the former part has written up to its last step and is not there any more.
+    /// Warnings about output of the earlier part that is missing, up to its last step.
     fn missing(&self, files: &Files, [had_frames, had_rows]: [bool; 2], last: u64) -> Result<Vec<String>, FileError> {
         let steps_of = |folder: &str, name: &str| files_of(&self.path(folder), name);
         let frames = files.trajectory.as_ref().map(Trajectory::steps).transpose()?;
@@ -174,7 +176,7 @@ impl Open<'_> {
     }
 }
 
-/// The steps of the files of a folder that begin so and are numbered.
+/// Steps of the numbered files in a folder whose names begin with `start`.
 fn files_of(folder: &std::path::Path, start: &str) -> Vec<u64> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let step = |name: &str| name.strip_prefix(start)?.strip_suffix(".h5")?.parse().ok();

@@ -1,4 +1,4 @@
-//! Scenes of grains in numbers, before they are run.
+//! Outlines of scenes of grains, before they are run.
 
 use super::trial::sweep_steps;
 use super::{RunError, check_ranks, memory, start, start_positions};
@@ -9,12 +9,12 @@ use drivers::shear_cell::Collisions;
 use simulation::Outline;
 use suspension::Asked;
 
-/// Disks that one core moves by a step in a second: a measured order of magnitude.
+/// Number of disks times steps that one core computes per second: a measured order of magnitude.
 const DISK_STEPS: f64 = 2.5e7;
-/// Grains that one core moves by a step of time-stepped collisions in a second, likewise.
+/// Number of grains times steps of time-stepped collisions that one core computes per second, likewise measured.
 const GRAIN_STEPS: f64 = 2.5e7;
 
-/// The outline of a scene: its particles, plan, memory and cost, on ranks that need not exist. Collective.
+/// Outline of a scene: its particles, plan, memory and cost, on ranks that need not exist. Collective.
 pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunError> {
     check_ranks(kind, asked.ranks.count)?;
     let outline = match kind {
@@ -23,7 +23,7 @@ pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunErr
                 .value("kind", kind.name()));
         }
         Kind::GranularDisks(scene) => {
-            // A file that can't be read is found here as it is at the start of a run.
+            // A file that cannot be read is reported here as at the start of a run.
             start::disk_positions(scene, comm)?;
             of_disks(scene)
         }
@@ -46,7 +46,7 @@ fn of_disks(scene: &GranularDisksScene) -> Outline {
     with_cost(outline, Some(scene.model.sizes().len() as f64 * steps / DISK_STEPS))
 }
 
-/// The runs of a sweep.
+/// Summary of the runs of a sweep.
 pub fn cases(sweep: &Sweep) -> String {
     format!(
         "{} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.6}",
@@ -59,7 +59,7 @@ pub fn cases(sweep: &Sweep) -> String {
     )
 }
 
-/// Seconds that a cell takes, if its collisions are stepped in time.
+/// Estimated seconds of a run of the cell, if its collisions are time-stepped.
 fn cell_seconds(scene: &ShearCellScene) -> Option<f64> {
     let Collisions::TimeStepped { step } = scene.experiment.collisions else { return None };
     Some(scene.experiment.count as f64 * scene.time.end() / step / GRAIN_STEPS)
@@ -73,7 +73,7 @@ fn with_cost(outline: Outline, seconds: Option<f64>) -> Outline {
     outline.value("seconds", seconds)
 }
 
-/// The problems of a continuum.
+/// Outline of a continuum.
 pub fn continuum(scene: &ContinuumScene) -> Outline {
     let radial = scene.problems.first().map(|p| p.parameters().grains.radial);
     let name = radial.map(|radial| format!("{radial:?}")).unwrap_or_default();

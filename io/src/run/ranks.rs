@@ -1,10 +1,10 @@
-//! The ranks that a scene can be run on.
+//! Number of ranks that a scene can be run on.
 
 use super::RunError;
 use crate::Kind;
 use drivers::StartError;
 
-/// Refuses more ranks than one for scenes of grains.
+/// Refuses more than one rank for scenes of grains.
 pub fn check_ranks(kind: &Kind, ranks: usize) -> Result<(), RunError> {
     match kind {
         Kind::Suspension(_) => Ok(()),

@@ -12,7 +12,8 @@ use simulation::Simulation;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Writes the output files of a run at the steps when they are due. The first rank writes; every call is collective.
+/// Writes the output files of a run at the steps at which they are due. The first rank writes;
+/// every call is collective.
 pub struct Recorder {
     folder: RunFolder,
     output: Output,
@@ -21,17 +22,17 @@ pub struct Recorder {
     scene: SceneRecord,
     files: Files,
     comm: Comm,
-    /// The first step to be recorded: earlier ones are in the files already.
+    /// First step to be recorded: earlier ones are in the files already.
     from: u64,
-    /// The step of the last checkpoint.
+    /// Step of the last checkpoint.
     saved: Option<u64>,
-    /// The step at which the run ends.
+    /// Last step of the run.
     last: u64,
-    /// The longest time that a checkpoint took.
+    /// Longest time that a checkpoint took.
     longest_checkpoint: Duration,
-    /// Whether the scene that is kept has what the simulation found.
+    /// Whether the stored scene has the parameters that the simulation has found.
     has_found: bool,
-    /// Of a run that has come to its end, on the first rank, and what went wrong with them.
+    /// Answers of a run that has ended, on the first rank, and a warning if there was a problem.
     answers: Option<(Vec<RunAnswer>, Option<String>)>,
 }
 
@@ -45,8 +46,8 @@ impl Recorder {
         Self::open(folder, (scene, None), simulation, (None, scene.kind().steps()))
     }
 
-    /// A recorder for a run that is resumed with a scene, from a checkpoint of the scene that it had then, if that is
-    /// known.
+    /// A recorder for a run that is resumed with a scene, from a checkpoint with the scene of
+    /// that time, if that is known.
     pub(super) fn resume(
         folder: RunFolder,
         scenes: (&Scene, Option<SceneRecord>),
@@ -61,7 +62,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// The same run with another end, that of `scene`, in files with room until step `room`. What was written stays.
+    /// The same run with another end, that of `scene`, in files with room until step `room`. Written data are kept.
     pub fn extend(self, scene: &Scene, room: u64, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let Self { folder, files, comm, scene: record, .. } = self;
         drop(files);
@@ -106,7 +107,7 @@ impl Recorder {
         })
     }
 
-    /// The folder of the results.
+    /// Folder of the results.
     pub fn folder(&self) -> &Path {
         self.folder.path()
     }
@@ -116,13 +117,13 @@ impl Recorder {
         &self.files.warnings
     }
 
-    /// The first step after this one at which anything is due.
+    /// First step after this one at which any output is due.
     pub fn next_due(&self, step: u64) -> Option<u64> {
         let Output { trajectory, observables, checkpoints, fields, contacts, .. } = &self.output;
         [trajectory, observables, checkpoints, fields, contacts].into_iter().filter_map(|s| s.next_after(step)).min()
     }
 
-    /// Writes what is due at the step where the simulation is.
+    /// Writes the output that is due at the present step of the simulation.
     pub fn record(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let step = simulation.clock().step();
         if step < self.from {
@@ -149,7 +150,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// Keeps what the simulation has found for its scene beside what the scene said.
+    /// Stores parameters that the simulation has found in the scene, in addition to the user's.
     fn keep_found(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {
         let Some(found) = simulation.found().filter(|_| !self.has_found) else { return Ok(()) };
         self.has_found = true;
@@ -175,13 +176,13 @@ impl Recorder {
         Ok(self.comm.agree(self.files.series.as_mut().map_or(Ok(()), append))?)
     }
 
-    /// The longest time that a checkpoint took.
+    /// Longest time that a checkpoint took.
     pub fn longest_checkpoint(&self) -> Duration {
         self.longest_checkpoint
     }
 
-    /// Writes a checkpoint, unless there is one of this step already, and the averages so far. The last checkpoint of a
-    /// run comes after all else: a run that has it is finished.
+    /// Writes a checkpoint, unless there is one of this step already, and the averages so far. The last checkpoint of
+    /// a run is written after everything else: a run that has it is finished.
     pub fn checkpoint(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let step = simulation.clock().step();
         if self.saved == Some(step) {
@@ -199,8 +200,8 @@ impl Recorder {
         Ok(())
     }
 
-    /// Writes the answers and the last checkpoint of a run that has come to its end. Returns the answers on the first
-    /// rank, with a warning if they can't be found or written. Collective.
+    /// Writes the answers and the last checkpoint of a run that has ended. Returns the answers on the first rank,
+    /// with a warning if they cannot be computed or written. Collective.
     pub fn finish(&mut self, simulation: &mut dyn Simulation) -> Result<(&[RunAnswer], Option<&str>), RunError> {
         self.conclude(simulation)?;
         self.checkpoint(simulation)?;
@@ -232,7 +233,7 @@ impl Recorder {
         }
     }
 
-    /// Writes the checkpoint of this step again, for a scene that has changed.
+    /// Rewrites the checkpoint of this step for a scene that has changed.
     pub(super) fn renew_checkpoint(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         self.saved = None;
         self.checkpoint(simulation)
@@ -252,7 +253,7 @@ impl Recorder {
 
     fn state(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         let state = simulation.state();
-        // What a checkpoint follows on must be on the disk when it is.
+        // Data that precede a checkpoint must be on the disk before it.
         let is_whole = || self.files.sync().and_then(|()| self.folder.check_scene());
         self.comm.agree(if self.comm.is_first() { is_whole() } else { Ok(()) })?;
         self.comm.agree(Checkpoints::write(self.folder.manifest(), (&state, &self.scene), &self.comm))?;
@@ -270,7 +271,7 @@ impl Recorder {
     }
 }
 
-/// The provenance of the results of a scene.
+/// Provenance of the results of a scene.
 pub fn provenance(scene: &Scene, plan: String, comm: &Comm) -> Provenance {
     Provenance {
         scene: scene.text().to_owned(),

@@ -1,4 +1,4 @@
-//! Going on with a run: from its last whole checkpoint, with a scene of which some keys may have changed.
+//! Resuming a run from its last intact checkpoint, with a scene in which some keys may have changed.
 
 use super::{Recorder, RunError, RunFolder, start};
 use crate::scene_history::SceneHistory;
@@ -6,7 +6,7 @@ use crate::{Checkpoints, Kind, Latest, Scene, SceneChange, SceneRecord};
 use domain::Comm;
 use simulation::{Simulation, State};
 
-/// A run that can go on: its last whole checkpoint, and what has changed in its scene since.
+/// A run that can be resumed: its last intact checkpoint, and the changes of its scene since then.
 pub struct Resumption {
     folder: RunFolder,
     scene: Scene,
@@ -19,8 +19,8 @@ pub struct Resumption {
 }
 
 impl Resumption {
-    /// The run of a folder with a scene as it is now. Refuses keys that may not change, and those that have to be accepted and
-    /// are not. Collective.
+    /// The run in a folder with the present scene. Refuses changes of fixed keys, and changes that must be
+    /// accepted and are not. Collective.
     pub fn of(folder: RunFolder, scene: Scene, accepted: &[String], comm: &Comm) -> Result<Self, RunError> {
         let Latest { mut state, scene: record, damaged } = Checkpoints::of(folder.path()).latest(comm)?;
         let step = state.step;
@@ -43,27 +43,27 @@ impl Resumption {
         Ok(Self { folder, scene, step, state: Some(state), record, changes, damaged, notes })
     }
 
-    /// The step of the checkpoint.
+    /// Step of the checkpoint.
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// The folder of the run.
+    /// Folder of the run.
     pub fn folder(&self) -> &RunFolder {
         &self.folder
     }
 
-    /// The scene as it is now.
+    /// The present scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Checkpoints that are damaged, on the first rank.
+    /// Messages about damaged checkpoints, on the first rank.
     pub fn damaged(&self) -> &[String] {
         &self.damaged
     }
 
-    /// The keys that have changed, in words.
+    /// Messages about the keys that have changed.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -73,7 +73,7 @@ impl Resumption {
         start::resume(&self.scene, self.state.take(), comm)
     }
 
-    /// What records the simulation, and the scene. Collective.
+    /// Recorder of the simulation, and the scene. Collective.
     pub fn record(self, simulation: &mut dyn Simulation) -> Result<(Recorder, Scene), RunError> {
         let Self { folder, scene, record, changes, .. } = self;
         let mut recorder = Recorder::resume(folder, (&scene, record), simulation)?;
@@ -84,7 +84,7 @@ impl Resumption {
     }
 }
 
-/// Whether averages so far and those to come can't be of one series.
+/// Whether the averages so far cannot be continued with the new scene.
 fn begins_statistics_anew(scene: &Scene, changes: &[SceneChange]) -> bool {
     matches!(scene.kind(), Kind::Suspension(_)) && changes.iter().any(|change| is_of_statistics(&change.key))
 }
@@ -93,12 +93,12 @@ fn is_of_statistics(key: &str) -> bool {
     key.starts_with("statistics")
 }
 
-/// Whether a checkpoint with the former value of a key is none to go on from once the new one was accepted.
+/// Whether checkpoints with the former value of a key must not be resumed from once the new value has been accepted.
 fn changes_state(key: &str) -> bool {
     is_of_statistics(key) || key.starts_with("fluid.") || key.starts_with("repulsion.")
 }
 
-/// The scene of the files of a run whose checkpoints have none, as older versions wrote them. Collective.
+/// Scene according to the files of a run whose checkpoints have none, as in older versions. Collective.
 fn of_files(folder: &RunFolder, comm: &Comm) -> Option<String> {
     let names = ["trajectory.h5", "observables.h5"];
     let read = || names.iter().find_map(|name| SceneHistory::of(&folder.path().join(name)));

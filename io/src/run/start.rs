@@ -1,4 +1,4 @@
-//! The simulation of a scene, at its start or in the state of a checkpoint.
+//! Simulation of a scene, at its start or in the state of a checkpoint.
 
 use super::RunError;
 use super::memory::check_memory;
@@ -11,8 +11,8 @@ use drivers::shear_cell::CellRun;
 use simulation::{Simulation, State};
 use suspension::Observed;
 
-/// The simulation of a scene at its start. `tell` is called now and then with the part of the preparation that is done.
-/// Collective.
+/// Simulation of a scene at its start. `tell` is called now and then with the completed fraction of
+/// the preparation. Collective.
 pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Box<dyn Simulation>, RunError> {
     check_memory(scene.kind(), comm)?;
     Ok(match scene.kind() {
@@ -26,7 +26,7 @@ pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Bo
     })
 }
 
-/// The simulation of a scene in the state of a checkpoint, of which each rank passes its share. Collective.
+/// Simulation of a scene in the state of a checkpoint, of which each rank passes its share. Collective.
 pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
     check_memory(scene.kind(), comm)?;
     Ok(match (scene.kind(), state) {
@@ -40,12 +40,12 @@ pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dy
     })
 }
 
-/// The positions of a scene's spheres at the start, if they are read from a file; on the first rank. Collective.
+/// Starting positions of a scene's spheres, if they are read from a file; on the first rank. Collective.
 pub fn start_positions(scene: &SuspensionScene, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
     on_first(comm, || start_file::of_spheres(scene))
 }
 
-/// The places of a scene's disks at the start, likewise. Collective.
+/// Starting positions of a scene's disks, if they are read from a file; on the first rank. Collective.
 pub(super) fn disk_positions(scene: &GranularDisksScene, comm: &Comm) -> Result<Option<GivenPositions>, RunError> {
     on_first(comm, || start_file::of_disks(scene))
 }

@@ -1,12 +1,12 @@
-//! The file that a run starts from, and what is taken from it.
+//! The file that a run starts from, and the data taken from it.
 
 use super::RunError;
 use crate::positions::{self, Fitted};
 use crate::{FileError, GranularDisksScene, Kind, Scene, StartFile, StartSource, SuspensionScene};
 use domain::{Comm, GivenPositions};
 
-/// The scene with the strain of the box in the file that it starts from, where the scene says none; and what was read, in
-/// lines for the user, on the first rank. Collective.
+/// The scene with the strain of the box in its start file, unless the scene sets one; and messages for the user about
+/// the file, on the first rank. Collective.
 pub fn with_start_file(scene: Scene, comm: &Comm) -> Result<(Scene, Vec<String>), RunError> {
     let source = match scene.kind() {
         Kind::Suspension(checked) => checked.start.as_ref(),
@@ -25,7 +25,7 @@ pub fn with_start_file(scene: Scene, comm: &Comm) -> Result<(Scene, Vec<String>)
     Ok((scene, comm.agree(notes)?.unwrap_or_default()))
 }
 
-/// The strain to set, if the scene says none and the file's box has one.
+/// Strain to set, if the scene has none and the box of the file has one.
 fn taken_strain(scene: &Scene, source: &StartSource) -> Result<Option<f64>, FileError> {
     let file = source.read()?;
     let found = match scene.kind() {
@@ -39,7 +39,7 @@ fn taken_strain(scene: &Scene, source: &StartSource) -> Result<Option<f64>, File
     Ok((strain != 0.0).then_some(strain))
 }
 
-/// Notes on the file.
+/// Messages about the file.
 fn notes(scene: &Scene) -> Result<Vec<String>, FileError> {
     Ok(match scene.kind() {
         Kind::Suspension(scene) => of_spheres(scene)?.map(|fitted| fitted.notes),
@@ -49,12 +49,12 @@ fn notes(scene: &Scene) -> Result<Vec<String>, FileError> {
     .unwrap_or_default())
 }
 
-/// The spheres of the file, if the scene starts from one.
+/// Spheres of the file, if the scene starts from one.
 pub(super) fn of_spheres(scene: &SuspensionScene) -> Result<Option<Fitted>, FileError> {
     scene.start.as_ref().map(|source| fitted(source, |file| positions::spheres(file, &scene.model))).transpose()
 }
 
-/// The disks of the file, if the scene starts from one.
+/// Disks of the file, if the scene starts from one.
 pub(super) fn of_disks(scene: &GranularDisksScene) -> Result<Option<Fitted>, FileError> {
     let parameters = scene.model.parameters();
     scene.start.as_ref().map(|source| fitted(source, |file| positions::disks(file, parameters))).transpose()

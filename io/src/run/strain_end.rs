@@ -1,26 +1,26 @@
-//! The end of a run by a strain, as its first steps foretell it.
+//! Forecast from the first steps of a run of its end by a strain.
 
 use domain::Number;
 use simulation::{Outline, Simulation};
 
-/// What the first steps of a run tell of the strain at which it ends, where no rate is given.
+/// Forecast from the first steps of the strain that ends a run, if the rate is not given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StrainEnd {
-    /// It is reached after so many steps if the rate stays what it is.
+    /// The strain is reached after this number of steps if the rate stays constant.
     After(f64),
-    /// It is not reached: at the last step only this part of it is.
+    /// The strain is not reached: this is the fraction of it at the last step.
     Missed(f64),
-    /// Nothing was sheared yet.
+    /// No strain has accumulated yet.
     Unknown,
 }
 
 impl StrainEnd {
-    /// That of a run with so many steps at most, if a strain ends it.
+    /// Forecast for a run of at most `last` steps, if a strain ends it.
     pub fn of(simulation: &dyn Simulation, last: u64) -> Option<Self> {
         Some(Self::by(simulation.part_done()?, simulation.clock().step(), last))
     }
 
-    /// By the part of the strain that some steps have brought.
+    /// Forecast from the fraction of the strain that the first steps have accumulated.
     fn by(part: f64, steps: u64, last: u64) -> Self {
         let all = steps as f64 / part;
         match part > 0.0 {
@@ -30,12 +30,12 @@ impl StrainEnd {
         }
     }
 
-    /// The steps until the run ends, of so many at most.
+    /// Number of steps until the run ends, at most `most`.
     pub fn steps(self, most: f64) -> f64 {
         if let Self::After(steps) = self { steps } else { most }
     }
 
-    /// Adds what is known after so many steps to an outline.
+    /// Adds the forecast after the given number of steps to an outline.
     pub fn add_to(self, outline: Outline, tried: u64) -> Outline {
         let text = match self {
             Self::After(steps) => {

@@ -1,4 +1,4 @@
-//! What a run will take, by a trial of its first steps.
+//! Forecast of the time and output of a run from a trial of its first steps.
 
 use super::strain_end::StrainEnd;
 use super::{RunError, start};
@@ -9,54 +9,55 @@ use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
 use suspension::{Forecast, Observed, Start, StatisticsOfRank};
 
-/// Time and output that a run is expected to take.
+/// Forecast of the time and output of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
     /// Seconds until the first step.
     pub start: f64,
-    /// Seconds a step.
+    /// Seconds per step.
     pub step: f64,
     /// Seconds of the whole run.
     pub run: f64,
-    /// Bytes of all files at its end.
+    /// Bytes of all files at the end.
     pub bytes: f64,
-    /// The end by a strain, of a run that has one.
+    /// Forecast of the end by a strain, for a run that has one.
     strain: Option<StrainEnd>,
-    /// Steps that were taken.
+    /// Number of steps taken in the trial.
     tried: u64,
-    /// Particles of the copy that took them, if it was not the scene itself.
+    /// Number of particles of the reduced copy that took them, if it was not the scene itself.
     copy: Option<usize>,
 }
 
-/// How long steps are tried at least, if the run has as many, the part of the run that is tried, and how long at most.
+/// Smallest duration of the trial, if the run has as many steps; smallest fraction of the run that is
+/// tried; and largest duration.
 const TIME: Duration = Duration::from_millis(300);
 const PART: f64 = 0.05;
 const MOST_TIME: Duration = Duration::from_secs(1);
 
-/// When a step is given up that a single rank takes.
+/// Time after which a trial on a single rank gives up a step.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Steps that are not timed: nothing is known yet to extrapolate from.
+/// Number of steps that are not timed, as the extrapolation from earlier steps has not started yet.
 const WARM_UP: u64 = 6;
 
-/// Steps that are timed at least.
+/// Smallest number of timed steps.
 const TIMED: u64 = 3;
 
-/// A step that takes so many times as long as others is one of few.
+/// Ratio to the usual time of a step above which a step counts as a rare one.
 const RARE: f64 = 4.0;
 
-/// Spheres and grains that steps are tried with at most.
+/// Largest number of spheres and of grains in a trial.
 const MOST_SPHERES: f64 = 4000.0;
 const MOST_GRAINS: usize = 2000;
 
-/// Evaluations that a trial takes at most, about.
+/// Approximate largest number of evaluations of a trial.
 const EVALUATIONS: f64 = 50.0;
 
 /// Bytes of a number in the time series: in HDF5, and as text.
 const NUMBER: f64 = 8.0 + 18.0;
 
-/// Seconds that writing takes on a local disk: a quantity's number of a row, a frame, a checkpoint, a table of averages beside
-/// it, a byte; and seconds before anything is done.
+/// Seconds for writing to a local disk: a number of a quantity in a row, a frame, a checkpoint, a table of averages
+/// with it, a byte; and seconds for launching the program.
 const QUANTITY_TIME: f64 = 2e-5;
 const FRAME_TIME: f64 = 2e-4;
 const CHECKPOINT_TIME: f64 = 4e-3;
@@ -64,24 +65,24 @@ const TABLE_TIME: f64 = 1.5e-3;
 const BYTE_TIME: f64 = 3e-9;
 const LAUNCH_TIME: f64 = 0.01;
 
-/// Bytes of an HDF5 file of frames besides what is in them.
+/// Bytes of an HDF5 file of frames in addition to its frames.
 const FILE: f64 = 2e5;
 
-/// Those of a file of averages of a sweep.
+/// Bytes of a file of averages of a sweep.
 const SWEEP_FILE: f64 = 4e4;
 
-/// Bytes of all tables of averages, for each species.
+/// Bytes of all tables of averages, per species.
 const TABLES: f64 = 6e5;
 
-/// Bytes of a grid point's velocity.
+/// Bytes of the velocity at a grid point.
 const POINT: f64 = 24.0;
 
-/// Bytes of a file of contacts, and of those of a sphere, of which it has three, with its share in each.
+/// Bytes of a contact file without contacts, and of the contacts per sphere: about three, each shared by two spheres.
 const CONTACTS_FILE: f64 = 1e4;
 const CONTACTS: f64 = 1.5 * 108.0;
 
-/// A simulation that is tried in the place of a run: how much more the evaluations and the particles of the run are, and the
-/// points of its velocity fields.
+/// A simulation for a trial; ratios of the cost of an evaluation and of the number of particles of the run to those
+/// of the simulation; and the number of points of the run's velocity fields.
 struct Trying {
     simulation: Box<dyn Simulation>,
     costs: f64,
@@ -95,14 +96,14 @@ impl Trying {
     }
 }
 
-/// What a run writes, and the time that this takes.
+/// Bytes that a run writes, and the time for writing them.
 struct Written {
     bytes: f64,
     seconds: f64,
 }
 
-/// Tries the first steps of a scene, with fewer particles where it has many, for less than a second. Nothing where that
-/// is not possible, or would say nothing. A scene that can't start is an error, and one whose first steps fail is a
+/// Tries the first steps of a scene, with fewer particles if it has many, for less than a second. `None` if that is
+/// not possible, or not informative. A scene that cannot start is an error, and one whose first steps fail is a
 /// [`RunError::Simulation`]. Collective.
 pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let Some(output) = scene.kind().output() else { return Ok(None) };
@@ -153,8 +154,8 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     Ok(Some(Trial { start, step, run, bytes: written.bytes, strain, tried, copy }))
 }
 
-/// Seconds a step, by steps and times at the ends of some: the mean, in which those that took many times as long as the median,
-/// as where a box that follows its spheres gets another grid, count as so many of these.
+/// Mean seconds per step, from the steps and times at the ends of intervals. An interval with a time per step many
+/// times the median, as when a box that follows its spheres gets another grid, is cut to that multiple of the median.
 fn usual(ends: &[(u64, f64)]) -> f64 {
     let mut lengths: Vec<(f64, f64)> = ends
         .windows(2)
@@ -168,14 +169,14 @@ fn usual(ends: &[(u64, f64)]) -> f64 {
     sum / all
 }
 
-/// The longest time since a moment on any rank. Collective.
+/// Longest time since an instant on any rank. Collective.
 fn agreed(since: Instant, comm: &Comm) -> f64 {
     let mut seconds = [since.elapsed().as_secs_f64()];
     comm.max(&mut seconds);
     seconds[0]
 }
 
-/// What a run does with the results of a step.
+/// Evaluates the results of a step as a run does.
 fn observe(simulation: &mut dyn Simulation, output: &Output) {
     if output.observables.is_due(simulation.clock().step()) {
         simulation.observe();
@@ -199,7 +200,7 @@ fn trying(scene: &Scene, comm: &Comm) -> Result<Option<Trying>, RunError> {
     })
 }
 
-/// Spheres that a file has are tried as they are, if they are few; others as few that are like them.
+/// Spheres from a file are tried themselves, if they are few; other scenes with a reduced copy of similar spheres.
 fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, RunError> {
     let placed = start::start_positions(scene, comm)?;
     if scene.model.start == Start::Given {
@@ -213,11 +214,11 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
     let copy = scene.model.with_at_most(MOST_SPHERES);
     let forecasts = copy.as_ref().and_then(|copy| Some((Forecast::of(&scene.model)?, Forecast::of(copy)?, copy)));
     let Some((whole, part, copy)) = forecasts else { return Ok(None) };
-    // A flat or a long box can't be made much smaller.
+    // A flat or long box cannot be made much smaller.
     if part.particles > 2.0 * MOST_SPHERES || part.evaluation * EVALUATIONS > MOST_TIME.as_secs_f64() {
         return Ok(None);
     }
-    // A copy may not start where the scene does.
+    // A copy may fail to start even if the scene itself starts.
     let Ok(simulation) = Observed::start(copy, None, comm) else { return Ok(None) };
     Ok(Some(Trying {
         simulation: Box::new(simulation),
@@ -227,7 +228,8 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
     }))
 }
 
-/// The steps of a run, at most where a strain may end it before; of a sweep those of all its runs, as many of which go on at a time as there are threads.
+/// Number of steps of a run, an upper bound if a strain may end it earlier; for a sweep that of all its runs, divided
+/// by the number of runs that are computed at the same time.
 fn steps_of_all(scene: &Scene, strain: Option<StrainEnd>) -> f64 {
     match scene.kind() {
         Kind::GranularDisks(disks) => match &disks.sweep {
@@ -247,7 +249,7 @@ pub(super) fn sweep_steps(scene: &GranularDisksScene) -> f64 {
     sweep.cases().iter().map(|case| sweep.strain / (case.rate.abs() * sweep.base.time_step)).sum()
 }
 
-/// What is written until the last step.
+/// Bytes and time of the output up to step `last`.
 fn written(trying: &mut Trying, (scene, output): (&Scene, &Output), last: u64) -> Written {
     let count = |schedule: Schedule| schedule.count_until(last) as f64;
     let [rows, frames] = [output.observables, output.trajectory].map(count);
@@ -297,7 +299,7 @@ fn written(trying: &mut Trying, (scene, output): (&Scene, &Output), last: u64) -
     }
 }
 
-/// Bytes of the statistics of so many particles at the end of a run, in a checkpoint and as tables, by those of now.
+/// Bytes of the statistics at the end of a run, in a checkpoint and as tables, from the present ones `now`.
 fn grown(scene: &Scene, particles: f64, now: [f64; 2]) -> [f64; 2] {
     let Kind::Suspension(scene) = scene.kind() else { return now };
     let model = &scene.model;
@@ -309,13 +311,13 @@ fn grown(scene: &Scene, particles: f64, now: [f64; 2]) -> [f64; 2] {
     [sampled.max(at_the_end), tables.max(TABLES * model.species.len() as f64)]
 }
 
-/// Numbers and words of a table.
+/// Number of cells of a table.
 fn numbers_of(table: &Table) -> usize {
     table.rows.iter().map(|(words, numbers)| words.len() + numbers.len()).sum()
 }
 
 impl Trial {
-    /// Adds what it says to an outline.
+    /// Adds the forecast to an outline.
     #[must_use]
     pub fn add_to(&self, outline: Outline) -> Outline {
         let of = match self.copy {
@@ -335,7 +337,7 @@ impl Trial {
     }
 }
 
-/// A time as one says it.
+/// A time with a convenient unit.
 pub fn time_in_words(seconds: f64) -> String {
     let (factor, unit) = match seconds {
         s if s < 1e-3 => (1e6, "microseconds"),
@@ -352,7 +354,7 @@ pub fn time_in_words(seconds: f64) -> String {
 mod tests {
     use super::*;
 
-    /// Five steps of a second each, but for one of 21, which counts as one of four.
+    /// Five steps of a second each, except one of 21, which is cut to four.
     #[test]
     fn rare_steps_count_as_some() {
         let found = usual(&[(6, 3.0), (7, 4.0), (8, 5.0), (10, 7.0), (11, 28.0)]);

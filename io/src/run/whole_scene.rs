@@ -1,4 +1,4 @@
-//! Scenes that are not advanced in steps: they are carried out as a whole.
+//! Scenes without time steps, which are computed as a whole.
 
 use super::{Listener, RunError, RunFolder, check_ranks, continuum, sweep};
 use crate::{ContinuumScene, Kind, Scene};
@@ -6,7 +6,7 @@ use domain::Comm;
 use drivers::disks::Sweep;
 use std::path::Path;
 
-/// A scene that is carried out as a whole, in one process. What was done before it was interrupted is kept.
+/// A scene that is computed as a whole, in one process. Results that were complete before an interruption are kept.
 pub enum WholeScene<'a> {
     /// Problems to solve.
     Continuum(&'a ContinuumScene),
@@ -24,7 +24,7 @@ impl<'a> WholeScene<'a> {
         }
     }
 
-    /// Does the work that is left.
+    /// Computes the remaining results.
     pub fn carry_out(
         &self,
         scene: &Scene,

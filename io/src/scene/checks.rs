@@ -1,4 +1,4 @@
-//! Checks that numbers are in their ranges.
+//! Range checks of numbers.
 
 use super::error::Fault;
 use domain::ParameterError;
@@ -8,7 +8,7 @@ pub(super) fn positive(key: &str, value: f64) -> Result<f64, Fault> {
     Ok(ParameterError::unless_positive(key, value)?)
 }
 
-/// A number of `things` that follows from a key; `found` says how.
+/// Limits a number of `things` that follows from a key; `found` describes how.
 pub(super) fn few_enough(key: &str, found: &str, (count, things): (f64, &str)) -> Result<(), Fault> {
     if count <= MAX_SPHERES {
         return Ok(());
@@ -20,7 +20,7 @@ pub(super) fn few_enough(key: &str, found: &str, (count, things): (f64, &str)) -
     Err(Fault::new(key, message))
 }
 
-/// A number of rows of a table that is kept, and written again and again.
+/// Limits the rows of a table that is kept in memory, and rewritten often.
 pub(super) fn rows(key: &str, rows: usize) -> Result<usize, Fault> {
     const MOST: usize = 1_000_000;
     if rows <= MOST {

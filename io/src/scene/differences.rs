@@ -4,12 +4,12 @@ use super::Scene;
 use crate::document::excerpt;
 use toml::{Table, Value};
 
-/// A key that two scenes have different values for.
+/// A key with different values in two scenes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// The key, as `species[0].radius`.
+    /// The key, such as `species[0].radius`.
     pub key: String,
-    /// Its value in either scene; none where it is absent.
+    /// Value in either scene; `None` if absent.
     pub values: [Option<String>; 2],
 }
 
@@ -21,14 +21,14 @@ impl std::fmt::Display for Difference {
 }
 
 impl Scene {
-    /// The keys whose values differ in another scene, in the order of the alphabet. Comments, order, and how numbers are
-    /// written make no difference; a default that is written out does.
+    /// Keys whose values differ from those of another scene, in alphabetical order. Comments, order, and the notation
+    /// of numbers make no difference; an explicit default value does.
     pub fn differences(&self, other: &Self) -> Vec<Difference> {
         differences_of(self.text(), other.text()).expect("the scenes were read from these texts")
     }
 }
 
-/// The same of the texts of two scenes. `Err` if one of them is no TOML.
+/// Differences between the texts of two scenes. `Err` if one of them is not TOML.
 pub(crate) fn differences_of(here: &str, there: &str) -> Result<Vec<Difference>, toml::de::Error> {
     let leaves = |text: &str| {
         let mut leaves = Vec::new();
@@ -50,7 +50,7 @@ fn remove(leaves: &mut Vec<(String, Value)>, key: &str) -> Option<Value> {
     Some(leaves.swap_remove(place).1)
 }
 
-/// All values that are neither tables nor arrays of tables, with their keys.
+/// Collects all values that are neither tables nor arrays of tables, with their keys.
 fn collect(value: Value, key: String, leaves: &mut Vec<(String, Value)>) {
     match value {
         Value::Table(table) => {
@@ -75,7 +75,7 @@ fn is_same(one: Option<&Value>, other: Option<&Value>) -> bool {
     }
 }
 
-/// Whether values are equal; whole numbers may be written with a point or without.
+/// Whether values are equal; whole numbers may be written with or without a point.
 fn is_equal(one: &Value, other: &Value) -> bool {
     match (one, other) {
         (Value::Integer(n), Value::Float(x)) | (Value::Float(x), Value::Integer(n)) => (*n as f64).total_cmp(x).is_eq(),

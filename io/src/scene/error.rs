@@ -4,47 +4,48 @@ use super::{Member, overrides};
 use crate::document::{Misfit, Node, bounded, excerpt, line};
 use domain::ParameterError;
 
-/// Why a scene was refused.
+/// Reasons why a scene is refused.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// The file can't be read.
+    /// The file cannot be read.
     #[error("can't read the scene {name}: {reason}")]
     Unreadable {
-        /// The file.
+        /// Name of the file.
         name: String,
-        /// Why not.
+        /// Cause.
         reason: std::io::Error,
     },
     /// The text is too long.
     #[error("{name} {message}")]
     TooLong {
-        /// The file.
+        /// Name of the file.
         name: String,
-        /// How long it is, and what is allowed.
+        /// Its length and the limit.
         message: String,
     },
-    /// A key is wrong.
+    /// A key has an invalid value.
     #[error("{}{with}: {message}", place(.name, *.line))]
     Invalid {
-        /// The file.
+        /// Name of the file.
         name: String,
-        /// The line that the key stands on, where the file has it.
+        /// Line of the key, if the file has it.
         line: Option<usize>,
-        /// What is set on the command line, as ` with --set time.step=0.1`, or the member of a family; empty if there is neither.
+        /// Settings of the command line, such as ` with --set time.step=0.1`, or the member of a
+        /// family; empty if there are none.
         with: String,
-        /// The key, what was found, what is allowed.
+        /// The key, the value found, and the values allowed.
         message: String,
     },
-    /// A `--set` that can't be carried out.
+    /// An invalid `--set`.
     #[error("--set {message}")]
     Override {
-        /// The override and what is wrong with it.
+        /// The override, and the problem.
         message: String,
     },
 }
 
 impl SceneError {
-    /// The same about a member of the family in the file `name`.
+    /// The same error, for a member of the family in the file `name`.
     pub(super) fn of_member(self, name: &str, member: &Member) -> Self {
         let with = format!(", {member}");
         match self {
@@ -61,7 +62,7 @@ fn place(name: &str, line: Option<usize>) -> String {
     line.map_or_else(|| name.to_owned(), |line| format!("{name}:{line}"))
 }
 
-/// A key and what is wrong with it.
+/// A key and the problem with it.
 #[derive(Debug)]
 pub(super) struct Fault {
     key: String,
@@ -74,25 +75,25 @@ impl Fault {
     }
 }
 
-/// The message of a library about one of its parameters.
+/// Message of a library about one of its parameters.
 impl From<ParameterError> for Fault {
     fn from(ParameterError { key, message }: ParameterError) -> Self {
         Self { key, message }
     }
 }
 
-/// Puts what the parser and the checks found into words.
+/// Formulates the errors of the parser and of the checks.
 pub(super) struct Explain<'a> {
-    /// The text of the file, and what is in it.
+    /// Text of the file, and its parsed content.
     pub(super) text: &'a str,
     pub(super) written: Option<&'a Node>,
     pub(super) name: &'a str,
-    /// What is set on the command line.
+    /// Keys set on the command line.
     pub(super) overrides: &'a [String],
 }
 
 impl Explain<'_> {
-    /// A message about a key, with the line that it stands on unless it is set on the command line.
+    /// A message about a key, with its line unless it is set on the command line.
     fn about(&self, key: &str, message: &str) -> SceneError {
         let is_set = self.overrides.iter().any(|set| is_in(key, &overrides::key_of(set)));
         let place = self.written.filter(|_| !is_set).and_then(|written| written.find(key));
@@ -110,7 +111,7 @@ impl Explain<'_> {
         self.about(&fault.key, &format!("{} {}", fault.key, fault.message))
     }
 
-    /// Text that is no TOML.
+    /// Text that is not TOML.
     pub(super) fn syntax(&self, error: &toml::de::Error) -> SceneError {
         let message = error.message().replace('\n', ", ");
         let place = error.span().map(|s| s.start);
@@ -118,13 +119,13 @@ impl Explain<'_> {
         self.at(place, &format!("this is not TOML: {message}; found: {}", excerpt(found.trim())))
     }
 
-    /// TOML that is no scene: unknown or missing keys and values of the wrong type.
+    /// TOML that is not a scene: unknown or missing keys, or values of the wrong type.
     pub(super) fn structure(&self, misfit: &Misfit) -> SceneError {
         self.about(&misfit.key(), &misfit.in_words("a scene"))
     }
 }
 
-/// Whether a key is another one or in it.
+/// Whether a key is equal to another one or inside it.
 pub(super) fn is_in(key: &str, other: &str) -> bool {
     key.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }

@@ -1,11 +1,11 @@
-//! Paths in the text of a scene that hold wherever the text is kept.
+//! Absolute paths in the text of a scene, which hold wherever the text is stored.
 
 use std::path::Path;
 use toml::Value;
 use toml::de::{DeTable, DeValue};
 
-/// The text with `particles.path`, which is relative to a folder, made absolute, if there is something at that place; nothing
-/// if there is nothing to change. What was written stays beside it in a comment where its line has room for one.
+/// The text with `particles.path`, which is relative to a folder, made absolute, if that file exists; `None` if there
+/// is nothing to change. The original path is kept in a comment if its line has room for one.
 pub(super) fn with_absolute_paths(text: &str, folder: &Path) -> Option<String> {
     let document = DeTable::parse(text).ok()?;
     let DeValue::Table(particles) = document.get_ref().get("particles")?.get_ref() else { return None };

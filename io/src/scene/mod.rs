@@ -1,4 +1,4 @@
-//! Scenes: the files that say what to compute.
+//! Scenes: the input files of runs.
 
 mod changes;
 mod checks;
@@ -35,8 +35,8 @@ use std::path::{Path, PathBuf};
 pub use template::{TEMPLATES, Template};
 pub use time_and_output::{Output, Time};
 
-/// A scene that has been checked: every number is in its range, and whatever the file left out has its default. Only
-/// [`Scene::read`] and [`Scene::parse`] make one.
+/// A checked scene: every number is in its range, and every missing key has its default. Created by [`Scene::read`]
+/// and [`Scene::parse`] only.
 #[derive(Debug)]
 pub struct Scene {
     text: String,
@@ -44,7 +44,7 @@ pub struct Scene {
     kind: Kind,
 }
 
-/// What a scene computes.
+/// Kind of a computation, with its checked parameters.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Kind {
@@ -58,7 +58,7 @@ pub enum Kind {
     Continuum(Box<ContinuumScene>),
 }
 
-/// The kinds by name.
+/// Names of the kinds.
 const KINDS: [&str; 4] = ["suspension", "granular-disks", "shear-cell", "shear-cell-continuum"];
 
 impl Scene {
@@ -70,28 +70,28 @@ impl Scene {
         Self::read_from(file, &name, overrides)
     }
 
-    /// The same from any source; `name` is what messages call it, and the place that paths start from.
+    /// Like [`Scene::read`], from any source; `name` identifies it in messages, and paths are relative to its folder.
     pub fn read_from(from: impl Read, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         Self::parse(&text_size::read(from, name)?, name, overrides)
     }
 
-    /// Checks the text of a scene. `name` is the file's, for messages and as the place that paths start from.
+    /// Checks the text of a scene. `name` is the file's, for messages, and paths are relative to its folder.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         Self::parse_in(Path::new(name).parent().unwrap_or(Path::new("")), text, name, (overrides, &[]))
     }
 
-    /// The same scene with keys that are set for a purpose, for messages; its paths are still relative to the folder that it
-    /// is from.
+    /// The same scene with some keys set; `purpose` describes them in messages. Paths are still
+    /// relative to the original folder.
     pub fn with(&self, purpose: &str, overrides: &[String]) -> Result<Self, SceneError> {
         Self::parse_in(&self.folder, &self.text, &format!("the scene with {purpose}"), (overrides, &[]))
     }
 
-    /// The scene of a member of a family, whose text this is.
+    /// Scene of a member of a family with this text.
     fn parse_member(folder: &Path, text: &str, name: &str, settings: &[String]) -> Result<Self, SceneError> {
         Self::parse_in(folder, text, name, (settings, &family::SECTIONS))
     }
 
-    /// With the keys of `overrides` set, and without some sections.
+    /// Checks a text with the keys of `overrides` set, and without some sections.
     fn parse_in(
         folder: &Path,
         text: &str,
@@ -116,18 +116,18 @@ impl Scene {
         Reading { document, folder, explain }.scene(text)
     }
 
-    /// The scene as TOML, with the overrides in it: what to keep with the results.
+    /// The scene as TOML including the overrides, as stored with the results.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// What it computes.
+    /// Kind of the scene, with its parameters.
     pub fn kind(&self) -> &Kind {
         &self.kind
     }
 }
 
-/// A document on its way to a scene.
+/// A parsed document to be converted to a scene.
 struct Reading<'a> {
     document: &'a Node,
     folder: &'a Path,
@@ -135,7 +135,7 @@ struct Reading<'a> {
 }
 
 impl Reading<'_> {
-    /// The scene of this text.
+    /// The scene with this text.
     fn scene(&self, text: &str) -> Result<Scene, SceneError> {
         if let Some(section) = family::section_of(self.document, text) {
             let message = "makes a family of many runs, which `fcm-solve run`, `check` and `resume` take, but which is no scene of one";
@@ -157,7 +157,7 @@ impl Reading<'_> {
         Ok(Scene { text, folder: self.folder.to_owned(), kind })
     }
 
-    /// The file's keys, then what they mean.
+    /// Reads the keys of the file, then checks their values.
     fn check<Raw: serde::de::DeserializeOwned, Checked>(
         &self,
         checked: impl FnOnce(Raw, &Path) -> Result<Checked, Fault>,
@@ -169,7 +169,7 @@ impl Reading<'_> {
 }
 
 impl Kind {
-    /// Its name in scenes.
+    /// Name of the kind in scenes.
     pub fn name(&self) -> &'static str {
         let place = match self {
             Self::Suspension(_) => 0,
@@ -180,7 +180,7 @@ impl Kind {
         KINDS[place]
     }
 
-    /// What is written, where and when. A continuum is written once, when it is solved.
+    /// Output schedules and folder. `None` for a continuum, which is written once, when it is solved.
     pub fn output(&self) -> Option<&Output> {
         match self {
             Self::Suspension(scene) => Some(&scene.output),
@@ -190,7 +190,7 @@ impl Kind {
         }
     }
 
-    /// The folder that the scene names for its results.
+    /// Results folder that the scene sets.
     pub fn folder(&self) -> Option<&Path> {
         match self {
             Self::Continuum(scene) => scene.folder.as_deref(),
@@ -198,7 +198,7 @@ impl Kind {
         }
     }
 
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub fn seed(&self) -> u64 {
         match self {
             Self::Suspension(scene) => scene.model.seed,
@@ -208,12 +208,12 @@ impl Kind {
         }
     }
 
-    /// Whether it has random numbers.
+    /// Whether random numbers are used.
     pub fn has_seed(&self) -> bool {
         !matches!(self, Self::Continuum(_))
     }
 
-    /// The last step.
+    /// Last step.
     pub fn steps(&self) -> u64 {
         match self {
             Self::Suspension(scene) => scene.time.steps,

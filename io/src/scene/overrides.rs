@@ -4,7 +4,7 @@ use crate::document::excerpt;
 use toml::{Table, Value};
 
 /// The text of a scene with the keys of `overrides` set, each `key=value` with a dotted key such as
-/// `species[0].radius` and a TOML value; a bare word is a string. The sections of `without` and comments are left out.
+/// `species[0].radius` and a TOML value; a bare word is a string. The sections in `without` and comments are removed.
 pub(super) fn apply(text: &str, overrides: &[String], without: &[&str]) -> Result<String, String> {
     let mut table: Table = toml::from_str(text).map_err(|e| e.to_string())?;
     table.retain(|key, _| !without.contains(&key));
@@ -18,7 +18,7 @@ pub(super) fn apply(text: &str, overrides: &[String], without: &[&str]) -> Resul
     toml::to_string(&root).map_err(|e| e.to_string())
 }
 
-/// The key that an override sets, written as `species[0].radius`.
+/// Key that an override sets, in the form `species[0].radius`.
 pub(super) fn key_of(item: &str) -> String {
     let key = item.split_once('=').map_or(item, |(key, _)| key).trim();
     let mut written = String::new();
@@ -32,7 +32,7 @@ pub(super) fn key_of(item: &str) -> String {
     written
 }
 
-/// The value of a key, if there is one.
+/// Value of a key, if there is one.
 pub(super) fn get<'a>(root: &'a Value, key: &str) -> Option<&'a Value> {
     parts(key).ok()?.into_iter().try_fold(root, |place, part| match part {
         Part::Key(name) => place.get(name),
@@ -40,7 +40,7 @@ pub(super) fn get<'a>(root: &'a Value, key: &str) -> Option<&'a Value> {
     })
 }
 
-/// `Err` for a key that is not written as `species[0].radius`.
+/// `Err` for a key that is not of the form `species[0].radius`.
 pub(super) fn check_key(key: &str) -> Result<(), String> {
     parts(key).map(drop)
 }
@@ -97,7 +97,7 @@ impl Part<'_> {
     }
 }
 
-/// The parts of `species[0].radius`, which may be written `species.0.radius`.
+/// Parts of a key such as `species[0].radius`, which may be written `species.0.radius`.
 fn parts(key: &str) -> Result<Vec<Part<'_>>, String> {
     let wrong = || format!("{} is not a key; write it as in species[0].radius", excerpt(key));
     let mut parts = Vec::new();
@@ -118,8 +118,8 @@ fn parts(key: &str) -> Result<Vec<Part<'_>>, String> {
     Ok(parts)
 }
 
-/// Ways to say when a run ends: one takes the place of another, but a strain and the longest duration that it may take under a
-/// stress.
+/// Keys that set the end of a run: each replaces the others, except for a strain together with the longest
+/// duration under a given stress.
 const ENDS: [&str; 3] = ["steps", "duration", "strain"];
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Value, json};
 
-/// The JSON Schema (draft 7) of scenes, by which editors complete and check keys. It knows names, types and what is
-/// required; what numbers may be, and what excludes what, is known when a scene is read.
+/// JSON Schema (draft 7) of scenes, with which editors complete and check keys. It has names, types and required
+/// keys; ranges of numbers and exclusive keys are checked when a scene is read.
 pub fn scene_schema() -> Value {
     let mut generator = SchemaSettings::draft07().into_generator();
     let kinds = [
@@ -23,7 +23,7 @@ pub fn scene_schema() -> Value {
     })
 }
 
-/// The keys of a kind of scene, with the name that it has.
+/// Schema of the keys of a kind of scene with this name.
 fn of_kind<Raw: JsonSchema>(name: &str, generator: &mut SchemaGenerator) -> Value {
     let mut schema = Raw::json_schema(generator).to_value();
     schema["title"] = name.into();
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
     use crate::TEMPLATES;
 
-    /// The schema that a reference leads to, or the alternative that is not null.
+    /// The schema that a reference points to, or the alternative that is not null.
     fn resolved<'a>(root: &'a Value, schema: &'a Value) -> &'a Value {
         if let Some(name) = schema["$ref"].as_str() {
             return resolved(root, &root["definitions"][name.trim_start_matches("#/definitions/")]);

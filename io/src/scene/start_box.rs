@@ -1,12 +1,12 @@
-//! The box of the file that spheres start from, where a scene leaves the box out.
+//! Box of the start file, for scenes without a box.
 
 use super::error::Fault;
 use crate::StartSource;
 use crate::document::{Node, Value};
 use std::path::Path;
 
-/// `box.edges` of the file that a suspension starts from, as a key to set, if the scene has none and the file has some. The
-/// strain of the box is taken when the scene is run.
+/// Setting of `box.edges` from the file that a suspension starts from, if the scene has no edges and the file has
+/// some. The strain of the box is taken when the scene is run.
 pub(super) fn missing_edges(document: &Node, folder: &Path) -> Result<Option<String>, Fault> {
     let text_at =
         |section: &str, key: &str| document.get(section).and_then(|section| section.get(key)).and_then(Node::text);
@@ -27,14 +27,14 @@ pub(super) fn missing_edges(document: &Node, folder: &Path) -> Result<Option<Str
     }))
 }
 
-/// Whether the fluid is open along all axes, where there is no box.
+/// Whether the fluid is open along all axes, in which case there is no box.
 fn is_open(document: &Node) -> bool {
     let boundaries = document.get("box").and_then(|cell| cell.get("boundaries"));
     let Some(Value::List(axes)) = boundaries.map(|list| &list.value) else { return false };
     axes.iter().all(|axis| axis.text() == Some("open"))
 }
 
-/// The frame, where it is a number; other values are refused where all keys are read.
+/// The frame, if it is a number; other values are refused when all keys are read.
 fn frame(document: &Node) -> Option<i64> {
     let Value::Whole(number) = document.get("particles")?.get("frame")?.value else { return None };
     let size = i64::try_from(number.size).ok()?;

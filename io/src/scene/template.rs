@@ -3,11 +3,11 @@
 /// A scene to start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Template {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// What it is of, in a line.
+    /// Description in one line.
     pub about: &'static str,
-    /// The scene.
+    /// Text of the scene.
     pub text: &'static str,
 }
 
@@ -18,7 +18,7 @@ macro_rules! template {
     };
 }
 
-/// All of them.
+/// All templates.
 pub static TEMPLATES: [Template; 24] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),

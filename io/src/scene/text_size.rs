@@ -4,10 +4,10 @@ use super::SceneError;
 use domain::{Comm, Need, Process};
 use std::io::Read;
 
-/// The longest text, in bytes. A million rows of a table of three numbers take less.
+/// Largest length of a text in bytes. A million rows of a table of three numbers take less.
 const MOST: u64 = 32 << 20;
 
-/// Bytes of memory that a byte of text takes at most while it is read, as in lists of numbers of one digit.
+/// Largest memory while reading, in bytes per byte of text, as for lists of one-digit numbers.
 const MEMORY: f64 = 100.0;
 
 /// Reads the text of a scene, unless it is too long.
@@ -36,7 +36,7 @@ fn check_memory(length: usize, name: &str) -> Result<(), SceneError> {
     if length < SHORT { Ok(()) } else { Comm::check_memory_of(&[need]).map_err(too_little) }
 }
 
-/// A text that is read whatever memory there is.
+/// Length of a text that is read without checking the available memory.
 const SHORT: usize = 1 << 20;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The sections `time` and `output` of scenes: the steps of a run, and what is written.
+//! The sections `time` and `output` of scenes: the steps of a run, and its output.
 
 use super::checks::positive;
 use super::error::Fault;
@@ -12,32 +12,32 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Time {
-    /// The time step.
+    /// Time step.
     pub step: f64,
-    /// The last step.
+    /// Last step.
     pub steps: u64,
 }
 
-/// What is written, where and when.
+/// Output schedules and folder.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Output {
-    /// The folder; the caller's choice where the scene has none.
+    /// Results folder; `None` if the caller chooses it.
     pub folder: Option<PathBuf>,
-    /// Frames of the trajectory.
+    /// Schedule of the trajectory's frames.
     pub trajectory: Schedule,
-    /// Rows of the time series.
+    /// Schedule of the time series' rows.
     pub observables: Schedule,
-    /// Checkpoints.
+    /// Schedule of checkpoints.
     pub checkpoints: Schedule,
-    /// Velocity fields.
+    /// Schedule of velocity fields.
     pub fields: Schedule,
-    /// Forces of contacts.
+    /// Schedule of contact forces.
     pub contacts: Schedule,
 }
 
 impl Time {
-    /// A run that ends after so many steps or so much time, one of which is given.
+    /// A run that ends after a number of steps or a duration, one of which is given.
     pub(super) fn until(step: f64, steps: Option<u64>, duration: Option<f64>) -> Result<Self, Fault> {
         positive("time.step", step)?;
         let steps = match (steps, duration) {
@@ -49,7 +49,7 @@ impl Time {
         Self::of_steps(step, steps, "time.duration")
     }
 
-    /// A run of so many steps, which follow from a key.
+    /// A run of a number of steps that follows from a key.
     pub(super) fn of_steps(step: f64, steps: u64, key: &str) -> Result<Self, Fault> {
         positive("time.step", step)?;
         let time = Self { step, steps };
@@ -67,18 +67,18 @@ impl Time {
         Ok(time)
     }
 
-    /// The time at the end of the last step.
+    /// Time at the end of the last step.
     pub fn end(&self) -> f64 {
         self.steps as f64 * self.step
     }
 }
 
-/// Steps that a run may have: as many as times that are multiples of the step can tell apart.
+/// Largest number of steps of a run: the times of all steps are distinct in double precision.
 pub(super) const MOST_STEPS: u64 = 1 << 53;
 
 impl Output {
-    /// Refuses more than files hold, for so many steps of so many particles: a file's bytes are counted in 63 bits, those
-    /// of a frame's largest array, the stresslets, in 32.
+    /// Refuses more output than files can hold, for this number of steps and particles: the length of a file has 63
+    /// bits, that of the largest array of a frame, the stresslets, 32.
     pub(super) fn check(&self, steps: u64, particles: f64) -> Result<(), Fault> {
         let frame = 8.0 * 5.0 * particles;
         let is_due = |schedule: Schedule| schedule.count_until(steps) > 0;
@@ -90,7 +90,8 @@ impl Output {
             );
             return Err(Fault::new("output.trajectory_every", message));
         }
-        // Positions, lattice steps, velocities, angular velocities and stresslets; and a row's numbers, and its page.
+        // Positions, lattice steps, velocities, angular velocities and stresslets; and the
+        // numbers of a row, and its page.
         let files = [
             ("output.trajectory_every", self.trajectory, "frames", 164.0 * particles + PAGE),
             ("output.observables_every", self.observables, "rows", PAGE),
@@ -108,17 +109,17 @@ impl Output {
     }
 }
 
-/// What a row of a time series takes of a file at most, about.
+/// Approximate largest size of a row of a time series in a file.
 const PAGE: f64 = 4096.0;
-/// Bytes of a file.
+/// Largest number of bytes of a file.
 const LONGEST: f64 = i64::MAX as f64;
 
-/// The steps that cover a time. One that is a whole number of steps up to round-off takes that number.
+/// Number of steps that cover a duration. A whole number of steps up to round-off gives that number.
 pub(super) fn steps_in(duration: f64, step: f64) -> u64 {
     (duration / step * (1.0 - 1e-12) - 1e-9).ceil().max(0.0) as u64
 }
 
-/// One of so many parts of a run, at least a step.
+/// Steps of one of `parts` parts of a run, at least one.
 pub(super) fn share(steps: u64, parts: u64) -> u64 {
     steps.div_ceil(parts.max(1)).max(1)
 }
@@ -129,16 +130,16 @@ pub(super) fn share(steps: u64, parts: u64) -> u64 {
 pub(super) struct RawOutput {
     /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
-    /// Steps between frames of the trajectory; 0 is never.
+    /// Steps between frames of the trajectory; 0 for none.
     pub(super) trajectory_every: Option<u64>,
-    /// Steps between rows of the time series; 0 is never.
+    /// Steps between rows of the time series; 0 for none.
     pub(super) observables_every: Option<u64>,
-    /// Steps between checkpoints; 0 is never but at start and end.
+    /// Steps between checkpoints; 0 for none except at start and end.
     pub(super) checkpoint_every: Option<u64>,
 }
 
 impl RawOutput {
-    /// Rows of the time series are so many by default.
+    /// The checked section, with `rows` rows of the time series by default.
     pub(super) fn checked(self, steps: u64, rows: u64) -> Output {
         Output {
             folder: self.folder,

@@ -1,14 +1,14 @@
-//! The rows that a former run has written to a time series.
+//! Rows of a time series written by an earlier part of the run.
 
 use super::header;
 use crate::FileError;
 use simulation::Quantity;
 use std::path::Path;
 
-/// The complete rows of the table of a former run up to a step.
+/// The complete rows of an existing table up to a step.
 #[derive(Default)]
 pub(super) struct ExistingRows {
-    /// The rows whose numbers can all be read, in their order.
+    /// Rows whose numbers can all be read, in their order.
     pub(super) rows: Vec<Row>,
 }
 

@@ -1,4 +1,4 @@
-//! Time series of the observables of a run, as CSV for reading and as HDF5 for programs.
+//! Time series of the observables of a run, as CSV for people and as HDF5 for programs.
 
 mod existing_rows;
 
@@ -28,17 +28,17 @@ struct Rows {
     description: Description,
 }
 
-/// What a new HDF5 file of the series needs.
+/// Description of a new HDF5 file of the series.
 struct Description {
     elements: Vec<Element>,
     quantities: Vec<Quantity>,
-    /// Rows at the end of the run.
+    /// Number of rows at the end of the run.
     planned: u64,
     origin: Origin,
 }
 
 impl Series {
-    /// A series in the folder of a run of so many rows.
+    /// A series in the folder of a run with this number of rows.
     pub fn create(
         run: &Manifest,
         provenance: &Provenance,
@@ -52,8 +52,9 @@ impl Series {
         Self::with_table(run, &header(quantities), Rows { frames, description })
     }
 
-    /// Continues the series of a former run after step `last`: later rows are dropped. `rows` is the number of rows at
-    /// the end of the run. The table is written again from the HDF5 file, or that from the table if it, or its end, is missing.
+    /// Continues the series of an earlier part of the run after step `last`: later rows are dropped. `rows` is the
+    /// number of rows at the end of the run. The table is rewritten from the HDF5 file. An HDF5
+    /// file that is missing or incomplete is restored from the table.
     pub fn resume(
         run: &Manifest,
         provenance: &Provenance,
@@ -86,27 +87,27 @@ impl Series {
         Ok(Self { csv: csv.map_err(|e| FileError::write(&csv_path, &e))?, csv_path, rows })
     }
 
-    /// Notes the changes of the scene.
+    /// Records the changes of the scene.
     pub(crate) fn note_scenes(&mut self, scenes: &SceneHistory) -> Result<(), FileError> {
         self.rows.description.origin.note_scenes(scenes, &mut self.rows.frames)
     }
 
-    /// The steps of the rows.
+    /// Steps of the rows.
     pub(crate) fn steps(&self) -> Result<Vec<u64>, FileError> {
         self.rows.frames.steps_written()
     }
 
-    /// The step of the last row.
+    /// Step of the last row.
     pub fn last_step(&self) -> Result<Option<u64>, FileError> {
         Ok(self.rows.frames.steps_written()?.last().copied())
     }
 
-    /// The rows of the former run that are not as they were written.
+    /// Damaged rows of the earlier part of the run.
     pub fn damage(&self) -> &[Damage] {
         self.rows.frames.damage()
     }
 
-    /// Adds a row with the numbers of each quantity in turn.
+    /// Appends a row with the numbers of each quantity in turn.
     pub fn append(&mut self, clock: (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
         let line = line(clock, values.iter().flatten());
         self.csv.check()?;
@@ -129,7 +130,8 @@ impl Rows {
         self.description.with_kind(|kind| self.frames.append(kind, clock, &values))
     }
 
-    /// Adds the rows of the former table that come after those of the HDF5 file, as where an older copy has taken its place.
+    /// Appends rows of the existing table after the last of the HDF5 file, as needed if an older
+    /// copy has replaced that file.
     fn add_those_of_table(&mut self, former: &ExistingRows) -> Result<(), FileError> {
         let last = self.frames.steps_written()?.last().copied();
         let later = former.rows.iter().filter(|(clock, _)| last.is_none_or(|last| clock.0 > last));
@@ -186,7 +188,7 @@ fn line<'a>((step, time): (u64, f64), values: impl IntoIterator<Item = &'a f64>)
     line + "\n"
 }
 
-/// The table of the rows in the HDF5 file. Rows that are damaged there are taken from the former table, if it has them.
+/// Table of the rows in the HDF5 file. Damaged rows are taken from the existing table, if it has them.
 fn table(frames: &Frames, quantities: &[Quantity], former: &ExistingRows) -> Result<String, FileError> {
     let mut table = header(quantities);
     for (frame, step) in frames.steps_written()?.into_iter().enumerate() {

@@ -3,13 +3,13 @@
 use super::{ProfileStrip, Snapshot};
 use statistics::{Blocks, Estimate, State, Store};
 
-/// Averages over the moments at which a profile was taken, strip by strip from the bottom up, with errors by blocks.
+/// Averages over the times at which a profile was sampled, strip by strip from the bottom up, with errors by blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AveragedProfile {
     strips: Vec<AveragedStrip>,
 }
 
-/// The series of a strip's averages. Times at which it was empty count in the number of disks only.
+/// Time series of a strip's averages. Times at which the strip was empty count in the number of disks only.
 #[derive(Debug, Clone, Default, PartialEq)]
 struct AveragedStrip {
     height: f64,
@@ -19,12 +19,13 @@ struct AveragedStrip {
     temperature: Blocks,
 }
 
-/// A strip of an averaged profile; see [`ProfileStrip`]. What was never seen is not a number, but that no disks were.
+/// A strip of an averaged profile; see [`ProfileStrip`]. Averages of a strip that never had a disk are NaN, except
+/// the number of disks, which is zero.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanProfileStrip {
     /// Height of the strip's middle.
     pub height: f64,
-    /// How many disks.
+    /// Number of disks.
     pub count: Estimate,
     /// Their velocity along x.
     pub velocity: Estimate,
@@ -38,15 +39,15 @@ pub struct MeanProfileStrip {
 const NONE: Estimate = Estimate { mean: 0.0, error: f64::INFINITY, converged: false };
 
 impl AveragedProfile {
-    /// Bytes of a strip after so many moments as there may be: four series, each of blocks of a few dozen lengths.
+    /// Bytes of a strip after any number of samples: four series, each of blocks of a few dozen lengths.
     pub(in crate::disks) const STRIP: f64 = (size_of::<AveragedStrip>() + 4 * Blocks::MOST_BYTES) as f64;
 
-    /// Of nothing yet, in so many strips.
+    /// An empty profile with the given number of strips.
     pub fn new(strips: usize) -> Self {
         Self { strips: vec![AveragedStrip::default(); strips] }
     }
 
-    /// Adds a moment.
+    /// Adds a sample.
     pub fn add(&mut self, snapshot: &Snapshot) {
         let stripes = snapshot.profile(self.strips.len());
         for (strip, ProfileStrip { height, count, velocity, excess, covariance, .. }) in
@@ -113,7 +114,7 @@ mod tests {
         let [low, high]: [MeanProfileStrip; 2] = profile.strips().collect::<Vec<_>>().try_into().unwrap();
         assert_eq!((low.height, low.count.mean, high.count.mean), (2.5, 0.75, 0.25));
         assert!((low.velocity.mean - 5.0).abs() < 1e-15 && (low.excess.mean - 4.0).abs() < 1e-15);
-        // Of 4, 6 and 5: a variance of 1 over three moments.
+        // Samples 4, 6 and 5: a variance of 1 over three samples.
         assert!((low.velocity.error - (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         assert_eq!((high.velocity.mean, high.velocity.error), (9.0, f64::INFINITY));
     }

@@ -4,12 +4,12 @@ use super::Snapshot;
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// The strongest period in the disks' heights.
+/// Strongest periodic component of the disks' heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lanes {
-    /// `|sum exp(i k y)|^2 / N^2` there: 1 for perfect lanes, about `1/N` for none.
+    /// Peak of `|sum exp(i k y)|^2 / N^2`: 1 for perfect lanes, about `1/N` for none.
     pub peak: f64,
-    /// Distance of two lanes, `2 pi / k`.
+    /// Distance between two lanes, `2 pi / k`.
     pub spacing: f64,
 }
 

@@ -3,8 +3,9 @@
 use crate::disks::Model;
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// The viscous length `zeta = mu (1 + r_b / r_s) rate / (6 pi viscosity)` of eq. (A6): how far the smallest disk is
-/// thrown through the liquid by a collision with the largest, `mu` their reduced mass. Infinite without viscosity.
+/// Viscous length `zeta = mu (1 + r_b / r_s) rate / (6 pi viscosity)` of eq. (A6): the distance by which a
+/// collision with the largest disk throws the smallest one through the liquid, `mu` their reduced mass.
+/// Infinite without viscosity.
 pub fn viscous_length(model: &Model) -> f64 {
     let (small, big) = (model.smallest(), model.largest());
     let reduced = 1.0 / (1.0 / model.mass(small) + 1.0 / model.mass(big));
@@ -12,9 +13,9 @@ pub fn viscous_length(model: &Model) -> f64 {
     reduced * (1.0 + big / small) * rate / (6.0 * PI * model.parameters().viscosity)
 }
 
-/// The mean free path across lanes of disks of radius 1 at an area fraction, as estimated in appendix B: with
-/// `x = pi / (4 c) - 1` half the gap between two disks of a lane in radii, `l = x` where a disk rarely passes a lane,
-/// (B3), and `l = -1 / ln(1 - p)`, `p = 1 / x`, (B5), where that is longer. Zero above the closest lanes, `c = pi/4`.
+/// Mean free path across lanes of disks of radius 1 at an area fraction `c`, as estimated in appendix B: with
+/// `x = pi / (4 c) - 1`, half the gap in radii between two disks of a lane, `l = x` where a disk rarely passes a lane,
+/// (B3), and `l = -1 / ln(1 - p)`, `p = 1 / x`, (B5), where that is longer. Zero above the densest lanes, `c = pi/4`.
 pub fn estimated_free_path(area_fraction: f64) -> f64 {
     let gap = (FRAC_PI_4 / area_fraction - 1.0).max(0.0);
     let passing = if gap > 1.0 { -1.0 / (1.0 - 1.0 / gap).ln() } else { 0.0 };
@@ -28,7 +29,7 @@ mod tests {
 
     #[test]
     fn viscous_lengths_are_those_of_the_table() {
-        // Both masses and units; the third row gives the lengths that the paper quotes.
+        // Both mass exponents and length units; the third row gives the lengths that the paper quotes.
         let table = [
             (LengthUnit::Mean, 2, [1.91, 0.478, 0.191, 0.064]),
             (LengthUnit::Mean, 3, [1.75, 0.437, 0.175, 0.058]),

@@ -8,9 +8,9 @@ use domain::Vector;
 pub struct ProfileStrip {
     /// Height of the strip's middle.
     pub height: f64,
-    /// How many disks.
+    /// Number of disks.
     pub count: u64,
-    /// Their mass.
+    /// Mass of the disks.
     pub mass: f64,
     /// Mean velocity along x and y.
     pub velocity: [f64; 2],
@@ -21,7 +21,7 @@ pub struct ProfileStrip {
 }
 
 impl Snapshot {
-    /// The profile over the height in so many strips. Strips without a disk are zero.
+    /// The profile over the height in the given number of strips. Strips without a disk are zero.
     pub fn profile(&self, strips: usize) -> Vec<ProfileStrip> {
         let width = self.edges[1] / strips as f64;
         let mut stripes: Vec<ProfileStrip> =

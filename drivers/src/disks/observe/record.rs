@@ -11,19 +11,20 @@ pub struct Record {
     pub strain: f64,
     /// The segregation parameter.
     pub segregation: f64,
-    /// Kinetic energy of the excess velocity of a disk: the local temperature.
+    /// Mean kinetic energy per disk of the excess velocity: the local temperature.
     pub kinetic: f64,
     /// Averages of xx, xy and yy of the stress. Pressure is positive.
     pub stress: Vector,
-    /// Pairs that touch.
+    /// Pairs in contact.
     pub contacts: f64,
-    /// Collisions that began since: of two small disks, a small and a large, two large.
+    /// Collisions that began since the tally was restarted: of two small disks, of a small and a
+    /// large one, of two large ones.
     pub collisions: [f64; 3],
-    /// Mean free path through the liquid since; infinite without collisions.
+    /// Mean free path through the liquid since then; infinite without collisions.
     pub free_path: f64,
     /// The strongest lanes.
     pub lanes: Lanes,
-    /// The relative error of the energy balance since then.
+    /// Relative error of the energy balance since then.
     pub imbalance: f64,
 }
 
@@ -46,7 +47,7 @@ impl Record {
         ("energy_imbalance", ""),
     ];
 
-    /// The numbers, in the order of their names.
+    /// The values in the order of [`Self::COLUMNS`].
     pub fn values(&self) -> [f64; Self::COLUMNS.len()] {
         let Self { strain, segregation, kinetic, stress, contacts, collisions, free_path, lanes, imbalance } = *self;
         let [[xx, xy, yy], [small, mixed, large]] = [stress.to_array(), collisions];
@@ -54,7 +55,7 @@ impl Record {
         [strain, segregation, kinetic, xx, xy, yy, contacts, small, mixed, large, free_path, peak, spacing, imbalance]
     }
 
-    /// The record of such numbers.
+    /// The record with these values.
     pub fn of(values: [f64; Self::COLUMNS.len()]) -> Self {
         let [
             strain,
@@ -87,7 +88,7 @@ impl Record {
 }
 
 impl Disks {
-    /// The record of the present state. If the tally has just been restarted, the stress is the present one.
+    /// Record of the present state. If the tally has just been restarted, the stress is the present one.
     pub fn record(&self) -> Record {
         let (snapshot, tally) = (self.snapshot(), self.tally());
         let counted = tally.time() > 0.0;

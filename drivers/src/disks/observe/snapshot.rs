@@ -6,9 +6,9 @@ use glam::DVec2;
 /// One disk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Disk {
-    /// Its id.
+    /// Id of the disk.
     pub id: u64,
-    /// Centre, in the cell: `0 <= y < Ly` and `x` less the strain times `y` likewise.
+    /// Centre, inside the cell: `0 <= y < Ly`, and `x` minus the strain times `y` likewise.
     pub position: DVec2,
     /// Velocity.
     pub velocity: DVec2,
@@ -24,14 +24,14 @@ pub struct Disk {
     pub is_large: bool,
 }
 
-/// All disks at a moment, in the order of their ids.
+/// All disks at one time, in the order of their ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshot {
     /// Time since the stage began.
     pub time: f64,
     /// Strain since then.
     pub strain: f64,
-    /// The strain of the lattice of images, in its range.
+    /// Strain of the lattice of images, reduced to its range.
     pub lattice_strain: f64,
     /// Edges of the cell.
     pub edges: [f64; 2],
@@ -40,7 +40,7 @@ pub struct Snapshot {
 }
 
 impl Disks {
-    /// All disks now.
+    /// Snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
         let (law, model) = (&self.law, &self.model);
         let cell = self.cell();

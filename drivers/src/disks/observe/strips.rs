@@ -6,13 +6,13 @@ use std::f64::consts::FRAC_PI_2;
 /// Fractions of the area of horizontal strips that disks cover.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Strips {
-    /// By the small disks.
+    /// Area fractions of the small disks.
     pub small: Vec<f64>,
-    /// By the large disks.
+    /// Area fractions of the large disks.
     pub large: Vec<f64>,
 }
 
-/// The part of a disk's area that is below the height `h` over its centre:
+/// Area of the part of a disk below the height `h` relative to its centre:
 /// `r^2 (pi/2 + asin(h/r)) + h sqrt(r^2 - h^2)`.
 pub fn segment(radius: f64, height: f64) -> f64 {
     let h = height.clamp(-radius, radius);
@@ -20,7 +20,7 @@ pub fn segment(radius: f64, height: f64) -> f64 {
 }
 
 impl Strips {
-    /// Strips of about the width given, a whole number of them, the first of which starts at the height `origin`.
+    /// A whole number of strips of about the given width, the first of which starts at the height `origin`.
     pub fn of(snapshot: &Snapshot, width: f64, origin: f64) -> Self {
         let [length, height] = snapshot.edges;
         let count = (height / width).round().max(1.0) as usize;
@@ -40,8 +40,8 @@ impl Strips {
         strips
     }
 
-    /// The segregation parameter `delta` of eq. (7): the standard deviation over the strips of the area fraction of
-    /// large disks less that of small ones.
+    /// The segregation parameter `delta` of eq. (7): the standard deviation over the strips of the difference between
+    /// the area fractions of large and small disks.
     pub fn segregation(&self) -> f64 {
         let differences: Vec<f64> = self.large.iter().zip(&self.small).map(|(l, s)| l - s).collect();
         let count = differences.len() as f64;
@@ -56,7 +56,7 @@ impl Snapshot {
         Strips::of(self, 1.0, 0.0).segregation()
     }
 
-    /// The same, averaged over so many places of the first strip.
+    /// The segregation parameter averaged over `shifts` positions of the first strip.
     pub fn mean_segregation(&self, shifts: usize) -> f64 {
         let at = |k: usize| Strips::of(self, 1.0, k as f64 / shifts as f64).segregation();
         (0..shifts).map(at).sum::<f64>() / shifts as f64
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_disk_is_cut_as_geometry_says() {
-        // A disk of radius 1 around the edge of two strips, through the bottom: half in each.
+        // A disk of radius 1 around the edge between two strips, across the bottom: half in each.
         let strips = Strips::of(&snapshot(&[(0.0, 1.0)]), 1.0, 0.0);
         assert!((strips.small[0] - PI / 20.0).abs() < 1e-15 && (strips.small[19] - PI / 20.0).abs() < 1e-15);
         assert!(strips.small[1..19].iter().all(|&c| c == 0.0));
@@ -101,12 +101,13 @@ mod tests {
             assert!((mean(&strips.large) - 2.0 * PI * 3.5 * 3.5 / 200.0).abs() < 1e-12);
             assert!((mean(&strips.small) - PI * (0.875 * 0.875 + 0.25) / 200.0).abs() < 1e-12);
         }
-        // One disk of radius 1 in two of twenty strips: fractions a = pi/20 there, so delta^2 = 2 a^2/20 - (2 a/20)^2.
+        // One disk of radius 1 in two of twenty strips: fractions a = pi/20 there, so
+        // `delta^2 = 2 a^2/20 - (2 a/20)^2`.
         let a = PI / 20.0;
         let expected = (2.0 * a * a / 20.0 - (2.0 * a / 20.0_f64).powi(2)).sqrt();
         let centred = snapshot(&[(5.0, 1.0)]);
         assert!((centred.segregation() - expected).abs() < 1e-15);
-        // From half a strip further up it is in three.
+        // With strips that start half a strip higher, it is in three.
         let shifted = Strips::of(&centred, 1.0, 0.5).segregation();
         assert!((shifted - expected).abs() > 1e-3);
         assert!((centred.mean_segregation(2) - 0.5 * (expected + shifted)).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! Building the Verlet list.
+//! Construction of the Verlet list.
 
 use super::grid::{Entry, Grid};
 use super::touching::Touching;
@@ -10,7 +10,7 @@ use domain::PeriodicBox;
 use glam::DVec2;
 use std::ops::Range;
 
-/// Width and height of a cell in units of the mean diameter: few rows are searched, and few disks in each.
+/// Width and height of a cell in units of the mean diameter: few rows to search, and few disks in each.
 const CELL: DVec2 = DVec2::new(0.5, 2.0);
 
 /// Disks are sorted in memory again at the first rebuild after this number of steps.
@@ -23,13 +23,13 @@ struct Search<'a> {
     cell: &'a PeriodicBox,
     slack: ListMargin,
     touching: &'a Touching,
-    /// The step at which they touched, modulo 2^32.
+    /// Step at which those pairs were in contact, modulo 2^32.
     touched: u32,
 }
 
 impl List {
-    /// The list of a system at a step. Wraps the places, and puts the disks in the order of their cells from time to
-    /// time. Pairs that touched at the step before, in the list before, are marked.
+    /// Builds the list of a system at a step. Wraps the positions, and from time to time sorts the disks in the order
+    /// of their cells. Marks the pairs that were in contact at the previous step according to the previous list.
     pub(in crate::disks) fn make(
         state: &mut State,
         model: &Model,
@@ -58,7 +58,7 @@ impl List {
         Self::link(state, &cell, step, (&touching.unwrap_or_default(), last))
     }
 
-    /// The list of a stored state: of disks at the places that they had when it was made first.
+    /// Rebuilds the list of a stored state, from the positions at which it was first built.
     pub(in crate::disks) fn remake(state: &State, model: &Model, law: &Law, progress: &Progress) -> Self {
         let born = progress.list_made;
         let touching = Touching::of(progress.touching.iter().copied(), state.len());
@@ -67,7 +67,7 @@ impl List {
         list
     }
 
-    /// Finds the pairs among the places that drift counts from. Those that touched did so at step `last`.
+    /// Finds the pairs at the reference positions of the drift. The pairs in `touching` were in contact at step `last`.
     fn link(state: &State, cell: &PeriodicBox, born: u64, (touching, last): (&Touching, u64)) -> Self {
         let radii = state.identities.iter().map(|d| d.radius);
         let slack = ListMargin::new(radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max));
@@ -87,7 +87,7 @@ impl List {
     }
 }
 
-/// A disk that may touch another, and which of its images.
+/// A disk that may touch another, and the lattice steps to its nearest image.
 #[derive(Debug, Clone, Copy, Default)]
 struct Candidate {
     entry: u32,
@@ -116,8 +116,8 @@ impl Search<'_> {
         chunk.make_room();
     }
 
-    /// Adds the entries of a range that are within the cutoff and rank below a disk, without a branch. Returns the
-    /// number of candidates so far.
+    /// Adds the entries of a range that are within the cutoff of a disk and below it in rank, without a branch.
+    /// Returns the number of candidates so far.
     #[inline(always)]
     fn gather(
         &self,
@@ -179,7 +179,7 @@ fn cell_edges(disks: &[Identity]) -> DVec2 {
     cell_of(disks.iter().map(|d| d.radius).sum::<f64>() / disks.len() as f64)
 }
 
-/// Width and height of a cell among disks of a mean radius.
+/// Width and height of a cell for disks with this mean radius.
 pub(in crate::disks) fn cell_of(mean_radius: f64) -> DVec2 {
     CELL * 2.0 * mean_radius
 }

@@ -1,4 +1,4 @@
-//! Disks sorted into cells of the sheared lattice.
+//! Cell list: disks sorted into cells of the sheared lattice.
 
 use crate::disks::for_each_part;
 use crate::disks::state::{CHUNK, Identity, State};
@@ -6,13 +6,13 @@ use domain::PeriodicBox;
 use glam::DVec2;
 use std::ops::Range;
 
-/// What the search needs of a disk, next to its neighbours in memory.
+/// Data of a disk for the search, next to its neighbours in memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Entry {
     pub(super) place: DVec2,
     pub(super) radius: f64,
     pub(super) row: u32,
-    /// Its place among all disks by radius.
+    /// Rank of its radius among all disks.
     pub(super) rank: u32,
 }
 
@@ -23,11 +23,11 @@ impl Entry {
     }
 }
 
-/// Cells for each disk, at most.
+/// Largest number of cells per disk.
 const MOST_CELLS: f64 = 64.0;
 
-/// Cells in lattice coordinates `(x - s y, y)`, row by row, so that the cells beside each other in x are one range of
-/// entries.
+/// Cells in lattice coordinates `(x - s y, y)`, stored row by row, so that cells adjacent in x
+/// are one range of entries.
 #[derive(Debug)]
 pub(in crate::disks) struct Grid {
     counts: [i64; 2],
@@ -38,7 +38,7 @@ pub(in crate::disks) struct Grid {
 }
 
 impl Grid {
-    /// Sorts the reference positions of drift, which are inside the box, into cells of about the edges given.
+    /// Sorts the reference positions of the drift, which are inside the box, into cells of about the given edges.
     pub(super) fn sort(cell: &PeriodicBox, state: &State, about: DVec2) -> Self {
         let edges = cell.edges().truncate();
         let counts = Self::counts(edges, about, state.len());
@@ -68,9 +68,9 @@ impl Grid {
         grid
     }
 
-    /// Cells of about the edges given along each edge of a box with so many disks.
+    /// Numbers of cells of about the given edges along each edge of a box with this number of disks.
     pub(in crate::disks) fn counts(edges: DVec2, about: DVec2, disks: usize) -> DVec2 {
-        // Where disks are few, far fewer cells than that will do.
+        // For few disks far fewer cells suffice.
         let most = MOST_CELLS * disks.max(64) as f64;
         let wanted = (edges / about).floor().max(DVec2::ONE);
         let fewer = (most / (wanted.x * wanted.y)).min(1.0);
@@ -87,14 +87,14 @@ impl Grid {
         self.entries.iter().map(|e| e.row).collect()
     }
 
-    /// Passes on the entries that may be within a distance, less than a cell's edge, of a position, in ranges, each
-    /// with the lattice steps to its image.
+    /// Visits the entries that may be within a distance, less than a cell's edge, of a position, in ranges, each with
+    /// the lattice steps to its image.
     pub(super) fn for_each_near(&self, place: DVec2, distance: f64, mut visit: impl FnMut([i32; 2], Range<usize>)) {
         let per_cell = DVec2::new(self.counts[0] as f64, self.counts[1] as f64) / self.edges;
         let xi = place.x - self.strain * place.y;
-        // Within the distance, the first lattice coordinate differs by up to sqrt(1 + s^2) of it.
+        // Within this distance, the first lattice coordinate differs by up to sqrt(1 + s^2) times it.
         let spread = distance * (1.0 + self.strain * self.strain).sqrt();
-        // Numbers from one box further left or below, so that they are positive and the conversion rounds down.
+        // Adding one box edge makes the numbers positive, so that the conversion rounds down.
         let [columns, rows] = self.counts;
         let cell = |x: f64, edge: f64, per_cell: f64, count: i64| ((x + edge) * per_cell) as i64 - count;
         let [left, right] = [xi - spread, xi + spread].map(|x| cell(x, self.edges.x, per_cell.x, columns));
@@ -120,7 +120,7 @@ impl Grid {
     }
 }
 
-/// A cell of the endless lattice as a lattice step, -1, 0 or 1, and a cell of the box.
+/// Splits a cell of the infinite lattice into a lattice step, -1, 0 or 1, and a cell of the box.
 fn split(cell: i64, count: i64) -> (i32, i64) {
     if cell < 0 {
         (-1, cell + count)

@@ -1,4 +1,4 @@
-//! The Verlet list: pairs of disks that may touch before it is rebuilt, each with a cutoff of its own.
+//! The Verlet list: pairs of disks that may touch before it is rebuilt, each with its own cutoff.
 
 mod build;
 mod grid;
@@ -29,10 +29,10 @@ pub(super) struct Pair {
 /// Pairs whose second disk is shifted by the same lattice steps.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Batch {
-    /// Lattice steps added to the second.
+    /// Lattice steps added to the position of the second disk.
     pub(super) steps: [i32; 2],
     pub(super) pairs: Vec<Pair>,
-    /// The present shift of those images.
+    /// Present shift of those images.
     pub(super) image: Image,
     /// The last step, modulo 2^32, at which each pair touched.
     pub(super) touched: Vec<u32>,
@@ -45,7 +45,7 @@ pub(super) struct Image {
     pub(super) jump: f64,
 }
 
-/// The lattice of images at a moment.
+/// The lattice of images at one time.
 #[derive(Debug, Clone, Copy)]
 struct Images {
     edges: DVec2,
@@ -61,25 +61,25 @@ impl Images {
     }
 }
 
-/// The pairs that one thread processes: those whose first disk is in a range of rows. The second disk of the inner ones
-/// is in that range too.
+/// The pairs that one thread processes: the first disk is in a range of rows. The second disk of the `inner`
+/// pairs is in that range, too.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
     pub(super) rows: Range<usize>,
     pub(super) inner: Vec<Batch>,
     pub(super) border: Vec<Batch>,
-    /// Room for the places of the pairs that touch.
+    /// Buffer for the indices of the pairs in contact.
     pub(super) found: Vec<u32>,
     /// Forces of pairs whose second disk is in another range.
     pub(super) pushes: Vec<(Pair, DVec2)>,
 }
 
-/// All pairs, the step at which they were found, and the margin that decides how long they are valid.
+/// All pairs, the step at which they were found, and the margin that decides how long they remain valid.
 #[derive(Debug, Clone)]
 pub(super) struct List {
-    /// The step at which it was made.
+    /// Step at which the list was built.
     pub(super) born: u64,
-    /// The strain of the lattice then, in its range.
+    /// Strain of the lattice at that step, reduced to its range.
     strain: f64,
     edges: DVec2,
     slack: ListMargin,
@@ -87,7 +87,7 @@ pub(super) struct List {
 }
 
 impl List {
-    /// The positions of images at a step.
+    /// The lattice of images at a step.
     fn images(&self, law: &Law, step: u64) -> Images {
         let strain = self.strain + law.strain_in(step - self.born);
         Images { edges: self.edges, strain, rate: law.profile.lattice_rate }
@@ -101,18 +101,18 @@ impl List {
         }
     }
 
-    /// Whether a pair that is not in the list may touch at a step, if no disk has moved relative to the liquid by more
-    /// than `drift`.
+    /// Whether a pair that is not in the list may be in contact at a step, if no disk has moved by more than
+    /// `drift` relative to the liquid.
     pub(super) fn is_stale(&self, law: &Law, step: u64, drift: f64) -> bool {
         self.slack.is_used_up(law.profile.steepest * law.dt * (step - self.born) as f64, drift)
     }
 
-    /// All batches, to be changed.
+    /// All batches, mutable.
     pub(super) fn batches_mut(&mut self) -> impl Iterator<Item = &mut Batch> {
         self.chunks.iter_mut().flat_map(|c| c.inner.iter_mut().chain(&mut c.border))
     }
 
-    /// Rows of the pairs that touched at a step.
+    /// Rows of the pairs that were in contact at a step.
     pub(in crate::disks) fn touching(&self, step: u64) -> impl Iterator<Item = [u32; 2]> + Clone {
         let pairs = self.batches().flat_map(|batch| batch.pairs.iter().zip(&batch.touched));
         pairs.filter(move |&(_, &last)| last == step as u32).map(|(pair, _)| [pair.i, pair.j])

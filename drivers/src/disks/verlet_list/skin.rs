@@ -1,15 +1,15 @@
-//! The skin of the Verlet list: by how much its cutoff exceeds contact.
+//! The skin of the Verlet list: the margin of its cutoff beyond contact.
 
-/// A pair of reach `R` is listed if its distance is less than `R (1 + stretch) + skin`.
+/// A pair whose radii add up to `R` is listed if its distance is less than `R (1 + stretch) + skin`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ListMargin {
     skin: f64,
     stretch: f64,
-    /// Smallest and largest reach.
+    /// Smallest and largest sum of two radii.
     reaches: [f64; 2],
 }
 
-/// Skin in units of the smallest reach; the best of those tried for the mixture of the paper.
+/// Skin in units of the smallest sum of radii; the fastest of those tried for the mixture of the paper.
 const SKIN: f64 = 0.35;
 /// Strain that the stretch allows for: that of a shear at the rate 0.01 before the skin is used up.
 const STRAIN: f64 = 0.05;
@@ -20,14 +20,14 @@ impl ListMargin {
         Self { skin: SKIN * reaches[0], stretch: norm(STRAIN) - 1.0, reaches }
     }
 
-    /// The distance below which a pair is listed.
+    /// Distance below which a pair is listed.
     pub(crate) fn cutoff(&self, reach: f64) -> f64 {
         reach * (1.0 + self.stretch) + self.skin
     }
 
-    /// Two disks that touch now, `|d| < R`, were at `d_0 = S^-1 (d - e)` with a shear `S` of at most `strain` and
-    /// `|e| <= 2 drift`, so that `|d_0| < |S^-1| (R + 2 drift)`. The list is used up if that can exceed the cutoff;
-    /// both are linear in `R`.
+    /// Whether a pair that was not listed may be in contact now. Two disks in contact, `|d| < R`, were at
+    /// `d_0 = S^-1 (d - e)` with a shear `S` of at most `strain` and `|e| <= 2 drift`, so that
+    /// `|d_0| < |S^-1| (R + 2 drift)`. The list is used up when that can exceed the cutoff; both are linear in `R`.
     pub(crate) fn is_used_up(&self, strain: f64, drift: f64) -> bool {
         self.reaches.iter().any(|reach| norm(strain) * (reach + 2.0 * drift) > self.cutoff(*reach))
     }
@@ -49,7 +49,7 @@ mod tests {
             let shear = DMat2::from_cols(DVec2::X, DVec2::new(strain, 1.0));
             let stretched = |k: u32| (shear * DVec2::from_angle(f64::from(k) * 1e-4)).length();
             let largest = (0..31416).map(stretched).fold(0.0, f64::max);
-            // The largest of samples that are 1e-4 apart, near a flat maximum.
+            // The largest of samples 1e-4 apart, near a flat maximum.
             assert!((norm(strain) - largest).abs() < 1e-8);
         }
     }

@@ -1,4 +1,4 @@
-//! The list against brute force over all images.
+//! The list against a brute-force search over all images.
 
 use super::List;
 use crate::disks::{Disks, Flow, Model, Parameters, Sizes};
@@ -22,7 +22,7 @@ fn all_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
     all
 }
 
-/// The same from the list.
+/// Overlapping pairs from the list.
 fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
     let (state, list) = (&disks.state, &disks.list);
     let mut all = Vec::new();
@@ -55,7 +55,7 @@ fn compare(parameters: Parameters, steps: u64, times: usize) {
 
 #[test]
 fn every_overlap_is_listed() {
-    // 25 looks, 37 steps apart, at offsets of 0.28 L each: all over the cell, also close below L.
+    // 25 checks, 37 steps apart, at offsets of 0.28 L each: all over the cell, also just below L.
     let shear = Flow::Shear { rate: 0.05 };
     compare(Parameters { edges: [40.0; 2], flow: shear, ..Parameters::default() }, 37, 25);
     let still = Parameters { edges: [70.0, 30.0], flow: Flow::Shear { rate: -0.01 }, ..Parameters::default() };

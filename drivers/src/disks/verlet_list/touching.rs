@@ -1,9 +1,9 @@
-//! The pairs in contact when the list was rebuilt.
+//! Set of the pairs in contact when the list was rebuilt.
 
-/// The pairs of disks that touched, each in one of the slots of its earlier row, or behind them.
+/// Hash table of the pairs in contact, each in one of the slots of its earlier row, or after them.
 #[derive(Debug)]
 pub(super) struct Touching {
-    /// Two rows, the earlier first, or nothing.
+    /// Two rows, the earlier first, or [`NOTHING`].
     slots: Vec<u64>,
 }
 
@@ -16,7 +16,7 @@ impl Default for Touching {
 }
 
 impl Touching {
-    /// Pairs of so many rows.
+    /// The table for pairs of `rows` rows.
     pub(super) fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, rows: usize) -> Self {
         let slots = (4 * rows).max(2 * pairs.clone().count());
         let mut table = Self { slots: vec![NOTHING; slots.next_power_of_two()] };
@@ -28,16 +28,16 @@ impl Touching {
         table
     }
 
-    /// Whether two disks touched.
+    /// Whether two disks were in contact.
     pub(super) fn holds(&self, i: u32, j: u32) -> bool {
         let key = key(i, j);
         self.slots[self.slot(key)] == key
     }
 
-    /// Where a pair is or would be.
+    /// Slot of a pair: the one that holds it, or the first free one.
     fn slot(&self, key: u64) -> usize {
         let last = self.slots.len() - 1;
-        // Four slots for each row: pairs are looked up row by row, which finds them in cache.
+        // Four slots per row: pairs are looked up row by row, so their slots are in cache.
         let mut slot = ((key >> 30) | (key & 3)) as usize & last;
         while self.slots[slot] != key && self.slots[slot] != NOTHING {
             slot = (slot + 1) & last;

@@ -3,22 +3,22 @@
 use super::super::Model;
 use domain::Vector;
 
-/// Grains that a cell can hold to begin with; all cells are given twice as many when one is full.
+/// Initial capacity of a cell; when one is full, the capacity of all is doubled.
 const ROOM: usize = 8;
-/// Cells for each grain, at most; more than three along each axis.
+/// Largest number of cells per grain; it leaves at least three cells along each axis.
 const MOST: f64 = 64.0;
-/// Most grains that are looked at together.
+/// Largest number of grains that are examined together.
 pub const NEAR: usize = 512;
 
-/// A grid of cells over the box. A walled axis begins and ends at its walls; the last cell along y reaches up to the
-/// top wall wherever that is.
+/// A grid of cells over the box. A walled axis begins and ends at its walls; the last cell along y extends up to the
+/// top wall, wherever that is.
 pub struct Cells {
     pub counts: [usize; 3],
     pub edges: Vector,
     pub walled: [bool; 3],
     room: usize,
     filled: Vec<u32>,
-    /// `room` places for each cell.
+    /// `room` entries for each cell.
     slots: Vec<u32>,
 }
 
@@ -39,7 +39,7 @@ impl Near {
 }
 
 impl Cells {
-    /// Cells for so many grains under a top wall at a height, about one for each.
+    /// Cells for `count` grains under a top wall at `height`, about one per grain.
     pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
         let p = model.parameters();
         let walled = std::array::from_fn(|k| model.is_walled(k));
@@ -48,7 +48,7 @@ impl Cells {
         Self::new(extent, walled, Self::counts((extent, walled), (p.diameter, aim), count as f64))
     }
 
-    /// Bytes of the cells for so many grains.
+    /// Bytes of the cells for `count` grains.
     pub fn bytes(model: &Model, count: f64) -> f64 {
         let p = model.parameters();
         let walled = std::array::from_fn(|k| model.is_walled(k));
@@ -57,8 +57,8 @@ impl Cells {
         counts.iter().product::<f64>() * (size_of::<u32>() * (1 + ROOM)) as f64
     }
 
-    /// How many cells no smaller than `least` fit along each edge of the box, near `aim` if that is more; longer ones
-    /// where a box is so much longer than wide that they would be many more than grains.
+    /// Numbers of cells along the edges of the box: with edges no shorter than `least` and near `aim` if that is
+    /// larger; longer where a box is so elongated that there would be many more cells than grains.
     fn counts((extent, walled): (Vector, [bool; 3]), (least, aim): (f64, f64), grains: f64) -> [f64; 3] {
         let mut counts: [f64; 3] = std::array::from_fn(|k| {
             let fitting = (extent[k] / least).floor().clamp(1.0, f64::from(u32::MAX));
@@ -110,7 +110,7 @@ impl Cells {
         &self.slots[first..first + self.filled[cell as usize] as usize]
     }
 
-    /// Puts a grain into a cell.
+    /// Adds a grain to a cell.
     pub fn enter(&mut self, i: u32, cell: u32) {
         let filled = self.filled[cell as usize] as usize;
         if filled == self.room {
@@ -120,7 +120,7 @@ impl Cells {
         self.filled[cell as usize] += 1;
     }
 
-    /// Takes a grain out of a cell that it is in.
+    /// Removes a grain from the cell that holds it.
     pub fn leave(&mut self, i: u32, cell: u32) {
         let place = self.grains(cell).iter().position(|&j| j == i).expect("a grain is in its cell");
         let first = cell as usize * self.room;
@@ -135,11 +135,11 @@ impl Cells {
         self.room *= 2;
     }
 
-    /// Lists the grains in the cells that are `reach` away from `home` along each axis: across periodic faces, not
-    /// across walls.
+    /// Lists the grains in the cells at offsets `reach` from `home` along each axis: across periodic
+    /// faces, but not across walls.
     #[inline]
     pub fn near(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near) {
-        // The usual room as a constant: the copies become two moves.
+        // With the usual capacity as a constant, the copies become two moves.
         if self.room == ROOM { self.copy(home, reach, near, ROOM) } else { self.copy(home, reach, near, self.room) }
     }
 
@@ -153,7 +153,7 @@ impl Cells {
                 for &x in &xs.places[..xs.count] {
                     let cell = self.index([x, y, z]) as usize;
                     let slots = &self.slots[cell * room..(cell + 1) * room];
-                    // All slots are copied and only the filled ones kept: no branch that depends on their number.
+                    // Copies all slots and keeps the filled ones: no branch depends on their number.
                     near.list[near.count..near.count + room].copy_from_slice(slots);
                     near.count += self.filled[cell] as usize;
                 }
@@ -178,7 +178,7 @@ impl Cells {
     }
 }
 
-/// The cells around one along an axis.
+/// The cells around a cell along an axis.
 struct Row {
     places: [usize; 3],
     count: usize,

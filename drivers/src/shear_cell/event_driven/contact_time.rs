@@ -1,11 +1,11 @@
-//! When two grains touch, and when one grain reaches a plane.
+//! Time of contact of two grains, and time at which a grain reaches a plane.
 
 use domain::Vector;
 
-/// The separation of two grains at one moment and its motion from then on: `r + w t + a t^2/2`.
+/// The separation of two grains at one time and its motion from then on: `r + w t + a t^2/2`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RelativeMotion {
-    /// From the first to the second.
+    /// Vector from the first to the second grain.
     pub separation: Vector,
     /// Relative velocity.
     pub velocity: Vector,
@@ -13,11 +13,11 @@ pub struct RelativeMotion {
     pub acceleration: Vector,
 }
 
-/// Round-off of the squared distance, over the squared diameter, at which two grains touch.
+/// Round-off of the squared distance at contact, over the squared diameter.
 const TOUCH: f64 = 1e-13;
 
-/// A pair without relative acceleration whose diameter grows: its distance squared less the diameter squared is
-/// `c + 2 b t + a t^2`.
+/// A pair without relative acceleration, with a growing diameter: the squared distance minus the squared
+/// diameter is `c + 2 b t + a t^2`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Straight {
     pub a: f64,
@@ -26,7 +26,7 @@ pub struct Straight {
 }
 
 impl Straight {
-    /// For a separation, a relative velocity, and `[diameter, growth]`.
+    /// From the separation, the relative velocity, and `[diameter, growth]`.
     #[inline]
     pub fn new(r: Vector, w: Vector, [diameter, growth]: [f64; 2]) -> Self {
         Self {
@@ -36,21 +36,21 @@ impl Straight {
         }
     }
 
-    /// Whether the two may meet; `false` is certain.
+    /// Whether the two grains may meet; `false` is certain.
     #[inline]
     #[expect(clippy::needless_bitwise_bool, reason = "half of all pairs pass each test: a branch is guessed wrong")]
     pub fn may_meet(&self) -> bool {
         (self.b < 0.0 || self.a < 0.0) & (self.b * self.b >= self.a * self.c)
     }
 
-    /// When they touch while approaching: at once if they overlap by round-off and approach.
+    /// Time at which they touch while approaching: zero if they overlap by round-off and approach.
     #[inline]
     pub fn time(&self) -> Option<f64> {
         first_root(self.c, self.b, self.a)
     }
 }
 
-/// The smallest root, later than 0 if `b >= 0`, of `c + 2 b t + a t^2` with `c >= 0`.
+/// Smallest root, later than 0 if `b >= 0`, of `c + 2 b t + a t^2` with `c >= 0`.
 #[inline]
 fn first_root(c: f64, b: f64, a: f64) -> Option<f64> {
     let d = b * b - a * c;
@@ -66,8 +66,8 @@ fn first_root(c: f64, b: f64, a: f64) -> Option<f64> {
 }
 
 impl RelativeMotion {
-    /// Distance squared less the diameter squared, half its rate, and half the least of its second derivative within a
-    /// window: a parabola below the true course.
+    /// Squared distance minus squared diameter, half its rate, and half the minimum of its second derivative within a
+    /// window: a parabola that is a lower bound.
     #[inline]
     fn below(&self, diameter: f64, window: f64) -> Straight {
         let Self { separation: r, velocity: w, acceleration: g } = *self;
@@ -78,23 +78,23 @@ impl RelativeMotion {
         }
     }
 
-    /// Whether the two may meet within the window; `false` is certain.
+    /// Whether the two grains may meet within the window; `false` is certain.
     #[inline]
     pub fn may_meet(&self, diameter: f64, window: f64) -> bool {
         self.below(diameter, window).may_meet()
     }
 
-    /// The state after a time.
+    /// The relative motion after a time.
     fn after(&self, t: f64) -> Self {
         let velocity = self.velocity + self.acceleration * t;
         Self { separation: self.separation + (self.velocity + velocity) * (0.5 * t), velocity, ..*self }
     }
 }
 
-/// The same with a relative acceleration, when the squared distance is a quartic `f(t)`. From where it stands, `f`
-/// stays above the parabola `f + f' t + m t^2/2` with `m` the least `f''` in the window; the first root of that is
-/// reached without passing a contact, and the next parabola starts there. Without acceleration the first parabola is
-/// exact.
+/// Time of contact of two grains with a relative acceleration. The squared distance is a quartic `f(t)`. From any
+/// time on, `f` stays above the parabola `f + f' t + m t^2/2` with `m` the minimum of `f''` in the window; the first
+/// root of the parabola is reached without passing a contact, and the next parabola starts there. Without
+/// acceleration the first parabola is exact.
 pub fn curved(start: &RelativeMotion, diameter: f64, window: f64) -> Option<f64> {
     let mut elapsed = 0.0;
     // Each parabola squares the error; sixty are for grazing contacts, where the roots are nearly double.
@@ -113,8 +113,8 @@ pub fn curved(start: &RelativeMotion, diameter: f64, window: f64) -> Option<f64>
     Some(elapsed)
 }
 
-/// The first time, not before 0, at which something at `distance` short of a plane gets there moving toward it, with
-/// speed `v` and acceleration `a` toward the plane. A distance that round-off made negative counts as zero.
+/// First time, not before 0, at which a point at `distance` from a plane reaches it while moving toward it, with
+/// speed `v` and acceleration `a` toward the plane. A distance that is negative by round-off counts as zero.
 #[inline]
 pub fn reach(distance: f64, v: f64, a: f64) -> f64 {
     let d = f64::max(distance, 0.0);
@@ -143,14 +143,14 @@ mod tests {
             assert!(pair.may_meet() || pair.time().is_none());
             pair.time()
         };
-        // Head on, from 3 apart at speed 2 with diameter 1; growing at 0.5 as well; passing by; parting.
+        // Head-on, from 3 apart at speed 2 with diameter 1; also growing at 0.5; passing by; separating.
         assert_eq!(straight(v(3.0, 0.0, 0.0), v(-2.0, 0.0, 0.0), [1.0, 0.0]), Some(1.0));
         assert_eq!(straight(v(3.0, 0.0, 0.0), v(-2.0, 0.0, 0.0), [1.0, 0.5]), Some(0.8));
         assert_eq!(straight(v(3.0, 1.1, 0.0), v(-2.0, 0.0, 0.0), [1.0, 0.0]), None);
         assert_eq!(straight(v(3.0, 0.0, 0.0), v(2.0, 0.0, 0.0), [1.0, 0.0]), None);
-        // Parting at 1, growing at 2: they meet when 1 + 2t = 3 + t.
+        // Separating at 1, growing at 2: they meet when 1 + 2t = 3 + t.
         assert_eq!(straight(v(3.0, 0.0, 0.0), v(1.0, 0.0, 0.0), [1.0, 2.0]), Some(2.0));
-        // In touch: approaching now, parting never.
+        // In contact: approaching ones collide now, separating ones never.
         assert_eq!(straight(v(1.0 - 1e-16, 0.0, 0.0), v(-1.0, 0.3, 0.0), [1.0, 0.0]), Some(0.0));
         assert_eq!(straight(v(1.0 - 1e-16, 0.0, 0.0), v(1.0, 0.3, 0.0), [1.0, 0.0]), None);
     }
@@ -158,15 +158,15 @@ mod tests {
     #[test]
     fn planes_are_reached_where_the_parabola_says() {
         assert!((reach(1.0, 2.0, 0.0) - 0.5).abs() < 1e-15);
-        // Thrown up at 3 under gravity 10: the plane 0.4 up is reached at 0.2, the one 1 up never, the start again at
-        // 0.6.
+        // Thrown up at 3 under gravity 10: reaches the plane 0.4 above at 0.2, the one 1 above never, and the
+        // starting height again at 0.6.
         assert!((reach(0.4, 3.0, -10.0) - 0.2).abs() < 1e-15);
         assert!(reach(1.0, 3.0, -10.0).is_infinite());
         assert!((reach(0.0, -3.0, 10.0) - 0.6).abs() < 1e-15);
     }
 
     proptest! {
-        /// Against the first sign change on a fine grid of times.
+        /// Comparison with the first sign change on a fine grid of times.
         #[test]
         fn curved_flights_meet_at_the_first_root(
             r in prop::array::uniform3(-2.0..2.0), w in prop::array::uniform3(-3.0..3.0),
@@ -179,7 +179,8 @@ mod tests {
             let crossing = (0..=steps).map(|k| f64::from(k) / f64::from(steps)).find(|&t| gap(t) < 0.0);
             let found = curved(&RelativeMotion { separation: r, velocity: w, acceleration: a }, 1.0, 1.0);
             match (found, crossing) {
-                (Some(t), Some(c)) => prop_assert!(t <= c && c - t < 1.0 / f64::from(steps) + 1e-9 && gap(t).abs() < 1e-12),
+                (Some(t), Some(c)) =>
+                    prop_assert!(t <= c && c - t < 1.0 / f64::from(steps) + 1e-9 && gap(t).abs() < 1e-12),
                 // The grid may step over a contact shorter than its spacing.
                 (Some(t), None) => prop_assert!(gap(t).abs() < 1e-12),
                 (None, Some(c)) => prop_assert!(false, "missed the contact at {c}"),

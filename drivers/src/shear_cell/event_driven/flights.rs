@@ -1,4 +1,4 @@
-//! Which neighbours of a grain may collide with it, all in straight flight, computed in SIMD vectors.
+//! Selection of the neighbours in straight flight that may collide with a grain, computed in SIMD vectors.
 
 use super::cells::NEAR;
 use super::contact_time::Straight;
@@ -6,31 +6,31 @@ use super::grain::Grain;
 use crate::simd::{self, Kernel};
 use domain::Vector;
 
-/// A number for each of the grains near.
+/// One number for each nearby grain.
 type Lane = [f64; NEAR];
 
 /// Lanes are processed in whole groups of this size; results of unused lanes are ignored.
 const GROUP: usize = 8;
 
-/// Room for the flights of the grains near one.
+/// Work space for the flights of the grains near one.
 pub struct Flights {
     separations: [Lane; 3],
     velocities: [Lane; 3],
     pairs: [Lane; 3],
     may_meet: [bool; NEAR],
-    /// Places in the list of those that may meet the grain.
+    /// Indices in the list of the grains that may meet the grain.
     chosen: [u32; NEAR],
 }
 
-/// What is the same for all grains near one.
+/// Input of a selection, the same for all nearby grains.
 pub struct View<'a> {
     pub grains: &'a [Grain],
-    /// The grain that they may meet, at the present.
+    /// The grain that they may meet, at the present time.
     pub grain: &'a Grain,
     pub now: f64,
     /// Lengths of the periodic axes; infinite where there are walls.
     pub periods: [f64; 3],
-    /// Diameter and the speed at which it grows.
+    /// Diameter and its growth rate.
     pub size: [f64; 2],
 }
 
@@ -46,12 +46,13 @@ impl Flights {
         }
     }
 
-    /// Of the grains listed, other than `i` itself, the first that is met earlier than the best so far.
+    /// The first grain of the list, other than `i` itself, that is met earlier than the best so far;
+    /// otherwise the best so far.
     pub fn first(&mut self, i: usize, list: &[u32], view: &View, mut best: (f64, u32)) -> (f64, u32) {
         simd::run(Sift { flights: self, list, view });
         let mut count = 0;
         for (k, &j) in list.iter().enumerate() {
-            // Most pairs pass or part: they are dropped without a branch.
+            // Most pairs miss each other or separate: they are dropped without a branch.
             self.chosen[count] = k as u32;
             count += usize::from(self.may_meet[k]) & usize::from(j as usize != i);
         }
@@ -68,7 +69,7 @@ impl Flights {
     }
 }
 
-/// The work on all grains of a list.
+/// The computation for all grains of a list.
 struct Sift<'a, 'b> {
     flights: &'a mut Flights,
     list: &'a [u32],
@@ -84,7 +85,7 @@ impl Kernel for Sift<'_, '_> {
 }
 
 impl Flights {
-    /// Separations at the present and relative velocities.
+    /// Computes separations at the present time and relative velocities.
     #[inline(always)]
     fn gather(&mut self, list: &[u32], view: &View) {
         let Grain { position, velocity, .. } = *view.grain;
@@ -99,7 +100,7 @@ impl Flights {
         }
     }
 
-    /// Takes the nearest images, and finds whose flights may end in a contact.
+    /// Takes the nearest images, and determines which flights may end in a contact.
     #[inline(always)]
     fn pair(&mut self, count: usize, view: &View) {
         let (periods, size) = (view.periods, view.size);

@@ -1,9 +1,9 @@
-//! A grain between two events.
+//! State and plan of a grain between two events.
 
 use domain::Vector;
 
-/// A grain in free flight: the state at its own `time`, from which it follows `x + v t + a t^2/2`. It has all that is
-/// needed to predict a contact without acceleration, in one cache line.
+/// A grain in free flight: its state at its own `time`, from which it follows `x + v t + a t^2/2`. All data for
+/// predicting a contact without acceleration are in one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Grain {
@@ -11,7 +11,7 @@ pub struct Grain {
     pub velocity: Vector,
     pub time: f64,
     pub cell: u32,
-    /// The number of changes of its course: a contact planned with an older stamp is void.
+    /// Number of changes of its trajectory: a contact planned with an older stamp is void.
     pub stamp: u32,
 }
 
@@ -23,7 +23,7 @@ pub struct Rest {
 }
 
 impl Grain {
-    /// Position and velocity at a time, under an acceleration or none.
+    /// Position and velocity at a time, with or without an acceleration.
     #[inline]
     pub fn at(&self, time: f64, acceleration: Option<Vector>) -> (Vector, Vector) {
         let t = time - self.time;
@@ -34,7 +34,7 @@ impl Grain {
     }
 }
 
-/// What a grain does next: the contact planned with a partner, or the end of its stay in the cell.
+/// Next event of a grain: the planned contact with a partner, or the exit from its cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Plan {
     /// Time of the contact.
@@ -42,18 +42,18 @@ pub struct Plan {
     pub partner: u32,
     /// The partner's stamp when the contact was planned.
     pub stamp: u32,
-    /// Time up to which contacts were looked for, and for which its acceleration serves.
+    /// Time up to which contacts were searched for and the stored acceleration is valid.
     pub renewal: f64,
     /// Time at which it leaves its cell, or of its renewal.
     pub exit: f64,
     pub exit_by: Exit,
 }
 
-/// How a grain's stay in a cell ends.
+/// The way in which a grain's stay in a cell ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exit {
     /// Through the face of this axis, up or down: into the next cell or against a wall.
     Face { axis: u8, up: bool },
-    /// Its acceleration has served its time.
+    /// The stored acceleration is no longer valid.
     Renewal,
 }

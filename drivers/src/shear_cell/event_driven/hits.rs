@@ -7,7 +7,7 @@ use super::{
 use domain::Vector;
 
 impl EventDriven {
-    /// Two grains touch.
+    /// Contact of two grains.
     pub(super) fn pair_event(&mut self, i: usize, j: usize) {
         self.bring(i);
         self.bring(j);
@@ -59,7 +59,7 @@ impl EventDriven {
         self.plan_after_passage(i, axis, up);
     }
 
-    /// A grain that has been brought to the present hits a wall.
+    /// Collision with a wall of a grain that has been advanced to the present time.
     pub(super) fn wall_event(&mut self, i: usize, side: Side) {
         let (model, radius) = (self.model, 0.5 * self.diameter());
         let mut lid = self.lid.at(self.now);
@@ -83,7 +83,7 @@ impl EventDriven {
         self.plan(i);
     }
 
-    /// The rule for a hit now: elastic if one of the grains was hit within the contact time.
+    /// Collision parameters for a collision now: elastic if one of the grains collided within the contact time.
     fn rule(&mut self, rule: Contact, grains: &[usize]) -> Contact {
         let since = |&i: &usize| self.now - self.rest[i].last_hit;
         if grains.iter().map(since).fold(f64::INFINITY, f64::min) >= self.model.parameters().contact_time {
@@ -93,13 +93,12 @@ impl EventDriven {
         Contact { restitution: 1.0, ..rule }
     }
 
-    /// The speed of rebound that keeps two bodies apart for the contact time under an acceleration that presses them
-    /// together.
+    /// Rebound speed that keeps two bodies apart for the contact time under an acceleration that presses them together.
     fn least(&self, pressed: f64) -> f64 {
         0.5 * self.model.parameters().contact_time * f64::max(pressed, 0.0)
     }
 
-    /// The shortest image of a separation of two grains in neighbouring cells.
+    /// Nearest image of the separation of two grains in neighbouring cells.
     #[inline]
     pub(super) fn nearest(&self, mut separation: Vector) -> Vector {
         for k in (0..3).filter(|&k| !self.cells.walled[k]) {

@@ -1,13 +1,13 @@
-//! The free top wall. It has one entry in the event queue: its next collision, or the time until which none was found.
-//! Its collisions are predicted with the grains in the top layer of cells.
+//! The free top wall. It has one entry in the event queue: its next collision, or the time up to which none was
+//! found. Its collisions are predicted with the grains in the top layer of cells.
 
 use super::super::{Lid, Side};
 use super::{EventDriven, NONE, contact_time::reach};
 
-/// The top wall on its way, and its next hit.
+/// The moving top wall and its next collision.
 pub struct Moving {
     start: Lid,
-    /// When it was there.
+    /// Time of the state `start`.
     since: f64,
     acceleration: f64,
     next: f64,
@@ -15,7 +15,7 @@ pub struct Moving {
     stamp: u32,
 }
 
-/// The range of the wall's position, in layers of cells, beyond which the cells are built again.
+/// Range of the wall's position, in layers of cells, outside of which the cells are rebuilt.
 const LOWEST: f64 = 0.25;
 const HIGHEST: f64 = 2.25;
 
@@ -28,7 +28,7 @@ impl Moving {
         self.acceleration < 0.0
     }
 
-    /// Where it is at a time.
+    /// State at a time.
     pub fn at(&self, time: f64) -> Lid {
         let t = time - self.since;
         Lid {
@@ -37,7 +37,7 @@ impl Moving {
         }
     }
 
-    /// Sets its state at a time.
+    /// Sets the state at a time.
     pub fn set(&mut self, lid: Lid, time: f64) {
         (self.start, self.since) = (lid, time);
     }
@@ -49,7 +49,8 @@ impl Moving {
 }
 
 impl EventDriven {
-    /// The wall's time has come: a hit, a hit that was planned with a course since left, or none for a while.
+    /// Event of the wall: a collision, a planned collision that is void as the grain's trajectory
+    /// has changed, or a renewal.
     pub(super) fn lid_event(&mut self) {
         self.book_load();
         let Moving { grain, stamp, .. } = self.lid;
@@ -62,7 +63,8 @@ impl EventDriven {
         self.plan_lid();
     }
 
-    /// Plans the wall's next hit from all grains in the top layer; lays the cells anew if the wall has left its place.
+    /// Plans the wall's next collision with the grains in the top layer; rebuilds the cells if
+    /// the wall has left its range.
     pub(super) fn plan_lid(&mut self) {
         if !self.lid.is_free() {
             return;
@@ -86,7 +88,7 @@ impl EventDriven {
         self.queue.set(self.grains.len(), self.lid.next);
     }
 
-    /// Lets the wall know of a grain's new course.
+    /// Updates the wall's plan for a grain's new trajectory.
     pub(super) fn plan_lid_hit(&mut self, i: usize) {
         if self.lid.is_free() && self.cells.coordinates(self.grains[i].cell)[1] + 1 == self.cells.counts[1] {
             self.offer_lid(i);

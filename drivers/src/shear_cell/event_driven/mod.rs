@@ -1,14 +1,14 @@
-//! The event-driven engine: grains fly freely from one hit to the next, and every hit happens at its exact time.
+//! The event-driven engine: grains fly freely between collisions, and every collision happens at its exact time.
 //!
-//! Each grain keeps one plan: its next contact and its next exit from its cell. A plan made void by the partner's other
-//! hits is noticed when its time comes, and the grain plans anew; what the partner does next is in the partner's plan.
-//! Gravity is common to all grains and drops out of their relative motion. The acceleration in a curved trough differs
-//! from grain to grain: each keeps the one that it had at its last hit, renewed after a short time, and the relative
-//! motion of two grains is an exact quartic in time.
+//! Each grain keeps one plan: its next contact and its next exit from its cell. A plan that is void because the
+//! partner collided with another grain first is noticed at its time, and the grain plans again; the partner's next
+//! event is in the partner's plan. Gravity is common to all grains and drops out of their relative motion. The
+//! acceleration in a curved trough differs from grain to grain: each keeps the value at its last collision, renewed
+//! after a short time, and the squared distance of two grains is an exact quartic in time.
 //!
-//! Two hits of a grain within the contact time count as one: the second is elastic (Luding and `McNamara` 1998). A
-//! grain pressed onto another or a wall by its acceleration rebounds fast enough to be away for the contact time. Both
-//! keep the number of events in any time finite.
+//! Two collisions of a grain within the contact time count as one: the second is elastic (Luding and `McNamara`
+//! 1998). A grain that its acceleration presses onto another or a wall rebounds fast enough to stay away for the
+//! contact time. Both keep the number of events in any time finite.
 
 mod cells;
 mod contact_time;
@@ -28,38 +28,38 @@ use flights::Flights;
 use grain::{Exit, Grain, Plan, Rest};
 use queue::Queue;
 
-/// Way, over the diameter, by which two grains' relative acceleration may turn their courses before it is renewed.
+/// Displacement, over the diameter, that the relative acceleration of two grains may cause before it is renewed.
 const TURN: f64 = 0.01;
-/// Events for each grain between two moments at which all are brought to the same time.
+/// Events per grain between two times at which all grains are advanced to the same time.
 const LAPS: u64 = 16;
 
-/// Hits, or events, from one look at whether to go on to the next: a fraction of a second.
+/// Number of collisions, or events, between two checks whether to continue: a fraction of a second.
 const LOOK: u64 = 200_000;
 
 /// No grain.
 const NONE: u32 = u32::MAX;
 
-/// Grains that move from event to event.
+/// The event-driven engine.
 pub struct EventDriven {
     model: Model,
-    /// Which grain is in each row: those near each other in the cell are near each other in memory.
+    /// Id of the grain in each row: grains close to each other in the cell are close to each other in memory.
     ids: Vec<u32>,
     grains: Vec<Grain>,
     accelerations: Vec<Vector>,
     rest: Vec<Rest>,
     plans: Vec<Plan>,
-    /// A grain each, and last the top wall.
+    /// One entry per grain, and the last for the top wall.
     queue: Queue,
     cells: Cells,
     near: Box<Near>,
     flights: Box<Flights>,
-    /// Room for those of the grains near that a grain may meet where flights curve.
+    /// Buffer for the nearby grains on curved trajectories that a grain may meet.
     curving: Vec<(u32, RelativeMotion)>,
-    /// Time since the grains were last brought together; plans and grains count from there.
+    /// Time since the grains were last advanced together, the origin of time of plans and grains.
     now: f64,
-    /// Diameter then, and the speed at which it grows (packing only).
+    /// Diameter at that time, and its growth rate (packing only).
     size: [f64; 2],
-    /// How long an acceleration serves.
+    /// Time for which a stored acceleration is valid.
     horizon: f64,
     accelerated: bool,
     lid: lid::Moving,
@@ -68,20 +68,20 @@ pub struct EventDriven {
     jammed: bool,
 }
 
-/// The engine with so many grains: about a cell for each, and a queue that ends in one time.
+/// Predicted memory of the engine with `count` grains: about one cell per grain, and a tree of times as the queue.
 pub fn bytes(model: &Model, count: f64) -> domain::Bytes {
     let grains = domain::Bytes::list::<(u32, Grain, Vector, Rest, Plan)>(count);
     grains.then(domain::Bytes::list::<f64>(8.0 / 7.0 * count)).then(domain::Bytes::keep(Cells::bytes(model, count)))
 }
 
-/// What the engine did.
+/// Numbers of events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {
-    /// Hits between grains and on walls.
+    /// Collisions between grains and with walls.
     pub hits: u64,
-    /// Passages from cell to cell.
+    /// Transitions between cells.
     pub passages: u64,
-    /// Plans made anew because the partner had been hit first, or because their acceleration had served its time.
+    /// Plans made again because the partner had collided first, or because the stored acceleration had expired.
     pub renewals: u64,
 }
 
@@ -102,7 +102,7 @@ impl EventDriven {
         Ok(Self::growing(model, state, [model.parameters().diameter, 0.0]))
     }
 
-    /// The same with a diameter that grows to the model's.
+    /// Like [`EventDriven::new`], with a diameter that grows to the model's.
     pub(super) fn growing(model: &Model, state: &State, size: [f64; 2]) -> Self {
         let accelerated = model.has_body_force();
         let cells = Cells::fitting(model, state.lid.height, state.grains.len());
@@ -151,7 +151,8 @@ impl EventDriven {
         engine
     }
 
-    /// Runs for a time, as long as the grains are not jammed and `go_on` says so. Returns whether it got there.
+    /// Runs for a duration while the grains are not jammed and `go_on` returns true. Returns
+    /// whether it reached the end.
     pub fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         let mut left = duration;
         while !self.jammed {
@@ -163,25 +164,27 @@ impl EventDriven {
             if !go_on() {
                 return false;
             }
-            // Each hit is one of two grains.
+            // A collision involves two grains.
             let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * LOOK) as f64;
             self.jammed = pause < self.model.parameters().contact_time;
         }
         false
     }
 
-    /// Whether the grains have jammed: rigid grains without room rattle against each other ever faster, until time
-    /// stands still. They count as jammed when a grain's hits are less than the contact time apart on average.
+    /// Whether the grains have jammed: the collision rate of rigid grains without room to move grows without
+    /// bound, so that time does not advance. They count as jammed when the mean time between a grain's collisions
+    /// is less than the contact time.
     pub fn is_jammed(&self) -> bool {
         self.jammed
     }
 
-    /// Runs until this many more hits have happened; stops early if none is left to come.
+    /// Runs until `hits` more collisions have happened; stops early if no event is left.
     pub fn advance_hits(&mut self, hits: u64) {
         self.run(f64::INFINITY, hits, &|| true);
     }
 
-    /// Runs for a time or a number of hits, whichever ends first, as long as `go_on` says so. Returns the time left.
+    /// Runs for a time or a number of collisions, whichever ends first, while `go_on` returns
+    /// true. Returns the time left.
     pub(super) fn run(&mut self, duration: f64, hits: u64, go_on: &dyn Fn() -> bool) -> f64 {
         let (enough, mut look) = (self.events.hits.saturating_add(hits), self.events.total() + LOOK);
         let mut left = duration;
@@ -202,7 +205,7 @@ impl EventDriven {
             if idle || enough {
                 return if idle { 0.0 } else { left };
             }
-            // There may be many other events for each hit.
+            // There may be many other events per collision.
             if self.events.total() >= look {
                 look = self.events.total() + LOOK;
                 if !go_on() {
@@ -217,7 +220,7 @@ impl EventDriven {
         &self.tally
     }
 
-    /// What the engine did so far.
+    /// Numbers of events so far.
     pub fn events(&self) -> Events {
         self.events
     }
@@ -244,7 +247,7 @@ impl EventDriven {
         self.size[0] + self.size[1] * self.now
     }
 
-    /// Multiplies all velocities, and plans anew.
+    /// Multiplies all velocities, and plans again.
     pub(super) fn scale_velocities(&mut self, factor: f64) {
         for grain in &mut self.grains {
             grain.velocity *= factor;
@@ -252,7 +255,7 @@ impl EventDriven {
         self.sort_and_plan();
     }
 
-    /// An entry's time has come.
+    /// Processes the event of an entry at its time.
     fn happen(&mut self, (i, time): (usize, f64)) {
         self.now = f64::max(self.now, time);
         if i == self.grains.len() {
@@ -274,7 +277,7 @@ impl EventDriven {
         }
     }
 
-    /// Brings a grain to the present.
+    /// Advances a grain to the present time.
     fn bring(&mut self, i: usize) {
         let pull = self.accelerated.then_some(self.accelerations[i]);
         let grain = &mut self.grains[i];
@@ -295,14 +298,14 @@ impl EventDriven {
         (self.grains[i].velocity, self.rest[i].spin) = (motion.velocity, motion.spin);
     }
 
-    /// Plans anew what a grain on its course will meet.
+    /// Plans the next event of a grain whose trajectory is unchanged.
     fn renew(&mut self, i: usize) {
         self.events.renewals += 1;
         self.bring(i);
         self.plan(i);
     }
 
-    /// Notes that a grain's course has changed.
+    /// Marks a grain's trajectory as changed.
     fn turn(&mut self, i: usize) {
         let grain = &mut self.grains[i];
         grain.stamp = grain.stamp.wrapping_add(1);
@@ -311,7 +314,7 @@ impl EventDriven {
         }
     }
 
-    /// Brings everything to the present and makes it the origin of time, so that times stay exact.
+    /// Advances everything to the present time and makes it the origin of time, so that times stay exact.
     fn gather(&mut self) {
         self.book_load();
         for i in 0..self.grains.len() {
@@ -330,7 +333,7 @@ impl EventDriven {
         self.now = 0.0;
     }
 
-    /// Sorts all grains, at the same time, into cells that fit the box as it is, and plans every course.
+    /// Sorts all grains, at the same time, into cells that fit the present box, and plans all events.
     fn sort_and_plan(&mut self) {
         self.cells = Cells::fitting(&self.model, self.lid().height, self.grains.len());
         for i in 0..self.grains.len() {
@@ -343,7 +346,7 @@ impl EventDriven {
     }
 }
 
-/// How long an acceleration serves.
+/// Time for which a stored acceleration is valid.
 fn horizon(model: &Model) -> f64 {
     let turned = 2.0 * TURN * model.parameters().diameter;
     if model.has_body_force() { (turned / model.turning()).sqrt() } else { f64::INFINITY }
@@ -359,7 +362,7 @@ fn in_order(cells: &Cells, grains: &Grains) -> (Vec<u32>, Grains) {
 }
 
 impl Events {
-    /// All of them.
+    /// Number of events of all kinds.
     pub fn total(&self) -> u64 {
         self.hits + self.passages + self.renewals
     }

@@ -17,8 +17,8 @@ impl EventDriven {
         self.plan_lid_hit(i);
     }
 
-    /// The same for a grain that has come from the next cell: what it had planned stays, and what is in the layer of
-    /// cells that are new to it is added.
+    /// Predicts the next event of a grain that has just entered its cell: keeps the planned contact, and considers
+    /// the layer of cells that are new neighbours.
     pub(super) fn plan_after_passage(&mut self, i: usize, axis: usize, up: bool) {
         let (exit, exit_by) = self.exit(i, self.plans[i].renewal);
         let plan = &mut self.plans[i];
@@ -38,7 +38,7 @@ impl EventDriven {
         self.queue.set(i, f64::min(plan.contact, plan.exit));
     }
 
-    /// The earliest contact with a grain in the cells that far away, if it is earlier than the one planned.
+    /// Earliest contact with a grain in the cells at offsets `reach`, if it is earlier than the planned one.
     fn contact<const ACCELERATED: bool>(&mut self, i: usize, reach: [[isize; 2]; 3]) -> Option<(f64, u32)> {
         let best = (self.plans[i].contact - self.now, NONE);
         let size = [self.diameter(), self.size[1]];
@@ -54,7 +54,8 @@ impl EventDriven {
         (partner != NONE).then_some((self.now + t, partner))
     }
 
-    /// Of the grains near, the first that is met earlier than the best so far, when flights curve each in its own way.
+    /// The first of the nearby grains that is met earlier than the best so far, for trajectories
+    /// with different curvature.
     fn first_curved(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
         let (position, velocity) = (self.grains[i].position, self.grains[i].velocity);
         let acceleration = self.accelerations[i];
@@ -83,7 +84,8 @@ impl EventDriven {
         best
     }
 
-    /// When and how a grain leaves its cell: through a face, against a wall, or by the end of its acceleration's time.
+    /// Time and way in which a grain leaves its cell: through a face, against a wall, or when its
+    /// stored acceleration expires.
     fn exit(&self, i: usize, renewal: f64) -> (f64, Exit) {
         let grain = &self.grains[i];
         let (mut first, mut by) = (renewal - self.now, Exit::Renewal);

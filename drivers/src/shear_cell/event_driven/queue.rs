@@ -1,16 +1,16 @@
-//! The next event: a tree of minima.
+//! The event queue: a tree of minima.
 
 /// Children of a node: eight times fill a cache line.
 const FAN: usize = 8;
 
 /// The next time of each of a fixed number of entries, and the earliest of them.
 pub struct Queue {
-    /// Times by entry, then minima of eight of the level below, up to one block.
+    /// Times by entry, then the minima of groups of eight of the level below, up to a single group.
     levels: Vec<Vec<f64>>,
 }
 
 impl Queue {
-    /// Entries that never happen.
+    /// Entries with an infinite time.
     pub fn new(entries: usize) -> Self {
         let mut levels = Vec::new();
         let mut count = entries.max(1);
@@ -39,7 +39,7 @@ impl Queue {
         }
     }
 
-    /// The earliest entry and its time; of equal times, the first entry's.
+    /// The earliest entry and its time; the first of entries with equal times.
     #[expect(clippy::float_cmp, reason = "minima are copies")]
     pub fn earliest(&self) -> (usize, f64) {
         let mut place = 0;
@@ -52,7 +52,7 @@ impl Queue {
         (place, time)
     }
 
-    /// Puts the origin of time at `origin`.
+    /// Moves the origin of time to `origin`.
     pub fn rebase(&mut self, origin: f64) {
         self.levels.iter_mut().flatten().for_each(|t| *t -= origin);
     }

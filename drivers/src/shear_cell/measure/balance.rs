@@ -7,9 +7,9 @@ use statistics::{State, Store};
 /// The relative errors of the balances.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Balance {
-    /// Change of energy less the work of walls, load, gravity and curved path, plus the losses in hits.
+    /// Change of energy minus the work of walls, load, gravity and curved path, plus the losses in collisions.
     pub energy: f64,
-    /// Change of momentum less the impulses of walls, gravity and curved path.
+    /// Change of momentum minus the impulses of walls, gravity and curved path.
     pub momentum: f64,
 }
 

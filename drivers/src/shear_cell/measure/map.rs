@@ -1,9 +1,9 @@
-//! A map of the solid fraction across the cell, averaged along the flow and over time.
+//! Map of the solid fraction across the cell, averaged along the flow and over time.
 
 use super::super::{Grains, Model};
 use statistics::{State, Store};
 
-/// Points along each edge of a pixel at which the solid fraction is taken.
+/// Sample points of the solid fraction along each edge of a pixel.
 const POINTS: usize = 3;
 
 /// Solid fraction on a grid over the width (z) and the height (y).
@@ -23,7 +23,7 @@ impl DensityMap {
         Self { pixels, width: model.edges().z, height, samples: 0, sums: vec![0.0; pixels[0] * pixels[1]] }
     }
 
-    /// Adds a sample: along the flow a line through a grain at the distance `r` from its centre has the chord
+    /// Adds a sample. A line along the flow through a grain at the distance `r` from its centre has a chord of
     /// `2 sqrt(R^2 - r^2)`, so the average along the flow is exact.
     pub fn add(&mut self, model: &Model, grains: &Grains) {
         let radius = model.radius();
@@ -50,7 +50,7 @@ impl DensityMap {
         self.samples += 1;
     }
 
-    /// Middles of the pixels along z and along y.
+    /// Centres of the pixels along z and along y.
     pub fn middles(&self) -> [Vec<f64>; 2] {
         let middles =
             |count: usize, length: f64| (0..count).map(|k| (k as f64 + 0.5) * length / count as f64).collect();

@@ -4,7 +4,7 @@ use super::super::{Engine, Model, Sampling, Side, Tally};
 use super::{DensityMap, Profile, WallSeries};
 use statistics::{Blocks, State, Store};
 
-/// Stresses and heights window by window, profile and map sample by sample.
+/// Stresses and heights for each window; profile and map for each sample.
 #[derive(Debug, Clone)]
 pub struct Measured {
     pub walls: [WallSeries; 4],
@@ -14,7 +14,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Nothing yet, with profile and map up to `height`.
+    /// No measurements yet; profile and map up to `height`.
     pub fn new(model: &Model, height: f64, sampling: &Sampling) -> Self {
         Self {
             walls: Default::default(),
@@ -24,7 +24,7 @@ impl Measured {
         }
     }
 
-    /// Adds the window that has passed since a tally, and a sample where one is due.
+    /// Adds the window since the tally `before`, and a sample of profile and map if one is due.
     pub fn add(&mut self, model: &Model, engine: &Engine, before: &Tally, sampling: &Sampling) {
         for (wall, side) in self.walls.iter_mut().zip(Side::ALL) {
             let impulse = engine.tally().walls[side as usize].impulse - before.walls[side as usize].impulse;
@@ -38,7 +38,7 @@ impl Measured {
         }
     }
 
-    /// How many windows there were.
+    /// Number of windows.
     pub fn windows(&self) -> u64 {
         self.heights.count()
     }

@@ -1,4 +1,5 @@
-//! What a run measures: stresses on the walls with errors, profiles across the gap, a map of the density, balances.
+//! Measurements of a run: stresses on the walls with errors, profiles across the gap, a map of the
+//! solid fraction, balances.
 
 mod balance;
 mod map;

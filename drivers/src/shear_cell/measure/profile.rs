@@ -8,19 +8,19 @@ use std::f64::consts::PI;
 /// A layer between two heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layer {
-    /// Height of its middle.
+    /// Height of its centre.
     pub y: f64,
     /// Solid fraction.
     pub solid_fraction: f64,
-    /// Mean velocity. Not a number in a layer that stayed empty.
+    /// Mean velocity. NaN in a layer that stayed empty.
     pub velocity: Vector,
-    /// Granular temperature: a third of the mean squared velocity relative to the layer's mean.
+    /// Granular temperature: one third of the mean squared velocity relative to the layer's mean.
     pub temperature: f64,
     /// Standard errors, by blocks of samples, of solid fraction, velocity along the flow and temperature.
     pub errors: [f64; 3],
 }
 
-/// Bytes of a profile of so many layers and of a map of so many pixels.
+/// Bytes of a profile with `layers` layers and of a map with `pixels` pixels.
 pub fn profile_bytes(layers: usize, pixels: [usize; 2]) -> f64 {
     let layer = size_of::<Sums>() + size_of::<[Blocks; 3]>() + 3 * Blocks::MOST_BYTES;
     layers as f64 * layer as f64 + pixels.iter().map(|&n| n as f64).product::<f64>() * size_of::<f64>() as f64
@@ -33,11 +33,11 @@ pub struct Profile {
     area: f64,
     samples: u64,
     layers: Vec<Sums>,
-    /// Solid fraction, velocity along the flow and temperature of each layer, sample by sample.
+    /// Time series of solid fraction, velocity along the flow and temperature of each layer.
     series: Vec<[Blocks; 3]>,
 }
 
-/// What the grains of a layer add up to: volume, and velocity and its square times volume.
+/// Sums over the grains of a layer: volume, and volume times velocity and times squared velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Sums {
     volume: f64,
@@ -46,7 +46,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Mean velocity and granular temperature; not numbers without grains.
+    /// Mean velocity and granular temperature; NaN without grains.
     fn means(&self) -> (Vector, f64) {
         let velocity = self.velocity / self.volume;
         (velocity, (self.square / self.volume - velocity.length_squared()) / 3.0)
@@ -66,7 +66,7 @@ impl Profile {
         }
     }
 
-    /// Adds a sample. A grain counts in each layer by the volume that it has there.
+    /// Adds a sample. A grain counts in each layer with its volume in that layer.
     pub fn add(&mut self, model: &Model, grains: &Grains) {
         let sample = self.sums(model.radius(), grains);
         let room = self.area * self.thickness();
@@ -91,7 +91,7 @@ impl Profile {
 
     fn sums(&self, radius: f64, grains: &Grains) -> Vec<Sums> {
         let (thickness, top) = (self.thickness(), self.layers.len() - 1);
-        // Volume of a sphere below a plane at t above its centre.
+        // Volume of the part of a sphere below a plane at t above its centre.
         let below = |t: f64| {
             let h = (t + radius).clamp(0.0, 2.0 * radius);
             PI * h * h * (radius - h / 3.0)

@@ -1,36 +1,36 @@
-//! The state of the cell at one time, for the time series.
+//! State of the cell at one time, for the time series.
 
 use super::super::{Engine, Model, Profile, Side, Tally, measure::Balance};
 use domain::Vector;
 use std::f64::consts::PI;
 
-/// Layers, each at least this many diameters thick, against which a moment's granular temperature is taken.
+/// Smallest thickness, in diameters, of the layers relative to which the granular temperature of a sample is taken.
 const THICKNESS: f64 = 0.5;
-/// Layers, in a higher cell thicker ones.
+/// Largest number of layers; in a higher cell they are thicker.
 const MOST: f64 = 10_000.0;
 
-/// The cell at a moment, and averages since an earlier one.
+/// State of the cell at one time, and averages since an earlier time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Normal stress (pressure is positive), shear stress along the flow and across it on each wall, in the order of
-    /// [`Side::ALL`]. Not a number without time to average over.
+    /// Normal stress (pressure is positive), shear stress along the flow and shear stress across it on each wall, in
+    /// the order of [`Side::ALL`]. NaN without time to average over.
     pub stresses: [[f64; 3]; 4],
     /// Height of the top wall.
     pub height: f64,
-    /// Solid fraction under it.
+    /// Solid fraction under the top wall.
     pub solid_fraction: f64,
     /// Granular temperature relative to the profile across the gap.
     pub temperature: f64,
-    /// Hits between grains and on walls since.
+    /// Collisions between grains and with walls since the earlier time.
     pub hits: [f64; 2],
-    /// Largest overlap met so far, over the diameter.
+    /// Largest overlap so far, over the diameter.
     pub largest_overlap: f64,
     /// Balances of the whole run.
     pub balance: Balance,
 }
 
 impl Sample {
-    /// Names and units of the numbers besides the stresses.
+    /// Names and units of the quantities other than the stresses.
     pub const COLUMNS: [(&str, &str); 8] = [
         ("height", "length"),
         ("solid_fraction", ""),
@@ -42,7 +42,7 @@ impl Sample {
         ("momentum_imbalance", ""),
     ];
 
-    /// The numbers, in the order of their names.
+    /// The values in the order of [`Self::COLUMNS`].
     pub fn values(&self) -> [f64; Self::COLUMNS.len()] {
         let Self { height, solid_fraction, temperature, hits, largest_overlap, balance, .. } = *self;
         [height, solid_fraction, temperature, hits[0], hits[1], largest_overlap, balance.energy, balance.momentum]

@@ -7,7 +7,7 @@ use statistics::{Blocks, Estimate, State, Store};
 /// Stress on a wall, averaged over windows of time (eq. 24), with errors by blocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallStress {
-    /// Which wall.
+    /// The wall.
     pub side: Side,
     /// Normal stress: pressure is positive.
     pub normal: Estimate,
@@ -19,7 +19,7 @@ pub struct WallStress {
     pub deviation: f64,
 }
 
-/// The stress on a wall, window by window.
+/// Time series of the stress on a wall, one value per window.
 #[derive(Debug, Clone, Default)]
 pub struct WallSeries {
     normal: Blocks,
@@ -28,7 +28,7 @@ pub struct WallSeries {
 }
 
 impl WallSeries {
-    /// Adds a window's impulse on a wall.
+    /// Adds the impulse on a wall during a window.
     pub fn add(&mut self, model: &Model, side: Side, impulse: Vector, window: f64) {
         let stress = impulse / (model.area(side) * window);
         let across = if side.axis() == 1 { Vector::Z } else { Vector::Y };

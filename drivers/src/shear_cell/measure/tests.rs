@@ -8,14 +8,14 @@ fn gas() -> Model {
     Model::gas(Vector::new(5.0, 4.0, 6.0), 1.0, 1.0, contact).unwrap()
 }
 
-/// At heights, with velocities.
+/// Grains at given heights with given velocities.
 fn grains(given: &[(f64, Vector)]) -> Grains {
     let place = |&(y, _): &(f64, Vector)| Vector::new(1.0, y, 1.5);
     let motion = |&(_, velocity): &(f64, Vector)| Motion { velocity, spin: Vector::ZERO };
     Grains { positions: given.iter().map(place).collect(), motions: given.iter().map(motion).collect() }
 }
 
-/// One grain in the lower of two layers, one half in each, seen twice.
+/// One grain in the lower of two layers, one half in each, sampled twice.
 #[test]
 fn grains_count_by_their_volume_in_a_layer() {
     let (model, [up, along]) = (gas(), [Vector::new(1.0, 2.0, -3.0), Vector::new(4.0, 0.0, 0.0)]);
@@ -29,7 +29,7 @@ fn grains_count_by_their_volume_in_a_layer() {
     near(high.y, 3.0);
     near(low.solid_fraction, 1.5 * volume);
     near(high.solid_fraction, 0.5 * volume);
-    // Of three volumes below, two are of `up`, a half of `along` and a half of twice that.
+    // Of three grain volumes in the lower layer, two have `up`, a half has `along` and a half twice that.
     let velocities = [(up * 2.0 + along * 1.5) / 3.0, along * 1.5];
     near((low.velocity - velocities[0]).length(), 0.0);
     near((high.velocity - velocities[1]).length(), 0.0);
@@ -40,8 +40,8 @@ fn grains_count_by_their_volume_in_a_layer() {
     near(profile.temperature(), (3.0 * temperature(0) + temperature(1)) / 4.0);
 }
 
-/// Pixels as wide as a grain, looked at a third of their width apart: one grain in the middle of a pixel, then one
-/// between two. An empty cell is the third sample.
+/// Pixels as wide as a grain, sampled at a third of their width: one grain in the middle of a pixel, then one between
+/// two. The third sample is an empty cell.
 #[test]
 fn a_map_has_the_mean_chord_of_each_pixel() {
     let model = gas();

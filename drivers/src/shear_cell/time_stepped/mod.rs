@@ -1,4 +1,4 @@
-//! The paper's engine: grains fly for a fixed step, then every overlap that still closes is a hit.
+//! The paper's engine: grains fly for a fixed step, then every overlapping and approaching pair collides.
 
 mod neighbours;
 
@@ -7,15 +7,15 @@ use crate::parameter::{ParameterError, positive, refused};
 use domain::{Number, Vector};
 use neighbours::Neighbours;
 
-/// Grains times steps from one look at whether to go on to the next: a fraction of a second.
+/// Number of grains times steps between two checks whether to continue: a fraction of a second.
 const LOOK: u64 = 5_000_000;
 
-/// Way of the fastest in a step, over the diameter, with which loads up to a million times a grain layer's weight were
-/// borne.
+/// Displacement of the fastest grain in a step, over the diameter, at which loads up to a million times the weight of
+/// a layer of grains were found to be carried.
 const WAY: f64 = 0.0025;
 
-/// Grains on a fixed time step. Each step: `v += a dt`, `x += v dt`; then the operator of every wall that a grain
-/// penetrates and approaches; then that of every pair that overlaps and approaches, in a fixed order.
+/// The time-stepped engine. Each step: `v += a dt`, `x += v dt`; then the collision rule for every wall that a grain
+/// penetrates and approaches; then that for every pair that overlaps and approaches, in a fixed order.
 pub struct TimeStepped {
     model: Model,
     step: f64,
@@ -28,7 +28,7 @@ pub struct TimeStepped {
     tally: Tally,
     /// Speed of the fastest grain at the start.
     fastest: f64,
-    /// Whether a grain has passed through a wall, or the top has come down to the bottom.
+    /// Whether a grain has passed through a wall, or the top wall has reached the bottom.
     escaped: bool,
 }
 
@@ -54,12 +54,12 @@ impl TimeStepped {
         Ok(engine)
     }
 
-    /// The step.
+    /// Time step.
     pub fn step(&self) -> f64 {
         self.step
     }
 
-    /// Takes a number of steps, as long as no grain escapes and `go_on` says so. Returns whether it took them all.
+    /// Takes a number of steps while no grain escapes and `go_on` returns true. Returns whether it took them all.
     pub fn advance(&mut self, steps: u64, go_on: &dyn Fn() -> bool) -> bool {
         let look = (LOOK / self.positions.len().max(1) as u64).max(1);
         for step in 1..=steps {
@@ -74,14 +74,14 @@ impl TimeStepped {
         true
     }
 
-    /// Whether a grain has passed through a wall, or the top has come down to the bottom: the step is too long.
+    /// Whether a grain has passed through a wall, or the top wall has reached the bottom: the step is too long.
     pub fn has_escaped(&self) -> bool {
         self.escaped
     }
 
-    /// Why grains escape, and what step would do: one in which nothing moves by more than `WAY` diameters, at the
-    /// speed of the walls and at that to which gravity and the load can bring the top, `sqrt(2 (g + P/M) H)`; and a tenth
-    /// of this one where that is not enough.
+    /// The reason why grains escape, and a step that would do: one in which nothing moves by more than `WAY`
+    /// diameters, at the speed of the walls plus that to which gravity and the load can accelerate the top wall,
+    /// `sqrt(2 (g + P/M) H)`; and at most a tenth of the present step.
     pub fn too_long(&self) -> ParameterError {
         let p = self.model.parameters();
         let fall = (2.0 * (p.gravity + self.model.lid_fall()) * p.height).sqrt();

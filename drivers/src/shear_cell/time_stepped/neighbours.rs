@@ -1,4 +1,4 @@
-//! Verlet lists on two levels: a wide list found by cells, and a narrow one selected from it.
+//! Verlet lists on two levels: a wide list from a cell search, and a narrow one selected from it.
 
 use super::super::{
     Model,
@@ -6,32 +6,32 @@ use super::super::{
 };
 use domain::{Pair, Pairs, PeriodicBox, Vector};
 
-/// Gap up to which a pair is on the wide and on the narrow list, over the diameter.
+/// Largest gap, over the diameter, of the pairs in the wide and in the narrow list.
 const SKINS: [f64; 2] = [0.4, 0.06];
 
-/// Pairs nearer than a diameter and a skin, kept until some grain may have crossed half the skin relative to the
-/// common motion.
+/// Pairs closer than a diameter and a skin, valid until a grain may have moved by half the skin
+/// relative to the common motion.
 #[derive(Default)]
 pub struct Neighbours {
     wide: Vec<(u32, u32, Vector)>,
     /// Pairs inside the box.
     pub within: Vec<(u32, u32)>,
-    /// Pairs across its periodic faces, with the shift of the second.
+    /// Pairs across periodic faces, with the shift of the second grain.
     pub across: Vec<(u32, u32, Vector)>,
-    /// Velocity that all grains are followed with: a common translation changes no pair.
+    /// Common velocity relative to which displacements are counted: a common translation changes no pair.
     pub reference: Vector,
     travelled: [f64; 2],
 }
 
 impl Neighbours {
-    /// Notes that no grain moved farther than this, relative to the reference.
+    /// Adds an upper bound of the grains' displacements relative to the reference.
     pub fn moved(&mut self, distance: f64) {
         for travelled in &mut self.travelled {
             *travelled += distance;
         }
     }
 
-    /// Searches again where some grain may have left its skin.
+    /// Rebuilds the lists if some grain may have moved by half the skin.
     pub fn refresh(&mut self, model: &Model, positions: &mut [Vector], velocities: &[Vector], height: f64) {
         let half = SKINS.map(|skin| 0.5 * skin * model.parameters().diameter);
         if self.travelled[0] > half[0] - half[1] {
@@ -41,7 +41,7 @@ impl Neighbours {
         }
     }
 
-    /// Wraps the positions and finds all pairs anew.
+    /// Wraps the positions and finds all pairs.
     pub fn search(&mut self, model: &Model, positions: &mut [Vector], velocities: &[Vector], height: f64) {
         wrap(model, positions);
         let reach = model.parameters().diameter * (1.0 + SKINS[0]);

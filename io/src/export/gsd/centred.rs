@@ -1,9 +1,9 @@
-//! Positions in a box around the origin, along the box's axes.
+//! Positions in a box centred at the origin, along the axes of the box.
 
 use domain::{Particles, PeriodicBox, Vector};
 
-/// Positions that are from `-L/2` up to, but not at, `L/2` in the lattice coordinates of each axis, also after rounding
-/// to single precision, and the lattice steps to where each particle would be without periodicity.
+/// Positions from `-L/2` up to, but excluding, `L/2` in the lattice coordinates of each axis, also after rounding to
+/// single precision, and the lattice steps to the unwrapped positions.
 pub(super) struct Centred {
     pub(super) positions: Vec<[f64; 3]>,
     pub(super) images: Vec<[i32; 3]>,

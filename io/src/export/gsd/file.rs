@@ -1,4 +1,4 @@
-//! The layout of GSD files: a header, chunks of numbers, an index of the chunks, and the names of the chunks.
+//! Layout of GSD files: a header, chunks of numbers, an index of the chunks, and the names of the chunks.
 
 use bytemuck::{Pod, Zeroable, bytes_of, cast_slice};
 use std::io::{Result, Seek, SeekFrom, Write};
@@ -6,10 +6,10 @@ use std::io::{Result, Seek, SeekFrom, Write};
 const MAGIC: u64 = 0x65DF_65DF_65DF_65DF;
 const FORMAT: u32 = 2 << 16;
 const SCHEMA: u32 = (1 << 16) | 4;
-/// Bytes that an entry of the list of names counts for.
+/// Bytes of an entry in the list of names.
 const NAME: usize = 64;
 
-/// The header of a file.
+/// Header of a file.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Header {
@@ -25,7 +25,7 @@ struct Header {
     reserved: [u8; 80],
 }
 
-/// The position of a chunk: entries are in the order of frames, then of the numbers of names.
+/// Index entry of a chunk. Entries are ordered by frame, then by the id of the name.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct Entry {
@@ -38,12 +38,12 @@ struct Entry {
     flags: u8,
 }
 
-/// Rows of numbers with a name.
+/// A named array of rows of numbers.
 pub(super) struct Chunk {
     name: String,
     rows: usize,
     columns: usize,
-    /// The number of the type in the format.
+    /// Type id of the format.
     kind: u8,
     bytes: Vec<u8>,
 }
@@ -69,13 +69,13 @@ impl Chunk {
         Self::new(name, (7, 3), values.as_flattened())
     }
 
-    /// Numbers in single precision, so many in a row.
+    /// Numbers in single precision, `columns` per row.
     pub(super) fn f32s(name: &str, columns: usize, values: &[f64]) -> Self {
         let values: Vec<f32> = values.iter().map(|&value| value as f32).collect();
         Self::new(name, (9, columns), &values)
     }
 
-    /// A row of characters for each name, which zeros end.
+    /// One zero-terminated row of characters per name.
     pub(super) fn names(name: &str, names: &[String]) -> Self {
         let columns = 1 + names.iter().map(String::len).max().unwrap_or(0);
         let padded = |name: &String| [name.as_bytes(), &vec![0; columns - name.len()]].concat();
@@ -87,14 +87,14 @@ impl Chunk {
 pub(super) struct GsdFile<W> {
     out: W,
     index: Vec<Entry>,
-    /// In the order of their numbers.
+    /// Names in the order of their ids.
     names: Vec<String>,
     frames: u64,
     end: u64,
 }
 
 impl<W: Write + Seek> GsdFile<W> {
-    /// Leaves room for the header.
+    /// Starts a file, with space for the header.
     pub(super) fn begin(mut out: W) -> Result<Self> {
         let header = Header::zeroed();
         out.write_all(bytes_of(&header))?;
@@ -151,7 +151,7 @@ impl<W: Write + Seek> GsdFile<W> {
     }
 }
 
-/// Text of fewer than 64 bytes, which zeros end.
+/// Zero-terminated text of fewer than 64 bytes.
 fn text(text: &str) -> [u8; NAME] {
     let mut padded = [0; NAME];
     padded[..text.len()].copy_from_slice(text.as_bytes());

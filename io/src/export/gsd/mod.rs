@@ -1,5 +1,5 @@
 //! GSD files with the schema of HOOMD-blue (Glotzer group, <https://gsd.readthedocs.io>): version 2.0 of the format,
-//! 1.4 of the schema.
+//! version 1.4 of the schema.
 
 mod centred;
 mod file;
@@ -22,7 +22,7 @@ pub(super) fn write(
     for (number, snapshot) in frames.enumerate() {
         let mut chunks = clock_and_box(&snapshot);
         chunks.extend(moving(&snapshot.frame));
-        // What a later frame does not have is as in the first.
+        // Data that a later frame lacks are those of the first frame.
         if number == 0 {
             chunks.extend(fixed(&snapshot.frame.particles, species));
         }
@@ -42,7 +42,7 @@ fn clock_and_box(Snapshot { step, time, frame }: &Snapshot) -> Vec<Chunk> {
     ]
 }
 
-/// What no frame changes.
+/// Chunks that are the same for all frames.
 fn fixed(particles: &Particles, species: &[String]) -> Vec<Chunk> {
     let diameters: Vec<f64> = particles.radii.iter().map(|radius| 2.0 * radius).collect();
     vec![
@@ -63,7 +63,7 @@ fn moving(Frame { particles, cell, .. }: &Frame) -> Vec<Chunk> {
     chunks
 }
 
-/// Vectors and traceless tensors along the box's axes, in which the format has its boxes.
+/// Vectors and traceless tensors along the axes of the box, which the format requires of its boxes.
 fn along_axes<'a>(cell: &PeriodicBox, column: &'a Column) -> Cow<'a, [f64]> {
     let Some(axes) = cell.axes() else { return Cow::Borrowed(&column.values) };
     let along = axes.transpose();
@@ -79,7 +79,7 @@ fn along_axes<'a>(cell: &PeriodicBox, column: &'a Column) -> Cow<'a, [f64]> {
 mod tests {
     use super::*;
 
-    /// Turned with its box by a quarter of a turn, x becomes y.
+    /// A rotation by 90 degrees together with the box: x becomes y.
     #[test]
     fn columns_turn_with_the_box() {
         let cell = PeriodicBox::of_lattice([Vector::Y * 2.0, Vector::X * -3.0, Vector::Z * 4.0]).unwrap();

@@ -1,4 +1,4 @@
-//! Arrays of HDF5 files as they are, or refused: of numbers, of a shape, of names.
+//! Arrays of HDF5 files, read strictly: numbers, shapes and names are as stored, or refused.
 
 use crate::frames::one_of;
 use crate::positions::species::{Kinds, Names};
@@ -9,20 +9,20 @@ use hdf5::{Dataset, H5Type, Selection};
 use ndarray::IxDyn;
 use std::collections::HashMap;
 
-/// Letters of a name whose length is fixed.
+/// Largest number of letters of a fixed-length name.
 const LONGEST_NAME: usize = 256;
 /// Whole numbers up to this one are exact in double precision.
 const LARGEST_EXACT: f64 = 9_007_199_254_740_992.0;
 
-/// A dataset, or one of the values that it has for each frame.
+/// A dataset, or the value of one frame in it.
 pub(super) struct Array {
     pub(super) dataset: Dataset,
-    /// The frame, if there is one.
+    /// The frame, if the dataset has frames.
     pub(super) frame: Option<usize>,
 }
 
 impl Array {
-    /// A dataset that is the same in all frames.
+    /// A dataset that is the same for all frames.
     pub(super) fn fixed(dataset: Dataset) -> Result<Self, String> {
         claimed_size::check(&dataset).and_then(|()| verified::verify(&dataset)).map_err(words)?;
         Ok(Self { dataset, frame: None })
@@ -38,13 +38,13 @@ impl Array {
         self.dataset.name().trim_start_matches('/').to_owned()
     }
 
-    /// The shape, without that of frames.
+    /// Shape, without the dimension of frames.
     pub(super) fn shape(&self) -> Vec<usize> {
         let shape = self.dataset.shape();
         if self.frame.is_some() { shape.get(1..).unwrap_or_default().to_vec() } else { shape }
     }
 
-    /// Real numbers, which may be stored as whole ones.
+    /// Real numbers, which may be stored as integers.
     pub(super) fn numbers(&self) -> Result<Vec<f64>, String> {
         let kind = self.kind()?;
         if !matches!(kind, TypeDescriptor::Float(_) | TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_)) {
@@ -60,7 +60,7 @@ impl Array {
         Ok(numbers)
     }
 
-    /// Numbers in rows of three, one for each particle.
+    /// Numbers in rows of three, one row per particle.
     pub(super) fn vectors(&self) -> Result<Vec<Vector>, String> {
         let shape = self.shape();
         let [_, 3] = shape[..] else { return Err(self.refused_shape(&shape)) };
@@ -85,7 +85,7 @@ impl Array {
         found + &advice
     }
 
-    /// One number for each particle, or one for all `count`.
+    /// One number per particle, or one for all `count`.
     pub(super) fn one_each(&self, count: usize) -> Result<Vec<f64>, String> {
         match self.shape()[..] {
             [] | [1] => match self.numbers()?[..] {
@@ -117,7 +117,7 @@ impl Array {
         Ok(steps.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
     }
 
-    /// Whole numbers from 0 on, one for each particle.
+    /// Non-negative integers, one per particle.
     pub(super) fn ids(&self, count: usize) -> Result<Vec<u64>, String> {
         let whole = |number: f64| (number >= 0.0 && number.fract() == 0.0).then_some(number as u64);
         if self.shape() != [count] {
@@ -127,7 +127,7 @@ impl Array {
         ids.ok_or_else(|| format!("{} has numbers that are not whole, or below 0", self.name()))
     }
 
-    /// Species, as whole numbers from 0 on or by their names: one for each particle, or one for all `count`.
+    /// Species, as non-negative integers or by name: one per particle, or one for all `count`.
     pub(super) fn kinds(&self, count: usize) -> Result<Kinds, String> {
         let kinds = match self.kind()? {
             TypeDescriptor::Enum(names) => self.enumerated(&names)?,
@@ -148,7 +148,7 @@ impl Array {
         self.for_each(kinds, count)
     }
 
-    /// The same for each of `count` particles if there is one.
+    /// The same species for each of `count` particles if there is only one.
     fn for_each(&self, mut kinds: Kinds, count: usize) -> Result<Kinds, String> {
         match (self.shape().as_slice(), kinds.numbers_mut()) {
             ([] | [1], [only]) => {
@@ -164,7 +164,7 @@ impl Array {
         }
     }
 
-    /// The names of an enumeration.
+    /// Names of an enumeration.
     fn enumerated(&self, names: &EnumType) -> Result<Kinds, String> {
         let place = |value: i64| names.members.iter().position(|member| member.value as i64 == value);
         let of: Option<Vec<u32>> = self.raw::<i64>()?.into_iter().map(|value| Some(place(value)? as u32)).collect();
@@ -211,7 +211,7 @@ fn shape_in_words(shape: &[usize]) -> String {
     }
 }
 
-/// Names, each once, and which of them each particle has.
+/// Distinct names, and the index of each particle's name.
 fn named<T: AsRef<str>>(rows: &[T]) -> Kinds {
     let (mut list, mut of, mut places) = (Vec::new(), Vec::new(), HashMap::new());
     for row in rows {

@@ -1,29 +1,29 @@
-//! Elements of H5MD: values that are fixed, or one for each frame with its step and time.
+//! Elements of H5MD: fixed values, or one value for each frame with its step and time.
 
 use super::array::{Array, words};
 use crate::claimed_size;
 use hdf5::{Container, Dataset, Group};
 
-/// A quantity of H5MD.
+/// An element of H5MD.
 pub(super) struct Element {
     values: Dataset,
     clock: Option<Clock>,
 }
 
-/// The steps and times of frames.
+/// Steps and times of the frames.
 pub(super) struct Clock {
     steps: Series,
     times: Option<Series>,
 }
 
-/// Numbers of frames, listed or at a fixed interval.
+/// One number per frame, listed or at a fixed interval.
 enum Series {
     Listed(Vec<f64>),
     Fixed { interval: f64, offset: f64 },
 }
 
 impl Element {
-    /// The element of a name, if the group has it.
+    /// The element of this name, if the group has it.
     pub(super) fn open(group: &Group, name: &str) -> Result<Option<Self>, String> {
         if !group.link_exists(name) {
             return Ok(None);
@@ -40,13 +40,13 @@ impl Element {
         Ok(Some(Self { values, clock: Some(Clock { steps, times }) }))
     }
 
-    /// Number of frames, if they are several.
+    /// Number of frames, if the element has frames.
     pub(super) fn frames(&self) -> Result<Option<usize>, String> {
         let Some(clock) = &self.clock else { return Ok(None) };
         let stored = self.values.shape().first().copied().unwrap_or(0);
         match &clock.steps {
             Series::Fixed { .. } => Ok(Some(stored)),
-            // What is written last is the step.
+            // The step is written last.
             Series::Listed(steps) if steps.len() <= stored => Ok(Some(steps.len())),
             Series::Listed(steps) => {
                 let name = self.values.name();
@@ -61,12 +61,12 @@ impl Element {
         (clock.steps.at(frame), clock.times.as_ref().and_then(|times| times.at(frame)))
     }
 
-    /// The value of a frame by its place; the only one if it is fixed.
+    /// Value of a frame by its number, or the fixed value.
     pub(super) fn value(self, frame: usize) -> Result<Array, String> {
         if self.clock.is_some() { Array::of_frame(self.values, frame) } else { Array::fixed(self.values) }
     }
 
-    /// The value that holds at a step: that of the last frame until then.
+    /// Value that holds at a step: that of the last frame up to this step.
     pub(super) fn at_step(self, step: Option<f64>) -> Result<Array, String> {
         let Some(count) = self.frames()? else { return Array::fixed(self.values) };
         let holds = |frame: &usize| match (self.clock(*frame).0, step) {

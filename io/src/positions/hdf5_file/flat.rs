@@ -1,4 +1,4 @@
-//! Datasets of the names that cases of `fcm-solve mobility` have.
+//! Datasets named as in cases of `fcm-solve mobility`.
 
 use super::array::{Array, words};
 use crate::document::excerpt;
@@ -6,7 +6,7 @@ use crate::positions::{FileBox, StartFile, StartSource, TakenFrame, frame};
 use domain::{PeriodicBox, Vector};
 use hdf5::File;
 
-/// `positions`, and perhaps `radii`, `species`, `id`, `box` and `strain`.
+/// Reads `positions`, and if present `radii`, `species`, `id`, `box` and `strain`.
 pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, String> {
     frame::pick(source.frame, 1)?;
     if source.group.is_some() {
@@ -34,7 +34,7 @@ fn without(file: &File) -> String {
     format!("it has neither a dataset positions nor a group particles, as H5MD has; it has {has}")
 }
 
-/// The box of three edges, with a strain if there is one, or of three lattice vectors.
+/// Box of three edges, with a strain if there is one, or of three lattice vectors.
 fn cell(file: &File) -> Result<Option<FileBox>, String> {
     let Some(edges) = numbers(file, "box")? else { return Ok(None) };
     if edges.len() == 9 {
@@ -49,7 +49,7 @@ fn cell(file: &File) -> Result<Option<FileBox>, String> {
     Ok(Some(FileBox::of_cell(&cell.map_err(|e| format!("its box: {e}"))?)))
 }
 
-/// The numbers of a dataset or of an attribute.
+/// Numbers of a dataset or of an attribute.
 fn numbers(file: &File, name: &str) -> Result<Option<Vec<f64>>, String> {
     if let Some(found) = dataset(file, name)? {
         return found.numbers().map(Some);

@@ -12,7 +12,7 @@ use domain::Vector;
 use hdf5::types::{FixedAscii, VarLenAscii, VarLenUnicode};
 use hdf5::{Attribute, File, Group};
 
-/// A frame of a group of particles, the last where none is asked for.
+/// Reads a frame of a group of particles, by default the last one.
 pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, String> {
     let group = group(file, source.group.as_deref())?;
     let open = |name: &str| Element::open(&group, name);
@@ -37,8 +37,8 @@ pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, Strin
     })
 }
 
-/// Species of a run of this program, whose scene in the file names them. Those of other programs are numbered from 1
-/// where none is 0: the first species would have no particle otherwise.
+/// Adds the species names of the scene, if the file is from a run of this program. Species numbers of other programs
+/// are taken to start from 1 if none is 0: otherwise the first species would have no particle.
 fn with_names(kinds: Kinds, file: &File) -> Kinds {
     let text = Provenance::read(file).map(|provenance| provenance.scene).unwrap_or_default();
     match (kinds, Scene::parse(&text, "the scene of the run", &[]).ok()) {
@@ -52,7 +52,7 @@ fn short(group: &Group) -> String {
     group.name().trim_start_matches('/').to_owned()
 }
 
-/// The group that is named, or the only one.
+/// The group of this name, or the only one.
 fn group(file: &File, name: Option<&str>) -> Result<Group, String> {
     let all = file.group("particles").map_err(words)?;
     let names = all.member_names().map_err(words)?;
@@ -72,7 +72,7 @@ fn group(file: &File, name: Option<&str>) -> Result<Group, String> {
     }
 }
 
-/// The box at a step, if the group says its edges.
+/// Box at a step, if the group has its edges.
 fn cell(group: &Group, step: Option<f64>) -> Result<Option<FileBox>, String> {
     let Ok(cell) = group.group("box") else { return Ok(None) };
     let Some(edges) = Element::open(&cell, "edges")? else { return Ok(None) };
@@ -85,19 +85,19 @@ fn cell(group: &Group, step: Option<f64>) -> Result<Option<FileBox>, String> {
     };
     let strain = Element::open(&cell, "strain")?.map(|strain| strain.at_step(step)).transpose()?;
     let strain = strain.map(|strain| strain.numbers()).transpose()?.and_then(|numbers| numbers.first().copied());
-    // A lattice that is not along x, y and z is told by its vectors alone.
+    // A lattice that is not along x, y and z is determined by its vectors alone.
     let strain = strain.filter(|strain| is_that_of(&straight, *strain));
     let periodic = cell.attr("boundary").ok().map_or(Ok([true; 3]), |boundary| periodic(&boundary))?;
     FileBox { periodic, strain, ..straight }.checked().map(Some)
 }
 
-/// Whether a strain is that of the vectors.
+/// Whether a strain is consistent with the vectors.
 fn is_that_of(cell: &FileBox, strain: f64) -> bool {
     let [a, b, _] = cell.vectors;
     a.y == 0.0 && a.z == 0.0 && (b.x - strain * b.y).abs() <= 1e-9 * (a.x.abs() + b.y.abs())
 }
 
-/// Along which edges a box repeats.
+/// Whether a box is periodic along each edge.
 fn periodic(boundary: &Attribute) -> Result<[bool; 3], String> {
     let axes = strings(boundary)?;
     let axes: Vec<bool> = axes.iter().map(|axis| axis == "periodic").collect();
@@ -115,7 +115,7 @@ fn strings(attribute: &Attribute) -> Result<Vec<String>, String> {
     fixed.or_else(|_| ascii()).or_else(|_| unicode()).map_err(|e| format!("its box has no boundary: {e}"))
 }
 
-/// The box of a file of this program has a strain besides.
+/// A box in a file of this program has a strain in addition.
 #[cfg(test)]
 mod tests {
     use super::*;

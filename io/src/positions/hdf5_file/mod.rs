@@ -1,4 +1,4 @@
-//! Positions in HDF5.
+//! Positions in HDF5 files.
 
 mod array;
 mod element;
@@ -9,7 +9,7 @@ use super::{StartFile, StartSource};
 use crate::{FileError, stored_inside};
 use hdf5::File;
 
-/// The positions of a file, in the H5MD format if it has a group `particles`.
+/// Reads the positions of a file, in the H5MD format if it has a group `particles`.
 pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
     let path = &source.path;
     if !path.exists() {

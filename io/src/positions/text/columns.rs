@@ -8,39 +8,39 @@ use domain::Vector;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The places of columns in a row.
+/// Column numbers of the quantities.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Columns {
     pub(super) position: [usize; 3],
     pub(super) images: Option<[usize; 3]>,
-    /// And the radius over the number there.
+    /// Column of the size, and the factor from it to the radius.
     pub(super) radius: Option<(usize, f64)>,
     pub(super) species: Option<(usize, Labels)>,
     pub(super) id: Option<usize>,
 }
 
-/// The meaning of a column that tells species.
+/// Meaning of the entries in a species column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Labels {
-    /// Whole numbers from 0 on.
+    /// Whole numbers from 0.
     Indices,
-    /// Whole numbers from 1 on.
+    /// Whole numbers from 1.
     Types,
     /// Names.
     Names,
-    /// Names that may have no meaning here.
+    /// Names that may be arbitrary symbols.
     Symbols,
-    /// Names, or whole numbers from 0 on if all are numbers.
+    /// Names, or whole numbers from 0 if all are numbers.
     NamesOrIndices,
 }
 
-/// A line of a table, by its number from 1.
+/// A line of a table, and its number from 1.
 pub(super) struct Row<'a> {
     pub(super) line: usize,
     pub(super) cells: Vec<Cow<'a, str>>,
 }
 
-/// The columns `x`, `y`, `z`, `radius` or `diameter`, `species` or `type`, and `id` among names in lower case.
+/// The columns `x`, `y`, `z`, `radius` or `diameter`, `species` or `type`, and `id`, from names in lower case.
 pub(super) fn named(names: &[String], coordinates: [&str; 3], species: Labels) -> Result<Columns, String> {
     let place = |name: &str| unique(names, name);
     let required = |name: &str| place(name)?.ok_or_else(|| format!("it has no column {name}"));
@@ -57,7 +57,7 @@ pub(super) fn named(names: &[String], coordinates: [&str; 3], species: Labels) -
     })
 }
 
-/// The place of a name that may be there once.
+/// Column of a name that must not occur twice.
 fn unique(names: &[String], name: &str) -> Result<Option<usize>, String> {
     let mut places = (0..names.len()).filter(|&place| names[place] == name);
     let first = places.next();
@@ -68,7 +68,7 @@ fn unique(names: &[String], name: &str) -> Result<Option<usize>, String> {
 }
 
 impl Columns {
-    /// The particles of rows, each of which has all cells.
+    /// Reads the particles of rows that have all cells.
     pub(super) fn read<'a>(
         &self,
         rows: impl Iterator<Item = Result<Row<'a>, String>>,
@@ -109,7 +109,7 @@ fn integer<T: std::str::FromStr>(row: &Row, column: usize, what: &str) -> Result
     cell.parse().map_err(|_| format!("line {} has {} where {what} should be", row.line, excerpt(cell)))
 }
 
-/// Labels, each once with the line where it is first, and which of them each particle has.
+/// Distinct labels with the line of their first appearance, and the index of each particle's label.
 #[derive(Default)]
 struct Labelled {
     list: Vec<(String, usize)>,

@@ -6,8 +6,8 @@ use super::number::Numbers;
 use crate::document::excerpt;
 use crate::positions::{StartFile, TakenFrame, frame};
 
-/// Values under a line of names; lines that start with # are skipped. Commas, semicolons, tabs or blanks separate
-/// cells: whichever makes the names x, y and z columns.
+/// Reads values under a line of names; lines that start with # are skipped. Cells are separated by commas,
+/// semicolons, tabs or blanks: by whichever makes x, y and z columns.
 pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<StartFile, String> {
     frame::pick(asked, 1)?;
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
@@ -47,7 +47,7 @@ impl Header {
         Ok(Self { separator, columns, names })
     }
 
-    /// The cells of a line, as many as there are names.
+    /// Cells of a line, one for each name.
     fn row<'a>(&self, line: usize, text: &'a str) -> Result<Row<'a>, String> {
         let cells = self.separator.cells(text).map_err(|what| format!("line {line} has {what}"))?;
         let (found, needed) = (cells.len(), self.names.len());

@@ -23,7 +23,7 @@ impl Separator {
         }
     }
 
-    /// The cells of a line, without blanks and quotes around them.
+    /// Cells of a line, without surrounding blanks and quotes.
     pub(super) fn cells(self, line: &str) -> Result<Vec<Cow<'_, str>>, String> {
         if !line.contains('"') {
             let trimmed = |cell| Cow::Borrowed(str::trim(cell));
@@ -43,7 +43,7 @@ impl Separator {
         }
     }
 
-    /// The first cell, and what comes after the separator.
+    /// The first cell, and the rest after the separator.
     fn first(self, line: &str) -> Result<(Cow<'_, str>, Option<&str>), String> {
         let Some(quoted) = line.strip_prefix('"') else {
             return Ok(match line.split_once(self.character()) {

@@ -1,4 +1,4 @@
-//! Dumps of LAMMPS: frames of sections that begin with `ITEM:`.
+//! LAMMPS dumps: frames of sections that begin with `ITEM:`.
 
 use super::columns::{self, Columns, Labels, Row};
 use super::lammps_box;
@@ -8,11 +8,11 @@ use crate::positions::{FileBox, StartFile, TakenFrame, frame};
 use domain::Vector;
 use std::borrow::Cow;
 
-/// Names of coordinates, in the order in which they are preferred, and whether they are in parts of the box.
+/// Names of coordinates, in order of preference, and whether they are fractions of the box.
 const COORDINATES: [([&str; 3], bool); 4] =
     [(["x", "y", "z"], false), (["xu", "yu", "zu"], false), (["xs", "ys", "zs"], true), (["xsu", "ysu", "zsu"], true)];
 
-/// A frame of a dump, the last where none is asked for.
+/// Reads a frame of a dump, by default the last one.
 pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<StartFile, String> {
     let lines: Vec<&str> = text.lines().collect();
     let starts: Vec<usize> = (0..lines.len()).filter(|&line| lines[line].starts_with(TIMESTEP)).collect();
@@ -35,7 +35,7 @@ struct Frame<'a> {
     cell: Option<FileBox>,
     names: &'a str,
     atoms: &'a [&'a str],
-    /// The line after that of the names, from 0.
+    /// Index of the line after that of the names, from 0.
     first: usize,
 }
 
@@ -95,7 +95,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The columns, and whether positions are in parts of the box.
+/// The columns, and whether positions are fractions of the box.
 fn columns(names: &[String]) -> Result<(Columns, bool), String> {
     let has = |name: &str| names.iter().any(|n| n == name);
     let found = COORDINATES.into_iter().find(|(coordinates, _)| coordinates.iter().all(|name| has(name)));
@@ -111,7 +111,7 @@ fn columns(names: &[String]) -> Result<(Columns, bool), String> {
     } else if let (None, Some(column)) = (columns.species, names.iter().position(|name| name == "element")) {
         columns.species = Some((column, Labels::Names));
     }
-    // Positions that are not wrapped have their images in them.
+    // Unwrapped positions include their images.
     if coordinates[0].ends_with('u') {
         columns.images = None;
     }

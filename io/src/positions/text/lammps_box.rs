@@ -1,10 +1,10 @@
-//! The box of a dump of LAMMPS.
+//! Box of a LAMMPS dump.
 
 use crate::document::excerpt;
 use crate::positions::FileBox;
 use domain::Vector;
 
-/// The box of the lines after `ITEM: BOX BOUNDS` and what else that line says.
+/// Box from the three lines after `ITEM: BOX BOUNDS`, and the other words of that line.
 pub(super) fn read(words: &str, lines: &[&str; 3]) -> Result<FileBox, String> {
     let rows: Vec<Vec<f64>> = lines.iter().map(|line| numbers(line)).collect::<Result<_, _>>()?;
     let words: Vec<&str> = words.split_whitespace().collect();
@@ -36,7 +36,7 @@ fn numbers(line: &str) -> Result<Vec<f64>, String> {
     parsed.collect::<Option<Vec<f64>>>().ok_or_else(|| format!("its BOX BOUNDS have the line {}", excerpt(line)))
 }
 
-/// Bounds are those of a straight box around a tilted one.
+/// A tilted box; the bounds are those of the orthogonal box around it.
 fn tilted(rows: &[Vec<f64>], [xy, xz, yz]: [f64; 3]) -> FileBox {
     let leans = [0.0, xy, xz, xy + xz];
     let low = |values: &[f64]| values.iter().copied().fold(0.0, f64::min);
@@ -48,7 +48,7 @@ fn tilted(rows: &[Vec<f64>], [xy, xz, yz]: [f64; 3]) -> FileBox {
     FileBox { origin: from, ..FileBox::lattice(vectors) }
 }
 
-/// With the words for the ends along each axis, such as `pp`. A bound that follows the particles is the end of no box.
+/// Applies the boundary words of each axis, such as `pp`. A bound that follows the particles is not the end of a box.
 fn with_ends(mut cell: FileBox, ends: &[&str]) -> FileBox {
     for (axis, end) in ends.iter().enumerate().take(3) {
         cell.periodic[axis] = end.starts_with('p');

@@ -1,4 +1,4 @@
-//! Positions in text.
+//! Positions in text files.
 
 mod columns;
 mod csv;
@@ -13,7 +13,7 @@ pub(super) use csv::read as csv;
 pub(super) use lammps::read as lammps;
 pub(super) use xyz::read as xyz;
 
-/// Text in UTF-8, or in UTF-16 that says so, with ends of lines of any system, and without marks of the order of bytes.
+/// Decodes UTF-8, or UTF-16 with a byte order mark, with line ends of any system. The byte order mark is removed.
 pub(super) fn decoded(bytes: Vec<u8>) -> Result<String, String> {
     let pairs =
         |of: fn([u8; 2]) -> u16| bytes[2..].chunks_exact(2).map(|pair| of([pair[0], pair[1]])).collect::<Vec<_>>();

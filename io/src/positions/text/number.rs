@@ -2,7 +2,7 @@
 
 use crate::document::excerpt;
 
-/// Reads numbers that all have the same decimal mark: a point, or a comma where commas do not separate cells.
+/// Parser of numbers with a common decimal mark: a point, or a comma where commas do not separate cells.
 pub(super) struct Numbers {
     may_be_comma: bool,
     mark: Option<char>,
@@ -14,12 +14,12 @@ impl Numbers {
         Self { may_be_comma: false, mark: None }
     }
 
-    /// Numbers with decimal points or with decimal commas.
+    /// Numbers with decimal points or decimal commas.
     pub(super) fn with_either() -> Self {
         Self { may_be_comma: true, mark: None }
     }
 
-    /// The number of a cell on a line.
+    /// The number in a cell of a line.
     pub(super) fn parse(&mut self, line: usize, cell: &str) -> Result<f64, String> {
         let wrong = || format!("line {line} has {} where a number should be", excerpt(cell));
         let commas = cell.matches(',').count();
@@ -46,7 +46,7 @@ impl Numbers {
     }
 }
 
-/// A whole number from 0 on as a table writes it, perhaps as 1.0.
+/// A non-negative whole number in a table, perhaps written as 1.0.
 pub(super) fn whole(number: f64) -> Option<u32> {
     let found = number as u32;
     (f64::from(found).total_cmp(&number).is_eq() || number == 0.0).then_some(found)

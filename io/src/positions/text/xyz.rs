@@ -1,4 +1,4 @@
-//! XYZ, plain and extended: frames of a number of particles, a line of keys, and a line for each particle.
+//! Plain and extended XYZ: for each frame the number of particles, a line of keys, and one line per particle.
 
 use super::columns::Row;
 use super::number::Numbers;
@@ -7,7 +7,7 @@ use crate::document::excerpt;
 use crate::positions::{StartFile, TakenFrame, frame};
 use std::borrow::Cow;
 
-/// A frame of a file, the last where none is asked for.
+/// Reads a frame of a file, by default the last one.
 pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<StartFile, String> {
     let lines: Vec<&str> = text.lines().collect();
     let frames = frames(&lines)?;
@@ -23,7 +23,7 @@ pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<Start
     Ok(file)
 }
 
-/// A frame that begins on a line.
+/// A frame and the line on which it begins.
 struct Frame {
     first: usize,
     count: usize,

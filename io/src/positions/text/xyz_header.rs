@@ -9,14 +9,14 @@ use domain::Vector;
 /// Keys and values of a line such as `Lattice="9 0 0 0 9 0 0 0 9" Properties=species:S:1:pos:R:3 Time=0.5`.
 pub(super) struct Header(Vec<(String, String)>);
 
-/// The columns of a frame, and how many cells each line has.
+/// Columns of a frame, and the number of cells per line.
 pub(super) struct Properties {
     pub(super) columns: Columns,
     pub(super) width: usize,
 }
 
 impl Header {
-    /// Keys are the same in capitals. Words without a value are passed over.
+    /// Parses a line. Keys are not case-sensitive. Words without a value are ignored.
     pub(super) fn of(line: &str) -> Result<Self, String> {
         let (mut keys, mut rest) = (Vec::new(), line.trim());
         while let Some(end) = rest.find(|c: char| c == '=' || c.is_whitespace()) {
@@ -37,7 +37,7 @@ impl Header {
         self.0.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
     }
 
-    /// The number that a key has.
+    /// Number under the first of these keys that the line has.
     pub(super) fn number<T: std::str::FromStr>(&self, keys: &[&str]) -> Option<T> {
         keys.iter().find_map(|key| self.get(key)?.parse().ok())
     }
@@ -88,7 +88,7 @@ impl Header {
     }
 }
 
-/// A value, perhaps in quotes or brackets, and what comes after it.
+/// A value, perhaps in quotes or brackets, and the rest of the line.
 fn value_of(text: &str) -> Result<(&str, &str), String> {
     let close = match text.chars().next() {
         Some(quote @ ('"' | '\'')) => quote,
@@ -96,7 +96,7 @@ fn value_of(text: &str) -> Result<(&str, &str), String> {
         Some('[') => ']',
         _ => return Ok(text.split_at(text.find(char::is_whitespace).unwrap_or(text.len()))),
     };
-    // Rows of a matrix may have brackets of their own.
+    // Rows of a matrix may have their own brackets.
     let inner = &text[1..];
     let end = match close {
         ']' if inner.trim_start().starts_with('[') => inner.find("]]").map(|place| place + 1),
@@ -112,7 +112,7 @@ fn list(text: &str) -> Option<Vec<f64>> {
     parts.map(|part| part.parse().ok()).collect()
 }
 
-/// Axes that are true.
+/// Boolean values for the three axes.
 fn axes(text: &str) -> Option<[bool; 3]> {
     let parts = text.split(|c: char| c.is_whitespace() || ",[]".contains(c)).filter(|part| !part.is_empty());
     let axis = |part: &str| match part.to_lowercase().as_str() {
@@ -123,7 +123,7 @@ fn axes(text: &str) -> Option<[bool; 3]> {
     parts.map(axis).collect::<Option<Vec<bool>>>()?.try_into().ok()
 }
 
-/// The names of a property's columns: those that are used have one number, but for positions and images.
+/// Names of a property's columns: properties that are used must have one number, except positions and images.
 fn column_names(name: &str, width: u16) -> Result<Vec<String>, String> {
     let name = name.to_lowercase();
     let expected = match name.as_str() {

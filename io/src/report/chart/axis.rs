@@ -1,27 +1,27 @@
-//! The range of an axis and its ticks.
+//! Range and ticks of an axis.
 
 use domain::Number;
 
-/// Ticks that an axis has room for, about.
+/// Approximate number of ticks of an axis.
 const TICKS: f64 = 6.0;
-/// The part of the range that is left free at either end.
+/// Fraction of the range that is left free at either end.
 const MARGIN: f64 = 0.04;
-/// Numbers beyond are not drawn: differences of them would not be finite.
+/// Larger numbers are not drawn: their differences might be infinite.
 const LARGEST: f64 = 1e300;
 
-/// The range of an axis, in decades if it is logarithmic, and its ticks.
+/// Range of an axis, in decades if it is logarithmic, and its ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Axis {
     low: f64,
     high: f64,
     is_log: bool,
     ticks: Vec<f64>,
-    /// The power of ten that labels leave out.
+    /// Power of ten that is omitted from the labels.
     pub(super) power: i32,
 }
 
 impl Axis {
-    /// An axis for these values; those that it can't show are left out. `None` if there are no others.
+    /// An axis for these values; values that it cannot show are ignored. `None` if there are no others.
     pub(super) fn of(values: impl Iterator<Item = f64>, is_log: bool) -> Option<Self> {
         let shown = values.filter_map(|value| coordinate(value, is_log));
         let (least, most) = shown.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(x), m.max(x)));
@@ -37,12 +37,12 @@ impl Axis {
         Some(Self { low, high, is_log, ticks: ticks.collect(), power })
     }
 
-    /// Where a value is, from 0 at the start of the axis to 1 at its end.
+    /// Position of a value, from 0 at the start of the axis to 1 at its end.
     pub(super) fn place(&self, value: f64) -> Option<f64> {
         coordinate(value, self.is_log).map(|x| (x - self.low) / (self.high - self.low))
     }
 
-    /// Places and labels of the ticks.
+    /// Positions and labels of the ticks.
     pub(super) fn ticks(&self) -> impl Iterator<Item = (f64, String)> {
         self.ticks.iter().map(|&tick| ((tick - self.low) / (self.high - self.low), self.label(tick)))
     }
@@ -59,7 +59,7 @@ impl Axis {
     }
 }
 
-/// A power of ten as text with a raised exponent.
+/// A power of ten as text with a superscript exponent.
 pub(super) fn power_of_ten(power: i32) -> String {
     let raised = |digit: char| {
         "\u{2070}\u{b9}\u{b2}\u{b3}\u{2074}\u{2075}\u{2076}\u{2077}\u{2078}\u{2079}"
@@ -72,13 +72,13 @@ pub(super) fn power_of_ten(power: i32) -> String {
     format!("10{sign}{digits}")
 }
 
-/// The value on the axis, if it can be shown.
+/// Coordinate of a value on the axis, if it can be shown.
 fn coordinate(value: f64, is_log: bool) -> Option<f64> {
     let can_be_shown = value.abs() < LARGEST && !(is_log && value < 1.0 / LARGEST);
     can_be_shown.then(|| if is_log { value.log10() } else { value })
 }
 
-/// A range that differs by more than round-off; a logarithmic one has a tick.
+/// Widens a range that is within round-off, and a logarithmic one to at least a decade.
 fn wide_enough(least: f64, most: f64, is_log: bool) -> (f64, f64) {
     if is_log && most - least < 1.0 {
         return (least.floor(), most.ceil().max(least.floor() + 1.0));
@@ -91,13 +91,13 @@ fn wide_enough(least: f64, most: f64, is_log: bool) -> (f64, f64) {
     (least - half, most + half)
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below this.
+/// Smallest number of the form 1, 2 or 5 times a power of ten that is not less than `step`.
 fn nice(step: f64) -> f64 {
     let decade = 10_f64.powf(step.log10().floor());
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|n| n * decade).find(|&nice| nice >= step * (1.0 - 1e-9)).unwrap_or(step)
 }
 
-/// The power of ten that labels of numbers up to this leave out.
+/// Power of ten that labels of numbers up to `largest` omit.
 fn left_out(largest: f64) -> i32 {
     let power = largest.log10().floor() as i32;
     if (-2..4).contains(&power) { 0 } else { power }

@@ -11,13 +11,13 @@ pub(super) use svg::svg;
 /// Lines over an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Chart {
-    /// What it shows.
+    /// Title.
     pub(super) title: String,
-    /// The axes: what they show, and its unit.
+    /// Quantity and unit of each axis.
     pub(super) axes: [(String, String); 2],
-    /// Which of them are logarithmic.
+    /// Whether each axis is logarithmic.
     pub(super) log: [bool; 2],
-    /// A value that the vertical axis shows in any case, and a thin line at it.
+    /// A value that the vertical axis always includes, marked by a thin line.
     pub(super) level: Option<f64>,
     /// The lines.
     pub(super) lines: Vec<Line>,
@@ -26,15 +26,15 @@ pub(super) struct Chart {
 /// A line of a chart.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Line {
-    /// Its name in the legend; a chart with one line without a name has no legend.
+    /// Name in the legend; a chart with a single line without a name has no legend.
     pub(super) name: String,
-    /// Its points; it is broken where one is not finite.
+    /// Points; the line is broken at those that are not finite.
     pub(super) points: Vec<[f64; 2]>,
-    /// Standard errors of the points; none, or one for each.
+    /// Standard errors of the points; empty, or one per point.
     pub(super) errors: Vec<f64>,
-    /// Which of the colours it has.
+    /// Index of the colour.
     pub(super) colour: usize,
-    /// Which of the dashes it has.
+    /// Index of the dash pattern.
     pub(super) dash: usize,
 }
 
@@ -45,19 +45,19 @@ impl Chart {
         Self { title: title.to_owned(), axes, log: [false; 2], level: None, lines: Vec::new() }
     }
 
-    /// The same with a thin line at a value, which the vertical axis then shows in any case.
+    /// The same chart with a thin line at a value, which the vertical axis always includes.
     pub(super) fn with_level(self, level: f64) -> Self {
         Self { level: Some(level), ..self }
     }
 
-    /// Adds a line, in a colour of its own.
+    /// Adds a line in a new colour.
     pub(super) fn add(&mut self, name: &str, points: Vec<[f64; 2]>, errors: Vec<f64>) {
         let colour = self.lines.len();
         self.lines.push(Line { name: name.to_owned(), points, errors, colour, dash: 0 });
     }
 }
 
-/// A unit as text for reading.
+/// A unit as readable text.
 pub(super) fn unit_text(unit: &str) -> String {
     unit.replace("^2", "\u{b2}").replace("^3", "\u{b3}").replace('*', " ")
 }

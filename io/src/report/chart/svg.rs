@@ -1,4 +1,4 @@
-//! A chart as SVG.
+//! Drawing of a chart as SVG.
 
 use super::axis::{Axis, power_of_ten};
 use super::thin::thinned;
@@ -8,21 +8,21 @@ use std::fmt::Write as _;
 
 /// Width and height of the picture.
 const SIZE: [f64; 2] = [520.0, 330.0];
-/// What is left free beside the area of the lines: left, right and below.
+/// Margins of the plot area: left, right and below.
 const MARGINS: [f64; 3] = [66.0, 16.0, 50.0];
-/// Where the area of the lines ends.
+/// Lower end of the plot area.
 const BOTTOM: f64 = SIZE[1] - MARGINS[2];
 /// Height of a row of the legend.
 const ROW: f64 = 18.0;
-/// Width of a letter, about.
+/// Approximate width of a letter.
 const LETTER: f64 = 6.6;
-/// Colours that those tell apart too who do not see all of them (Okabe & Ito).
+/// Colours that are distinguishable with colour vision deficiency (Okabe & Ito).
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555"];
 const DASHES: [&str; 4] = ["", "6 3", "2 3", "8 3 2 3"];
-/// Up to as many points a line shows each.
+/// Lines with up to this number of points have markers.
 const MARKED: usize = 24;
 
-/// The area of the lines on the picture, and its axes.
+/// Plot area and its axes.
 struct Area {
     x: Axis,
     y: Axis,
@@ -50,7 +50,7 @@ pub(in crate::report) fn svg(chart: &Chart) -> Option<String> {
     Some(svg + "</svg>\n")
 }
 
-/// What stands at an axis: its name, and in brackets the unit, with the power of ten that the labels leave out.
+/// Label of an axis: its name, and in brackets the unit, with the power of ten that the labels omit.
 fn named(axis: &Axis, (name, unit): &(String, String)) -> String {
     let power = if axis.power == 0 { String::new() } else { power_of_ten(axis.power) };
     let is_said = name == unit;
@@ -59,13 +59,13 @@ fn named(axis: &Axis, (name, unit): &(String, String)) -> String {
     escaped(&if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") })
 }
 
-/// Ends of error bars.
+/// Ends of the error bars.
 fn bars(chart: &Chart) -> impl Iterator<Item = f64> {
     let bar = |(point, error): (&[f64; 2], &f64)| [point[1] - error, point[1] + error];
     chart.lines.iter().flat_map(move |line| line.points.iter().zip(&line.errors).flat_map(bar))
 }
 
-/// The lines that the legend names, each at a place in letters from the left and a row.
+/// Lines with a legend entry, each with its position: letters from the left, and row.
 fn legend(chart: &Chart) -> Vec<(&Line, [f64; 2])> {
     let room = SIZE[0] - MARGINS[0] - MARGINS[1];
     let (mut entries, mut place) = (Vec::new(), [0.0, 0.0]);
@@ -94,13 +94,13 @@ fn style(line: &Line) -> String {
     format!("class=\"line\" stroke=\"{colour}\" stroke-dasharray=\"{dash}\"")
 }
 
-/// A part of the area's width, on the picture.
+/// Horizontal position of a fraction of the plot area's width.
 fn across(part: f64) -> f64 {
     MARGINS[0] + part * (SIZE[0] - MARGINS[0] - MARGINS[1])
 }
 
 impl Area {
-    /// Where a point is on the picture, if the axes can show it.
+    /// Position of a point on the picture, if the axes can show it.
     fn place(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         Some([across(self.x.place(x)?), self.up(self.y.place(y)?)])
     }
@@ -140,7 +140,7 @@ impl Area {
         )
     }
 
-    /// The line, where it is finite, with its points where they are few, and their errors.
+    /// The line where it is finite, with markers if there are few points, and error bars.
     fn line(&self, line: &Line) -> String {
         let (mut path, mut pen, mut marks) = (String::new(), 'M', String::new());
         for place in thinned(&line.points).into_iter().map(|point| self.place(point)) {

@@ -9,7 +9,7 @@ fn chart(points: &[[f64; 2]], errors: &[f64]) -> Chart {
 #[test]
 fn a_line_goes_through_its_points() {
     let svg = svg(&chart(&[[0.0, 0.0], [1.0, 1.0]], &[])).unwrap();
-    // The area is 66 to 504 across and 280 to 32 up, with a margin of 1/27 of it at either end.
+    // The plot area is 66 to 504 across and 280 to 32 up, with a margin of 1/27 of it at either end.
     assert!(svg.contains("d=\"M82.2 270.8L487.8 41.2\""), "{svg}");
     assert!(
         svg.contains("<path d=\"M66.0 12.0H88.0\"") && svg.contains("<text x=\"93.0\" y=\"16.0\">&lt;one"),

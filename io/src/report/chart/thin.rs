@@ -1,10 +1,10 @@
-//! Thinning of lines with more points than can be seen.
+//! Thinning of lines with more points than are visible.
 
-/// Points that a line is drawn with, at most.
+/// Largest number of points of a drawn line.
 const MOST: usize = 1000;
 
-/// A line through the least and the largest of each few neighbours, where there are more points than can be told apart.
-/// Points that are not finite stay, as gaps of the line, where a whole group is not.
+/// A line through the minimum and the maximum of each group of neighbours, if there are more points than are
+/// distinguishable. A group without finite points stays as a gap of the line.
 pub(super) fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     if points.len() <= MOST {
         return points.to_vec();

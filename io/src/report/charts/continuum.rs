@@ -4,7 +4,7 @@ use crate::report::chart::Chart;
 use crate::report::stored_table::StoredTable;
 use domain::Number;
 
-/// Solutions that a chart shows at most.
+/// Largest number of solutions in a chart.
 const MOST: usize = 6;
 
 /// Profiles over the gap, for each speed and pressure.

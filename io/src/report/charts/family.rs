@@ -1,13 +1,13 @@
-//! Charts of a family: each quantity over the first swept key that has numbers, with errors from the spread of seeds.
+//! Charts of a family: each quantity over the first swept key with numbers, with errors from the spread over seeds.
 
 use crate::Family;
 use crate::report::chart::Chart;
 use crate::report::stored_table::StoredTable;
 
-/// Quantities that are shown at most, and lines of a chart.
+/// Largest number of charts, and of lines of a chart.
 const MOST_CHARTS: usize = 24;
 const MOST_LINES: usize = 7;
-/// An axis over more than such a ratio is logarithmic.
+/// An axis whose values have a larger ratio is logarithmic.
 const WIDE: f64 = 30.0;
 
 /// A chart for each quantity.
@@ -46,7 +46,7 @@ fn chart((family, place): (&Family, usize), table: &StoredTable, (quantity, rows
     Some(chart)
 }
 
-/// The name of a line: the species, and the values of the other swept keys.
+/// Name of a line: the species, and the values of the other swept keys.
 fn name(family: &Family, place: usize, [point, species]: [&str; 2]) -> String {
     let member = family.members().iter().find(|member| member.point_name() == point);
     let others = member.map(|member| member.described_but(place)).unwrap_or_default();

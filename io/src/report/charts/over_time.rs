@@ -3,7 +3,7 @@
 use crate::observables::Observables;
 use crate::report::chart::Chart;
 
-/// A chart of quantities that are numbers, each with the name of its line. `None` if the run has none of them.
+/// A chart of quantities that are single numbers, each with the name of its line. `None` if the run has none of them.
 pub(super) fn numbers(series: &Observables, title: &str, y: &str, names: &[(&str, &str)]) -> Option<Chart> {
     let unit = names.iter().find_map(|(name, _)| Some(series.get(name)?.unit.clone()))?;
     let mut chart = Chart::new(title, ("time", "time"), (y, &unit));

@@ -3,7 +3,7 @@
 use crate::report::chart::{Chart, Line};
 use crate::report::stored_table::StoredTable;
 
-/// Pairs, velocities, displacements and concentration.
+/// Charts of pairs, velocities, displacements and concentration.
 pub(super) fn charts<'a>(table: &dyn Fn(&str) -> Option<&'a StoredTable>) -> Vec<Chart> {
     let charts = [
         table("pairs").and_then(pairs),
@@ -54,13 +54,13 @@ fn displacement(table: &StoredTable) -> Option<Chart> {
     Some(chart)
 }
 
-/// What becomes of the points of a line.
+/// Transformation of the points of a line.
 type Change = dyn Fn(&[[f64; 2]]) -> Vec<[f64; 2]>;
 
 /// Adds a line for each species and axis.
 fn add_lags(table: &StoredTable, name: &str, chart: &mut Chart, of: &Change) -> Option<()> {
     let mut groups = table.groups(&["species"]);
-    // Those of all species together are no more than the mean of the others.
+    // The values of all species together are only the mean of the others.
     if groups.len() > 1 {
         groups.retain(|(words, _)| words[0] != "all");
     }
@@ -83,14 +83,15 @@ fn concentration(table: &StoredTable) -> Option<Chart> {
     Some(chart)
 }
 
-/// The species in their order.
+/// The distinct first words (species) in their order.
 fn first_words(groups: &[(Vec<String>, Vec<usize>)]) -> Vec<String> {
     let mut words: Vec<String> = groups.iter().map(|(words, _)| words[0].clone()).collect();
     words.dedup();
     words
 }
 
-/// A line of a species, in its colour, along an axis, in its dashes; of a single species each axis has a colour.
+/// A line of a species along an axis: the species sets the colour and the axis the dashes; with a single species
+/// the axis sets the colour.
 fn line(species: &[String], name: &str, (axis, points): (usize, Vec<[f64; 2]>)) -> Line {
     let letter = ["x", "y", "z"][axis];
     if species.len() == 1 {

@@ -5,7 +5,7 @@ use crate::observables::{Observables, Observed};
 use crate::report::about::About;
 use crate::report::chart::Chart;
 
-/// Motion, stress, gaps, segregation, and the solves.
+/// Charts of motion, stress, gaps, segregation, and solver iterations.
 pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
     let Some(means) = series.get("mean_velocity") else { return Vec::new() };
     let stresses = [
@@ -39,7 +39,7 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
     charts.into_iter().flatten().collect()
 }
 
-/// The mean velocity of each species along the force.
+/// Mean velocity of each species along the force.
 fn mean_velocity(series: &Observables, means: &Observed, (axis, name): (usize, char)) -> Chart {
     let title = format!("Mean velocity along {name}");
     let mut chart = Chart::new(&title, ("time", "time"), ("mean velocity", &means.unit)).with_level(0.0);
@@ -49,7 +49,7 @@ fn mean_velocity(series: &Observables, means: &Observed, (axis, name): (usize, c
     chart
 }
 
-/// The standard deviation of the velocity: of one species along each axis, of several as a whole.
+/// Standard deviation of the velocity: along each axis for a single species, in total for several.
 fn fluctuations(series: &Observables, variances: &Observed) -> Chart {
     let unit = "length/time";
     let mut chart = Chart::new("Velocity fluctuations", ("time", "time"), ("standard deviation", unit)).with_level(0.0);

@@ -1,4 +1,4 @@
-//! Forces of contacts as lines between centres.
+//! Contact forces as lines between centres.
 
 use super::in_box;
 use crate::contacts::RecordedContacts;
@@ -8,15 +8,15 @@ use domain::{Number, PeriodicBox, Vector};
 use serde_json::{Value, json};
 use simulation::ContactForce;
 
-/// Bytes of lines on a page; as text they take a third more.
+/// Largest number of bytes of the lines on a page; as text they take a third more.
 const BYTES: usize = 20_000_000;
-/// Of a line: three coordinates of its start, three from there to its end, and its width.
+/// Bytes of a line: three coordinates of its start, three of the vector to its end, and its width.
 const EACH: usize = 3 * 2 + 3 * 2 + 1;
 
-/// The lines of each frame, of which the strongest come first.
+/// The lines of each frame, the strongest first.
 #[derive(Default)]
 pub(super) struct Chains {
-    /// How many each frame has.
+    /// Number of lines of each frame.
     counts: Vec<usize>,
     places: Vec<[u8; 12]>,
     /// Magnitudes of the normal forces.
@@ -24,7 +24,7 @@ pub(super) struct Chains {
 }
 
 impl Chains {
-    /// Adds those of a frame, if they were written at its step; what is wrong with them, if anything is.
+    /// Adds the contacts of a frame, if they were written at its step; returns their damage, if there is any.
     pub(super) fn see(&mut self, recorded: &RecordedContacts, snapshot: &Snapshot) -> Option<String> {
         let mut list = Vec::new();
         let damage = match recorded.of_step(snapshot.step) {
@@ -42,7 +42,7 @@ impl Chains {
         damage
     }
 
-    /// Leaves of each frame as many as there is room for, the strongest.
+    /// Keeps the strongest lines of each frame, as many as there is room for.
     pub(super) fn finish(&mut self) {
         let room = BYTES / EACH / self.counts.len().max(1);
         let before = std::mem::take(&mut self.counts);
@@ -61,7 +61,7 @@ impl Chains {
         self.places.is_empty()
     }
 
-    /// How many lines each frame has, and the force of the thickest; nothing without lines.
+    /// Number of lines of each frame, and the largest force; `null` without lines.
     pub(super) fn described(&self) -> Value {
         if self.is_empty() {
             return Value::Null;
@@ -73,7 +73,7 @@ impl Chains {
         f64::from(self.forces.iter().copied().fold(0.0, f32::max))
     }
 
-    /// The lists of bytes with the names of their elements.
+    /// Lists of bytes with the names of their elements.
     pub(super) fn lists(&self) -> Vec<(String, String)> {
         if self.is_empty() {
             return Vec::new();
@@ -84,7 +84,7 @@ impl Chains {
     }
 }
 
-/// Box coordinates of the start in 65536ths, and of what there is from there to the end in 32768ths, two bytes each.
+/// Box coordinates of the start in units of 1/65536, and of the vector to the end in units of 1/32768, two bytes each.
 fn line(cell: &PeriodicBox, contact: &ContactForce) -> [u8; 12] {
     let mut bytes = [0; 12];
     bytes[..6].copy_from_slice(&in_box(cell, contact.place));

@@ -1,13 +1,13 @@
-//! The choice of frames for a page.
+//! Selection of frames for a page.
 
-/// Bytes of positions and colours; as text they take a third more.
+/// Largest number of bytes of positions and colours; as text they take a third more.
 const BYTES: usize = 27_000_000;
-/// Of a particle in a frame: three coordinates and two colours.
+/// Bytes of a particle in a frame: three coordinates and two colours.
 const EACH: usize = 3 * 2 + 2;
-/// The largest number of frames on a page.
+/// Largest number of frames on a page.
 const MOST: usize = 1000;
 
-/// The frames to show of so many, evenly apart, with the first and the last; all if there is room.
+/// Equally spaced frames, including the first and the last; all frames if there is room.
 pub(super) fn chosen(frames: usize, particles: usize) -> Vec<usize> {
     let room = (BYTES / (EACH * particles.max(1))).min(MOST);
     match room.min(frames) {

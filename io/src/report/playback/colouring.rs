@@ -1,14 +1,14 @@
-//! What particles can be coloured by.
+//! Quantities for colouring particles.
 
 use domain::{Number, Particles, Vector};
 use serde_json::{Value, json};
 use simulation::Frame;
 
-/// What the scene provides for colours.
+/// Data of the scene for colouring.
 pub(in crate::report) struct Colours {
     /// Names of the species.
     pub(in crate::report) species: Vec<String>,
-    /// The flow that velocities are taken relative to, if there is one.
+    /// The flow relative to which velocities are shown, if there is one.
     pub(in crate::report) flow: Option<Box<dyn Fn(Vector) -> Vector>>,
 }
 
@@ -16,17 +16,17 @@ pub(in crate::report) struct Colours {
 pub(super) struct Colouring {
     name: &'static str,
     key: Key,
-    /// Whether they are the same in each frame.
+    /// Whether the colours are the same in each frame.
     is_fixed: bool,
-    /// A byte for each particle, of each frame in turn unless it is fixed.
+    /// One byte per particle; if not fixed, for each frame in turn.
     pub(super) values: Vec<u8>,
 }
 
-/// The meaning of the bytes.
+/// Meaning of the bytes.
 enum Key {
     /// Indices of these names.
     Names(Vec<String>),
-    /// Numbers from the first to the second, which the label names.
+    /// Numbers from the first to the second, with a label.
     Range([f64; 2], &'static str),
 }
 
@@ -36,7 +36,7 @@ impl Colouring {
         matches!(&self.key, Key::Names(names) if names.len() == 1)
     }
 
-    /// The description of the colours for the player.
+    /// Description of the colours for the player.
     pub(super) fn described(&self) -> Value {
         match &self.key {
             Key::Names(names) => json!({"name": self.name, "fixed": self.is_fixed, "names": names}),
@@ -48,7 +48,7 @@ impl Colouring {
     }
 }
 
-/// Colours that do not change: by species, and by radius where they are many.
+/// Colours that do not change: by species, and by radius if there are many radii.
 pub(super) fn fixed(particles: &Particles, colours: &Colours) -> Vec<Colouring> {
     let species = particles.species.iter().map(|&species| species as u8).collect();
     let last = particles.species.iter().max().map_or(0, |&last| last as usize);
@@ -64,14 +64,14 @@ pub(super) fn fixed(particles: &Particles, colours: &Colours) -> Vec<Colouring> 
     let range = [radii[0], radii[radii.len() - 1]];
     let values = particles.radii.iter().map(|&radius| byte(radius, range)).collect();
     let by_radius = Colouring { name: "radius", key: Key::Range(range, "radius (length)"), is_fixed: true, values };
-    // Species that have no size each are no more than a range of them.
+    // If species do not have one size each, they are only ranges of radii.
     vec![by_radius, by_species]
 }
 
-/// A number of each particle, if they have it.
+/// One number per particle, if the frame has it.
 type Numbers<'a> = dyn Fn(&Particles) -> Option<Vec<f32>> + 'a;
 
-/// A number of each particle in each frame.
+/// One number per particle in each frame.
 pub(super) struct Column<'a> {
     name: &'static str,
     label: &'static str,
@@ -80,7 +80,7 @@ pub(super) struct Column<'a> {
     is_whole: bool,
 }
 
-/// The numbers to colour by.
+/// Quantities for colouring.
 pub(super) fn columns_of(colours: &Colours) -> Vec<Column<'_>> {
     let speed = if colours.flow.is_some() { "speed relative to the flow (length/time)" } else { "speed (length/time)" };
     let column = |name, label, of| Column { name, label, of, values: Vec::new(), is_whole: true };
@@ -90,7 +90,7 @@ pub(super) fn columns_of(colours: &Colours) -> Vec<Column<'_>> {
     ]
 }
 
-/// A column of particles, by its name.
+/// Rows of the column of this name.
 fn rows<'a>(particles: &'a Particles, name: &str) -> Option<std::slice::ChunksExact<'a, f64>> {
     let column = particles.columns.iter().find(|column| column.name == name)?;
     Some(column.values.chunks_exact(column.width))
@@ -102,7 +102,7 @@ fn speeds(particles: &Particles, colours: &Colours) -> Option<Vec<f32>> {
     Some(velocities.zip(&particles.positions).map(|(v, &place)| (v - flow(place)).length() as f32).collect())
 }
 
-/// `(S : S)^(1/2)` of stresslets without trace, of which the components xx, xy, xz, yy and yz are given.
+/// `(S : S)^(1/2)` of traceless stresslets with the components xx, xy, xz, yy and yz.
 fn stresses(particles: &Particles) -> Option<Vec<f32>> {
     let size = |s: &[f64]| {
         let zz = -s[0] - s[3];
@@ -120,7 +120,7 @@ impl Column<'_> {
         }
     }
 
-    /// The colours; `None` where frames do not have the number, or all the same.
+    /// The colours; `None` if some frame lacks the number, or all values are equal.
     pub(super) fn finished(self) -> Option<Colouring> {
         let range = spread(&self.values).filter(|_| self.is_whole)?;
         let values = self.values.iter().map(|&value| byte(f64::from(value), range)).collect();
@@ -128,8 +128,8 @@ impl Column<'_> {
     }
 }
 
-/// The range that all values but the least and the greatest hundredth are in: a few that are far off would leave all
-/// others one colour. `None` if that is no range.
+/// Range of the values from the first to the last percentile: otherwise a few outliers would leave all others one
+/// colour. `None` if the range is empty.
 fn spread(values: &[f32]) -> Option<[f64; 2]> {
     let mut values = values.to_vec();
     let last = values.len().checked_sub(1)?;
@@ -138,7 +138,7 @@ fn spread(values: &[f32]) -> Option<[f64; 2]> {
     (low < high && (high - low).is_finite()).then_some([low, high])
 }
 
-/// A value as a byte, from the start of a range to its end.
+/// A value as a byte, 0 at the start of the range and 255 at its end.
 fn byte(value: f64, [low, high]: [f64; 2]) -> u8 {
     ((value - low) / (high - low) * 255.0).round().clamp(0.0, 255.0) as u8
 }
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(stresses(&particles), None);
         let values = vec![1.0, 2.0, 0.0, -3.0, 1.0];
         particles.columns.push(domain::Column { name: "stresslet".into(), width: 5, values });
-        // The tensor 1 2 0, 2 -3 1, 0 1 2.
+        // The tensor with the rows (1 2 0), (2 -3 1), (0 1 2).
         assert_eq!(stresses(&particles), Some(vec![24_f32.sqrt()]));
     }
 

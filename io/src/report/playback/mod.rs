@@ -17,11 +17,11 @@ use domain::{Number, PeriodicBox, Vector};
 use serde_json::{Value, json};
 use simulation::Frame;
 
-/// Frames of a trajectory, as the player needs them.
+/// Frames of a trajectory in the form that the player needs.
 pub(super) struct Playback {
-    /// How many frames the trajectory has.
+    /// Number of frames of the trajectory.
     pub(super) recorded: usize,
-    /// Damaged frames, which are left out, with the damage of each.
+    /// Damage of the damaged frames, which are left out.
     pub(super) damage: Vec<String>,
     frames: Vec<Shown>,
     positions: Vec<u8>,
@@ -40,7 +40,7 @@ struct Shown {
 }
 
 impl Playback {
-    /// Reads as many frames as a page can hold, evenly spaced. `colours` names what particles can be coloured by.
+    /// Reads as many equally spaced frames as a page can hold. `colours` has the data for colouring particles.
     pub(super) fn of(recorded: &TrajectoryReader, contacts: &RecordedContacts, colours: &Colours) -> Self {
         let count = recorded.species().len();
         let meant = chosen(recorded.times().len(), count);
@@ -70,7 +70,7 @@ impl Playback {
         }
         playback.colourings.extend(columns.into_iter().filter_map(colouring::Column::finished));
         playback.chains.finish();
-        // Those that tell nothing apart come last.
+        // Colourings that do not distinguish particles come last.
         playback.colourings.sort_by_key(Colouring::is_of_one);
         playback
     }
@@ -87,7 +87,7 @@ impl Playback {
         self.frames.push(Shown { step: *step, time: *time, cell: *cell });
     }
 
-    /// Edges of the box, and which of them are periodic. `None` if no frame is shown.
+    /// Edges of the box and its periodic axes. `None` if no frame is shown.
     pub(super) fn box_in_words(&self) -> Option<String> {
         let axes = if self.is_flat { 2 } else { 3 };
         let edges = self.frames.first()?.cell.edges().to_array();
@@ -99,17 +99,17 @@ impl Playback {
         Some(format!("{}, {repeats}", edges.join(" \u{d7} ")))
     }
 
-    /// Whether there are forces of contacts to show.
+    /// Whether there are contact forces to show.
     pub(super) fn has_chains(&self) -> bool {
         !self.chains.is_empty()
     }
 
-    /// How many frames are shown.
+    /// Number of frames that are shown.
     pub(super) fn shown(&self) -> usize {
         self.frames.len()
     }
 
-    /// The data for the player: the description, and each list of bytes with the name of its element.
+    /// Data for the player: the description, and each list of bytes with the name of its element.
     pub(super) fn parts(&self, up: char) -> (Value, Vec<(String, String)>) {
         let edges = self.frames.iter().map(|frame| edges(&frame.cell));
         let description = json!({
@@ -130,12 +130,13 @@ impl Playback {
     }
 }
 
-/// The lattice vectors of a box, one after the other.
+/// Lattice vectors of a box, one after another.
 fn edges(cell: &PeriodicBox) -> Vec<f64> {
     [[1, 0, 0], [0, 1, 0], [0, 0, 1]].iter().flat_map(|&steps| cell.lattice(steps).to_array()).collect()
 }
 
-/// Box coordinates in 65536ths, two bytes each. What is outside of a box, as beyond a wall, is put on its face.
+/// Box coordinates in units of 1/65536, two bytes each. Positions outside of the box, e.g. beyond a
+/// wall, are moved to its face.
 fn in_box(cell: &PeriodicBox, position: Vector) -> [u8; 6] {
     let parts = cell.parts(position) * 65536.0;
     let [x, y, z] = parts.to_array().map(|part| (part.floor().clamp(0.0, 65535.0) as u16).to_le_bytes());

@@ -4,7 +4,7 @@ use domain::Particles;
 use simulation::{ContactForce, ContactForces, ContactState};
 use std::path::Path;
 
-/// A trajectory of two particles, of which one moves, in a box that is sheared ever more; as it was written.
+/// Writes a trajectory of two particles, one of which moves, in a box with increasing shear; returns its frames.
 fn written(path: &Path, frames: u32) -> Vec<Frame> {
     let provenance =
         Provenance { scene: String::new(), program: "test 1".into(), plan: String::new(), ranks: 1, seed: 2 };
@@ -49,7 +49,7 @@ fn positions_are_those_of_the_trajectory_to_16_bits() {
         for (part, &position) in coordinates.chunks_exact(3).zip(&frame.particles.positions) {
             let decoded: Vector = (0..3).map(|axis| corner(axis) * part[axis]).sum();
             let off = decoded - position;
-            // Half of a 65536th of each lattice vector at most; the second one is tilted.
+            // Half of 1/65536 of each lattice vector at most; the second one is tilted.
             let least = frame.cell.edges() * 0.5 / 65536.0 * (1.0 + 1e-9);
             assert!(off.x.abs() <= least.x + least.y && off.y.abs() <= least.y && off.z.abs() <= least.z, "{off}");
         }
@@ -72,11 +72,11 @@ fn the_player_is_told_what_there_is() {
     assert_eq!(colourings[1]["range"], json!(["0", "2"]));
     let names: Vec<&str> = lists.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(names, ["radii", "positions", "colouring-0", "colouring-1"]);
-    // 0.5 and 1.25 in single precision, little-endian; species 0 and 1; speeds 0 0, 0 1, 0 2 of 2.
+    // 0.5 and 1.25 in single precision, little-endian; species 0 and 1; speeds 0 0, 0 1, 0 2 relative to 2.
     assert_eq!((lists[0].1.as_str(), lists[2].1.as_str(), lists[3].1.as_str()), ("AAAAPwAAoD8=", "AAE=", "AAAAgAD/"));
 }
 
-/// Of the frame at step 10 alone there are contacts: lines as thick as their forces, the thickest first.
+/// Only the frame at step 10 has contacts: lines as thick as their forces, the thickest first.
 #[test]
 fn contacts_are_lines() {
     let folder = tempfile::tempdir().unwrap();
@@ -109,7 +109,7 @@ fn contacts_are_lines() {
     assert_eq!(names[names.len() - 2..], ["chains", "widths"]);
     // 255 and 128.
     assert_eq!(lists[names.len() - 1].1, "/4A=");
-    // The box is 8, 4, 5 and sheared by 1/4: 2 up is half of it up and 0.5 to the right.
+    // The box is 8, 4, 5 and sheared by 1/4: 2 up is half of its height and 0.5 to the right.
     let parts = [(1.1 - 0.5) / 8.0, 0.5, 0.6].map(|part| (part * 65536.0) as u16);
     let steps = [0.25 / 8.0, -0.25, 0.1].map(|part| (part * 32768.0_f64).round() as i16);
     let expected: Vec<u8> =

@@ -1,4 +1,4 @@
-//! The answers of a member, in terms of one value with an error for each quantity.
+//! Answers of a member: one value with an error for each quantity.
 
 use crate::answers::word;
 use crate::{FileError, Kind, Scene, read_answers};
@@ -16,7 +16,7 @@ pub(super) struct Answer {
     pub(super) error: f64,
 }
 
-/// The answers in the folder of a run of a scene; none where it has none yet.
+/// Answers in the folder of a run of a scene; empty if it has none yet.
 pub(super) fn of(folder: &Path, scene: &Scene) -> Result<Vec<Answer>, FileError> {
     if let Kind::Continuum(_) = scene.kind() {
         return of_solutions(&folder.join("summary.csv"));
@@ -35,7 +35,7 @@ pub(super) fn of(folder: &Path, scene: &Scene) -> Result<Vec<Answer>, FileError>
         .collect())
 }
 
-/// Columns of the solutions of a continuum, with their units; the first two say what a solution is of.
+/// Columns of the solutions of a continuum, with their units; the first two identify a solution.
 const OF_SOLUTIONS: [(&str, &str); 5] = [
     ("speed", "length/time"),
     ("pressure", "force/length^2"),
@@ -44,7 +44,7 @@ const OF_SOLUTIONS: [(&str, &str); 5] = [
     ("shear_stress", "force/length^2"),
 ];
 
-/// The solutions of a continuum, which have no errors.
+/// Answers from the solutions of a continuum, which have no errors.
 fn of_solutions(path: &Path) -> Result<Vec<Answer>, FileError> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(Vec::new()) };
     let mut lines = text.lines().map(csv_words);

@@ -10,30 +10,30 @@ use std::collections::BTreeSet;
 /// A quantity at a point of a family, and its change from the first point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnswerChange {
-    /// The mean over the seeds, and its error from their spread.
+    /// Mean over the seeds.
     pub mean: f64,
-    /// The error.
+    /// Error of the mean, from the spread over the seeds.
     pub error: f64,
-    /// Seeds that have a value here and at the first point.
+    /// Number of seeds with a value here and at the first point.
     pub seeds: usize,
-    /// The mean over these seeds of the difference from the first point.
+    /// Mean over these seeds of the difference from the first point.
     pub change: f64,
-    /// The error of that, from the spread of the differences.
+    /// Error of that mean, from the spread of the differences.
     pub change_error: f64,
 }
 
-/// Errors beyond which a change matters.
+/// Number of errors beyond which a change is significant.
 const ERRORS: f64 = 2.0;
 
 impl AnswerChange {
-    /// Whether the change is more than two errors.
+    /// Whether the change is larger than two errors.
     pub fn matters(&self) -> bool {
         self.change.abs() > ERRORS * self.change_error
     }
 }
 
 impl FamilyFolder {
-    /// The quantities that some member has an answer for, with their species.
+    /// The quantities for which some member has an answer, with their species.
     pub fn quantities(&self, family: &Family) -> Result<BTreeSet<(String, String)>, RunError> {
         let mut all = BTreeSet::new();
         for member in family.members() {
@@ -42,7 +42,7 @@ impl FamilyFolder {
         Ok(all)
     }
 
-    /// A quantity at each point; nothing where no seed has a value.
+    /// A quantity at each point; `None` where no seed has a value.
     pub fn changes(&self, family: &Family, of: (&str, &str)) -> Result<Vec<Option<AnswerChange>>, RunError> {
         let mut points = Vec::new();
         for members in family.points() {

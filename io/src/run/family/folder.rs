@@ -1,5 +1,5 @@
-//! The folder of a family, in which each member has a folder of its own. Any number of programs may work in it, each on
-//! other members.
+//! The folder of a family, in which each member has its own folder. Any number of processes may work in it at the
+//! same time, on different members.
 
 use super::table;
 use crate::manifest::SCENE;
@@ -17,11 +17,11 @@ pub struct FamilyFolder {
     path: PathBuf,
 }
 
-/// The log of a member, in its folder.
+/// Name of the log in the folder of a member.
 const LOG: &str = "run.log";
 
 impl FamilyFolder {
-    /// Makes the folder ready for a family: keeps its scene, and makes a folder for each member.
+    /// Prepares the folder for a family: stores its scene, and creates a folder for each member.
     pub fn claim(path: &Path, family: &Family, former: ExistingRun) -> Result<Self, RunError> {
         let mut run = RunFolder::claim_when_free(path, former)?;
         let kept = std::fs::read_to_string(run.scene()).ok().filter(|_| former == ExistingRun::Continue);
@@ -45,12 +45,12 @@ impl FamilyFolder {
         Ok(Self { path: path.to_owned() })
     }
 
-    /// The folder of a family that is looked at.
+    /// Folder of a family, for reading.
     pub fn of(path: &Path) -> Self {
         Self { path: path.to_owned() }
     }
 
-    /// The family in a folder; nothing if it holds none, or no results at all.
+    /// The family in a folder; `None` if it holds none, or no results at all.
     pub fn family(path: &Path) -> Option<Family> {
         match SceneFile::read(&path.join(SCENE), &[]).ok()? {
             SceneFile::Family(family) => Some(family),
@@ -63,27 +63,27 @@ impl FamilyFolder {
         std::fs::read_to_string(path.join(SCENE)).is_ok_and(|text| Family::is_text_of_one(&text))
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The folder of a member.
+    /// Folder of a member.
     pub fn member(&self, member: &Member) -> PathBuf {
         self.path.join(member.folder())
     }
 
-    /// The log of a member.
+    /// Path of the log of a member.
     pub fn log(&self, member: &Member) -> PathBuf {
         self.member(member).join(LOG)
     }
 
-    /// The means over the seeds, of the members that have answers by now.
+    /// Table of means over the seeds, for the members that have answers so far.
     pub fn table(&self, family: &Family) -> Result<Table, RunError> {
         Ok(table::table(self, family)?)
     }
 
-    /// Writes the table of means over the seeds, of the members that have answers by now.
+    /// Writes the table of means over the seeds, for the members that have answers so far.
     pub fn write_table(&self, family: &Family) -> Result<(), RunError> {
         let _lock = lock_when_free(&self.path)?;
         Ok(table::write(self, family, &Manifest::of(&self.path)?)?)
@@ -98,7 +98,7 @@ fn clear_members(manifest: &Manifest) -> Result<(), RunError> {
         .try_for_each(|folder| RunFolder::claim(&folder, &Comm::alone(), ExistingRun::Replace)?.clear())
 }
 
-/// Refuses to go on with another family than the one that is kept. Values and seeds may come and go.
+/// Refuses to continue a family other than the stored one. Values and seeds may be added and removed.
 fn refuse_another(family: &Family, kept: &str, path: &Path) -> Result<(), RunError> {
     let all = differences_of(family.text(), kept).map_err(|e| FileError::damaged(&path.join(SCENE), &e))?;
     let is_of_lists = |key: &str| ["ensemble", "sweep"].contains(&key.split(['.', '[']).next().unwrap_or_default());

@@ -1,28 +1,28 @@
-//! The mean of a quantity over the seeds, and its error from their spread.
+//! Mean of a quantity over the seeds, and its error from their spread.
 
 use std::f64::consts::FRAC_PI_2;
 
-/// The part of a normal distribution within one standard deviation.
+/// Probability that a normal deviate is within one standard deviation.
 const WITHIN: f64 = 0.682_689_492_137_085_9;
 
-/// The mean over seeds of one quantity.
+/// Mean of one quantity over the seeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spread {
     /// The mean.
     pub(super) mean: f64,
-    /// Half of the interval around it in which the true mean is in 68.3% of cases: the standard error of the mean times the
-    /// factor of Student's distribution. Of a single seed the error that the run claims.
+    /// Half-width of the 68.3% confidence interval of the mean: the standard error of the mean times the factor of
+    /// Student's distribution. For a single seed, the error that the run reports.
     pub(super) error: f64,
     /// Number of seeds.
     pub(super) seeds: usize,
-    /// Standard deviation over the seeds; not a number for a single one.
+    /// Standard deviation over the seeds; NaN for a single one.
     pub(super) deviation: f64,
-    /// Root mean square of the errors that the runs claim; not a number where none claims any.
+    /// Root mean square of the errors that the runs report; NaN if none reports any.
     pub(super) claimed: f64,
 }
 
 impl Spread {
-    /// Of values, at least one, with the errors that are claimed for them.
+    /// From at least one value, each with its reported error.
     pub(super) fn of(values: &[(f64, f64)]) -> Self {
         let count = values.len() as f64;
         let mean = values.iter().map(|(value, _)| value).sum::<f64>() / count;
@@ -34,16 +34,15 @@ impl Spread {
         Self { mean, error, seeds: values.len(), deviation, claimed }
     }
 
-    /// The spread that was found over the error that was claimed: 1 where runs claim what is so, above 1 where they claim too
-    /// little.
+    /// Observed spread over reported error: 1 if the runs report correct errors, above 1 if these are too small.
     pub(super) fn calibration(&self) -> f64 {
         self.deviation / self.claimed
     }
 }
 
-/// The factor of Student's distribution with so many degrees of freedom: within as many standard errors of the mean are 68.3%
-/// of cases. Exact for one and two degrees, within 1e-3 for three and more, by the expansion of Fisher (Abramowitz & Stegun
-/// 26.7.5) at one standard deviation.
+/// Factor of Student's distribution with `degrees` degrees of freedom: the number of standard errors of the mean that
+/// contain 68.3% of cases. Exact for one and two degrees, within 1e-3 for three and more, by the expansion of Fisher
+/// (Abramowitz & Stegun 26.7.5) at one standard deviation.
 fn student(degrees: usize) -> f64 {
     let n = degrees as f64;
     match degrees {

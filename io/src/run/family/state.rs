@@ -1,4 +1,4 @@
-//! The state of each member of a family, as its folder shows it.
+//! State of each member of a family, according to its folder.
 
 use super::FamilyFolder;
 use crate::manifest::SCENE;
@@ -11,23 +11,23 @@ use std::path::Path;
 /// The state of a member.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum MemberState {
-    /// It was not started.
+    /// Not started.
     Waiting,
-    /// A program is working on it.
+    /// A process is working on it.
     Running,
-    /// It has a checkpoint of this step, from which it goes on.
+    /// Stopped; it can continue from a checkpoint of this step.
     Stopped(u64),
-    /// It ended with an error.
+    /// Ended with an error.
     Failed(String),
-    /// It is finished.
+    /// Finished.
     Finished,
 }
 
 impl MemberState {
-    /// The names of all.
+    /// Names of all states.
     pub const NAMES: [&str; 5] = ["finished", "running", "stopped", "failed", "waiting"];
 
-    /// In one word.
+    /// Name of the state.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Waiting => "waiting",
@@ -49,13 +49,13 @@ impl Display for MemberState {
     }
 }
 
-/// How the line begins by which a run says that it is finished.
+/// Beginning of the log line with which a run reports that it is finished.
 const FINISHED: &str = "finished";
-/// How lines begin that say how a run has ended.
+/// Beginnings of the log lines with which a run reports its end.
 const ENDS: [&str; 3] = [FINISHED, "stopped", "error: "];
 
 impl FamilyFolder {
-    /// The state of a member, whose scene this is.
+    /// State of a member with this scene.
     pub fn state(&self, member: &Member, scene: &Scene) -> MemberState {
         let folder = self.member(member);
         if self.is_finished(member, scene) {
@@ -69,24 +69,24 @@ impl FamilyFolder {
         }
     }
 
-    /// Whether a program is working on a member.
+    /// Whether a process is working on a member.
     pub fn is_running(&self, member: &Member) -> bool {
         is_locked(&self.member(member))
     }
 
-    /// The error with which the last attempt at a member ended.
+    /// Error with which the last attempt at a member ended.
     pub fn error(&self, member: &Member) -> Option<String> {
         self.last_said(member)?.strip_prefix("error: ").map(str::to_owned)
     }
 
-    /// The line of a member's log that says how its last attempt has ended.
+    /// Line of a member's log that reports the end of its last attempt.
     fn last_said(&self, member: &Member) -> Option<String> {
         let log = std::fs::read(self.log(member)).ok()?;
         let log = String::from_utf8_lossy(&log);
         log.lines().rev().find(|line| ENDS.iter().any(|end| line.starts_with(end))).map(str::to_owned)
     }
 
-    /// Whether a member has all results, at its last step or at an end that came before, as that of a jammed suspension.
+    /// Whether a member has all results, at its last step or at an earlier end, such as that of a jammed suspension.
     fn is_finished(&self, member: &Member, scene: &Scene) -> bool {
         let folder = self.member(member);
         let Ok(kept) = Scene::read(&folder.join(SCENE), &[]) else { return false };
@@ -102,7 +102,7 @@ impl FamilyFolder {
     }
 }
 
-/// The step of the last checkpoint in a folder.
+/// Step of the last checkpoint in a folder.
 fn last_step(folder: &Path) -> Option<u64> {
     Checkpoints::of(folder).last_step().ok().flatten()
 }

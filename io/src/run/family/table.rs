@@ -7,10 +7,10 @@ use crate::{Family, FileError, Manifest, Member, Provenance, write_tables};
 use simulation::Table;
 use toml::Value;
 
-/// The files of the table.
+/// Files of the table.
 pub(super) const FILES: [&str; 2] = ["family.csv", "family.h5"];
 
-/// Writes the table of the answers that there are.
+/// Writes the table of the answers so far.
 pub(super) fn write(folder: &FamilyFolder, family: &Family, manifest: &Manifest) -> Result<(), FileError> {
     let table = table(folder, family)?;
     let provenance = Provenance {
@@ -23,7 +23,7 @@ pub(super) fn write(folder: &FamilyFolder, family: &Family, manifest: &Manifest)
     write_tables((folder.path(), "family"), &provenance, &[table], manifest)
 }
 
-/// Words of each row, and its numbers after those of the swept keys.
+/// Columns of words, and columns of numbers after those of the swept keys.
 const WORDS: [&str; 6] = ["point", "values", "quantity", "species", "verdicts", "unit"];
 const NUMBERS: [&str; 6] = ["mean", "error", "seeds", "spread", "claimed_error", "calibration"];
 
@@ -43,7 +43,7 @@ pub(super) fn table(folder: &FamilyFolder, family: &Family) -> Result<Table, Fil
     Ok(table)
 }
 
-/// The swept keys of which all values are numbers, with their places.
+/// Swept keys whose values are all numbers, with their indices.
 fn numeric_keys(family: &Family) -> Vec<(usize, &str)> {
     let is_numeric = |place: usize| family.members().iter().all(|member| number(&member.values()[place]).is_some());
     family.keys().iter().map(String::as_str).enumerate().filter(|(place, _)| is_numeric(*place)).collect()
@@ -53,7 +53,7 @@ fn number(value: &Value) -> Option<f64> {
     value.as_float().or_else(|| value.as_integer().map(|n| n as f64))
 }
 
-/// Adds a row for each quantity that the runs of a point have answers for.
+/// Adds a row for each quantity for which the runs of a point have answers.
 fn add_point(table: &mut Table, (member, keys): (&Member, &[(usize, &str)]), answers: &[Answer]) {
     let of: Vec<f64> = keys.iter().filter_map(|(place, _)| number(&member.values()[*place])).collect();
     let name = |answer: &Answer| (answer.quantity.clone(), answer.species.clone());
@@ -76,7 +76,7 @@ fn add_point(table: &mut Table, (member, keys): (&Member, &[(usize, &str)]), ans
     }
 }
 
-/// How often each verdict was found: `7 converged, 1 too short`.
+/// Number of occurrences of each verdict: `7 converged, 1 too short`.
 fn verdicts(answers: &[&Answer]) -> String {
     let mut counts: Vec<(&str, usize)> = Vec::new();
     for answer in answers.iter().filter(|answer| !answer.verdict.is_empty()) {

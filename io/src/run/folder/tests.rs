@@ -20,7 +20,7 @@ fn claim(folder: &Path, former: ExistingRun) -> Result<RunFolder, String> {
     RunFolder::claim(folder, &Comm::alone(), former).map_err(|e| crate::in_full(&e))
 }
 
-/// A run that has made these files.
+/// Makes a run that writes these files.
 fn run(folder: &Path, files: &[&str]) {
     let mut run = claim(folder, ExistingRun::Keep).unwrap();
     run.start_with("first").unwrap();

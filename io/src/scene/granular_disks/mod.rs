@@ -16,13 +16,13 @@ use std::path::Path;
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct GranularDisksScene {
-    /// What the scene is called in plots and files.
+    /// Title in plots and files.
     pub title: String,
-    /// The disks, what moves them and their seed. Those of a file bring sizes of their own.
+    /// The disks, their flow and their seed. Disks from a file have their own radii.
     pub model: Model,
-    /// The file that the disks' places come from; at random where there is none.
+    /// File of the disks' positions; `None` for a random start.
     pub start: Option<StartSource>,
-    /// The strain of the box at the start, if the scene says it; by default it is that of the file's.
+    /// Strain of the box at the start, if the scene sets it; by default that of the file's box.
     pub strain: Option<f64>,
     /// Strips over the height in the profile.
     pub profile_strips: usize,
@@ -30,15 +30,15 @@ pub struct GranularDisksScene {
     pub sweep: Option<Sweep>,
     /// Time step and number of steps.
     pub time: Time,
-    /// What is written, where and when.
+    /// Output schedules and folder.
     pub output: Output,
 }
 
-/// Rows of the time series by default.
+/// Default number of rows of the time series.
 const ROWS: u64 = 500;
 /// Runs of a sweep.
 const MOST_CASES: f64 = 100_000.0;
-/// Strips of the profile by default.
+/// Default number of strips of the profile.
 const STRIPS: usize = 50;
 
 impl GranularDisksScene {
@@ -65,7 +65,7 @@ impl GranularDisksScene {
     }
 }
 
-/// The file that disks come from.
+/// File that the disks come from.
 fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, Fault> {
     for (name, is_set) in [("frame", raw.frame.is_some()), ("group", raw.group.is_some())] {
         if is_set && raw.path.is_none() {
@@ -77,7 +77,7 @@ fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, Fau
     Ok(raw.path.as_ref().map(source))
 }
 
-/// The strain of the box that the scene says.
+/// Strain of the box set in the scene.
 fn strain(raw: &Raw) -> Result<Option<f64>, Fault> {
     match raw.cell.strain {
         Some(_) if raw.particles.path.is_none() => {

@@ -1,4 +1,4 @@
-//! The file's keys, as serde finds them.
+//! Keys of the file as serde reads them.
 
 use crate::scene::time_and_output::RawOutput;
 use drivers::disks::{Gear, LengthUnit};
@@ -9,12 +9,12 @@ use std::path::PathBuf;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
-    /// What the scene is of.
+    /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: String,
-    /// A title for people.
+    /// Title.
     pub(super) title: Option<String>,
-    /// Where random numbers start: the same seed gives the same run.
+    /// Seed of the random numbers: the same seed gives the same run.
     pub(super) seed: Option<u64>,
     /// The periodic box.
     #[serde(rename = "box")]
@@ -23,7 +23,7 @@ pub(in crate::scene) struct Raw {
     pub(super) fluid: Fluid,
     /// The background flow.
     pub(super) flow: Flow,
-    /// Kinds of disks; or particles.spread.
+    /// Species of disks; or particles.spread.
     #[serde(default)]
     pub(super) species: Vec<Species>,
     /// The disks.
@@ -31,12 +31,12 @@ pub(in crate::scene) struct Raw {
     /// Contacts between disks.
     #[serde(default)]
     pub(super) contact: Contact,
-    /// How a random start is prepared, before step 0.
+    /// Preparation of a random start, before step 0.
     #[serde(default)]
     pub(super) preparation: Preparation,
     /// Time steps.
     pub(super) time: Time,
-    /// What is written, and when.
+    /// Output.
     #[serde(default)]
     pub(super) output: Output,
     /// Instead of one run, one for each combination of the lists.
@@ -48,21 +48,21 @@ pub(in crate::scene) struct Raw {
 pub(super) struct Box {
     /// Edges along the flow (x) and the gradient (y).
     pub(super) edges: [f64; 2],
-    /// Strain of the box at the start, of disks that come from a sheared box; that of the file's box by default.
+    /// Strain of the box at the start, for disks that come from a sheared box; by default that of the file's box.
     pub(super) strain: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Fluid {
-    /// Viscosity in Stokes' drag 6 pi r viscosity.
+    /// Viscosity in the Stokes drag 6 pi r viscosity.
     pub(super) viscosity: f64,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow of the liquid.
+    /// Flow of the liquid.
     pub(super) kind: FlowKind,
     /// Shear rate, for "shear".
     pub(super) rate: Option<f64>,
@@ -90,19 +90,19 @@ pub(super) struct Species {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Particles {
-    /// Area of the disks over the box's.
+    /// Area of the disks over that of the box.
     pub(super) area_fraction: Option<f64>,
     /// Radii by a power law, instead of species.
     pub(super) spread: Option<Spread>,
-    /// Which radius is 1.
+    /// The radius that is 1.
     pub(super) length_unit: Option<Unit>,
-    /// Mass is radius to this power: 2 for disks, 3 for spheres.
+    /// Power of the radius to which mass is proportional: 2 for disks, 3 for spheres.
     pub(super) mass_exponent: Option<i32>,
     /// Disks from a file, instead of `area_fraction`.
     pub(super) path: Option<PathBuf>,
-    /// Which frame of the file: its number, from 0, or from the end if negative; the last by default.
+    /// Number of the frame of the file, from 0, or from the end if negative; the last one by default.
     pub(super) frame: Option<i64>,
-    /// Which group of particles of an H5MD file; the only one by default.
+    /// Group of particles of an H5MD file; the only one by default.
     pub(super) group: Option<String>,
 }
 
@@ -137,18 +137,18 @@ impl From<Unit> for LengthUnit {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Contact {
-    /// Restitution of a contact without flow.
+    /// Coefficient of restitution of a contact without flow.
     pub(super) restitution: Option<f64>,
-    /// Whether a contact that is about to end may not pull.
+    /// Whether a contact that is about to end may not attract.
     pub(super) clip_attraction: bool,
 }
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Preparation {
-    /// Restitution while overlaps are taken out.
+    /// Coefficient of restitution while overlaps are removed.
     pub(super) restitution: Option<f64>,
-    /// Time until which they are.
+    /// Time until which overlaps are removed.
     pub(super) settled: Option<f64>,
     /// Time until which contacts are elastic after that.
     pub(super) mixed: Option<f64>,
@@ -183,13 +183,13 @@ impl From<Integrator> for Gear {
 pub(super) struct Time {
     /// Time step.
     pub(super) step: Option<f64>,
-    /// How many steps; or duration, or strain.
+    /// Number of steps; or duration, or strain.
     pub(super) steps: Option<u64>,
     /// Time at the end; or steps, or strain.
     pub(super) duration: Option<f64>,
     /// Strain at the end; or steps, or duration.
     pub(super) strain: Option<f64>,
-    /// Gear's predictor and corrector, of four or five values.
+    /// Gear's predictor-corrector with four or five values.
     pub(super) integrator: Option<Integrator>,
 }
 
@@ -198,13 +198,13 @@ pub(super) struct Time {
 pub(super) struct Output {
     /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
-    /// Steps between frames of the trajectory; 0 is never.
+    /// Steps between frames of the trajectory; 0 for none.
     pub(super) trajectory_every: Option<u64>,
-    /// Steps between rows of the time series; 0 is never.
+    /// Steps between rows of the time series; 0 for none.
     pub(super) observables_every: Option<u64>,
-    /// Steps between checkpoints; 0 is never but at start and end.
+    /// Steps between checkpoints; 0 for none except at start and end.
     pub(super) checkpoint_every: Option<u64>,
-    /// Steps between energies and stresses, which rows of the time series average.
+    /// Steps between measurements of energies and stresses, which rows of the time series average.
     pub(super) measure_every: Option<u64>,
     /// Strips of the profiles across the flow.
     pub(super) profile_strips: Option<usize>,

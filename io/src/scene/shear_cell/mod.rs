@@ -14,19 +14,19 @@ use suspension::MAX_SPHERES;
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct ShearCellScene {
-    /// What the scene is called in plots and files.
+    /// Title in plots and files.
     pub title: String,
-    /// The cell, its grains, and what is done with them.
+    /// The cell, its grains, and the parameters of the run.
     pub experiment: Experiment,
-    /// Time step, from one look at the cell to the next, and number of steps.
+    /// Interval of observation, and number of these.
     pub time: Time,
-    /// What is written, where and when.
+    /// Output schedules and folder.
     pub output: Output,
 }
 
-/// The default contact time, in times in which a grain crosses a diameter.
+/// Default contact time, over the time in which a grain crosses a diameter.
 const CONTACT: f64 = 2e-4;
-/// Initial standard deviation of the velocities over the walls' speed.
+/// Default initial standard deviation of the velocities, over the speed of the walls.
 const AGITATION: f64 = 0.05;
 
 impl ShearCellScene {
@@ -56,12 +56,12 @@ fn agitation(raw: &Raw) -> Result<f64, Fault> {
     Err(Fault::new("grains.agitation", message))
 }
 
-/// The time within which two hits are one contact by default: a small part of that in which a grain crosses a diameter,
-/// at the speed of the walls and its own or from rest under gravity and the load of the top.
+/// Default time within which two collisions count as one contact: a small fraction of the time in which a grain crosses
+/// a diameter, at the speed of the walls plus its own, or from rest under gravity and the load of the top wall.
 fn contact_time(raw: &Raw, agitation: f64) -> f64 {
     let fall = raw.cell.gravity + raw.top.pressure.zip(raw.top.mass_per_area).map_or(0.0, |(p, m)| p / m);
     let crossings = (raw.cell.speed + agitation) / raw.grains.diameter + (fall / raw.grains.diameter).sqrt();
-    // Where nothing moves, any time will do.
+    // If nothing moves, any time will do.
     if crossings > 0.0 { CONTACT / crossings } else { CONTACT * raw.time.step }
 }
 
@@ -126,7 +126,7 @@ fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
     rows("measure.layers", sampling.layers)?;
     rows("measure.pixels", sampling.pixels[0].saturating_mul(sampling.pixels[1]))?;
     sampling.check(collisions).map_err(|error| match error {
-        // The window is a step where the scene says none.
+        // The window is one step if the scene does not set it.
         ParameterError { key, message } if key == WINDOW && raw.measure.window.is_none() => {
             Fault::new("time.step", message)
         }
@@ -136,7 +136,7 @@ fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
     Ok(Sampling { every, ..sampling })
 }
 
-/// How often a time fits into another, which has to be a whole number of times.
+/// Ratio of a time to a unit, which must be a whole number.
 fn whole(key: &str, time: f64, (unit, length): (&str, f64)) -> Result<u64, Fault> {
     let times = time / length;
     let fits = time >= 0.0 && (times - times.round()).abs() <= 1e-6 * times && times < 1e15;

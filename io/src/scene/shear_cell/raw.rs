@@ -1,4 +1,4 @@
-//! The file's keys, as serde finds them.
+//! Keys of the file as serde reads them.
 
 use crate::scene::time_and_output::RawOutput;
 use schemars::JsonSchema;
@@ -7,15 +7,15 @@ use serde::Deserialize;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
-    /// What the scene is of.
+    /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: String,
-    /// A title for people.
+    /// Title.
     pub(super) title: Option<String>,
-    /// Where random numbers start: the same seed gives the same run.
+    /// Seed of the random numbers: the same seed gives the same run.
     #[serde(default)]
     pub(super) seed: u64,
-    /// Each hit at its time, or found on time steps.
+    /// Collisions at their exact times, or detected with a time step.
     pub(super) collisions: Collisions,
     /// The cell.
     pub(super) cell: Cell,
@@ -26,12 +26,12 @@ pub(in crate::scene) struct Raw {
     pub(super) grains: Grains,
     /// The walls.
     pub(super) walls: Walls,
-    /// Looks at the cell.
+    /// Observations of the cell.
     pub(super) time: Time,
-    /// What is averaged.
+    /// Averages.
     #[serde(default)]
     pub(super) measure: Measure,
-    /// What is written, and when.
+    /// Output.
     #[serde(default)]
     pub(super) output: RawOutput,
 }
@@ -48,16 +48,16 @@ pub(super) enum Collisions {
 pub(super) struct Cell {
     /// Length along the flow (x), periodic.
     pub(super) length: f64,
-    /// Distance of bottom and top (y).
+    /// Distance between bottom and top (y).
     pub(super) height: f64,
-    /// Distance of the side walls (z).
+    /// Distance between the side walls (z).
     pub(super) width: f64,
     /// Speed of the bottom and side walls along x.
     pub(super) speed: f64,
     /// Gravity along -y.
     #[serde(default)]
     pub(super) gravity: f64,
-    /// Circumference of the trough at mid-width; a straight one by default.
+    /// Circumference of the trough at mid-width; straight by default.
     pub(super) circumference: Option<f64>,
     /// Whether the curved path also turns velocity along z into velocity along x.
     #[serde(default)]
@@ -67,11 +67,11 @@ pub(super) struct Cell {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct Top {
-    /// At the cell's height, or free under a load.
+    /// Fixed at the height of the cell, or free under a load.
     pub(super) kind: TopKind,
-    /// Normal stress that loads a free top.
+    /// Normal stress of the load on a free top wall.
     pub(super) pressure: Option<f64>,
-    /// Mass of a free top over its area.
+    /// Mass of a free top wall per area.
     pub(super) mass_per_area: Option<f64>,
 }
 
@@ -90,30 +90,30 @@ pub(super) struct Grains {
     pub(super) diameter: f64,
     /// Density.
     pub(super) density: f64,
-    /// Volume of the grains over the cell's; or count.
+    /// Volume of the grains over that of the cell; or count.
     pub(super) solid_fraction: Option<f64>,
-    /// How many; or `solid_fraction`.
+    /// Number of grains; or `solid_fraction`.
     pub(super) count: Option<u64>,
-    /// Restitution between grains.
+    /// Coefficient of restitution between grains.
     pub(super) restitution: f64,
     /// Friction coefficient between grains.
     #[serde(default)]
     pub(super) friction: f64,
-    /// Standard deviation of the first velocities, component by component.
+    /// Standard deviation of each component of the initial velocities.
     pub(super) agitation: Option<f64>,
-    /// Two hits within this time are one contact, for "event-driven".
+    /// Two collisions within this time are one contact, for "event-driven".
     pub(super) contact_time: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Walls {
-    /// Restitution at walls.
+    /// Coefficient of restitution at walls.
     pub(super) restitution: f64,
     /// Friction coefficient at walls.
     #[serde(default)]
     pub(super) friction: f64,
-    /// Coulomb's bound on each component, or on both together.
+    /// Coulomb's bound on each component separately, or on both together.
     #[serde(default)]
     pub(super) friction_law: FrictionLaw,
 }
@@ -129,13 +129,13 @@ pub(super) enum FrictionLaw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Time {
-    /// Time from one look at the grains to the next.
+    /// Time between observations of the grains.
     pub(super) step: f64,
-    /// How many looks; or duration.
+    /// Number of observations; or duration.
     pub(super) steps: Option<u64>,
     /// Time at the end; or steps.
     pub(super) duration: Option<f64>,
-    /// Time that is not measured at the start.
+    /// Time at the start that is not measured.
     #[serde(default)]
     pub(super) settle: f64,
     /// Time step of collisions, for "time-stepped".

@@ -13,19 +13,19 @@ use std::path::PathBuf;
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct ContinuumScene {
-    /// What the scene is called in plots and files.
+    /// Title in plots and files.
     pub title: String,
-    /// The problems to solve: every pressure at every speed, by pressure.
+    /// The problems to solve: every pressure at every speed, ordered by pressure.
     pub problems: Vec<Problem>,
-    /// Heights in each profile.
+    /// Number of heights in each profile.
     pub points: usize,
-    /// The folder; the caller's choice where the scene has none.
+    /// Results folder; `None` if the caller chooses it.
     pub folder: Option<PathBuf>,
 }
 
-/// Problems of a scene.
+/// Largest number of problems of a scene.
 const MOST_PROBLEMS: f64 = 100_000.0;
-/// Heights in a profile by default.
+/// Default number of heights in a profile.
 const POINTS: usize = 101;
 
 impl ContinuumScene {

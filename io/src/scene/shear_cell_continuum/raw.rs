@@ -1,4 +1,4 @@
-//! The file's keys, as serde finds them.
+//! Keys of the file as serde reads them.
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -7,12 +7,12 @@ use std::path::PathBuf;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
-    /// What the scene is of.
+    /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: String,
-    /// A title for people.
+    /// Title.
     pub(super) title: Option<String>,
-    /// Solid fraction near which to look for the solution, instead of the densest.
+    /// Solid fraction near which to search for the solution, instead of the densest solution.
     pub(super) start: Option<f64>,
     /// The cell.
     pub(super) cell: Cell,
@@ -20,7 +20,7 @@ pub(in crate::scene) struct Raw {
     pub(super) grains: Grains,
     /// The walls.
     pub(super) walls: Walls,
-    /// What is written.
+    /// Output.
     #[serde(default)]
     pub(super) output: Output,
 }
@@ -28,9 +28,9 @@ pub(in crate::scene) struct Raw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Cell {
-    /// Distance of the walls.
+    /// Distance between the walls.
     pub(super) gap: f64,
-    /// Speeds of the lower wall; every speed at every pressure.
+    /// Speeds of the lower wall; each is combined with every pressure.
     pub(super) speeds: Vec<f64>,
     /// Normal stresses on the walls.
     pub(super) pressures: Vec<f64>,
@@ -43,7 +43,7 @@ pub(super) struct Grains {
     pub(super) diameter: f64,
     /// Density.
     pub(super) density: f64,
-    /// Restitution between grains.
+    /// Coefficient of restitution between grains.
     pub(super) restitution: f64,
     /// Radial distribution function at contact.
     #[serde(default)]
@@ -68,22 +68,22 @@ pub(super) struct Walls {
     /// Shape of the bumps.
     #[serde(default)]
     pub(super) shape: Shape,
-    /// How far down a grain reaches between two bumps, in degrees: 90 where one just fits.
+    /// Depth to which a grain reaches between two bumps, as an angle in degrees: 90 if one grain just fits.
     pub(super) theta: Option<f64>,
-    /// Whether the traction has a term in the velocity gradient.
+    /// Whether the traction includes a term in the velocity gradient.
     #[serde(default)]
     pub(super) gradient: bool,
-    /// Diameter of the bumps; the grains' by default.
+    /// Diameter of the bumps; that of the grains by default.
     pub(super) diameter: Option<f64>,
-    /// Restitution at walls.
+    /// Coefficient of restitution at walls.
     pub(super) restitution: f64,
-    /// Factor on a term of the walls' laws: 0 smooth, 1 rough.
+    /// Factor on the slip law: 0 smooth, 1 rough.
     pub(super) r5: f64,
-    /// Factor on a term of the walls' laws: 0 smooth, 1 rough.
+    /// Factor on the energy lost in collisions with the walls: 0 smooth, 1 rough.
     pub(super) r6: f64,
-    /// Factor on a term of the walls' laws: 0 smooth, 1 rough.
+    /// Factor on the energy supplied by slip: 0 smooth, 1 rough.
     pub(super) r7: f64,
-    /// Factor on a term of the walls' laws: 0 smooth, 1 rough.
+    /// Factor on the energy supplied by slip and gradient together: 0 smooth, 1 rough.
     pub(super) r8: f64,
 }
 
@@ -100,6 +100,6 @@ pub(super) enum Shape {
 pub(super) struct Output {
     /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
-    /// Heights in a profile.
+    /// Number of heights in a profile.
     pub(super) points: Option<usize>,
 }

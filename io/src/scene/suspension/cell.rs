@@ -7,11 +7,11 @@ use crate::case::boundaries_of;
 use crate::scene::checks::positive;
 use domain::{Boundaries, Number, PeriodicBox, Turn, Vector};
 
-/// Radii of the largest sphere around those that a scene says nothing of the places of.
+/// Room around spheres whose positions the scene does not determine, in radii of the largest sphere.
 const SOMEWHERE: f64 = 10.0;
 
-/// The box, with its special axis last, and the turn to its axes. In an extension it is another one of the same volume, if it repeats;
-/// where the fluid is open along all axes it is about what is in it at the start.
+/// The box, with its non-periodic axis last, and the rotation of axes to it. For an extension it is another periodic
+/// box with the same volume; in unbounded fluid it is a box around the initial positions.
 pub fn cell(raw: &Raw) -> Result<(PeriodicBox, Turn), Fault> {
     let (boundaries, turn) = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
     let edges = Vector::from_array(turn.list(edges(raw, boundaries)?));
@@ -37,10 +37,10 @@ pub fn cell(raw: &Raw) -> Result<(PeriodicBox, Turn), Fault> {
     Ok((cell, turn))
 }
 
-/// The largest strain that a box may start with, as the largest of a run.
+/// Largest initial strain of a box, equal to the largest strain of a run.
 const MAX_STRAIN: f64 = 1e9;
 
-/// The strain of the box at the start.
+/// Strain of the box at the start.
 fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, Fault> {
     let Some(strain) = raw.cell.strain else { return Ok(0.0) };
     let refused = |message: &str| Err(Fault::new("box.strain", message));
@@ -80,7 +80,7 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
     }
 }
 
-/// About the edges of a box around spheres in open fluid.
+/// Approximate edges of a box around spheres in unbounded fluid.
 fn around(raw: &Raw) -> [f64; 3] {
     let room = SOMEWHERE * raw.species.iter().map(largest).fold(0.0, f64::max);
     if let Some(radius) = raw.particles.radius {
@@ -94,7 +94,7 @@ fn around(raw: &Raw) -> [f64; 3] {
     })
 }
 
-/// About the largest radius of a species.
+/// Approximate largest radius of a species.
 fn largest(species: &raw::Species) -> f64 {
     let of_list = |raw: &raw::Distribution| {
         let table = raw.table.iter().flatten().map(|row| row[0]).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! The length of a run of spheres: steps, a duration, or a strain.
+//! Length of a run of spheres: steps, a duration, or a strain.
 
 use super::raw;
 use crate::scene::checks::positive;
@@ -8,7 +8,7 @@ use suspension::{Flow, Protocol, RateChange};
 
 const KEY: &str = "time.strain";
 
-/// The steps of a run in a flow, and the strain at which one under a given stress ends.
+/// Number of steps of a run in a flow, and under a given stress the strain at which it ends.
 pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<(Time, Option<f64>), Fault> {
     let has_other = raw.steps.is_some() || raw.duration.is_some();
     let Some(strain) = raw.strain else {
@@ -43,7 +43,7 @@ fn rate_of(flow: &Flow) -> Result<f64, Fault> {
     }
 }
 
-/// The steps in which a strain is reached, forwards and backwards counted alike, at a rate that changes.
+/// Number of steps to reach a strain, counted as its absolute value, at a rate that changes.
 fn steps_to(strain: f64, (first, changes): (f64, &[RateChange]), step: f64) -> Result<u64, Fault> {
     let (mut rate, mut from, mut left) = (first.abs(), 0, strain);
     for change in changes {
@@ -65,7 +65,7 @@ fn steps_to(strain: f64, (first, changes): (f64, &[RateChange]), step: f64) -> R
 mod tests {
     use crate::{Kind, Scene};
 
-    /// The steps of a run, and the strain at which it ends.
+    /// Number of steps of a run, and the strain at which it ends.
     fn of(flow: &str, time: &str) -> (u64, Option<f64>) {
         let text = format!(
             "box.edges = [9.0, 9.0, 9.0]\nfluid.viscosity = 1.0\nflow = {{ {flow} }}\ntime = {{ step = 0.125, {time} }}\n\
@@ -81,7 +81,7 @@ mod tests {
         assert_eq!(of("kind = \"shear\", rate = -2.0", "strain = 3.0"), (12, None));
         assert_eq!(of("kind = \"planar-extension\", rate = 0.5", "strain = 1.0"), (16, None));
         assert_eq!(of("kind = \"shear\", rate = 2.0", "strain = 3.1"), (13, None));
-        // Forwards by 1 in 4 steps, then back by the 2 that are left.
+        // Forward by 1 in 4 steps, then back by the remaining 2.
         assert_eq!(of("kind = \"shear\", rate = 2.0, reversal_at = [1.0]", "strain = 3.0"), (12, None));
         // A strain of 1 in 4 steps, and of 2 at half the rate in 16.
         assert_eq!(of("kind = \"shear\", rate = [[0.0, 2.0], [0.5, 1.0]]", "strain = 3.0"), (20, None));

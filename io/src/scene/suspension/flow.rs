@@ -7,11 +7,11 @@ use crate::scene::error::Fault;
 use domain::Number;
 use suspension::{Extension, Flow, Protocol, RateChange};
 
-/// A time may be off a step by this part of it.
+/// Relative deviation of a time from a whole number of steps that counts as round-off.
 const ROUND_OFF: f64 = 1e-6;
 
-/// The flow at first, and how its rate changes, in steps of a length, in a box that shears with it unless the scene says
-/// otherwise, or does not.
+/// The initial flow, and the changes of its rate, in steps of the given length. The box shears with the flow if
+/// `shears`, unless the scene says otherwise.
 pub fn flow(
     raw: Option<&raw::Flow>,
     (viscosity, time_step): (f64, f64),
@@ -76,7 +76,7 @@ fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
     }
 }
 
-/// Refuses what only a flow by a pressure gradient has.
+/// Refuses keys of a pressure-driven flow.
 fn unless_poiseuille(raw: &raw::Flow) -> Result<(), Fault> {
     let keys = [
         ("flow.pressure_gradient", raw.pressure_gradient.is_some()),
@@ -89,7 +89,7 @@ fn unless_poiseuille(raw: &raw::Flow) -> Result<(), Fault> {
     })
 }
 
-/// The extension that a flow is, if it is one.
+/// The kind of extension, if the flow is one.
 pub fn extension(kind: raw::FlowKind) -> Option<Extension> {
     match kind {
         raw::FlowKind::None | raw::FlowKind::Shear | raw::FlowKind::Poiseuille => None,
@@ -99,7 +99,7 @@ pub fn extension(kind: raw::FlowKind) -> Option<Extension> {
     }
 }
 
-/// What it is called in a scene.
+/// Name in scenes.
 fn name(kind: raw::FlowKind) -> &'static str {
     match kind {
         raw::FlowKind::None => "none",
@@ -184,7 +184,7 @@ fn from_table(table: &[[f64; 2]], time_step: f64) -> Result<(f64, Protocol), Fau
     Ok((*first, Protocol::Steps(later.iter().enumerate().map(change).collect::<Result<_, Fault>>()?)))
 }
 
-/// The step that begins at a time, which a key says in some way.
+/// The step that begins at a time; `key` and `said` are the key and its value in the scene.
 fn step_at(time: f64, time_step: f64, key: &str, said: f64) -> Result<u64, Fault> {
     let steps = time / time_step;
     let whole = steps.round();

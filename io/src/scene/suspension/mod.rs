@@ -28,17 +28,17 @@ use suspension::{
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct SuspensionScene {
-    /// What the scene is called in plots and files.
+    /// Title in plots and files.
     pub title: String,
     /// The suspension.
     pub model: Model,
-    /// The file or former run that says where the spheres are at first, if the model has them brought.
+    /// File or former run with the initial positions, if the model takes them from one.
     pub start: Option<StartSource>,
-    /// The strain of the box at the start, if the scene says it; by default it is that of the file's.
+    /// Strain of the box at the start, if the scene sets it; by default that of the file's box.
     pub strain: Option<f64>,
     /// Time step and number of steps.
     pub time: Time,
-    /// What is written, where and when.
+    /// Output schedules and folder.
     pub output: Output,
 }
 
@@ -93,7 +93,7 @@ impl SuspensionScene {
     }
 }
 
-/// Refuses that contacts be written where there can be none.
+/// Refuses output of contacts if there can be none.
 fn check_contacts(raw: &Raw) -> Result<(), Fault> {
     match raw.output.contacts_every {
         every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() => {
@@ -105,12 +105,12 @@ fn check_contacts(raw: &Raw) -> Result<(), Fault> {
     }
 }
 
-/// The volume that fractions are of: the box's, or that of the ball in which spheres start.
+/// Reference volume of volume fractions: that of the box, or of the ball in which the spheres start.
 fn room(raw: &Raw, cell: &PeriodicBox) -> f64 {
     raw.particles.radius.map_or_else(|| cell.volume(), |radius| 4.0 / 3.0 * PI * radius.powi(3))
 }
 
-/// Where the spheres start, and the file that says so.
+/// Initial placement of the spheres, and the file with their positions.
 fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSource>), Fault> {
     use raw::Initial::{Cloud, File, Lattice, Positions, Random};
     let of_gap = if raw.initial == Cloud { Cloud } else { Random };
@@ -202,7 +202,7 @@ fn statistics(raw: &raw::Statistics) -> StatisticsWanted {
     }
 }
 
-/// How steps are taken unless the scene says it.
+/// Default integrator.
 fn usual_integrator(raw: &Raw) -> raw::Integrator {
     let is_driven = raw.flow.as_ref().is_some_and(|flow| flow.control == Some(raw::Control::Stress));
     if raw.fluid.thermal_energy.is_some() {

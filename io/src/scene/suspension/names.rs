@@ -1,16 +1,16 @@
-//! Names of species, which stand in tables of results.
+//! Names of species, which appear in tables of results.
 
 use super::Fault;
 use crate::document::excerpt;
 
-/// Rows of tables about all spheres have this name.
+/// Name of the rows about all spheres in tables.
 const RESERVED: &str = "all";
-/// Characters of a name.
+/// Largest number of characters of a name.
 const LONGEST: usize = 100;
-/// A cell of a table that begins with one of these is a formula to programs that open tables.
+/// Programs that open tables take a cell that begins with one of these as a formula.
 const FORMULAS: [char; 8] = ['=', '+', '-', '@', '\u{ff1d}', '\u{ff0b}', '\u{ff0d}', '\u{ff20}'];
 
-/// Refuses a name of a species with which a table would say something else, or could not be read.
+/// Refuses a name of a species that would make a table ambiguous or unreadable.
 pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), Fault> {
     let Some(name) = name else { return Ok(()) };
     let shown = excerpt(name);
@@ -32,7 +32,7 @@ pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), Fault> {
     Err(Fault::new(format!("species[{index}].name"), message))
 }
 
-/// Characters of control, ends of lines and paragraphs, marks of direction and joints of no width.
+/// Control characters, line and paragraph separators, direction marks and zero-width joiners.
 fn is_invisible(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')

@@ -1,4 +1,4 @@
-//! The file's keys, as serde finds them.
+//! Keys of the file as serde reads them.
 
 use crate::document::{Alternative, NumberOr};
 use schemars::JsonSchema;
@@ -8,12 +8,12 @@ use std::path::PathBuf;
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::scene) struct Raw {
-    /// What the scene is of.
+    /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: Option<String>,
-    /// A title for people.
+    /// Title.
     pub(super) title: Option<String>,
-    /// Where random numbers start: the same seed gives the same run.
+    /// Seed of the random numbers: the same seed gives the same run.
     #[serde(default)]
     pub(super) seed: u64,
     /// The periodic box.
@@ -21,11 +21,11 @@ pub(in crate::scene) struct Raw {
     pub(super) cell: Box,
     /// The fluid.
     pub(super) fluid: Fluid,
-    /// Kinds of spheres.
+    /// Species of spheres.
     pub(super) species: Vec<Species>,
     /// Gravity.
     pub(super) gravity: Option<Gravity>,
-    /// Where the spheres start.
+    /// Initial positions of the spheres.
     #[serde(default)]
     pub(super) particles: Particles,
     /// The background flow.
@@ -42,12 +42,12 @@ pub(in crate::scene) struct Raw {
     /// Harmonic traps; none without such sections.
     #[serde(default)]
     pub(super) traps: Vec<Traps>,
-    /// How the fluid is computed.
+    /// Evaluation of the hydrodynamics.
     #[serde(default)]
     pub(super) hydrodynamics: Hydrodynamics,
     /// Time steps.
     pub(super) time: Time,
-    /// What is written, and when.
+    /// Output.
     #[serde(default)]
     pub(super) output: Output,
     /// Averages over the run; none without this section.
@@ -57,13 +57,13 @@ pub(in crate::scene) struct Raw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
-    /// Edges along x, y and z; between walls their distance. In open fluid, in which the box follows the spheres, where they start
-    /// if they are at random or on a lattice in it, else none.
+    /// Edges along x, y and z; between walls, the distance between them. In open fluid the box follows the spheres:
+    /// there they are the initial edges for a random start or a lattice, and otherwise absent.
     pub(super) edges: Option<[f64; 3]>,
-    /// Strain of the box at the start, of spheres that come from a sheared box; that of the file's box by default.
+    /// Strain of the box at the start, for spheres that come from a sheared box; by default that of the file's box.
     pub(super) strain: Option<f64>,
-    /// What each axis is: "periodic", which is the default, along all or along two of them; then the third may have "walls", two, at
-    /// 0 and at the edge, a "wall", at 0 with open fluid above it, or be "open"; or all are "open".
+    /// Boundary condition along each axis: "periodic" (default) along all axes or along two of them; then the third may
+    /// have "walls" at 0 and at the edge, a "wall" at 0 with open fluid above it, or be "open"; or all are "open".
     pub(super) boundaries: Option<[Boundary; 3]>,
 }
 
@@ -72,29 +72,29 @@ pub(super) struct Box {
 pub(super) struct Fluid {
     /// Dynamic viscosity.
     pub(super) viscosity: f64,
-    /// Thermal energy kT, by which spheres diffuse; without, they do not.
+    /// Thermal energy kT of Brownian motion; none by default.
     pub(super) thermal_energy: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Species {
-    /// Its name in the results.
+    /// Name in the results.
     pub(super) name: Option<String>,
-    /// Radius of its spheres; or distribution.
+    /// Radius of the spheres; or distribution.
     pub(super) radius: Option<f64>,
-    /// Distribution of their radii, as few classes of the same moments; or radius.
+    /// Distribution of the radii, represented by a few classes with the same moments; or radius.
     pub(super) distribution: Option<Distribution>,
-    /// How many; or `volume_fraction`.
+    /// Number of spheres; or `volume_fraction`.
     pub(super) count: Option<u64>,
-    /// Their volume over the box's; or count.
+    /// Volume of the spheres over that of the box; or count.
     pub(super) volume_fraction: Option<f64>,
-    /// Density above the fluid's; the weight is this times volume times gravity.
+    /// Density minus that of the fluid; the buoyant weight is this times volume times gravity.
     pub(super) density_difference: Option<f64>,
-    /// Steady force on each sphere, besides its weight.
+    /// Constant force on each sphere, in addition to its weight.
     #[serde(default)]
     pub(super) force: [f64; 3],
-    /// Steady torque on each sphere.
+    /// Constant torque on each sphere.
     #[serde(default)]
     pub(super) torque: [f64; 3],
 }
@@ -102,21 +102,21 @@ pub(super) struct Species {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Distribution {
-    /// Which one.
+    /// Kind of distribution.
     pub(super) kind: DistributionKind,
-    /// How many classes of spheres stand for it; 4 by default.
+    /// Number of classes of spheres that represent it; 4 by default.
     pub(super) classes: Option<usize>,
-    /// Mean radius, by number, for "log-normal".
+    /// Number average of the radius, for "log-normal".
     pub(super) mean: Option<f64>,
-    /// Standard deviation of the radius, by number, for "log-normal".
+    /// Standard deviation of the radius by number, for "log-normal".
     pub(super) deviation: Option<f64>,
     /// Smallest radius, for "power-law".
     pub(super) smallest: Option<f64>,
     /// Largest radius, for "power-law".
     pub(super) largest: Option<f64>,
-    /// Power of the radius in the density by number, for "power-law".
+    /// Power of the radius in the number density, for "power-law".
     pub(super) exponent: Option<f64>,
-    /// Radii and how many there are of each, for "table".
+    /// Radii and their relative numbers, for "table".
     pub(super) table: Option<Vec<[f64; 2]>>,
 }
 
@@ -138,20 +138,20 @@ pub(super) struct Gravity {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Particles {
-    /// How the spheres are placed.
+    /// Initial placement of the spheres.
     #[serde(default)]
     pub(super) initial: Initial,
     /// Radius of the ball in which the centres are, for "cloud".
     pub(super) radius: Option<f64>,
-    /// Least gap between surfaces at the start, for "random" and "cloud".
+    /// Smallest gap between surfaces at the start, for "random" and "cloud".
     pub(super) minimum_gap: Option<f64>,
-    /// Which lattice, for "lattice".
+    /// Kind of lattice, for "lattice".
     pub(super) lattice: Option<Lattice>,
-    /// A .csv, .xyz or .h5 file, a dump of LAMMPS, or the folder of a former run, for "file".
+    /// A .csv, .xyz or .h5 file, a LAMMPS dump, or the folder of a former run, for "file".
     pub(super) path: Option<PathBuf>,
-    /// Which frame of the file: its number, from 0, or from the end if negative; the last by default.
+    /// Number of the frame of the file, from 0, or from the end if negative; the last one by default.
     pub(super) frame: Option<i64>,
-    /// Which group of particles of an H5MD file; the only one by default.
+    /// Group of particles of an H5MD file; the only one by default.
     pub(super) group: Option<String>,
     /// Centres, species by species, for "positions".
     pub(super) positions: Option<Vec<[f64; 3]>>,
@@ -171,25 +171,26 @@ pub(super) enum Initial {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Flow {
-    /// The flow: none; along x the shear u = rate y, or between walls u = rate z, or that by a pressure gradient between walls, which
-    /// with walls across y is u = rate y along x, and across x u = rate x along y; or an
-    /// extension: planar, u = rate (x, -y, 0), uniaxial, u = rate (x, -y/2, -z/2), or biaxial, u = rate (x, y, -2 z).
+    /// Kind of flow: none; shear along x, u = rate y, or with walls across z, u = rate z, with walls across y, u =
+    /// rate y along x, and with walls across x, u = rate x along y; Poiseuille flow between walls; or extension:
+    /// planar, u = rate (x, -y, 0), uniaxial, u = rate (x, -y/2, -z/2), or biaxial, u = rate (x, y, -2 z).
     pub(super) kind: FlowKind,
-    /// Rate of shear or extension; or a table of times, from 0 on, and the rates from then on.
+    /// Rate of shear or extension; or a table of times, starting at 0, and of the rates from these times on.
     pub(super) rate: Option<Rate>,
-    /// Strains since the start, however sheared, at which the rate changes its sign.
+    /// Accumulated strains since the start at which the rate changes its sign.
     pub(super) reversal_at: Option<Vec<f64>>,
-    /// A strain that oscillates, instead of a rate.
+    /// An oscillating strain, instead of a rate.
     pub(super) oscillation: Option<Oscillation>,
-    /// What is given: the rate (default), or the stress, with the rate that it makes.
+    /// The controlled quantity: the rate (default), or the stress, which determines the rate.
     pub(super) control: Option<Control>,
     /// Shear stress, for control = "stress".
     pub(super) stress: Option<f64>,
-    /// By how much the pressure falls per length along the flow, for "poiseuille".
+    /// Decrease of the pressure per length along the flow, for "poiseuille".
     pub(super) pressure_gradient: Option<f64>,
-    /// Mean velocity of fluid and spheres along the flow, for "poiseuille", in place of the pressure gradient, which follows then.
+    /// Mean velocity of fluid and spheres along the flow, for "poiseuille", instead of the pressure
+    /// gradient, which then follows.
     pub(super) mean_velocity: Option<f64>,
-    /// Whether the box goes with the flow (default), or stays straight, which it can in a shear flow only.
+    /// Whether the box deforms with the flow (default), or stays orthogonal, which is possible in shear flow only.
     pub(super) lees_edwards: Option<bool>,
 }
 
@@ -206,7 +207,7 @@ pub(super) enum Control {
 pub(super) struct Oscillation {
     /// Largest strain.
     pub(super) amplitude: f64,
-    /// Angular frequency, one over time.
+    /// Angular frequency, in radians per time.
     pub(super) frequency: f64,
 }
 
@@ -233,14 +234,14 @@ pub(super) enum FlowKind {
 pub(super) struct Repulsion {
     /// Force at contact.
     pub(super) strength: f64,
-    /// Gap where it starts, in mean radii of the two spheres.
+    /// Gap at which it begins, over the mean radius of the two spheres.
     pub(super) range: Option<f64>,
-    /// Debye length of charged spheres, whose repulsion falls exponentially with the gap; without, it is a barrier.
+    /// Debye length of charged spheres, with a repulsion that decays exponentially with the gap; a barrier by default.
     pub(super) screening_length: Option<f64>,
-    /// The strength grows with this power, 0, 1 or 2, of the harmonic mean radius of the two.
+    /// The strength is proportional to this power, 0, 1 or 2, of the harmonic mean radius of the two spheres.
     #[serde(default)]
     pub(super) radius_power: u8,
-    /// Whether to look for the least strength that prevents overlap, from the one given.
+    /// Whether to search for the smallest strength that prevents overlap, starting from the given one.
     #[serde(default)]
     pub(super) calibrate: bool,
 }
@@ -248,13 +249,14 @@ pub(super) struct Repulsion {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Attraction {
-    /// Which one: of van der Waals, or by small spheres that find no place between large ones.
+    /// Kind of attraction: van der Waals, or depletion by small spheres that are excluded from between large ones.
     pub(super) kind: AttractionKind,
     /// Hamaker constant, an energy, for "van-der-waals".
     pub(super) hamaker: Option<f64>,
-    /// Gap that bounds the force at contact, in mean radii of the two spheres, for "van-der-waals"; 0.01 by default.
+    /// Smallest gap in the force law, which bounds the force at contact, over the mean radius of the two spheres, for
+    /// "van-der-waals"; 0.01 by default.
     pub(super) closest: Option<f64>,
-    /// Gap where it ends, in mean radii of the two, for "van-der-waals"; 1 by default.
+    /// Gap at which it ends, over the mean radius of the two spheres, for "van-der-waals"; 1 by default.
     pub(super) range: Option<f64>,
     /// Osmotic pressure of the small spheres, for "depletion".
     pub(super) pressure: Option<f64>,
@@ -274,23 +276,24 @@ pub(super) enum AttractionKind {
 pub(super) struct Contacts {
     /// Coefficient of friction.
     pub(super) friction: f64,
-    /// Gap at which spheres touch, in mean radii of the two; 0.005 by default.
+    /// Gap at which spheres are in contact, over the mean radius of the two; 0.005 by default.
     pub(super) roughness: Option<f64>,
-    /// Normal force over overlap and mean radius; by default, "auto", what keeps overlaps at the one aimed at.
+    /// Normal force over overlap and mean radius; by default "auto", which adapts it to the target overlap.
     pub(super) stiffness: Option<Stiffness>,
-    /// Strain in which "auto" settles from an estimate, in a flow that goes on; 2 by default, or 0, the estimate, by a given stress.
+    /// Strain over which "auto" adapts the stiffness from an estimate, in a steady flow; by default 2, or under a
+    /// given stress 0, which keeps the estimate.
     pub(super) settling: Option<f64>,
-    /// What "auto" has settled at, which a run adds to the scene in its folder: the stiffness from the start.
+    /// Stiffness found by "auto", which a run adds to the scene in its folder: the stiffness from the start.
     pub(super) settled_stiffness: Option<f64>,
-    /// Largest overlap aimed at, over the roughness; 0.3 by default.
+    /// Target of the largest overlap, over the roughness; 0.3 by default.
     pub(super) overlap: Option<f64>,
-    /// Stiffness against slip over that against overlap; 0.4 by default.
+    /// Tangential stiffness over normal stiffness; 0.4 by default.
     pub(super) tangential_ratio: Option<f64>,
     /// Largest force of rolling resistance over the normal force; 0 by default.
     pub(super) rolling_friction: Option<f64>,
-    /// Normal force up to which there is no friction; 0 by default.
+    /// Normal force below which there is no friction; 0 by default.
     pub(super) critical_load: Option<f64>,
-    /// How the normal force grows with the overlap; "linear" by default.
+    /// Law of the normal force as a function of the overlap; "linear" by default.
     pub(super) law: Option<Elasticity>,
 }
 
@@ -299,24 +302,24 @@ pub(super) struct Contacts {
 pub(super) struct Bonds {
     /// Pairs of spheres by their ids, which count from 0.
     pub(super) pairs: Vec<[u64; 2]>,
-    /// Distance of the centres at rest; by default that at the start.
+    /// Rest length between centres; by default the initial distance.
     pub(super) length: Option<f64>,
-    /// Force over the distance from that at rest.
+    /// Force over the elongation from the rest length.
     pub(super) stiffness: f64,
-    /// Pull at which a bond breaks; by default none.
+    /// Tension at which a bond breaks; by default it never breaks.
     pub(super) breaking_force: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Traps {
-    /// Name of the species that is trapped; or particles; all spheres without either.
+    /// Name of the trapped species; or particles; all spheres by default.
     pub(super) species: Option<String>,
-    /// Ids of the spheres that are trapped, which count from 0.
+    /// Ids of the trapped spheres, which count from 0.
     pub(super) particles: Option<Vec<u64>>,
-    /// One centre for all of them; by default each has its own where it starts.
+    /// One centre for all of them; by default each sphere is trapped at its initial position.
     pub(super) centre: Option<[f64; 3]>,
-    /// A centre for each of the particles listed.
+    /// A centre for each of the listed particles.
     pub(super) centres: Option<Vec<[f64; 3]>>,
     /// Force over the distance from the centre.
     pub(super) stiffness: f64,
@@ -335,27 +338,27 @@ pub(super) enum Auto {
     Auto,
 }
 
-/// What is left out is as the suspension's own defaults have it.
+/// Keys that are absent take the defaults of the suspension.
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Hydrodynamics {
-    /// Terms of the expansion: forces alone, or torques and stresslets too.
+    /// Terms of the multipole expansion: forces alone, or torques and stresslets as well.
     pub(super) multipoles: Option<Multipoles>,
     /// Relative error of velocities, angular velocities and stresslets.
     pub(super) tolerance: Option<f64>,
-    /// How the far field is evaluated; the fastest by default.
+    /// Evaluation method of the far field; the fastest by default.
     pub(super) method: Option<Evaluation>,
-    /// Grid points along x, y and z, even numbers; chosen from the tolerance by default.
+    /// Grid points along x, y and z, which are even numbers; chosen from the tolerance by default.
     pub(super) grid: Option<[usize; 3]>,
-    /// Grid points across a stencil; chosen from the tolerance by default.
+    /// Grid points across the support of an envelope; chosen from the tolerance by default.
     pub(super) support: Option<usize>,
-    /// Relative residual of the stresslets; chosen from the tolerance by default.
+    /// Relative residual of the solve for the stresslets; chosen from the tolerance by default.
     pub(super) iteration_tolerance: Option<f64>,
-    /// What parts of an evaluation cost on this machine, as `fcm-solve calibrate` measures.
+    /// Costs of the parts of an evaluation on this machine, as measured by `fcm-solve calibrate`.
     pub(super) costs: Option<Costs>,
-    /// Whether near pairs feel their exact lubrication.
+    /// Whether near pairs have exact lubrication forces.
     pub(super) lubrication: Option<bool>,
-    /// Gap where lubrication ends, in radii of the larger sphere; 2.5 by default.
+    /// Gap at which lubrication ends, over the radius of the larger sphere; 2.5 by default.
     pub(super) lubrication_cutoff: Option<f64>,
     /// Whether the solve with lubrication is preconditioned.
     pub(super) preconditioner: Option<bool>,
@@ -364,15 +367,15 @@ pub(super) struct Hydrodynamics {
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Costs {
-    /// Spreading and interpolating.
+    /// Spreading and interpolation.
     pub(super) stencils: f64,
     /// Fourier transforms.
     pub(super) transforms: f64,
-    /// Near pairs.
+    /// Pair corrections.
     pub(super) pairs: f64,
 }
 
-/// Declares the names that a scene has for the values of a library's type.
+/// Declares the names of a library type's values in scenes.
 macro_rules! names {
     ($raw:ident for $library:ty: $($name:ident)*) => {
         #[derive(Deserialize, JsonSchema, Clone, Copy)]
@@ -404,24 +407,25 @@ names! { BrownianScheme for suspension::BrownianScheme: Midpoint TwoEvaluations 
 pub(super) struct Time {
     /// Time step.
     pub(super) step: f64,
-    /// How many steps; or duration, or strain.
+    /// Number of steps; or duration, or strain.
     pub(super) steps: Option<u64>,
     /// Time at the end; or steps, or strain.
     pub(super) duration: Option<f64>,
-    /// Strain at the end, of flows of given rates; or steps, or duration. Under a given stress the run ends at this strain, or after
-    /// the duration or steps that are set besides.
+    /// Strain at the end, in flows with a given rate; or steps, or duration. Under a given stress the run ends at
+    /// this strain, or after the duration or steps if these are set as well.
     pub(super) strain: Option<f64>,
-    /// Steps all alike, or each in as many parts as needed; "implicit" takes short-range forces at the end of a part, so that
-    /// their stiffness does not limit it, and is the default with contacts; "brownian" is that with heat.
+    /// Fixed steps, or steps divided into as many substeps as needed; "implicit" evaluates short-range forces at the
+    /// end of a substep, so that their stiffness does not limit it, and is the default with contacts; "brownian" is
+    /// the default with thermal energy.
     pub(super) integrator: Option<Integrator>,
-    /// How a step of "brownian" has its drift: by one solve half a step on, "midpoint", which is the default, or by
+    /// Computation of the drift in "brownian" steps: by one solve at the midpoint, "midpoint" (default), or by
     /// "two-evaluations", for dense suspensions and for stresses.
     pub(super) brownian: Option<BrownianScheme>,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
-    /// Error of a part of a step in any position, over the radius, for "adaptive" and "implicit".
+    /// Error of a substep in any position, over the radius, for "adaptive" and "implicit".
     pub(super) tolerance: Option<f64>,
-    /// Part of any gap that a part of a step may take away, for "adaptive" and "implicit".
+    /// Largest fraction of any gap by which a substep may reduce it, for "adaptive" and "implicit".
     pub(super) gap_fraction: Option<f64>,
 }
 
@@ -439,15 +443,15 @@ pub(super) enum Integrator {
 pub(super) struct Output {
     /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
-    /// Steps between frames of the trajectory; 0 is never.
+    /// Steps between frames of the trajectory; 0 for none.
     pub(super) trajectory_every: Option<u64>,
-    /// Steps between rows of the time series; 0 is never.
+    /// Steps between rows of the time series; 0 for none.
     pub(super) observables_every: Option<u64>,
-    /// Steps between checkpoints; 0 is never but at start and end.
+    /// Steps between checkpoints; 0 for none except at start and end.
     pub(super) checkpoint_every: Option<u64>,
-    /// Steps between velocity fields of the fluid at points of the box; 0 is never.
+    /// Steps between velocity fields of the fluid at points of the box; 0 for none.
     pub(super) fields_every: u64,
-    /// Steps between files of the forces of contacts and bonds; 0 is never.
+    /// Steps between files of contact and bond forces; 0 for none.
     pub(super) contacts_every: u64,
 }
 
@@ -459,11 +463,11 @@ pub(super) struct Statistics {
     /// Time of the first sample.
     #[serde(default)]
     pub(super) from: f64,
-    /// Largest distance of pairs; 8 of the largest radius by default.
+    /// Largest distance of pairs; 8 times the largest radius by default.
     pub(super) distance: Option<f64>,
-    /// Axis of concentration and segregation; that of the forces, or y, by default.
+    /// Axis of concentration and segregation; by default that of the forces, or y.
     pub(super) axis: Option<Axis>,
-    /// Bins across a channel; four to the smallest radius by default.
+    /// Bins across a channel; four per smallest radius by default.
     pub(super) bins: Option<usize>,
     /// Time lag from which motion is diffusive; a quarter of the run by default.
     pub(super) diffusive_from: Option<f64>,

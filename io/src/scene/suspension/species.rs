@@ -1,21 +1,21 @@
-//! The species of a scene.
+//! Species of a scene.
 
 use super::super::checks::{few_enough, positive};
 use super::{Fault, names, raw};
 use domain::{Number, Vector};
 use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 
-/// Classes that stand for a distribution of radii, usually.
+/// Default number of classes that represent a distribution of radii.
 const CLASSES: usize = 4;
 
-/// The species in a box, or a ball, of a volume.
+/// Species of a scene, in a box or a ball with this volume.
 pub(super) fn species(raw: &raw::Raw, volume: f64) -> Result<Vec<Species>, Fault> {
     raw.species.iter().enumerate().try_for_each(|(index, one)| names::check(one.name.as_deref(), index))?;
     let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, volume)).collect();
     Ok(lists?.into_iter().flatten().collect())
 }
 
-/// A section's species: one, or the classes of a distribution.
+/// Species of a section: one, or the classes of a distribution.
 fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>, Fault> {
     let one = &raw.species[index];
     if one.density_difference.is_some() && raw.gravity.is_none() {
@@ -42,7 +42,7 @@ fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>,
     Ok(all)
 }
 
-/// The radii of a section, and their shares by number.
+/// Radii of a section, and their relative numbers.
 fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, Fault> {
     let key = format!("species[{index}].radius");
     match (one.radius, &one.distribution) {
@@ -83,7 +83,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
     })
 }
 
-/// How many spheres of all classes.
+/// Number of spheres of all classes.
 fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -> Result<Option<u64>, Fault> {
     let one = &raw.species[index];
     let fault = |name: &str, message: &str| Err(Fault::new(format!("species[{index}]{name}"), message));
@@ -105,7 +105,7 @@ fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -
     }
 }
 
-/// How many spheres of a radius fill a fraction of the box.
+/// Number of spheres of a radius that fill a fraction of the box.
 fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64)) -> Result<u64, Fault> {
     if !(fraction > 0.0 && fraction < MAX_FRACTION) {
         let message = format!("is {}; spheres need 0 < volume_fraction < {MAX_FRACTION}", Number(fraction));
