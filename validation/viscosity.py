@@ -1,8 +1,8 @@
 """The viscosity of random suspensions against concentration: 1 + 5/2 phi as phi -> 0 (Einstein), and the next coefficient.
 
-Random places without overlap, sheared for no time at all: the high-frequency viscosity. Its coefficient of phi^2 is 5.0 for
+Random positions without overlap, before any strain: the high-frequency viscosity. Its coefficient of phi^2 is 5.0 for
 spheres (Cichocki & Felderhof, J. Chem. Phys. 89, 3705, 1988; Batchelor & Green, 1972, have 5.2); the steady one of
-Batchelor & Green, 7.6, is that of pairs that the flow has placed."""
+Batchelor & Green, 7.6, is that of the pair distribution in the flow."""
 
 import math
 import pathlib
@@ -69,11 +69,10 @@ def write_table(found):
         "",
         "Written by `scripts/validate viscosity`; do not edit.",
         "",
-        f"Relative viscosity of {SPHERES} equal spheres at random in a periodic box, the mean of {SEEDS} placings with its standard",
-        "error: the high-frequency viscosity. The last columns have the intrinsic viscosity, (η - 1) / φ.",
-        ("Suspensions at higher fractions are under [viscosity and "
-         "self-mobility](lubrication.md#viscosity-and-self-mobility-scriptsvalidate-high-frequency-viscosity),"),
-        "lattices under [limits of lubricated FCM](limits.md).",
+        f"High-frequency relative viscosity of {SPHERES} equal spheres at random in a periodic box: the mean of {SEEDS} random configurations",
+        "with its standard error. The last columns have the intrinsic viscosity, (η - 1) / φ. For higher volume fractions see",
+        "[viscosity and self-mobility](lubrication.md#viscosity-and-self-mobility-scriptsvalidate-high-frequency-viscosity), for lattices",
+        "[limits of lubricated FCM](limits.md).",
         "",
         "| φ | 1 + 5/2 φ | 1 + 5/2 φ + 5.0 φ² | without lubrication | with lubrication | (η-1)/φ without | with |",
         "|---|---|---|---|---|---|---|",

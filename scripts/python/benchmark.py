@@ -114,7 +114,7 @@ def sections(programs, quick):
         *(solve("direct", t, method="direct") for t in TOLERANCES[::2]),
         *(solve("auto", t) for t in TOLERANCES if t != "1e-3"),
     ]
-    yield "What a scene does not need, one thread", [
+    yield "Scenes with fewer features, one thread", [
         solve("everything, sizes 1 and 1.2", **{"size-ratio": 1.2}),
         solve("one size"),
         solve("stresslets alone", stresslets=True),
@@ -224,13 +224,13 @@ def write_page(tables, ratios, by_size, rest, rounds):
         "",
         "Written by `scripts/benchmark`; do not edit.",
         "",
-        f"One mobility, forces, torques and stresslets to velocities, angular velocities and rates of strain, of {PARTICLES}",
-        f"unit spheres at a volume fraction of {FRACTION} unless a table says otherwise, on {processor()} with",
-        f"{os.cpu_count()} cores. Milliseconds, by stage: medians of {REPEATS} evaluations in a process, rounds: {rounds}, in",
-        "which the programs took turns. *C and FFTW* is `scripts/peers/fcm_direct.c`, the direct method; *FINUFFT* is",
-        "`scripts/peers/finufft_mobility.py`, nonuniform transforms of the same envelopes, whose spread and interpolation",
-        "contain their transforms. Both take a couplet of nine numbers to a velocity gradient of nine. The error is the",
-        "relative 2-norm against a much tighter evaluation by the same program.",
+        "One evaluation of the mobility, from forces, torques and stresslets to velocities, angular velocities and rates of",
+        f"strain, of {PARTICLES} unit spheres at a volume fraction of {FRACTION} unless a table says otherwise, on {processor()} with",
+        f"{os.cpu_count()} cores. Milliseconds by stage: medians of {REPEATS} evaluations in a process, rounds: {rounds}, in",
+        "which the programs alternated. *C and FFTW* is `scripts/peers/fcm_direct.c`, the direct method; *FINUFFT* is",
+        "`scripts/peers/finufft_mobility.py`, non-uniform transforms of the same envelopes, whose spread and interpolation",
+        "include their transforms. Both map a force dipole of nine numbers to a velocity gradient of nine. The error is the",
+        "relative 2-norm of the difference from a much more accurate evaluation by the same program.",
         "",
     ]
     for title, lines in tables.items():
