@@ -7,7 +7,8 @@
 //! use domain::{Comm, PeriodicBox, Vector};
 //! use suspension::{Model, Parameters, Species, Start, Suspension};
 //!
-//! let spheres = Species { force: Vector::new(0.0, 0.0, -6.0 * std::f64::consts::PI), ..Species::new("heavy", 1.0, 2) };
+//! let force = Vector::new(0.0, 0.0, -6.0 * std::f64::consts::PI);
+//! let spheres = Species { force, ..Species::new("heavy", 1.0, 2) };
 //! let cell = PeriodicBox::new(Vector::splat(32.0))?;
 //! let places = vec![Vector::new(14.5, 16.0, 24.0), Vector::new(17.5, 16.0, 24.0)];
 //! let start = Start::Positions(places);
