@@ -91,7 +91,7 @@ impl AdamsBashforth {
     }
 }
 
-/// Takes one step of length `dt`, the first of which has `steps` = 0.
+/// Takes one step of length `dt`, after `steps` previous steps.
 ///
 /// `evaluate` migrates the particles to their ranks and fills the column [`VELOCITY`] for a fraction of the step. It
 /// may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The

@@ -75,7 +75,7 @@ impl<const N: usize> RelativeMotion<N> {
 
     /// Change of gaps by the displacements `sum of weights[k] * velocity k`, with the errors relative to the second
     /// weights. Losses are relative to gaps of at least `least[0]` mean radii, errors to gaps of at least `least[1]`:
-    /// smaller gaps count as that large. If these are zero, overlapping spheres are ignored. Collective.
+    /// smaller gaps count as that large. If `least[0]` is zero, overlapping spheres are ignored. Collective.
     pub fn after(&self, both: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
         let judge = |[after, lower]: [f64; 2]| (after, Estimate { error: (after - lower).abs(), roughness: 0.0 });
         self.changes(both, judge, least, comm)

@@ -34,8 +34,7 @@ pub struct Setup {
     farthest: Option<Gap>,
 }
 
-/// Largest number of rounds in which overlapping spheres are moved apart; a round ends when its neighbour list is
-/// outdated.
+/// Largest number of rounds in which overlapping spheres are moved apart, each with a new neighbour list.
 const MOST_ROUNDS: usize = 100;
 
 impl Setup {

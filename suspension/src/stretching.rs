@@ -59,8 +59,8 @@ impl StretchingLattice {
         (cell.expect("a lattice keeps its volume"), Named { periods: periods as i64, columns })
     }
 
-    /// Matrix that converts lattice steps when the vectors of the box change: with `B s = B' s'`, `s' = columns'^-1
-    /// M^(periods' - periods) columns s`.
+    /// Matrix that converts lattice steps when the vectors of the box change: with `B s = B' s'`,
+    /// `s' = columns'^-1 M^(periods' - periods) columns s`.
     pub fn renamed(&self, before: &Named, now: &Named) -> Matrix {
         let periods = now.periods - before.periods;
         let once = if periods < 0 { inverse(&self.automorphism()) } else { self.automorphism() };

@@ -51,8 +51,8 @@ fn free(method: &str, places: &[[f64; 3]], keys: &[&str]) -> Model {
     drawn(method, &keys)
 }
 
-/// An isolated sphere moves with the flow at any position, without angular velocity and with the stresslet `20/3 pi mu
-/// a^3 E`, for any step length and also with changes of the rate.
+/// An isolated sphere moves with the flow at any position, without angular velocity and with the stresslet
+/// `20/3 pi mu a^3 E`, for any step length and also with changes of the rate.
 #[test]
 fn a_sphere_alone_goes_with_the_flow() {
     let start = [3.0, 50.0, -7.0];

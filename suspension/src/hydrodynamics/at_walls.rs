@@ -59,8 +59,8 @@ fn in_flow(
     (load, strained.moment - passed.moment)
 }
 
-/// Adds the resistances of springs along the axis, to slip and to rolling. With the slip velocity `v = U_across +
-/// distance Omega x z`, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
+/// Adds the resistances of springs along the axis, to slip and to rolling. With the slip velocity
+/// `v = U_across + distance Omega x z`, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
 fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 3], distance: f64, radius: f64) {
     resistance.along += along;
     resistance.across += slip;

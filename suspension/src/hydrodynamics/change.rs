@@ -31,8 +31,8 @@ struct Left<'a> {
 
 impl Hydrodynamics {
     /// The ambient motions for which `solved` is the exact solution under `loads` (backward error), and that solution.
-    /// The ambient motions are those of the solve, corrected by its error, plus the motions of free spheres in the
-    /// background flow. `solved` has to be the latest solution. Collective.
+    /// The ambient motions are those of the solve, corrected by its error, plus the effect of the background flow on
+    /// the spheres. `solved` has to be the latest solution. Collective.
     pub fn fluid_around(
         &mut self,
         place: (&PeriodicBox, &Particles),

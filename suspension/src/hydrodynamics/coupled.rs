@@ -17,8 +17,8 @@ pub struct Resisted {
     pub loads: Screws,
 }
 
-/// Unknowns of the system: minus the motions in the loads of stiff pairs and of soft pairs, and the first moments `D =
-/// -S`. Only the sum of the pair loads of the solution and of its start matters; it may be kept in either.
+/// Unknowns of the system: minus the motions in the loads of stiff pairs and of soft pairs, and the first moments
+/// `D = -S`. Only the sum of the pair loads of the solution and of its start matters; it may be kept in either.
 #[derive(Debug, Clone, Default)]
 pub struct Unknowns {
     /// `y_s`

@@ -11,7 +11,7 @@ pub enum Attraction {
     VanDerWaals {
         /// Hamaker constant, an energy.
         hamaker: f64,
-        /// Gap, over the mean radius, below which the force stays constant.
+        /// Offset added to the gap, over the mean radius, which bounds the force at contact.
         closest: f64,
         /// Gap beyond which the force vanishes, over the mean radius.
         range: f64,

@@ -18,7 +18,7 @@ pub struct Contacts {
     /// Strain, as of a shear flow, in which an automatic stiffness adapts from its first estimate. Default:
     /// [`Self::SETTLING`], or 0 under a given stress, which keeps the estimate.
     pub settling: Option<f64>,
-    /// Initial value of an automatic stiffness, taken from the adapted stiffness of a similar run.
+    /// Value to which an automatic stiffness adapted in a similar run. It is used from the start, without adaptation.
     pub settled: Option<f64>,
     /// Target of the largest overlap, over the roughness.
     pub overlap: f64,

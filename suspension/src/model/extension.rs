@@ -78,9 +78,9 @@ impl Extension {
     /// The periodic box of this flow at zero strain, of the volume of a box with the given edges.
     ///
     /// In planar extension the first two vectors span a square lattice, rotated by `atan((sqrt(5) - 1) / 2)` (Kraynik &
-    /// Reinelt, Int. J. Multiphase Flow 18, 1045, 1992). In uniaxial and biaxial extension the vectors are `(rho^k,
-    /// sqrt(2) Re z^k, sqrt(2) Im z^k)`, `k = 0, 1, -1`, by the roots `rho` and `z` of `x^3 = x + 1`, the axis of the
-    /// flow first.
+    /// Reinelt, Int. J. Multiphase Flow 18, 1045, 1992). In uniaxial and biaxial extension the vectors are
+    /// `(rho^k, sqrt(2) Re z^k, sqrt(2) Im z^k)`, `k = 0, 1, -1`, by the roots `rho` and `z` of `x^3 = x + 1`, the axis
+    /// of the flow first.
     pub fn cell(self, edges: Vector) -> Result<PeriodicBox, ParameterError> {
         let Vector { x, y, z } = edges;
         let differs = |a: f64, b: f64| (a - b).abs() > ROUND_OFF * a.abs();

@@ -123,9 +123,9 @@ fn midpoints([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
     (0..POINTS).map(move |k| from + (to - from) * (k as f64 + 0.5) / POINTS as f64)
 }
 
-/// Gauss quadrature of a discrete measure: its orthonormal polynomials by Stieltjes's procedure, `b_k p_k = (x -
-/// a_{k-1}) p_{k-1} - b_{k-1} p_{k-2}`. The nodes are the eigenvalues of the Jacobi matrix with `a` on the diagonal and
-/// `b` beside it.
+/// Gauss quadrature of a discrete measure: its orthonormal polynomials by Stieltjes's procedure,
+/// `b_k p_k = (x - a_{k-1}) p_{k-1} - b_{k-1} p_{k-2}`. The nodes are the eigenvalues of the Jacobi matrix with `a` on
+/// the diagonal and `b` beside it.
 fn quadrature(points: &[SizeClass], classes: usize) -> Vec<SizeClass> {
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
     let (mut before, mut values) = (vec![0.0; points.len()], vec![1.0; points.len()]);

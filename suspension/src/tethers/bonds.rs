@@ -235,8 +235,8 @@ impl Bonds {
         springs
     }
 
-    /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes `-(x_i - x_j)
-    /// F / 2` to each. Collective.
+    /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
+    /// `-(x_i - x_j) F / 2` to each. Collective.
     pub(super) fn moments(&self, tied: &Tied, beyond: Option<&Ahead>) -> Vec<Tensor> {
         let mut moments = vec![Tensor::ZERO; tied.halo.owned()];
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
