@@ -95,8 +95,8 @@ mod tests {
         assert!((with(falls) - 1.0).abs() < 1e-15, "there is no wall to fall to");
     }
 
-    /// A cloud of 100 spheres with unit forces moves at 6/5 of 100/(6 pi 40), or 0.159; it unfolds within a distance of
-    /// 400.
+    /// A cloud of 100 spheres with unit forces moves at 6/5 of 100/(6 pi 40), or 0.159, and unfolds over a distance of
+    /// 400, or 10 of its radii.
     #[test]
     fn a_cloud_unfolds_on_its_way() {
         let cloud = |steps: u64| {

@@ -17,7 +17,7 @@ pub struct Species {
     pub name: String,
     /// Radius.
     pub radius: f64,
-    /// Number of spheres; `None` if whoever provides the positions gives it.
+    /// Number of spheres; `None` if it follows from positions that are provided later.
     pub count: Option<u64>,
     /// Density of the spheres minus that of the fluid.
     pub density_difference: f64,
@@ -46,7 +46,7 @@ pub enum Start {
     Lattice(Lattice),
     /// These positions, species by species.
     Positions(Vec<Vector>),
-    /// Positions provided by whoever starts the run.
+    /// Positions provided by the caller that starts the run.
     Given,
 }
 
