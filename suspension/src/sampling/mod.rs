@@ -288,7 +288,7 @@ pub fn needed_columns(model: &Model) -> Vec<&'static str> {
     COLUMNS.into_iter().chain(channel_bins(model).map(|_| STRESSLET)).collect()
 }
 
-/// Whether a sample of a model also needs the column [`PAIR_MOMENT`].
+/// Whether a sample of a model also needs the column [`PAIR_MOMENT`](crate::columns::PAIR_MOMENT).
 pub fn needs_pair_moments(model: &Model) -> bool {
     let Parameters { repulsion, attraction, contacts, bonds, .. } = &**model;
     let has_pair_forces = repulsion.is_some() || attraction.is_some() || contacts.is_some() || !bonds.is_empty();
