@@ -1,17 +1,16 @@
-//! Lengths beside each other that can be computed with.
+//! Ranges of lengths and their ratios that floating-point numbers can represent.
 
 use domain::{Number, PeriodicBox};
 use lubrication::two_sphere::LARGEST_RATIO;
 
-/// The smallest radius over the longest edge of the box: places in the box have 16 digits, and gaps between spheres are to have
-/// some of them.
+/// Smallest radius over the longest edge of the box: positions have 16 digits, and gaps need some of them.
 const LEAST_RADIUS: f64 = 1e-12;
-/// Radii whose volumes, and products of these, are in the range of numbers.
+/// Range of radii whose volumes, and products of volumes, are representable.
 const RADII: [f64; 2] = [1e-50, 1e50];
-/// The longest edge over the shortest in which random motions are drawn.
+/// Largest ratio of the box's edges with random motions.
 const LONGEST_OF_NOISE: f64 = 1e4;
 
-/// Refuses a radius that a box is too large for, or whose unit is far from its size.
+/// Refuses a radius that is too small for the box or out of the representable range.
 pub fn check_radius(radius: f64, cell: &PeriodicBox) -> Result<(), String> {
     let (found, longest) = (Number(radius), cell.edges().max_element());
     if !(radius > 0.0 && radius.is_finite()) {
@@ -47,7 +46,7 @@ pub fn check_lubricated(smallest: f64, largest: f64) -> Result<(), String> {
     ))
 }
 
-/// Refuses a box in which drawing random motions would come to no end.
+/// Refuses a box so elongated that drawing random motions would never end.
 pub fn check_box_of_noise(cell: &PeriodicBox) -> Result<(), String> {
     let (longest, shortest) = (cell.edges().max_element(), cell.edges().min_element());
     if longest <= LONGEST_OF_NOISE * shortest {

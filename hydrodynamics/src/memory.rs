@@ -1,4 +1,4 @@
-//! What a solve with lubrication takes.
+//! Memory of a solve with lubrication.
 
 use crate::pairs::matrix::diagonal_block::Own;
 use crate::pairs::matrix::inverse_block::Block;
@@ -9,43 +9,45 @@ use domain::{Bytes, ExpectedCounts, Halo, Need, Process, Traceless, Vector, Verl
 use fcm::{Footprint, Precision};
 use lubrication::{PairForce, Range};
 
-/// Who takes memory: one of so many ranks, each with so many threads.
+/// Parallel layout: number of ranks and of threads per rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ranks {
-    /// How many.
+    /// Number of ranks.
     pub count: usize,
-    /// Threads of each.
+    /// Threads per rank.
     pub threads: usize,
 }
 
-/// What a rank needs whose allocations have a peak, with the far field of a plan.
+/// Memory of a rank from the peak of its allocations and the far field of a plan.
 pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> Need {
     let reached = far.reached();
     let resident = Process::of(rank, ranks).resident(peak.most) + reached;
     Need { resident, reached, mapped: far.columns_of_others(ranks) - reached }
 }
 
-/// Gaps up to which pairs are stiff, in radii of the smaller sphere: what [`super::PairLubrication`] finds, about.
+/// Gap up to which pairs are stiff, over the smaller radius; an estimate of the gaps in
+/// [`crate::pairs::lubrication::PairLubrication`].
 const STIFF: f64 = 0.5;
 
-/// How far the most pairs of a slice of rows are above the mean, in standard deviations, the rows of a part being sorted.
+/// Excess of the longest row of a slice over the mean number of pairs, in standard deviations; the rows of a block are
+/// sorted.
 const SPREAD: f64 = 0.28;
 
-/// Numbers of a particle in the unknowns and in a residual.
+/// Numbers per particle in the unknowns and in a residual.
 type UnknownsOfOne = ([Screw; 4], Traceless);
 type ResidualOfOne = ([Screw; 2], Traceless);
 
-/// Unknowns that conjugate gradients have at once: solution, direction, the next one, and preconditioned residuals of
-/// now, before and at last; and residuals: that, and an image.
+/// Vectors of unknowns held at once by conjugate gradients (solution, direction, next direction, and three
+/// preconditioned residuals: current, previous and last), and residuals (the current one and the image of a direction).
 const UNKNOWNS: f64 = 6.0;
 const RESIDUALS: f64 = 2.0;
 
-/// Tables of lubrication between spheres of some radii.
+/// Tables of lubrication between spheres of the given radii.
 pub fn table_bytes(radii: &[f64]) -> Bytes {
     PairForce::bytes(radii)
 }
 
-/// [`super::Hydrodynamics::solve`] with lubrication at gaps up to the end of a range.
+/// Memory of [`crate::CoupledSolver::solve`] with lubrication at the gaps of a range.
 pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> Bytes {
     let owned = expected.owned();
     let single = Bytes::list::<(Screw, f64)>(owned).then(Bytes::list::<Block>(owned));
@@ -57,7 +59,7 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> 
     lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
 }
 
-/// The lists of who is near, and the near pairs of the particles that a rank owns.
+/// Neighbour lists, and the near pairs of a rank's particles.
 fn near_pairs(expected: &ExpectedCounts, range: Range, precision: Precision) -> (Bytes, Bytes) {
     let cutoff = range.cutoff();
     let reach = (2.0 + cutoff) * expected.largest_radius();
@@ -77,8 +79,8 @@ fn near_pairs(expected: &ExpectedCounts, range: Range, precision: Precision) -> 
     (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
 }
 
-/// Groups of a row with so many pairs in the mean: of the rows that are worked out at once, some have more pairs than others,
-/// by a part of the standard deviation of a Poisson distribution.
+/// Groups per row for a mean number of pairs per row: a slice is as long as its longest row, which exceeds the mean by
+/// a part of the standard deviation of a Poisson distribution.
 fn groups(pairs: f64) -> f64 {
     let pairs = pairs.max(0.0);
     (pairs + SPREAD * pairs.sqrt()) / LANES as f64

@@ -1,4 +1,4 @@
-//! Random forces between near pairs.
+//! Brownian forces between near pairs.
 
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::Lanes;
@@ -10,16 +10,16 @@ use rayon::prelude::*;
 use solver::Real;
 use solver::simd::{Vector as Width, Work};
 
-/// Random numbers of pairs, and of spheres at walls.
+/// Keys of the random streams for pairs and for spheres at walls.
 const OF_PAIR: u64 = 3;
 const OF_WALL: u64 = 4;
 
-/// Rows that a thread goes through at a time.
+/// Number of rows that a thread processes at a time.
 const BATCH: usize = 64;
 
-/// Forces and torques `B zeta` of the particles that a rank owns, with `B` the factor of lubrication's resistance `B B^T` and
-/// `zeta` normal numbers, one for each mode of each pair: keyed by the ids and by which image the pair is with, so that all
-/// ranks see the same. Collective.
+/// Random forces and torques `B zeta` on a rank's particles, with `B` the factor of the lubrication resistance `B B^T`
+/// and `zeta` one standard normal number per mode of each pair. The numbers are keyed by the ids and the periodic image
+/// of a pair, so that all ranks draw the same. Collective.
 pub fn loads(
     field: &mut NearField,
     particles: &Particles,
@@ -49,7 +49,8 @@ pub fn loads(
     Loads { forces: of(0), torques: of(1), stresslets: Vec::new() }
 }
 
-/// The pairs of some rows: each once, from the sphere of the lower id, but for those with spheres of other ranks.
+/// The pairs of a range of rows. A pair within the rank is visited once, from the sphere of the lower id; a pair with a
+/// ghost is visited from the rank's own sphere.
 struct Pairs<'a> {
     force: &'a PairForce,
     cell: &'a PeriodicBox,
@@ -73,7 +74,8 @@ impl Work<f64> for Pairs<'_> {
         for row in rows[0]..rows[1] {
             for neighbour in neighbours.of(row).iter() {
                 let (other, between) = (neighbour.row as usize, neighbour.steps.map(i32::from));
-                // From the sphere of the lower id, or of two images of one from that which is behind, to the other.
+                // Orientation of the pair: from the sphere of the lower id to the other; between two images of one
+                // sphere, by the image.
                 let image: [i32; 3] = std::array::from_fn(|d| between[d] + steps[other][d] - steps[row][d]);
                 let is_first = (ids[row], image) < (ids[other], image.map(|step| -step));
                 if !is_first && other < owned {
@@ -96,7 +98,7 @@ impl Work<f64> for Pairs<'_> {
     }
 }
 
-/// Adds the random loads of the walls on each sphere.
+/// Adds the random loads due to walls.
 fn add_at_walls(
     sums: &mut [[Vector; 2]],
     force: &WallForce,

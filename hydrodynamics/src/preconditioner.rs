@@ -1,4 +1,4 @@
-//! The resistance of particles without far field, a sparse matrix, and what particles do by it alone.
+//! Preconditioner: solves with the near-field resistance matrix.
 
 use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::search::{NearPairs, Pairs};
@@ -9,51 +9,51 @@ use rayon::prelude::*;
 use solver::Real;
 use solver::simd::{Vector as Width, Work};
 
-/// `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs: what particles
-/// resist to their rigid motions if they feel one another by the lubrication of these alone.
+/// The matrix `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs:
+/// resistance to rigid-body motions of particles that interact only through the lubrication of stiff pairs.
 pub struct ParticleMatrix<'a> {
     comm: Comm,
     near: &'a NearPairs,
     pairs: &'static [Pairs],
     single: &'a [Screw],
-    /// Inverse blocks of the diagonal.
+    /// Inverses of the diagonal blocks.
     inverse: Vec<Block>,
-    /// Error left in a solve, relative to the motions, both as single spheres resist to motions.
+    /// Relative error of a solve, in the norm of the single-sphere resistances.
     tolerance: f64,
 }
 
-/// The least error left in a solve that is made more exact, and by what it is made smaller.
+/// Smallest error of a tightened solve, and the factor by which the error is reduced each time.
 const LEAST_TOLERANCE: f64 = 1e-10;
 const SHARPER: f64 = 1e-2;
 
-/// Particles that one thread preconditions at a time.
+/// Number of particles that one thread preconditions at a time.
 const BATCH: usize = 256;
 
-/// Most iterations of a solve.
+/// Largest number of iterations of a solve.
 const MOST_ITERATIONS: usize = 2000;
 
 impl<'a> ParticleMatrix<'a> {
-    /// For near pairs of particles with the given resistances alone.
+    /// The matrix for near pairs of particles with the given single-sphere resistances.
     pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [Screw], tolerance: f64) -> Self {
         let inverse = near.stiff().inverses(single);
         Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
     }
 
-    /// The motions under the given loads, nearly, and what the pairs resist to them. Collective.
+    /// Approximate motions under the given loads, and the pair loads in these motions. Collective.
     pub fn solve(&mut self, loads: &Screws) -> [Screws; 2] {
         let limits = self.limits();
         self.solve_from(Screws::zero(loads.0.len()), loads, loads.clone(), limits)
     }
 
-    /// As [`Self::solve`], from what such a solve found before. Collective.
+    /// [`Self::solve`], continued from an earlier solution. Collective.
     pub fn go_on(&mut self, [motions, resisted]: [Screws; 2], loads: &Screws) -> [Screws; 2] {
         let residual = self.remainder(loads, &resisted, &motions);
         let limits = self.limits();
         self.solve_from(motions, loads, residual, limits)
     }
 
-    /// The motions under the given loads with all pairs, with an error of `tolerance`, sought from some motions
-    /// on, and what the pairs resist to them. Collective.
+    /// Motions under the given loads with stiff and soft pairs, to an error of `tolerance`, and the pair loads in these
+    /// motions. Starts from `motions`. Collective.
     pub fn solve_with_all(&mut self, motions: Screws, loads: &Screws, tolerance: f64) -> [Screws; 2] {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
         let mut residual = loads.clone();
@@ -64,7 +64,7 @@ impl<'a> ParticleMatrix<'a> {
         solved
     }
 
-    /// As [`Self::solve`], from motions that leave a residual.
+    /// [`Self::solve`] from motions with a known residual.
     fn solve_from(&mut self, mut motions: Screws, loads: &Screws, mut residual: Screws, limits: Limits) -> [Screws; 2] {
         let comm = self.comm.clone();
         let mut z = Screws::zero(loads.0.len());
@@ -73,7 +73,7 @@ impl<'a> ParticleMatrix<'a> {
         [motions, resisted]
     }
 
-    /// Loads less a part of them and less what single spheres resist to motions.
+    /// Loads minus a part of them and minus the single-sphere resistance to motions.
     fn remainder(&self, loads: &Screws, part: &Screws, motions: &Screws) -> Screws {
         let less = |((load, part), (single, motion)): ((&Screw, &Screw), (&Screw, &Screw))| {
             Screw(std::array::from_fn(|k| load.0[k] - part.0[k] - single.0[k] * motion.0[k]))
@@ -87,7 +87,7 @@ impl<'a> ParticleMatrix<'a> {
         Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER }
     }
 
-    /// Solves with an error of `tolerance` at most from now on; whether that is less than before.
+    /// Tightens the tolerance of solves to `tolerance`. Returns whether that is tighter than before.
     pub fn needs(&mut self, tolerance: f64) -> bool {
         let is_less = tolerance < self.tolerance;
         if is_less {
@@ -96,7 +96,7 @@ impl<'a> ParticleMatrix<'a> {
         is_less
     }
 
-    /// Solves more exactly from now on, unless that is as exact as it can be.
+    /// Tightens the tolerance of solves; `false` if it is the tightest possible already.
     pub fn sharpen(&mut self) -> bool {
         let can = self.tolerance > LEAST_TOLERANCE;
         self.tolerance = (self.tolerance * SHARPER).max(LEAST_TOLERANCE);
@@ -166,17 +166,17 @@ impl System for ParticleMatrix<'_> {
     }
 }
 
-/// Motions, residuals and preconditioned residuals of some particles.
+/// Motions, residuals and preconditioned residuals of a batch of particles.
 type Unknowns<'a> = ((&'a mut [Screw], &'a mut [Screw]), &'a mut [Screw]);
 
-/// Their preconditioners and resistances alone.
+/// Preconditioner blocks and single-sphere resistances of a batch of particles.
 type Given<'a> = (&'a [Block], &'a [Screw]);
 
-/// [`System::look`] at some particles.
+/// [`System::look`] for a batch of particles.
 struct Look<'a> {
     blocks: &'a [Block],
     single: &'a [Screw],
-    /// The length of a step, its direction and its image.
+    /// Length of a step, its direction and the image of the direction.
     step: Option<(f64, [&'a [Screw]; 2])>,
     x: &'a mut [Screw],
     residual: &'a mut [Screw],
@@ -207,14 +207,14 @@ fn add(screws: &mut [Screw], factor: f64, others: &[Screw]) {
     }
 }
 
-/// The square of the error that a residual says: that of the motions of single spheres under it. The energy norm would see stiff
-/// pairs above all, and their loads on the far field would be far off before their motions are.
+/// Squared norm of the error estimate: the motions of single spheres under the residual. The energy norm would be
+/// dominated by stiff pairs, whose loads on the far field converge much later than their motions.
 #[inline(always)]
 fn error(residual: &[Screw], single: &[Screw]) -> f64 {
     squares(residual, single, |load, single| load * load / single)
 }
 
-/// The square of the size of motions, as single spheres resist to them.
+/// Squared norm of motions, weighted by the single-sphere resistances.
 #[inline(always)]
 fn size(motions: &[Screw], single: &[Screw]) -> f64 {
     squares(motions, single, |motion, single| motion * motion * single)

@@ -1,4 +1,4 @@
-//! Rigid motions and the loads that go with them, one a particle.
+//! Six-vectors: rigid-body motions of particles, or loads on them.
 
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
@@ -12,7 +12,7 @@ use std::ops::{AddAssign, Neg};
 pub struct Screw(pub [f64; 6]);
 
 impl Screw {
-    /// From its two vectors.
+    /// A screw from its two vectors.
     pub fn new(linear: Vector, angular: Vector) -> Self {
         Self([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
     }
@@ -41,34 +41,34 @@ impl Neg for Screw {
     }
 }
 
-/// One for each particle that a rank owns.
+/// One screw for each particle of a rank.
 #[derive(Debug, Clone, Default)]
 pub struct Screws(pub Vec<Screw>);
 
 impl Screws {
-    /// From lists of vectors; an empty list stands for zeros.
+    /// Screws from lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
         let screw = |i: usize| Screw::new(at(linear, i), at(angular, i));
         Self((0..count).into_par_iter().with_min_len(BATCH).map(screw).collect())
     }
 
-    /// The first vectors of all.
+    /// Velocities, or forces.
     pub fn linear(&self) -> Vec<Vector> {
         self.0.par_iter().with_min_len(BATCH).map(|s| s.linear()).collect()
     }
 
-    /// The second vectors of all.
+    /// Angular velocities, or torques.
     pub fn angular(&self) -> Vec<Vector> {
         self.0.par_iter().with_min_len(BATCH).map(|s| s.angular()).collect()
     }
 }
 
-/// Screws that one thread works through at a time; sums of so many are added up in their order.
+/// Number of screws that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 1024;
 
 impl Screws {
-    /// No motion, or no load, of so many.
+    /// `count` zero screws.
     pub fn zero(count: usize) -> Self {
         Self(vec![Screw::default(); count])
     }
@@ -80,18 +80,18 @@ impl Screws {
         sums.iter().sum()
     }
 
-    /// Minus all of them.
+    /// The negative of all screws.
     pub fn negative(&self) -> Self {
         Self(self.0.par_iter().with_min_len(BATCH).map(|&screw| -screw).collect())
     }
 
-    /// What single spheres of the given resistances resist to these motions.
+    /// Loads of single spheres with the given resistances in these motions.
     pub fn resisted(&self, single: &[Screw]) -> Self {
         let resist = |(motion, single): (&Screw, &Screw)| Screw(std::array::from_fn(|k| single.0[k] * motion.0[k]));
         Self(self.0.par_iter().with_min_len(BATCH).zip(single).map(resist).collect())
     }
 
-    /// Adds what single spheres of the given resistances resist to motions, times a factor.
+    /// Adds `factor` times the loads of single spheres with the given resistances in motions.
     pub fn add_resisted(&mut self, factor: f64, single: &[Screw], motions: &Self) {
         let add = |((load, single), motion): ((&mut Screw, &Screw), &Screw)| {
             (0..6).for_each(|k| load.0[k] += factor * single.0[k] * motion.0[k]);
@@ -101,7 +101,7 @@ impl Screws {
 }
 
 impl Screws {
-    /// These motions less those that loads give single spheres of the given resistances.
+    /// These motions minus those of single spheres with the given resistances under loads.
     pub fn less_those_alone(&self, single: &[Screw], loads: &Self) -> Self {
         let less = |((motion, single), load): ((&Screw, &Screw), &Screw)| {
             Screw(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
@@ -110,7 +110,7 @@ impl Screws {
     }
 }
 
-/// The inner product.
+/// Inner product.
 #[inline(always)]
 pub fn dot(screws: &[Screw], others: &[Screw]) -> f64 {
     let mut sums = [0.0; 6];

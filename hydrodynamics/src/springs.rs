@@ -1,60 +1,61 @@
-//! Short-range forces that change while particles move.
+//! Implicit treatment of short-range forces.
 
 use lubrication::Surfaces;
 
-/// Forces between near particles, taken not as they are but as they will be after some time: a pair that opens at the rate
-/// `w` then pushes with a force that is less by `resistance w`, the force's decay with distance times that time. So it
-/// resists to motions like lubrication, and however stiff it is, no motion overshoots.
+/// Short-range forces, taken implicitly, at the end of a time `t`: between particles that separate at the rate `w`, a
+/// repulsive force is reduced by `resistance w`, with the resistance `t` times the decay of the force with distance.
+/// This acts like the resistance of lubrication, and motions do not overshoot however stiff the force is.
 pub struct Springs<'a> {
-    /// Resistance, force over velocity, of two particles, or of one and a wall, by the distance of their centres.
+    /// Resistance, force over velocity, of two particles or of a particle and a wall, as a function of the distance.
     pub resistance: &'a (dyn Fn(f64, Surfaces) -> f64 + Sync),
-    /// The particles that touch each of those that the rank owns, in their order; or nothing.
+    /// Contacts of each particle of the rank, in their order; or empty.
     pub contacts: &'a [Vec<ContactSprings>],
     /// Bonds and traps.
     pub tethers: &'a TetherResistance,
 }
 
-/// What a contact resists to the motions of two particles, force over velocity.
+/// Implicit resistances of a contact, force over velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSprings {
-    /// The id of the other particle, or that which stands for a wall.
+    /// Id of the other particle, or the id that stands for a wall.
     pub other: u64,
-    /// Along the line of centres.
+    /// Resistance along the line of centres.
     pub normal: f64,
-    /// Across, by the relative velocity of the surfaces where they touch: with arms that divide the distance of the centres
-    /// as the radii do.
+    /// Resistance to slip, the relative velocity of the surfaces at the point of contact, which divides the distance of
+    /// the centres in proportion to the radii.
     pub tangential: f64,
-    /// By the difference of angular velocities across the line of centres times the harmonic mean radius.
+    /// Resistance to rolling, the difference of the angular velocities perpendicular to the line of centres times the
+    /// harmonic mean radius.
     pub rolling: f64,
 }
 
-/// What a bond resists to the parting of the centres.
+/// Implicit resistance of a bond to the separation of the centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BondSprings {
-    /// The id of the other particle.
+    /// Id of the other particle.
     pub other: u64,
-    /// The distance up to which an image of it is the one that is meant.
+    /// Distance below which an image of the other particle is the bonded one.
     pub within: f64,
     /// Force over velocity.
     pub resistance: f64,
 }
 
-/// What bonds and traps resist to motions of the particles that a rank owns, force over velocity; empty without them.
+/// Implicit resistances of bonds and traps for a rank's particles, force over velocity; empty without them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TetherResistance {
-    /// Of bonds, particle by particle.
+    /// Resistances of bonds, particle by particle.
     pub bonds: Vec<Vec<BondSprings>>,
-    /// Of traps.
+    /// Resistances of traps.
     pub traps: Vec<f64>,
 }
 
 impl ContactSprings {
-    /// What stands for the id of a wall: no particle has such, and it is a whole number that a double holds.
+    /// The id that stands for a wall: no particle has it, and a double holds it exactly.
     pub fn wall(wall: usize) -> u64 {
         (1 << 52) + wall as u64
     }
 
-    /// The same in another unit of velocity.
+    /// These resistances in another unit of velocity.
     #[must_use]
     pub fn times(&self, unit: f64) -> Self {
         let Self { other, normal, tangential, rolling } = *self;
@@ -63,13 +64,13 @@ impl ContactSprings {
 }
 
 impl Springs<'_> {
-    /// What a particle in a row and another, of an id, of some radii and at a distance of their centres resist: along their
-    /// line, across it, and to rolling.
+    /// Resistances of a particle, by its row, and another, by its id: along the line of centres, to slip, and to
+    /// rolling.
     pub fn between(&self, rows: (usize, u64), distance: f64, radii: [f64; 2]) -> [f64; 3] {
         self.of(rows, distance, radii.into())
     }
 
-    /// The same of a particle in a row and a wall.
+    /// Resistances of a particle and a wall: along the normal, to slip, and to rolling.
     pub fn at_wall(&self, (row, wall): (usize, usize), distance: f64, radius: f64) -> [f64; 3] {
         self.of((row, ContactSprings::wall(wall)), distance, Surfaces::Wall(radius))
     }
@@ -80,13 +81,13 @@ impl Springs<'_> {
         [(self.resistance)(distance, between) + normal + self.bond((row, other), distance), tangential, rolling]
     }
 
-    /// What a bond resists along its line.
+    /// Resistance of a bond along the line of centres.
     fn bond(&self, (row, other): (usize, u64), distance: f64) -> f64 {
         let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
         bonds.find(|bond| bond.other == other && distance < bond.within).map_or(0.0, |bond| bond.resistance)
     }
 
-    /// What a trap resists to the motion of the particle in a row, if there is one.
+    /// Resistance of the trap of a particle, if it has one.
     pub fn trap(&self, row: usize) -> Option<f64> {
         self.tethers.traps.get(row).copied().filter(|&resistance| resistance > 0.0)
     }

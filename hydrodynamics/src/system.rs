@@ -1,4 +1,4 @@
-//! The coupled system of lubrication forces and stresslets.
+//! Coupled linear system of lubrication forces and stresslets.
 
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::preconditioner::ParticleMatrix;
@@ -8,7 +8,7 @@ use domain::{Comm, Traceless};
 use fcm::{Linear, Loads, Motion, System};
 use rayon::prelude::*;
 
-/// Motions of the particles that a rank owns, and what some pairs resist to them.
+/// Motions of a rank's particles, and the loads of a set of near pairs in these motions.
 #[derive(Debug, Clone, Default)]
 pub struct Resisted {
     /// `y`
@@ -17,8 +17,8 @@ pub struct Resisted {
     pub loads: Screws,
 }
 
-/// What is solved for: minus the motions as stiff pairs and as the others feel them, and first moments `D = -S`. Of what pairs
-/// resist to a solution and its start only the sum matters, in whichever of the two it is.
+/// Unknowns of the system: minus the motions in the loads of stiff pairs and of soft pairs, and the first moments
+/// `D = -S`. Only the sum of the pair loads of the solution and of its start matters; it may be kept in either.
 #[derive(Debug, Clone, Default)]
 pub struct Unknowns {
     /// `y_s`
@@ -29,7 +29,7 @@ pub struct Unknowns {
     pub moments: Vec<Traceless>,
 }
 
-/// What is left over: motions of the fluid that those of the particles do not follow, and rates of strain within them.
+/// Residual: mismatch between the motions of the particles and of the fluid, and strain rates within the particles.
 #[derive(Debug, Clone)]
 pub struct Residual {
     pub stiff: Screws,
@@ -78,14 +78,14 @@ impl Linear for Residual {
 }
 
 impl Unknowns {
-    /// Those that go with motions and what all pairs resist to them.
+    /// The unknowns for motions and the loads of all near pairs in these motions.
     pub fn of(motions: &Screws, resisted: &Screws, moments: Vec<Traceless>) -> Self {
         let (against, loads) = (motions.negative(), Screws::zero(motions.0.len()));
         let soft = Resisted { motions: against.clone(), loads };
         Self { stiff: Resisted { motions: against, loads: resisted.negative() }, soft, moments }
     }
 
-    /// The loads of lubrication on the far field.
+    /// Lubrication loads on the far field.
     pub fn loads(&self) -> Screws {
         let mut loads = self.stiff.loads.clone();
         loads.add(1.0, &self.soft.loads);
@@ -93,21 +93,22 @@ impl Unknowns {
     }
 }
 
-/// With `M` the mobility of the method, `R = B B^T` what near pairs resist to motions `U` relative to the ambient flow
-/// and `F` the loads that are known, the forces that the method sees are `F - R U`, and its first moments `D` leave no
-/// strain within the spheres. Amplitudes of the pairs' modes, `g = -B^T U`, solve
+/// The coupled system. With `M` the mobility of the method, `R = B B^T` the resistance of near pairs to motions `U`
+/// relative to the ambient flow, and `F` the known loads, the far field is that of the forces `F - R U` and of the
+/// first moments `D` that cancel the strain rate within the spheres. The amplitudes of the pairs' modes, `g = -B^T U`,
+/// solve
 ///
 /// ```text
 /// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T M_UF F    ]
 /// [ M_EF B           M_ED     ] [D] = [ -E_inf - M_EF F ]
 /// ```
 ///
-/// which is symmetric and positive definite. The preconditioner has the mobility `M_0` of single spheres in the place of
-/// `M` and the stiff pairs' columns `B_s` alone of `B`: for `g` its inverse is `I - B_s^T (M_0^-1 + R_s)^-1 B_s`, by
+/// which is symmetric and positive definite. The preconditioner replaces `M` by the mobility `M_0` of single spheres
+/// and `B` by its columns `B_s` of the stiff pairs: for `g` its inverse is `I - B_s^T (M_0^-1 + R_s)^-1 B_s`, by
 /// Woodbury's identity.
 ///
-/// There are more modes than motions, and all that the iteration meets is `B^T` times some motions. So these are what
-/// is kept: `g_s = B_s^T y_s` of the stiff pairs and `g_f = B_f^T y_f` of the others, and residuals likewise. Then
+/// There are more modes than motions, and every vector of the iteration is `B^T` times some motions. So the motions are
+/// stored: `g_s = B_s^T y_s` of the stiff pairs and `g_f = B_f^T y_f` of the soft pairs, and residuals likewise. Then
 ///
 /// ```text
 /// B g = R_s y_s + R_f y_f
@@ -116,12 +117,12 @@ impl Unknowns {
 /// r . y = r_s . R_s y_s + r_f . R_f y_f + e : D
 /// ```
 ///
-/// with `d` the resistance of single spheres to strain. No small difference of large numbers is ever taken, however
-/// near pairs are.
+/// with `d` the resistance of single spheres to strain. No small difference of large numbers is taken, however small
+/// the gaps.
 pub struct Coupled<'a> {
     mobility: Scaled<'a>,
     near: &'a NearPairs,
-    /// What preconditions the motions of stiff pairs, if anything does.
+    /// Preconditioner of the stiff pairs, if there is one.
     pub(super) matrix: Option<ParticleMatrix<'a>>,
     /// Resistances of single spheres to motion and to strain.
     single: &'a [Screw],
@@ -131,8 +132,8 @@ pub struct Coupled<'a> {
 }
 
 impl<'a> Coupled<'a> {
-    /// The system for particles that are in place in the mobility, with the resistances of single spheres to motion and
-    /// to strain; and the motion under `loads` and the unknowns' `start`, besides that of the fluid around them. Collective.
+    /// The system for particles that are arranged in the mobility, with the resistances of single spheres to motion and
+    /// to strain. Computes the motion under `loads` and the loads of `start`, added to the ambient motion. Collective.
     pub fn new(
         mut mobility: Scaled<'a>,
         near: &'a NearPairs,
@@ -147,7 +148,7 @@ impl<'a> Coupled<'a> {
         Self { mobility, near, matrix, single, strain_resistance, motion, step: Motion::default() }
     }
 
-    /// What the unknowns of the start leave over, in an ambient flow of a rate of strain.
+    /// Residual of the start, in a background flow with the strain rate `ambient`.
     pub fn residual(&self, start: &Unknowns, ambient: Traceless) -> Residual {
         let mut sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
         sums.strain_rates.iter_mut().for_each(|e| *e += ambient);
@@ -155,9 +156,10 @@ impl<'a> Coupled<'a> {
         Residual { stiff: sums.stiff.negative(), soft: sums.soft.negative(), strain_rates }
     }
 
-    /// The motions of the particles, with an error of `tolerance` besides that of the loads and moments found, and the unknowns,
-    /// after a last step by the correction that the preconditioner made of a residual alone: lubrication is that of these
-    /// motions exactly, so that near pairs do not run into each other by the error of their forces. Collective.
+    /// Motions of the particles and the final unknowns, after a last correction, the preconditioned residual, without
+    /// another far-field evaluation. The correction is refined to an error of `tolerance` in the near field.
+    /// Lubrication is exactly that of the returned motions, so that errors of the forces do not make near pairs
+    /// collide. Collective.
     pub fn finish(
         mut self,
         (mut x, residual, mut correction): (Unknowns, &Residual, Unknowns),
@@ -181,7 +183,7 @@ impl<'a> Coupled<'a> {
     }
 }
 
-/// What unknowns and the motion that they cause make of the left-hand side.
+/// Left-hand side of the system, from the unknown motions and the far-field motion that the unknown loads cause.
 fn image(stiff: &Screws, soft: &Screws, motion: &Motion) -> Residual {
     let plus = |motions: &Screws| {
         let mut sum = Screws::new(motions.0.len(), &motion.velocities, &motion.angular_velocities);
@@ -221,18 +223,18 @@ impl System for Coupled<'_> {
         self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
     }
 
-    /// Square of the single-sphere motions under the loads that a preconditioned residual adds, and of its moments. Motions that
-    /// no pair resists follow from the others in [`Coupled::finish`]; the energy norm would weigh stiff pairs above all, which
-    /// resist what hardly moves them. Loads of stiff and of soft pairs count separately: their sum vanishes in whole directions
-    /// of a symmetric arrangement, since each step leaves a residual orthogonal to the last direction. Separately they vanish
-    /// only at the solution.
+    /// Squared norm of the error estimate: the motions of single spheres under the loads of a preconditioned residual,
+    /// and its moments. Motions without resistance follow from the others in [`Coupled::finish`], and the energy norm
+    /// would overweight stiff pairs, whose large resistance hardly moves them. Loads of stiff and of soft pairs count
+    /// separately: their sum may vanish in some directions of a symmetric arrangement, since each step leaves a
+    /// residual orthogonal to the last direction. Separately they vanish only at the solution.
     fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
         let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);
         let squared = |i: usize, k: usize| (stiff[i].0[k].powi(2) + soft[i].0[k].powi(2)) / self.single[i].0[k];
         sum(stiff.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(z)
     }
 
-    /// That of the motions and moments, as single spheres resist to them.
+    /// Squared norm of motions and moments, weighted by the resistances of single spheres.
     fn size(&self, x: &Unknowns) -> f64 {
         let squared = |i: usize, k: usize| self.single[i].0[k] * x.stiff.motions.0[i].0[k].powi(2);
         sum(x.stiff.motions.0.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(x)
@@ -240,30 +242,30 @@ impl System for Coupled<'_> {
 }
 
 impl Coupled<'_> {
-    /// What the preconditioner makes of the residual of the stiff pairs.
+    /// Preconditioned residual of the stiff pairs.
     fn of_stiff(&mut self, residual: &Screws) -> Resisted {
         let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, residual) };
         let [motions, loads] = matrix.solve(&residual.resisted(self.single));
         Resisted { motions, loads }
     }
 
-    /// The rate of strain of single spheres under moments, times these.
+    /// Strain rate of single spheres under moments, contracted with the moments.
     fn strained(&self, x: &Unknowns) -> f64 {
         sum(x.moments.len(), |i| x.moments[i].contract(x.moments[i]) / self.strain_resistance[i])
     }
 }
 
-/// Particles whose terms one thread sums.
+/// Number of particles whose terms one thread sums.
 const BATCH: usize = 1024;
 
-/// The sum of terms of so many particles, the same on any number of threads.
+/// Sum of `count` terms, the same on any number of threads.
 fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).map(&term).sum();
     let sums: Vec<f64> = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
     sums.iter().sum()
 }
 
-/// Motions and what some pairs resist to them. Collective.
+/// Motions with the loads of a set of near pairs. Collective.
 pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
     Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
 }

@@ -1,5 +1,5 @@
-//! Lubricated spheres in units of length and viscosity in which their own are about 1: the amplitudes of the modes have
-//! the root of both, which loses its last digit where a power of two is taken out of it.
+//! Scaling of the lubrication problem to units in which radii and viscosity are about 1. Without it, the square roots
+//! of both in the amplitudes of the modes would lose their last digit when powers of two change the units.
 
 use crate::coupled_solver::{Found, Guess, Solved};
 use crate::springs::{BondSprings, TetherResistance};
@@ -8,14 +8,14 @@ use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
 use lubrication::Surfaces;
 
-/// A mobility in such units.
+/// A mobility in scaled units.
 pub struct Scaled<'a> {
     pub mobility: &'a mut Mobility,
     pub units: Units,
 }
 
 impl Scaled<'_> {
-    /// The motions that loads cause, as [`Mobility::apply`].
+    /// Motions due to loads, as in [`Mobility::apply`].
     pub fn apply(&mut self, loads: &Loads) -> Motion {
         let motion = match self.mobility.plan().multipoles {
             Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Evaluation::All),
@@ -28,19 +28,19 @@ impl Scaled<'_> {
     }
 }
 
-/// Resistances of springs by distances and radii.
+/// Spring resistances in scaled units, as a function of distance and surfaces.
 pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, Surfaces) -> f64 + Sync + 'a {
     let (length, velocity) = (units.length, units.velocity());
     move |distance, between| (springs.resistance)(distance * length, between.times(length)) * velocity
 }
 
-/// Contacts of the particles that a rank owns.
+/// Contact springs of a rank's particles in scaled units.
 pub fn contacts(springs: &Springs, units: &Units) -> Vec<Vec<ContactSprings>> {
     let of_one = |all: &Vec<ContactSprings>| all.iter().map(|contact| contact.times(units.velocity())).collect();
     springs.contacts.iter().map(of_one).collect()
 }
 
-/// Bonds and traps of the particles that a rank owns.
+/// Bonds and traps of a rank's particles in scaled units.
 pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
     let TetherResistance { bonds, traps } = springs.tethers;
     let bond = |bond: &BondSprings| BondSprings {
@@ -54,7 +54,7 @@ pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
     }
 }
 
-/// Particles in place, without their columns.
+/// Particles in scaled units, without their columns.
 pub fn particles(given: &Particles, units: &Units) -> Particles {
     let over = 1.0 / units.length;
     Particles {
@@ -64,7 +64,7 @@ pub fn particles(given: &Particles, units: &Units) -> Particles {
     }
 }
 
-/// Where the search starts.
+/// The initial guess in scaled units.
 pub fn guess(given: &Guess, units: &Units) -> Guess {
     let times = |list: &[Vector], unit: f64| list.iter().map(|&v| v * (1.0 / unit)).collect();
     Guess {
@@ -76,7 +76,7 @@ pub fn guess(given: &Guess, units: &Units) -> Guess {
     }
 }
 
-/// A solution in the units that the problem came in.
+/// A solution in the original units.
 pub fn solution(found: &Solved, units: &Units) -> Solved {
     Solved {
         motion: motion_back(&found.motion, units),
@@ -89,7 +89,7 @@ pub fn solution(found: &Solved, units: &Units) -> Solved {
     }
 }
 
-/// Loads whose torques and stresslets are in another unit; that of forces stays as it is.
+/// Loads with torques and stresslets in another unit; the unit of forces is unchanged.
 pub fn times(loads: &Loads, torque: f64) -> Loads {
     Loads {
         forces: loads.forces.clone(),
@@ -98,17 +98,17 @@ pub fn times(loads: &Loads, torque: f64) -> Loads {
     }
 }
 
-/// A motion in such units.
+/// Motions in scaled units.
 pub fn motion(given: &Motion, units: &Units) -> Motion {
     motion_times(given, 1.0 / units.velocity(), 1.0 / units.rate())
 }
 
-/// A motion in the units that the problem came in.
+/// Motions in the original units.
 pub fn motion_back(found: &Motion, units: &Units) -> Motion {
     motion_times(found, units.velocity(), units.rate())
 }
 
-/// A solution in such units.
+/// A solution in scaled units.
 pub fn found(given: &Found, units: &Units) -> Found {
     let torque = 1.0 / units.torque();
     Found {

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     mobility.place(&positions)?;
     println!("{}", mobility.plan().describe());
 
-    // Any forces will do that are not alike: uniform ones move nothing, since the fluid rests on average.
+    // Any non-uniform forces will do: uniform ones move nothing, since the mean velocity of the fluid is zero.
     let mut forces: Vec<Vector> = (0..COUNT).map(|i| Vector::new(0.0, 0.0, (i as f64).sin())).collect();
     for iteration in 1..=50 {
         let length = norm(&forces);

@@ -1,4 +1,4 @@
-//! Steps as long as accuracy and near pairs allow.
+//! Adaptive steps, as long as accuracy and near pairs allow.
 
 use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::integrator::remember;
@@ -10,41 +10,44 @@ use crate::substeps::{SHORTEST, ages, grow_older, grow_oldest, moved_apart, shar
 use domain::{Particles, Vector};
 use simulation::Clock;
 
-/// Past velocities that are kept.
+/// Number of past velocities that are stored.
 pub const PAST_VELOCITIES: usize = USED.len() - 1;
 
-/// The highest order is taken where it makes differences of up to this part of what is allowed that it is not known to be better for.
+/// The highest order is used if its roughness ([`Estimate::roughness`]) is at most this fraction of the allowed error.
 const ROUGH: f64 = 0.05;
 
-/// A substep may be this many times as long as the last one.
+/// Largest ratio of a substep to the previous one.
 const GROWTH: f64 = 3.0;
 
-/// A gap's error may be this part of what it may lose.
+/// Error allowed in a gap, over the loss allowed in it.
 const GAP_ERROR: f64 = 0.01;
 
-/// Takes one step of the clock in as many substeps as are needed, each by the Adams-Bashforth method of order 3 or 4 for
-/// steps of any length,
+/// Takes one step of the clock in as many substeps as needed, each by the Adams-Bashforth method of order 3 or 4 with
+/// variable step lengths,
 ///
 /// ```text
 /// x(t + h) = x(t) + integral from t to t + h of the polynomial through v(t), v(t - h1), v(t - h1 - h2), ...
 /// ```
 ///
-/// The method of order 2, with a line in place of the parabola of order 3, differs from that by the error that it makes; `h` is
-/// such that this is at most `tolerance` radii for every sphere and a hundredth of `gap_fraction` of every gap, and that no
-/// gap loses more than `gap_fraction` of itself. All this is known before anything moves: no substep is ever taken
-/// back, and each takes one evaluation. The first substeps of a run have less of a past and are short for it.
+/// The error is estimated by the difference from the method of order 2, which has a line in place of the parabola of
+/// order 3. `h` is chosen such that this is at most `tolerance` radii for every sphere and a hundredth of
+/// `gap_fraction` of every gap, and that no gap loses more than `gap_fraction` of itself. All this is known before any
+/// sphere moves: no substep is rejected, and each takes one evaluation. The first substeps of a run have a shorter past
+/// and are therefore short.
 ///
-/// Order 4 is taken unless some sphere or gap moves too roughly for it ([`Estimate`]), and where a motion is smooth its difference from
-/// order 3 counts as an error likewise. The error of order 3 of a pair that turns is along the line of centres, and always of one sign, so
-/// that pairs would part at smaller offsets than they came at; that of order 4 is across. A gap that decays at a rate `k` needs
-/// `k h < 6/11` with order 3 and `k h < 3/10` with order 4, so that stiff ones have order 3.
+/// Order 4 is used unless the motion of some sphere or gap is too rough for it ([`Estimate`]); where a motion is
+/// smooth, its difference from order 3 counts as an error, too. For a rotating pair the error of order 3 is along the
+/// line of centres and always of one sign, so that pairs would separate at smaller offsets than those at which they
+/// met; the error of order 4 is perpendicular. A gap that decays at a rate `k` requires `k h < 6/11` with order 3 and
+/// `k h < 3/10` with order 4, so stiff gaps use order 3.
 ///
-/// With lubrication a force closes a gap `g` at a rate in proportion to the gap, `g' = -k g`: gaps shrink exponentially
-/// and never close, and the limit on losses, `k h < gap_fraction`, is the same however small they are; it keeps the
-/// method stable too. But the error by which a turning pair misses its gap does not shrink with it, and substeps that
-/// kept it in proportion would become ever shorter while nothing changes faster. So there gaps below `tolerance` radii
-/// count as so large as far as errors go. Spheres that would come nearer than the closest gap that lubrication knows,
-/// by that error or since nothing resists more below it, are moved apart to that gap, within `tolerance` too.
+/// With lubrication, a force closes a gap `g` at a rate proportional to the gap, `g' = -k g`: gaps shrink exponentially
+/// and never close, and the limit of the loss, `k h < gap_fraction`, does not depend on their size; it also keeps the
+/// method stable. The error in the gap of a rotating pair, however, does not shrink with the gap, and an error bound
+/// proportional to the gap would shorten the substeps indefinitely although nothing changes faster. So the error bound
+/// of gaps below `tolerance` radii is that of a gap of `tolerance` radii. Spheres that would come closer than the
+/// minimum gap of lubrication, by this error or because the resistance does not grow below it, are moved apart to that
+/// gap, also within `tolerance`.
 ///
 /// Collective; fails on every rank or on none.
 pub fn advance(
@@ -74,7 +77,7 @@ pub fn advance(
     Ok(outcome)
 }
 
-/// A substep to be chosen.
+/// A substep whose length is to be chosen.
 struct Substep<'a> {
     particles: &'a mut Particles,
     ages: &'a [f64],
@@ -82,16 +85,16 @@ struct Substep<'a> {
     clock: &'a Clock,
 }
 
-/// How long a substep is, the weights of the velocities in [`USED`], and how spheres are moved apart in it; no displacements
-/// stand for none.
+/// Length of a substep, weights of the velocities in [`USED`], and displacements that separate spheres (empty if there
+/// are none).
 struct Chosen {
     step: f64,
     weights: [f64; USED.len()],
     apart: Vec<Vector>,
 }
 
-/// What is known of a substep: its error and roughness and the largest part that a gap loses, each over what is allowed, and the smallest gap
-/// before it.
+/// Properties of a trial substep: its error and roughness and the largest loss of a gap, each over the allowed value,
+/// and the smallest gap before it.
 struct Known {
     estimate: Estimate,
     loss: f64,
@@ -99,8 +102,8 @@ struct Known {
 }
 
 impl Substep<'_> {
-    /// The longest substep that is allowed, one of equal shares of `rest`, so that the last one is not a small
-    /// remainder.
+    /// Chooses the longest substep that is allowed and divides `rest` evenly, so that no small remainder is left at the
+    /// end.
     fn choose(mut self, rest: f64, dynamics: &Dynamics) -> Result<Chosen, StepError> {
         let mut approach = dynamics.approach(self.particles, USED);
         let mut longest = self.ages.get(1).map_or(rest, |last| rest.min(GROWTH * last));
@@ -124,7 +127,7 @@ impl Substep<'_> {
         }
     }
 
-    /// That of a substep with the weights of all orders. Collective.
+    /// Properties of a substep from the weights of all orders. Collective.
     fn known(
         &mut self,
         step: f64,

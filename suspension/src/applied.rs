@@ -1,21 +1,21 @@
-//! Loads that the user adds to those of the model.
+//! User-defined loads, in addition to those of the model.
 
 use crate::user_axes::UserAxes;
 use domain::{Failure, Particles, Partition, PeriodicBox, Vector};
 use fcm::Loads;
 use simulation::{AppliedLoads, LoadFunction};
 
-/// The columns of the last loads of this kind: forces and torques.
+/// Columns of the last user-defined loads: forces and torques.
 pub const APPLIED: [&str; 2] = ["applied force", "applied torque"];
 
-/// Functions whose loads are added up, in the axes of the user.
+/// User-defined load functions, whose loads are summed, in the user's axes.
 pub struct AppliedForces {
     functions: Vec<LoadFunction>,
     axes: UserAxes,
 }
 
 impl AppliedForces {
-    /// None so far.
+    /// No functions.
     pub fn new(axes: UserAxes) -> Self {
         Self { functions: Vec::new(), axes }
     }
@@ -25,12 +25,13 @@ impl AppliedForces {
         self.functions.push(loads);
     }
 
-    /// Takes back the function that was added last.
+    /// Removes the function that was added last.
     pub fn remove_last(&mut self) {
         self.functions.pop();
     }
 
-    /// Adds the loads of a time to those of this rank's particles, and keeps them in the particles' columns. Collective.
+    /// Evaluates the loads at a time, adds them to those of this rank's particles, and stores them in the particles'
+    /// columns. Collective.
     pub fn add_to(
         &mut self,
         loads: &mut Loads,
@@ -58,7 +59,7 @@ impl AppliedForces {
         Ok(())
     }
 
-    /// The sums of forces and torques on all particles.
+    /// Sums of forces and torques on all particles.
     fn sums(&mut self, mut positions: Vec<Vector>, time: f64) -> Result<[Vec<Vector>; 2], String> {
         let axes = self.axes;
         for position in &mut positions {
@@ -76,7 +77,7 @@ impl AppliedForces {
     }
 }
 
-/// Adds to the loads of this rank's particles what their columns have of the last loads of this kind.
+/// Adds the last user-defined loads, as stored in the columns, to those of this rank's particles.
 pub fn add_last(loads: &mut Loads, particles: &Particles) {
     for (list, name) in [&mut loads.forces, &mut loads.torques].into_iter().zip(APPLIED) {
         let Some(column) = particles.columns.iter().find(|column| column.name == name) else { continue };
@@ -86,17 +87,17 @@ pub fn add_last(loads: &mut Loads, particles: &Particles) {
     }
 }
 
-/// Whether particles have such loads from their last evaluation.
+/// Whether the particles store user-defined loads of their last evaluation.
 pub fn is_among(particles: &Particles) -> bool {
     particles.columns.iter().any(|column| column.name == APPLIED[0])
 }
 
-/// Where all particles would be without periodicity.
+/// Unwrapped positions of all particles.
 fn unwrapped(all: &Particles, cell: &PeriodicBox) -> Vec<Vector> {
     all.positions.iter().zip(&all.steps).map(|(&position, &steps)| position + cell.lattice(steps)).collect()
 }
 
-/// Refuses loads that are not one for each particle, or no numbers.
+/// Refuses lists of the wrong length and loads that are not finite.
 fn check(what: &str, list: &[Vector], count: usize) -> Result<(), String> {
     if ![0, count].contains(&list.len()) {
         return Err(format!("it gave {} {what} for {count} particles; it needs to give one for each", list.len()));

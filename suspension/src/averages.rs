@@ -1,4 +1,4 @@
-//! Statistics in the course of a run.
+//! Statistics accumulated in the course of a run.
 
 use crate::Suspension;
 use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};
@@ -10,16 +10,16 @@ use domain::{Comm, IdBlocks};
 use simulation::{Schedule, TableSet};
 use std::borrow::Cow;
 
-/// The statistics that a scene wants. Samples are taken by all ranks together, and each keeps its share.
+/// Statistics of a scene. Samples are taken collectively, and each rank keeps its share.
 pub struct Averages {
     samples: Schedule,
     from: f64,
-    /// Species and viscosity, where the stress is a part of the statistics.
+    /// Number of species and viscosity, if the stress is part of the statistics.
     sheared: Option<(usize, f64)>,
     flow: Flow,
     /// Columns that a sample needs.
     columns: Vec<&'static str>,
-    /// Whether it needs the moments of forces between spheres.
+    /// Whether a sample needs the first moments of forces between spheres.
     needs_pair_moments: bool,
     statistics: Statistics,
     axes: UserAxes,
@@ -27,7 +27,7 @@ pub struct Averages {
 }
 
 impl Averages {
-    /// Nothing so far. Collective.
+    /// Statistics without samples. Collective.
     pub fn new(model: &Model, wanted: Wanted, suspension: &Suspension) -> Self {
         Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), suspension)
     }
@@ -41,12 +41,12 @@ impl Averages {
         Self { samples, from, sheared, flow: model.flow, columns, needs_pair_moments, statistics, axes, comm }
     }
 
-    /// Whether a sample may be taken at a step.
+    /// Whether a sample may be due at a step.
     pub fn are_due(&self, step: u64) -> bool {
         self.samples.is_due(step)
     }
 
-    /// Takes a sample if it is time for one. Collective.
+    /// Takes a sample if one is due. Collective.
     pub fn sample(&mut self, suspension: &Suspension) {
         let clock = suspension.clock();
         if self.samples.is_due(clock.step()) && clock.time() >= self.from {
@@ -70,12 +70,12 @@ impl Averages {
         }
     }
 
-    /// What has been taken in, as [`simulation::State`] has it. Collective.
+    /// Accumulated samples, in the format of [`simulation::State`]. Collective.
     pub fn state(&mut self) -> Vec<Vec<u8>> {
         self.statistics.pieces()
     }
 
-    /// Takes up a state that was stored; none on any rank leaves the statistics without samples. Collective.
+    /// Restores a stored state; if no rank has one, the statistics stay without samples. Collective.
     pub fn take_up(&mut self, state: &[Vec<u8>]) -> Result<(), &'static str> {
         if !self.comm.any(!state.is_empty()) || self.statistics.restore(state) {
             return Ok(());
@@ -86,7 +86,7 @@ impl Averages {
         )
     }
 
-    /// The tables, once there was a sample, on the first rank. Collective.
+    /// Tables of the statistics, on the first rank; `None` before the first sample. Collective.
     pub fn tables(&mut self) -> Option<TableSet> {
         let tables = self.statistics.tables();
         (!tables.is_empty()).then_some(TableSet { folder: Some("statistics"), name: "statistics", tables })
@@ -100,7 +100,7 @@ mod tests {
     use domain::{Boundaries, PeriodicBox, Turn, Vector};
     use simulation::Table;
 
-    /// So many spheres, in a box that the axes of the user are those of or with walls across x.
+    /// Spheres in a box: the user's axes are those of the box, or with walls, these are across the user's x axis.
     fn model(count: u64, boundaries: Boundaries) -> Model {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(boundaries).unwrap();
         let species = vec![Species::new("one", 1.0, count)];
@@ -109,14 +109,14 @@ mod tests {
         Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
     }
 
-    /// The numbers of a column of a profile, of all spheres.
+    /// A column of a profile, for all species together.
     fn numbers<'a>(profile: &'a Table, name: &str) -> impl Iterator<Item = f64> + 'a {
         let index = profile.columns.iter().position(|(column, _)| column == name).unwrap();
         profile.rows.iter().filter(|(words, _)| words[0] == "all").map(move |(_, numbers)| numbers[index])
     }
 
-    /// Forces between spheres and at a wall, across x: in the mean over the bins they press as in the whole box, in the axes of
-    /// the user, and where the spheres are.
+    /// Forces between spheres and at a wall across x: the mean over the bins of a profile equals the stress of the box,
+    /// in the user's axes, and only bins with spheres contribute.
     #[test]
     fn profiles_have_the_stress_of_forces_between_spheres() {
         let start =
@@ -149,7 +149,7 @@ mod tests {
         }
     }
 
-    /// Where nothing acts between spheres nothing is said of it.
+    /// Without forces between spheres the profile has no column for them.
     #[test]
     fn profiles_are_without_forces_that_there_are_not() {
         let scene = model(3, Boundaries::Walls);
@@ -162,7 +162,7 @@ mod tests {
         assert_eq!(profile.rows[0].1.len(), profile.columns.len());
     }
 
-    /// What is taken up again gives the same bytes and tables; of another scene's it is refused.
+    /// A restored state gives the same bytes and tables; a state of another scene is refused.
     #[test]
     fn a_state_is_taken_up_whole() {
         let scene = model(3, Boundaries::Periodic);
@@ -178,7 +178,7 @@ mod tests {
         assert_eq!(none().take_up(&[]), Ok(()));
     }
 
-    /// By ranks that have several blocks of ids, one or none.
+    /// For ranks with several blocks of ids, one, or none.
     #[test]
     fn ranks_take_their_pieces_up() {
         for (boundaries, ranks) in [(Boundaries::Periodic, 2), (Boundaries::Walls, 2), (Boundaries::Walls, 5)] {

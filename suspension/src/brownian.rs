@@ -1,4 +1,4 @@
-//! Steps of Brownian motion.
+//! Time stepping of Brownian motion.
 
 use crate::columns::VELOCITY;
 use crate::dynamics::{Dynamics, Moment, Outcome};
@@ -10,62 +10,65 @@ use fcm::Stream;
 use hydrodynamics::brownian::{self, DISPLACEMENT, DRIFT_VELOCITY};
 use simulation::Clock;
 
-/// What heat does.
+/// Thermal fluctuations of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Heat {
     /// The thermal energy `kT`.
     pub energy: f64,
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Heat {
-    /// That of the step that begins.
+    /// Noise of the step that begins.
     fn of_step(&self, clock: &Clock) -> Noise {
         let stream = Stream::new(self.seed, clock.step());
         Noise { stream, amplitude: (2.0 * self.energy / clock.dt()).sqrt(), energy: self.energy }
     }
 }
 
-/// What is random in a step.
+/// Thermal fluctuations of a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Noise {
-    /// The random numbers.
+    /// Random numbers of the step.
     pub stream: Stream,
-    /// The root of `2 kT / dt`, by which motions of the covariance of the mobility are those of the step.
+    /// `sqrt(2 kT / dt)`, the factor between motions whose covariance is the mobility and the random motions of the
+    /// step.
     pub amplitude: f64,
     /// The thermal energy `kT`.
     pub energy: f64,
 }
 
-/// The part of half a step after which motions are looked at once more, for their change.
+/// Size of the displacement for the finite difference of motions, over that in half a step.
 const PART: f64 = 0.02;
 
-/// Takes one step of the clock. With `v, w, e` random motions of the fluid at the particles at `x`, whose covariance is
-/// `2 kT / dt` times the mobility of the method, and `f` random loads whose covariance is `2 kT / dt` times the resistance of
-/// lubrication, it is by the midpoint method with frozen noise
+/// Takes one step of the clock. Let `v, w, e` be random motions of the fluid at the particles at `x`, whose covariance
+/// is `2 kT / dt` times the mobility of the method, and `f` random loads whose covariance is `2 kT / dt` times the
+/// lubrication resistance. The midpoint scheme, with frozen noise, is
 ///
 /// ```text
 /// x* = x + dt/2 (v + u_inf)
 /// x(t + dt) = x + dt U(x*)
 /// ```
 ///
-/// where `U` are the motions that rigid spheres have in that fluid under all forces, those of lubrication's noise by the same
-/// random numbers at `x*`; or by two evaluations of `U`, with the same `v, w, e, f` and forces,
+/// where `U` are the motions of rigid spheres in that fluid under all forces; the lubrication noise at `x*` uses the
+/// same random numbers. The scheme with two evaluations of `U`, with the same `v, w, e, f` and forces, is
 ///
 /// ```text
 /// x* = x + a dt/2 v
 /// x(t + dt) = x + dt (U(x) + [U(x*) - U(x)] / a),        a = 0.02
 /// ```
 ///
-/// The covariance of `U` is that of the mobility of rigid, lubricated spheres. The divergence of the method's own mobility
-/// vanishes but near walls, so that the mean of `U` has the drift `kT div M` of the constrained one: `f` does not depend on `v`, and
-/// it makes no difference to the mean where it is taken. Near walls the fluid at `x*` moves by `kT` times that divergence besides, or
-/// `a` times that in the second. In the second, the same difference of stresslets has the mean `-kT div D` of
-/// those of the first moments `D` that forces cause, with a variance that does not grow as `dt` falls; and near spheres are not
-/// moved into each other before the solve. Both are of order 1 in `dt`, weakly. In the second, the motions by forces alone are
-/// those of the particles after the step, but only where it is `seen`: nothing goes on from them. Collective; fails on every rank or on
-/// none.
+/// The covariance of `U` is that of the mobility of rigid, lubricated spheres. The divergence of the method's own
+/// mobility vanishes except near walls, so that the mean of `U` contains the drift `kT div M` of the constrained
+/// mobility. `f` is independent of `v`, so its evaluation point does not affect the mean. Near walls `kT` times the
+/// divergence of the method's mobility is added to the fluid velocity at `x*`, or `a` times that in the second scheme.
+///
+/// Two evaluations give the Brownian stress as well: the same difference of stresslets has the mean `-kT div D` of the
+/// first moments `D` caused by forces, with a variance that does not grow as `dt` decreases. They also avoid pushing
+/// near spheres into overlap before the solve. Both schemes are weakly of order 1 in `dt`. With two evaluations, the
+/// velocities due to forces alone are evaluated after the step only if it `is_seen`, since later steps do not use them.
+/// Collective; fails on every rank or on none.
 pub fn advance(
     particles: &mut Particles,
     (clock, is_seen): (&Clock, bool),
@@ -145,7 +148,8 @@ mod tests {
         Model::new(parameters).unwrap()
     }
 
-    /// The velocity at which unit forces along an axis part two spheres, or move one.
+    /// Relative velocity of two spheres under opposite unit forces along an axis, or velocity of one sphere under a
+    /// unit force.
     fn parting(model: &Model, axis: Vector) -> f64 {
         let (mut dynamics, mut particles) =
             Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();
@@ -161,8 +165,8 @@ mod tests {
 
     type Step = fn(&mut Particles, &Clock, Noise, &mut Dynamics) -> Result<Outcome, StepError>;
 
-    /// The mean velocity by heat of a coordinate over pairs of steps with opposite noise, from which the noise itself falls out, and
-    /// its error.
+    /// Mean Brownian drift velocity of a coordinate over pairs of steps with opposite noise, in which the noise itself
+    /// cancels, and its standard error.
     fn drift(model: &Model, (step, count): (Step, u64), coordinate: fn(&Particles) -> f64) -> [f64; 2] {
         let (mut dynamics, particles) =
             Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();
@@ -185,9 +189,9 @@ mod tests {
         [mean, (variance / count as f64).sqrt()]
     }
 
-    /// The velocity at which a pair parts under opposite unit forces, and its derivative with the distance are known by
-    /// solving for them; the mean over steps is the drift `kT dm/dr` of the parting and, since there is more room across than along,
-    /// `2 kT (m - m') / r` of the turning.
+    /// The mobility `m` of a pair under opposite unit forces, and its derivative, are found by solves. The mean drift
+    /// of the separation is the radial part `kT dm/dr` plus `2 kT (m - m') / r` from the rotation, since the mobility
+    /// `m'` across the line of centres differs.
     #[test]
     fn spheres_drift_to_where_they_move_more_easily() {
         let distance = 2.3;
@@ -205,8 +209,8 @@ mod tests {
         }
     }
 
-    /// A sphere drifts away from a wall as its mobility across it grows, by `kT dm/dz`: most of that is no more random than the
-    /// divergence of its mobility by forces alone.
+    /// A sphere drifts away from a wall as its mobility normal to the wall grows, by `kT dm/dz`. Most of the drift is
+    /// not random but comes from the divergence of the mobility of the method.
     #[test]
     fn a_sphere_drifts_away_from_a_wall() {
         let above = |height: f64| {

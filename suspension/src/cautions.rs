@@ -1,4 +1,4 @@
-//! What `check` and `run` warn of before a run.
+//! Warnings of `check` and `run` before a run.
 
 use crate::integrator::AdamsBashforth;
 use crate::model::{Flow, Integrator, Model};
@@ -10,7 +10,7 @@ use domain::{Boundaries, Number};
 use fcm::Plan;
 use std::f64::consts::PI;
 
-/// All warnings of a scene, a sentence each.
+/// All warnings of a scene, one sentence each.
 pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
     let all = [
         straight_box(model),
@@ -25,22 +25,22 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
     all.into_iter().flatten().chain(step_lengths::cautions(model, radii)).collect()
 }
 
-/// What makes the plan of a scene hopeless, if it is.
+/// A warning if the plan of the scene is infeasible.
 fn burden(model: &Model, radii: &Radii) -> Option<String> {
     let problem = problem(model, radii);
     Plan::choose(&problem).ok()?.burden(&problem)
 }
 
-/// Strain of a step up to which it changes the viscosity of spheres in contact by less than a tenth.
+/// Strain per step up to which the viscosity of spheres in contact changes by less than a tenth.
 const LONGEST_STRAIN: f64 = 0.01;
 
-/// Contacts that are no more than this many times as stiff as the estimate need no shorter steps.
+/// Stiffness, over the estimate, up to which contacts need no shorter steps.
 const STIFF: f64 = 1.5;
 
-/// The volume fraction from which on contacts bear much of the stress.
+/// Volume fraction above which contacts bear much of the stress.
 const DENSE: f64 = 0.3;
 
-/// Contacts stick and slide for a step at a time.
+/// Warns of long steps with contacts, which stick or slide for a whole step.
 fn long_steps(model: &Model) -> Option<String> {
     let rate = model.flow.as_shear(model.shear_rates().largest());
     let strain = rate * model.time_step;
@@ -54,7 +54,8 @@ fn long_steps(model: &Model) -> Option<String> {
     })
 }
 
-/// Where contacts bear much of the stress, those that are much stiffer than overlaps ask for need steps that are as much shorter.
+/// Warns of long steps with stiff contacts in dense suspensions: the longest accurate step is inversely proportional to
+/// the stiffness.
 fn stiff_contacts(model: &Model, radii: &Radii) -> Option<String> {
     let (contacts, rates) = (model.contacts?, model.shear_rates());
     let (stiffness, rate) = (contacts.stiffness?, model.flow.as_shear(rates.largest()));
@@ -74,17 +75,19 @@ fn stiff_contacts(model: &Model, radii: &Radii) -> Option<String> {
     })
 }
 
-/// Steps of Brownian motion up to which equilibrium is off by some hundredths at most where repulsion has a range of tenths of
-/// a radius, in the time in which the smallest sphere diffuses over its radius: errors are in proportion to the step.
+/// Longest Brownian step, in units of the time in which the smallest sphere diffuses over its radius. Errors are
+/// proportional to the step; at this step the equilibrium distribution is off by a few per cent, for a repulsion with a
+/// range of tenths of a radius.
 const LONGEST_DIFFUSION: f64 = 0.0025;
 
-/// The step in the time `a^2 / D_0` in which the smallest sphere diffuses over its radius; none without heat.
+/// The step in units of the time `a^2 / D_0` in which the smallest sphere diffuses over its radius; `None` without
+/// Brownian motion.
 pub fn diffusive_step(model: &Model, radii: &Radii) -> Option<f64> {
     let energy = model.thermal_energy?;
     Some(model.time_step * energy / (6.0 * PI * model.viscosity * radii.smallest().powi(3)))
 }
 
-/// Steps in which spheres diffuse farther than the gaps between them.
+/// Warns of Brownian steps that are too long.
 fn far_diffusion(model: &Model, radii: &Radii) -> Option<String> {
     let step = diffusive_step(model, radii).filter(|step| *step > LONGEST_DIFFUSION * 1.001)?;
     let (longest, limit) = (Number(model.time_step * LONGEST_DIFFUSION / step), Number(LONGEST_DIFFUSION));
@@ -95,10 +98,10 @@ fn far_diffusion(model: &Model, radii: &Radii) -> Option<String> {
     ))
 }
 
-/// The part of a trap's time up to which a Brownian step leaves the spread of trapped spheres within a tenth.
+/// Brownian step over the relaxation time of a trap up to which the variance of trapped spheres is accurate to a tenth.
 const LONGEST_TETHERED: f64 = 0.2;
 
-/// Steps that are explicit are too long for bonds and traps that relax within them.
+/// Warns of explicit steps that are too long for the relaxation of bonds and traps.
 fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
     let (limit, remedy) = match model.integrator {
         Integrator::AdamsBashforth { order } => {
@@ -112,7 +115,7 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
         most(&mut model.bonds.iter().map(|bonds| bonds.stiffness)),
         most(&mut model.traps.iter().map(|traps| traps.stiffness)),
     ];
-    // The motions of a sphere and of the other end of each of its bonds against each other.
+    // Both ends of each bond move: twice the rate of one sphere.
     let ends = 2.0 * (model.bond_numbers() / BOND_NUMBERS) as f64;
     let rate = (trap + ends * bond) / (6.0 * PI * model.viscosity * radii.smallest());
     (rate * model.time_step > limit * 1.001).then(|| {
@@ -126,8 +129,9 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
     })
 }
 
-/// In a straight box the flow `u = rate y` jumps by `rate Ly` across the faces along y. The stress that is observed is
-/// that of spheres beside images that stand still, over `mu rate`. Between walls and in open fluid there are no such faces.
+/// Warns of shear in a straight box, where the flow `u = rate y` jumps by `rate Ly` across the faces along y. The
+/// observed stress is then that of spheres next to images that do not move with the flow. With walls and in open fluid
+/// there are no such faces.
 fn straight_box(model: &Model) -> Option<String> {
     let Flow::Shear { rate, lees_edwards: false } = model.flow else { return None };
     let message = "flow.lees_edwards = false: the box stays straight, so that spheres near its faces along y meet images \
@@ -168,7 +172,8 @@ mod tests {
         }
     }
 
-    /// At the usual stiffness steps may be as long as contacts allow, at four times that a quarter.
+    /// At the estimated stiffness steps may be as long as contacts allow; at four times the stiffness, a quarter of
+    /// that.
     #[test]
     fn steps_too_long_for_stiff_contacts_are_warned_of() {
         use crate::model::{Adaptive, Contacts, Hydrodynamics, Integrator};
@@ -203,7 +208,7 @@ mod tests {
         );
     }
 
-    /// A bond between two spheres relaxes by both of them: at `2 k / (6 pi mu a)`, which order 4 follows up to 0.3 in a step.
+    /// A bond of two spheres relaxes at the rate `2 k / (6 pi mu a)`, at which order 4 is stable up to 0.3 per step.
     #[test]
     fn steps_too_long_for_bonds_are_warned_of() {
         use crate::model::Bonds;

@@ -1,32 +1,32 @@
-//! Place, size and shape of clouds of spheres in open fluid.
+//! Position, size and shape of clouds of spheres in open fluid.
 
 use domain::{Comm, Particles, Vector};
 use lubrication::eigenvalues;
 use simulation::Quantity;
 
-/// What a row of the time series tells of the cloud of each species.
+/// Columns of the time series for the cloud of each species.
 const COLUMNS: [&str; 7] = ["x", "y", "z", "radius", "major", "middle", "minor"];
 
-/// The spheres of one species by number: where they are in the mean, and how far around that.
+/// Mean position and extent of the spheres of one species, each sphere with the same weight.
 ///
-/// With the gyration tensor `G = <(x - c)(x - c)>` about the centre `c = <x>`, whose eigenvalues are `g1 >= g2 >= g3`,
+/// With the gyration tensor `G = <(x - c)(x - c)>` about the centre `c = <x>` and its eigenvalues `g1 >= g2 >= g3`,
 ///
 /// ```text
 /// R = sqrt(5/3 (g1 + g2 + g3)),      a_k = sqrt(5 g_k)
 /// ```
 ///
-/// are the radius of the ball, and the semi-axes of the ellipsoid, that have these moments if they are filled evenly.
+/// are the radius of the uniform ball and the semi-axes of the uniform ellipsoid with the same second moments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cloud {
-    /// The centre.
+    /// Mean position.
     pub centre: Vector,
-    /// The radius of the ball.
+    /// Radius of the equivalent ball.
     pub radius: f64,
-    /// The semi-axes of the ellipsoid, the longest first.
+    /// Semi-axes of the equivalent ellipsoid, in descending order.
     pub axes: [f64; 3],
 }
 
-/// The cloud of each of so many species. Collective.
+/// The clouds of all species. Collective.
 pub fn clouds(particles: &Particles, species: usize, comm: &Comm) -> Vec<Cloud> {
     let centres = means(particles, species, comm, |x, _| [x.x, x.y, x.z, 0.0, 0.0, 0.0]);
     let centres: Vec<Vector> = centres.iter().map(|c| Vector::new(c[0], c[1], c[2])).collect();
@@ -38,7 +38,7 @@ pub fn clouds(particles: &Particles, species: usize, comm: &Comm) -> Vec<Cloud> 
 }
 
 impl Cloud {
-    /// With the entries `xx, xy, xz, yy, yz, zz` of the gyration tensor.
+    /// The cloud from the components `xx, xy, xz, yy, yz, zz` of the gyration tensor.
     fn of(centre: Vector, [xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Self {
         let mut found = eigenvalues([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
         found.sort_by(|a, b| b.total_cmp(a));
@@ -58,12 +58,12 @@ fn means(particles: &Particles, species: usize, comm: &Comm, of: impl Fn(Vector,
     sums.chunks_exact(7).map(|sum| std::array::from_fn(|k| sum[k] / sum[6])).collect()
 }
 
-/// What a row of the time series has of clouds.
+/// The quantity of the time series for clouds.
 pub fn quantity(species: &[String]) -> Quantity {
     Quantity { name: "cloud", unit: "length", table: Some((species.to_vec(), COLUMNS.map(String::from).to_vec())) }
 }
 
-/// The row's numbers. Collective.
+/// A row of the time series. Collective.
 pub fn row(particles: &Particles, species: usize, comm: &Comm) -> Vec<f64> {
     let numbers = |cloud: Cloud| cloud.centre.to_array().into_iter().chain([cloud.radius]).chain(cloud.axes);
     clouds(particles, species, comm).into_iter().flat_map(numbers).collect()
@@ -74,8 +74,8 @@ mod tests {
     use super::*;
     use domain::Tensor;
 
-    /// Two points on each axis of an ellipsoid have the moments of it filled evenly where they are `sqrt(3/5)` of its semi-axes
-    /// away: any ellipsoid is found, wherever it is and however it is turned, on any ranks.
+    /// Two points on each axis of an ellipsoid, at `sqrt(3/5)` of its semi-axes, have the second moments of the uniform
+    /// ellipsoid. Its centre and axes are recovered for any position and orientation, on any number of ranks.
     #[test]
     fn an_ellipsoid_is_found_by_its_axes() {
         let (centre, axes) = (Vector::new(1e3, -20.0, 7.0), [5.0, 3.0, 0.5]);

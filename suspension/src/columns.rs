@@ -1,15 +1,16 @@
-//! Columns of the particles that hold what was computed.
+//! Names of the particles' columns with results.
 
-/// The column of velocities that a right-hand side fills in.
+/// Velocities.
 pub const VELOCITY: &str = "velocity";
 
-/// The column of stresslets; with lubrication, of the whole hydrodynamic ones.
+/// Stresslets; with lubrication, the total hydrodynamic stresslets.
 pub const STRESSLET: &str = "stresslet";
 
-/// The column of angular velocities.
+/// Angular velocities.
 pub const ANGULAR_VELOCITY: &str = "angular_velocity";
 
-/// The column of shares of the first moments of forces between spheres, as tensors, where a sample needs them, and its width.
+/// Contributions of the particles to the first moments of forces between spheres, as tensors, for samples that need
+/// them; and the width of the column.
 pub const PAIR_MOMENT: &str = "pair moment";
 pub const PAIR_MOMENT_NUMBERS: usize = 9;
 

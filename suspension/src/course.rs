@@ -1,27 +1,26 @@
-//! How the cost of a step changes in the course of a run.
+//! Growth of the cost of a step in the course of a run.
 
 use crate::model::{Model, Start};
 use domain::{Boundaries, Vector};
 use std::f64::consts::PI;
 
-/// By how much more steps cost once contacts have formed, in this strain, from these volume fractions on and from all that
-/// is denser; where the rate is given. Measured on `new dense` at 30 to 50%.
+/// Relative increase of the cost once contacts have formed at a given rate; the strain in which they form; and the
+/// volume fractions between which the increase grows from zero to its full value. Measured on `new dense` at 30 to 50%.
 const TOUCHING: f64 = 0.6;
 const FORMED: f64 = 1.0;
 const CROWDED: [f64; 2] = [0.3, 0.4];
 
-/// By how much more they cost once spheres lie on each other at a wall, where they are after so many times the time of one that
-/// falls through the box alone. Measured on `new sediment`.
+/// Relative increase of the cost once spheres are piled up at a wall, and the time until then, in units of the time in
+/// which an isolated sphere settles through the box. Measured on `new sediment`.
 const PILED: f64 = 2.5;
 const FALLEN: f64 = 1.5;
 
-/// By how much more they cost once a cloud has become a torus with a tail, on the way of so many of its radii. Measured on `new
-/// cloud`.
+/// Relative increase of the cost once a cloud has become a torus with a tail, and the distance until then, in cloud
+/// radii. Measured on `new cloud`.
 const TRAILING: f64 = 1.0;
 const UNFOLDED: f64 = 10.0;
 
-/// How much longer a step takes in the mean of a run than at its start: by what suspensions are known to become, so to some
-/// ten per cent at best.
+/// Ratio of the mean cost of a step to that of the first steps, from measured growth; accurate to about 10% at best.
 pub fn course(model: &Model) -> f64 {
     let (end, strained) = (model.end(), model.contacts.is_some() && model.shear_rates().stress().is_none());
     let touching = if strained { crowded(volume_fraction(model)) } else { 0.0 };
@@ -32,12 +31,12 @@ pub fn course(model: &Model) -> f64 {
     1.0 + TOUCHING * touching * formed + PILED * piled + TRAILING * unfolded
 }
 
-/// The mean over a way of what grows in proportion to it and is whole after a part of it.
+/// Mean, over a path of length `way`, of a ramp that grows from 0 to 1 within the length `whole` and then stays at 1.
 fn share_after(way: f64, whole: f64) -> f64 {
     if way < whole { 0.5 * way / whole } else { 1.0 - 0.5 * whole / way }
 }
 
-/// How many of the contacts that there can be there are at a volume fraction.
+/// Fraction of the full increase by contacts at a volume fraction.
 fn crowded(fraction: f64) -> f64 {
     let [from, to] = CROWDED;
     ((fraction - from) / (to - from)).clamp(0.0, 1.0)
@@ -49,12 +48,12 @@ fn volume_fraction(model: &Model) -> f64 {
     volumes.sum::<f64>() / model.cell.volume()
 }
 
-/// The speed of a sphere alone under a force.
+/// Speed of an isolated sphere under a force.
 fn speed(model: &Model, radius: f64, force: f64) -> f64 {
     force / (6.0 * PI * model.viscosity * radius)
 }
 
-/// The largest speed at which spheres of a species alone would move to a wall, if any do.
+/// Largest speed of isolated spheres of a species towards a wall, if any moves towards one.
 fn to_walls(model: &Model) -> Option<f64> {
     let reaches = |speed: f64| match model.cell.boundaries() {
         Boundaries::Walls => Some(speed.abs()),
@@ -65,8 +64,8 @@ fn to_walls(model: &Model) -> Option<f64> {
     speeds.filter_map(reaches).filter(|speed| *speed > 0.0).reduce(f64::max)
 }
 
-/// The speed at which a cloud falls at first, that of a drop of its own viscosity with the forces on all of its spheres, and its
-/// radius; if it is one.
+/// Initial settling speed of a cloud, that of a drop with the viscosity of the fluid under the total force, and its
+/// radius; `None` for other starts.
 fn cloud(model: &Model) -> Option<(f64, f64)> {
     let Start::Cloud { radius, .. } = model.start else { return None };
     let forces = model.species.iter().map(|s| s.force_on(s.radius, model.gravity) * s.count.unwrap_or(0) as f64);
@@ -96,7 +95,8 @@ mod tests {
         assert!((with(falls) - 1.0).abs() < 1e-15, "there is no wall to fall to");
     }
 
-    /// A cloud of 100 spheres of unit force falls by 6/5 of 100/(6 pi 40) a time: 0.159, of 400 on the way.
+    /// A cloud of 100 spheres with unit forces moves at 6/5 of 100/(6 pi 40), or 0.159, and unfolds over a distance of
+    /// 400, or 10 of its radii.
     #[test]
     fn a_cloud_unfolds_on_its_way() {
         let cloud = |steps: u64| {

@@ -1,4 +1,4 @@
-//! Spheres that heat presses into each other, or nearer than lubrication knows.
+//! Pairs that Brownian displacements bring into overlap or below the minimum gap of lubrication.
 
 use crate::gap::Gap;
 use crate::model::{BrownianScheme, Evaluation, Extension, Integrator, Model};
@@ -6,39 +6,40 @@ use crate::near::NearLists;
 use domain::{Boundaries, Number, Particles, Partition, PeriodicBox};
 use lubrication::Range;
 
-/// Pairs too near each other at the places where motions were solved for, those of a sphere and a wall among them.
+/// Pairs, of two spheres or a sphere and a wall, that are too close at the positions where the motions were solved for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Crowded {
-    /// How many overlap.
+    /// Number of overlapping pairs.
     pub overlapping: u64,
-    /// How many have gaps at which lubrication grows no more, those that overlap among them; none without lubrication.
+    /// Number of pairs below the minimum gap of lubrication, overlapping ones included; 0 without lubrication.
     pub at_floor: u64,
-    /// The deepest overlap, a length; 0 without one.
+    /// Deepest overlap, a length; 0 without overlaps.
     pub depth: f64,
 }
 
-/// Looks for such pairs.
+/// Detector of such pairs.
 pub struct Crowding {
     near: NearLists,
-    /// The gap below which lubrication grows no more, over the mean radius, if it acts.
+    /// Minimum gap of lubrication, below which the resistance is constant, over the mean radius; `None` without
+    /// lubrication.
     floor: Option<f64>,
     last: Crowded,
 }
 
 impl Crowding {
-    /// Of a scene whose largest sphere has a radius.
+    /// A detector for a model with the given largest radius.
     pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Self {
         let floor = model.hydrodynamics.lubrication.then_some(Range::CLOSEST);
         let near = NearLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
         Self { near, floor, last: Crowded::default() }
     }
 
-    /// Of ranks that share out space in another way.
+    /// Continues with another partition of space.
     pub fn divide(&mut self, partition: &Partition) {
         self.near.divide(partition);
     }
 
-    /// Looks at the particles where they are. Collective.
+    /// Examines the particles at their present positions. Collective.
     pub fn look(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition)) {
         let near = self.near.find(particles, place);
         let (mut counts, mut depth) = ([0.0; 2], [0.0_f64]);
@@ -59,24 +60,24 @@ impl Crowding {
         self.last = Crowded { overlapping, at_floor, depth: depth[0] };
     }
 
-    /// The pairs that were found last.
+    /// Result of the last examination.
     pub fn last(&self) -> Crowded {
         self.last
     }
 }
 
-/// How crowded the steps of a run were.
+/// Counts of steps with such pairs in a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct CrowdedSteps {
     steps: u64,
     with_overlap: u64,
     at_floor: u64,
-    /// The most of each at a time.
+    /// Maximum of each number over all steps.
     most: Crowded,
 }
 
 impl CrowdedSteps {
-    /// Counts a step.
+    /// Adds a step to the counts.
     pub fn see(&mut self, crowded: Crowded) {
         let Crowded { overlapping, at_floor, depth } = crowded;
         self.steps += 1;
@@ -87,7 +88,7 @@ impl CrowdedSteps {
         self.most.depth = self.most.depth.max(depth);
     }
 
-    /// What to say of them in a scene, if there is something.
+    /// A warning, if there were such pairs.
     pub fn warning(&self, remedies: Remedies, smallest_radius: f64) -> Option<String> {
         let Self { steps, with_overlap, at_floor, most } = self;
         let overlapped = (*with_overlap > 0).then(|| {
@@ -116,17 +117,17 @@ fn pairs(count: u64) -> String {
     if count == 1 { "1 pair".to_owned() } else { format!("{count} pairs") }
 }
 
-/// What keeps spheres apart that a scene could have.
+/// Changes to a scene that would keep the spheres apart.
 #[derive(Debug, Clone, Copy)]
 pub struct Remedies {
     repels: bool,
     is_midpoint: bool,
-    /// Whether the scene could have the direct method, and does not.
+    /// Whether the direct method is available and not yet used.
     may_be_direct: bool,
 }
 
 impl Remedies {
-    /// Those of a scene.
+    /// Changes that are possible in a scene.
     pub fn of(model: &Model) -> Self {
         let is_midpoint = matches!(model.integrator, Integrator::Brownian(BrownianScheme::Midpoint));
         let may_be_direct = model.hydrodynamics.method != Evaluation::Direct
@@ -135,7 +136,8 @@ impl Remedies {
         Self { repels: model.repulsion.is_some(), is_midpoint, may_be_direct }
     }
 
-    /// What to say where a share of random motions was left out: what is drawn on the grid alone is never.
+    /// A warning that part of the random motions was left out, which does not happen if they are drawn on the grid
+    /// alone.
     pub fn left_out(self, share: f64) -> String {
         let direct =
             if self.may_be_direct { "hydrodynamics.method = \"direct\", which leaves nothing out, " } else { "" };
@@ -149,7 +151,7 @@ impl Remedies {
 impl std::fmt::Display for Remedies {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let repulsion = if self.repels { "a larger repulsion.strength or repulsion.range" } else { "a [repulsion]" };
-        // Half a step of its noise ignores lubrication.
+        // Half a step of the noise ignores lubrication in this scheme.
         let scheme = if self.is_midpoint { ", or time.brownian = \"two-evaluations\"" } else { "" };
         write!(f, "a shorter time.step, {repulsion}{scheme}")
     }
@@ -161,8 +163,8 @@ mod tests {
     use crate::model::{Parameters, Species};
     use domain::{Comm, Vector};
 
-    /// Two pairs across faces of the box, one at a distance below the gap's floor and one that overlaps, and one pair beyond,
-    /// on any ranks.
+    /// Pairs across faces of the box: one below the minimum gap, one overlapping, and one above the minimum gap; on any
+    /// number of ranks.
     #[test]
     fn pairs_that_overlap_or_nearly_are_counted() {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
@@ -195,7 +197,7 @@ mod tests {
         }
     }
 
-    /// A sphere that has sunk into a wall is such a pair, one that nearly touches the other wall another.
+    /// A sphere that overlaps a wall and one that almost touches the other wall are counted.
     #[test]
     fn spheres_at_walls_are_counted() {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
@@ -214,7 +216,8 @@ mod tests {
         assert!((depth - 0.05).abs() < 1e-14);
     }
 
-    /// What is left out of random motions is not where they are drawn on the grid alone, if the box has that.
+    /// Nothing is left out of random motions that are drawn on the grid alone; the warning names this method if the box
+    /// supports it.
     #[test]
     fn the_direct_method_is_named_where_it_helps() {
         let mut parameters = Parameters::new(

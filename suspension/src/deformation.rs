@@ -1,21 +1,21 @@
-//! What a flow makes of what it carries along.
+//! Affine deformation by the background flow.
 
 use domain::Vector;
 
-/// What the flow makes of what it carries along.
+/// Affine deformation of vectors by the background flow over a strain increment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deformation {
-    /// `x += s . r` of a vector `r`, where `s` is the strain along the gradient axis.
+    /// `r += (s . r) e_x` for a vector `r`, where `s` is the strain along the gradient axis.
     Shear(Vector),
-    /// Factors along the axes.
+    /// Stretch ratios along the axes.
     Stretch(Vector),
 }
 
 impl Deformation {
-    /// None.
+    /// No deformation.
     pub const NONE: Self = Self::Shear(Vector::ZERO);
 
-    /// What becomes of a vector.
+    /// The deformed vector.
     pub fn of(self, vector: Vector) -> Vector {
         match self {
             Self::Shear(strain) => vector + Vector::X * strain.dot(vector),

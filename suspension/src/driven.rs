@@ -1,57 +1,59 @@
-//! A rate of shear that keeps the stress at what it is to be.
+//! Stress control: the shear rate that keeps the shear stress at a given value.
 
 use domain::{Comm, Particles};
 
-/// The column that says what the flow was, the same for all particles: the strain, the rates of shear, and the slope.
+/// Column of the state of the flow, equal for all particles: strain, shear rates, and slope.
 pub const DRIVEN: &str = "driven flow";
 
-/// Its width.
+/// Width of the column [`DRIVEN`].
 pub const DRIVEN_NUMBERS: usize = 5;
 
-/// The stress is brought so near to what it is to be, over it and the tolerance of the solve.
+/// Relative error of the stress at which the search ends, over the tolerance of the solve.
 const TOLERANCE: f64 = 0.5;
 
-/// Rates that differ by less than this part of one of them tell no slope: the stresses have the errors of their solves.
+/// Smallest relative difference of two rates from which a slope is taken: the stresses have the errors of their solves.
 const APART: f64 = 0.02;
 
-/// Solves for one rate, at most.
+/// Largest number of solves for one rate.
 const MOST_SOLVES: usize = 6;
 
-/// A suspension is jammed where the fluid alone would be sheared this many times as fast.
+/// A suspension counts as jammed if the fluid alone would shear this many times faster.
 const JAMMED: f64 = 1e5;
 
-/// A flow whose rate of shear is found such that the shear stress is what it is to be. With all forces linear in the motions,
-/// the stress is linear in the rate too,
+/// A flow whose shear rate is found such that the shear stress has a given value. All forces are linear in the motions,
+/// so the stress is linear in the rate,
 ///
 /// ```text
 /// s(rate) = s_F + slope rate,        slope >= viscosity
 /// ```
 ///
-/// so that two solves at the same places give the rate, and one will do where the slope is known from the last step and the
-/// rate from the last two. In time the rate and the strain are one more velocity and one more place.
+/// and two solves at the same positions give the rate. A single solve suffices if the slope is known from the last step
+/// and the rate is extrapolated from the last two. In time integration, rate and strain are treated like one more
+/// velocity and position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driven {
     stress: f64,
     viscosity: f64,
     tolerance: f64,
-    /// The strain, and that to which the box is to go.
+    /// Strain, and strain to which the box will advance.
     strain: f64,
     aim: f64,
-    /// Rates: of now, before, and the mean of the last substep, like the columns of velocities.
+    /// Present and past rates, and the mean over the last substep, like the columns of velocities.
     rates: [f64; 3],
-    /// The rate expected at the end of a substep.
+    /// Rate expected at the end of a substep.
     expected: f64,
     slope: f64,
 }
 
 impl Driven {
-    /// A flow by a shear stress in a fluid of a viscosity, at a rate to start from, solved for with a tolerance.
+    /// A flow under a shear stress in a fluid of a viscosity, with a first guess of the rate and the tolerance of the
+    /// solve.
     pub fn start((stress, viscosity, tolerance): (f64, f64, f64), rate: f64) -> Self {
         let slope = (stress / rate).max(viscosity);
         Self { stress, viscosity, tolerance, strain: 0.0, aim: 0.0, rates: [rate, 0.0, 0.0], expected: rate, slope }
     }
 
-    /// As particles remember it, which are on the first rank, if they do. Collective.
+    /// Restores the state that the particles of the first rank store, if any. Collective.
     pub fn recalled(mut self, particles: &Particles, comm: &Comm) -> Self {
         let column = particles.columns.iter().find(|column| column.name == DRIVEN && column.width == DRIVEN_NUMBERS);
         let mut known: Vec<f64> =
@@ -64,7 +66,7 @@ impl Driven {
         self
     }
 
-    /// Lets particles remember it.
+    /// Stores the state in a column of the particles.
     pub fn note(&self, particles: &mut Particles) {
         let [now, past, mean] = self.rates;
         let numbers = [self.strain, now, past, mean, self.slope];
@@ -72,48 +74,49 @@ impl Driven {
         column.values.chunks_exact_mut(DRIVEN_NUMBERS).for_each(|values| values.copy_from_slice(&numbers));
     }
 
-    /// The strain so far.
+    /// Present strain.
     pub fn strain(&self) -> f64 {
         self.strain
     }
 
-    /// The rate at the last end of a substep.
+    /// Rate at the end of the last substep.
     pub fn rate(&self) -> f64 {
         self.rates[0]
     }
 
-    /// The strain by a sum of weights times rates: of now, before, and the mean of the last substep.
+    /// Strain increment: weighted sum of the present and past rates and the mean over the last substep.
     pub fn carry(&self, weights: [f64; 3]) -> f64 {
         self.rates.iter().zip(weights).map(|(rate, weight)| rate * weight).sum()
     }
 
-    /// Expects the rate that weights of that of now and the one before give, and the strain that other weights do.
+    /// Predicts the rate from the present and past rates, with the first weights, and the strain from the second
+    /// weights.
     pub fn expect(&mut self, [now, past]: [f64; 2], weights: [f64; 3]) {
         self.expected = now * self.rates[0] + past * self.rates[1];
         self.aim = self.strain + self.carry(weights);
     }
 
-    /// The rate expected.
+    /// Predicted rate.
     pub fn expected(&self) -> f64 {
         self.expected
     }
 
-    /// By how much the strain is off with a rate that was found, where a substep has this much of it. From now on that rate is
-    /// expected.
+    /// Corrects the predicted rate and strain by a rate that was found; `implicit` is the weight of this rate in the
+    /// strain of the substep. Returns the correction of the strain.
     pub fn correct(&mut self, rate: f64, implicit: f64) -> f64 {
         let missing = implicit * (rate - self.expected);
         (self.aim, self.expected) = (self.strain + missing, rate);
         missing
     }
 
-    /// Goes to the strain aimed at; by how much that is more than the one before.
+    /// Advances to the predicted strain. Returns the increment.
     pub fn go(&mut self) -> f64 {
         let carry = self.aim - self.strain;
         self.strain = self.aim;
         carry
     }
 
-    /// Ends a substep in which the rate at its end had a share.
+    /// Ends a substep in whose mean the rate at its end has the weight `share`.
     pub fn end(&mut self, share: f64) {
         let [now, _, mean] = self.rates;
         self.rates = [self.expected, now, share * self.expected + (1.0 - share) * mean];
@@ -124,39 +127,39 @@ impl Driven {
         (self.rates[0], self.expected) = (rate, rate);
     }
 
-    /// Whether it has been next to none for two substeps.
+    /// Whether the rate has been almost zero for two substeps.
     pub fn is_jammed(&self) -> bool {
         self.rates[..2].iter().all(|rate| rate.abs() * self.viscosity * JAMMED < self.stress)
     }
 
-    /// A search for the rate, from the one expected.
+    /// A search for the rate, starting from the predicted one.
     pub fn search(&self) -> Search {
         Search { driven: *self, rate: self.expected, last: None, solves: 0 }
     }
 
-    /// Keeps what a search has learnt.
+    /// Takes over the slope from a search.
     pub fn learn(&mut self, search: &Search) {
         self.slope = search.driven.slope;
     }
 }
 
-/// A search for the rate at one moment.
+/// Search for the rate at one instant.
 #[derive(Debug)]
 pub struct Search {
     driven: Driven,
     rate: f64,
-    /// The rate and the stress of the last solve.
+    /// Rate and stress of the last solve.
     last: Option<[f64; 2]>,
     solves: usize,
 }
 
 impl Search {
-    /// The rate to solve with.
+    /// Rate for the next solve.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Takes in the stress that a solve has found; whether another one is needed, with another rate.
+    /// Takes the stress of a solve. Returns whether another solve is needed, with a new rate.
     pub fn goes_on(&mut self, stress: f64) -> bool {
         let Driven { stress: wanted, viscosity, tolerance, .. } = self.driven;
         self.solves += 1;
@@ -178,7 +181,7 @@ impl Search {
 mod tests {
     use super::*;
 
-    /// The stress of a suspension that is linear in the rate is met in three solves, and in one where it was met before.
+    /// A stress that is linear in the rate is met in three solves, and in one solve once the slope is known.
     #[test]
     fn a_linear_stress_is_met() {
         let stress = |rate: f64| 0.7 + 9.0 * rate;
@@ -196,7 +199,8 @@ mod tests {
         assert!((driven.slope - 9.0).abs() < 1e-9);
     }
 
-    /// Over substeps of any length, rate and strain follow `strain' = rate` to second order, and what particles remember goes on.
+    /// For substeps of any length, the strain follows `strain' = rate` to second order, and the stored state is
+    /// restored.
     #[test]
     fn strain_follows_the_rate() {
         let error = |steps: u32| {

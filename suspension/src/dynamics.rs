@@ -1,4 +1,4 @@
-//! From positions to velocities.
+//! Evaluation of the particles' velocities at given positions.
 
 mod drive;
 mod fluctuating;
@@ -34,19 +34,20 @@ use lubrication::{Range, Surfaces};
 use simulation::Clock;
 use solver::BackgroundFlow;
 
-/// Edges of the box that a particle may be away from it at the end of a step, as far as counting them goes.
+/// Largest distance of a particle from the box at the end of a step, in edges: limited by the counting of periodic
+/// images.
 const FARTHEST: f64 = 1e9;
 
-/// Distance of a sphere's centre from a wall, in radii, below which it has sunk into it: at 0.8 the mobility of its envelopes is
-/// no longer positive.
+/// Distance of a sphere's centre from a wall, in radii, below which the step is refused: at 0.8 the mobility of the
+/// envelopes is no longer positive.
 const SUNK: f64 = 0.85;
 
-/// How the solve of one evaluation went.
+/// Statistics of the solve of one evaluation.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Outcome {
-    /// Iterations for the stresslets.
+    /// Number of iterations for the stresslets.
     pub iterations: usize,
-    /// Their relative residual.
+    /// Relative residual of the stresslets.
     pub residual: f64,
 }
 
@@ -56,31 +57,32 @@ impl Outcome {
     }
 }
 
-/// When an evaluation is made.
+/// Instant of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moment {
     /// The clock at the start of its step.
     pub clock: Clock,
-    /// How much of that step is over.
+    /// Elapsed fraction of the step.
     pub fraction: f64,
-    /// How old the solutions that were remembered were when the last of them was: 0 first.
+    /// Ages of the stored solutions relative to the last of them, whose age of 0 comes first.
     pub ages: Vec<f64>,
-    /// The time since then.
+    /// Time since the last stored solution.
     pub ahead: f64,
-    /// The time by which forces between near spheres are to be ahead of this moment, where they are in the solve: they are
-    /// taken with the velocities solved for instead of those in the column [`EXPECTED`].
+    /// Time over which forces between near spheres are implicit, if they are: they are taken at the velocities of the
+    /// solve instead of those in the column [`EXPECTED`].
     pub implicit: Option<f64>,
 }
 
 impl Moment {
-    /// When a fraction of a step is over, solutions being remembered at the start of each of so many steps before.
+    /// The instant after a fraction of a step, with solutions stored at the start of each of the `steps` previous
+    /// steps.
     pub fn in_step(clock: &Clock, fraction: f64, steps: u64) -> Self {
         let ages = (0..=steps.min(2)).map(|k| k as f64 * clock.dt()).collect();
         Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt(), implicit: None }
     }
 }
 
-/// Everything that moves the particles.
+/// Right-hand side of the equation of motion: forces, hydrodynamics and the moving box.
 pub struct Dynamics {
     partition: Partition,
     moving: MovingBox,
@@ -95,19 +97,19 @@ pub struct Dynamics {
     viscosity: f64,
     smallest_radius: f64,
     tolerance: f64,
-    /// Pairs that heat brings too near each other.
+    /// Detector of pairs that Brownian motion brings too close to each other.
     crowding: Option<Crowding>,
-    /// The largest weight of negative eigenvalues in the near field of random motions.
+    /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
     clipped: f64,
-    /// Pairs whose relative motion limits steps.
+    /// Neighbour lists of the pairs whose relative motion limits steps.
     watched: NearLists,
-    /// Where the box follows the particles.
+    /// Data for replanning when the box follows the particles.
     following: Option<Following>,
     axes: UserAxes,
 }
 
 impl Dynamics {
-    /// The dynamics of a scene that was made ready, and its particles.
+    /// The dynamics of a prepared scene, and its particles.
     pub fn new(model: &Model, setup: Setup) -> Result<(Self, Particles), StartError> {
         let chosen = &model.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
@@ -149,30 +151,30 @@ impl Dynamics {
         Ok((dynamics, setup.particles))
     }
 
-    /// Makes the state at the start of a step part of the past.
+    /// Stores the solution at the start of a step for later extrapolation.
     pub fn remember(&self, particles: &mut Particles) {
         if self.rigid {
             self.warm_start.remember(particles);
         }
     }
 
-    /// Looks at this interrupt at each evaluation of the mobility from now on.
+    /// Sets the interrupt that is checked at each evaluation of the mobility.
     pub fn listen(&mut self, interrupt: Interrupt) {
         self.hydrodynamics.listen(interrupt);
     }
 
-    /// Loads that the user adds.
+    /// User-defined loads.
     pub fn applied(&mut self) -> &mut AppliedForces {
         &mut self.applied
     }
 
-    /// Where the box is in time, to go back to.
+    /// The moving box, as a state to return to.
     pub fn moving_box(&self) -> &MovingBox {
         &self.moving
     }
 
-    /// Makes velocities what they are while particles move, and the flow what it is from the step on that begins, if it
-    /// changes then: nothing of the past goes on, and the velocities are computed again. Collective.
+    /// Makes velocities relative to the flow, for the time in which particles move. If the flow changes at this step,
+    /// discards the history and evaluates the velocities again. Collective.
     pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
         if self.moving.begin(clock.step()) {
             integrator::forget(particles);
@@ -186,7 +188,7 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Makes the velocities at the end of a step those that others see.
+    /// Makes velocities absolute again and stores the states of flow and contacts in the particles' columns.
     pub fn end_step(&mut self, particles: &mut Particles) {
         self.add_reference(particles, 1.0);
         if let Some(driven) = self.moving.driven() {
@@ -200,7 +202,7 @@ impl Dynamics {
         }
     }
 
-    /// Computes velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
+    /// Evaluates velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
     pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
         let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
         let outcome = self.evaluate(particles, &now)?;
@@ -212,19 +214,19 @@ impl Dynamics {
         Ok(outcome)
     }
 
-    /// Steps of the present flow before that which begins.
+    /// Number of steps in the present flow before the step that begins.
     pub fn steps_before(&self, clock: &Clock) -> u64 {
         clock.step() - self.moving.began()
     }
 
-    /// Goes back to a box of the past.
+    /// Returns to an earlier state of the box.
     pub fn go_back(&mut self, moving: MovingBox) {
         self.moving = moving;
         self.refit();
     }
 
-    /// Brings the particles into the box and to their ranks, and computes their velocities, angular velocities and
-    /// stresslets at a moment. Collective; fails on every rank or on none.
+    /// Wraps particles into the box, migrates them to their ranks, and evaluates their velocities, angular velocities
+    /// and stresslets. Collective; fails on every rank or on none.
     pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
         if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
             return Err(Interrupted.into());
@@ -243,8 +245,9 @@ impl Dynamics {
         Ok(outcome)
     }
 
-    /// Solves for the motions of particles where they are, after those of a solution before. How that went, and where a stress
-    /// drives the flow, the `xy` component of the first moments of this rank's contacts. Collective.
+    /// Solves for the motions of the particles at their present positions, given the motions of the previous solution.
+    /// Returns the statistics of the solve and, under stress control, the `xy` component of the first moments of this
+    /// rank's contacts. Collective.
     fn solve_at(
         &mut self,
         particles: &mut Particles,
@@ -276,7 +279,7 @@ impl Dynamics {
         Ok((outcome, of_contacts))
     }
 
-    /// Forces and torques of the model and the user's at a moment, and what bonds and traps resist. Collective.
+    /// Forces and torques of the model and of the user, and the implicit resistances of bonds and traps. Collective.
     fn loads_at(
         &mut self,
         particles: &mut Particles,
@@ -292,7 +295,7 @@ impl Dynamics {
         Ok((loads, resisting))
     }
 
-    /// Solves for the motions under loads, with what springs resist, and writes them into the particles' columns.
+    /// Solves for the motions under loads and implicit springs, and writes them into the particles' columns.
     fn solve(
         &mut self,
         particles: &mut Particles,
@@ -305,7 +308,7 @@ impl Dynamics {
         Ok(Outcome::of(&solved))
     }
 
-    /// The motions under loads, with what springs resist, in a fluid that moves at the particles besides.
+    /// The motions under loads and implicit springs, in a fluid with further ambient motions.
     fn solved(
         &mut self,
         particles: &mut Particles,
@@ -327,7 +330,7 @@ impl Dynamics {
         Ok(solved)
     }
 
-    /// Brings the particles into the box as it is at a moment, and to their ranks. Collective.
+    /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
     pub fn place(&mut self, particles: &mut Particles, moment: &Moment) -> Result<(), StepError> {
         self.check_positions(particles, &moment.clock)?;
         self.moving.go_to(moment.clock.time_at(moment.fraction), particles);
@@ -336,14 +339,14 @@ impl Dynamics {
         Ok(())
     }
 
-    /// A column of velocities less those of the background flow.
+    /// A column of velocities minus the background flow, as far as the column contains it.
     fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
         let velocities = particles.vectors(name).to_vec();
         let places = particles.positions.iter().zip(&particles.radii);
         velocities.iter().zip(places).map(|(&v, (&x, &a))| v - self.moving.carried_velocity_of(x, a)).collect()
     }
 
-    /// Adds what velocities are relative to while particles move, so many times.
+    /// Adds `times` the flow relative to which velocities are given while particles move.
     fn add_reference(&self, particles: &mut Particles, times: f64) {
         if !self.moving.carries() {
             return;
@@ -352,7 +355,7 @@ impl Dynamics {
         particles.vectors(VELOCITY).iter_mut().zip(reference).for_each(|(v, reference)| *v += reference);
     }
 
-    /// Why the flow could not be found at a step. Collective.
+    /// The error for a failed solve: an overlap, if there is one. Collective.
     pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
         if let SolveError::Interrupted(interrupted) = source {
             return interrupted.into();
@@ -362,7 +365,7 @@ impl Dynamics {
         if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
     }
 
-    /// A length between surfaces, for a message.
+    /// A gap or an overlap, for messages.
     pub(super) fn gap(&self, length: f64) -> Gap {
         Gap { length, radius: self.smallest_radius }
     }
@@ -384,7 +387,7 @@ impl Dynamics {
         self.check_walls(particles, clock)
     }
 
-    /// Refuses spheres whose centres are so near a wall that the flow of their envelopes is none that spheres can have.
+    /// Refuses spheres whose centres are too near a wall for the mobility of their envelopes to be positive.
     fn check_walls(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
         let sunk = |row: &usize| {
             let walls = self.cell().to_walls(particles.positions[*row]);
@@ -405,8 +408,8 @@ impl Dynamics {
         self.partition.comm().agree(found).map_err(StepError::IntoWall)
     }
 
-    /// Writes what was solved for into the particles' columns, the background flow included as far as velocities have it while
-    /// particles move.
+    /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
+    /// include it unless they are relative to it while particles move.
     fn record(&self, particles: &mut Particles, solved: &Solved) {
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
@@ -420,46 +423,47 @@ impl Dynamics {
         }
     }
 
-    /// Notes velocities in a column, with what the background flow carries.
+    /// Writes velocities into a column, with the background flow that columns of velocities contain.
     fn note_carried(&self, particles: &mut Particles, column: &str, velocities: &[Vector]) {
         let places = particles.positions.iter().zip(&particles.radii).zip(velocities);
         let carried: Vec<_> = places.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(column).copy_from_slice(&carried);
     }
 
-    /// The relative motion of near pairs, with the velocities of the columns named. Collective.
+    /// Relative motion of near pairs with the velocities of the named columns. Collective.
     pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
         let near = self.watched.find(particles, (self.moving.cell(), &self.partition));
         RelativeMotion::new(near, particles, &self.moving, columns)
     }
 
-    /// From which gap to which lubrication acts, if it does.
+    /// Gaps at which lubrication acts, if it does.
     pub fn lubrication(&self) -> Option<Range> {
         self.lubrication
     }
 
-    /// Gaps over the mean radius that smaller ones count as, where what they lose and where their errors are looked at:
-    /// with lubrication the closest gap that it knows, and the tolerance; else the range of the repulsion.
+    /// Lower bounds of gaps, over the mean radius, in the relative loss and in the relative error of a gap: with
+    /// lubrication its minimum gap and the tolerance, otherwise the range of the repulsion.
     pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
         self.lubrication.map_or([self.forces.range(); 2], |range| [range.closest(), tolerance])
     }
 
-    /// The box as it is.
+    /// Present box.
     pub fn cell(&self) -> &PeriodicBox {
         self.moving.cell()
     }
 
-    /// Which rank owns what.
+    /// Partition of space among ranks.
     pub fn partition(&self) -> &Partition {
         &self.partition
     }
 
-    /// Each particle's share of the first moments of repulsion or attraction, or nothing without it. Collective.
+    /// Contribution of each particle to the first moments of repulsion or attraction; empty without such a force.
+    /// Collective.
     pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
         self.forces.moments(which, particles, (self.cell(), &self.partition), None)
     }
 
-    /// The shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
+    /// Shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
     pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
         let cell = self.cell();
         let mut sums = self.forces.sums_along_walls(particles);
@@ -478,55 +482,55 @@ impl Dynamics {
         }
     }
 
-    /// The pressure gradient that keeps the flux, if it is kept.
+    /// Pressure gradient at constant flux; `None` if the flux is not kept.
     pub fn pressure_gradient(&self) -> Option<f64> {
         let flow = self.moving.by_pressure().filter(|_| self.moving.keeps_flux())?;
         Some(self.viscosity * flow.curvature)
     }
 
-    /// What contacts amount to, if there can be any. Collective.
+    /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
     pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
         self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
     }
 
-    /// The background flow.
+    /// Background flow.
     pub fn flow(&self) -> &BackgroundFlow {
         self.moving.flow()
     }
 
-    /// The largest weight of negative eigenvalues that were left out of random motions so far, over the whole.
+    /// Largest weight of the negative eigenvalues that were left out of random motions so far, relative to the total.
     pub fn clipped(&self) -> f64 {
         self.clipped
     }
 
-    /// How the fluid is computed, in words.
+    /// Description of the numerical method.
     pub fn plan(&mut self) -> String {
         let turn = self.axes.turn();
         self.hydrodynamics.mobility().plan().describe_for(turn)
     }
 
-    /// Evaluations of the mobility since the start.
+    /// Number of evaluations of the mobility since the start.
     pub fn evaluations(&mut self) -> u64 {
         let before = self.following.as_ref().map_or(0, Following::evaluations);
         before + self.hydrodynamics.mobility().work().evaluations
     }
 
-    /// The largest `|k . u| / (|k| |u|)` of any wavevector of the flow that was computed last, if the box repeats along all axes.
-    /// Collective.
+    /// Largest `|k . u| / (|k| |u|)` over all wavevectors of the last computed flow; `None` unless the box is fully
+    /// periodic. Collective.
     pub fn divergence(&mut self) -> Option<f64> {
         let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
         is_periodic.then(|| self.hydrodynamics.mobility().divergence())
     }
 
-    /// The velocity of the fluid relative to the background flow, with the particles as they are. An error where no grid can carry
-    /// it. Collective.
+    /// Velocity of the fluid relative to the background flow at the present positions. Fails if no grid can resolve it.
+    /// Collective.
     pub fn velocity_field(&mut self, particles: &Particles) -> Result<FluidVelocity, PlanError> {
         let place = (self.moving.cell(), &self.partition);
         let mut loads = self.forces.on(particles, place, None);
         self.tethers.add_known(&mut loads, particles, place);
         applied::add_last(&mut loads, particles);
         let loads = self.warm_start.felt(loads, particles);
-        // Whatever the strain: programs that draw a series take all of its frames for as large as the first.
+        // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
         let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
         let flow = (self.moving.cell(), self.moving.by_particles());
         Ok(fluid::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
@@ -540,7 +544,7 @@ mod tests {
     use domain::Comm;
     use std::error::Error;
 
-    /// Where no flow is found: because spheres overlap, or for another reason.
+    /// A failed solve is explained by an overlap, or by another reason.
     #[test]
     fn spheres_that_overlap_are_named_where_no_flow_is_found() {
         let cell = PeriodicBox::new(Vector::splat(14.0)).unwrap();

@@ -1,4 +1,4 @@
-//! Why a suspension can't be started.
+//! Errors at the start of a suspension.
 
 use crate::gap::Gap;
 use crate::step_error::StepError;
@@ -6,53 +6,53 @@ use domain::{Failure, PackingError};
 use fcm::PlanError;
 use lubrication::{BarrierError, PairForceError, RangeError};
 
-/// Why a suspension can't be started.
+/// Error at the start of a suspension.
 #[derive(Debug, thiserror::Error)]
 pub enum StartError {
-    /// No plan computes the fluid.
+    /// No plan of the far field fits the problem.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The gaps at which lubrication is to act.
+    /// Invalid gaps for lubrication.
     #[error(transparent)]
     Range(#[from] RangeError),
-    /// Lubrication between these radii.
+    /// No lubrication functions for these radii.
     #[error("hydrodynamics.lubrication")]
     Lubrication(#[source] PairForceError),
     /// Radii that differ too much for lubrication.
     #[error("hydrodynamics.lubrication {0}")]
     Radii(String),
-    /// The repulsion.
+    /// Invalid repulsion.
     #[error(transparent)]
     Repulsion(#[from] BarrierError),
     /// Spheres overlap.
     #[error("two spheres overlap at the start, by {0}; change [particles], or take fewer or smaller spheres")]
     Overlap(Gap),
-    /// No grid carries the flow that is to be drawn.
+    /// No grid can resolve the velocity field that is to be written.
     #[error("output.fields_every asks for the flow on a grid")]
     Fields(#[source] Failure),
-    /// The first velocities.
+    /// The first evaluation failed.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// Spheres that are brought and can't be computed.
+    /// Spheres from elsewhere that cannot be computed.
     #[error("the spheres of particles.path")]
     Given(#[source] Box<StartError>),
-    /// Something that only some ranks know of.
+    /// An error that may be known to some ranks only.
     #[error(transparent)]
     Failed(#[from] Failure),
 }
 
-/// Why spheres can't be placed.
+/// Error of the initial placement of spheres.
 #[derive(Debug, thiserror::Error)]
 pub enum PlacingError {
-    /// No room at random.
+    /// Random placement found no room.
     #[error("can't place the spheres of [[species]] at random: {0}")]
     Packing(#[from] PackingError),
-    /// The spheres that are brought do not fit the species.
+    /// Spheres from elsewhere that do not match the species.
     #[error("{name}: {message}")]
     Given {
-        /// Where they are from.
+        /// Their source.
         name: String,
-        /// What is wrong with them.
+        /// Description of the mismatch.
         message: String,
     },
 }

@@ -1,12 +1,12 @@
-//! Polynomials through values of the past.
+//! Polynomial extrapolation, fits and integration of past values.
 
-/// Lagrange's weight at `time` of the value at `times[k]`, of values at all `times`.
+/// Lagrange weight at `time` of the value at `times[k]`, for interpolation of values at all `times`.
 pub fn weight(times: &[f64], k: usize, time: f64) -> f64 {
     let others = times.iter().enumerate().filter(|(j, _)| *j != k);
     others.map(|(_, other)| (time - other) / (times[k] - other)).product()
 }
 
-/// Weights at `time` of the values at `times`, of the polynomial of a degree that fits them best.
+/// Weights of the values at `times` in the value at `time` of the least-squares polynomial of a degree.
 pub fn fitted(times: &[f64], degree: usize, time: f64) -> Vec<f64> {
     // Orthogonal polynomials on the times, by Stieltjes' recurrence.
     let n = times.len();
@@ -28,9 +28,8 @@ pub fn fitted(times: &[f64], degree: usize, time: f64) -> Vec<f64> {
     weights
 }
 
-/// Weights of the integral from 0 to `end` of the polynomial through values at `times`, at most four of them: by
-/// Gauss's rule of two points, which is exact for cubics. For equal steps back from 0 they are those of Adams and
-/// Bashforth.
+/// Weights of the integral from 0 to `end` of the polynomial through values at up to four `times`, by the two-point
+/// Gauss rule, which is exact for cubics. For equal steps back from 0 they are the weights of Adams and Bashforth.
 pub fn integral(times: &[f64], end: f64) -> Vec<f64> {
     let middle = 0.5 * end;
     let points = [-1.0, 1.0].map(|sign| middle * (1.0 + sign / 3.0_f64.sqrt()));

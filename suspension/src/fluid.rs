@@ -1,23 +1,23 @@
-//! The fluid's velocity on a grid, for pictures.
+//! Velocity of the fluid on a grid, for plots.
 
 use bytemuck::cast_slice;
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Vector};
 use fcm::{Evaluation, Loads, Mobility, Plan, Raster};
 use hydrodynamics::Poiseuille;
 
-/// The velocity of the fluid at points, in the order `[z][y][x]`, x fastest; on the first rank.
+/// Velocity of the fluid at grid points, in the order `[z][y][x]`, x fastest; on the first rank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FluidVelocity {
-    /// Where the points are: in a sheared box, along the lattice.
+    /// Grid points; in a sheared box they follow the lattice.
     pub raster: Raster,
     /// Velocities.
     pub values: Vec<Vector>,
 }
 
-/// The velocity of the fluid relative to the background flow, by a plan [`Plan::of_flow`], with a flow by a pressure gradient
-/// that there is besides. Where the box repeats along all axes it is on all points of a grid that carries every particle's own
-/// envelopes, whatever way the particles' motions are found; else it is what moves points of the fluid as these motions are found.
-/// Collective.
+/// Velocity of the fluid relative to the background flow, by a plan [`Plan::of_flow`], plus an additional
+/// pressure-driven flow. In a fully periodic box it is given on all points of a grid that resolves every particle's own
+/// envelope, whatever method is used for the motions. In other boxes it is evaluated point by point with the method of
+/// the motions. Collective.
 pub fn velocity(
     plan: &Plan,
     (cell, besides): (&PeriodicBox, Option<Poiseuille>),
@@ -47,7 +47,7 @@ pub fn velocity(
     FluidVelocity { raster, values }
 }
 
-/// The particles on the ranks of another partition, and their loads.
+/// The particles and their loads on the ranks of another partition.
 fn moved(particles: &Particles, loads: &Loads, (partition, cell): (&Partition, &PeriodicBox)) -> (Particles, Loads) {
     let lists: [(&str, usize, &[f64]); 3] = [
         ("force", 3, cast_slice(&loads.forces)),
@@ -69,7 +69,7 @@ fn moved(particles: &Particles, loads: &Loads, (partition, cell): (&Partition, &
     (moved.without_columns(), loads)
 }
 
-/// Brings the ranks' shares of a field, `[component][z][y][x]`, together on the first rank.
+/// Gathers the ranks' parts of a field, `[component][z][y][x]`, on the first rank.
 fn gather(partition: &Partition, [nx, ny, nz]: [usize; 3], share: &[f64]) -> Vec<Vector> {
     let all = partition.comm().gather(share);
     if all.is_empty() {

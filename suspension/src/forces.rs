@@ -1,4 +1,4 @@
-//! What acts on the particles besides the fluid.
+//! Non-hydrodynamic forces on the particles.
 
 use crate::model::{Attraction, Model, Repulsion, Species};
 use crate::near::{Near, NearLists};
@@ -7,14 +7,14 @@ use fcm::Loads;
 use lubrication::{Barrier, BarrierError, SurfaceForce, Surfaces};
 use std::ops::AddAssign;
 
-/// Steady forces and torques by species, weight, repulsion and attraction.
+/// Steady forces and torques of the species, weight, repulsion and attraction.
 pub struct Forces {
     species: Vec<Species>,
     gravity: Vector,
     surface: SurfaceForces,
-    /// Who is near enough to act on whom, if spheres do.
+    /// Neighbour lists for forces between spheres, if there are such forces.
     near: Option<NearLists>,
-    /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
+    /// Gap over the mean radius up to which spheres repel each other; 0 without repulsion.
     range: f64,
 }
 
@@ -27,7 +27,7 @@ pub struct SurfaceForces {
     pub attraction: Option<SurfaceForce>,
 }
 
-/// Which forces between surfaces.
+/// Kind of surface force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Surface {
     /// Repulsion.
@@ -37,7 +37,7 @@ pub enum Surface {
 }
 
 impl SurfaceForces {
-    /// Those of a scene.
+    /// Surface forces of a model.
     pub fn of(model: &Model) -> Result<Self, BarrierError> {
         let usual =
             if model.hydrodynamics.lubrication { Barrier::RANGE_WITH_LUBRICATION } else { Barrier::RANGE_ALONE };
@@ -58,13 +58,13 @@ impl SurfaceForces {
         self.repulsion.iter().chain(&self.attraction)
     }
 
-    /// The distance of centres up to which they act between spheres of two radii, if there are any.
+    /// Centre distance up to which forces act between spheres of two radii; `None` without forces.
     pub fn reach(&self, radii: [f64; 2]) -> Option<f64> {
         self.all().map(|force| force.reach(radii)).reduce(f64::max)
     }
 
-    /// By how much the repulsion of two spheres, or of one and a wall, at a distance falls in some time if they part at unit
-    /// velocity.
+    /// Decrease of the repulsion of two spheres, or of a sphere and a wall, over a time in which they separate with
+    /// unit velocity.
     pub fn resistance(&self, time: f64, distance: f64, between: impl Into<Surfaces>) -> f64 {
         let between = between.into();
         let gap = match between {
@@ -80,18 +80,18 @@ impl SurfaceForces {
     }
 }
 
-/// How particles will move for some time, by which forces at its end are foretold.
+/// Predicted motion of the particles over a time, for forces at its end.
 pub struct Ahead<'a> {
-    /// The time.
+    /// Length of time.
     pub time: f64,
-    /// Velocities relative to the background flow, as expected.
+    /// Predicted velocities relative to the background flow.
     pub velocities: &'a [Vector],
-    /// What they have of a flow besides.
+    /// Strain rate of a linear flow that these velocities include.
     pub strain_rate: Traceless,
 }
 
 impl Forces {
-    /// The forces of a scene whose largest particle has the given radius.
+    /// The forces of a model whose largest particle has the given radius.
     pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Result<Self, BarrierError> {
         let surface = SurfaceForces::of(model)?;
         let near = surface.reach([largest_radius; 2]).map(|reach| NearLists::new(reach, partition));
@@ -104,14 +104,14 @@ impl Forces {
         Ok(Self { species: model.species.clone(), gravity: model.gravity, surface, near, range })
     }
 
-    /// Goes on with ranks that share out space in another way.
+    /// Continues with another partition of space.
     pub fn divide(&mut self, partition: &Partition) {
         self.near.iter_mut().for_each(|near| near.divide(partition));
     }
 
-    /// Forces and torques on the particles that this rank owns. Where they are to be those at the end of some time, repulsion
-    /// has what [`SurfaceForces::resistance`] takes off it for the velocities expected: so the sum of both is right for these, and
-    /// nearly for others. Collective.
+    /// Forces and torques on this rank's particles. With a prediction, the decrease of the repulsion by
+    /// [`SurfaceForces::resistance`] at the predicted velocities is added back, so that repulsion minus resistance
+    /// times velocity is exact at the predicted velocities and approximate at others. Collective.
     pub fn on(
         &self,
         particles: &Particles,
@@ -140,8 +140,8 @@ impl Forces {
         Loads { forces, torques: self.torques(particles), stresslets: Vec::new() }
     }
 
-    /// For each pair, the force on the first sphere by which [`SurfaceForces::resistance`] changes repulsion at the velocities
-    /// expected, taken back. Collective.
+    /// For each pair, minus the change of the force on the first sphere by [`SurfaceForces::resistance`] at the
+    /// predicted velocities. Collective.
     fn expected(&self, near: &Near, ahead: &Ahead) -> Vec<Vector> {
         let (relative, strain_rate) = (near.differences(ahead.velocities), ahead.strain_rate.tensor());
         let of_pair = |((separation, radii, _), velocity): ((Vector, [f64; 2], _), Vector)| {
@@ -153,7 +153,7 @@ impl Forces {
         near.pairs().zip(relative).map(of_pair).collect()
     }
 
-    /// The same of a sphere and a wall, which in any flow does not move across itself.
+    /// [`Self::expected`] for a sphere and a wall; no flow has a velocity normal to the wall at the wall.
     fn expected_at_wall(&self, ahead: &Ahead, row: usize, (to, radius): (ToWall, f64)) -> Vector {
         let resistance = self.surface.resistance(ahead.time, to.distance, Surfaces::Wall(radius));
         let velocity = ahead.velocities[row] - ahead.strain_rate.tensor() * (to.axis * to.distance);
@@ -165,21 +165,20 @@ impl Forces {
         self.surface
     }
 
-    /// The gap over the mean radius up to which spheres repel each other; 0 if they do not.
+    /// Gap over the mean radius up to which spheres repel each other; 0 without repulsion.
     pub fn range(&self) -> f64 {
         self.range
     }
 
-    /// The distance of centres up to which repulsion resists, if there is any.
+    /// Centre distance up to which the repulsion contributes an implicit resistance; `None` without repulsion.
     pub fn reach_of_springs(&self, largest_radius: f64) -> Option<f64> {
         self.surface.repulsion.map(|repulsion| repulsion.reach([largest_radius; 2]))
     }
 
-    /// For each particle that this rank owns, its share of the first moments of repulsion or attraction: of a pair at
-    /// `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`, and a sphere at a wall has all of it
-    /// with the wall's nearest point as `x_j`. Without such forces there are none.
-    /// Where it is to be that at the end of some time, repulsion changes by [`SurfaceForces::resistance`] to velocities beyond those
-    /// expected. Collective.
+    /// Contribution of each of this rank's particles to the first moments of repulsion or attraction: a pair at `x_i`
+    /// and `x_j` with the force `F` on the first contributes `-(x_i - x_j) F / 2` to each; a sphere at a wall takes the
+    /// whole moment, with the nearest point of the wall as `x_j`. Empty without such forces. With velocities `beyond`
+    /// the predicted ones, the repulsion changes by [`SurfaceForces::resistance`] times these. Collective.
     pub fn moments(
         &self,
         which: Surface,
@@ -210,8 +209,8 @@ impl Forces {
         moments
     }
 
-    /// Sums over this rank's particles of the forces along x and y of their species, and of the first moments of forces and
-    /// torques along x and y over z.
+    /// Sums over this rank's particles of the x and y components of steady forces, and of the first moments along z of
+    /// the x and y components of forces, torques included.
     pub fn sums_along_walls(&self, particles: &Particles) -> [f64; 4] {
         let (forces, torques) = (self.steady_forces(particles), self.torques(particles));
         let at = |list: &[Vector], row: usize| list.get(row).copied().unwrap_or_default();
@@ -240,7 +239,7 @@ impl Forces {
     }
 }
 
-/// Adds to each particle what its walls give to it, by its row and radius.
+/// Adds the contribution of each wall to each particle, as a function of its row and radius.
 fn add_at_walls<T: AddAssign>(
     sums: &mut [T],
     (particles, cell): (&Particles, &PeriodicBox),

@@ -1,22 +1,22 @@
-//! What is known of a suspension and of its evaluations before it is run.
+//! Properties of a suspension and its evaluations that are known before a run.
 
 use crate::model::Model;
 use crate::plan::largest_strain;
 use crate::setup::Planned;
 
-/// What is known of a suspension before it is run.
+/// Properties of a suspension that are known before a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forecast {
-    /// How many spheres.
+    /// Number of spheres.
     pub particles: f64,
-    /// Seconds expected of an evaluation on one core.
+    /// Predicted seconds per evaluation on one core.
     pub evaluation: f64,
-    /// Points of each velocity field; 0 if none is wanted.
+    /// Points of each velocity field; 0 if there are no fields.
     pub field_points: f64,
 }
 
 impl Forecast {
-    /// Of a model that counts its spheres itself; nothing of others, and nothing where there is no plan.
+    /// The forecast for a model that gives its number of spheres; `None` for others, or without a plan.
     pub fn of(model: &Model) -> Option<Self> {
         let planned = Planned::of_model(model).ok()??;
         let on_grid = model.fields.then(|| planned.plan.of_flow(largest_strain(model)).ok()).flatten();

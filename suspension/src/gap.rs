@@ -1,14 +1,14 @@
-//! Lengths between surfaces, for messages.
+//! Gaps and overlaps in messages.
 
 use domain::Number;
 use std::fmt::{Display, Formatter};
 
-/// A gap or an overlap: by itself it says little in units that are not known, so that it is shown in radii too.
+/// A gap or an overlap. Messages show it in radii as well, since the unit of length is unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
     /// The length.
     pub length: f64,
-    /// The smallest radius.
+    /// Smallest radius.
     pub radius: f64,
 }
 

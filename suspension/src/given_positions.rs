@@ -1,4 +1,4 @@
-//! Particles as a state brings them.
+//! Checks of particles restored from a saved state.
 
 use crate::applied::APPLIED;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
@@ -9,8 +9,7 @@ use crate::substeps::{AGES, AHEAD, OLDEST_AGE};
 use crate::warm_start::WarmStart;
 use domain::Particles;
 
-/// Refuses particles of a species that the scene does not have, and a column that has another number of values for each
-/// particle than a run gives it.
+/// Refuses particles of an unknown species, and columns whose width differs from that of a run.
 pub fn check(particles: &Particles, species: usize, coupled: bool) -> Result<(), String> {
     if let Some(unknown) = particles.species.iter().find(|&&s| s as usize >= species) {
         return Err(format!("a sphere is of species {unknown}; the scene has {species}, from 0"));
@@ -25,7 +24,7 @@ pub fn check(particles: &Particles, species: usize, coupled: bool) -> Result<(),
     Ok(())
 }
 
-/// The columns of a run, and how many numbers of each a particle has.
+/// Names and widths of the columns of a run.
 fn widths(coupled: bool) -> Vec<(String, usize)> {
     let velocities = VELOCITY_COLUMNS.map(|name| (name.to_owned(), 3));
     let of_steps = [(AGES, 2), (OLDEST_AGE, 1), (AHEAD, 1)];

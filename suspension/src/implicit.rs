@@ -1,4 +1,4 @@
-//! Steps whose length the stiffness of short-range forces does not limit.
+//! Time stepping with implicit short-range forces, whose stiffness does not limit the step.
 
 use crate::columns::VELOCITY;
 use crate::contacts;
@@ -12,47 +12,47 @@ use crate::substeps::{AHEAD, SHORTEST, ages, grow_older, largest_displacement, m
 use domain::{Comm, Particles, Vector};
 use simulation::Clock;
 
-/// Columns from which places at the end of a substep are expected.
+/// Columns from which the positions at the end of a substep are predicted.
 const USED: [&str; 3] = [VELOCITY, PAST[0], MEAN];
 
-/// A substep may be this many times as long as the last one: the method of two backward differences is stable up to
-/// `1 + sqrt(2)`.
+/// Largest ratio of a substep to the previous one; BDF2 is stable up to `1 + sqrt(2)`.
 const GROWTH: f64 = 2.0;
 
-/// Where it makes an error of the order 3 in its length, a substep is chosen for this part of what is allowed.
+/// Safety factor of the step control: a substep aims at this fraction of the allowed error, whose order is 3 in the
+/// step.
 const SAFETY: f64 = 0.7;
 
-/// A gap may be off what was expected by this part of it.
+/// Relative deviation of a gap from its predicted value that is allowed.
 const GAP_ERROR: f64 = 0.1;
 
-/// Errors more than this many times what is allowed are not put up with: the substep is taken again.
+/// Error, over the allowed one, above which a substep is repeated.
 const REDONE: f64 = 4.0;
 
-/// Takes one step of the clock in as many substeps as are needed, each by the method of two backward differences for
-/// steps of any length: over a step `h`, `w` times as long as the last one,
+/// Takes one step of the clock in as many substeps as needed, each by the second-order backward differentiation formula
+/// (BDF2) with variable steps: for a substep `h`, `w` times as long as the previous one,
 ///
 /// ```text
 /// x(t + h) = x(t) + h [b U(t + h) + (1 - b) W],        b = (1 + w) / (1 + 2 w)
 /// ```
 ///
-/// with `W` the mean velocity over the last step; the first one has `b = 1`. The velocities `U(t + h)` are those of the
-/// suspension at places `x*` that velocities `U*` lead to, extrapolated from the last two steps. They are solved for
-/// once, under short-range forces at `x(t + h)` by their linear change from `x*`,
+/// with `W` the mean velocity over the previous substep; the first substep has `b = 1`. The velocities `U(t + h)` are
+/// those of the suspension at positions `x*` that result from velocities `U*`, extrapolated from the last two steps.
+/// They are solved for once, with short-range forces at `x(t + h)` linearised about `x*`,
 ///
 /// ```text
 /// F(x*) - b h K (U - U*)
 /// ```
 ///
-/// with `K` their stiffness along the lines of centres. So stiff pairs come to rest in one step, however long it is
-/// (Hairer & Wanner 1996, V.1), and the error is of order 2 in the step.
+/// with `K` their stiffness along the lines of centres. Stiff pairs thus relax in one step, however long it is (Hairer
+/// & Wanner 1996, V.1), and the error is of order 2 in the step.
 ///
-/// A third of `b h (U - U*)` is about the error that a substep makes. The next one is such that this is `tolerance` radii
-/// for no sphere, and gaps come out within a tenth of what was expected, where gaps below `tolerance` radii, or without
-/// lubrication below the range of the repulsion, count as so large; and such that no gap is expected to lose more than
-/// `gap_fraction` of itself. With a larger error the places found are expected in their turn and the velocities solved for
-/// once more, so that a pair that meets the onset of a stiff force does not bounce off it; if that leaves four times the
-/// error, a shorter substep is taken. Spheres that would come nearer than the
-/// closest gap that lubrication knows are moved apart to that gap.
+/// The error of a substep is estimated by `b h (U - U*) / 3`. The next substep is chosen such that it is at most
+/// `tolerance` radii for every sphere, and that gaps agree with their predicted values within a tenth, where gaps below
+/// `tolerance` radii, or without lubrication below the range of the repulsion, count as that large; and such that no
+/// gap is predicted to lose more than `gap_fraction` of itself. If the error is larger, the resulting positions become
+/// the new prediction and the velocities are solved for once more, so that a pair that reaches the onset of a stiff
+/// force does not bounce off it. If four times the allowed error remains, a shorter substep is taken. Spheres that
+/// would come closer than the minimum gap of lubrication are moved apart to that gap.
 ///
 /// Collective; fails on every rank or on none.
 pub fn advance(
@@ -73,15 +73,15 @@ struct Substep<'a> {
     particles: &'a mut Particles,
     control: &'a Adaptive,
     clock: &'a Clock,
-    /// How much of the clock's step is over.
+    /// Elapsed fraction of the clock's step.
     fraction: f64,
 }
 
-/// Ages of the past, and the length of a substep.
+/// Ages of the past velocities, and length of a substep.
 struct Length {
     ages: Vec<f64>,
     step: f64,
-    /// Whether velocities change smoothly, so that errors can be known and limited.
+    /// Whether velocities vary smoothly, so that errors can be estimated and limited.
     is_smooth: bool,
 }
 
@@ -92,26 +92,28 @@ impl Length {
         (1.0 + ratio) / (1.0 + 2.0 * ratio)
     }
 
-    /// Weights of the last two velocities for that at the end; where they jump, the last one is expected to stay.
+    /// Weights of the last two velocities in the extrapolated velocity at the end; if velocities may jump, the last one
+    /// is kept.
     fn extrapolation(&self) -> [f64; 2] {
         let times: Vec<f64> = self.ages.iter().take(1 + usize::from(self.is_smooth)).map(|age| -age).collect();
         std::array::from_fn(|k| if k < times.len() { extrapolation::weight(&times, k, self.step) } else { 0.0 })
     }
 
-    /// Weights of the columns in [`USED`] for the displacement expected.
+    /// Weights of the columns in [`USED`] in the predicted displacement.
     fn expected(&self) -> [f64; 3] {
         let (b, [now, past]) = (self.implicit(), self.extrapolation());
         [b * now, b * past, 1.0 - b].map(|weight| weight * self.step)
     }
 
-    /// Weights of the velocities solved for and of those expected for what displacements lack.
+    /// Weights of the solved and of the predicted velocities in the correction of displacements.
     fn correction(&self) -> [f64; 2] {
         [1.0, -1.0].map(|sign| sign * self.implicit() * self.step)
     }
 }
 
 impl Substep<'_> {
-    /// Takes the longest substep that is allowed. How much of the clock's step is over then, and how the solve went.
+    /// Takes the longest substep that is allowed. Returns the elapsed fraction of the clock's step and the statistics
+    /// of the solve.
     fn take(self, dynamics: &mut Dynamics) -> Result<(f64, Outcome), StepError> {
         let Self { particles, control, clock, fraction } = self;
         let comm = dynamics.partition().comm().clone();
@@ -151,8 +153,7 @@ impl Substep<'_> {
     }
 }
 
-/// The length of a substep as far as errors go: of the first one, one that moves no sphere by more than the tolerance.
-/// Collective.
+/// Length of a substep by its error; the first substep moves no sphere by more than the tolerance. Collective.
 fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, comm: &Comm) -> f64 {
     if ages.len() < 2 {
         return control.tolerance / largest_displacement(particles, ([VELOCITY], [1.0]), comm);
@@ -162,7 +163,8 @@ fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, comm: &
     known[0]
 }
 
-/// A share of `rest`, not longer than `longest`, in which gaps are expected not to lose more than they may. Collective.
+/// Length of a substep: `rest` divided evenly into parts not longer than `longest`, in which no gap is predicted to
+/// lose more than allowed. Collective.
 fn choose(
     (approach, ages): (&mut RelativeMotion<3>, &[f64]),
     (rest, mut longest): (f64, f64),
@@ -182,12 +184,12 @@ fn choose(
         if change.loss <= control.gap_fraction {
             return Ok(length);
         }
-        // A loss that is no number shortens it too, and comes to an end.
+        // A NaN shortens the substep too, so the loop ends.
         longest = length.step * (0.9 * control.gap_fraction / change.loss).max(0.1);
     }
 }
 
-/// Moves the particles to where they are expected at the end of a substep. Collective.
+/// Moves the particles to their predicted positions at the end of a substep. Collective.
 fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
     let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
     particles.vectors(EXPECTED).copy_from_slice(&expected);
@@ -199,8 +201,9 @@ fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMoti
     dynamics.expect_flow(length.extrapolation(), length.expected());
 }
 
-/// Moves the particles from where they were expected to where the velocities solved for lead, and says how large the error
-/// is, over what is allowed: that of the substep, or by how much gaps are not those expected. Collective.
+/// Moves the particles from their predicted positions to those that result from the solved velocities. Returns the
+/// error over the allowed one: the larger of the error of the substep and the deviation of gaps from their predicted
+/// values. Collective.
 fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynamics: &mut Dynamics) -> f64 {
     let missing = dynamics.correct_flow(length.correction()[0]);
     let (columns, weights, comm) = ([VELOCITY, EXPECTED], length.correction(), dynamics.partition().comm());
@@ -217,7 +220,7 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     error.max(change.error / GAP_ERROR)
 }
 
-/// Leaves behind what the next substep goes on from.
+/// Stores the data from which the next substep starts.
 fn finish(particles: &mut Particles, length: &Length, next: f64) {
     let b = length.implicit();
     let mean = combined(particles, [VELOCITY, MEAN], [b, 1.0 - b]);
@@ -227,7 +230,7 @@ fn finish(particles: &mut Particles, length: &Length, next: f64) {
     particles.columns.retain(|column| column.name != EXPECTED);
 }
 
-/// A weighted sum of columns of vectors.
+/// Weighted sum of two columns of vectors.
 fn combined(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2]) -> Vec<Vector> {
     let [first, second] = columns.map(|name| particles.vectors(name).to_vec());
     first.iter().zip(second).map(|(&first, second)| first * weights[0] + second * weights[1]).collect()

@@ -1,4 +1,4 @@
-//! Where the particles start.
+//! Initial positions of the particles.
 
 use crate::error::PlacingError;
 use crate::model::{Lattice, Model, Species, Start};
@@ -7,8 +7,8 @@ use domain::{
     shared_random_packing,
 };
 
-/// The spheres of a model that start at random and not too near each other, each on the rank that owns it; nothing where
-/// all are placed by the first rank. Collective.
+/// Random placement that the ranks share, at low volume fractions: the spheres of a model with random positions, each
+/// on the rank that owns it. `None` if the first rank has to place all of them. Collective.
 pub fn shared(model: &Model, partition: &Partition) -> Result<Option<Particles>, PlacingError> {
     let Start::Random { minimum_gap } = model.start else { return Ok(None) };
     let groups: Vec<(f64, usize)> = model.species.iter().map(|kind| (kind.radius, count(kind))).collect();
@@ -24,7 +24,7 @@ pub fn shared(model: &Model, partition: &Partition) -> Result<Option<Particles>,
     }))
 }
 
-/// Where so many more end.
+/// Running total of the number of spheres.
 fn next(end: &mut u64, count: usize) -> u64 {
     *end += count as u64;
     *end
@@ -52,7 +52,7 @@ pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Partic
     Ok(store(positions, &radii, &species))
 }
 
-/// The species of each sphere, as the model counts them.
+/// Species of each sphere, in the order of the model's counts.
 fn counted(model: &Model) -> Vec<u32> {
     let mut species = Vec::with_capacity(model.species.iter().map(count).sum());
     for (number, kind) in (0..).zip(&model.species) {
@@ -73,8 +73,7 @@ fn store(positions: &[Vector], radii: &[f64], species: &[u32]) -> Particles {
     particles
 }
 
-/// Places on the coarsest lattice of about cubic cells that has enough sites; sites that are left over are vacant at
-/// random.
+/// Positions on the coarsest lattice of roughly cubic cells with enough sites; vacancies are random.
 fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64)) -> Vec<Vector> {
     let basis: &[[f64; 3]] = match lattice {
         Lattice::SimpleCubic => &[[0.5, 0.5, 0.5]],
@@ -101,8 +100,8 @@ fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64))
     chosen.into_iter().map(|i| sites[i]).collect()
 }
 
-/// The edge of a lattice cell with so many sites, if those of a box are as many as spheres; the box is one cell wide along
-/// edges that are shorter than that.
+/// Edge of a lattice cell with the given number of sites, such that the box has as many sites as spheres. Along edges
+/// of the box that are shorter than that, the box is one cell wide.
 fn spacing(cell: &PeriodicBox, (sites, spheres): (f64, f64)) -> f64 {
     let mut spacing = (cell.volume() * sites / spheres).cbrt();
     for _ in 0..2 {
@@ -114,7 +113,7 @@ fn spacing(cell: &PeriodicBox, (sites, spheres): (f64, f64)) -> f64 {
     spacing
 }
 
-/// Particles from outside: species as they come, or in the order of the model's counts; radii likewise.
+/// Particles at positions from elsewhere. Species and radii are those provided, or else follow from the model's counts.
 fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
     let count_here = placed.positions.len();
     let count_asked: usize = model.species.iter().map(count).sum();
@@ -137,7 +136,7 @@ fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
     Ok(store(&positions, &radii, &species))
 }
 
-/// Whether spheres that are brought are those of the model's species.
+/// Checks that the species of provided spheres match those of the model.
 fn check_species(model: &Model, species: &[u32]) -> Result<(), String> {
     for (index, kind) in model.species.iter().enumerate() {
         let found = species.iter().filter(|&&s| s as usize == index).count();
@@ -157,7 +156,7 @@ fn check_species(model: &Model, species: &[u32]) -> Result<(), String> {
     }
 }
 
-/// Gives every rank the columns that the first rank has, empty where it has none so far. Collective.
+/// Gives every rank the columns of the first rank, empty if they are missing. Collective.
 pub fn share_columns(particles: &mut Particles, comm: &Comm) {
     let names: Vec<String> = particles.columns.iter().map(|c| format!("{} {}", c.width, c.name)).collect();
     for line in comm.broadcast_text(&names.join("\n")).lines() {

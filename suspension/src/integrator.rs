@@ -1,24 +1,24 @@
-//! Positions advanced in time.
+//! Time integration of positions.
 
 use crate::columns::VELOCITY;
 use domain::Particles;
 
-/// Velocities of the steps before, the last one first.
+/// Velocities of previous steps, the last one first.
 pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];
 
-/// Velocities of the stages within a Runge-Kutta step; there is no such column between steps.
+/// Velocities of the stages of a Runge-Kutta step. These columns do not exist between steps.
 const STAGES: [&str; 2] = ["stage velocity 2", "stage velocity 3"];
 
-/// The mean velocity of the last substep, and that which is expected at the end of the one at hand; there is no such
-/// column as the latter between substeps.
+/// Mean velocity over the last substep, and velocity predicted for the end of the current one; the latter does not
+/// exist between substeps.
 pub const MEAN: &str = "mean velocity";
 pub const EXPECTED: &str = "expected velocity";
 
-/// All columns that hold velocities: what has to change with a change of the frame of reference, as when a particle
-/// leaves a sheared box on one side and enters it on the other.
+/// All columns of velocities. They change with the frame of reference, for example when a particle leaves a sheared box
+/// on one side and enters it on the other.
 pub const VELOCITY_COLUMNS: [&str; 8] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1], MEAN, EXPECTED];
 
-/// Columns of velocities of the steps before that a method which can change its steps goes on from.
+/// Number of past velocities that implicit steps of variable length keep.
 pub const PAST_OF_ANY_LENGTH: usize = 2;
 
 /// The explicit Adams-Bashforth method of order `p`,
@@ -29,7 +29,7 @@ pub const PAST_OF_ANY_LENGTH: usize = 2;
 /// x_{n+1} = x_n + dt/24 (55 v_n - 59 v_{n-1} + 37 v_{n-2} - 9 v_{n-3})         p = 4
 /// ```
 ///
-/// and, in the first steps, which have no past, the classical Runge-Kutta method of order 4.
+/// and, for the first steps, which lack the history, the classical Runge-Kutta method of order 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdamsBashforth {
     /// Order 2.
@@ -41,11 +41,11 @@ pub enum AdamsBashforth {
 }
 
 impl AdamsBashforth {
-    /// The method of an order, 2 to 4.
+    /// The method of an order from 2 to 4.
     ///
     /// # Panics
     ///
-    /// If there is none of that order, which scenes are checked for.
+    /// For any other order; models are checked for that.
     pub fn of_order(order: u8) -> Self {
         match order {
             2 => Self::Two,
@@ -55,7 +55,7 @@ impl AdamsBashforth {
         }
     }
 
-    /// Steps are stable for decay `x' = -rate x` up to this product of rate and step.
+    /// Stability limit: largest product of rate and step for the decay `x' = -rate x`.
     pub fn stable(self) -> f64 {
         match self {
             Self::Two => 1.0,
@@ -64,7 +64,7 @@ impl AdamsBashforth {
         }
     }
 
-    /// Steps before that it goes on from; so many first ones have none.
+    /// Number of past velocities; as many first steps are taken by the Runge-Kutta method.
     fn past(self) -> usize {
         match self {
             Self::Two => 1,
@@ -73,7 +73,7 @@ impl AdamsBashforth {
         }
     }
 
-    /// Columns of velocities at most.
+    /// Largest number of columns of velocities.
     pub fn velocity_columns(self) -> usize {
         1 + self.past() + STAGES.len()
     }
@@ -93,11 +93,11 @@ impl AdamsBashforth {
     }
 }
 
-/// Takes one step of a length, after so many others.
+/// Takes one step of length `dt`, after `steps` previous steps.
 ///
-/// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
-/// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
-/// column must hold the velocities of now when this is called, and holds those of the step's end afterwards.
+/// `evaluate` migrates the particles to their ranks and fills the column [`VELOCITY`] for a fraction of the step. It
+/// may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
+/// column must hold the velocities at the start of the step, and holds those at its end afterwards.
 pub fn advance<E>(
     particles: &mut Particles,
     (dt, steps): (f64, u64),
@@ -134,12 +134,12 @@ fn runge_kutta<E>(
     Ok(())
 }
 
-/// Forgets all velocities but those of now.
+/// Removes all velocities except the present ones.
 pub fn forget(particles: &mut Particles) {
     particles.columns.retain(|column| column.name == VELOCITY || !VELOCITY_COLUMNS.contains(&column.name.as_str()));
 }
 
-/// Makes the velocities of now the last past ones, of which so many are kept.
+/// Makes the present velocities the latest past ones and keeps `past` of them.
 pub fn remember(particles: &mut Particles, past: usize) {
     for k in (1..past).rev() {
         copy(particles, PAST[k - 1], PAST[k]);
@@ -166,7 +166,7 @@ mod tests {
         particles.vectors(VELOCITY).copy_from_slice(&velocities);
     }
 
-    /// The distance from the exact place `t = 2` after a number of steps.
+    /// Distance from the exact position at `t = 2` after a number of steps.
     fn error(method: AdamsBashforth, steps: u64) -> f64 {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
@@ -195,7 +195,7 @@ mod tests {
         }
     }
 
-    /// What is left after 4,000 steps of a displacement that decays at rate 1.
+    /// Magnitude after 4,000 steps of a displacement that decays at rate 1.
     fn left_of_decay(method: AdamsBashforth, dt: f64) -> f64 {
         let decay = |particles: &mut Particles, _: f64| {
             let velocities: Vec<Vector> = particles.positions.iter().map(|&x| -x).collect();
@@ -224,7 +224,7 @@ mod tests {
 
     #[test]
     fn the_start_is_of_order_four_too() {
-        // Three steps are all Runge-Kutta; over a fixed number of steps the error falls as dt^5.
+        // All three steps are Runge-Kutta steps; over a fixed number of steps the error scales as dt^5.
         let error = |dt: f64| {
             let mut particles = Particles::default();
             particles.push(0, Vector::X, 1.0, 0);

@@ -1,4 +1,4 @@
-//! The least repulsion that keeps spheres apart.
+//! Calibration of the repulsion: the least strength that keeps spheres apart.
 
 use crate::error::StartError;
 use crate::model::{Model, Parameters, Repulsion};
@@ -6,47 +6,47 @@ use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Number, ParameterError};
 
-/// Steps of a trial, if the model has as many.
+/// Steps of a trial, unless the model has fewer.
 const TRIAL: u64 = 200;
-/// The search ends when a strength that is too small and one that suffices differ by this factor.
+/// Ratio of a sufficient and an insufficient strength at which the search ends.
 const CLOSE: f64 = 1.1;
-/// The search leaves the strength that it starts from by this factor at most.
+/// Largest factor between the initial strength and those that are tried.
 const FARTHEST: f64 = 1e6;
 
-/// Why no strength was found.
+/// Error of the calibration.
 #[derive(Debug, thiserror::Error)]
 pub enum LeastRepulsionError {
-    /// None suffices.
+    /// No strength suffices.
     #[error(
         "no repulsion.strength up to {:.2} keeps the spheres apart; try a smaller time.step, or time.integrator = \
          \"adaptive\"",
         Number(*.0)
     )]
     NoneSuffices(f64),
-    /// A strength beyond its range.
+    /// A strength out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A trial that could not begin.
+    /// A trial could not be started.
     #[error("in a trial with repulsion.strength = {}", Number(*strength))]
     Start {
-        /// The strength that was tried.
+        /// Strength of the trial.
         strength: f64,
-        /// Why not.
+        /// Cause.
         source: Box<StartError>,
     },
-    /// A trial that could not go on, for other reasons than its strength.
+    /// A trial failed for a reason other than its strength.
     #[error("in a trial with repulsion.strength = {}", Number(*strength))]
     Step {
-        /// The strength that was tried.
+        /// Strength of the trial.
         strength: f64,
-        /// Why not.
+        /// Cause.
         source: Box<StepError>,
     },
 }
 
-/// The least `repulsion.strength`, to 10%, with which no spheres overlap in the first 200 steps, if the model asks for
-/// that by `repulsion.calibrate`. The strength is doubled or halved until one fails and one suffices, then their
-/// geometric mean is tried again and again. Collective.
+/// Least `repulsion.strength`, to 10%, with which no spheres overlap in the first 200 steps, if the model asks for it
+/// by `repulsion.calibrate`. The strength is doubled or halved until one value fails and one suffices, then the bracket
+/// is bisected at the geometric mean. Collective.
 pub fn least_repulsion(
     model: &Model,
     placed: Option<&GivenPositions>,
@@ -61,7 +61,7 @@ pub fn least_repulsion(
     least(repulsion.strength, suffices).map(Some)
 }
 
-/// The least strength that suffices, nearly.
+/// Least strength that suffices, approximately.
 fn least(start: f64, suffices: impl Fn(f64) -> Result<bool, LeastRepulsionError>) -> Result<f64, LeastRepulsionError> {
     let (mut enough, mut less) = (start, start);
     while !suffices(enough)? {
@@ -111,7 +111,7 @@ mod tests {
     use crate::model::{Hydrodynamics, Species, Start};
     use domain::{PeriodicBox, Vector};
 
-    /// Two spheres pushed together by forces of 10 need a force of 10 at contact.
+    /// Two spheres pushed together by forces of 10 need a repulsive force of 10 at contact.
     #[test]
     fn two_spheres_need_as_much_as_pushes_them() {
         let pushed = |name, force| Species { force: Vector::X * force, ..Species::new(name, 1.0, 1) };

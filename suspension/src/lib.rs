@@ -1,13 +1,14 @@
-//! Suspensions of spheres in Stokes flow: far and near field of the fluid together, forces, background flow, integrators,
-//! and what is observed and averaged. Nothing here reads or writes files, or prints.
+//! Suspensions of spheres in Stokes flow: coupled far-field and near-field hydrodynamics, forces, background flow, time
+//! integrators, observables and statistics. This crate reads and writes no files and prints nothing.
 //!
-//! Two spheres that settle side by side, in units of the radius, of the viscosity and of the Stokes velocity of one
-//! (whose force is then `6 pi`):
+//! Two spheres that settle side by side, in units of the radius, the viscosity and the Stokes velocity of a single
+//! sphere (whose force is then `6 pi`):
 //! ```
 //! use domain::{Comm, PeriodicBox, Vector};
 //! use suspension::{Model, Parameters, Species, Start, Suspension};
 //!
-//! let spheres = Species { force: Vector::new(0.0, 0.0, -6.0 * std::f64::consts::PI), ..Species::new("heavy", 1.0, 2) };
+//! let force = Vector::new(0.0, 0.0, -6.0 * std::f64::consts::PI);
+//! let spheres = Species { force, ..Species::new("heavy", 1.0, 2) };
 //! let cell = PeriodicBox::new(Vector::splat(32.0))?;
 //! let places = vec![Vector::new(14.5, 16.0, 24.0), Vector::new(17.5, 16.0, 24.0)];
 //! let start = Start::Positions(places);

@@ -1,4 +1,4 @@
-//! The memory that a run takes on each rank at its peak, predicted from the scene and the plan.
+//! Prediction of the peak memory of each rank of a run, from the model and the plan.
 
 #[cfg(test)]
 mod tests;
@@ -28,21 +28,21 @@ use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use lubrication::Range;
 use simulation::Frame;
 
-/// Numbers of each column of a frame of the trajectory.
+/// Numbers in each column of a frame of the trajectory.
 const FRAME: [(&str, usize); 3] = [(VELOCITY, 3), (ANGULAR_VELOCITY, 3), (STRESSLET, 5)];
 
-/// A volume fraction beyond which random spheres are moved apart, see [`domain::random_packing`].
+/// Volume fraction above which random placement has to move spheres apart, see [`domain::random_packing`].
 const DENSE: f64 = 0.25;
 
-/// Species, in columns of which they are counted to see how far they are apart, beyond which those are worth a word.
+/// Number of species above which the advice mentions the columns of the segregation between species.
 const MANY: usize = 16;
 
-/// What each rank of a run needs at its peak.
+/// Peak memory of each rank of a run.
 pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<Need> {
     (0..ranks.count).map(|rank| need(model, (radii, plan), ranks, rank)).collect()
 }
 
-/// What a rank of a run needs at its peak.
+/// Peak memory of one rank of a run.
 pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> Need {
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
@@ -52,7 +52,7 @@ pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: u
     of_peak(share.peak(), &share.far, (rank, ranks.count))
 }
 
-/// What to change in a scene that takes too much memory.
+/// Advice for a scene that needs too much memory.
 pub fn remedy(model: &Model, radii: &Radii) -> String {
     let chosen = &model.hydrodynamics;
     let grid = if chosen.grid.is_some() { "a smaller hydrodynamics.grid" } else { "a larger hydrodynamics.tolerance" };
@@ -72,14 +72,14 @@ pub fn remedy(model: &Model, radii: &Radii) -> String {
     )
 }
 
-/// Whether charged spheres repel each other farther than the box is wide: all their images take memory.
+/// Whether screened repulsion extends beyond the width of the box: then all images take memory.
 fn repels_far(model: &Model, radii: &Radii) -> bool {
     let is_screened = model.repulsion.is_some_and(|repulsion| repulsion.screening_length.is_some());
     let reach = SurfaceForces::of(model).ok().and_then(|forces| forces.reach([radii.largest(); 2]));
     is_screened && reach.is_some_and(|reach| reach > model.shortest_vector())
 }
 
-/// What placing the particles takes on a rank that is alone.
+/// Memory of the placement of the particles on a single rank.
 pub fn placing(model: &Model, radii: &Radii) -> Need {
     Need { resident: Process::ALONE.resident(placing_bytes(model, radii.count() as f64).most), ..Need::default() }
 }
@@ -96,27 +96,27 @@ fn placing_bytes(model: &Model, count: f64) -> Bytes {
     listed.then(places).then(Bytes::list::<Vector>(count)).then(store).freed()
 }
 
-/// The volume fraction of the spheres with half the gap that is kept around each.
+/// Volume fraction of the spheres enlarged by half the gap that is kept around each.
 fn filled(model: &Model, gap: f64) -> f64 {
     let of_kind = |s: &Species| s.count.unwrap_or(0) as f64 * (s.radius + 0.5 * gap).powi(3);
     4.0 / 3.0 * std::f64::consts::PI * model.species.iter().map(of_kind).sum::<f64>() / model.cell.volume()
 }
 
-/// The share of a rank in a run.
+/// One rank's share of a run.
 struct Share<'a> {
     model: &'a Model,
     far: Footprint<'a>,
     expected: &'a ExpectedCounts,
     threads: usize,
-    /// The rank, of how many.
+    /// The rank and the number of ranks.
     rank_of: (usize, usize),
 }
 
-/// Vectors of Lanczos's iteration for random motions.
+/// Lanczos vectors of random motions.
 const VECTORS: f64 = 24.0;
 
 impl Share<'_> {
-    /// From the start to the end.
+    /// Peak from the start to the end of a run.
     fn peak(&self) -> Bytes {
         let particles = Particles::bytes(self.expected.owned(), self.numbers());
         let stays = self.fluid().then(particles).then(self.estimators()).then(self.segregation());
@@ -137,7 +137,7 @@ impl Share<'_> {
         placed.or(own.then(self.near(self.gap_search())).freed())
     }
 
-    /// What a rank takes to place its share, and knows of the spheres around it.
+    /// Memory of a rank that places its own share and knows the spheres around it.
     fn shared_placing(&self, gap: f64) -> Bytes {
         let present = self.expected.present(2.0 * self.expected.largest_radius() + gap);
         let listed = Bytes::list::<(u64, Vector)>(domain::GROWING * self.expected.owned());
@@ -150,7 +150,7 @@ impl Share<'_> {
     fn fluid(&self) -> Bytes {
         let tables = if self.range().is_some() { table_bytes(self.far.radii()) } else { Bytes::default() };
         let far = self.far.mobility();
-        // Where the grid follows the spheres, the one before is there until the next is made.
+        // If the grid follows the spheres, the old grid exists until the new one is complete.
         let again = if open_box::follows(self.model.cell.boundaries()) { far.freed() } else { Bytes::default() };
         far.then(again).then(tables)
     }
@@ -161,7 +161,7 @@ impl Share<'_> {
         chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST).ok()).flatten()
     }
 
-    /// At which gaps forces between near spheres are part of the solve: lubrication, or repulsion that is implicit.
+    /// Gaps at which forces between near spheres are part of the solve: lubrication, or implicit repulsion.
     fn near_field(&self) -> Option<Range> {
         let springs = || {
             let repulsion = SurfaceForces::of(self.model).ok()?.repulsion.filter(|_| self.is_implicit())?;
@@ -171,12 +171,12 @@ impl Share<'_> {
         self.range().or_else(springs)
     }
 
-    /// Numbers of all columns of a particle.
+    /// Numbers in all columns of a particle.
     fn numbers(&self) -> usize {
         let velocities = 3 * match self.model.integrator {
             Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).velocity_columns(),
             Integrator::Adaptive(_) => 1 + adaptive::PAST_VELOCITIES,
-            // The mean one and that which is expected too.
+            // The mean and the predicted velocity are stored as well.
             Integrator::Implicit(_) => 1 + PAST_OF_ANY_LENGTH + 2,
             Integrator::Brownian(_) => 2,
         };
@@ -194,7 +194,7 @@ impl Share<'_> {
         }
     }
 
-    /// Numbers of a particle's contacts: of those at the start of a substep, and at its end.
+    /// Numbers of a particle's contacts at the start and at the end of a substep.
     fn contact_numbers(&self) -> usize {
         let radii = self.model.species.iter().map(|s| s.radius);
         let extremes = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
@@ -205,14 +205,14 @@ impl Share<'_> {
         self.model.hydrodynamics.multipoles == Multipoles::Dipole
     }
 
-    /// What the particles and the near pairs of others within a distance of them take while they are looked at.
+    /// Memory of near pairs within a distance, with copies of the particles and ghosts.
     fn near(&self, distance: f64) -> Bytes {
         let (owned, present) = (self.expected.owned(), self.expected.present(distance));
         let copies = Bytes::list::<(Vector, f64, u64)>(present);
         copies.then(Pairs::bytes(owned, present, self.expected.neighbours(distance)))
     }
 
-    /// Lists of who is within a distance.
+    /// Neighbour lists of a distance.
     fn lists(&self, distance: f64) -> Bytes {
         let numbers = [distance, distance * NearLists::REACH].map(|reach| self.expected.neighbours(reach));
         VerletList::bytes([self.expected.owned(), self.expected.present(distance), self.expected.total()], numbers)
@@ -222,8 +222,8 @@ impl Share<'_> {
         2.2 * self.expected.largest_radius()
     }
 
-    /// A step, and the particles as they were before it, to which one that is interrupted goes back; and those before a
-    /// substep that may be taken again.
+    /// Memory of a step. It includes a copy of the particles before the step, to restore after an interrupt, and before
+    /// a substep that may be repeated.
     fn step(&self) -> Bytes {
         let copies = if self.is_implicit() { 2.0 } else { 1.0 };
         Particles::bytes(copies * self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
@@ -264,7 +264,8 @@ impl Share<'_> {
         lists.then(evaluation.or(approach))
     }
 
-    /// Steps of any length look at pairs up to a gap of a radius: the lists of these, which are kept, and what is made of them.
+    /// Variable steps examine pairs with gaps up to a radius: memory of their neighbour lists, which persist, and of
+    /// the pairs' relative motion.
     fn approach(&self) -> [Bytes; 2] {
         if matches!(self.model.integrator, Integrator::AdamsBashforth { .. }) {
             return [Bytes::default(); 2];
@@ -289,13 +290,13 @@ impl Share<'_> {
         self.by_id(numbers).then(buffers).freed()
     }
 
-    /// A copy of the rank's particles, from which blocks go to the first rank.
+    /// A copy of the rank's particles, sent to the first rank block by block.
     fn by_id(&self, numbers: usize) -> Bytes {
         Particles::bytes(self.expected.owned(), numbers)
             .then(Particles::by_id_bytes(self.expected.owned(), self.expected.total()))
     }
 
-    /// The statistics of the scene, the rank's part of them and samples.
+    /// The rank's share of the statistics, and the number of samples.
     fn statistics(&self) -> Option<(sampling::OfRank, u64)> {
         let wanted = self.model.statistics?;
         let distance = sampling::distance((self.model, wanted), self.expected.largest_radius());
@@ -309,13 +310,13 @@ impl Share<'_> {
         Some((of_rank, wanted.samples.count_until(self.model.steps)))
     }
 
-    /// What statistics keep.
+    /// Memory of accumulated statistics.
     fn estimators(&self) -> Bytes {
         let kept = |(share, samples): (sampling::OfRank, u64)| share.bytes(self.model, (samples, self.threads));
         self.statistics().map_or_else(Bytes::default, kept)
     }
 
-    /// Columns for the time series, and those of statistics.
+    /// Columns of the time series and of the statistics.
     fn segregation(&self) -> Bytes {
         let columns = sampling::column_bytes(self.model);
         let series = if sampling::has_columns(self.model) { columns } else { Bytes::default() };
@@ -332,7 +333,7 @@ impl Share<'_> {
         Bytes::keep(2.0 * state).then(self.by_id(self.numbers())).freed()
     }
 
-    /// The flow on a grid of its own, which is gathered.
+    /// A velocity field on its own grid, gathered on the first rank.
     fn field(&self) -> Bytes {
         if !self.model.fields {
             return Bytes::default();
@@ -343,11 +344,11 @@ impl Share<'_> {
         let moved = Particles::bytes(self.expected.owned(), 11);
         let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
         let flow = if plan.boundaries == Boundaries::Periodic {
-            // In a sheared box the places of the points are written too.
+            // In a sheared box the coordinates of the points are written as well.
             let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
             far.evaluation().or(far.velocity_field().then(gathered))
         } else {
-            // Where the axes are turned there are two.
+            // With rotated axes there are two copies.
             let turned = if self.model.turn.is_none() { 0.0 } else { all };
             far.flow().then(Bytes::list::<Vector>(all)).then(Bytes::list::<Vector>(turned))
         };

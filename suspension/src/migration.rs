@@ -1,18 +1,18 @@
-//! Where spheres are across a channel or above a bottom, and how many of them flow along it.
+//! Distribution of the spheres across a channel or above a wall, and their flux along it.
 
 use crate::user_axes::UserAxes;
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Vector};
 use simulation::Quantity;
 
-/// What a row tells of the height of each species.
+/// Columns of the time series for the height of each species.
 const HEIGHT: [&str; 2] = ["mean", "deviation"];
 
-/// Whether spheres in a box have a height: in one that does not repeat along z, but along the other two axes.
+/// Whether heights are defined: in a box that is periodic along x and y but not along z.
 pub fn has_height(boundaries: Boundaries) -> bool {
     !matches!(boundaries, Boundaries::Periodic | Boundaries::Open)
 }
 
-/// What a row of the time series has of heights, and between two walls of the channel.
+/// The quantities of the time series: heights, and between two walls the flux and the migration.
 pub fn quantities(boundaries: Boundaries, species: &[String], axes: &UserAxes) -> Vec<Quantity> {
     let table = |columns: &[&str]| {
         let columns = columns.iter().map(|&column| column.to_owned()).collect();
@@ -30,16 +30,16 @@ pub fn quantities(boundaries: Boundaries, species: &[String], axes: &UserAxes) -
     quantities
 }
 
-/// The row's numbers, of each of so many species: with `z` the heights of its `n` spheres of radii `a`, `V` the volume of the box
-/// and `H` the distance of the walls,
+/// A row of the time series, with numbers for each species: with `z` the heights of its `n` spheres of radii `a`, `V`
+/// the volume of the box and `H` the distance of the walls,
 ///
 /// ```text
 /// mean = <z>,      deviation = sqrt(<(z - <z>)^2>)
 /// flux = sum 4/3 pi a^3 v_x / V,      migration = sum (z - H/2)^2 / sum (H - 2 a)^2 / 12
 /// ```
 ///
-/// the flux the volume of spheres through a cross-section over its area and time, migration 1 where centres are spread
-/// evenly as far as walls let them, 0 where all are in the middle. Collective.
+/// The flux is the volume of spheres that crosses a cross-section per area and time. The migration is 1 if the centres
+/// are distributed uniformly between the walls, and 0 if all are in the middle. Collective.
 pub fn rows(
     cell: &PeriodicBox,
     (particles, velocities): (&Particles, &[Vector]),
@@ -101,7 +101,7 @@ mod tests {
         found[0].clone()
     }
 
-    /// Spheres at known heights, on as many ranks as there may be.
+    /// Spheres at known heights, on several numbers of ranks.
     #[test]
     fn rows_are_those_of_known_spheres() {
         let unit = 4.0 / 3.0 * std::f64::consts::PI / 200.0;

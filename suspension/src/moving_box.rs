@@ -1,4 +1,4 @@
-//! The box as time goes on.
+//! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
 use crate::deformation::Deformation;
 use crate::driven::{Driven, Search};
@@ -12,29 +12,29 @@ use hydrodynamics::StrainRate;
 use simulation::Clock;
 use solver::BackgroundFlow;
 
-/// Where a stress drives the flow, substeps are at most this long in strain: contacts stick or slide for all of one.
+/// Longest strain of a substep under stress control: contacts stick or slide for a whole substep.
 const LONGEST_STRAIN: f64 = 0.005;
 
-/// A box in a shear flow, that shears with it or stays straight, or in an extension. In a shear flow, beyond each of its
-/// sides the flow is faster by `G . lattice vector`, with `G` the velocity gradient: a particle that leaves on one side and
-/// enters on the other is seen in another frame of reference from then on, and so is its past.
+/// A box in a flow: static, sheared with a shear flow, or stretched with an extension. In a shear flow the velocity of
+/// the flow differs across a lattice vector by `G . lattice vector`, with `G` the velocity gradient: a particle that
+/// leaves the box on one side and enters on the other changes its frame of reference, and its past velocities change
+/// with it.
 ///
-/// Where the rate of the flow changes all the time, by an oscillation or since the stress is given, the particles are
-/// in the frame of the flow while they move: their velocities, past ones too, are relative to it, and the box carries
-/// them along as it shears, by `x += strain y` for places and velocities alike. So a multistep method for the
-/// velocities keeps its order, and images that move apart by exactly the strain of the box see the same past. In an
-/// extension, which carries particles away from each other exponentially, it is always so, `x -> D x` with its stretch `D`: in open
-/// fluid too, where the flow goes on without a box that does.
+/// If the rate of the flow varies continuously, by an oscillation or under stress control, velocities are relative to
+/// the flow while particles move, past velocities included, and the box carries both positions and velocities along as
+/// it shears, by `x += strain y`. So a multistep method keeps its order, and images that are displaced by exactly the
+/// strain of the box have the same past. In extensions, which separate particles exponentially, this is always done, by
+/// `x -> D x` with the stretch `D`; also in open fluid, where no box stretches with the flow.
 #[derive(Clone)]
 pub struct MovingBox {
     start: PeriodicBox,
     rates: ShearRates,
     driven: Option<Driven>,
-    /// A flow by a pressure gradient besides, and that of particles which keeps its flux, if it is kept.
+    /// Pressure-driven flow without particles, and the state of the constant-flux constraint, if there are any.
     profile: Option<Poiseuille>,
     flux: Option<PressureFlow>,
     motion: Motion,
-    /// The flow as it is, by its rate, and the step at which it became so.
+    /// Present rate and flow, and the step at which this rate began.
     rate: f64,
     flow: BackgroundFlow,
     began: u64,
@@ -43,27 +43,27 @@ pub struct MovingBox {
     vectors: Vectors,
 }
 
-/// How the box moves.
+/// Motion of the box.
 #[derive(Clone, Copy)]
 enum Motion {
     Still,
     Shearing,
     Stretching(StretchingLattice),
-    /// Not with the flow, which is an extension of open fluid.
+    /// Static box in an extension of open fluid.
     Open(Extension),
 }
 
-/// Which vectors of its lattice the box has.
+/// Choice of the lattice vectors of the box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Vectors {
-    /// Those of a lattice that was turned back by so many periods of its strain since the start.
+    /// Vectors of a sheared lattice, reduced by this many periods of the strain since the start.
     Sheared(i32),
     Stretched(Named),
 }
 
 impl MovingBox {
-    /// The box that is `start` at time zero, as it is after the last step of a clock, in a flow of rates of shear with which
-    /// it shears, or does not.
+    /// The box after the last step of a clock, if it is `start` at time zero; it shears with the flow of the given
+    /// rates if `shears` is set.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, began) = rates.before(clock.step());
         let motion = if shears { Motion::Shearing } else { Motion::Still };
@@ -75,7 +75,8 @@ impl MovingBox {
         moving
     }
 
-    /// The same where the rates are those of an extension, and the box is the one of that, or in open fluid any.
+    /// This box in an extension with its rates. A periodic box has to be one that repeats in this extension; in open
+    /// fluid any box will do.
     #[must_use]
     pub fn in_extension(mut self, extension: Extension) -> Self {
         self.motion = match self.start.boundaries() {
@@ -87,64 +88,64 @@ impl MovingBox {
         self
     }
 
-    /// The same with a flow by a pressure gradient besides, if there is one.
+    /// This box with a pressure-driven flow in addition, if there is one.
     #[must_use]
     pub fn with_profile(self, profile: Option<Poiseuille>) -> Self {
         Self { profile, ..self }
     }
 
-    /// The same with a flow by a pressure gradient that keeps its flux, or does not.
+    /// This box with a pressure-driven flow at constant flux, or at constant pressure gradient for `None`.
     #[must_use]
     pub fn at_constant_flux(self, flux: Option<PressureFlow>) -> Self {
         Self { flux, ..self }
     }
 
-    /// What keeps the flux, if it is kept.
+    /// State of the constant-flux constraint, if the flux is kept.
     pub fn flux(&mut self) -> Option<&mut PressureFlow> {
         self.flux.as_mut()
     }
 
-    /// The flow of the pressure gradient that there is, which with a flux that is kept is another one than without particles.
+    /// Flow of the total pressure gradient; at constant flux it differs from the flow without particles.
     pub fn by_pressure(&self) -> Option<Poiseuille> {
         let besides = self.flux.map_or(0.0, PressureFlow::curvature);
         self.profile.map(|profile| Poiseuille { curvature: profile.curvature + besides, ..profile })
     }
 
-    /// The flow of a pressure gradient that keeps the flux, besides that which there is without particles.
+    /// Change of the pressure-driven flow by the particles at constant flux.
     pub fn by_particles(&self) -> Option<Poiseuille> {
         self.profile.zip(self.flux).map(|(profile, flux)| Poiseuille { curvature: flux.curvature(), ..profile })
     }
 
-    /// Whether the flux is kept.
+    /// Whether the flux is kept constant.
     pub fn keeps_flux(&self) -> bool {
         self.flux.is_some()
     }
 
-    /// The velocity of a free sphere of a radius at a place of the background flow.
+    /// Velocity of a free sphere at a position in the background flow.
     pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
         let sheared = self.flow.velocity(place);
         self.profile.map_or(sheared, |profile| sheared + profile.velocity_of(place.z, radius))
     }
 
-    /// What velocities have of that while particles move.
+    /// The part of [`Self::velocity_of`] that velocities include while particles move.
     pub fn carried_velocity_of(&self, place: Vector, radius: f64) -> Vector {
         if self.carries() { Vector::ZERO } else { self.velocity_of(place, radius) }
     }
 
-    /// The angular velocity of a free sphere at a place of the background flow.
+    /// Angular velocity of a free sphere at a position in the background flow.
     pub fn angular_velocity_at(&self, place: Vector) -> Vector {
         let sheared = self.flow.angular_velocity();
         self.profile.map_or(sheared, |profile| sheared + profile.angular_velocity(place.z))
     }
 
-    /// The rate of strain of the background flow.
+    /// Strain rate of the background flow.
     pub fn strain_rate(&self) -> StrainRate {
         let sheared = StrainRate::uniform(self.flow.strain_rate());
         self.profile.map_or(sheared, |profile| sheared + profile.strain_rate())
     }
 
-    /// The same with a rate of shear that a stress in a fluid of a viscosity drives, by solves of a tolerance, as
-    /// particles on the first rank remember it. Collective.
+    /// This box under stress control, with `stress` the shear stress, the viscosity and the tolerance of solves; the
+    /// state is restored from the particles of the first rank, if they store it. Collective.
     #[must_use]
     pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
         let driven = Driven::start(stress, self.rate).recalled(particles, comm);
@@ -154,17 +155,17 @@ impl MovingBox {
         self
     }
 
-    /// The flow that a stress drives, if one does.
+    /// State of the stress control, if the stress is given.
     pub fn driven(&mut self) -> Option<&mut Driven> {
         self.driven.as_mut()
     }
 
-    /// A search for the rate that the stress drives, if one does.
+    /// A search for the rate at the given stress, if the stress is given.
     pub fn search(&self) -> Option<Search> {
         self.driven.as_ref().map(Driven::search)
     }
 
-    /// Goes on with another rate.
+    /// Continues with another rate.
     pub fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
         self.flow = match &self.motion {
@@ -174,23 +175,23 @@ impl MovingBox {
         };
     }
 
-    /// The rate of the flow, of shear or extension.
+    /// Rate of shear or extension.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// The rate of strain that was expected besides that of the flow.
+    /// Strain rate of the flow at the predicted rate minus that at the present rate.
     pub fn expected_besides(&self) -> Traceless {
         let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.rate);
         shear(&self.start, missing).strain_rate()
     }
 
-    /// Whether a stress drives it that has next to no effect.
+    /// Whether the flow has almost stopped under its stress.
     pub fn is_jammed(&self) -> bool {
         self.driven.as_ref().is_some_and(Driven::is_jammed)
     }
 
-    /// The longest substep that is known to be short enough for the flow.
+    /// Longest substep allowed by the flow.
     pub fn longest_substep(&self) -> f64 {
         self.driven.as_ref().map_or(f64::INFINITY, |driven| LONGEST_STRAIN / driven.rate().abs())
     }
@@ -202,8 +203,8 @@ impl MovingBox {
             || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
     }
 
-    /// What the box does to the particles that it carries, in the time that comes; `weights` are those of the rates of now,
-    /// before, and the mean of the last substep.
+    /// Deformation of the box that carries the particles along, over a coming time; under stress control, `weights` are
+    /// those of the present and past rates and of the mean over the last substep.
     pub fn carry(&self, duration: f64, weights: [f64; 3]) -> Deformation {
         self.deformation(match &self.driven {
             Some(driven) => driven.carry(weights),
@@ -212,7 +213,7 @@ impl MovingBox {
         })
     }
 
-    /// What the flow does by a strain.
+    /// Deformation by the flow over a strain.
     pub fn deformation(&self, strain: f64) -> Deformation {
         match &self.motion {
             Motion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
@@ -221,12 +222,12 @@ impl MovingBox {
         }
     }
 
-    /// The background flow.
+    /// Background flow.
     pub fn flow(&self) -> &BackgroundFlow {
         &self.flow
     }
 
-    /// Changes the flow to what it is from a step on; whether that is another one.
+    /// Changes the flow to that from `step` on. Returns whether it has changed.
     pub fn begin(&mut self, step: u64) -> bool {
         let changed = self.rates.changed_at(step);
         if let Some(rate) = changed {
@@ -236,27 +237,27 @@ impl MovingBox {
         changed.is_some()
     }
 
-    /// The step at which the flow became what it is.
+    /// Step at which the present rate began.
     pub fn began(&self) -> u64 {
         self.began
     }
 
-    /// The strain of the flow at a time.
+    /// Strain of the flow at a time.
     pub fn strain(&self, time: f64) -> f64 {
         self.driven.as_ref().map_or_else(|| self.rates.strain(time), Driven::strain)
     }
 
-    /// The box as it is.
+    /// Present box.
     pub fn cell(&self) -> &PeriodicBox {
         &self.cell
     }
 
-    /// Goes on with a box that follows the particles.
+    /// Continues with a box that follows the particles.
     pub fn follow(&mut self, cell: PeriodicBox) {
         (self.start, self.cell) = (cell, cell);
     }
 
-    /// The largest strain that the lattice ever has.
+    /// Largest strain of the lattice at any time.
     pub fn largest_strain(&self) -> f64 {
         let edges = self.start.edges();
         let moves = self.rates.largest() > 0.0;
@@ -267,7 +268,7 @@ impl MovingBox {
         }
     }
 
-    /// The velocity of the image that is `steps` lattice vectors away, relative to its particle.
+    /// Velocity of the image `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
         let moves = matches!(self.motion, Motion::Shearing) && !self.carries();
         if moves { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
@@ -287,7 +288,7 @@ impl MovingBox {
         (cell, Vectors::Sheared(((strain - cell.strain()) / period).round() as i32))
     }
 
-    /// Brings the box to a time and the particles into it.
+    /// Advances the box to a time, carries the particles along, and wraps them.
     pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
         if let Some(driven) = &mut self.driven {
             let (strain, rate) = (driven.go(), driven.expected());
@@ -313,7 +314,7 @@ impl MovingBox {
         }
     }
 
-    /// By what lattice steps are to be multiplied where the box takes other vectors.
+    /// Matrix that converts lattice steps to other vectors of the box.
     fn renamed(&self, vectors: Vectors) -> Matrix {
         match (&self.motion, self.vectors, vectors) {
             (_, Vectors::Sheared(before), Vectors::Sheared(now)) => [[1, now - before, 0], [0, 1, 0], [0, 0, 1]],
@@ -340,18 +341,18 @@ impl MovingBox {
     }
 }
 
-/// The columns of velocities.
+/// All columns of velocities.
 fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> {
     let columns = particles.columns.iter_mut().filter(|c| VELOCITY_COLUMNS.contains(&c.name.as_str()));
     columns.map(|column| bytemuck::cast_slice_mut(&mut column.values))
 }
 
-/// The shear flow of a rate in a box: with a gradient along y, or along z where walls are across that.
+/// Shear flow of a rate in a box: its gradient is along y, or along z between walls.
 fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
     if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
 }
 
-/// Carries particles along with a flow, and their velocities relative to it.
+/// Carries particles along with a flow, together with their velocities relative to it.
 fn carry_by(deformation: Deformation, particles: &mut Particles) {
     let carry = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| *vector = deformation.of(*vector));
     carry(&mut particles.positions);
@@ -369,8 +370,8 @@ mod tests {
         MovingBox::at(&Clock::at(step, 0.1), start, ShearRates::new(rate, Protocol::STEADY, 0.1), true)
     }
 
-    /// Carried by the flow alone, a particle's place without periodicity is known: `x0 + rate y0 t + drift t`, and the
-    /// integrator is exact for it, whatever images it passes through and however often the lattice turns back.
+    /// The unwrapped position of a particle that drifts in the flow is known, `x0 + rate y0 t + drift t`, and the
+    /// integrator is exact for it, whatever images the particle passes through and however often the lattice is reset.
     #[test]
     fn a_passing_particle_moves_on_a_straight_line() {
         let (rate, drift) = (0.7, Vector::new(0.1, 0.9, -0.4));
@@ -405,8 +406,8 @@ mod tests {
         assert!(matches!(moving.vectors, Vectors::Sheared(9..)), "the lattice turned back: {:?}", moving.vectors);
     }
 
-    /// In a flow that oscillates, a particle that drifts relative to it is `x' = rate cos(w t) y + drift`; the error is that of
-    /// the method, whatever images it passes through, and none for a particle that does not drift.
+    /// In an oscillating flow a drifting particle obeys `x' = rate cos(w t) y + drift`. The error is that of the
+    /// method, whatever images it passes through, and zero without drift.
     #[test]
     fn a_drifting_particle_follows_an_oscillation() {
         let (rate, w, start) = (1.2, 3.0, PeriodicBox::new(Vector::new(3.0, 2.0, 4.0)).unwrap());

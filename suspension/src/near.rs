@@ -1,4 +1,4 @@
-//! Particles near each other.
+//! Pairs of near particles.
 
 use bytemuck::Pod;
 use domain::{
@@ -8,14 +8,14 @@ use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::AddAssign;
 
-/// The pairs within a cutoff, with what is needed of the images that other ranks own.
+/// Pairs within a cutoff, with the halo for ghosts.
 pub struct Near {
     halo: Halo,
     places: Places,
     pairs: Pairs,
 }
 
-/// Where the particles and ghosts of a rank are, and their radii.
+/// Positions and radii of a rank's particles and ghosts.
 struct Places {
     cell: PeriodicBox,
     positions: Vec<Vector>,
@@ -29,23 +29,24 @@ impl Places {
     }
 }
 
-/// Who is near whom, found again and again as particles move.
+/// Neighbour lists that are reused as particles move.
 pub struct NearLists {
     cutoff: f64,
     lists: RefCell<VerletList>,
 }
 
-/// The skin over the cutoff, which is a few radii: spheres move far before lists are made anew, and these are short all the same.
+/// Skin over the cutoff. The cutoff is a few radii, so spheres move far before lists are rebuilt, and lists stay short
+/// nevertheless.
 const SKIN: f64 = 0.25;
 
-/// Pairs that one thread goes through at least.
+/// Smallest number of pairs per thread.
 const BATCH: usize = 1024;
 
 impl NearLists {
-    /// The range of the lists over the cutoff.
+    /// Range of the lists over the cutoff.
     pub const REACH: f64 = 1.0 + SKIN;
 
-    /// Of pairs whose centres are nearer than `cutoff`.
+    /// Lists of pairs whose centres are closer than `cutoff`.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
         Self { cutoff, lists: RefCell::new(Self::lists(cutoff, partition)) }
     }
@@ -54,12 +55,12 @@ impl NearLists {
         VerletList::new(cutoff, partition).with_skin(SKIN)
     }
 
-    /// Of ranks that share out space in another way.
+    /// Continues with another partition of space.
     pub fn divide(&mut self, partition: &Partition) {
         self.lists = RefCell::new(Self::lists(self.cutoff, partition));
     }
 
-    /// The same as [`Near::find`], by lists that are made anew now and then. Collective.
+    /// [`Near::find`] by lists that are rebuilt only occasionally. Collective.
     pub fn find(&self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Near {
         let mut lists = self.lists.borrow_mut();
         let owned = particles.len();
@@ -71,14 +72,14 @@ impl NearLists {
 }
 
 impl Near {
-    /// Finds the pairs whose centres are nearer than `cutoff`. Collective.
+    /// Finds the pairs whose centres are closer than `cutoff`. Collective.
     pub fn find(particles: &Particles, cell: &PeriodicBox, partition: &Partition, cutoff: f64) -> Self {
         Self::by(particles, (cell, partition), cutoff, |positions, ids| {
             Pairs::find(cell, positions, ids, particles.len(), cutoff)
         })
     }
 
-    /// The pairs that are found by the positions and ids of all that are present.
+    /// The pairs that `find` returns for the positions and ids of particles and ghosts.
     fn by(
         particles: &Particles,
         (cell, partition): (&PeriodicBox, &Partition),
@@ -95,8 +96,8 @@ impl Near {
         Self { halo, places: Places { cell: *cell, positions, radii }, pairs }
     }
 
-    /// For each particle that this rank owns, the sum of what its pairs give to the first and to the second of them;
-    /// there is one item for each of [`Near::pairs`]. Collective.
+    /// Sums, for each of this rank's particles, the contributions of its pairs to the first and the second particle;
+    /// `of_pairs` has one item for each of [`Near::pairs`]. Collective.
     pub fn summed<T: Pod + AddAssign>(&self, of_pairs: impl Iterator<Item = [T; 2]>) -> Vec<T> {
         let mut sums = vec![T::zeroed(); self.halo.present()];
         for (pair, [first, second]) in self.pairs.list().iter().zip(of_pairs) {
@@ -107,21 +108,20 @@ impl Near {
         sums
     }
 
-    /// Particles that this rank owns.
+    /// Number of particles of this rank.
     pub fn owned(&self) -> usize {
         self.halo.owned()
     }
 
-    /// Of vectors that each particle of this rank has, for each pair that of the second less that of the first.
-    /// Collective.
+    /// Difference of a vector of each particle, second minus first, for each pair. Collective.
     pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
         let present = self.present(values.to_vec());
         let difference = |pair: &Pair| present[pair.j as usize] - present[pair.i as usize];
         self.pairs.list().par_iter().with_min_len(BATCH).map(difference).collect()
     }
 
-    /// For each pair what is made of it, as of [`Near::pairs`], and of the differences of the values of both in some lists of
-    /// vectors, as of [`Near::differences`]. Collective.
+    /// Applies a function to each pair, as in [`Near::pairs`], and to its differences of several lists of vectors, as
+    /// in [`Near::differences`]. Collective.
     pub fn map<T: Send, const N: usize>(
         &self,
         values: [Vec<Vector>; N],
@@ -135,22 +135,22 @@ impl Near {
         self.pairs.list().par_iter().with_min_len(BATCH).map(made).collect()
     }
 
-    /// Vectors that the particles of this rank have, and those of its ghosts.
+    /// Vectors of this rank's particles, extended by those of its ghosts.
     fn present(&self, mut values: Vec<Vector>) -> Vec<Vector> {
         self.halo.extend(&mut values);
         values
     }
 
-    /// The pairs: from the first centre to the second, both radii, and how many lattice steps the second is from its
-    /// own place.
+    /// The pairs: vector from the first centre to the second, both radii, and lattice steps from the second particle to
+    /// its image.
     pub fn pairs(&self) -> impl Iterator<Item = (Vector, [f64; 2], [i32; 3])> + '_ {
         self.pairs.list().iter().map(|pair| self.places.pair(pair))
     }
 }
 
-/// The smallest gap between the surfaces of any two particles, of one and its own image, or of one and a wall: size by size, from the
-/// largest down, of those from half a size up to it and all that are smaller, so that small ones are not sought as far
-/// as large ones reach. Collective.
+/// Smallest gap between the surfaces of two particles, of a particle and its own image, or of a particle and a wall.
+/// The search proceeds by size, from the largest down: each pass takes particles within a factor of two in size
+/// together with all smaller ones, so that the search range for small particles is short. Collective.
 pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> f64 {
     let (mut smallest, mut limit) = (smallest_gap_at_walls(particles, cell, partition), f64::INFINITY);
     loop {
@@ -166,7 +166,7 @@ pub fn smallest_gap(particles: &Particles, cell: &PeriodicBox, partition: &Parti
     }
 }
 
-/// The smallest gap of a particle and a wall; infinite without walls. Collective.
+/// Smallest gap of a particle and a wall; infinite without walls. Collective.
 fn smallest_gap_at_walls(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> f64 {
     if cell.boundaries().walls() == 0 {
         return f64::INFINITY;
@@ -178,18 +178,17 @@ fn smallest_gap_at_walls(particles: &Particles, cell: &PeriodicBox, partition: &
     smallest[0]
 }
 
-/// The gap that is looked for first at least, over the shortest edge of the box, so that the search is short whatever the
-/// sizes.
+/// Smallest initial search margin, over the shortest edge of the box; it bounds the number of passes for any sizes.
 const LEAST_MARGIN: f64 = 1e-9;
 
-/// The smallest gap of the particles of some sizes and those that are not larger, or `known` if that is smaller.
+/// Smallest gap of the particles in a range of sizes and of those that are not larger, or `known` if that is smaller.
 /// Collective.
 fn smallest_gap_of(
     [half, largest]: [f64; 2],
     known: f64,
     (particles, cell, partition): (&Particles, &PeriodicBox, &Partition),
 ) -> f64 {
-    // Those of the sizes come first.
+    // Particles within the range of sizes come first.
     let of = |is_meant: &dyn Fn(f64) -> bool| (0..particles.len()).filter(|&r| is_meant(particles.radii[r])).collect();
     let first: Vec<usize> = of(&|a| a > half && a <= largest);
     let others: Vec<usize> = of(&|a| a <= half);
@@ -214,7 +213,7 @@ fn smallest_gap_of(
         let mut found = [gaps.fold(smallest, f64::min)];
         partition.comm().min(&mut found);
         smallest = found[0];
-        // A pair beyond the cutoff has a gap of more than the margin.
+        // Pairs beyond the cutoff have gaps larger than the margin.
         if smallest <= margin || cutoff >= farthest {
             return smallest;
         }
@@ -250,7 +249,7 @@ mod tests {
                 particles.gathered(&partition)
             });
             let forces = all.into_iter().next().unwrap().vectors("force").to_vec();
-            // 0 and the image of 1 across the y boundary are 2 apart; nothing else is near.
+            // 0 and the image of 1 across the y boundary are 2 apart; no other pair is near.
             assert_eq!(forces, [Vector::new(0.0, -1.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::ZERO]);
         }
     }
@@ -265,7 +264,7 @@ mod tests {
         assert!((gap - 1.0).abs() < 1e-12, "{gap}");
     }
 
-    /// Spheres of sizes over four decades, on any number of ranks, against all pairs of all images.
+    /// Spheres with sizes over four decades, on several numbers of ranks, against a search over all pairs and images.
     #[test]
     fn the_smallest_gap_of_any_sizes_is_that_of_all_pairs() {
         let cell = PeriodicBox::sheared(Vector::new(9.0, 10.0, 11.0), 0.3).unwrap();

@@ -1,4 +1,4 @@
-//! What is observed of a suspension in the course of time.
+//! Time series of a suspension.
 
 use crate::cloud;
 use crate::columns::VELOCITY;
@@ -20,7 +20,7 @@ use std::time::Instant;
 pub struct Observer {
     species: Vec<String>,
     rheology: Option<Rheology>,
-    /// Columns in which species may separate, if there is more than one, and the edges of the box without strain.
+    /// Columns for the segregation of species, if there are several, and the edges of the unstrained box.
     columns: Option<(SpeciesColumns, Vector)>,
     last: (u64, Instant),
     overlaps: Overlaps,
@@ -30,28 +30,30 @@ pub struct Observer {
     boundaries: Boundaries,
     /// Whether a pressure gradient keeps the flux.
     keeps_flux: bool,
-    /// Whether there is heat, and the thermal energy over the volume of the box, where that is all that spheres are in.
+    /// Whether there is Brownian motion; and the thermal energy over the volume of the box, if the osmotic pressure is
+    /// defined.
     has_heat: bool,
     ideal_pressure: Option<f64>,
-    /// The largest overlap of contacts that is aimed at, over the roughness, if there are contacts, and whether their stiffness is
-    /// chosen; and the overlaps seen since that stays.
+    /// With contacts, the target of the largest overlap over the roughness, and whether the stiffness is automatic; and
+    /// the overlaps seen since the stiffness is constant.
     aim: Option<(f64, bool)>,
     pressed: Pressed,
-    /// The stiffness, where it did not stay yet when it was seen last.
+    /// Stiffness at the last row, if it was still adapting.
     unsettled: Option<f64>,
-    /// The stress that drives the flow, if one is given.
+    /// Sums for the comparison with a given stress, if there is one.
     given: Option<GivenStress>,
-    /// Whether there are bonds, and traps.
+    /// Whether there are bonds, and whether there are traps.
     tethers: [bool; 2],
     smallest_radius: f64,
     axes: UserAxes,
 }
 
-/// Overlaps of contacts that are worth a word, over those aimed at: one, and their mean, which is what a stiffness is chosen by.
+/// Overlaps of contacts over the target above which a warning is given: the largest for a given stiffness, and the mean
+/// of the largest for an automatic one.
 const SOFT: f64 = 2.5;
 const SOFT_IN_THE_MEAN: f64 = 1.5;
 
-/// The largest overlaps of contacts over the roughness, of several rows.
+/// Statistics of the largest overlap of contacts, over the roughness, in several rows.
 #[derive(Default)]
 struct Pressed {
     rows: f64,
@@ -59,7 +61,7 @@ struct Pressed {
     deepest: f64,
 }
 
-/// A stress that is given, and the sum of those found in rows.
+/// A given stress, and the sum of the measured stresses.
 #[derive(Debug, Clone, Copy)]
 struct GivenStress {
     stress: f64,
@@ -67,10 +69,10 @@ struct GivenStress {
     sum: f64,
 }
 
-/// The part by which the mean of stresses may be off that given without a word.
+/// Relative deviation of the mean stress from the given stress that needs no warning.
 const OFF: f64 = 0.05;
 
-/// What a row tells of contacts.
+/// Quantities of contacts.
 const CONTACTS: [(&str, &str); 5] = [
     ("contacts_per_particle", ""),
     ("frictional_contacts", ""),
@@ -79,14 +81,14 @@ const CONTACTS: [(&str, &str); 5] = [
     ("elastic_energy", "force*length"),
 ];
 
-/// What a row tells of pairs that were too near each other where motions by heat were solved for in the last step.
+/// Quantities of the pairs that were too close in the last Brownian solve.
 const CROWDED: [(&str, &str); 3] =
     [("overlapping_pairs", ""), ("pairs_at_least_gap", ""), ("deepest_overlap", "length")];
 
-/// What a row tells of bonds.
+/// Quantities of bonds.
 const BONDS: [(&str, &str); 2] = [("bond_energy", "force*length"), ("broken_bonds", "")];
 
-/// How often spheres were seen to overlap.
+/// Counts of rows with overlapping spheres.
 #[derive(Debug, Clone, Copy, Default)]
 struct Overlaps {
     rows: u64,
@@ -95,7 +97,7 @@ struct Overlaps {
 }
 
 impl Observer {
-    /// An observer of a scene's species from step `step` on.
+    /// An observer for a model from step `step` on.
     pub fn new(model: &Model, step: u64, smallest_radius: f64) -> Self {
         let species = model.species.iter().map(|s| s.name.clone()).collect();
         let columns = has_columns(model).then(|| (columns(model), model.cell.edges()));
@@ -123,34 +125,34 @@ impl Observer {
         }
     }
 
-    /// Whether the box repeats along all axes.
+    /// Whether the box is fully periodic.
     fn is_periodic(&self) -> bool {
         self.boundaries == Boundaries::Periodic
     }
 
-    /// Whether the fluid is open, and the spheres of each species a cloud.
+    /// Whether the fluid is open, so that the spheres of each species are a cloud.
     fn is_open(&self) -> bool {
         self.boundaries == Boundaries::Open
     }
 
-    /// What to say of the rows so far.
+    /// Warnings about the rows so far.
     pub fn warnings(&self) -> Vec<String> {
         let crowded = self.crowded.warning(self.remedies, self.smallest_radius);
         let off = self.given.and_then(GivenStress::warning);
         [self.overlapped(), crowded, self.soft(), self.settling(), off].into_iter().flatten().collect()
     }
 
-    /// What keeps spheres apart.
+    /// Changes to the scene that would keep the spheres apart.
     pub fn remedies(&self) -> Remedies {
         self.remedies
     }
 
-    /// Counts a step that was taken.
+    /// Counts a step.
     pub fn see_step(&mut self, suspension: &Suspension) {
         suspension.crowded().into_iter().for_each(|crowded| self.crowded.see(crowded));
     }
 
-    /// Contacts that were pressed together much more than was aimed at.
+    /// A warning about contacts with much larger overlaps than the target.
     fn soft(&self) -> Option<String> {
         let (aim, is_chosen) = self.aim?;
         let Pressed { rows, sum, deepest } = self.pressed;
@@ -166,7 +168,7 @@ impl Observer {
         })
     }
 
-    /// A stiffness that has not settled yet.
+    /// A warning about a stiffness that is still adapting.
     fn settling(&self) -> Option<String> {
         let stiffness = Number(self.unsettled?);
         Some(format!(
@@ -175,7 +177,7 @@ impl Observer {
         ))
     }
 
-    /// What to say of overlaps, if there were any.
+    /// A warning about overlaps, if there were any.
     fn overlapped(&self) -> Option<String> {
         let Overlaps { rows, with_overlap, largest } = self.overlaps;
         let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
@@ -187,8 +189,8 @@ impl Observer {
         })
     }
 
-    /// What a row consists of. Velocities are relative to the background flow; their variance is component by component.
-    /// The osmotic pressure is `n kT` and that of forces between particles.
+    /// Quantities of a row. Velocities are relative to the background flow; their variance is component by component.
+    /// The osmotic pressure is the sum of `n kT` and the contribution of forces between particles.
     pub fn quantities(&self) -> Vec<Quantity> {
         let mut quantities = vec![
             Quantity::vectors("mean_velocity", "length/time", &self.species),
@@ -233,7 +235,7 @@ impl Observer {
         quantities
     }
 
-    /// A row for the suspension as it is. Collective.
+    /// A row for the present state. Collective.
     pub fn observe(&mut self, suspension: &mut Suspension) -> Vec<Vec<f64>> {
         let (means, variances) = self.moments(suspension);
         let report = suspension.report();
@@ -295,7 +297,7 @@ impl Observer {
         of_box.iter().flat_map(|squares| self.axes.list(squares.to_array())).collect()
     }
 
-    /// Stresses along the two axes of the box that are along walls.
+    /// Stresses along the two axes of the box that are parallel to the walls.
     fn along_walls(&self, of_box: &[[f64; 2]]) -> Vec<f64> {
         let of_wall = |&[x, y]: &[f64; 2]| {
             let stress = self.axes.vector(Vector::new(x, y, 0.0));
@@ -337,7 +339,7 @@ impl GivenStress {
         (self.rows, self.sum) = (self.rows + 1.0, self.sum + found);
     }
 
-    /// What to say if the stress was another one in the mean.
+    /// A warning if the mean stress deviates from the given one.
     fn warning(self) -> Option<String> {
         let found = self.sum / self.rows / self.stress;
         ((found - 1.0).abs() > OFF).then(|| {
@@ -358,14 +360,13 @@ impl Overlaps {
     }
 }
 
-/// The pressure of one sphere that moves by heat in the box, of which that of spheres and of forces between them is made: walls bear
-/// another one.
+/// Ideal osmotic pressure of one Brownian sphere in the box. `None` with walls, on which the pressure differs.
 fn ideal_pressure(model: &Model) -> Option<f64> {
     let energy = model.thermal_energy.filter(|_| model.cell.boundaries() == Boundaries::Periodic)?;
     Some(energy / model.cell.volume())
 }
 
-/// How many particles there are. Collective.
+/// Total number of particles. Collective.
 fn count(suspension: &Suspension) -> f64 {
     let mut count = [suspension.particles().len() as f64];
     suspension.comm().sum(&mut count);

@@ -1,4 +1,4 @@
-//! A suspension as a simulation: what is observed and averaged of it in steps.
+//! A run of a suspension, with its time series and statistics, as a [`Simulation`].
 
 use crate::averages::Averages;
 use crate::cautions::cautions;
@@ -19,29 +19,31 @@ use simulation::{
     VelocityField,
 };
 
-/// A suspension and who observes it.
+/// A suspension together with its time series and statistics.
 pub struct Observed {
     suspension: Suspension,
     observer: Observer,
     averages: Option<Averages>,
     cautions: Vec<String>,
-    /// Whether the stiffness of contacts is chosen, and adapts at first.
+    /// Whether the stiffness of contacts is automatic, and whether it adapts.
     chooses_stiffness: [bool; 2],
     axes: UserAxes,
-    /// The strain at which a run under a given stress ends.
+    /// Strain at which a run under a given stress ends.
     last_strain: Option<f64>,
 }
 
-/// The columns of a frame of the trajectory.
+/// Columns of a frame of the trajectory.
 const FRAME: [&str; 3] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET];
 
 impl Observed {
-    /// A model at time zero, with spheres where the first rank brings them, if the model says so. Collective.
+    /// Starts a run of a model at time zero, at positions provided by the first rank if the model requires them.
+    /// Collective.
     pub fn start(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         Ok(Self::of(model, Suspension::start_with(model, placed, comm)?))
     }
 
-    /// A model in a state, as [`Suspension::resume`] takes it; each rank its statistics. Collective.
+    /// Resumes a run from a state, see [`Suspension::resume`]; each rank restores its share of the statistics.
+    /// Collective.
     pub fn resume(model: &Model, mut state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let statistics = state.as_mut().map(|state| std::mem::take(&mut state.statistics)).unwrap_or_default();
         let mut resumed = Self::of(model, Suspension::resume(model, state, comm)?);
@@ -75,7 +77,7 @@ impl Observed {
         Frame { particles: axes.particles(particles), cell: axes.cell(cell), periodic }
     }
 
-    /// The suspension that is observed.
+    /// The suspension.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
     }

@@ -1,19 +1,20 @@
-//! The box of spheres in open fluid, which is wherever they are.
+//! Boxes that follow spheres in open fluid.
 
 use crate::model::Model;
 use crate::plan::Radii;
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Vector, power_of_two};
 
-/// Parts into which the power of two below an edge is divided: edges come in steps of them, so that a box seldom changes.
+/// Resolution of edges: they are multiples of the next smaller power of two over this number, so that the box seldom
+/// changes.
 const PARTS: f64 = 8.0;
 
-/// The shortest edge, in radii of the largest sphere: a box is longer than a sphere is wide.
+/// Shortest edge over the largest radius: the box has to be longer than a sphere is wide.
 const SHORTEST: f64 = 2.5;
 
-/// By how much edges are longer than what spans the centres at least, so that round-off does not matter.
+/// Relative margin of the edges around the centres, for round-off.
 const SPARE: f64 = 1e-9;
 
-/// Whether the box of a scene follows the spheres, as where it is open on some side.
+/// Whether a box with these boundaries follows the spheres, because it is open on some side.
 pub fn follows(boundaries: Boundaries) -> bool {
     match boundaries {
         Boundaries::Periodic | Boundaries::Walls => false,
@@ -21,15 +22,15 @@ pub fn follows(boundaries: Boundaries) -> bool {
     }
 }
 
-/// The box of a scene around its spheres, where it follows them, or its own. Collective.
+/// The box of a model, fitted around its spheres if it follows them. Collective.
 pub fn of(model: &Model, particles: &Particles, (radii, comm): (&Radii, &Comm)) -> PeriodicBox {
     let scene = &model.cell;
     if follows(scene.boundaries()) { around(scene, particles, (radii.largest(), comm)) } else { *scene }
 }
 
-/// The box that spans the centres of spheres along axes along which it is open, in its middle; above a wall at least as high as the
-/// scene's. It depends on where they are alone, and on the largest radius; so a run that is taken up again goes on in the same
-/// box. Collective.
+/// The box that contains the centres of the spheres, centred along open axes; above a wall it is at least as high as
+/// the scene's box. It depends only on the positions and the largest radius, so that a resumed run continues in the
+/// same box. Collective.
 pub fn around(scene: &PeriodicBox, particles: &Particles, (largest_radius, comm): (f64, &Comm)) -> PeriodicBox {
     let [lowest, highest] = extremes(particles, comm);
     let (mut origin, mut edges) = (scene.origin(), scene.edges());
@@ -44,7 +45,7 @@ pub fn around(scene: &PeriodicBox, particles: &Particles, (largest_radius, comm)
     scene.spanning(origin, edges).expect("positions are finite")
 }
 
-/// The lowest and the highest coordinates of all centres. Collective.
+/// Smallest and largest coordinates of all centres. Collective.
 fn extremes(particles: &Particles, comm: &Comm) -> [Vector; 2] {
     let far = Vector::splat(f64::INFINITY);
     let own = particles.positions.iter().fold([far, far], |[low, high], &x| [low.min(x), high.min(-x)]);
@@ -53,7 +54,7 @@ fn extremes(particles: &Particles, comm: &Comm) -> [Vector; 2] {
     [Vector::from_slice(&all[..3]), -Vector::from_slice(&all[3..])]
 }
 
-/// An edge that is at least so long, one of few.
+/// Edge of at least the given length, rounded up to one of few values.
 fn rounded_up(extent: f64, radius: f64) -> f64 {
     let least = (extent / radius).max(SHORTEST) * (1.0 + SPARE);
     let part = power_of_two(least) / PARTS;
@@ -96,7 +97,7 @@ mod tests {
         assert_eq!(found(Boundaries::Wall, &[[0.0, 0.0, 12.1]]), (Vector::ZERO, Vector::new(9.0, 9.0, 13.0)));
     }
 
-    /// As many ranks as there may be, some without spheres, agree; and edges come in steps of an eighth at most.
+    /// All ranks agree, some without spheres; and edges grow in steps of at most an eighth.
     #[test]
     fn edges_are_few_and_those_of_all_ranks() {
         let places: Vec<[f64; 3]> = (0..5).map(|k| [f64::from(k) * 4.0, 0.0, -f64::from(k)]).collect();

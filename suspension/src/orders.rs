@@ -1,4 +1,4 @@
-//! Orders of the Adams-Bashforth method with steps of any length: their weights, and which of them suits a motion.
+//! Adams-Bashforth methods of variable step length: weights, and selection of the order.
 
 use crate::columns::VELOCITY;
 use crate::extrapolation::integral;
@@ -6,17 +6,18 @@ use crate::integrator::PAST;
 use domain::{Comm, Particles, Vector};
 use rayon::prelude::*;
 
-/// Velocities that a step may use.
+/// Columns of the velocities that a step may use.
 pub const USED: [&str; 4] = [VELOCITY, PAST[0], PAST[1], PAST[2]];
 
-/// The highest order that is stable for any step that gaps and errors allow.
+/// Highest order that is stable for any step allowed by gaps and errors.
 const STABLE: usize = 3;
 
-/// By order, from that above the stable one downwards, the weights of the velocities in [`USED`].
+/// Weights of the velocities in [`USED`] for four orders: one above the stable order, the stable order, and the two
+/// below.
 pub type Weights = [[f64; USED.len()]; 4];
 
-/// The weights for a step: those of the stable order, that above it if `ages`, those of the velocities, are enough for it, and the
-/// two below.
+/// Weights for a step, from the `ages` of the velocities: for the stable order, the one above it if there are enough
+/// velocities, and the two below.
 pub fn weights(ages: &[f64], step: f64) -> Weights {
     let stable = ages.len().min(STABLE);
     let orders = [ages.len().min(STABLE + 1), stable, stable - 1, stable.saturating_sub(2)];
@@ -27,25 +28,27 @@ pub fn weights(ages: &[f64], step: f64) -> Weights {
     })
 }
 
-/// Dependence of a displacement, a gap or the worst of many on the order.
+/// Error estimate, from the dependence of a displacement, a gap, or the worst of many, on the order.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Estimate {
-    /// The error of a step.
+    /// Error of a step.
     pub error: f64,
-    /// The difference that the highest order makes where it is not known to be better.
+    /// Difference between the highest order and the next, if the motion is too rough for the highest; otherwise 0.
     pub roughness: f64,
 }
 
 impl Estimate {
-    /// A motion that decays or oscillates at a rate `k` in steps `h` differs from order to order by
-    /// `1/2 (exp(k h) - 1)`, `5/12 (exp(k h) - 1)^2` and `3/8 (exp(k h) - 1)^3` of what it moves in a step. The highest order is stable up
-    /// to `k h = 3/10`: these ratios of the last difference to those before say that it is.
+    /// Ratios of differences between orders up to which a motion counts as smooth. For a motion that decays or
+    /// oscillates at a rate `k`, with steps `h`, successive orders differ by `1/2 (exp(k h) - 1)`,
+    /// `5/12 (exp(k h) - 1)^2` and `3/8 (exp(k h) - 1)^3` of the displacement in a step. These ratios of the last
+    /// difference to the previous ones ensure that `k h` is below the stability limit `3/10` of the highest order.
     const SMOOTH: [f64; 2] = [0.25, 0.06];
 
-    /// By the differences of each order, from the highest one on, from the next.
+    /// Estimate from the differences between successive orders, beginning with the highest.
     ///
-    /// The error is that of the stable order, and where the motion is smooth at least a quarter of the next order's difference: the former
-    /// alone passes through zero where a pair that turns is nearest.
+    /// The error is the difference of the stable order from the next lower one. If the motion is smooth, it is at least
+    /// a quarter of the next order's difference, since the former alone passes through zero at the closest approach of
+    /// a rotating pair.
     pub fn of([highest, stable, lower]: [f64; 3]) -> Self {
         if highest <= (Self::SMOOTH[0] * stable).max(Self::SMOOTH[1] * lower) {
             Self { error: stable.max(0.25 * highest), roughness: 0.0 }
@@ -54,19 +57,19 @@ impl Estimate {
         }
     }
 
-    /// The worst of both; what is no number is the worst.
+    /// The larger error and roughness of both; NaN counts as infinite.
     pub fn worse(self, other: Self) -> Self {
         let larger = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) };
         Self { error: larger(self.error, other.error), roughness: larger(self.roughness, other.roughness) }
     }
 
-    /// Both times a factor.
+    /// Error and roughness times a factor.
     pub fn scaled(self, factor: f64) -> Self {
         Self { error: self.error * factor, roughness: self.roughness * factor }
     }
 }
 
-/// The worst of all displacements over the radius. Collective.
+/// Worst estimate of all displacements over the radius. Collective.
 pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Comm) -> Estimate {
     for name in USED {
         particles.vectors(name);
@@ -91,7 +94,7 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Com
 mod tests {
     use super::*;
 
-    /// Differences of the orders for a motion whose velocity was `past(k)` at `k` steps ago.
+    /// Estimate for a motion whose velocity was `past(k)` at `k` steps ago.
     fn estimate(past: impl Fn(f64) -> f64) -> Estimate {
         let weights = weights(&[0.0, 1.0, 2.0, 3.0], 1.0);
         let moved = weights.map(|weights| (0..4).map(|k| weights[k] * past(k as f64)).sum::<f64>());

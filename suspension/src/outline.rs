@@ -1,4 +1,4 @@
-//! A scene in numbers, before it is run.
+//! Outline of a scene before it is run, in numbers.
 
 use crate::cautions::{cautions, diffusive_step};
 use crate::error::StartError;
@@ -14,35 +14,35 @@ use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
 use simulation::Outline;
 
-/// Plans that are named beside the one that was chosen.
+/// Number of alternative plans that are listed.
 const RUNNERS_UP: usize = 3;
 
-/// The ranks that a run is thought to have.
+/// Parallel layout for which the outline is made.
 #[derive(Debug, Clone, Copy)]
 pub struct Asked {
-    /// They, and their threads.
+    /// Ranks and their threads.
     pub ranks: Ranks,
-    /// Ranks that share a machine.
+    /// Number of ranks that share a machine.
     pub on_a_machine: usize,
-    /// Whether they are the ranks that are present, for which a run that has too little memory is refused.
+    /// Whether these are the present ranks, for which a run that needs too much memory is refused.
     pub are_present: bool,
 }
 
 impl Asked {
-    /// The ranks that are present.
+    /// Layout of the present ranks.
     pub fn present(comm: &Comm) -> Self {
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         Self { ranks, on_a_machine: comm.size(), are_present: true }
     }
 }
 
-/// What each rank needs, and whether this machine has it.
+/// Memory of each rank, and an error if this machine does not have it.
 struct Memory {
     needs: Vec<Need>,
     missing: Option<String>,
 }
 
-/// The outline of a scene on ranks that need not be present. Collective.
+/// Outline of a scene for a parallel layout that need not be present. Collective.
 pub fn outline(
     model: &Model,
     placed: Option<GivenPositions>,
@@ -81,15 +81,15 @@ pub fn outline(
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
 
-/// The bytes that the rank of a run that needs the most takes at its peak, before any particle is placed; nothing where a file
-/// says which particles there are.
+/// Predicted peak memory in bytes of the rank that needs most, before any particle is placed; `None` if a file
+/// determines the particles.
 pub fn predicted_memory(model: &Model, ranks: Ranks) -> Result<Option<f64>, StartError> {
     let Some(planned) = Planned::of_model(model)? else { return Ok(None) };
     let needs = memory::needs(model, (&planned.radii, &planned.plan), ranks);
     Ok(needs.iter().map(|need| need.resident).reduce(f64::max))
 }
 
-/// The last step, or those of which a strain may be the end before.
+/// Adds the last step, and the strain at which the run may end before it.
 fn with_end(outline: Outline, model: &Model) -> Outline {
     let (steps, end) = (model.steps, Number(model.end()));
     let text = match model.last_strain {
@@ -103,7 +103,7 @@ fn with_end(outline: Outline, model: &Model) -> Outline {
     }
 }
 
-/// The stiffness of contacts, where the scene says no number.
+/// Adds the estimated stiffness of contacts, if it is automatic.
 fn with_stiffness(outline: Outline, model: &Model) -> Outline {
     let Some(contacts) = model.contacts.filter(|contacts| contacts.stiffness.is_none()) else { return outline };
     let stiffness = contacts.contact(model).stiffness;
@@ -116,7 +116,7 @@ fn with_stiffness(outline: Outline, model: &Model) -> Outline {
         .value("contact_stiffness", stiffness)
 }
 
-/// What a given flux takes.
+/// Adds the pressure gradient of a given flux.
 fn with_flux(outline: Outline, model: &Model) -> Outline {
     let Flow::ConstantFlux { mean_velocity } = model.flow else { return outline };
     let curvature = model.flow.curvature(model.viscosity, model.cell.edges().z).unwrap_or_default();
@@ -134,7 +134,7 @@ fn with_flux(outline: Outline, model: &Model) -> Outline {
         .value("pressure_gradient_of_fluid", alone)
 }
 
-/// The particles, and their smallest gap if there is memory to place them: infinite for a sphere alone.
+/// Adds the particles, and their smallest gap if there is memory to place them (infinite for a single sphere).
 fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&Gap>) -> Outline {
     let fraction = fraction(model, radii);
     let filled = fraction.map_or_else(String::new, |part| format!(", {:.4}% by volume", Number(100.0 * part)));
@@ -150,7 +150,7 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
     outline.value("smallest_gap", gap.map(|gap| gap.length))
 }
 
-/// What the boundaries of a box cost, that is not periodic, beside one of the same edges that is.
+/// Adds the cost of the boundaries, relative to a periodic box with the same edges.
 fn beside_periodic(
     outline: Outline,
     (model, cell): (&Model, &PeriodicBox),
@@ -175,14 +175,14 @@ fn beside_periodic(
     if follows(boundaries) { outline.line("", follows_them) } else { outline }
 }
 
-/// The part that the spheres fill of the box, or of the ball in which they start; none of open fluid.
+/// Volume fraction in the box, or in the ball in which the spheres start; `None` in open fluid.
 fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
     let ball = model.start.ball().map(|radius| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3));
     let is_open = model.cell.boundaries() == Boundaries::Open;
     ball.or((!is_open).then(|| model.cell.volume())).map(|volume| radii.volume() / volume)
 }
 
-/// What an evaluation takes, and the fastest of the other plans.
+/// Adds the cost of an evaluation and the fastest alternative plans.
 fn with_cost(outline: Outline, (plan, turn): (&Plan, Turn), others: &[Plan]) -> Outline {
     let seconds = plan.predicted_seconds;
     let text = format!("about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several");
@@ -195,7 +195,7 @@ fn with_cost(outline: Outline, (plan, turn): (&Plan, Turn), others: &[Plan]) -> 
     outline.value("other_plans", others.iter().map(|plan| plan_values(plan, turn)).collect::<Vec<_>>())
 }
 
-/// A plan as named values, for a reader whose axes a turn makes those of the box.
+/// A plan as named values; `turn` is the rotation from the reader's axes to those of the box.
 pub fn plan_values(plan: &Plan, turn: Turn) -> Value {
     let (method, width, cutoff) = match plan.method {
         Method::Direct => ("direct", None, None),
@@ -218,7 +218,7 @@ pub fn plan_values(plan: &Plan, turn: Turn) -> Value {
 impl Memory {
     fn of(model: &Model, planned: &Planned, asked: Asked) -> Self {
         let needs = memory::needs(model, (&planned.radii, &planned.plan), asked.ranks);
-        // The first ranks share a machine, and the first of them needs the most.
+        // The first ranks share a machine, and the first of them needs the most memory.
         let together = &needs[..asked.on_a_machine.min(needs.len())];
         let missing = if asked.are_present { None } else { Comm::check_memory_of(together).err() };
         let remedy = memory::remedy(model, &planned.radii);

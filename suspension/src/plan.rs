@@ -1,15 +1,15 @@
-//! How the fluid of a scene is to be computed.
+//! Plan of the far field of a scene.
 
 use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
 use domain::{Comm, Particles, PeriodicBox, Vector};
 use fcm::{Costs, Fixed, Loading, MethodName, Plan, PlanError, Problem};
 
-/// The radii that occur, smallest first, and how many particles have each.
+/// Radii of the particles in ascending order, with the number of particles of each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Radii(Vec<(f64, usize)>);
 
 impl Radii {
-    /// The radii of the particles of all ranks. Collective.
+    /// Radii of the particles of all ranks. Collective.
     pub fn shared(particles: &Particles, comm: &Comm) -> Self {
         let mut radii = particles.radii.clone();
         radii.sort_by(f64::total_cmp);
@@ -19,14 +19,14 @@ impl Radii {
         Self::of_kinds(all.collect())
     }
 
-    /// Those of groups, some of which may have one radius.
+    /// Radii of groups, merging groups of equal radius.
     fn of_kinds(mut kinds: Vec<(f64, usize)>) -> Self {
         kinds.sort_by(|a, b| a.0.total_cmp(&b.0));
         let merged = |equal: &[(f64, usize)]| (equal[0].0, equal.iter().map(|kind| kind.1).sum());
         Self(kinds.chunk_by(|a, b| a.0.total_cmp(&b.0).is_eq()).map(merged).collect())
     }
 
-    /// The radii of a scene that counts its particles itself; none where a file does.
+    /// Radii of a model that gives its numbers of particles; `None` if a file determines them.
     pub fn of_model(model: &Model) -> Option<Self> {
         if let Start::Given = model.start {
             return None;
@@ -34,55 +34,55 @@ impl Radii {
         Some(Self::of_kinds(model.species.iter().map(|s| (s.radius, s.count.unwrap_or(0) as usize)).collect()))
     }
 
-    /// Each radius and how many particles have it.
+    /// Each radius and its number of particles.
     pub fn kinds(&self) -> &[(f64, usize)] {
         &self.0
     }
 
-    /// How many particles.
+    /// Total number of particles.
     pub fn count(&self) -> usize {
         self.0.iter().map(|(_, count)| count).sum()
     }
 
-    /// Their volume.
+    /// Total volume of the particles.
     pub fn volume(&self) -> f64 {
         self.0.iter().map(|(radius, count)| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * *count as f64).sum()
     }
 
-    /// The two smallest, if there are as many.
+    /// The two smallest radii, if there are two particles.
     pub fn smallest_two(&self) -> Option<[f64; 2]> {
         let mut smallest = self.0.iter().flat_map(|&(radius, count)| std::iter::repeat_n(radius, count.min(2)));
         Some([smallest.next()?, smallest.next()?])
     }
 
-    /// The smallest; infinite without particles.
+    /// Smallest radius; infinite without particles.
     pub fn smallest(&self) -> f64 {
         self.0.first().map_or(f64::INFINITY, |(radius, _)| *radius)
     }
 
-    /// The largest.
+    /// Largest radius; 0 without particles.
     pub fn largest(&self) -> f64 {
         self.0.last().map_or(0.0, |(radius, _)| *radius)
     }
 }
 
-/// The plan for a scene with particles of these radii. It is made as for one rank with one thread, so that the same
-/// scene is computed in the same way, and comes out the same, on any number of them.
+/// The plan for a scene with particles of these radii. It is made for one rank with one thread, so that the same scene
+/// is computed in the same way, with the same results, on any number of them.
 pub fn plan(model: &Model, radii: &Radii) -> Result<Plan, PlanError> {
     Plan::choose(&problem(model, radii))
 }
 
-/// The same in another box, as where a box follows the spheres.
+/// The plan in another box, for boxes that follow the spheres.
 pub fn plan_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Result<Plan, PlanError> {
     Plan::choose(&problem_in(cell, model, radii))
 }
 
-/// What [`plan`] plans.
+/// The problem that [`plan`] solves.
 pub fn problem(model: &Model, radii: &Radii) -> Problem {
     problem_in(&model.cell, model, radii)
 }
 
-/// What [`plan_in`] plans.
+/// The problem that [`plan_in`] solves.
 pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
     let (edges, contraction) = edges(cell, model);
     let costs = model.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
@@ -113,8 +113,8 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
     }
 }
 
-/// Loads of a scene: those of a flow, if there is one; else weights and forces of species, equal on many spheres, which stand in a
-/// lattice at most where they do not start at random.
+/// Loading of a scene: that of a flow, if there is one; otherwise forces that are uniform for each species. Spheres
+/// that do not start at random may form a lattice.
 fn loading(model: &Model) -> Loading {
     let is_forced = model.species.iter().any(|s| s.force_on(s.radius, model.gravity) != Vector::ZERO);
     match model.start {
@@ -125,7 +125,7 @@ fn loading(model: &Model) -> Loading {
     }
 }
 
-/// The longest edges that the box of a scene will have, and the least part of them that it will.
+/// Longest edges of the box at any time, and the smallest factor by which one of them contracts.
 fn edges(cell: &PeriodicBox, model: &Model) -> (Vector, f64) {
     let edges = cell.edges();
     model.stretched_box().map_or((edges, 1.0), |extension| {
@@ -134,7 +134,7 @@ fn edges(cell: &PeriodicBox, model: &Model) -> (Vector, f64) {
     })
 }
 
-/// The largest strain that the box of a scene will have.
+/// Largest strain of the box of a scene at any time.
 pub fn largest_strain(model: &Model) -> f64 {
     let edges = model.cell.edges();
     if let Some(extension) = model.stretched_box() {
@@ -144,7 +144,7 @@ pub fn largest_strain(model: &Model) -> f64 {
     if shears { 0.5 * edges.x / edges.y } else { model.cell.strain().abs() }
 }
 
-/// What the scene says of the plan.
+/// Parts of the plan that the scene fixes.
 fn fixed(model: &Model) -> Fixed {
     let chosen = &model.hydrodynamics;
     let method = match chosen.method {
@@ -152,7 +152,8 @@ fn fixed(model: &Model) -> Fixed {
         Evaluation::Direct => Some(MethodName::Direct),
         Evaluation::Split => Some(MethodName::Split),
     };
-    // Where contacts begin to slide or to stick, motions jump: steps can use no more digits of a solve than are asked for.
+    // With contacts, motions jump at the onset of sliding or sticking: steps gain nothing from solves tighter than the
+    // tolerance.
     let usual = model.contacts.map(|_| chosen.tolerance);
     let iteration_tolerance = chosen.iteration_tolerance.or(usual);
     Fixed { method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }

@@ -1,19 +1,19 @@
-//! What particles remember of a flow whose flux is kept.
+//! State of the constant-flux constraint, stored with the particles for restarts.
 
 use domain::{Comm, Particles};
 
-/// The column that says what curvature keeps the flux, the same for all particles.
+/// Column of the curvature, equal for all particles.
 pub const CURVATURE: &str = "curvature of the flow";
 
-/// The flow by a pressure gradient, besides that of the fluid alone, which keeps the flux with the particles as they are: its curvature
-/// `-u''` as it was found last.
+/// Change of the pressure-driven flow that keeps the flux in the presence of the particles: the curvature `-u''` of the
+/// latest solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PressureFlow {
     curvature: f64,
 }
 
 impl PressureFlow {
-    /// As particles remember it, which are on the first rank, if they do. Collective.
+    /// Restores the state that the particles of the first rank store, if any. Collective.
     pub fn recalled(particles: &Particles, comm: &Comm) -> Self {
         let column = particles.columns.iter().find(|column| column.name == CURVATURE);
         let mut known: Vec<f64> = column.and_then(|column| column.values.first()).copied().into_iter().collect();
@@ -21,17 +21,17 @@ impl PressureFlow {
         Self { curvature: known.first().copied().unwrap_or_default() }
     }
 
-    /// Lets particles remember it.
+    /// Stores the state in a column of the particles.
     pub fn note(self, particles: &mut Particles) {
         particles.column(CURVATURE, 1).values.fill(self.curvature);
     }
 
-    /// The curvature, one over time and length.
+    /// Curvature, one over time and length.
     pub fn curvature(self) -> f64 {
         self.curvature
     }
 
-    /// Goes on with a curvature that was found.
+    /// Sets the curvature of a new solution.
     pub fn set_curvature(&mut self, curvature: f64) {
         self.curvature = curvature;
     }

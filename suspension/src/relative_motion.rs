@@ -1,4 +1,4 @@
-//! The relative motion of near pairs.
+//! Relative motion of near pairs.
 
 use crate::deformation::Deformation;
 use crate::moving_box::MovingBox;
@@ -9,27 +9,27 @@ use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
-/// Pairs are watched whose centres are nearer than this many of the largest radius.
+/// Largest centre distance of the pairs that are considered, over the largest radius.
 pub const WATCHED: f64 = 3.0;
 
-/// Gaps to walls are watched up to this many radii.
+/// Largest gap to a wall that is considered, over the radius.
 const WATCHED_AT_WALLS: f64 = 1.0;
 
-/// Pairs that one thread looks at.
+/// Number of pairs that one thread processes at a time.
 const BATCH: usize = 1024;
 
-/// Rounds in which pairs are moved apart before that is given up.
+/// Largest number of iterations in which pairs are moved apart.
 const MOST_ROUNDS: usize = 100;
 
-/// Pairs are left alone whose gap falls short of what it should be by this part of it.
+/// Relative tolerance of the gap of pairs that are moved apart.
 const SLACK: f64 = 0.1;
 
-/// The relative motion of near pairs, as `N` velocities of each: of now, and of the past.
+/// Relative motion of near pairs, with `N` velocities of each: the present one and past ones.
 pub struct RelativeMotion<const N: usize> {
     near: Near,
     pairs: Vec<MovingPair<N>>,
     at_walls: Vec<MovingAtWall<N>>,
-    /// What the flow does to separations besides.
+    /// Deformation of separations by the flow, in addition.
     carry: Deformation,
 }
 
@@ -39,7 +39,7 @@ struct MovingPair<const N: usize> {
     radii: [f64; 2],
 }
 
-/// A sphere at a wall, by its row: along the axis, to the wall, which does not move.
+/// A sphere, by its row, near a wall. Its velocities are along the axis, towards the wall, which is at rest.
 struct MovingAtWall<const N: usize> {
     row: usize,
     to: ToWall,
@@ -48,7 +48,7 @@ struct MovingAtWall<const N: usize> {
 }
 
 impl<const N: usize> RelativeMotion<N> {
-    /// The near pairs of particles whose columns of these names hold velocities, found by themselves. Collective.
+    /// Finds the near pairs of particles with velocities in the named columns. Collective.
     pub fn find(particles: &mut Particles, moving: &MovingBox, partition: &Partition, columns: [&str; N]) -> Self {
         let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
         partition.comm().max(&mut largest);
@@ -56,7 +56,7 @@ impl<const N: usize> RelativeMotion<N> {
         Self::new(near, particles, moving, columns)
     }
 
-    /// Those of near pairs that were found for particles, whose columns of these names hold velocities. Collective.
+    /// Relative motion of known near pairs, with velocities in the named columns. Collective.
     pub fn new(near: Near, particles: &mut Particles, moving: &MovingBox, columns: [&str; N]) -> Self {
         let velocities = columns.map(|name| particles.vectors(name).to_vec());
         let at_walls = at_walls(particles, moving.cell(), velocities.each_ref());
@@ -67,23 +67,22 @@ impl<const N: usize> RelativeMotion<N> {
         Self { near, pairs, at_walls, carry: Deformation::NONE }
     }
 
-    /// The same with separations that the flow deforms too, after they changed by displacements.
+    /// Lets the flow deform separations as well, after they changed by displacements.
     pub fn carried_by(&mut self, carry: Deformation) -> &Self {
         self.carry = carry;
         self
     }
 
-    /// What the displacements `sum of weights[k] * velocity k` do to gaps, and how far they are from those with the
-    /// weights `lower`. Losses are over gaps of at least `least[0]` mean radii and errors over those of at least
-    /// `least[1]`, where smaller ones count as so large; those of spheres that overlap do not count at all if that is
-    /// zero. Collective.
+    /// Change of gaps by the displacements `sum of weights[k] * velocity k`, with the errors relative to the second
+    /// weights. Losses are relative to gaps of at least `least[0]` mean radii, errors to gaps of at least `least[1]`:
+    /// smaller gaps count as that large. If `least[0]` is zero, overlapping spheres are ignored. Collective.
     pub fn after(&self, both: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
         let judge = |[after, lower]: [f64; 2]| (after, Estimate { error: (after - lower).abs(), roughness: 0.0 });
         self.changes(both, judge, least, comm)
     }
 
-    /// The same with the weights of orders, from the highest one on, of which the second one moves the spheres, and with the error that
-    /// [`Estimate`] has. Collective.
+    /// [`Self::after`] with the weights of four orders, the highest first; the second one moves the spheres, and the
+    /// error is that of [`Estimate`]. Collective.
     pub fn after_orders(&self, orders: [[f64; N]; 4], least: [f64; 2], comm: &Comm) -> Change {
         let judge = |gaps: [f64; 4]| {
             (gaps[1], Estimate::of(std::array::from_fn(|order| (gaps[order] - gaps[order + 1]).abs())))
@@ -91,7 +90,7 @@ impl<const N: usize> RelativeMotion<N> {
         self.changes(orders, judge, least, comm)
     }
 
-    /// What happens to gaps, by the gap afterwards and its error, which `judge` says by the gaps after displacements with each of the
+    /// Change of gaps. `judge` returns the final gap and its error from the gaps after displacements with each of the
     /// weights. Collective.
     fn changes<const M: usize>(
         &self,
@@ -119,16 +118,16 @@ impl<const N: usize> RelativeMotion<N> {
         Change { gap: least[0], loss: -least[1], error: -least[2], roughness: -least[3] }
     }
 
-    /// Displacements, besides `sum of weights[k] * velocity k`, that leave every pair with a gap of `closest` mean
-    /// radii, but for a tenth of it: pairs that are nearer are moved apart along their lines of centres, the smaller
-    /// sphere farther, again and again, a sphere of several such pairs by the mean of what they ask for. None if that
-    /// comes to no end. Collective.
+    /// Displacements, in addition to `sum of weights[k] * velocity k`, that give every pair a gap of at least `closest`
+    /// mean radii, up to a tenth of that. Iteratively, pairs that are closer are moved apart along their lines of
+    /// centres, the smaller sphere farther; a sphere of several such pairs moves by their mean. `None` if the iteration
+    /// does not converge. Collective.
     pub fn apart(&self, weights: [f64; N], closest: f64, comm: &Comm) -> Option<Vec<Vector>> {
         let (displacements, is_done) = self.pushed(weights, closest, comm);
         is_done.then_some(displacements)
     }
 
-    /// The same as far as it comes, and whether it comes to an end. Collective.
+    /// [`Self::apart`] as far as the iteration comes, and whether it converged. Collective.
     pub fn pushed(&self, weights: [f64; N], closest: f64, comm: &Comm) -> (Vec<Vector>, bool) {
         let separations: Vec<Vector> =
             self.pairs.iter().map(|pair| pair.separation_after(weights, self.carry)).collect();
@@ -154,24 +153,24 @@ impl<const N: usize> RelativeMotion<N> {
     }
 }
 
-/// What happens to gaps.
+/// Change of gaps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
-    /// The smallest gap before.
+    /// Smallest gap before.
     pub gap: f64,
-    /// The largest part that a gap loses.
+    /// Largest relative loss of a gap.
     pub loss: f64,
-    /// The largest error of a gap, over the gap.
+    /// Largest relative error of a gap.
     pub error: f64,
-    /// The largest difference of a gap by an order that is not known to be better, over the gap.
+    /// Largest relative roughness of a gap, see [`Estimate::roughness`].
     pub roughness: f64,
 }
 
 impl Change {
-    /// Where there are no gaps.
+    /// Change without any gaps.
     const NONE: Self = Self { gap: f64::INFINITY, loss: 0.0, error: 0.0, roughness: 0.0 };
 
-    /// The worst of both.
+    /// The worse of two changes.
     fn worse(self, other: Self) -> Self {
         Self {
             gap: self.gap.min(other.gap),
@@ -181,7 +180,7 @@ impl Change {
         }
     }
 
-    /// Notes a gap before and after, and its error, over those that it counts as at least.
+    /// Takes a gap before and after and its error into account, relative to gaps of at least `least`.
     fn note(&mut self, gap: f64, (after, estimate): (f64, Estimate), least: [f64; 2]) {
         self.gap = self.gap.min(gap);
         let sizes = least.map(|least| gap.max(least));
@@ -193,7 +192,7 @@ impl Change {
     }
 }
 
-/// How pairs move a sphere apart from others: the sum of what they ask for, and how many they are.
+/// Displacement of a sphere away from others: sum of the displacements that its pairs demand, and their number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 struct Push {
@@ -208,7 +207,7 @@ impl AddAssign for Push {
     }
 }
 
-/// The spheres that are near walls.
+/// Spheres near walls.
 fn at_walls<const N: usize>(
     particles: &Particles,
     cell: &PeriodicBox,
@@ -234,7 +233,7 @@ impl<const N: usize> MovingAtWall<N> {
         self.gap() - self.velocities.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>()
     }
 
-    /// As of a pair, besides displacements.
+    /// [`MovingPair::push`] for a wall, given the displacements so far.
     fn push(&self, weights: [f64; N], displacements: &[Vector], closest: f64) -> Option<(usize, Push)> {
         let gap = self.gap_after(weights) - displacements[self.row].dot(self.to.axis);
         let wanted = closest * self.radius;
@@ -261,7 +260,8 @@ impl<const N: usize> MovingPair<N> {
         self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
     }
 
-    /// What gives the spheres a gap of `closest` mean radii, if theirs falls short of it by more than the slack.
+    /// Displacements that give the spheres a gap of `closest` mean radii, if it falls short of that by more than the
+    /// tolerance.
     fn push(&self, separation: Vector, closest: f64) -> [Push; 2] {
         let (distance, gap) = (separation.length(), closest * self.mean_radius());
         let missing = gap + 2.0 * self.mean_radius() - distance;
@@ -269,7 +269,7 @@ impl<const N: usize> MovingPair<N> {
             return [Push::default(); 2];
         }
         let sum = self.radii[0] + self.radii[1];
-        // Two at one place are moved apart along x.
+        // Spheres with coincident centres are moved apart along x.
         let apart = if distance > 0.0 { separation * (missing / distance / sum) } else { Vector::X * (missing / sum) };
         [-apart * self.radii[1], apart * self.radii[0]].map(|displacement| Push { displacement, pairs: 1.0 })
     }
@@ -284,8 +284,7 @@ mod tests {
 
     const VELOCITY: &str = "velocity";
 
-    /// A chain of spheres, near enough to touch once they move, that is pressed together from both ends across a face
-    /// of the box.
+    /// A chain of nearly touching spheres, compressed from both ends across a face of the box.
     fn chain() -> Particles {
         let mut particles = Particles::default();
         for (id, (x, radius, velocity)) in [(9.0, 1.0, 0.1), (0.5, 0.5, 0.0), (2.0, 1.0, -0.2)].into_iter().enumerate()

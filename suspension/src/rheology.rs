@@ -1,4 +1,4 @@
-//! What is observed of the stress of a sheared suspension.
+//! Stress of a sheared or stretched suspension in the time series.
 
 use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
 use crate::stress::ParticleStress;
@@ -6,27 +6,26 @@ use crate::user_axes::UserAxes;
 use domain::{Boundaries, Tensor};
 use simulation::Quantity;
 
-/// The rows of the time series that tell of stress, in a shear flow `u = rate y e_x`, or `u = rate z e_x` between walls, or in an
-/// extension.
+/// Stress in the time series, in a shear flow `u = rate y e_x`, or `u = rate z e_x` between walls, or in an extension.
 pub struct Rheology {
     species: Vec<String>,
     viscosity: f64,
     flow: Flow,
     /// Whether the rate of the flow changes.
     changes: bool,
-    /// The axis along which the flow grows.
+    /// Gradient axis.
     gradient: usize,
     origins: Vec<Origin>,
     axes: UserAxes,
 }
 
-/// Where a part of the stress comes from.
+/// Name of a contribution to the stress, and its tensor.
 type Origin = (&'static str, fn(&ParticleStress) -> Tensor);
 
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 
 impl Rheology {
-    /// What a scene has of it; nothing without a flow, nor in open fluid, which has no volume over which to average.
+    /// The quantities for a model; `None` without a flow, or in open fluid, which has no volume over which to average.
     pub fn of(model: &Model) -> Option<Self> {
         let rates = model.shear_rates();
         if rates.largest() == 0.0 || model.cell.boundaries() == Boundaries::Open {
@@ -56,14 +55,15 @@ impl Rheology {
         })
     }
 
-    /// The stress by origin and species, and what it amounts to: with `s` the sum of all of it,
+    /// Stress by contribution and species, and material functions: with `s` the total particle stress,
     ///
     /// ```text
-    /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),  N1 = s_xx - s_yy,  N2 = s_yy - s_zz,  particle pressure = -tr(s) / 3
+    /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),
+    /// N1 = s_xx - s_yy,  N2 = s_yy - s_zz,  particle pressure = -tr(s) / 3
     /// ```
     ///
-    /// and between walls, where the flow grows along z, y and z exchanged. In an extension the stress that drives it, see
-    /// [`Flow::driving_stress`], takes the place of `s_xy`.
+    /// Between walls, where the gradient is along z, y and z are exchanged. In an extension, [`Flow::driving_stress`]
+    /// takes the place of `s_xy`.
     pub fn quantities(&self) -> Vec<Quantity> {
         let unit = "force/length^2";
         let table = |&(name, _): &Origin| {
@@ -82,8 +82,8 @@ impl Rheology {
         quantities
     }
 
-    /// What the rate, the strain and the stress that drives the flow are called, where they are written: of a shear flow whose
-    /// rate changes, and of extensions.
+    /// Names of the rate, the strain and the stress along the flow. These are written for shear flows whose rate
+    /// changes and for extensions.
     fn names(&self) -> Option<[&'static str; 3]> {
         match self.flow {
             Flow::Extension { .. } => Some(["extension_rate", "strain", "extensional_stress"]),
@@ -91,12 +91,12 @@ impl Rheology {
         }
     }
 
-    /// The stress of the whole suspension that drives the flow at a rate.
+    /// Stress of the whole suspension along the flow at a rate.
     pub fn driving_stress(&self, stress: &[ParticleStress], rate: f64) -> f64 {
         self.viscosity * rate + self.flow.driving_stress(&ParticleStress::sum(stress), self.gradient)
     }
 
-    /// The numbers of these quantities at a rate of the flow and a strain.
+    /// A row of the quantities at a rate and a strain of the flow.
     pub fn row(&self, stress: &[ParticleStress], [rate, strain]: [f64; 2]) -> Vec<Vec<f64>> {
         let of_all =
             |&(_, part): &Origin| stress.iter().flat_map(|s| components(&self.axes.tensor(&part(s)))).collect();

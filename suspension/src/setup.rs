@@ -1,4 +1,4 @@
-//! A scene made ready: particles in place, the plan for the fluid, and who owns what.
+//! Preparation of a scene: placed particles, the plan of the far field, and the partition.
 
 use crate::error::StartError;
 use crate::gap::Gap;
@@ -19,34 +19,34 @@ use hydrodynamics::lengths::check_lubricated;
 use hydrodynamics::memory::Ranks;
 use simulation::Clock;
 
-/// What a run and its outline have in common.
+/// A prepared scene, for a run or its outline.
 pub struct Setup {
     /// This rank's particles.
     pub particles: Particles,
     /// Radii of all particles.
     pub radii: Radii,
-    /// How the fluid is computed.
+    /// Plan of the far field.
     pub plan: Plan,
-    /// Which rank owns what.
+    /// Partition of space among ranks.
     pub partition: Partition,
-    /// The box, and the background flow.
+    /// The box and the background flow.
     pub moving: MovingBox,
-    /// How far spheres that overlapped were moved at most, if any were.
+    /// Upper bound of the displacement by which overlapping spheres were moved apart, if any overlapped.
     farthest: Option<Gap>,
 }
 
-/// Rounds in which spheres that overlap are moved apart, each of as many pushes as a neighbour list is good for.
+/// Largest number of rounds in which overlapping spheres are moved apart, each with a new neighbour list.
 const MOST_ROUNDS: usize = 100;
 
 impl Setup {
-    /// A scene at time zero, if there is memory to run it. Collective.
+    /// Prepares a scene at time zero, if there is memory to run it. Collective.
     pub fn start(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
         let planned = Planned::of_model(model)?;
         planned.iter().try_for_each(|planned| planned.check_memory(model, comm))?;
         Self::placed(model, placed, planned, comm)
     }
 
-    /// A scene at time zero, planned before if it counts its particles itself. Collective.
+    /// Prepares a scene at time zero, with a plan if the scene gives the numbers of particles. Collective.
     pub fn placed(
         model: &Model,
         placed: Option<GivenPositions>,
@@ -66,7 +66,7 @@ impl Setup {
         let Self { particles, moving, partition, .. } = &mut setup;
         tethers::tie(particles, model, (moving.cell(), partition))?;
         let Gap { length: gap, radius } = setup.gap();
-        // Touching spheres may touch, up to the round-off of a box's length.
+        // Touching spheres are allowed, up to round-off of the box's edges.
         if gap > -1e-12 * model.cell.edges().max_element() {
             Ok(setup)
         } else {
@@ -74,7 +74,8 @@ impl Setup {
         }
     }
 
-    /// Moves spheres that overlap apart, until all gaps are about so many mean radii or that comes to no end. Collective.
+    /// Moves overlapping spheres apart until all gaps are about `gap` mean radii, or until the rounds are used up.
+    /// Collective.
     fn relax(&mut self, gap: f64, comm: &Comm) {
         let mut farthest = 0.0_f64;
         for _ in 0..MOST_ROUNDS {
@@ -96,7 +97,7 @@ impl Setup {
         self.farthest = Some(Gap { length: farthest, radius: self.radii.smallest() });
     }
 
-    /// A scene after `step` steps, with its particles on any ranks, if there is memory to run it. Collective.
+    /// Prepares a scene after `step` steps, with its particles on any ranks, if there is memory to run it. Collective.
     pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
         let radii = Radii::shared(&particles, comm);
         let cell = open_box::of(model, &particles, (&radii, comm));
@@ -143,40 +144,40 @@ impl Setup {
         Ok(Self { particles, radii, plan, partition, moving, farthest: None })
     }
 
-    /// What to say of spheres that overlapped and were moved apart, if any were.
+    /// A warning about overlapping spheres that were moved apart, if there were any.
     pub fn relaxed(&self) -> Option<String> {
         let farthest = self.farthest?;
         Some(format!("spheres overlap at the start; with [contacts] they are moved apart first, by {farthest} at most"))
     }
 
-    /// The smallest gap between the surfaces of two particles. Collective.
+    /// Smallest gap between the surfaces of two particles. Collective.
     pub fn gap(&self) -> Gap {
         let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
         Gap { length, radius: self.radii.smallest() }
     }
 }
 
-/// The flow that a pressure gradient drives without particles, if one does.
+/// Pressure-driven flow of the model without particles, if there is one.
 pub(crate) fn profile(model: &Model) -> Option<Poiseuille> {
     let height = model.cell.edges().z;
     model.flow.curvature(model.viscosity, height).map(|curvature| Poiseuille { curvature, height })
 }
 
-/// The radii of a scene's particles, and how the fluid is computed.
+/// Radii of a scene's particles, and the plan of the far field.
 pub struct Planned {
     /// Radii of all particles.
     pub radii: Radii,
-    /// How the fluid is computed.
+    /// Plan of the far field.
     pub plan: Plan,
 }
 
-/// Which rank owns what.
+/// Partition of space among ranks.
 fn partition(plan: &Plan, comm: &Comm) -> Partition {
     Partition::new(comm, [plan.grid[1], plan.grid[2]])
 }
 
 impl Planned {
-    /// Which rank owns what.
+    /// Partition of space among ranks.
     pub fn partition(&self, comm: &Comm) -> Partition {
         partition(&self.plan, comm)
     }
@@ -185,19 +186,19 @@ impl Planned {
         Ok(Self { plan: plan(model, &radii)?, radii })
     }
 
-    /// A scene in a box that may be another than its own, if there is memory to run it there. Collective.
+    /// Plans a scene in a box that may differ from its own, if there is memory for it. Collective.
     pub fn within(cell: &PeriodicBox, model: &Model, radii: Radii, comm: &Comm) -> Result<Self, Failure> {
         let planned = Self { plan: comm.agree(plan_in(cell, model, &radii))?, radii };
         planned.check_memory(model, comm)?;
         Ok(planned)
     }
 
-    /// What a scene says of itself before any particle is placed; nothing where a file has the particles.
+    /// Plans a model before any particle is placed; `None` if a file determines the particles.
     pub fn of_model(model: &Model) -> Result<Option<Self>, PlanError> {
         Radii::of_model(model).map(|radii| Self::new(model, radii)).transpose()
     }
 
-    /// Refuses a run for which the ranks present have no memory. Collective.
+    /// Refuses a run for which the present ranks do not have the memory. Collective.
     pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());

@@ -1,4 +1,4 @@
-//! How long fixed steps may be where repulsion holds spheres apart.
+//! Stability of fixed steps with repulsion.
 
 use crate::forces::SurfaceForces;
 use crate::integrator::AdamsBashforth;
@@ -7,10 +7,10 @@ use crate::plan::Radii;
 use domain::Number;
 use lubrication::{Detail, opening_mobility};
 
-/// Gaps within the range of repulsion at which a pair is looked at.
+/// Number of gaps within the range of the repulsion at which the stability is evaluated.
 const GAPS: u32 = 16;
 
-/// What to say of a time step that is too long for the repulsion of the scene, if it is.
+/// A warning if the time step is too long for the repulsion.
 pub fn caution(model: &Model, radii: &Radii) -> Option<String> {
     let (step, longest) = (model.time_step, longest_for(model, radii)?);
     let lower = match model.integrator {
@@ -29,17 +29,17 @@ pub fn caution(model: &Model, radii: &Radii) -> Option<String> {
     })
 }
 
-/// The longest fixed step with which pairs are steady that repulsion holds apart; none if there is no such limit, or
-/// somebody brings the spheres.
+/// Longest stable fixed step with repulsion; `None` if there is no such limit, or if the spheres are provided from
+/// elsewhere.
 pub fn longest_step(model: &Model) -> Option<f64> {
     longest_for(model, &Radii::of_model(model)?)
 }
 
-/// The longest fixed step with which two spheres come to rest that are pushed together and held apart by repulsion: a
-/// small change of their gap decays with the rate `-dF/dr m` at the stiffness `-dF/dr` of the repulsion and the mobility
-/// `m` of the pair along its line of centres, and the method is stable up to a product of that and the step. The worst
-/// gap counts, and the two smallest spheres, which are the stiffest pair. None if steps are divided as need be, or
-/// there is no repulsion.
+/// Longest fixed step with which two spheres that are pushed together against their repulsion come to rest. A small
+/// perturbation of their gap decays at the rate `-dF/dr m`, with the stiffness `-dF/dr` of the repulsion and the
+/// mobility `m` of the pair along the line of centres; the method is stable up to a product of that rate and the step.
+/// The worst gap counts, and the two smallest spheres, which are the stiffest pair. `None` if steps are adaptive, or
+/// without repulsion.
 fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
     let stable = match model.integrator {
         Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).stable(),

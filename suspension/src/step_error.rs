@@ -1,76 +1,76 @@
-//! Why a step could not be taken.
+//! Errors of a step.
 
 use crate::gap::Gap;
 use domain::{Failure, Interrupted};
 use fcm::SolveError;
 
-/// Why a step could not be taken.
+/// Error of a step.
 #[derive(Debug, thiserror::Error)]
 pub enum StepError {
-    /// A position that is no place.
+    /// A position that is not finite or far away.
     #[error("{0}")]
     NotFinite(Failure),
-    /// A sphere that has sunk into a wall.
+    /// A sphere that was driven into a wall.
     #[error("{0}")]
     IntoWall(Failure),
-    /// No grid for where the spheres have gone.
+    /// No grid fits the box that follows the spheres.
     #[error("step {step}: the box that follows the spheres has edges of {edges} now; {source}")]
     Box {
-        /// Steps taken before.
+        /// Number of steps taken before.
         step: u64,
-        /// Its edges.
+        /// Edges of the box.
         edges: String,
-        /// Why there is no grid for it.
+        /// Cause.
         source: Failure,
     },
-    /// Near pairs come together faster than steps can follow.
+    /// Near pairs that approach faster than steps can resolve.
     #[error(
         "step {step}: two spheres {gap} apart come together faster than any time step can follow; give the scene a \
          [repulsion], or a larger repulsion.strength, or hydrodynamics.lubrication = true, or time.integrator = \
          \"adams-bashforth\", which lets spheres overlap"
     )]
     Collision {
-        /// Steps taken before.
+        /// Number of steps taken before.
         step: u64,
         /// The smallest gap.
         gap: Gap,
     },
-    /// More contacts of a sphere than there can be.
+    /// More contacts of a sphere than possible.
     #[error("{0}; spheres overlap by far: give a larger contacts.stiffness or a shorter time.step")]
     Contacts(Failure),
     /// A bond that is too long.
     #[error("step {step}: {source}")]
     Bonds {
-        /// Steps taken before.
+        /// Number of steps taken before.
         step: u64,
-        /// Which one, and how long it may be.
+        /// The bond and its limit.
         source: Failure,
     },
-    /// The fluid could not be computed around spheres that overlap.
+    /// A failed solve with overlapping spheres.
     #[error(
         "step {step}: spheres overlap by {overlap}, and the flow around them can't be found; take a smaller time.step, \
          a larger repulsion.strength, or time.integrator = \"adaptive\", which keeps spheres apart"
     )]
     Overlap {
-        /// Steps taken before.
+        /// Number of steps taken before.
         step: u64,
         /// The largest overlap.
         overlap: Gap,
     },
-    /// The fluid could not be computed.
+    /// A failed solve.
     #[error("step {step}")]
     Solve {
-        /// Steps taken before.
+        /// Number of steps taken before.
         step: u64,
-        /// Why not.
+        /// Cause.
         source: SolveError,
     },
-    /// Loads that the user adds could not be computed, or are none.
+    /// User-defined loads that failed or are invalid.
     #[error("step {step}: a force of one's own: {source}")]
     Applied {
-        /// Steps taken before.
+        /// Number of steps taken before.
         step: u64,
-        /// What the function said, or what is wrong with its loads.
+        /// Error of the function, or description of the invalid loads.
         source: Failure,
     },
     /// Some rank was asked to stop.

@@ -1,4 +1,4 @@
-//! Steps in which spheres move farther than the forces between them reach.
+//! Warnings of steps in which spheres move farther than the range of the forces between them.
 
 use crate::cautions::diffusive_step;
 use crate::forces::SurfaceForces;
@@ -6,24 +6,24 @@ use crate::model::{Integrator, Model};
 use crate::plan::Radii;
 use domain::Number;
 
-/// Displacements by Brownian motion in a step, along one axis and of a sphere alone, over the reach of repulsion. Spheres that are
-/// near each other move less.
+/// Largest Brownian displacement in a step of an isolated sphere along one axis, over the range of the repulsion.
+/// Spheres near each other move less.
 const LONGEST_NOISE: f64 = 1.5;
 
-/// Displacements of neighbours against each other by the flow in a step, over the reach of repulsion.
+/// Largest relative displacement of neighbours in a step by the flow, over the range of the repulsion.
 const LONGEST_SHEAR: f64 = 0.5;
 
-/// All warnings of this kind, a sentence each.
+/// All warnings of this kind, one sentence each.
 pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
     [noise(model, radii), shear(model, radii), forces(model, radii)].into_iter().flatten().collect()
 }
 
-/// Whether steps are as long as the scene says, whatever happens in them.
+/// Whether steps have a fixed length.
 fn is_fixed(model: &Model) -> bool {
     matches!(model.integrator, Integrator::AdamsBashforth { .. } | Integrator::Brownian(_))
 }
 
-/// The key that says how far repulsion reaches, and the length within which it falls between the two smallest spheres.
+/// Name of the parameter that determines the range of the repulsion, and this range for the two smallest spheres.
 fn reach(model: &Model, radii: &Radii) -> Option<(&'static str, f64)> {
     let pair = radii.smallest_two()?;
     let repulsion = model.repulsion.filter(|repulsion| repulsion.strength > 0.0)?;
@@ -34,7 +34,7 @@ fn reach(model: &Model, radii: &Radii) -> Option<(&'static str, f64)> {
     Some(("the range of [repulsion]", force.reach(pair) - pair[0] - pair[1]))
 }
 
-/// Brownian motion that takes spheres through the repulsion between them.
+/// Warns of Brownian motion through the range of the repulsion.
 fn noise(model: &Model, radii: &Radii) -> Option<String> {
     let (key, reach) = reach(model, radii)?;
     let moved = (2.0 * diffusive_step(model, radii)?).sqrt() * radii.smallest();
@@ -51,7 +51,7 @@ fn noise(model: &Model, radii: &Radii) -> Option<String> {
     })
 }
 
-/// A flow that takes spheres through the repulsion between them in a fixed step.
+/// Warns of a flow that moves spheres through the range of the repulsion in a fixed step.
 fn shear(model: &Model, radii: &Radii) -> Option<String> {
     if !is_fixed(model) || model.shear_rates().stress().is_some() {
         return None;
@@ -72,7 +72,7 @@ fn shear(model: &Model, radii: &Radii) -> Option<String> {
     })
 }
 
-/// Steady forces that move spheres past each other in a fixed step, or through the box in one that is divided.
+/// Warns of steady forces that move spheres past each other in a fixed step, or through the box in an adaptive one.
 fn forces(model: &Model, radii: &Radii) -> Option<String> {
     if radii.count() < 2 {
         return None;
@@ -123,7 +123,7 @@ mod tests {
     #[test]
     fn noise_beyond_the_repulsion_is_warned_of() {
         for (length, warned) in [(0.021, false), (0.0199, true)] {
-            // 0.03
+            // A displacement of 0.03.
             let thermal_energy = Some(3.0 * PI * 0.0009);
             let integrator = Integrator::Brownian(crate::model::BrownianScheme::default());
             let all = said(Parameters { thermal_energy, integrator, repulsion: Some(screened(length)), ..usual(1.0) });

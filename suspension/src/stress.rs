@@ -1,12 +1,12 @@
-//! The stress that particles add to that of the fluid.
+//! Particle stress.
 
 use crate::columns::{BROWNIAN, STRESSLET};
 use crate::warm_start::STRESSLET_FAR;
 use bytemuck::cast_slice;
 use domain::{Comm, Particles, Tensor, Traceless};
 
-/// The stress of the particles of one species, averaged over the box, by origin. With `S_n` the stresslet of a particle
-/// in the far field, `L_n` what lubrication adds to it, `F_ij` the repulsion that particle `i` feels from `j`, and `V`
+/// Stress of the particles of one species, averaged over the box, by contribution. With `S_n` the far-field stresslet
+/// of a particle, `L_n` the stresslet added by lubrication, `F_ij` the repulsion on particle `i` due to `j`, and `V`
 /// the volume of the box (Batchelor, J. Fluid Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111,
 /// 1988),
 ///
@@ -16,49 +16,50 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// that of attraction and bonds like that, and that of contacts like that of repulsion, its symmetric part, with friction; each
-/// sphere of a pair has a share in proportion to its radius. That of heat is like that of stresslets.
+/// Attraction and bonds contribute like repulsion. Contacts contribute the symmetric part, with friction, divided
+/// between the spheres of a pair in proportion to their radii. The Brownian stress is a sum of stresslets.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
-/// Stresslets have no trace: of the pressure of the particles only the part of repulsion is defined. Forces from
-/// outside, such as weight, have no part in it.
+/// Stresslets are traceless: only the non-hydrodynamic part of the particle pressure is defined. External forces such
+/// as weight do not contribute.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ParticleStress {
-    /// Of the far field's stresslets.
+    /// Far-field stresslets.
     pub stresslet: Tensor,
-    /// Of lubrication's stresslets.
+    /// Lubrication stresslets.
     pub lubrication: Tensor,
-    /// Of the repulsion barrier.
+    /// Repulsion.
     pub repulsion: Tensor,
-    /// Of attraction.
+    /// Attraction.
     pub attraction: Tensor,
-    /// Of contacts.
+    /// Contacts.
     pub contact: Tensor,
-    /// Of bonds.
+    /// Bonds.
     pub bond: Tensor,
-    /// Of heat, the mean of the stresslets that random motions cause, where it is told apart from them.
+    /// Brownian stress, the mean of the stresslets caused by random motions, if it is separated from these.
     pub brownian: Tensor,
 }
 
 impl ParticleStress {
-    /// All origins together.
+    /// Sum of all contributions.
     pub fn total(&self) -> Tensor {
         let of_surfaces = self.stresslet + self.lubrication + self.repulsion + self.attraction;
         of_surfaces + self.contact + self.bond + self.brownian
     }
 
-    /// That of all species together.
+    /// Sum of all species and contributions.
     pub fn sum(of_each: &[Self]) -> Tensor {
         of_each.iter().fold(Tensor::ZERO, |sum, stress| sum + stress.total())
     }
 
-    /// The pressure `-tr(s) / 3` of a stress.
+    /// Pressure `-tr(s) / 3` of a stress.
     pub fn pressure(stress: &Tensor) -> f64 {
         -(stress.x_axis.x + stress.y_axis.y + stress.z_axis.z) / 3.0
     }
 
-    /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume;
-    /// `pairs` has each particle's shares of the first moments of repulsion, attraction, contacts and bonds, or nothing. Collective.
+    /// Stress of each species, from the stresslets in the particles' columns, in a box of a volume. `pairs` has each
+    /// particle's contribution to the first moments of repulsion, attraction, contacts and bonds; empty lists are
+    /// allowed. Collective.
     pub fn by_species(
         particles: &Particles,
         pairs: [&[Tensor]; 4],

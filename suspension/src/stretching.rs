@@ -1,35 +1,35 @@
-//! Lattices that are stretched for ever.
+//! Lattices in unbounded extension.
 
 use crate::model::{CubicField, Extension};
 use domain::{PeriodicBox, Tensor, Vector};
 use std::f64::consts::TAU;
 
-/// Whole numbers, row by row.
+/// Integer matrix, row by row.
 pub type Matrix = [[i32; 3]; 3];
 
 const IDENTITY: Matrix = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-/// A vector is exchanged for one whose square is less by more than this part of it.
+/// Relative decrease of the square of a vector below which it is not replaced by another.
 const ROUND_OFF: f64 = 1e-12;
 
-/// The lattice of a box in an extension, `H(strain) = D(strain) H`, with `D` the stretch and `H` as columns the vectors
-/// without strain. After a period `p` of the strain it is the first one again, turned by `R` about the axis of the flow, and its
-/// vectors are other ones by whole numbers `M`,
+/// The lattice of a box in an extension, `H(strain) = D(strain) H`, with `D` the stretch and `H` the matrix whose
+/// columns are the vectors at zero strain. After a period `p` of the strain it repeats up to a rotation `R` about the
+/// axis of the flow, with other vectors by an integer matrix `M`,
 ///
 /// ```text
 /// D(p) H = R H M,        H(strain) M^-n = D(strain - n p) R^n H
 /// ```
 ///
-/// so that it is known at any strain from one of `|strain| <= p/2`. There the shortest vectors of planar extension, where `R = 1`
-/// and `p = ln((3 + sqrt(5)) / 2)`, are easily found: its box has these, the shortest first. The vectors of a
-/// [`CubicField`] hardly change in its short period and stay.
+/// so it is known at any strain from one with `|strain| <= p/2`. There, the shortest vectors in planar extension, where
+/// `R = 1` and `p = ln((3 + sqrt(5)) / 2)`, are found by reduction: the box has these, the shortest first. The vectors
+/// of a [`CubicField`] change little in its short period and are kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StretchingLattice {
     kind: Extension,
     vectors: [Vector; 3],
 }
 
-/// Which vectors of the lattice the box has: those of `H(strain) M^-periods` times these columns.
+/// Identifies the vectors of a box: those of `H(strain) M^-periods` times these columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Named {
     periods: i64,
@@ -37,17 +37,17 @@ pub struct Named {
 }
 
 impl StretchingLattice {
-    /// The lattice of a box that an extension makes without strain.
+    /// The lattice of a box made by an extension, at zero strain.
     pub fn new(kind: Extension, start: &PeriodicBox) -> Self {
         Self { kind, vectors: start.lattice_vectors() }
     }
 
-    /// The extension.
+    /// Kind of extension.
     pub fn kind(&self) -> Extension {
         self.kind
     }
 
-    /// The box at a strain, and which vectors it has.
+    /// The box at a strain, and its vectors.
     pub fn at(&self, strain: f64) -> (PeriodicBox, Named) {
         let period = self.period();
         let periods = (strain / period + 0.5).floor();
@@ -59,8 +59,8 @@ impl StretchingLattice {
         (cell.expect("a lattice keeps its volume"), Named { periods: periods as i64, columns })
     }
 
-    /// By what lattice steps along the vectors of a box are to be multiplied where other vectors take their place: with `B s =
-    /// B' s'`, `s' = columns'^-1 M^(periods' - periods) columns s`.
+    /// Matrix that converts lattice steps when the vectors of the box change: with `B s = B' s'`,
+    /// `s' = columns'^-1 M^(periods' - periods) columns s`.
     pub fn renamed(&self, before: &Named, now: &Named) -> Matrix {
         let periods = now.periods - before.periods;
         let once = if periods < 0 { inverse(&self.automorphism()) } else { self.automorphism() };
@@ -68,7 +68,8 @@ impl StretchingLattice {
         times(&inverse(&now.columns), &times(&passed, &before.columns))
     }
 
-    /// The strain `p`: negative where the lattice is followed backwards, as biaxial extension shrinks it along its axis.
+    /// The strain `p`; negative if the lattice is followed backwards, as in biaxial extension, which contracts along
+    /// its axis.
     fn period(&self) -> f64 {
         match self.kind {
             Extension::Planar => (0.5 * (3.0 + 5.0_f64.sqrt())).ln(),
@@ -85,7 +86,7 @@ impl StretchingLattice {
         }
     }
 
-    /// `R^n H`, where `R` turns back what multiplication by the complex root turns and `D` does not.
+    /// `R^n H`, where `R` undoes the rotation by the argument of the complex root, which `D` lacks.
     fn turned(&self, periods: f64) -> [Vector; 3] {
         let axis = match self.kind {
             Extension::Planar => return self.vectors,
@@ -98,18 +99,19 @@ impl StretchingLattice {
     }
 }
 
-/// The rate along the axis about which a flow is the same.
+/// Rate along the axis of symmetry of a flow.
 fn along_axis(kind: Extension) -> f64 {
     kind.axis().map_or(0.0, |axis| kind.rates()[axis as usize])
 }
 
-/// Sum of vectors by whole numbers.
+/// Integer combination of vectors.
 fn combined(vectors: &[Vector; 3], numbers: [i32; 3]) -> Vector {
     vectors.iter().zip(numbers).map(|(&vector, number)| vector * f64::from(number)).sum()
 }
 
-/// Numbers, vector by vector, of the two shortest vectors of the lattice of the first two, the shorter first (Gauss): of all
-/// others in their plane none is shorter. They are in right-handed order, and the third stays.
+/// Coefficients of the two shortest vectors of the lattice spanned by the first two, the shorter first (Gauss
+/// reduction): no other vector in their plane is shorter. They are in right-handed order, and the third vector is
+/// unchanged.
 fn reduced(vectors: &[Vector; 3]) -> Matrix {
     let [mut short, mut long, third] = IDENTITY;
     loop {
@@ -122,18 +124,18 @@ fn reduced(vectors: &[Vector; 3]) -> Matrix {
         if combined(vectors, long).length_squared() >= by.length_squared() * (1.0 - ROUND_OFF) {
             return [short, long, third];
         }
-        // A quarter of a turn keeps the order.
+        // A rotation by a right angle keeps the orientation.
         (short, long) = (long, short.map(|number| -number));
     }
 }
 
-/// The product of two matrices, modulo `2^32`.
+/// Matrix product, modulo `2^32`.
 fn times(a: &Matrix, b: &Matrix) -> Matrix {
     let entry = |i: usize, j: usize| (0..3).fold(0, |sum: i32, k| sum.wrapping_add(a[i][k].wrapping_mul(b[k][j])));
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
-/// The inverse of a matrix of determinant 1, modulo `2^32`.
+/// Inverse of a matrix of determinant 1, modulo `2^32`.
 fn inverse(m: &Matrix) -> Matrix {
     let product = |a: [usize; 2], b: [usize; 2]| m[a[0]][a[1]].wrapping_mul(m[b[0]][b[1]]);
     let cofactor = |i: usize, j: usize| {
@@ -156,7 +158,7 @@ mod tests {
         StretchingLattice::new(kind, &kind.cell(Vector::new(1.0, 1.0, height)).unwrap())
     }
 
-    /// Up to strains where round-off, which the flow stretches too, reaches a thousandth.
+    /// Up to strains at which round-off, amplified by the flow, reaches a thousandth.
     #[test]
     fn the_lattice_is_the_stretched_one() {
         for kind in ALL {
@@ -175,7 +177,7 @@ mod tests {
         }
     }
 
-    /// Whatever the strain: the box has the edges and tilts that are planned for, and all of their range.
+    /// At any strain: the box stays within the planned edges and tilts, and covers their range.
     #[test]
     fn the_box_never_degenerates() {
         for kind in ALL {
@@ -199,7 +201,7 @@ mod tests {
             let parts = (least / most).min_element();
             assert!((parts / contraction - 1.0).abs() < 1e-3 && parts > contraction - 1e-12, "{kind:?}: {parts}");
             for (largest, planned) in largest.into_iter().zip([strain, tilts[0], tilts[1]]) {
-                // The bound of the square is what two edges that are equal would have, which it never has.
+                // The bound for the square would be reached with two equal edges, which do not occur.
                 assert!(largest < planned + 1e-9 && largest >= 0.89 * planned, "{kind:?}: {largest} of {planned}");
             }
             let expected = kind.shortest_vector(&lattice.at(0.0).0);
@@ -228,7 +230,7 @@ mod tests {
         }
     }
 
-    /// The nearest image of any place is the nearest of all, at either end of a period.
+    /// The nearest image of any position is the nearest of all, also at the ends of a period.
     #[test]
     fn nearest_images_are_the_nearest() {
         for kind in ALL {

@@ -19,7 +19,7 @@ use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox,
 use fcm::PlanError;
 use simulation::{Clock, ContactForces, LoadFunction, State};
 
-/// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
+/// Particles, their dynamics, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
 pub struct Suspension {
     particles: Particles,
@@ -31,36 +31,36 @@ pub struct Suspension {
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
     caution: Option<String>,
-    /// Whether the state that was resumed has loads of the user's in its velocities, which are still those of now.
+    /// Whether the present velocities, from a resumed state, include user-defined loads.
     has_applied_loads: bool,
     comm: Comm,
 }
 
 const OTHER_PLAN: &str = "the fluid is computed in another way than before, so the run goes on, but not bit for bit";
 
-/// What is worth knowing of a suspension besides its particles.
+/// Summary of the last step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepReport {
     /// Iterations of the last solve.
     pub iterations: usize,
-    /// Its relative residual.
+    /// Relative residual of the last solve.
     pub residual: f64,
-    /// Evaluations of the mobility in the last step, in all of its solves.
+    /// Evaluations of the mobility in the last step, over all of its solves.
     pub evaluations: u64,
-    /// Divergence of the flow of the last evaluation relative to what it could be: near round-off. Nothing where the box does not
-    /// repeat along all axes, since what is on the grid then is that flow in a part of it alone.
+    /// Relative divergence of the flow of the last evaluation, which is close to round-off. `None` unless the box is
+    /// fully periodic, since otherwise the flow on the grid is only a part of the whole.
     pub divergence: Option<f64>,
     /// Smallest gap between the surfaces of two particles.
     pub smallest_gap: f64,
 }
 
 impl Suspension {
-    /// A model at time zero. Collective.
+    /// A suspension at time zero. Collective.
     pub fn start(model: &Model, comm: &Comm) -> Result<Self, StartError> {
         Self::start_with(model, None, comm)
     }
 
-    /// A model at time zero, whose spheres are where the first rank brings them if it says [`Start::Given`].
+    /// A suspension at time zero, at positions provided by the first rank if the model has [`Start::Given`].
     /// Collective.
     ///
     /// [`Start::Given`]: crate::Start::Given
@@ -85,8 +85,8 @@ impl Suspension {
         })
     }
 
-    /// A model in a state, of which each rank brings some particles; the first brings the state in any case, and with none
-    /// of its own a rank may bring nothing. Collective.
+    /// Resumes a suspension from a state, of which each rank provides some particles. The first rank has to provide a
+    /// state; others without particles may provide none. Collective.
     pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let mut step = state.iter().map(|state| state.step).collect();
         comm.broadcast(&mut step);
@@ -118,33 +118,33 @@ impl Suspension {
         Ok(resumed)
     }
 
-    /// What the user should know of the way in which the run starts or goes on, on the first rank.
+    /// A warning about the way in which the run starts or continues, on the first rank.
     pub fn caution(&self) -> Option<&str> {
         self.caution.as_deref()
     }
 
-    /// Looks at this interrupt at each evaluation of the mobility from now on.
+    /// Sets the interrupt that is checked at each evaluation of the mobility.
     pub fn listen(&mut self, interrupt: Interrupt) {
         self.dynamics.listen(interrupt);
     }
 
-    /// Takes one step. `Err` on every rank or on none. A step that fails or is interrupted is not taken: all is as it
-    /// was before it, to the last bit.
+    /// Takes one step. `Err` on every rank or on none. A step that fails or is interrupted has no effect: the state
+    /// before it is restored bit for bit.
     pub fn step(&mut self) -> Result<(), StepError> {
         self.step_seen(true)
     }
 
-    /// As [`Self::step`]; where nobody looks at the particles' motions after it, columns may have those of an earlier step, if
-    /// nothing goes on from them. The next step is the same whether this one is seen or not, to the last bit.
+    /// [`Self::step`] with the option to skip results: unless `is_seen`, columns on which later steps do not depend may
+    /// keep the motions of an earlier step. The next step is bitwise the same in either case.
     pub fn step_seen(&mut self, is_seen: bool) -> Result<(), StepError> {
         self.or_as_before(|suspension| suspension.take_step(is_seen))
     }
 
-    /// Adds loads to those of the model: from now on every evaluation of the mobility has the function's loads at its own
-    /// positions and time. The velocities of now are computed again, with them; but if the suspension was resumed from
-    /// a state with loads of this kind, its velocities have them until the next step, and the function is only taken up.
-    /// The stresses of [`Self::stress`] have no part of these forces. If the function fails, nothing is added.
-    /// Collective: each rank brings the function, and the first one calls it.
+    /// Adds loads to those of the model: every later evaluation of the mobility includes the loads of the function at
+    /// its own positions and time. The present velocities are evaluated again with them; only if the suspension was
+    /// resumed from a state with user-defined loads, which its velocities already include, the function takes effect
+    /// with the next step. The stresses of [`Self::stress`] do not include these forces. If the function fails, nothing
+    /// is added. Collective: each rank provides the function, and the first one calls it.
     ///
     /// A sphere on a spring:
     /// ```
@@ -182,7 +182,7 @@ impl Suspension {
         evaluated
     }
 
-    /// Does something, or leaves all as it was before.
+    /// Applies a change; if it fails, restores the state before it.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
         let (particles, moving) = (self.particles.copied(), self.dynamics.moving_box().clone());
         let settling = self.dynamics.settling();
@@ -218,50 +218,50 @@ impl Suspension {
         Ok(())
     }
 
-    /// The time.
+    /// Time and step.
     pub fn clock(&self) -> &Clock {
         &self.clock
     }
 
-    /// The ranks.
+    /// Communicator of the ranks.
     pub fn comm(&self) -> &Comm {
         &self.comm
     }
 
-    /// The box as it is.
+    /// Present box.
     pub fn cell(&self) -> &PeriodicBox {
         self.dynamics.cell()
     }
 
-    /// The particles of this rank.
+    /// Particles of this rank.
     pub fn particles(&self) -> &Particles {
         &self.particles
     }
 
-    /// Which share of the box each rank has.
+    /// Partition of the box among ranks.
     pub(crate) fn partition(&self) -> &Partition {
         self.dynamics.partition()
     }
 
-    /// How the fluid is computed, in words.
+    /// Description of the numerical method.
     pub fn plan(&mut self) -> String {
         self.dynamics.plan()
     }
 
-    /// All particles in the order of their ids, on the first rank, with all their columns or those named. Collective.
+    /// All particles in the order of their ids, on the first rank, with all or the named columns. Collective.
     pub fn gathered(&self, columns: Option<&[&str]>) -> Particles {
         let wanted = |name: &str| columns.is_none_or(|names| names.contains(&name));
         self.particles.gathered_with(self.dynamics.partition(), wanted)
     }
 
-    /// The state, with the particles of this rank.
+    /// State of the suspension, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
         let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.particles.clone());
         State { step, strain, plan, particles, statistics: Vec::new() }
     }
 
-    /// The velocities of this rank's particles relative to the background flow where they are.
+    /// Velocities of this rank's particles relative to the background flow at their positions.
     pub fn velocities_in_flow(&self) -> Vec<Vector> {
         let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
@@ -270,62 +270,64 @@ impl Suspension {
         velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
     }
 
-    /// The rate of the flow that the velocities belong to, of shear or extension, and the strain so far.
+    /// Rate of shear or extension to which the velocities belong, and the strain so far.
     pub fn shear(&self) -> [f64; 2] {
         let moving = self.dynamics.moving_box();
         [moving.rate(), moving.strain(self.clock.time())]
     }
 
-    /// Whether a stress drives the flow that has next to no effect any more.
+    /// Whether the flow has almost stopped under its stress.
     pub fn is_jammed(&self) -> bool {
         self.dynamics.moving_box().is_jammed()
     }
 
-    /// The largest weight of what was left out of random motions so far, over the whole: negative eigenvalues of the near field,
-    /// which it has where spheres overlap.
+    /// Largest weight left out of random motions so far, relative to the total: that of negative eigenvalues of the
+    /// near field, which occur if spheres overlap.
     pub fn clipped(&self) -> f64 {
         self.dynamics.clipped()
     }
 
-    /// Pairs that overlapped, or nearly, where the random motions of the last step were solved for; nothing without heat.
+    /// Pairs that overlapped, or almost, in the last Brownian solve; `None` without Brownian motion.
     pub(crate) fn crowded(&self) -> Option<Crowded> {
         self.dynamics.crowded()
     }
 
-    /// The shear stress, along x and y, on the wall at `z = 0` and, if there is one, on that at `z = Lz`, as the fluid and the
-    /// particles of a stress bring it there; nothing without walls. With `F` and `T` the steady forces and torques of the species,
+    /// Shear stress along x and y on the wall at `z = 0` and, if there is one, on the wall at `z = Lz`, for a given
+    /// particle stress; empty without walls. With `F` and `T` the steady forces and torques of the species,
     ///
     /// ```text
-    /// on the upper one: mu du/dz + s_xz - sum (z F_x + T_y / 2) / V,      on the lower one: + sum F_x / A besides
+    /// upper wall: mu du/dz + s_xz - sum (z F_x + T_y / 2) / V,      lower wall: the same + sum F_x / A
     /// ```
     ///
-    /// and likewise along y: the first moments of all that acts on the fluid. Below unbounded fluid nothing but forces and the flow
-    /// act on a wall. Collective.
+    /// and likewise along y, by the first moments of all loads on the fluid. On a single wall below unbounded fluid,
+    /// only forces and the flow act. Collective.
     pub fn wall_stress(&self, stress: &Tensor) -> Vec<[f64; 2]> {
         self.dynamics.wall_stress(&self.particles, stress)
     }
 
-    /// By how much the pressure falls per length along x where it keeps the mean velocity of a [`crate::Flow::ConstantFlux`], as
-    /// of the last solve; nothing in other flows.
+    /// Pressure drop per length along x that keeps the mean velocity of a [`crate::Flow::ConstantFlux`], from the last
+    /// solve; `None` for other flows.
     ///
-    /// With forces and torques `F`, `T` that are not the fluid's, whole stresslets `S`, `q = z (H - z) / 2` and the area `A` of a wall,
+    /// With the non-hydrodynamic forces and torques `F`, `T`, the total stresslets `S`, `q = z (H - z) / 2` and the
+    /// area `A` of a wall,
     ///
     /// ```text
     /// 12 mu U / H^2 - 12 / (A H^3) sum [F_x (q - a^2/6) - (S_xz - T_y / 2) dq/dz]
     /// ```
     ///
-    /// at the centres; stresslets of lubrication between two spheres count in the middle between them.
+    /// at the centres; stresslets of lubrication between two spheres are taken at their midpoint.
     pub fn pressure_gradient(&self) -> Option<f64> {
         self.dynamics.pressure_gradient()
     }
 
-    /// The stress of the particles of each of so many species. Collective.
+    /// Stress of the particles of each species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let (volume, pairs) = (self.cell().volume(), self.pair_moments_by_origin());
         ParticleStress::by_species(&self.particles, pairs.each_ref().map(Vec::as_slice), (species, volume), &self.comm)
     }
 
-    /// Each particle's share of the symmetric first moments of all forces between spheres, and of those of walls. Collective.
+    /// Contribution of each particle to the symmetric first moments of all forces between spheres, and to the moments
+    /// of walls. Collective.
     pub fn pair_moments(&self) -> Vec<Tensor> {
         let by_origin = self.pair_moments_by_origin();
         let of_row = |row: usize| {
@@ -334,7 +336,8 @@ impl Suspension {
         (0..self.particles.len()).map(of_row).collect()
     }
 
-    /// Those of repulsion, attraction, contacts and bonds, each none where there are no such forces. Collective.
+    /// Contributions to the moments of repulsion, attraction, contacts and bonds; each is empty without such forces.
+    /// Collective.
     fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 4] {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
             .map(|which| self.dynamics.surface_moments(which, &self.particles));
@@ -342,29 +345,29 @@ impl Suspension {
         [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles)]
     }
 
-    /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
-    /// over the roughness, and the elastic energy; nothing if spheres can't touch. Collective.
+    /// Mean number of contacts per particle, fractions of frictional and of sliding contacts, largest overlap over the
+    /// roughness, and elastic energy; `None` for spheres without contacts. Collective.
     pub fn contact_numbers(&self) -> Option<[f64; 5]> {
         self.contacts().map(|measured| measured.numbers(&self.comm))
     }
 
-    /// The stiffness of contacts as it is, and whether it stays so; nothing if spheres can't touch.
+    /// Stiffness of contacts, and whether it is constant from now on; `None` for spheres without contacts.
     pub fn contact_stiffness(&self) -> Option<(f64, bool)> {
         let stays = self.dynamics.settling().is_none_or(|settling| settling.is_over());
         self.dynamics.contact_stiffness().map(|stiffness| (stiffness, stays))
     }
 
-    /// The elastic energy of bonds and how many of them are broken; nothing without bonds. Collective.
+    /// Elastic energy of the bonds and number of broken bonds; `None` without bonds. Collective.
     pub fn bond_numbers(&self) -> Option<[f64; 2]> {
         self.dynamics.bond_numbers(&self.particles)
     }
 
-    /// The energy of spheres in traps; nothing without traps. Collective.
+    /// Energy of the trapped spheres; `None` without traps. Collective.
     pub fn trap_energy(&self) -> Option<f64> {
         self.dynamics.trap_energy(&self.particles)
     }
 
-    /// Forces of contacts and bonds, on the first rank, if there can be any. Collective.
+    /// Forces of contacts and bonds, on the first rank; `None` without either. Collective.
     pub fn contact_forces(&self) -> Option<ContactForces> {
         let own = self.dynamics.contact_forces(&self.particles)?;
         let mut list: Vec<_> = self.comm.gather(&own).iter().map(contact_force).collect();
@@ -373,12 +376,12 @@ impl Suspension {
         Some(ContactForces { step: self.clock.step(), time: self.clock.time(), lattice, list })
     }
 
-    /// What contacts amount to, if there can be any. Collective.
+    /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
     fn contacts(&self) -> Option<Measured> {
         self.dynamics.measured_contacts(&self.particles)
     }
 
-    /// What is worth knowing of the suspension as it is. Collective.
+    /// Summary of the last step. Collective.
     pub fn report(&mut self) -> StepReport {
         StepReport {
             iterations: self.outcome.iterations,
@@ -389,18 +392,19 @@ impl Suspension {
         }
     }
 
-    /// The velocity of the fluid relative to the background flow, on the first rank. An error where no grid can carry it. Collective.
+    /// Velocity of the fluid relative to the background flow, on the first rank. Fails if no grid can resolve it.
+    /// Collective.
     pub fn velocity_field(&mut self) -> Result<FluidVelocity, PlanError> {
         self.dynamics.velocity_field(&self.particles)
     }
 }
 
-/// The heat of a model.
+/// Thermal fluctuations of a model, if there are any.
 fn heat(model: &Model) -> Option<Heat> {
     model.thermal_energy.map(|energy| Heat { energy, seed: model.seed })
 }
 
-/// One step of the method of fixed steps.
+/// One step of a method with fixed steps.
 fn fixed_step(
     particles: &mut Particles,
     clock: &Clock,

@@ -1,72 +1,73 @@
-//! The axes of the user, which a box with walls across x or y does not share with its own.
+//! Axes of the user, which differ from those of the box if walls are across x or y.
 
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::Parameters;
 use domain::{Particles, PeriodicBox, Tensor, Traceless, Turn, Vector};
 use simulation::{ContactForces, VelocityField};
 
-/// From the axes of a box to those of whoever gave it, and back; the same where [`Parameters::turn`] is none.
+/// Rotation from the axes of the box to the user's axes and back; the identity without a [`Parameters::turn`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UserAxes {
-    /// From the user's to the box's.
+    /// Rotation from the user's axes to those of the box.
     turn: Turn,
-    /// Edges of the box, and as the user has them. They change along axes alone that point the same way in both.
+    /// Edges of the box in its own axes and in the user's. They change only along axes with the same direction in both.
     edges: [Vector; 2],
 }
 
 impl UserAxes {
-    /// Those of a model.
+    /// The user's axes of a model.
     pub fn of(parameters: &Parameters) -> Self {
         let (turn, edges) = (parameters.turn, parameters.cell.edges());
         Self { turn, edges: [edges, Vector::from_array(turn.inverse().list(edges.to_array()))] }
     }
 
-    /// From the user's axes to those of the box.
+    /// Rotation from the user's axes to those of the box.
     pub fn turn(&self) -> Turn {
         self.turn
     }
 
-    /// Which of the user's axes one of the box's is: 0, 1 or 2 for x, y and z.
+    /// The user's axis (0, 1 or 2 for x, y and z) that corresponds to an axis of the box.
     pub fn axis(&self, of_box: usize) -> usize {
         self.turn.list([0, 1, 2])[of_box]
     }
 
-    /// What the user calls an axis of the box.
+    /// The user's name of an axis of the box.
     pub fn name(&self, of_box: usize) -> char {
         self.turn.list(['x', 'y', 'z'])[of_box]
     }
 
-    /// A list of an entry for each axis.
+    /// A list with an entry per axis, in the user's order.
     pub fn list<T: Copy>(&self, of_box: [T; 3]) -> [T; 3] {
         self.turn.inverse().list(of_box)
     }
 
-    /// A vector.
+    /// A vector in the user's axes.
     pub fn vector(&self, of_box: Vector) -> Vector {
         self.turn.inverse().vector(of_box)
     }
 
-    /// A vector of the user's in the axes of the box.
+    /// A vector in the axes of the box.
     pub fn vector_in(&self, of_user: Vector) -> Vector {
         self.turn.vector(of_user)
     }
 
-    /// A tensor.
+    /// A tensor in the user's axes.
     pub fn tensor(&self, of_box: &Tensor) -> Tensor {
         self.turn.inverse().tensor(of_box)
     }
 
-    /// A place.
+    /// A position in the user's coordinates.
     pub fn place(&self, in_box: Vector) -> Vector {
         self.turn.inverse().place(in_box, self.edges[1])
     }
 
-    /// A place of the user's in the box.
+    /// A position in the coordinates of the box.
     pub fn place_in(&self, of_user: Vector) -> Vector {
         self.turn.place(of_user, self.edges[0])
     }
 
-    /// A box, at whose faces is nothing but what a [`simulation::Frame`] says besides where axes are others.
+    /// The box in the user's axes. With rotated axes it has no information about its boundaries, which a
+    /// [`simulation::Frame`] gives in addition.
     pub fn cell(&self, cell: &PeriodicBox) -> PeriodicBox {
         if self.turn.is_none() {
             return *cell;
@@ -75,7 +76,8 @@ impl UserAxes {
         PeriodicBox::new(edges).and_then(|plain| plain.spanning(origin, edges)).expect("edges of a box")
     }
 
-    /// Particles with velocities, angular velocities, stresslets and moments of pairs, as far as they have them.
+    /// Particles in the user's axes, with velocities, angular velocities, stresslets and pair moments, as far as they
+    /// have these columns.
     pub fn particles(&self, mut particles: Particles) -> Particles {
         if self.turn.is_none() {
             return particles;
@@ -109,7 +111,8 @@ impl UserAxes {
         particles
     }
 
-    /// A place on the near face of the box is on the far one along axes that point the other way: one step further.
+    /// Along a reversed axis a position on the near face of the box is mapped to the far face: wraps it, with one step
+    /// more.
     fn inside(&self, mut place: Vector, mut steps: [i32; 3]) -> (Vector, [i32; 3]) {
         for (axis, against) in self.turn.inverse().against().into_iter().enumerate() {
             if against && place[axis] >= self.edges[1][axis] {
@@ -119,7 +122,7 @@ impl UserAxes {
         (place, steps)
     }
 
-    /// A velocity field.
+    /// A velocity field in the user's axes.
     pub fn field(&self, field: VelocityField) -> VelocityField {
         if self.turn.is_none() {
             return field;
@@ -128,7 +131,8 @@ impl UserAxes {
         let (points, periodic) = (self.list(field.points), self.list(field.periodic));
         let [mut first, spacing] = [field.first, field.spacing].map(|v| Vector::from_array(self.list(v.to_array())));
         for axis in (0..3).filter(|&axis| back.against()[axis]) {
-            // The point at the near face is at the far one, from where a box that repeats begins anew.
+            // Along a reversed axis the point at the near face is mapped to the far face, and a periodic box starts
+            // again there.
             let last = first[axis] + (points[axis] - 1) as f64 * spacing[axis];
             first[axis] = if periodic[axis] { 0.0 } else { self.edges[1][axis] - last };
         }
@@ -149,7 +153,7 @@ impl UserAxes {
         VelocityField { cell: self.cell(&field.cell), first, spacing, points, periodic, values, ..field }
     }
 
-    /// Forces of contacts.
+    /// Contact forces in the user's axes.
     pub fn contacts(&self, mut contacts: ContactForces) -> ContactForces {
         if self.turn.is_none() {
             return contacts;

@@ -1,4 +1,4 @@
-//! Initial guess of the Krylov solve: stresslets and lubrication extrapolated from the last steps.
+//! Initial guess of the iterative solve: stresslets and lubrication extrapolated from previous steps.
 
 use crate::columns::STRESSLET;
 use crate::extrapolation;
@@ -7,56 +7,56 @@ use fcm::{Loads, Motion};
 use hydrodynamics::{Guess, Solved};
 use rayon::prelude::*;
 
-/// With forces between near spheres in the solve: the stresslets of the far field, the forces and torques that the fluid
-/// feels, the velocities that the loads of all others induce at each sphere, and those relative to the background flow.
+/// Columns of a coupled solve: stresslets of the far field, forces and torques on the fluid, motions that the loads of
+/// all other spheres induce at each sphere, and motions relative to the background flow.
 pub const STRESSLET_FAR: &str = "far stresslet";
 const FORCE: &str = "far force";
 const TORQUE: &str = "far torque";
 const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
 const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
 
-/// Values at the start of this many last steps extrapolate.
+/// Number of past steps whose values are extrapolated.
 const PAST: usize = 3;
 
-/// The column that says of each of those how much of the parabola its extrapolation has.
+/// Column of the weight of the parabola in the extrapolation of each of those columns.
 const CURVATURE: &str = "curvature of the past";
 
-/// Values that one thread works through at a time; sums of so many are added up in their order.
+/// Number of values that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 4096;
 
-/// The newest share of the parabola counts as much as all before.
+/// Weight of the latest value in the running mean of the parabola's weight.
 const NEWEST: f64 = 0.5;
 
-/// What is kept of former solutions, as columns of the particles.
+/// History of the solutions, stored in columns of the particles.
 pub struct WarmStart {
     coupled: bool,
 }
 
 impl WarmStart {
-    /// For particles with forces between near ones in the solve, or without.
+    /// The history for a solve with or without coupled forces between near spheres.
     pub fn new(coupled: bool) -> Self {
         Self { coupled }
     }
 
-    /// The column of the far field's stresslets.
+    /// Column of the far-field stresslets.
     fn stresslet(&self) -> &'static str {
         if self.coupled { STRESSLET_FAR } else { STRESSLET }
     }
 
-    /// The columns that a search starts from, with their widths.
+    /// Columns that make up a guess, with their widths.
     fn columns(&self) -> Vec<(&'static str, usize)> {
         let motions = INDUCED.iter().chain(&MOTION).filter(|_| self.coupled).map(|&name| (name, 3));
         std::iter::once((self.stresslet(), 5)).chain(motions).collect()
     }
 
-    /// Numbers of a particle in all columns that are kept for it, besides what users of a solution see.
+    /// Numbers per particle in all columns of the history, without those of the results.
     pub fn numbers(&self) -> usize {
         let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
         let present = if self.coupled { 5 + 3 * (2 + INDUCED.len() + MOTION.len()) } else { 0 };
         past + present + self.columns().len()
     }
 
-    /// The columns that are kept for a search, with their widths.
+    /// All columns of the history, with their widths.
     pub fn kept(&self) -> impl Iterator<Item = (String, usize)> {
         let past = self.columns().into_iter().flat_map(|(name, width)| (1..=PAST).map(move |k| (past(name, k), width)));
         let torques = [FORCE, TORQUE].map(|name| (name.to_owned(), 3));
@@ -66,7 +66,7 @@ impl WarmStart {
             .chain(learnt)
     }
 
-    /// Makes the values of now, at the start of a step, the last past ones.
+    /// Stores the present values, at the start of a step, as the latest past ones.
     pub fn remember(&self, particles: &mut Particles) {
         for (name, width) in self.columns() {
             let mut newest = particles.column(name, width).values.clone();
@@ -76,14 +76,14 @@ impl WarmStart {
         }
     }
 
-    /// Forgets solutions before the last one.
+    /// Removes all solutions except the last one.
     pub fn forget(&self, particles: &mut Particles) {
         let past: Vec<String> =
             self.columns().iter().flat_map(|(name, _)| (1..=PAST).map(move |k| past(name, k))).collect();
         particles.columns.retain(|column| !past.contains(&column.name));
     }
 
-    /// What a solution keeps for later, besides what its users see.
+    /// Stores the parts of a solution that are needed later, in addition to the results.
     pub fn record(&self, particles: &mut Particles, solved: &Solved) {
         if !self.coupled {
             return;
@@ -100,11 +100,10 @@ impl WarmStart {
         }
     }
 
-    /// What the fluid felt in the last solution; `loads` are those given, which it felt besides stresslets if no others act
-    /// between near spheres.
+    /// Loads on the fluid in the last solution. Without coupled forces these are the given `loads`, and the stresslets.
     pub fn felt(&self, loads: Loads, particles: &Particles) -> Loads {
         let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| &c.values[..]);
-        // Particles may have such columns from a run with another integrator.
+        // Particles may have these columns from a run with another integrator.
         let vectors = |name| values(name).filter(|_| self.coupled).map(|v| bytemuck::cast_slice(v).to_vec());
         Loads {
             forces: vectors(FORCE).unwrap_or(loads.forces),
@@ -113,13 +112,13 @@ impl WarmStart {
         }
     }
 
-    /// What the solution should be near at a time `ahead` of that of the last values that were remembered, by a line that
-    /// fits those and the parabola through them; `ages` says how old they were then, the last ones 0. Nothing if nothing was
-    /// remembered: no motion would be a bad guess with lubrication, since spheres that stand still in a strain press
-    /// their neighbours hard.
+    /// Guess of the solution at the time `ahead` after the last stored values, extrapolated by a mix of two
+    /// least-squares fits, a line and a parabola; `ages` are those of the stored values, the last of which have age 0.
+    /// Empty if nothing is stored: zero motion would be a bad guess with lubrication, since spheres at rest in a strain
+    /// exert large forces on their neighbours.
     ///
-    /// The parabola follows what changes smoothly, but makes the errors left in former solves four times as large. So it
-    /// has the share with which the mix would have come nearest to the solutions found before, see [`Self::learn`].
+    /// The parabola follows smooth changes, but amplifies the errors of previous solves about four times. Its weight in
+    /// the mix is the one with which the mix would have come closest to the previous solutions, see [`Self::learn`].
     pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
         if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
             return Guess::default();
@@ -135,12 +134,12 @@ impl WarmStart {
         Self::guessed(lists)
     }
 
-    /// What was found last.
+    /// The last solution, as a guess.
     pub fn found(&self, particles: &mut Particles) -> Guess {
         Self::guessed(self.columns().into_iter().map(|(name, width)| particles.column(name, width).values.clone()))
     }
 
-    /// Values of all columns, in their order, as a guess.
+    /// A guess from the values of all columns, in their order.
     fn guessed(mut lists: impl Iterator<Item = Vec<f64>>) -> Guess {
         let stresslets_far = lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default();
         let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
@@ -148,14 +147,14 @@ impl WarmStart {
         Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities }
     }
 
-    /// The motions relative to the background flow that were found last.
+    /// Motions relative to the background flow in the last solution.
     pub fn motion(particles: &mut Particles) -> Motion {
         let [velocities, angular_velocities] = MOTION.map(|name| particles.vectors(name).to_vec());
         Motion { velocities, angular_velocities, strain_rates: Vec::new() }
     }
 
-    /// Learns from a solution that was found, with the `ages` and the time `ahead` with which it was guessed, how much of
-    /// the parabola the guess should have had. Collective.
+    /// Updates the weight of the parabola from a new solution: the weight with which the guess, made with `ages` and
+    /// `ahead`, would have come closest to it. Collective.
     pub fn learn(&self, particles: &mut Particles, ages: &[f64], ahead: f64, comm: &Comm) {
         let names = self.columns();
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), PAST));
@@ -191,17 +190,17 @@ impl WarmStart {
     }
 }
 
-/// A column's past values, and the weights of those in its extrapolations.
+/// Past values of a column, and their weights in the extrapolations.
 struct Past<'a> {
-    /// Those of now, if there are any.
+    /// Present values; empty if there are none.
     found: &'a [f64],
     values: [&'a [f64]; PAST],
-    /// Of the line and of the parabola that fit them best.
+    /// Weights of the least-squares line and parabola.
     weights: [[f64; PAST]; 2],
 }
 
 impl<'a> Past<'a> {
-    /// Of a column, extrapolated to a time `ahead` of its last past values.
+    /// Past values of a column, to be extrapolated to the time `ahead` after the last of them.
     fn of(particles: &'a mut Particles, (name, width): (&str, usize), (ages, ahead): (&[f64], f64)) -> Self {
         let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
         let weights = [1, 2].map(|degree| {
@@ -210,28 +209,28 @@ impl<'a> Past<'a> {
             weights
         });
         (1..=times.len()).for_each(|k| _ = particles.column(&past(name, k), width));
-        // What has no weight may be any.
+        // Values without weight are arbitrary.
         let column = |k: usize| values(particles, &past(name, 1 + if k < times.len() { k } else { 0 }));
         Self { found: values(particles, name), values: std::array::from_fn(column), weights }
     }
 
-    /// How many values there are.
+    /// Number of values.
     fn len(&self) -> usize {
         self.values[0].len()
     }
 
-    /// A value by the line and by the parabola.
+    /// A value extrapolated by the line and by the parabola.
     fn extrapolated(&self, i: usize) -> [f64; 2] {
         self.weights.map(|w| (0..PAST).fold(0.0, |sum, k| sum + w[k] * self.values[k][i]))
     }
 }
 
-/// A column that there is.
+/// Values of a column; empty if it does not exist.
 fn values<'a>(particles: &'a Particles, name: &str) -> &'a [f64] {
     particles.columns.iter().find(|column| column.name == name).map_or(&[], |column| &column.values)
 }
 
-/// The column of the values of another at the start of the `k`th step back.
+/// Name of the column of another column's values at the start of the `k`th step back.
 fn past(name: &str, k: usize) -> String {
     format!("past {name} {k}")
 }
@@ -243,8 +242,8 @@ mod tests {
     use fcm::Motion;
     use std::f64::consts::PI;
 
-    /// One particle whose stresslets are so in the course of time, with what is remembered and learnt of them after so
-    /// many steps of length 1; and how far the next guess is from what comes.
+    /// Error of the next guess for one particle with a given stresslet as a function of time, after a number of steps
+    /// of length 1.
     fn error_of_guess(stresslet: impl Fn(f64) -> Traceless, steps: u32) -> f64 {
         let (warm_start, ages, comm) = (WarmStart::new(false), [0.0, 1.0, 2.0], Comm::alone());
         let mut particles = Particles::default();
@@ -271,7 +270,7 @@ mod tests {
         assert!(errors[0] > 0.1 && errors[1] < 0.5 * errors[0] && errors[2] < 1e-6, "{errors:?}");
     }
 
-    /// Of errors that change sign from step to step a parabola would make seven times as much, a line three times.
+    /// Errors of alternating sign would be amplified seven times by a parabola and three times by a line.
     #[test]
     fn errors_of_former_solves_are_not_multiplied() {
         let noisy = |t: f64| Traceless([1.0, 0.1 * (PI * t).cos(), 0.0, 0.0, 0.0]);
@@ -279,7 +278,7 @@ mod tests {
         assert!(error < 0.1 * 2.0_f64.sqrt() * 2.5, "{error}");
     }
 
-    /// What the fluid feels is kept whole, and what is induced.
+    /// The loads on the fluid are stored completely, and the induced motions as well.
     #[test]
     fn what_the_fluid_feels_is_kept() {
         let vector = |x: f64| vec![Vector::new(x, 2.0 * x, -x)];

@@ -1,10 +1,10 @@
-//! Runs of near spheres: accuracy, safety, and the same answer on any ranks and after a stop.
+//! Runs of near spheres: accuracy, safety, and identical results on any number of ranks and after a restart.
 
 use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
 use suspension::{Model, StepError, Suspension};
 
-/// Two spheres pressed together, and one that falls by.
+/// Two spheres pressed together, with a third one between them.
 const PRESSED: &str = r#"
 box.edges = [16.0, 16.0, 16.0]
 fluid.viscosity = 1.0
@@ -27,7 +27,7 @@ radius = 0.9
 count = 1
 "#;
 
-/// Equal spheres that touch, in a chain, settling.
+/// Chain of equal, touching spheres that settles.
 const CHAIN: &str = r#"
 box.edges = [16.0, 16.0, 16.0]
 fluid.viscosity = 1.0
@@ -42,7 +42,7 @@ count = 4
 density_difference = 4.5
 "#;
 
-/// The particles after all steps, and whatever ended the run before.
+/// Particles after all steps, and the error that ended the run early, if any.
 fn run(model: &Model, ranks: usize) -> (Particles, Option<StepError>) {
     let all = Comm::threads(ranks, |comm| {
         let mut suspension = Suspension::start(model, &comm).unwrap();
@@ -71,7 +71,7 @@ fn spheres_pressed_together_come_near_and_never_touch() {
     }
 }
 
-/// Forces that bring the spheres together on a line, from places where that takes them a few steps.
+/// Forces that press the spheres together on a line, from positions a few steps apart.
 const HEAD_ON: [&str; 4] = [
     "time.step=1.0",
     "particles.positions=[[5.8, 8.0, 8.0], [9.8, 8.0, 8.0], [7.8, 8.0, 8.0]]",
@@ -85,8 +85,8 @@ fn spheres_pressed_together_for_long_stay_apart() {
     assert!(failed.is_none(), "{}", failed.unwrap());
     for (i, j) in [(0, 2), (2, 1)] {
         let gap = gap(&particles, i, j);
-        // From a tenth below the closest gap, 1e-6 mean radii, the slack in which spheres are not moved apart, to a
-        // hundredth of the tolerance, the error that gaps have when they count as large as that.
+        // From a tenth below the minimum gap of 1e-6 mean radii (the tolerance of moving spheres apart) to a hundredth
+        // of the error tolerance (the error of gaps that count as that large).
         assert!(gap > 0.85e-6 && gap < 1e-5, "spheres {i} and {j}: {gap}");
     }
 }
@@ -111,7 +111,7 @@ fn a_cluster_of_touching_spheres_settles() {
 
 #[test]
 fn ranks_and_threads_agree() {
-    // Tolerances that need a grid in f64: in f32 the order of the ranks' sums would show.
+    // Tolerances that require a double-precision grid: in single precision the order of the ranks' sums would matter.
     let tight = ["hydrodynamics.tolerance=1e-6", "hydrodynamics.iteration_tolerance=1e-10", "time.steps=2"];
     let model = model_of(PRESSED, &tight);
     let (alone, _) = run(&model, 1);
@@ -137,18 +137,18 @@ fn a_resumed_run_has_the_same_bits() {
     assert_eq!(whole.gathered(None), resumed.gathered(None));
 }
 
-/// One sphere that turns about another without touching it, against steps far shorter.
+/// One sphere that moves around another without touching it, compared with much shorter steps.
 #[test]
 fn the_error_follows_the_tolerance() {
     let place = |tolerance: &str| run(&model_of(PRESSED, &[tolerance, "time.gap_fraction=0.5"]), 1).0.positions[2];
     let exact = place("time.tolerance=1e-7");
     let errors = ["time.tolerance=1e-3", "time.tolerance=1e-5"].map(|t| (place(t) - exact).length());
-    // A few substeps, each with an error of at most the tolerance, and the gaps' own limit.
+    // A few substeps, each with an error of at most the tolerance, and the limit of the gaps.
     assert!(errors[0] < 5e-3 && errors[1] < 0.3 * errors[0] + 1e-4, "{errors:?}");
     assert!(exact.distance(Vector::new(7.0, 5.5, 5.2)) > 1e-3, "it moves");
 }
 
-/// Two spheres that forces press together and roll about each other.
+/// Two spheres that are pressed together and roll about each other.
 const ROLLING: &str = r#"
 box.edges = [16.0, 16.0, 16.0]
 fluid.viscosity = 1.0
@@ -167,8 +167,8 @@ count = 1
 force = [-20.0, 0.0, 0.0]
 "#;
 
-/// Substeps half as long have half the gap fraction and an eighth of the tolerance; all the while the gap, 1e-4 and
-/// less, is so small that it counts as large as the tolerance.
+/// Half the gap fraction and an eighth of the tolerance halve the substeps; the gap, at most 1e-4, is always so small
+/// that it counts as large as the tolerance.
 #[test]
 fn the_order_is_three_where_gaps_are_below_the_tolerance() {
     let at = |fraction: f64| {
@@ -184,7 +184,7 @@ fn the_order_is_three_where_gaps_are_below_the_tolerance() {
     assert!(order > 2.7 && errors[1] < 1e-4, "order {order} from {errors:?}");
 }
 
-/// Two spheres in unbounded shear that pass each other, with the defaults of `[time]`.
+/// Two spheres that pass each other in unbounded shear, with the defaults of `[time]`.
 const PASSING: &str = r#"
 box.boundaries = ["open", "open", "open"]
 fluid.viscosity = 1.0
@@ -197,8 +197,8 @@ radius = 1.0
 count = 2
 "#;
 
-/// The exact path is symmetric; its smallest gap is 2.58e-5, a quarter of what counts as a gap for the error, and an error of a hundredth of it
-/// there is one of 0.006 in the offset.
+/// The exact path is symmetric. Its smallest gap is 2.58e-5, a quarter of the gap below which the error bound is
+/// constant; an error of a hundredth of the latter changes the offset by 0.006.
 #[test]
 fn a_pair_leaves_at_the_offset_at_which_it_came() {
     let model = model_of(PASSING, &[]);

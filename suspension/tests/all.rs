@@ -1,4 +1,4 @@
-//! Tests of suspensions, in one program: each file here is a module of it, or it is not run.
+//! Tests of suspensions, in one program: each file here has to be one of its modules to be run.
 
 mod adaptive_steps;
 mod applied_loads;

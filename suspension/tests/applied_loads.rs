@@ -1,4 +1,4 @@
-//! Forces and torques of a user's own, beside those of the model.
+//! User-defined forces and torques, in addition to those of the model.
 
 use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
@@ -21,14 +21,14 @@ species = [{ radius = 1.0, count = 12 }]
 const FORCE: Vector = Vector::new(1.0, 0.5, -6.0);
 const TORQUE: Vector = Vector::new(0.0, 2.0, 1.0);
 
-/// The same force and torque on all.
+/// The same force and torque on all particles.
 fn constant(force: Vector, torque: Vector) -> LoadFunction {
     Box::new(move |positions, _| {
         Ok(AppliedLoads { forces: vec![force; positions.len()], torques: vec![torque; positions.len()] })
     })
 }
 
-/// Pulls each sphere towards its place, the harder the later.
+/// Pulls each sphere towards its initial position, with a stiffness that grows in time.
 fn springs(places: Vec<Vector>) -> LoadFunction {
     Box::new(move |positions, time| {
         let forces = positions.iter().zip(&places).map(|(x, x0)| (3.0 + time) * (*x0 - *x)).collect();
@@ -36,7 +36,7 @@ fn springs(places: Vec<Vector>) -> LoadFunction {
     })
 }
 
-/// Loads of so many particles that are none.
+/// Invalid loads for a number of particles.
 type Wrong = fn(usize) -> Result<AppliedLoads, Box<dyn Error>>;
 
 fn take_steps(suspension: &mut Suspension, steps: u64) {
@@ -66,7 +66,8 @@ fn largest_difference(one: &Particles, other: &Particles) -> f64 {
     all(one).iter().zip(all(other)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
-/// Half of a species' load by each of two functions is the load itself, in every stage of every integrator.
+/// Two functions that each give half of a species' load are equivalent to that load, in every stage of every
+/// integrator.
 #[test]
 fn a_constant_load_is_that_of_the_species() {
     let load = format!("species=[{{ radius = 1.0, count = 12, force = {FORCE}, torque = {TORQUE} }}]");
@@ -76,7 +77,7 @@ fn a_constant_load_is_that_of_the_species() {
         let expected = run(&model_of(SCENE, &[way, &load]), 1, Vec::new);
         for ranks in [1, 3] {
             let difference = largest_difference(&expected, &run(&model_of(SCENE, &[way]), ranks, halves));
-            // Stresslets are within the iteration's tolerance of each other.
+            // Tolerance: stresslets differ within the tolerance of the iteration.
             assert!(difference < 1e-7, "{difference:e} with {way} on {ranks} ranks");
         }
     }
@@ -90,7 +91,7 @@ fn point_forces_alone_take_forces() {
     assert!(largest_difference(&expected, &found) < 1e-12);
 }
 
-/// A step by Runge and Kutta's rule, then two of Adams and Bashforth's.
+/// A Runge-Kutta step, then two Adams-Bashforth steps.
 #[test]
 fn functions_hear_the_time_of_each_evaluation() {
     let model = model_of(SCENE, &["time.order=2"]);
@@ -108,7 +109,7 @@ fn functions_hear_the_time_of_each_evaluation() {
     assert_eq!(*times.borrow(), steps.map(|step| step * 0.05));
 }
 
-/// A sphere that is driven through the side of the box goes on where it was.
+/// A sphere that is driven through the side of the box has a continuous position.
 #[test]
 fn positions_know_no_periodicity() {
     let fast = "species=[{ radius = 1.0, count = 1, force = [0.0, 0.0, -2000.0] }]";

@@ -1,4 +1,4 @@
-//! The mobility between walls and in open space.
+//! Mobility between walls and in open space.
 
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Traceless, Turn, Vector};
 use fcm::{Costs, Loads, Multipoles};
@@ -32,9 +32,9 @@ fn shear(rate: f64) -> BackgroundFlow {
     BackgroundFlow::with_gradient(Tensor::from_cols(Vector::ZERO, Vector::ZERO, Vector::X * rate)).unwrap()
 }
 
-/// A sphere a quarter of the way between walls, free in Couette and in Poiseuille flow: exact velocities are 0.24243 of the
-/// upper wall's and 0.71325 of the centre's, and without stresslets' feedback of walls 0.25 and 0.75; force coupling is
-/// within 7e-4 and 4e-3.
+/// A free sphere a quarter of the way between walls, in Couette and Poiseuille flow. The exact velocities are 0.24243
+/// of the upper wall's and 0.71325 of the centre's; without the walls' effect on the stresslet they would be 0.25 and
+/// 0.75. The force-coupling method is within 7e-4 and 4e-3.
 #[test]
 fn one_sphere_in_the_flows_between_walls() {
     let (height, place) = (8.0, 2.0);
@@ -51,9 +51,9 @@ fn one_sphere_in_the_flows_between_walls() {
     assert!((poiseuille - 0.713_250_22).abs() < 1e-2 * poiseuille, "{poiseuille}");
 }
 
-/// A sphere with lubrication, free in Poiseuille flow of unit velocity in the middle, along x, along y and between them: place over
-/// height, radius over place, and the exact velocity and angular velocity (by a single layer with the images of both walls, see
-/// `docs/src/walls.md`).
+/// A free lubricated sphere in Poiseuille flow of unit velocity at the centre, along x, along y and between them:
+/// height over channel height, radius over height, and the exact velocity and angular velocity (by a single layer with
+/// the images of both walls, see `docs/src/walls.md`).
 #[test]
 fn a_lubricated_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
     let exact = [
@@ -76,17 +76,17 @@ fn a_lubricated_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
             let moved = motion.velocities[0] + along * (4.0 * part * (1.0 - part));
             let turned = motion.angular_velocities[0] + across * (2.0 * (1.0 - 2.0 * part) / height);
             assert!((moved - along * velocity).length() < 0.01 * velocity, "{part} {over_place}: {moved}");
-            // Near a wall the far field does not know what a curved flow does to turning.
+            // Near a wall the far field lacks the effect of a curved flow on the rotation.
             let allowed = if over_place > 0.5 { 0.035 } else { 0.01 };
             assert!((turned - across * turning).length() < allowed * turning.max(0.1), "{part} {over_place}: {turned}");
-            // The largest in the plane of flow and walls, where the flow has a rate of strain there.
+            // The largest component is in the plane of flow and wall normal, if the flow has a strain rate there.
             let by_flow = stresslets[0].tensor() * Vector::Z;
             assert!(part > 0.4 || by_flow.dot(along) > 10.0 * by_flow.dot(across).abs());
         }
     }
 }
 
-/// Walls across x, and across y, of the same spheres turned.
+/// Walls across x and across y, with rotated positions of the same spheres.
 #[test]
 fn any_axis_may_be_the_special_one() {
     let positions = [Vector::new(2.0, 3.0, 1.2), Vector::new(5.0, 3.5, 4.0), Vector::new(2.5, 6.0, 5.5)];
@@ -117,7 +117,7 @@ fn any_axis_may_be_the_special_one() {
     }
 }
 
-/// Wherever the cloud is: a sphere has Stokes' velocity, and a net force is possible.
+/// At any position a sphere has Stokes' velocity, and a net force is possible.
 #[test]
 fn open_space_has_no_places() {
     let mut mobility = planned(parameters([4.0; 3], Boundaries::Open, 1));
@@ -130,7 +130,8 @@ fn open_space_has_no_places() {
     }
 }
 
-/// Random motions and drift come in the axes of the caller: those across walls along x are smaller, and the drift is away from them.
+/// Random motions and drift are in the caller's axes: normal to walls, along x, random motions are smaller, and the
+/// drift is away from the wall.
 #[test]
 fn random_motions_near_walls_are_in_the_axes_of_the_caller() {
     let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(Turn::to_last(0));

@@ -1,4 +1,4 @@
-//! Spheres that heat moves.
+//! Runs with Brownian motion.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -18,7 +18,8 @@ radius = 1.0
 count = 1
 "#;
 
-/// A sphere in a periodic box diffuses `1 - 2.8373 a/L + 4 (a/L)^3 ...` times as fast as one alone: 0.46454 at 5 radii.
+/// The diffusivity of a sphere in a periodic box is `1 - 2.8373 a/L + 4 (a/L)^3 ...` times that of an isolated one:
+/// 0.46454 at 5 radii.
 #[test]
 fn a_sphere_diffuses_as_fast_as_it_moves() {
     let model = model_of(ALONE, &[]);
@@ -41,7 +42,7 @@ fn a_sphere_diffuses_as_fast_as_it_moves() {
     assert!(suspension.clipped() < 1e-12);
 }
 
-/// Spheres in shear, some of them near, across the faces of the box.
+/// Spheres in shear, some of them near each other, across the faces of the box.
 const SHEARED: &str = r#"
 seed = 5
 box.edges = [10.0, 9.0, 9.0]
@@ -68,7 +69,7 @@ fn run(model: &Model, ranks: usize) -> Particles {
     ended(model, ranks, |suspension| suspension.gathered(None))
 }
 
-/// The drift by the change of random motions.
+/// The scheme with two evaluations.
 const TWO: &str = r#"time.brownian="two-evaluations""#;
 const TIGHT: &str = "hydrodynamics.tolerance=1e-5";
 
@@ -92,7 +93,7 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// Steps after which nobody looks at motions lead to the same places, to the last bit.
+/// Steps whose motions are not looked at lead to the same positions, bit for bit.
 #[test]
 fn steps_are_the_same_unseen() {
     let places = |scheme: &str, is_seen: bool| {
@@ -121,8 +122,8 @@ fn largest_distance(a: &Particles, b: &Particles) -> f64 {
     a.positions.iter().zip(&b.positions).map(|(&a, &b)| (a - b).length()).fold(0.0, f64::max)
 }
 
-/// The change of random motions is known to 3 hundredths, and where its iteration ends may depend on the ranks: the drift in 6 steps,
-/// some 0.02 in each, is the same to that.
+/// The finite difference of random motions is accurate to 3%, and the end of its iteration may depend on the ranks: so
+/// the drift in 6 steps, about 0.02 in each, agrees to that accuracy.
 #[test]
 fn ranks_agree_by_two_evaluations() {
     let model = model_of(SHEARED, &["hydrodynamics.tolerance=1e-7", "time.steps=6", TWO]);
@@ -133,8 +134,8 @@ fn ranks_agree_by_two_evaluations() {
     }
 }
 
-/// By the same random numbers both schemes take the same steps, but for their drift and what is of higher order in a step: a
-/// distance per step that is small beside a step, and smaller by more than half where steps are four times shorter.
+/// With the same random numbers both schemes take the same steps up to their drift and higher orders of the step: the
+/// difference per step is small compared with a step, and decreases by more than half if steps are four times shorter.
 #[test]
 fn both_schemes_move_spheres_alike() {
     let distances = |step: f64| {
@@ -152,7 +153,8 @@ fn both_schemes_move_spheres_alike() {
     );
 }
 
-/// The stress by heat has a column of its own with two evaluations, which is a part of the viscosity, and none by the midpoint.
+/// With two evaluations the Brownian stress has its own column and contributes to the viscosity; with the midpoint
+/// scheme it has none.
 #[test]
 fn stress_by_heat_is_told_apart() {
     let row = |scheme: &str| {
@@ -173,7 +175,7 @@ fn stress_by_heat_is_told_apart() {
     assert!(row(r#"time.brownian="midpoint""#).iter().all(|(name, _)| *name != "stress_brownian"));
 }
 
-/// The osmotic pressure is that of an ideal gas and of what pushes spheres apart.
+/// The osmotic pressure is the sum of that of an ideal gas and of the repulsion.
 #[test]
 fn the_osmotic_pressure_is_that_of_a_gas_and_of_forces() {
     let model = model_of(SHEARED, &["flow={kind=\"none\"}", "time.steps=3", "repulsion.range=1.0"]);
@@ -187,7 +189,7 @@ fn the_osmotic_pressure_is_that_of_a_gas_and_of_forces() {
     assert!(pushed < 0.0 && (found / expected - 1.0).abs() < 1e-12, "{found} is not {expected}");
 }
 
-/// Another seed moves them elsewhere; forces alone are enough to move spheres, too.
+/// Another seed gives other positions; spheres with forces alone move, too.
 #[test]
 fn seeds_matter() {
     let places = |keys: &[&str]| run(&model_of(SHEARED, keys), 1).positions;
@@ -196,7 +198,7 @@ fn seeds_matter() {
     assert!(places(&forces_alone).iter().all(|place: &Vector| place.is_finite()));
 }
 
-/// Rows of the time series of a run, by name, and what it warns of at its end.
+/// Rows of the time series of a run, by name, and the warnings at its end.
 fn told(model: &Model, ranks: usize) -> (Vec<[f64; 3]>, Vec<String>) {
     let names = ["overlapping_pairs", "pairs_at_least_gap", "deepest_overlap"];
     let mut all = Comm::threads(ranks, |comm| {
@@ -213,8 +215,8 @@ fn told(model: &Model, ranks: usize) -> (Vec<[f64; 3]>, Vec<String>) {
     all.swap_remove(0)
 }
 
-/// Two near spheres that nothing but lubrication holds apart, in steps whose noise does not know of it; the same in shorter steps, with
-/// a repulsion; and solved for where they are, not half a step of noise further.
+/// Two near spheres separated by lubrication alone, in steps whose noise ignores lubrication; then with repulsion and
+/// shorter steps, also with solves at the present positions instead of half a step of noise ahead.
 #[test]
 fn runs_in_which_spheres_overlap_say_so() {
     let near = &[
@@ -240,8 +242,9 @@ fn runs_in_which_spheres_overlap_say_so() {
     }
 }
 
-/// Spheres at random places in shear, some of which nearly touch, are not driven into each other. Where a pair came to overlap it was:
-/// by more than a radius with two evaluations, since what shear does to a pair at the least gap changes over their small displacement.
+/// Nearly touching spheres among random ones in shear are not driven into each other. This did happen when a pair
+/// overlapped: by more than a radius with two evaluations, since the effect of shear on a pair at the minimum gap
+/// changes over their small displacement.
 #[test]
 fn spheres_that_nearly_touch_come_apart_in_shear() {
     const CROWDED: &str = r#"

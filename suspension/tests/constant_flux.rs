@@ -1,4 +1,4 @@
-//! Flow between walls whose mean velocity is given.
+//! Flow between walls at a given mean velocity.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -12,7 +12,7 @@ use suspension::{
     ANGULAR_VELOCITY, Mobility, MobilityParameters, Observed, ParticleStress, STRESSLET, Suspension, VELOCITY,
 };
 
-/// Spheres of two sizes, some of them at walls, that forces and torques drive besides.
+/// Spheres of two sizes, some near walls, under forces and torques.
 const SCENE: &str = r#"
 seed = 5
 box = { edges = [9.0, 8.0, 10.0], boundaries = ["periodic", "periodic", "walls"] }
@@ -38,15 +38,15 @@ const HEIGHT: f64 = 10.0;
 const VISCOSITY: f64 = 2.0;
 const MEAN_VELOCITY: f64 = 0.7;
 
-/// The pressure gradient of the fluid alone.
+/// Pressure gradient of the fluid without spheres.
 const ALONE: f64 = 12.0 * VISCOSITY * MEAN_VELOCITY / (HEIGHT * HEIGHT);
 
 const LUBRICATION: [&str; 2] = ["hydrodynamics.lubrication=true", "hydrodynamics.lubrication=false"];
 
-/// No forces at all, or no repulsion.
+/// Spheres without forces, and no repulsion.
 const FREE: [&str; 2] = ["species=[{radius=1.0, count=12}, {radius=1.4, count=5}]", "repulsion.strength=0.0"];
 
-/// What moves how, under which pressure gradient.
+/// Motions and the pressure gradient.
 struct Seen {
     gradient: f64,
     velocities: Vec<Vector>,
@@ -79,21 +79,22 @@ fn driven_by(gradient: f64) -> String {
     format!("flow={{kind=\"poiseuille\", pressure_gradient={gradient}}}")
 }
 
-/// The largest difference of vectors over the largest of them.
+/// Largest difference of vectors, relative to the largest vector.
 fn difference(found: &[Vector], expected: &[Vector]) -> f64 {
     let largest = |list: &mut dyn Iterator<Item = Vector>| list.map(Vector::length).fold(0.0, f64::max);
     let scale = largest(&mut expected.iter().copied());
     largest(&mut found.iter().zip(expected).map(|(&a, &b)| a - b)) / scale
 }
 
-/// The forces and torques of the species on each sphere.
+/// Forces and torques of the species on each sphere.
 fn loads(seen: &Seen) -> Vec<[Vector; 2]> {
     let small = [Vector::new(0.4, -0.3, 0.2), Vector::new(0.1, 0.9, -0.3)];
     let large = [Vector::new(0.8, 0.0, 0.1), Vector::ZERO];
     seen.radii.iter().map(|&radius| if radius < 1.2 { small } else { large }).collect()
 }
 
-/// Given instead of the mean velocity, the pressure gradient that comes out drives the same motions, to the tolerance of solves.
+/// The resulting pressure gradient, given instead of the mean velocity, drives the same motions, to the tolerance of
+/// solves.
 #[test]
 fn the_pressure_gradient_that_comes_out_drives_the_same_motions() {
     for lubrication in LUBRICATION {
@@ -108,14 +109,14 @@ fn the_pressure_gradient_that_comes_out_drives_the_same_motions() {
         let largest = shear(&pressure).iter().copied().map(f64::abs).fold(0.0, f64::max);
         let error = shear(&flux).iter().zip(shear(&pressure)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(error < 1e-7 * largest, "{lubrication}: stresslets {error:e} of {largest}");
-        // The wrong pressure gradient drives others.
+        // Another pressure gradient drives other motions.
         let other = at_end(&[lubrication, &driven_by(ALONE)], 1);
         assert!(difference(&flux.velocities, &other.velocities) > 1e-2);
     }
 }
 
-/// The flux that forces and torques drive is, by the reciprocal theorem, what they would work on free spheres in the flow of a
-/// pressure gradient of one, and the rest of the given flux is that of the pressure gradient. Nothing here is a sum over stresslets.
+/// By the reciprocal theorem, the flux driven by forces and torques is their work on free spheres in the flow of a unit
+/// pressure gradient; the rest of the given flux is that of the pressure gradient. No sum over stresslets is involved.
 #[test]
 fn the_flux_is_the_one_given_by_the_reciprocal_theorem() {
     let given = MEAN_VELOCITY * AREA * HEIGHT;
@@ -131,13 +132,13 @@ fn the_flux_is_the_one_given_by_the_reciprocal_theorem() {
     }
 }
 
-/// Two layers of spheres, at either wall.
+/// Two layers of spheres, one at each wall.
 const LAYERS: &str = "particles={initial=\"positions\", positions=[[1.0, 2.0, 1.45], [3.1, 2.2, 1.45], [5.5, 2.0, 1.45], \
     [4.0, 4.3, 1.45], [1.5, 5.0, 1.45], [6.5, 5.5, 1.45], [1.0, 2.0, 8.0], [3.2, 2.2, 8.0], [5.5, 2.0, 8.0], [4.0, 4.3, 8.0], \
     [1.5, 5.0, 8.0], [6.5, 5.5, 8.0], [8.0, 3.6, 1.45], [3.7, 6.9, 1.45], [8.0, 3.6, 8.0]]}";
 
-/// What lubrication at walls adds to the sum over spheres: the forces `L` by which it acts on the fluid along x, each with half of the
-/// square of the distance to its wall, since it acts relative to a flow that is linear from there on.
+/// Contribution of lubrication at walls to the sum over spheres: the lubrication forces on the fluid along x times half
+/// the squared distance from the wall, since this lubrication acts relative to a flow that is linear from the wall.
 fn at_walls(found: &Seen) -> f64 {
     let (force, curvature) = (WallForce::new(VISCOSITY, Range::default()), found.gradient / VISCOSITY);
     let of_sphere = |row: usize| {
@@ -157,8 +158,9 @@ fn at_walls(found: &Seen) -> f64 {
     (0..found.radii.len()).map(of_sphere).sum()
 }
 
-/// The pressure gradient as a sum over the spheres, of loads that are not the fluid's and whole stresslets, and of lubrication at
-/// walls. Stresslets of lubrication between two spheres count in the middle between them: exactly where both are at one height, else nearly.
+/// The pressure gradient as a sum over the spheres, of external loads and total stresslets, and of lubrication at
+/// walls. Stresslets of lubrication between two spheres are taken at their midpoint: exact for spheres at the same
+/// height, otherwise approximate.
 #[test]
 fn the_pressure_gradient_is_a_sum_over_spheres() {
     let random = ["time.steps=0", "seed=5"];
@@ -183,8 +185,8 @@ fn the_pressure_gradient_is_a_sum_over_spheres() {
     }
 }
 
-/// The mean velocity that the method's own fluid has between walls by a force, a torque and a stresslet of one sphere, as small
-/// spheres without loads in many places see it, is that of the formula, with the width of both envelopes.
+/// Mean velocity of the fluid between walls due to a force, a torque and a stresslet on one sphere, sampled by small
+/// spheres without loads at many positions. It agrees with the formula with the widths of both envelopes.
 #[test]
 fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
     let edges = Vector::new(9.0, 8.0, 9.0);
@@ -227,7 +229,7 @@ fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
             let here = &motions[1 + plane * per_axis * per_axis..][..per_axis * per_axis];
             here.iter().map(|v| v.x).sum::<f64>() / here.len() as f64
         };
-        // Simpson's rule, and straight lines to rest at the walls.
+        // Simpson's rule, and linear profiles down to zero at the walls.
         let weight = |plane: usize| match plane {
             0 => 1.0,
             last if last == planes - 1 => 1.0,
@@ -246,14 +248,14 @@ fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
         (flux(0.0, 1.0, 0.0), over * 0.5 * slope),
         (flux(0.0, 0.0, 1.0), -over * slope),
     ] {
-        // Of a wave of the length between places, 1.1 radii, envelopes leave less than a thousandth, and so of what is beyond a
-        // distance of 2.5 radii, from where lines are straight.
+        // Tolerance: envelopes damp a wave as long as the sampling distance, 1.1 radii, to less than a thousandth, and
+        // so the part beyond a distance of 2.5 radii, from where profiles are linear.
         assert!((found / expected - 1.0).abs() < 2e-3, "{found} is not {expected}");
     }
 }
 
-/// A sphere in the middle of a wide channel hardly changes the flow; a quarter of the way between the walls it dissipates as
-/// Einstein says, for the rate of shear there.
+/// A sphere in the middle of a wide channel hardly changes the flow; at a quarter of the height its dissipation is
+/// Einstein's for the local shear rate.
 #[test]
 fn one_sphere_adds_einsteins_resistance() {
     let place = |z: f64| {
@@ -262,7 +264,7 @@ fn one_sphere_adds_einsteins_resistance() {
         ended(&model_of(SCENE, &keys), 1, |suspension| suspension.pressure_gradient().unwrap())
     };
     let alone = 12.0 * VISCOSITY * MEAN_VELOCITY / 400.0;
-    // Work on the whole fluid at a mean velocity U is what is dissipated: 5/2 mu gamma^2 4/3 pi more.
+    // The work on the fluid at a mean velocity U equals the dissipation, increased by 5/2 mu gamma^2 4/3 pi.
     let rate = 6.0 * MEAN_VELOCITY / 20.0 * 0.5;
     let more = 2.5 * VISCOSITY * rate * rate * 4.0 / 3.0 * PI / (900.0 * 20.0 * MEAN_VELOCITY);
     let [middle, quarter] = [10.0, 5.0].map(|z| place(z) - alone);
@@ -270,8 +272,8 @@ fn one_sphere_adds_einsteins_resistance() {
     assert!((quarter / more - 1.0).abs() < 0.03, "{quarter}, not {more}");
 }
 
-/// Where nothing is to flow through, as in a closed vessel, heavy spheres along the walls drive fluid back, and sink more slowly
-/// than where walls alone hold the fluid.
+/// Without flux, as in a closed vessel, spheres settling along the walls drive a backflow, and settle more slowly than
+/// in a channel with open ends.
 #[test]
 fn without_a_flux_fluid_flows_back() {
     let keys = ["flow.mean_velocity=0.0", "species=[{radius=1.0, count=17, force=[1.0, 0.0, 0.0]}]"];
@@ -282,7 +284,8 @@ fn without_a_flux_fluid_flows_back() {
     assert!(mean(&closed) > 0.0 && mean(&closed) < 0.6 * mean(&open), "{} {}", mean(&closed), mean(&open));
 }
 
-/// Walls bear what the pressure pushes and the forces; in the mean both feel the pressure gradient over half the height.
+/// Walls bear the force of the pressure and the forces on the spheres; their mean bears the pressure gradient over half
+/// the height.
 #[test]
 fn walls_bear_pressure_and_forces() {
     for lubrication in LUBRICATION {
@@ -294,7 +297,7 @@ fn walls_bear_pressure_and_forces() {
     }
 }
 
-/// On any ranks, with pairs and walls that are lubricated, in steps of either kind.
+/// On several numbers of ranks, with lubricated pairs and walls, for both integrators.
 #[test]
 fn any_ranks_find_the_same() {
     for method in ["time.integrator=\"implicit\"", "time.integrator=\"adams-bashforth\""] {
@@ -309,7 +312,7 @@ fn any_ranks_find_the_same() {
     }
 }
 
-/// Taken up again in the middle, a run goes on to the same bits, and knows its pressure gradient from the start.
+/// A run resumed half-way continues bit for bit, and knows its pressure gradient from the start.
 #[test]
 fn a_run_resumes_bit_for_bit() {
     for method in ["time.integrator=\"implicit\"", "time.integrator=\"adams-bashforth\""] {
@@ -327,7 +330,7 @@ fn a_run_resumes_bit_for_bit() {
     }
 }
 
-/// Threads share the work out without changing a bit.
+/// The number of threads does not change a bit.
 #[test]
 fn any_threads_find_the_same_bits() {
     let on = |threads: usize| {
@@ -341,7 +344,7 @@ fn any_threads_find_the_same_bits() {
     assert_eq!(on(1), on(3));
 }
 
-/// The time series and the summary have it, with the mean of the samples.
+/// The pressure gradient is in the time series, and the summary has the mean of the samples.
 #[test]
 fn the_pressure_gradient_is_observed() {
     let model = model_of(SCENE, &["statistics={every=1}", "time.steps=3"]);

@@ -1,4 +1,4 @@
-//! Contacts of rough spheres in runs.
+//! Runs with contacts of rough spheres.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -6,7 +6,7 @@ use domain::{Comm, Particles, Random, Tensor, Vector};
 use simulation::{ContactForces, ContactState, Simulation};
 use suspension::{Integrator, Model, Observed, Parameters, Suspension};
 
-/// Two spheres in a shear flow that brings them together, in the plane of the flow.
+/// Two spheres in a shear flow that brings them together, in the plane of flow and gradient.
 const PAIR: &str = r#"
 box.edges = [24.0, 24.0, 24.0]
 fluid.viscosity = 1.0
@@ -39,19 +39,19 @@ radius = 1.3
 count = 7
 "#;
 
-/// What a run has of its contacts at its end: of a particle in the mean, with friction, sliding, overlap, energy.
+/// Mean contacts per particle, frictional and sliding fractions, largest overlap, and energy.
 fn contacts(suspension: &mut Suspension) -> [f64; 5] {
     suspension.contact_numbers().expect("spheres may touch")
 }
 
-/// From the first sphere to the second in the nearest image.
+/// Separation of the two spheres, by the nearest image.
 fn apart(suspension: &Suspension) -> Vector {
     let places = suspension.gathered(None).positions;
     suspension.cell().nearest_image(places[0] - places[1])
 }
 
-/// Spheres anywhere, two of them at one place, are moved apart to their roughness, on any ranks; without contacts, overlap is an
-/// error.
+/// Spheres at random positions, two of them coincident, are moved apart to their roughness, on several numbers of
+/// ranks; without contacts, overlap is an error.
 #[test]
 fn starts_that_overlap_are_relaxed() {
     let edges = Vector::new(7.0, 7.5, 6.5);
@@ -79,8 +79,9 @@ fn starts_that_overlap_are_relaxed() {
     assert!(Suspension::start(&Model::new(smooth).unwrap(), &Comm::alone()).is_err());
 }
 
-/// Rough spheres that met part where their line is across the flow, and then move as smooth ones that pass so near: offsets
-/// at a distance of 3 radii downstream, from the exact two-sphere functions (da Cunha & Hinch, J. Fluid Mech. 309, 211, 1996).
+/// Rough spheres separate when their line of centres is along the gradient, and then move like smooth ones with the
+/// same minimum gap. Offsets at a distance of 3 radii downstream, from the exact two-sphere functions (da Cunha &
+/// Hinch, J. Fluid Mech. 309, 211, 1996).
 #[test]
 fn a_rough_pair_is_left_with_the_exact_offset() {
     for (roughness, friction, exact) in
@@ -102,7 +103,7 @@ fn a_rough_pair_is_left_with_the_exact_offset() {
     }
 }
 
-/// Two spheres that forces press together rest with the overlap at which the spring bears them.
+/// Two spheres pressed together come to rest at the overlap at which the spring balances the force.
 #[test]
 fn a_pressed_pair_rests_on_its_spring() {
     let squeezed = PAIR.replace("count = 2", "count = 1\nforce = [30.0, 0.0, 0.0]\n[[species]]\nname = \"other\"\nradius = 1.5\ncount = 1\nforce = [-30.0, 0.0, 0.0]");
@@ -140,7 +141,7 @@ fn run(model: &Model, ranks: usize) -> (Particles, [f64; 5]) {
 
 #[test]
 fn ranks_agree() {
-    // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+    // A tolerance that requires a double-precision grid: in single precision the order of the ranks' sums would matter.
     let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "time.steps=25"];
     let model = model_of(DENSE, &tight);
     let (alone, numbers) = run(&model, 1);
@@ -154,7 +155,7 @@ fn ranks_agree() {
     }
 }
 
-/// Resumed after any step, of a box that turns on one of them.
+/// Resumed after each step; the lattice of the box is reset in one of them.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     let model = model_of(DENSE, &[]);
@@ -173,7 +174,7 @@ fn a_resumed_run_has_the_same_bits() {
     assert!(turned && touching > 0.5, "{turned} {touching}");
 }
 
-/// Contacts push and pull opposite particles alike: no net force or torque beyond what the stress has, whatever the axes.
+/// Contact forces are opposite and equal: the stress is symmetric, and the pressure is positive.
 #[test]
 fn the_contact_stress_is_symmetric_and_presses() {
     let model = model_of(DENSE, &[]);
@@ -184,7 +185,7 @@ fn the_contact_stress_is_symmetric_and_presses() {
     assert!(pressure > 0.0 && stress.col(0).y > 0.0, "{stress}");
 }
 
-/// Contact by contact, forces make the stress of contacts and their number, and are the same on any ranks.
+/// The forces of individual contacts add up to their stress and number, and are the same on any number of ranks.
 #[test]
 fn forces_of_single_contacts_add_up_to_their_stress() {
     let model = model_of(DENSE, &[]);
@@ -203,7 +204,7 @@ fn forces_of_single_contacts_add_up_to_their_stress() {
         sum + Tensor::from_cols(r * on_first.x, r * on_first.y, r * on_first.z)
     });
     let error = (moment + moment.transpose()) * (0.5 / volume) - stress;
-    // Round-off of sums of some ten forces.
+    // Round-off of sums of about ten forces.
     assert!(error.col(0).length() + error.col(1).length() < 1e-12 * stress.col(0).length(), "{error}");
     assert!(forces.list.iter().all(|c| c.ids[0] < c.ids[1] && c.tangential.dot(c.separation).abs() < 1e-9));
     assert!(forces.list.iter().any(|contact| contact.state == ContactState::Sliding));
@@ -223,8 +224,7 @@ fn without_friction_nothing_is_remembered_across() {
     assert!(slots.iter().any(|slot| slot[7] > 0.0));
 }
 
-/// The same spheres in micrometres, in a fluid of another viscosity that is sheared at another rate: stiffness included, which
-/// is chosen here.
+/// The same spheres in micrometres, in a fluid of another viscosity at another shear rate, with automatic stiffness.
 #[test]
 fn units_do_not_matter() {
     let (length, viscosity, rate) = (1e-6, 8.5e-4, 13.0);
@@ -249,7 +249,7 @@ fn units_do_not_matter() {
     assert!((energy / numbers[4] - 1.0).abs() < 1e-5 && numbers[4] > 0.0, "{energy} {}", numbers[4]);
 }
 
-/// A run says at its end that its contacts were too soft for what was aimed at.
+/// At its end a run warns of contacts that are too soft for the target overlap.
 #[test]
 fn soft_contacts_are_warned_of() {
     let warnings = |stiffness: &str| {

@@ -1,4 +1,4 @@
-//! Extensions, in boxes that repeat for ever.
+//! Extensional flows in boxes that repeat indefinitely.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -21,7 +21,7 @@ count = 3
 const METHODS: [&str; 3] =
     ["order = 4", r#"integrator = "adaptive", tolerance = 1e-6"#, r#"integrator = "implicit", tolerance = 1e-6"#];
 
-/// Each with how it is said in a scene.
+/// Each kind with its key in a scene.
 const KINDS: [(Extension, &str); 3] = [
     (Extension::Planar, r#"flow.kind="planar-extension""#),
     (Extension::Uniaxial, r#"flow.kind="uniaxial-extension""#),
@@ -57,8 +57,8 @@ fn largest(vectors: impl Iterator<Item = Vector>) -> f64 {
     vectors.map(Vector::length).fold(0.0, f64::max)
 }
 
-/// Its place without periodicity is stretched by the flow, through more than 12 periods of the lattice, as far as round-off
-/// allows that the flow stretches too.
+/// The unwrapped position is stretched by the flow, through more than 12 periods of the lattice, up to round-off
+/// amplified by the flow.
 #[test]
 fn a_single_sphere_is_carried_by_the_flow() {
     for ((kind, flow), method) in KINDS.into_iter().flat_map(|kind| METHODS.map(|method| (kind, method))) {
@@ -79,8 +79,8 @@ fn a_single_sphere_is_carried_by_the_flow() {
     }
 }
 
-/// A sphere far from its images adds 2.5 times its volume fraction to the viscosity, whatever the flow: by what images do, a
-/// hundredth more or less.
+/// A sphere far from its images increases the viscosity by 2.5 times its volume fraction in any flow; images change
+/// this by about a hundredth.
 #[test]
 fn a_dilute_suspension_has_the_viscosity_of_einstein() {
     let fraction = 4.0 / 3.0 * std::f64::consts::PI / 20.0_f64.powi(3);
@@ -91,7 +91,7 @@ fn a_dilute_suspension_has_the_viscosity_of_einstein() {
     }
 }
 
-/// Just after the start the box takes other vectors of the same lattice: nothing moves otherwise for it.
+/// Just after the start the box takes other vectors of the same lattice; the motions do not change.
 #[test]
 fn other_vectors_of_the_lattice_change_nothing() {
     let model = passing("order = 2", &["time.step=1e-8", "time.steps=1"]);
@@ -108,8 +108,8 @@ fn other_vectors_of_the_lattice_change_nothing() {
     assert!(velocities(&suspension) != whole, "it was computed anew");
 }
 
-/// The same where the lattice is its own image after half a period of uniaxial extension: relative to the flow spheres move
-/// as just before.
+/// The same at the end of half a period of the lattice in uniaxial and biaxial extension: motions relative to the flow
+/// are those just before.
 #[test]
 fn a_period_of_the_lattice_changes_nothing() {
     let half = 0.5 * 1.324_717_957_244_746_f64.ln();
@@ -129,10 +129,10 @@ fn a_period_of_the_lattice_changes_nothing() {
     }
 }
 
-/// Where places are counted from does not matter: relative to each other, spheres move alike, with contacts too.
+/// The choice of the origin does not affect relative motion, with or without contacts.
 #[test]
 fn relative_motion_does_not_depend_on_the_origin() {
-    // By (3.1, 7.7, -2.3).
+    // Displaced by (3.1, 7.7, -2.3).
     let moved = "particles.positions=[[8.1, 9.3, 3.7], [8.7, 6.8, 4.2], [6.1, 13.7, -0.3]]";
     let planar = METHODS.into_iter().map(|method| (method, None)).chain([(METHODS[2], Some(CONTACTS))]);
     let others = KINDS[1..].iter().flat_map(|kind| [(METHODS[0], Some(kind.1)), (METHODS[2], Some(kind.1))]);
@@ -150,7 +150,7 @@ fn relative_motion_does_not_depend_on_the_origin() {
     }
 }
 
-/// Stokes flow is reversible: smooth spheres come back to where they were, through boxes of other vectors.
+/// Stokes flow is reversible: smooth spheres return to their positions, through changes of the box's vectors.
 #[test]
 fn smooth_spheres_come_back_when_the_flow_is_reversed() {
     let all = METHODS
@@ -177,7 +177,8 @@ fn ranks_agree() {
         (METHODS[2], Some(CONTACTS), [KINDS[2].1, "time.steps=16"]),
     ];
     for (method, more, [flow, steps]) in planar.into_iter().chain(others) {
-        // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+        // A tolerance that requires a double-precision grid: in single precision the order of the ranks' sums would
+        // matter.
         let keys = [&["hydrodynamics.tolerance=1e-7", steps, flow], more.as_slice()].concat();
         let model = passing(method, &keys);
         let alone = run(&model, 1);
@@ -189,7 +190,7 @@ fn ranks_agree() {
     }
 }
 
-/// Resumed on any step, those on which the box takes other vectors or the rate changes too.
+/// Resumed at every step, also at changes of the box's vectors or of the rate.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     let with_heat = PASSING.replace("viscosity = 1.0", "viscosity = 1.0\nfluid.thermal_energy = 0.1");
@@ -216,7 +217,7 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// Smooth spheres come back after each period of an oscillating strain.
+/// Smooth spheres return to their positions after each period of an oscillating strain.
 #[test]
 fn smooth_spheres_come_back_after_a_period() {
     let period = std::f64::consts::PI;
@@ -231,7 +232,7 @@ fn smooth_spheres_come_back_after_a_period() {
     }
 }
 
-/// Velocities are those of the whole flow, whoever asks.
+/// Output velocities include the background flow.
 #[test]
 fn velocities_have_the_flow_in_them() {
     let model = passing("order = 2", &["time.steps=3"]);

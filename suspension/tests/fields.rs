@@ -1,15 +1,15 @@
-//! The velocity of the fluid in runs whose boxes do not repeat along all axes.
+//! Velocity fields of runs in boxes that are not fully periodic.
 
 use crate::support::model_of;
 use domain::{Comm, Turn, Vector};
 use simulation::{Simulation, VelocityField};
 use suspension::{Model, Observed};
 
-/// Edges where the special axis is z.
+/// Edges of the box if the special axis is z.
 const EDGES: [f64; 3] = [9.0, 8.0, 10.0];
 
-/// What the box is along its special axis, or all, and what drives the spheres; written with that across an axis, where vectors are
-/// given as if it were z.
+/// Scene with a boundary along its special axis, or all axes, and a kind of driving; `axis` is the special axis, and
+/// vectors are given as if it were z.
 fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
     let back = Turn::to_last(axis).inverse();
     let vector = |v: [f64; 3]| format!("{:?}", back.vector(v.into()).to_array());
@@ -51,7 +51,7 @@ force = {}
 const SCENES: [[&str; 2]; 5] =
     [["walls", "couette"], ["walls", "flux"], ["wall", "sediment"], ["open", "layer"], ["open", "cloud"]];
 
-/// The field of the first rank after some steps.
+/// Field on the first rank after some steps.
 fn field(model: &Model, steps: u64, ranks: usize) -> VelocityField {
     let all = Comm::threads(ranks, |comm| {
         let mut run = Observed::start(model, None, &comm).unwrap();
@@ -82,14 +82,14 @@ fn largest(field: &VelocityField) -> f64 {
     field.values.iter().map(|u| u.length()).fold(0.0, f64::max)
 }
 
-/// The largest difference of the values of two fields at the same points.
+/// Largest difference of two fields at the same points.
 fn apart(one: &VelocityField, other: &VelocityField) -> f64 {
     assert_eq!((one.points, one.periodic), (other.points, other.periodic));
     assert!((one.first - other.first).length() < 1e-6 && (one.spacing - other.spacing).length() < 1e-12);
     one.values.iter().zip(&other.values).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
 }
 
-/// At each place of the user's is the velocity of that place in the box, turned.
+/// The value at each of the user's positions is the rotated velocity at that position of the box.
 #[test]
 fn fields_are_in_the_axes_of_the_user() {
     for kind in &SCENES[..4] {
@@ -121,7 +121,7 @@ fn fields_are_in_the_axes_of_the_user() {
     }
 }
 
-/// On any ranks, as exactly as solves are; and so are the places of the points.
+/// On several numbers of ranks values agree to the tolerance of solves, and points agree.
 #[test]
 fn fields_are_the_same_on_any_ranks() {
     for kind in SCENES {
@@ -134,7 +134,7 @@ fn fields_are_the_same_on_any_ranks() {
     }
 }
 
-/// Points from wall to wall; the box of others is around the spheres, and beyond by two of the largest radii.
+/// Points extend from wall to wall; in other boxes they extend beyond the spheres by two of the largest radii.
 #[test]
 fn points_are_where_fluid_is() {
     for kind in SCENES {
@@ -160,8 +160,8 @@ fn points_are_where_fluid_is() {
     }
 }
 
-/// The background has the whole flux that is given: through the walls' distance nothing flows besides it, of whatever the spheres
-/// and their pressure gradient drive. Along the wall across the flow there is no such condition.
+/// The background flow has the whole given flux, so that the field has none along it, whatever flow the spheres and
+/// their pressure gradient drive. Perpendicular to the flow there is no such constraint.
 #[test]
 fn a_given_flux_is_that_of_the_background() {
     let model = model_of(&scene(2, SCENES[1]), &["hydrodynamics.tolerance=1e-4"]);
@@ -176,13 +176,13 @@ fn a_given_flux_is_that_of_the_background() {
     let size = (0..nz).map(|z| mean(z).length()).fold(0.0, f64::max);
     println!("{through} of {size}");
     assert!(size > 1e-3);
-    // A sphere counts with a^2/6 in the flux, its envelope with sigma^2/2 = a^2/2 pi.
+    // In the flux a sphere counts with a^2/6, its envelope with sigma^2/2 = a^2/2 pi.
     assert!(through.x.abs() < 0.01 * size, "{through} of {size}");
     assert!(through.y.abs() > 0.1 * size, "along the other axis the forces drive a flux: {through} of {size}");
     assert!(through.z.abs() < 1e-3 * size, "nothing flows through walls: {through} of {size}");
 }
 
-/// A field changes nothing, and after it was taken up again a run has the same.
+/// Computing a field has no effect on the run, and a resumed run has the same field.
 #[test]
 fn fields_are_of_no_consequence_and_resume_bit_for_bit() {
     for kind in SCENES {

@@ -1,11 +1,11 @@
-//! Steps that take repulsion at their end: order, stiffness, and the same answer on any ranks and after a stop.
+//! Implicit repulsion: order, stiffness, and identical results on any number of ranks and after a restart.
 
 use crate::support::model_of;
 use domain::{Comm, Particles};
 use suspension::{Model, Suspension};
 
-/// Two spheres that forces press together against repulsion and let roll about each other in a shear flow, one image
-/// across a face of the box; a third one is away.
+/// Two spheres pressed together against their repulsion that roll about each other in a shear flow, one of them across
+/// a face of the box; a third sphere is far away.
 const PRESSED: &str = r#"
 box.edges = [12.0, 12.0, 12.0]
 fluid.viscosity = 1.0
@@ -51,7 +51,7 @@ fn difference(a: &[domain::Vector], b: &[domain::Vector]) -> f64 {
     a.iter().zip(b).map(|(&a, &b)| (a - b).length()).fold(0.0, f64::max)
 }
 
-/// Steps half as long have a quarter of the error, and come to where the method of order 3 with known errors comes.
+/// Half the step has a quarter of the error, and the result converges to that of the adaptive method of order 3.
 #[test]
 fn the_order_is_two_with_every_kind_of_hydrodynamics() {
     for kind in [POINTS, "", LUBRICATED] {
@@ -68,8 +68,8 @@ fn the_order_is_two_with_every_kind_of_hydrodynamics() {
     }
 }
 
-/// Behind a barrier a hundred times as stiff, spheres come to rest where short steps bring them, in a fraction of the
-/// evaluations that explicit steps with the same tolerance take.
+/// With a barrier that is a hundred times stiffer, spheres come to rest where short steps bring them, with a fraction
+/// of the evaluations of explicit steps at the same tolerance.
 #[test]
 fn stiff_repulsion_limits_steps_less() {
     let stiff = [
@@ -89,7 +89,7 @@ fn stiff_repulsion_limits_steps_less() {
         let (gap, evaluations) = with("time.gap_fraction=0.9");
         let (_, explicit) = with("time.integrator=\"adaptive\"");
         let (exact, _) = with("time.tolerance=1e-6");
-        // Alone, the two would rest at 0.2 - 0.2 (20 / 1e4)^(1/2) = 0.191.
+        // A single pair would rest at a gap of 0.2 - 0.2 (20 / 1e4)^(1/2) = 0.191.
         assert!((gap - exact).abs() < 1e-3 && (0.18..0.2).contains(&exact), "{kind}: gap {gap}, short steps {exact}");
         assert!(evaluations < 0.2 * explicit, "{kind}: {evaluations} evaluations, explicit {explicit}");
     }
@@ -98,7 +98,8 @@ fn stiff_repulsion_limits_steps_less() {
 #[test]
 fn ranks_agree() {
     for kind in [POINTS, "hydrodynamics.lubrication=false", LUBRICATED] {
-        // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+        // A tolerance that requires a double-precision grid: in single precision the order of the ranks' sums would
+        // matter.
         let tight = ["hydrodynamics.tolerance=1e-6", "hydrodynamics.iteration_tolerance=1e-10"];
         let model = model_of(PRESSED, &[kind, tight[0], tight[1], "time.tolerance=1e-3", "time.steps=3"]);
         let (alone, _) = run(&model, 1);
@@ -110,7 +111,7 @@ fn ranks_agree() {
     }
 }
 
-/// Resumed after any step, of a box that turns on one of them.
+/// Resumed after each step; the lattice of the box is reset in one of them.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     for kind in [POINTS, "hydrodynamics.lubrication=false", LUBRICATED] {
@@ -126,7 +127,7 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// Spheres that feel lubrication, none of which is near another.
+/// Spheres with lubrication, none of which is near another.
 #[test]
 fn spheres_that_are_far_apart_need_no_near_field() {
     let apart = "particles.positions=[[2.0, 2.0, 2.0], [8.0, 8.0, 2.0], [5.0, 5.0, 8.0]]";

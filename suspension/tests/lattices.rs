@@ -1,4 +1,4 @@
-//! Lattices, in which symmetry makes errors of neighbours alike, and residuals orthogonal to whole directions.
+//! Lattices, in which symmetry makes the errors of neighbours equal, and residuals orthogonal to whole directions.
 
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
 use fcm::{Costs, Loads, Multipoles};
@@ -11,7 +11,7 @@ const SIMPLE: &[[f64; 3]] = &[[0.0; 3]];
 const BODY_CENTRED: &[[f64; 3]] = &[[0.0; 3], [0.5; 3]];
 const FACE_CENTRED: &[[f64; 3]] = &[[0.0; 3], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.0]];
 
-/// Spheres of radius 1 in so many cubic cells along each axis.
+/// Spheres of radius 1 in a number of cubic cells along each axis.
 struct Lattice {
     edge: f64,
     positions: Vec<Vector>,
@@ -26,7 +26,7 @@ impl Lattice {
         Self { edge: edge * cells as f64, positions }
     }
 
-    /// The same with each sphere moved by about a ten millionth of its radius.
+    /// The same with each sphere displaced by about a ten-millionth of its radius.
     fn moved(&self) -> Self {
         let shift =
             |k: usize| 1e-7 * Vector::new((k as f64).sin(), (2.0 * k as f64 + 1.0).cos(), (3.0 * k as f64).sin());
@@ -74,7 +74,7 @@ enum Load {
     Shear,
 }
 
-/// The answer that a load drives directly.
+/// The response that a load drives directly.
 fn driven(load: Load, motions: &Motions) -> Vec<f64> {
     let of_vectors = |list: &[Vector]| list.iter().flat_map(Vector::to_array).collect();
     match load {
@@ -89,20 +89,20 @@ fn relative_error(found: &[f64], exact: &[f64]) -> f64 {
     norm(&mut found.iter().zip(exact).map(|(a, b)| a - b)) / norm(&mut exact.iter().copied())
 }
 
-/// Lattices with fractions from dilute to nearly touching.
+/// Lattices with volume fractions from dilute to nearly touching.
 fn lattices() -> Vec<Lattice> {
     let all = [(SIMPLE, [0.2, 0.35, 0.5]), (BODY_CENTRED, [0.35, 0.45, 0.65]), (FACE_CENTRED, [0.4, 0.55, 0.7])];
     all.iter().flat_map(|(basis, fractions)| fractions.iter().map(|&f| Lattice::new(basis, f, 1))).collect()
 }
 
-/// A step of the iteration leaves a residual orthogonal to the only direction that a lattice has, and the loads of stiff and of soft
-/// pairs cancel: a measure of their sum would end the solve there, at an answer off by a thousandth at any tolerance.
+/// A step of the iteration leaves a residual orthogonal to the only direction of a lattice, and the loads of stiff and
+/// of soft pairs cancel: a norm of their sum would end the solve there, with an error of a thousandth at any tolerance.
 #[test]
 fn a_lattice_moves_as_the_same_one_that_is_not_exactly_symmetric() {
     let cells = Lattice::new(SIMPLE, 0.4, 3);
     for lattice in lattices().iter().chain([&cells]) {
         for load in [Load::Force, Load::Torque, Load::Opposed, Load::Shear] {
-            // Opposed forces on one sphere are the first load again.
+            // With one sphere per cell, opposed forces are the same as the first load.
             if load == Load::Opposed && lattice.positions.len() % 2 != 0 {
                 continue;
             }
@@ -110,7 +110,7 @@ fn a_lattice_moves_as_the_same_one_that_is_not_exactly_symmetric() {
             for tolerance in [1e-2, 1e-4, 1e-6] {
                 let found = driven(load, &lattice.motions(true, tolerance, load));
                 let error = relative_error(&found, &moved);
-                // Resistances change by the displacement over the gap.
+                // Resistances change relatively by the displacement over the gap.
                 assert!(
                     error < tolerance.max(5e-6),
                     "{} spheres in {}: {load:?}, {error:e} at {tolerance:e}",
@@ -122,7 +122,7 @@ fn a_lattice_moves_as_the_same_one_that_is_not_exactly_symmetric() {
     }
 }
 
-/// Lubrication resists more than the far field alone.
+/// With lubrication the resistance is larger than that of the far field alone.
 #[test]
 fn lubrication_slows_no_lattice_less_than_none() {
     for lattice in lattices() {
@@ -132,7 +132,7 @@ fn lubrication_slows_no_lattice_less_than_none() {
     }
 }
 
-/// The tolerance is relative to the hindered velocity, a tenth to a seventieth of that of a single sphere.
+/// The tolerance is relative to the hindered velocity, which is a tenth to a seventieth of that of a single sphere.
 #[test]
 fn velocities_of_lattices_under_equal_forces_keep_the_tolerance() {
     for lattice in lattices() {
@@ -144,7 +144,7 @@ fn velocities_of_lattices_under_equal_forces_keep_the_tolerance() {
     }
 }
 
-/// The distance of neighbours in a dilute lattice is about that of the pairs that are left out, and all of them have the same error.
+/// In a dilute lattice the distance of neighbours is close to the cutoff of pairs, and all pairs have the same error.
 #[test]
 fn velocities_of_a_dilute_lubricated_lattice_keep_the_tolerance() {
     for fraction in [0.16, 0.19, 0.2186, 0.24] {

@@ -1,4 +1,4 @@
-//! Random motions have the covariance of the mobility.
+//! Random motions whose covariance is the mobility.
 
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
 use fcm::{Costs, Loads, Method, MethodName, Multipoles, Precision};
@@ -6,7 +6,7 @@ use lubrication::Range;
 use solver::BackgroundFlow;
 use suspension::{Mobility, MobilityParameters};
 
-/// Three spheres of two sizes near each other in a sheared box.
+/// Three near spheres of two sizes in a sheared box.
 fn parameters(edge: f64, tolerance: f64) -> MobilityParameters {
     MobilityParameters {
         cell: PeriodicBox::sheared(Vector::splat(edge), 0.2).unwrap(),
@@ -25,7 +25,7 @@ fn places() -> Vec<Vector> {
     vec![Vector::new(1.0, 2.0, 2.0), Vector::new(3.1, 2.4, 2.2), Vector::new(2.0, 4.8, 3.0)]
 }
 
-/// The same in a box that does not repeat along all axes, at walls, if it has any.
+/// The same spheres in a box that is not fully periodic; with walls, near them.
 fn bounded(boundaries: Boundaries) -> MobilityParameters {
     let cell = PeriodicBox::new(Vector::new(9.0, 10.0, 5.0)).unwrap().with_boundaries(boundaries).unwrap();
     MobilityParameters { cell, ..parameters(9.0, 1e-3) }
@@ -37,8 +37,8 @@ fn mobility(parameters: MobilityParameters, comm: &Comm) -> Mobility {
     mobility
 }
 
-/// Forces and torques to velocities and angular velocities, or forces, torques and moments `-S` in an orthonormal basis to all
-/// motions, column by column.
+/// Mobility matrix, column by column: from forces and torques to velocities and angular velocities, or from forces,
+/// torques and first moments `-S` in an orthonormal basis to all motions.
 fn dense(mobility: &mut Mobility, width: usize) -> Vec<Vec<f64>> {
     let count = places().len();
     let column = |k: usize| {
@@ -80,7 +80,7 @@ fn flat(motion: &fcm::Motion, width: usize) -> Vec<f64> {
     (0..width * count).map(|k| of(k / count, k % count)).collect()
 }
 
-/// The lower triangular `L` with `L L^T` a matrix.
+/// Cholesky factor: the lower triangular `L` with `L L^T` the matrix.
 fn cholesky(matrix: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let count = matrix.len();
     let mut root = vec![vec![0.0; count]; count];
@@ -103,8 +103,8 @@ fn whitened(root: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
     white
 }
 
-/// Whitened by the dense matrix, numbers are independent and of variance 1: their mean square is within three times its error,
-/// and so are all elements of their covariance.
+/// Random motions whitened by the dense matrix are independent with unit variance: their mean square is within three
+/// standard errors of 1, and so are all elements of their covariance.
 #[test]
 fn random_motions_have_the_covariance_of_the_mobility() {
     let lubricated =
@@ -131,7 +131,7 @@ fn random_motions_have_the_covariance_of_the_mobility() {
         let mut mobility = mobility(parameters, &Comm::alone());
         kinds.push((mobility.plan().method == Method::Direct, mobility.plan().precision == Precision::Single));
         let root = cholesky(&dense(&mut mobility, width));
-        // Each takes the root of the whole mobility where walls are.
+        // With walls each draw takes the square root of the whole mobility.
         let draws = if mobility.plan().boundaries == Boundaries::Periodic { 1200 } else { 300 };
         let (motions, drawn) = mobility.noise(7, 0..draws).unwrap();
         let white: Vec<Vec<f64>> = motions.iter().map(|motion| whitened(&root, &flat(motion, width))).collect();
@@ -175,8 +175,8 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
     }
 }
 
-/// Whitened by the dense matrix of one rank, draws on 2 and 7 ranks are those of one rank: numbers of variance 1 and independent, in
-/// f32 and f64, and the same to what rounding on the grid, and the tolerance of the solve, leave.
+/// Draws on 2 and 7 ranks, whitened by the dense matrix of one rank, equal those of one rank: they are independent with
+/// unit variance, in single and double precision, and agree up to round-off on the grid and the tolerance of the solve.
 #[test]
 fn whitened_draws_are_the_same_on_any_ranks() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
@@ -206,7 +206,7 @@ fn whitened_draws_are_the_same_on_any_ranks() {
     }
 }
 
-/// The root's matrix, column by column, numbers in the order of [`flat`].
+/// Matrix of the square root, column by column, with the numbers in the order of [`flat`].
 fn root_columns(mobility: &mut Mobility, transposed: bool) -> Vec<Vec<f64>> {
     let count = places().len();
     let column = |k: usize| {
@@ -219,7 +219,8 @@ fn root_columns(mobility: &mut Mobility, transposed: bool) -> Vec<Vec<f64>> {
     (0..6 * count).map(column).collect()
 }
 
-/// `B B^T` is the dense matrix and `B^T` the transpose, with and without lubrication, between walls and of forces alone.
+/// `B B^T` is the dense matrix and `B^T` the transpose; with and without lubrication, between walls, and for forces
+/// alone.
 #[test]
 fn the_root_times_its_transpose_is_the_mobility() {
     let tight = parameters(14.0, 1e-6);
@@ -266,14 +267,14 @@ fn ranks_agree_about_the_root() {
     assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 3e-6, "{roots:?}");
 }
 
-/// Velocities and angular velocities of lists.
+/// Velocities and angular velocities as one list.
 fn flat_drift(drift: &suspension::Drift) -> Vec<f64> {
     let suspension::Drift { velocities, angular_velocities, .. } = drift;
     velocities.iter().chain(angular_velocities).flat_map(Vector::to_array).collect()
 }
 
-/// The divergence of the velocities that forces cause is that of the differences between places; along it, the mean of draws is its
-/// length, within three and a half errors. Without drift it would be nothing, many errors away.
+/// The divergence of the mobility by central differences. The mean of the draws, projected on it, equals its norm
+/// within three and a half standard errors. Without drift the mean would be zero, many standard errors away.
 #[test]
 fn draws_of_the_drift_have_the_mean_that_the_mobility_has_as_its_divergence() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
@@ -329,7 +330,7 @@ fn draws_for_which_there_is_no_memory_are_refused() {
     assert!(refused.contains("fewer draws at a time"), "{refused}");
 }
 
-/// The second look, that before the second draw, ends the draws.
+/// The second check of the interrupt, before the second draw, ends the draws.
 #[test]
 fn draws_are_interrupted() {
     use domain::Interrupt;

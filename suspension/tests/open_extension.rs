@@ -1,4 +1,4 @@
-//! Extensions of open fluid.
+//! Extensional flows of open fluid.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -8,7 +8,7 @@ use lubrication::Range;
 use std::f64::consts::PI;
 use suspension::{Extension, Mobility, MobilityParameters, Model, Suspension};
 
-/// Spheres of two sizes that the flow draws apart, and the box with them.
+/// Spheres of two sizes that the flow separates; the box follows.
 const DRAWN: &str = r#"
 seed = 2
 box.boundaries = ["open", "open", "open"]
@@ -29,7 +29,7 @@ count = 2
 
 const METHODS: [&str; 3] = ["order = 4", r#"integrator = "adaptive""#, r#"integrator = "implicit""#];
 
-/// Each with how it is said in a scene.
+/// Each kind with its key in a scene.
 const KINDS: [(Extension, &str); 3] = [
     (Extension::Planar, r#"flow.kind="planar-extension""#),
     (Extension::Uniaxial, r#"flow.kind="uniaxial-extension""#),
@@ -40,7 +40,7 @@ fn drawn(method: &str, keys: &[&str]) -> Model {
     model_of(&DRAWN.replace("ADVANCE", method), keys)
 }
 
-/// Spheres of radius 1 that are free, at places.
+/// Free spheres of radius 1 at given positions.
 fn free(method: &str, places: &[[f64; 3]], keys: &[&str]) -> Model {
     let all = [
         format!("species=[{{radius=1.0, count={}}}]", places.len()),
@@ -51,8 +51,8 @@ fn free(method: &str, places: &[[f64; 3]], keys: &[&str]) -> Model {
     drawn(method, &keys)
 }
 
-/// A sphere alone goes with the flow, wherever it is, and has the stresslet `20/3 pi mu a^3 E`, and no angular velocity: whatever the
-/// length of steps, with a rate that changes too.
+/// An isolated sphere moves with the flow at any position, without angular velocity and with the stresslet
+/// `20/3 pi mu a^3 E`, for any step length and also with changes of the rate.
 #[test]
 fn a_sphere_alone_goes_with_the_flow() {
     let start = [3.0, 50.0, -7.0];
@@ -67,7 +67,7 @@ fn a_sphere_alone_goes_with_the_flow() {
             });
             let rates = kind.rates();
             let exact = kind.stretch(strain) * Vector::from_array(start);
-            // To the tolerance of what the flow does over a radius, farther out carried along by it.
+            // Tolerance of the velocity of the flow over a radius, amplified by the flow farther out.
             assert!((place - exact).length() < 1e-3, "{flow} {method}: {place}, not {exact}");
             assert!((velocity - last * rates * place).length() < 1e-4, "{flow} {method}: {velocity}");
             assert!(spin.length() < 1e-4 * 0.4, "{flow} {method}: {spin}");
@@ -82,7 +82,8 @@ fn a_sphere_alone_goes_with_the_flow() {
     }
 }
 
-/// A pair moves relative to the flow as the mobility of the same places has it, to the tolerance of what the flow does over a radius.
+/// The motion of a pair relative to the flow equals that of the mobility at the same positions, to the tolerance of the
+/// flow over a radius.
 #[test]
 fn a_pair_moves_as_its_mobility_says() {
     let axis = Vector::new(2.0, 1.0, 2.0) / 3.0;
@@ -134,7 +135,7 @@ fn ranks_agree_in_open_extension() {
     }
 }
 
-/// Taken up again at any step, one at which the rate changes among them.
+/// Resumed at any step, also at a change of the rate.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     for (method, (_, flow)) in METHODS.into_iter().zip(KINDS) {
@@ -155,7 +156,7 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// Smooth spheres that neither force nor gravity moves come back when the flow is reversed.
+/// Smooth spheres without forces return to their positions when the flow is reversed.
 #[test]
 fn spheres_come_back_when_the_flow_is_reversed() {
     let places = [[0.0, 4.0, 0.0], [0.7, -4.0, 0.5], [5.0, 1.0, 3.0]];

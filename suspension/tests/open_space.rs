@@ -1,4 +1,4 @@
-//! Runs in open fluid, in which the box follows the spheres.
+//! Runs in open fluid, with a box that follows the spheres.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -21,8 +21,8 @@ count = 2
 force = [3.0, -1.0, -20.0]
 "#;
 
-/// Two equal spheres that settle at an angle keep their separation: the velocity is that of the exact mobility, and steps along a
-/// straight line make no error.
+/// Two equal spheres that settle at an angle keep their separation: the velocity is that of the exact mobility, and
+/// steps along a straight line have no error.
 #[test]
 fn a_pair_falls_as_the_exact_one() {
     let (force, axis) = (Vector::new(3.0, -1.0, -20.0), Vector::new(2.0, 1.0, 2.0) / 3.0);
@@ -54,8 +54,8 @@ count = 200
 force = [0.0, 0.0, -18.84955592153876]
 "#;
 
-/// The mean velocity of a cloud at random over that of one sphere is `6 N a / 5 R + 1`; that of one of 200 spheres in a ball of
-/// 30 radii scatters by 2%, and a minimum distance of neighbours takes some tenths of a percent off it.
+/// The mean velocity of a random cloud over that of a single sphere is `6 N a / 5 R + 1`. For 200 spheres in a ball of
+/// 30 radii it scatters by 2%, and the minimum gap reduces it by some tenths of a per cent.
 #[test]
 fn a_cloud_falls_as_its_formula_says() {
     let formula = 6.0 * 200.0 / (5.0 * 30.0) + 1.0;
@@ -71,7 +71,8 @@ fn a_cloud_falls_as_its_formula_says() {
     assert!((mean / formula - 1.0).abs() < 0.025, "{found:?}, not {formula}");
 }
 
-/// A few spheres of two sizes that a shear draws apart: the box grows again and again. They repel and rub each other.
+/// A few spheres of two sizes that are separated by a shear flow, with repulsion and lubrication: the box grows
+/// repeatedly.
 const SHEARED: &str = r#"
 seed = 2
 box.boundaries = ["open", "open", "open"]
@@ -112,7 +113,7 @@ fn ranks_agree_in_open_fluid() {
     }
 }
 
-/// Taken up again at any step, after the box has changed or before, a run goes on to the same bits.
+/// Resumed at any step, before or after a change of the box, a run continues bit for bit.
 #[test]
 fn a_run_in_open_fluid_resumes_bit_for_bit() {
     for key in ["time.order=4", "time.integrator=\"implicit\""] {
@@ -138,7 +139,7 @@ fn a_run_in_open_fluid_resumes_bit_for_bit() {
     }
 }
 
-/// A step that is interrupted at any look after the box has changed leaves no trace, and what is looked at then is right.
+/// A step that is interrupted at any check after the box has changed has no effect, and the state is consistent.
 #[test]
 fn an_interrupted_step_goes_back_to_the_box_before() {
     let model = model_of(SHEARED, &["time.step=0.8"]);
@@ -162,7 +163,7 @@ fn an_interrupted_step_goes_back_to_the_box_before() {
     }
 }
 
-/// In a linear flow a sphere alone goes with it, wherever it is.
+/// An isolated sphere moves with a linear flow, at any position.
 #[test]
 fn a_sphere_alone_goes_with_the_flow() {
     let keys = [
@@ -174,12 +175,12 @@ fn a_sphere_alone_goes_with_the_flow() {
         let mut all = suspension.gathered(None);
         (all.positions[0], all.vectors(suspension::ANGULAR_VELOCITY)[0])
     });
-    // To the tolerance of what the flow does over a radius.
+    // Tolerance of the flow over a radius.
     assert!((place - Vector::new(3.0 + 0.4 * 50.0 * 6.0, 50.0, -7.0)).length() < 1e-4 * 0.4 * 6.0, "{place}");
     assert!((spin - Vector::Z * -0.2).length() < 1e-4 * 0.2, "{spin}");
 }
 
-/// Above a wall a sphere may rise as high as it likes: beyond the box of the scene it moves as in unbounded fluid, nearly.
+/// Above a wall a sphere may rise to any height: above the initial box it moves almost as in unbounded fluid.
 #[test]
 fn a_sphere_rises_out_of_the_box_above_a_wall() {
     let keys = [
@@ -193,7 +194,7 @@ fn a_sphere_rises_out_of_the_box_above_a_wall() {
     assert!(place.z > 7.5 && place.z < 10.5 && edges.z > place.z, "{place} {edges}");
 }
 
-/// A layer in fluid that is open on both sides settles across itself, and the box goes with it.
+/// A layer in fluid that is open on both sides settles along its normal, and the box follows.
 #[test]
 fn a_layer_falls_in_open_fluid() {
     let keys = [
@@ -212,7 +213,7 @@ fn a_layer_falls_in_open_fluid() {
     assert!((all[1].0 - centre).length() < 1e-6);
 }
 
-/// Files say along which axes a box repeats: whoever gathers a frame, or has a share of it, knows.
+/// Frames, gathered or of one rank, record the periodic axes of the box.
 #[test]
 fn frames_know_along_which_axes_a_box_repeats() {
     let layer = "box={edges=[12.0, 12.0, 8.0], boundaries=[\"periodic\", \"periodic\", \"open\"]}";
@@ -230,8 +231,8 @@ fn frames_know_along_which_axes_a_box_repeats() {
     }
 }
 
-/// A row of the time series has the cloud's place and size; `check` says what open fluid and walls cost, and nothing of the kind of a
-/// periodic box.
+/// Rows of the time series have the cloud's position and size; `check` reports the costs of open fluid and walls, and
+/// nothing like that for a periodic box.
 #[test]
 fn what_is_told_of_clouds_and_of_boundaries() {
     let model = model_of(SHEARED, &["time.steps=0"]);

@@ -1,4 +1,4 @@
-//! Rates of shear that change in the course of a run.
+//! Shear rates that change in the course of a run.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -33,7 +33,7 @@ fn largest(vectors: impl Iterator<Item = Vector>) -> f64 {
     vectors.map(Vector::length).fold(0.0, f64::max)
 }
 
-/// Stokes flow is reversible: smooth spheres come back to where they were.
+/// Stokes flow is reversible: smooth spheres return to their positions.
 #[test]
 fn smooth_spheres_come_back_when_the_flow_is_reversed() {
     for method in METHODS {
@@ -55,7 +55,7 @@ fn smooth_spheres_come_back_when_the_flow_is_reversed() {
     }
 }
 
-/// What touched does not come back: the pair is left farther apart.
+/// Contacts are irreversible: a rough pair ends up farther apart.
 #[test]
 fn rough_spheres_do_not_come_back() {
     let positions = "particles.positions=[[5.0, 6.4, 6.0], [7.0, 5.6, 6.0], [1.0, 1.0, 1.0]]";
@@ -69,7 +69,7 @@ fn rough_spheres_do_not_come_back() {
     assert!(smooth < 0.03 && rough > 0.5, "{smooth} {rough}");
 }
 
-/// A table says the same as strains of reversal, and a flow that stops moves nothing.
+/// A table of rates is equivalent to strains of reversal, and a flow that has stopped moves nothing.
 #[test]
 fn a_table_of_rates_is_followed() {
     let reversed = run(&passing(METHODS[0], &[]), 1);
@@ -88,7 +88,8 @@ fn a_table_of_rates_is_followed() {
 fn ranks_agree() {
     let turned = ["flow.reversal_at=[0.8]", OSCILLATION];
     for (method, flow) in METHODS.into_iter().zip([turned[0], turned[1], turned[1]]) {
-        // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+        // A tolerance that requires a double-precision grid: in single precision the order of the ranks' sums would
+        // matter.
         let model = passing(method, &["hydrodynamics.tolerance=1e-7", "time.steps=40", flow]);
         let alone = run(&model, 1);
         for ranks in [2, 7] {
@@ -99,7 +100,7 @@ fn ranks_agree() {
     }
 }
 
-/// Resumed on any step, that of the reversal too.
+/// Resumed at every step, also at a reversal.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     let turned = ["flow.reversal_at=[0.2, 0.4]", OSCILLATION];
@@ -120,7 +121,8 @@ fn a_resumed_run_has_the_same_bits() {
 /// The strain is 0.8 sin(2 t).
 const OSCILLATION: &str = r#"flow={kind="shear",oscillation={amplitude=0.8,frequency=2.0}}"#;
 
-/// Smooth spheres come back after each period, and where they are in between does not depend on what is called the origin.
+/// Smooth spheres return to their positions after each period, and the choice of the origin does not affect the
+/// positions in between.
 #[test]
 fn smooth_spheres_come_back_after_a_period() {
     let period = std::f64::consts::PI;
@@ -147,19 +149,19 @@ fn smooth_spheres_come_back_after_a_period() {
     }
 }
 
-/// Spheres under a shear stress.
+/// Spheres under a given shear stress.
 fn under(stress: f64, keys: &[&str]) -> Model {
     let flow = format!(r#"flow={{kind="shear",control="stress",stress={stress}}}"#);
     passing(METHODS[2], &[&[flow.as_str(), "time.tolerance=1e-4"], keys].concat())
 }
 
-/// The whole shear stress, in a fluid of viscosity 1.
+/// Total shear stress, in a fluid of viscosity 1.
 fn shear_stress(suspension: &Suspension) -> f64 {
     suspension.shear()[0] + suspension.stress(1)[0].total().y_axis.x
 }
 
-/// The stress that a rate needed makes that rate, with contacts and repulsion too; and it stays where it is to be, while the
-/// rate changes.
+/// The stress at a given rate, when given instead, leads to that rate, also with contacts and repulsion. It stays at
+/// its value while the rate changes.
 #[test]
 fn a_stress_gives_the_rate_that_needed_it() {
     let forces = ["repulsion={strength=20.0,range=0.1}", "contacts={friction=0.5,roughness=0.02,stiffness=1e4}"];

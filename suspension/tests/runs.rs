@@ -1,4 +1,4 @@
-//! Runs: on any ranks, with steps that are interrupted, against exact answers.
+//! Runs on several numbers of ranks, with interrupted steps, and against exact solutions.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -45,7 +45,7 @@ fn ranks_agree() {
     }
 }
 
-/// 26 spheres; and two on a grid that has fewer planes and lines along each axis than there are ranks.
+/// 26 spheres; and two spheres on a grid with fewer planes and lines along each axis than ranks.
 #[test]
 fn more_ranks_than_particles_or_planes_agree() {
     let two = "species=[{ radius = 1.0, count = 2, density_difference = 1.0 }]";
@@ -60,13 +60,13 @@ fn agree(alone: &Particles, together: &Particles, what: &str) {
     for (column, other) in alone.columns.iter().zip(&together.columns) {
         let largest = column.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let difference = column.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        // Sums in another order, and stresslets within the iteration's tolerance of each other.
+        // Tolerance: sums in another order, and stresslets within the tolerance of the iteration.
         assert!(difference <= 1e-8 * largest, "{} on {what}: {difference:e}", column.name);
     }
 }
 
-/// Each step says how often the mobility was evaluated in it: four times and more by Runge and Kutta's rule, and again
-/// for each iteration; and the divergence that roundings leave.
+/// Each step reports its evaluations of the mobility, at least four in a Runge-Kutta step and one more for each
+/// iteration, and the divergence due to round-off.
 #[test]
 fn a_step_tells_its_evaluations_and_its_divergence() {
     let model = model(&["time.steps=1"]);
@@ -78,19 +78,19 @@ fn a_step_tells_its_evaluations_and_its_divergence() {
     assert!(divergence > 0.0 && divergence < 1e-10, "{divergence:e}");
 }
 
-/// One sphere without weight goes with the flow and turns with half its vorticity.
+/// A single weightless sphere moves with the flow and rotates with half its vorticity.
 #[test]
 fn a_sphere_in_shear_is_carried_and_turned() {
     let overrides =
         ["species=[{ radius = 1.0, count = 1 }]", "particles.initial=positions", "particles.positions=[[1, 4, 2]]"];
     let mut particles = run(&model(&overrides), 1);
     let x = 1.0 + 0.5 * 4.0 * 0.3;
-    // The periodic images' dipoles are all that disturbs it, and they vanish at its centre by symmetry.
+    // The only disturbance is due to the dipoles of the periodic images, and vanishes at the centre by symmetry.
     assert!((particles.positions[0] - Vector::new(x, 4.0, 2.0)).length() < 1e-4);
     assert!((particles.vectors(ANGULAR_VELOCITY)[0].z + 0.25).abs() < 0.25 * 0.02);
     let expected = 20.0 / 3.0 * std::f64::consts::PI * 0.25;
     let stresslet = particles.column(STRESSLET, 5).values[1];
-    // Without neighbours it is 20/3 pi mu a^3 E; images change it by about the volume fraction, 0.15%.
+    // The stresslet of an isolated sphere is 20/3 pi mu a^3 E; images change it by about the volume fraction, 0.15%.
     assert!((stresslet / expected - 1.0).abs() < 0.01, "{stresslet} for {expected}");
 }
 
@@ -107,7 +107,7 @@ fn weight_is_density_difference_times_volume_times_gravity() {
     ];
     let mut particles = run(&model(&overrides), 1);
     let a = 1.5_f64;
-    // Stokes' velocity 2/9 (density difference) g a^2 / mu, with Hasimoto's correction for the lattice's images.
+    // Stokes' velocity 2/9 (density difference) g a^2 / mu, with Hasimoto's correction for periodic images.
     let hasimoto = 1.0 - 2.837_297 * a / 40.0 + 4.0 * (a / 40.0).powi(3);
     let expected = -2.0 / 9.0 * 2.0 * a * a * hasimoto;
     let found = particles.vectors(VELOCITY)[0];
@@ -130,7 +130,8 @@ fn what_cannot_start_says_why() {
     assert_eq!(overlap[0], overlap[1], "every rank knows");
 }
 
-/// With a time step far too large for forces of one's own a particle flies off; every rank hears of it, and nobody waits.
+/// With user-defined forces far too large for the time step a particle flies off; every rank gets the error, and none
+/// waits.
 #[test]
 fn a_particle_that_is_nowhere_is_named() {
     let model = model(&["flow={ kind = 'none' }"]);
@@ -149,8 +150,8 @@ fn a_particle_that_is_nowhere_is_named() {
     assert!(messages.iter().all(|m| *m == messages[0]));
 }
 
-/// By symmetry the spheres of a lattice move with the flow exactly, and after a strain of one the sheared box and its
-/// lattice are what they were.
+/// By symmetry the spheres of a lattice move exactly with the flow; after a strain of one the sheared box and its
+/// lattice are the initial ones.
 #[test]
 fn a_lattice_sheared_through_a_period_returns_to_its_start() {
     let model = model_of(
@@ -173,13 +174,13 @@ count = 8
     let cell = domain::PeriodicBox::new(model.cell.edges()).unwrap();
     for (before, after) in start.positions.iter().zip(&end.positions) {
         let carried = *before + domain::Vector::X * before.y;
-        // Forty evaluations of relative error 1e-5 of velocities up to 3, in steps of 0.1.
+        // Forty evaluations with relative errors of 1e-5 of velocities up to 3, in steps of 0.1.
         assert!(cell.nearest_image(*after - carried).length() < 2e-4, "{before} went to {after}, not {carried}");
     }
 }
 
-/// Which image of a sphere the scene names changes nothing but the count of its lattice steps, in a box that shears
-/// past its turning back.
+/// The choice of a sphere's image in the scene changes nothing except the count of its lattice steps, in a sheared box
+/// whose lattice is reset.
 #[test]
 fn trajectories_do_not_depend_on_the_image_that_a_sphere_starts_from() {
     let places = [[1.0, 1.0, 1.0], [3.4, 1.5, 1.2], [6.5, 6.0, 5.0], [5.0, 7.6, 1.0]];
@@ -210,7 +211,7 @@ count = 4
     assert_ne!(here.steps, there.steps);
 }
 
-/// Two spheres, apart by 0.04, that forces press together, with the repulsion at contact.
+/// Two spheres at a gap of 0.04, pressed together by forces equal to their repulsion at contact.
 const PRESSED: [&str; 5] = [
     r#"species=[{ name = "left", radius = 1.0, count = 1, force = [20.0, 0.0, 0.0] },
                 { name = "right", radius = 1.0, count = 1, force = [-20.0, 0.0, 0.0] }]"#,
@@ -220,7 +221,7 @@ const PRESSED: [&str; 5] = [
     "particles.positions=[[5, 7, 7], [7.04, 7, 7]]",
 ];
 
-/// For steps that are a fraction of the longest, the last change of the gap of the two.
+/// Last change of the gap of the two, for steps that are a fraction of the longest stable step.
 fn last_change(fraction: f64, more: &[&str]) -> f64 {
     let with = |step: f64| model(&[&PRESSED, more, &[&format!("time.step={step}")]].concat());
     let is_warned_of = |model: &Model| !Observed::start(model, None, &Comm::alone()).unwrap().cautions().is_empty();
@@ -238,7 +239,7 @@ fn last_change(fraction: f64, more: &[&str]) -> f64 {
     (gaps[1] - gaps[0]).abs()
 }
 
-/// The box takes a tenth off the mobility in unbounded fluid by which the longest step is found.
+/// The longest step follows from the mobility in unbounded fluid, which is a tenth larger than that in the box.
 #[test]
 fn pairs_that_repulsion_holds_are_steady_up_to_the_longest_step() {
     for more in [&[][..], &["hydrodynamics.multipoles=monopole"], &["time.order=3"], &["time.order=2"]] {
@@ -260,7 +261,7 @@ fn overlaps_are_told_with_what_helps() {
     assert!(warning.ends_with("at most; try a larger repulsion.strength or a shorter time.step"), "{warning}");
 }
 
-/// An interrupt that comes at a rank's look number `looks`, from 0, and stays until it is called off.
+/// An interrupt that is requested from a rank's check number `looks` (from 0) on, until it is called off.
 fn interrupt_after(looks: usize) -> (Interrupt, Arc<AtomicBool>) {
     let (left, called_off) = (AtomicUsize::new(looks), Arc::new(AtomicBool::new(false)));
     let seen = called_off.clone();
@@ -268,8 +269,8 @@ fn interrupt_after(looks: usize) -> (Interrupt, Arc<AtomicBool>) {
     (Interrupt::when(move || one_less().is_err() && !seen.load(Ordering::Relaxed)), called_off)
 }
 
-/// Steps of a scene, each interrupted once at each of so many looks of the last rank before it is taken. Returns how
-/// often a step was interrupted.
+/// Runs a scene, with each step interrupted once at each of the given checks on the last rank before it is completed.
+/// Returns the number of interruptions as well.
 fn run_with_interruptions(
     model: &Model,
     ranks: usize,
@@ -286,7 +287,7 @@ fn run_with_interruptions(
                 suspension.listen(if comm.rank() + 1 == ranks { interrupt } else { Interrupt::NEVER });
                 match suspension.step() {
                     Err(StepError::Interrupted(_)) => interrupted += 1,
-                    // It had fewer looks.
+                    // The step had fewer checks.
                     taken => {
                         taken.unwrap();
                         break;

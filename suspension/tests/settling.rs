@@ -1,4 +1,4 @@
-//! The stiffness of contacts that settles.
+//! Adaptation of the contact stiffness.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -31,7 +31,7 @@ fn dense(keys: &[&str]) -> Model {
     model_of(DENSE, keys)
 }
 
-/// The stiffness, and whether it stays.
+/// Stiffness, and whether it is constant from now on.
 fn stiffness(suspension: &Suspension) -> (f64, bool) {
     suspension.contact_stiffness().expect("spheres may touch")
 }
@@ -45,8 +45,8 @@ fn mean_overlap(suspension: &mut Suspension, steps: u64) -> f64 {
     sum / steps as f64
 }
 
-/// The largest overlaps come to what is aimed at in the mean. In 36 spheres they go up and down by much in strains of some units, so
-/// that the mean is that of four starts.
+/// The mean of the largest overlap converges to its target. With 36 spheres it fluctuates strongly over strains of some
+/// units, so the mean is taken over four random starts.
 #[test]
 fn overlaps_settle_at_their_target() {
     for law in ["linear", "hertz"] {
@@ -77,7 +77,7 @@ fn overlaps_settle_at_their_target() {
 
 #[test]
 fn ranks_agree() {
-    // A tolerance that needs a grid in f64: in f32 the order of the ranks' sums would show.
+    // A tolerance that requires a double-precision grid: in single precision the order of the ranks' sums would matter.
     let tight = [
         "hydrodynamics.tolerance=1e-7",
         "hydrodynamics.iteration_tolerance=1e-9",
@@ -98,8 +98,8 @@ fn ranks_agree() {
     }
 }
 
-/// Resumed after any step, while the stiffness settles and later, in flows of all kinds; on several ranks too, some of which may
-/// have no particles then.
+/// Resumed at any step, during the adaptation and after it, in flows of all kinds; also on several ranks, some of which
+/// may have no particles.
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     let edges = "box.edges=[6.6, 6.6, 6.6]";
@@ -123,7 +123,8 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// The kept scene has what was found, while the last checkpoint is from before: that goes on as it would have.
+/// A saved scene may contain the adapted stiffness while the last checkpoint is older: the resumed run continues the
+/// adaptation.
 #[test]
 fn a_state_knows_more_than_the_scene() {
     let model = dense(&[]);
@@ -138,13 +139,14 @@ fn a_state_knows_more_than_the_scene() {
     assert_eq!(whole.gathered(None), resumed.gathered(None));
     assert!(stiffness(&whole).1);
     assert_eq!(stiffness(&Suspension::start(&kept, &Comm::alone()).unwrap()), (123.0, true));
-    // A number is what the user says, whatever the state.
+    // A number in the scene takes precedence over the state.
     let number = dense(&["contacts={friction=0.5, roughness=0.02, stiffness=77.0}"]);
     let resumed = Suspension::resume(&number, Some(whole.state()), &Comm::alone()).unwrap();
     assert_eq!(stiffness(&resumed), (77.0, true));
 }
 
-/// The estimate, as a number or as what it settled at, and the one that does not settle: all the same bits, and no column.
+/// The estimate given as a number, or as the adapted stiffness, or kept without adaptation: bitwise the same results,
+/// without a column.
 #[test]
 fn a_number_stays_what_it_is() {
     let of = |contacts: &str| {
@@ -160,7 +162,7 @@ fn a_number_stays_what_it_is() {
     assert!(of("").1.columns.iter().any(|column| column.name == "contact stiffness"));
 }
 
-/// What presses spheres together otherwise has the estimate, and a flow that changes settles until it does.
+/// Without a steady flow the stiffness keeps its estimate; with a flow that changes it adapts until the first change.
 #[test]
 fn it_settles_in_flows_that_go_on() {
     let stays = |keys: &[&str], steps: u64| {
@@ -185,7 +187,7 @@ fn it_settles_in_flows_that_go_on() {
     assert!(seen[6..].iter().all(|(stiffness, _)| stiffness.to_bits() == seen[5].0.to_bits()), "{seen:?}");
 }
 
-/// A step that is interrupted at any look leaves no trace in the stiffness.
+/// A step that is interrupted at any check has no effect on the stiffness.
 #[test]
 fn an_interrupted_step_goes_back_to_the_stiffness_before() {
     let mut suspension = Suspension::start(&dense(&["time.step=0.05"]), &Comm::alone()).unwrap();
@@ -203,7 +205,8 @@ fn an_interrupted_step_goes_back_to_the_stiffness_before() {
     assert!(changed);
 }
 
-/// A row has the stiffness, the statistics sum it up, what is found is told once it stays, and a run that is too short warns.
+/// The stiffness is in the time series and in the statistics; the adapted value is reported once it is constant; and a
+/// run that is too short gives a warning.
 #[test]
 fn the_stiffness_is_told() {
     let model = dense(&["statistics={every=1}"]);

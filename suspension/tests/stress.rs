@@ -1,4 +1,4 @@
-//! The stress of the particles.
+//! Particle stress.
 
 use crate::support::model_of;
 use domain::{Comm, Tensor, Vector};
@@ -29,7 +29,7 @@ fn stress(overrides: &[&str], ranks: usize) -> Vec<ParticleStress> {
 
 fn places(separation: Vector) -> String {
     let [x, y, z] = separation.to_array();
-    // The pair lies across two sides of the box.
+    // The pair lies across two faces of the box.
     let second = (Vector::new(11.8, 11.9, 6.0) + separation).to_array();
     assert!(x * y * z != 0.0);
     format!("particles={{ initial = 'positions', positions = [[11.8, 11.9, 6.0], {second:?}] }}")
@@ -41,7 +41,7 @@ fn one_sphere_gives_einsteins_viscosity() {
     let total = stress(&[alone, "box.edges=[40, 40, 40]"], 1)[0].total();
     let fraction = 4.0 / 3.0 * PI / 40.0_f64.powi(3);
     let intrinsic = total.col(0)[1] / (2.0 * 0.5 * fraction);
-    // Images in the lattice change it by a multiple of the volume fraction, 6.5e-5.
+    // Images change it by a multiple of the volume fraction, 6.5e-5.
     assert!((intrinsic - 2.5).abs() < 1e-3, "{intrinsic}");
     assert!((total.col(0)[0] + total.col(1)[1] + total.col(2)[2]).abs() < 1e-12 * total.col(0)[1]);
 }

@@ -5,7 +5,7 @@ use crate::support::model_of;
 use domain::Vector;
 use lubrication::SurfaceForce;
 
-/// A pair that attracts and repels each other, at rest in the end.
+/// A pair with attraction and repulsion that comes to rest.
 const PAIR: &str = r#"
 box.edges = [14.0, 14.0, 14.0]
 fluid.viscosity = 1.0
@@ -43,7 +43,7 @@ fn a_pair_comes_to_rest_where_its_forces_balance() {
             let apart = Vector::X * (2.3 + gap);
             (repulsion.force(apart, radii) + attraction.force(apart, radii)).x
         };
-        // Repulsion wins at contact, attraction farther away.
+        // Repulsion dominates at contact, attraction farther out.
         let (mut near, mut far) = (0.0, 0.15);
         for _ in 0..60 {
             let middle = 0.5 * (near + far);

@@ -1,11 +1,11 @@
-//! Bonds and traps in runs.
+//! Runs with bonds and traps.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
 use suspension::{Model, Suspension};
 
-/// A sphere in a trap, from whose centre it starts some way off.
+/// A sphere in a trap, initially displaced from the centre.
 const TRAPPED: &str = r#"
 box.edges = [12.0, 12.0, 12.0]
 fluid.viscosity = 1.0
@@ -20,7 +20,7 @@ centre = [6.5, 6.0, 11.9]
 stiffness = 20.0
 "#;
 
-/// A chain across the faces of a sheared box, one end of which is trapped.
+/// A chain across the faces of a sheared box, with one end trapped.
 const CHAIN: &str = r#"
 box.edges = [9.0, 8.0, 8.5]
 fluid.viscosity = 1.0
@@ -50,7 +50,7 @@ fn places(model: &Model, ranks: usize) -> Vec<Vector> {
     ended(model, ranks, |suspension| unwrapped(suspension))
 }
 
-/// Where all are without periodicity, on the first rank.
+/// Unwrapped positions of all particles, on the first rank.
 fn unwrapped(suspension: &Suspension) -> Vec<Vector> {
     let (all, cell) = (suspension.gathered(Some(&[])), suspension.cell());
     all.positions.iter().zip(&all.steps).map(|(&place, &steps)| place + cell.lattice(steps)).collect()
@@ -60,8 +60,8 @@ fn farthest(some: &[Vector], others: &[Vector]) -> f64 {
     some.iter().zip(others).map(|(&a, &b)| (a - b).length()).fold(0.0, f64::max)
 }
 
-/// A sphere alone moves at a mobility that is the same everywhere, so it nears the centre of its trap exponentially, the image
-/// of it that was nearest; the implicit method with an error of order 2.
+/// The mobility of an isolated sphere does not depend on its position, so it approaches the nearest image of its trap's
+/// centre exponentially; the implicit method has an error of order 2.
 #[test]
 fn a_trapped_sphere_nears_its_centre_exponentially() {
     let pushed = model_of(
@@ -74,7 +74,7 @@ fn a_trapped_sphere_nears_its_centre_exponentially() {
         let away = places(&model_of(TRAPPED, keys), 1)[0] - Vector::new(6.5, 6.0, -0.1);
         (away - exact).length() / exact.length()
     };
-    // The tolerance of the mobility, over two of the trap's times.
+    // Tolerance of the mobility, over two relaxation times of the trap.
     assert!(error(&["time={step=0.05,steps=40}"]) < 1e-5);
     let errors = [40, 80, 160]
         .map(|steps| error(&[&format!("time.step={}", 2.0 / f64::from(steps)), &format!("time.steps={steps}")]));
@@ -82,7 +82,7 @@ fn a_trapped_sphere_nears_its_centre_exponentially() {
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.3), "{errors:?} {orders:?}");
 }
 
-/// However stiff it is, a trap holds a sphere where its force is that which pulls, without a step that overshoots.
+/// However stiff it is, a trap holds a sphere where it balances an external force, and no step overshoots.
 #[test]
 fn a_stiff_trap_holds_a_sphere_against_a_force() {
     let pulled = TRAPPED.replace("count = 1", "count = 1\nforce = [0.0, 3.0, 0.0]");
@@ -98,8 +98,8 @@ fn a_stiff_trap_holds_a_sphere_against_a_force() {
     assert!((away(&suspension) - Vector::Y * 3e-5).length() < 1e-9, "{}", away(&suspension));
 }
 
-/// Two spheres that forces pull apart rest where the bond pulls as much, whatever the method and what else acts; and the
-/// stress of bonds is the pull times the distance over the volume.
+/// Two spheres pulled apart come to rest where the bond balances the forces, with any method and other interactions.
+/// The stress of bonds is the tension times the distance over the volume.
 #[test]
 fn a_pulled_pair_rests_on_its_bond() {
     let scene = TRAPPED.replace("[[6.0, 6.0, 0.1]]", "[[11.5, 6.0, 0.1], [1.7, 6.0, 0.1]]").replace(
@@ -132,7 +132,7 @@ fn a_pulled_pair_rests_on_its_bond() {
         assert!((pull - 3.0).abs() < 1e-3 && broken == 0.0, "{keys:?}: pulls with {pull}");
         assert!((energy - 0.5 * pull * pull / stiffness).abs() < 1e-9 * energy.max(1.0), "{keys:?}: {energy}");
         let xx: f64 = stress.iter().map(|s| s.bond.x_axis.x).sum();
-        // The pull has the round-off of the distance, times the stiffness.
+        // The tension has the round-off of the distance times the stiffness.
         let round_off = 1e-9 + 2e-14 * stiffness;
         assert!((xx * 1728.0 - pull * (apart.x + 12.0)).abs() < round_off, "{keys:?}: {xx}");
         let force = forces.unwrap().list[0];
@@ -140,8 +140,8 @@ fn a_pulled_pair_rests_on_its_bond() {
     }
 }
 
-/// In a box that shears or oscillates, across its faces: the implicit method comes to where short explicit steps lead, with an
-/// error of order 2.
+/// In a sheared or oscillating box, across its faces: the implicit method converges to the result of short explicit
+/// steps, with an error of order 2.
 #[test]
 fn implicit_and_explicit_steps_go_the_same_way() {
     for flow in [r#"flow={kind="shear",rate=1.0}"#, r#"flow={kind="shear",oscillation={amplitude=0.4,frequency=4.0}}"#]
@@ -168,12 +168,12 @@ fn ranks_agree() {
     let alone = run(&model, 1);
     for ranks in [2, 3, 7] {
         let error = farthest(&alone.positions, &run(&model, ranks).positions);
-        // Of solves to the tolerance, whose sums ranks add in another order.
+        // Solves to the tolerance, with sums in another order.
         assert!(error < 1e-6, "{ranks} ranks: {error}");
     }
 }
 
-/// Two spheres are pulled apart until their bond breaks; then nothing holds them.
+/// Spheres are pulled apart until their bond breaks; then nothing holds them.
 #[test]
 fn bonds_break_once_and_for_all() {
     let model = model_of(CHAIN, &["bonds[0].breaking_force=2.0", "time.steps=60"]);
@@ -196,7 +196,7 @@ fn bonds_break_once_and_for_all() {
     }
 }
 
-/// A stress that drives the flow is that of bonds too.
+/// A given stress includes that of bonds.
 #[test]
 fn a_given_stress_has_that_of_bonds() {
     let scene = CHAIN.split("[[traps]]").next().unwrap();
@@ -209,11 +209,12 @@ fn a_given_stress_has_that_of_bonds() {
             .fold([0.0; 2], |[sum, bonds], s| [sum + s.total().y_axis.x, bonds + s.bond.y_axis.x]);
         (all, suspension.shear()[0])
     });
-    // Off by the stress that bonds change by in a step's last correction.
+    // Tolerance: change of the stress of bonds in the last correction of a step.
     assert!(stress[1].abs() > 0.02 && ((rate + stress[0]) / 3.0 - 1.0).abs() < 3e-3, "{stress:?} {rate}");
 }
 
-/// A chain with a trapped end in a planar extension, beyond the strain at which its box repeats, after a resume and on ranks.
+/// A chain with a trapped end in planar extension, beyond the strain at which the box repeats, after a restart and on
+/// several ranks.
 #[test]
 fn bonds_and_traps_hold_in_extension() {
     let flow = r#"flow={kind="planar-extension",rate=1.0}"#;
@@ -230,7 +231,7 @@ fn bonds_and_traps_hold_in_extension() {
         assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
     }
     let found = unwrapped(&whole);
-    // The box repeats after a strain of 0.481, and a trap of 300 yields to a drag of some 100 by a third.
+    // The box repeats after a strain of 0.481; a trap of stiffness 300 yields to a drag of about 100 by a third.
     let yielded = (found[3] - Vector::new(6.0, 4.0, 6.0)).length();
     assert!(whole.shear()[1] > 0.6 && (0.1..1.0).contains(&yielded), "{yielded}");
     let stretched =
@@ -242,7 +243,7 @@ fn bonds_and_traps_hold_in_extension() {
     assert!(error < 1e-5, "{error}");
 }
 
-/// The same chain in micrometres, in a fluid of another viscosity that is sheared at another rate.
+/// The same chain in micrometres, in a fluid of another viscosity at another shear rate.
 #[test]
 fn units_do_not_matter() {
     let (length, viscosity, rate) = (1e-6, 8.5e-4, 13.0);
@@ -267,9 +268,9 @@ fn units_do_not_matter() {
     assert!(farthest(&ones, &others) < 1e-7, "{}", farthest(&ones, &others));
 }
 
-/// Heat spreads trapped spheres by `kT / k` along each axis, whatever the fluid does between them; by the midpoint method it is
-/// less by half of the step times the stiffness times the mean mobility, since the traps are narrow and the mobility stays as
-/// it is.
+/// The variance of trapped Brownian spheres is `kT / k` along each axis, whatever the hydrodynamic interactions. With
+/// the midpoint scheme it is smaller by half of the step times the stiffness times the mean mobility, which is constant
+/// since the traps are narrow.
 #[test]
 fn heat_spreads_what_is_trapped_by_its_energy() {
     let positions: Vec<[f64; 3]> =
@@ -293,13 +294,14 @@ traps = [{{ stiffness = 250.0 }}]
         energy += if step < 100 { 0.0 } else { suspension.trap_energy().unwrap() };
     }
     let found = energy / (model.steps - 100) as f64 / (0.5 * 0.01 * 24.0);
-    // Mean mobilities of spheres in a simple cubic box of 5 radii, of forces alone, are that of one: 0.4645 / (6 pi).
+    // The mean mobility of spheres with forces alone on a simple cubic lattice is that of a single sphere in the box of
+    // 5 radii: 0.4645 / (6 pi).
     let half = 0.5 * 0.04 * 250.0 * 0.4645 / (6.0 * std::f64::consts::PI);
     let expected = 1.0 - half;
     assert!((found - expected).abs() < 0.02, "{found} is not {expected}");
 }
 
-/// What only the places tell is refused at the start, and a run whose bonds get too long ends.
+/// Errors that depend on positions are found at the start, and a run ends when a bond gets too long.
 #[test]
 fn bonds_across_half_of_the_box_are_refused() {
     let refused = |keys: &[&str]| {
@@ -320,14 +322,14 @@ fn bonds_across_half_of_the_box_are_refused() {
     );
 }
 
-/// Springs of traps that are everyone's, of a species, or of some, each to its own centre.
+/// Traps of all spheres, of a species, or of listed spheres with individual centres.
 #[test]
 fn traps_hold_those_that_they_name() {
     let energy = |traps: &str| {
         let scene = format!("{}{traps}", CHAIN.split("[[bonds]]").next().unwrap());
         Suspension::start(&model_of(&scene, &[]), &Comm::alone()).unwrap().trap_energy()
     };
-    // The squares of the ways from (0, 7, 1) in a box of 9, 8, 8.5.
+    // Squared displacements from (0, 7, 1) in a box with edges of 9, 8 and 8.5.
     let ways = [1.0, 4.0 + 2.1 * 2.1 + 0.25, 2.5 * 2.5 + 3.8 * 3.8 + 1.4 * 1.4, 9.0 + 9.0 + 3.5 * 3.5];
     let close = |found: Option<f64>, squares: f64| assert!((found.unwrap() - 2.0 * squares).abs() < 1e-12, "{found:?}");
     let centre = "stiffness = 4.0\ncentre = [0.0, 7.0, 1.0]\n";

@@ -1,4 +1,4 @@
-//! Runs with walls across x or y are those with walls across z, turned, in whatever they show.
+//! Runs with walls across x or y equal rotated runs with walls across z, in all results.
 
 use crate::support::model_of;
 use domain::{Comm, Tensor, Traceless, Turn, Vector};
@@ -8,11 +8,11 @@ use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, VELOCITY};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Edges where walls are across z.
+/// Edges of the box if walls are across z.
 const EDGES: [f64; 3] = [9.0, 8.0, 10.0];
 
-/// Scenes by what the box is along its special axis and what else they have, written with walls across an axis; vectors and places
-/// are given as if it were z.
+/// Scene with a boundary along its special axis and further features; `axis` is the special axis, and vectors and
+/// positions are given as if it were z.
 fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
     let back = Turn::to_last(axis).inverse();
     let edges = back.list(EDGES);
@@ -69,7 +69,7 @@ count = 3
 const SCENES: [[&str; 2]; 5] =
     [["walls", "couette"], ["walls", "poiseuille"], ["wall", "sediment"], ["open", "layer"], ["walls", "flux"]];
 
-/// What a run shows at its end: a frame, and numbers by their names in the time series and in tables.
+/// Results of a run: a frame, and the numbers of the time series and the tables by their names.
 struct Shown {
     frame: Frame,
     numbers: HashMap<String, f64>,
@@ -103,7 +103,7 @@ impl Shown {
         *self.numbers.get(name).unwrap_or_else(|| panic!("{name} is not there"))
     }
 
-    /// The vector whose components have names with `*` their axis.
+    /// The vector whose components have names with the axis in place of `*`.
     fn vector(&self, name: &str) -> Vector {
         Vector::from_array(AXES.map(|axis| self.number(&name.replace('*', axis))))
     }
@@ -123,7 +123,7 @@ impl Shown {
         triples(self.column(name))
     }
 
-    /// Places without periodicity.
+    /// Unwrapped positions.
     fn places(&self) -> Vec<Vector> {
         let Frame { particles, cell, .. } = &self.frame;
         particles.positions.iter().zip(&particles.steps).map(|(&x, &steps)| x + cell.lattice(steps)).collect()
@@ -134,7 +134,7 @@ fn triples(numbers: &[f64]) -> Vec<Vector> {
     numbers.chunks_exact(3).map(Vector::from_slice).collect()
 }
 
-/// Whether numbers are alike to a part of about their size.
+/// Whether numbers agree relative to a given size.
 fn near(found: f64, expected: f64, size: f64, allowed: f64) -> bool {
     found.to_bits() == expected.to_bits()
         || (found - expected).abs() <= allowed * size.max(1.0)
@@ -147,7 +147,7 @@ fn near_vectors(found: &[Vector], expected: &[Vector], allowed: f64) -> bool {
         && found.iter().zip(expected).all(|(a, b)| (*a - *b).length() <= allowed * size.max(1.0))
 }
 
-/// Whether all that `found` shows is what `upright` does, with its last axis turned to another.
+/// Asserts that all results of `found` are those of `upright`, with the last axis rotated to another.
 fn is_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64) {
     let back = Turn::to_last(axis).inverse();
     let edges = Vector::from_array(back.list(upright.frame.cell.edges().to_array()));
@@ -170,7 +170,7 @@ fn is_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64) {
     numbers_are_turned(found, upright, axis, allowed);
 }
 
-/// The same of the numbers by name. All of them are looked at: as vectors, tensors, or on their own.
+/// The same for the numbers by name. All of them are checked: as vectors, as tensors, or individually.
 fn numbers_are_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64) {
     let back = Turn::to_last(axis).inverse();
     let [along, beside, across] = Turn::to_last(axis).list(AXES);
@@ -227,7 +227,7 @@ fn numbers_are_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64)
             assert!(near(found.number(&name(axis)), expected[place], expected.length(), 100.0 * allowed), "{wall}");
         }
     }
-    // Squares, spread and errors have no direction; what is left of the names says an axis, or none.
+    // Squares, extents and errors have no direction; the remaining names contain an axis or none.
     let renamed = |name: &str| -> String {
         let other = |letter: &str| match letter {
             "x" => along,
@@ -258,8 +258,8 @@ fn numbers_are_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64)
     }
 }
 
-/// Walls, a wall and a layer, in Couette and Poiseuille flow and under gravity at an angle: the spheres start at the same places,
-/// so that what they do is the same to round-off, which solves make larger.
+/// Walls, one wall and a layer, in Couette and Poiseuille flow and under oblique gravity. Spheres start at the same
+/// positions, so that results agree up to round-off, amplified by solves.
 #[test]
 fn walls_across_x_and_y_are_those_across_z_turned() {
     for kind in SCENES {
@@ -271,7 +271,7 @@ fn walls_across_x_and_y_are_those_across_z_turned() {
     }
 }
 
-/// On any ranks, as exactly as solves are.
+/// On several numbers of ranks, to the accuracy of solves.
 #[test]
 fn turned_runs_are_the_same_on_any_ranks() {
     for (kind, axis) in [(SCENES[0], 1), (SCENES[2], 0)] {
@@ -285,7 +285,7 @@ fn turned_runs_are_the_same_on_any_ranks() {
     }
 }
 
-/// Places that the user gives are those that the user sees at the start, in the box and beyond it.
+/// Positions that the user gives are those that the user sees at the start, inside the box and outside of it.
 #[test]
 fn places_are_where_the_user_says() {
     for axis in [0, 1] {
@@ -305,7 +305,7 @@ fn places_are_where_the_user_says() {
     }
 }
 
-/// Taken up again in the middle, a run goes on to the same bits, its statistics too.
+/// A run resumed half-way continues bit for bit, statistics included.
 #[test]
 fn a_turned_run_resumes_bit_for_bit() {
     let model = model_of(&scene(1, SCENES[0]), &[]);
@@ -324,7 +324,7 @@ fn a_turned_run_resumes_bit_for_bit() {
     assert_eq!(straight.state(), resumed.state());
 }
 
-/// Forces of one's own are told places in the axes of the user, and act in them.
+/// User-defined forces receive positions in the user's axes, and act in these.
 #[test]
 fn forces_of_ones_own_are_in_the_axes_of_the_user() {
     for axis in [0, 1] {
@@ -347,7 +347,7 @@ fn forces_of_ones_own_are_in_the_axes_of_the_user() {
     }
 }
 
-/// Forces of contacts, with the places of the spheres that touch.
+/// Forces of contacts, with the positions of the spheres.
 #[test]
 fn contacts_are_in_the_axes_of_the_user() {
     let of = |axis: usize| {

@@ -1,4 +1,4 @@
-//! Runs between walls and above a bottom.
+//! Runs between two walls and above one.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -7,7 +7,7 @@ use lubrication::two_sphere::{Function, SphereWall};
 use std::f64::consts::PI;
 use suspension::{Suspension, VELOCITY};
 
-/// A heavy sphere above a bottom, which its repulsion keeps it off.
+/// A heavy sphere above a wall, from which it is repelled.
 const SETTLING: &str = r#"
 box = { edges = [12.0, 12.0, 10.0], boundaries = ["periodic", "periodic", "wall"] }
 fluid.viscosity = 1.0
@@ -21,7 +21,8 @@ count = 1
 density_difference = 2.0
 "#;
 
-/// Where the barrier of the wall bears the weight, `strength (1 - h/(range a))^2 = 4/3 pi 2`, with each way to take steps.
+/// The sphere rests where the repulsion of the wall balances its weight, `strength (1 - h/(range a))^2 = 4/3 pi 2`,
+/// with every integrator.
 #[test]
 fn a_sphere_comes_to_rest_where_repulsion_bears_its_weight() {
     let weight = 8.0 / 3.0 * PI;
@@ -47,10 +48,10 @@ fn a_sphere_that_is_driven_into_a_wall_is_named() {
     assert!(suspension.particles().positions[0].z > 0.85);
 }
 
-/// At half-widths of 5 and 2.5 radii.
+/// Exact velocities at half-widths of 5 and 2.5 radii.
 const POISEUILLE: [f64; 2] = [0.98661734, 0.94530667];
 
-/// Between moving walls: a dilute layer in the middle makes the walls feel Einstein's viscosity, nearly; both feel the same.
+/// Spheres between moving walls.
 const SHEARED: &str = r#"
 seed = 5
 box = { edges = [9.0, 9.0, 10.0], boundaries = ["periodic", "periodic", "walls"] }
@@ -78,18 +79,19 @@ fn walls_feel_the_stress_of_the_flow_and_of_the_particles() {
         let stress = suspension.stress(1)[0].total();
         (stress, suspension.wall_stress(&stress), suspension.cell().volume())
     });
-    // Einstein's stresslet 20/3 pi mu a^3 (rate/2) of a sphere in the middle; walls at 5 radii add about 3%.
+    // Einstein's stresslet 20/3 pi mu a^3 (rate/2) for a sphere in the middle; walls at 5 radii increase it by about
+    // 3%.
     let einstein = 20.0 / 3.0 * PI * 2.0 * 0.25 / volume;
     let found = stress.col(2).x;
     assert!((found / einstein - 1.0).abs() < 0.06, "{found}, not {einstein}");
     let [lower, upper] = [walls[0][0], walls[1][0]];
-    // Half of the force is borne by each wall: it holds the fluid back.
+    // Each wall bears half of the force, which it transmits to the fluid.
     let share = 0.5 * 3.0 / 81.0;
     assert!((lower - (1.0 + found + share)).abs() < 2e-3 && (upper - (1.0 + found - share)).abs() < 2e-3, "{walls:?}");
     assert!((lower - upper - 3.0 / 81.0).abs() < 1e-12);
 }
 
-/// A random start keeps off the walls, and so do the spheres.
+/// Random starts keep clear of the walls, and so do the spheres later.
 #[test]
 fn spheres_stay_between_the_walls_on_any_ranks() {
     let all = [1, 3, 7].map(|ranks| {
@@ -108,7 +110,7 @@ fn spheres_stay_between_the_walls_on_any_ranks() {
     }
 }
 
-/// Taken up again in the middle, a run goes on to the same bits.
+/// A run resumed half-way continues bit for bit.
 #[test]
 fn a_run_between_walls_resumes_bit_for_bit() {
     let model = model_of(SHEARED, &["time.integrator=\"implicit\""]);
@@ -121,7 +123,7 @@ fn a_run_between_walls_resumes_bit_for_bit() {
     assert_eq!(straight.gathered(None), resumed.gathered(None));
 }
 
-/// With friction a rough sphere on a tilted bottom rolls without slipping: its lowest point rests.
+/// With friction a rough sphere on an inclined wall rolls without slipping: the velocity of its lowest point is zero.
 #[test]
 fn a_rough_sphere_rolls_down_a_tilted_bottom() {
     let rough = [
@@ -143,22 +145,22 @@ fn a_rough_sphere_rolls_down_a_tilted_bottom() {
         })
     };
     let (velocity, slip, height, numbers) = at_end(&rough);
-    // The weight's work is what the exact resistance takes of rolling.
+    // The power of the weight equals the dissipation of rolling by the exact resistance functions.
     let exact = SphereWall::get().resistance(height - 1.0).unwrap();
     let [force, coupling, torque] = [6.0 * exact[Function::YA], 4.0 * exact[Function::YB], 8.0 * exact[Function::YC]];
     let rolling = 0.3 * 8.0 / 3.0 / (force + 2.0 * coupling / height + torque / (height * height));
-    // Images of the sphere 20 radii away drag it along: by 2.2% at 12 radii, as the inverse square of that.
+    // Images 20 radii away increase the velocity: by 2.2% at 12 radii, and as the inverse square of the distance.
     assert!((velocity / rolling - 1.0).abs() < 0.012, "{velocity}, not {rolling}");
     assert!(slip.abs() < 1e-3 * velocity, "{slip} of {velocity}");
     assert_eq!((numbers[0], numbers[1], numbers[2]), (1.0, 1.0, 0.0), "a contact with friction that does not slide");
-    // Next to no friction: it slides.
+    // With almost no friction the sphere slides.
     let smooth = [&rough[2..], &["contacts={friction=0.001, stiffness=4000.0, roughness=0.01}"]].concat();
     let (velocity, slip, ..) = at_end(&smooth);
     assert!(slip > 0.2 * velocity, "{velocity} {slip}");
 }
 
-/// Mid-plane and quarter-plane: velocity of a free sphere over that of the fluid alone in the middle, half-width over radius 5 and
-/// 2.5, by a single layer with the images of both walls (see `docs/src/walls.md`).
+/// Velocity of a free sphere in the mid-plane, over that of the fluid alone in the middle, at half-widths of 5 and 2.5
+/// radii; by a single layer with the images of both walls (see `docs/src/walls.md`).
 #[test]
 fn a_free_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
     for (height, place, expected) in [(10.0, 0.5, POISEUILLE[0]), (5.0, 0.5, POISEUILLE[1])] {
@@ -174,7 +176,7 @@ fn a_free_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
             (suspension.particles().clone().vectors(VELOCITY)[0], suspension.wall_stress(&stress))
         });
         assert!((velocity.x - expected).abs() < 0.01 * expected, "{height}: {velocity}, not {expected}");
-        // Both walls bear what the pressure pushes.
+        // Both walls bear the force of the pressure.
         let pushed = 16.0 / height;
         assert!(
             (walls[0][0] - walls[1][0] - pushed).abs() < 1e-12 && (walls[0][0] - 0.5 * pushed).abs() < 1e-3 * pushed

@@ -1,42 +1,42 @@
-//! The flow between walls that a pressure gradient drives.
+//! Pressure-driven flow between walls.
 
 use crate::ambient::StrainRate;
 use domain::{Particles, Traceless, Vector};
 use fcm::{Motion, Multipoles};
 
-/// The flow `u = curvature z (height - z) / 2` along x between walls at `z = 0` and at the height, with the curvature the pressure
-/// gradient over the viscosity.
+/// The flow `u = curvature z (height - z) / 2` along x between walls at `z = 0` and `z = height`, with the curvature
+/// the pressure gradient over the viscosity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Poiseuille {
-    /// `-u''`, one over time and length.
+    /// Curvature `-u''`, one over time and length.
     pub curvature: f64,
     /// Distance of the walls.
     pub height: f64,
 }
 
 impl Poiseuille {
-    /// The rate of shear `du/dz`.
+    /// Shear rate `du/dz`.
     pub fn shear_rate(&self, z: f64) -> f64 {
         0.5 * self.curvature * (self.height - 2.0 * z)
     }
 
-    /// The velocity.
+    /// Velocity of the fluid.
     pub fn velocity(&self, z: f64) -> Vector {
         Vector::X * (0.5 * self.curvature * z * (self.height - z))
     }
 
-    /// The velocity of a free sphere of a radius in the flow without walls, `u + a^2/6 u''` (Faxen).
+    /// Velocity of a free sphere in this flow, without the effect of walls: `u + a^2/6 u''` (Faxen).
     pub fn velocity_of(&self, z: f64, radius: f64) -> Vector {
         self.velocity(z) - Vector::X * (self.curvature * radius * radius / 6.0)
     }
 
-    /// Half of the vorticity.
+    /// Angular velocity of the fluid, half the vorticity.
     pub fn angular_velocity(&self, z: f64) -> Vector {
         Vector::Y * (0.5 * self.shear_rate(z))
     }
 
-    /// The motions of free spheres in the flow without walls, and its rates of strain where they are; with forces alone their
-    /// velocities.
+    /// Motions of free spheres in this flow, without the effect of walls, with the strain rates at their centres; with
+    /// forces alone, the velocities only.
     pub fn motion(&self, spheres: &Particles, multipoles: Multipoles) -> Motion {
         let places = || spheres.positions.iter().map(|place| place.z);
         let velocities = places().zip(&spheres.radii).map(|(z, &radius)| self.velocity_of(z, radius)).collect();
@@ -51,7 +51,7 @@ impl Poiseuille {
         }
     }
 
-    /// The rate of strain.
+    /// Strain rate.
     pub fn strain_rate(&self) -> StrainRate {
         let at_zero = Traceless([0.0, 0.0, 0.5 * self.shear_rate(0.0), 0.0, 0.0]);
         StrainRate { at_zero, slope: [-0.5 * self.curvature, 0.0] }

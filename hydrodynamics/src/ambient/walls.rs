@@ -1,19 +1,19 @@
-//! Flows that walls allow, and what spheres see of them.
+//! Background flows that are compatible with walls.
 
 use crate::ambient::StrainRate;
 use domain::{Boundaries, PeriodicBox, Traceless, Vector};
 use solver::BackgroundFlow;
 
-/// A background flow that does not fit the walls of a box.
+/// Error: a background flow that is incompatible with the walls of a box.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum FlowRefused {
-    /// A linear flow through a wall, or along it.
+    /// A linear flow through a wall, or one that stretches a wall.
     #[error(
         "the background flow moves fluid through a wall or stretches one; with walls across {0} a velocity gradient can have \
          du/d{0} of velocities along the walls alone, a shear between walls that move"
     )]
     Linear(char),
-    /// A pressure gradient where there are no two walls.
+    /// A pressure gradient in a box without two walls.
     #[error("a pressure gradient drives a flow between two walls; this box has {0}")]
     Pressure(usize),
     /// A pressure gradient across the walls.
@@ -21,7 +21,7 @@ pub enum FlowRefused {
     Across(char),
 }
 
-/// Refuses a linear flow that does not fit a box with walls across an axis of this name.
+/// Refuses a linear flow that is incompatible with the box; walls are across the user's axis of the given name.
 pub fn check_linear(cell: &PeriodicBox, flow: &BackgroundFlow, axis: char) -> Result<(), FlowRefused> {
     let mut rest = flow.gradient();
     (rest.z_axis.x, rest.z_axis.y) = (0.0, 0.0);
@@ -39,13 +39,13 @@ pub fn check_pressure(cell: &PeriodicBox, gradient: Vector, axis: char) -> Resul
     }
 }
 
-/// What spheres between walls at `z = 0` and `z = H` see of the flow that a pressure gradient `p'` drives along them,
+/// Flow driven along walls at `z = 0` and `z = H` by a pressure gradient `p'`,
 ///
 /// ```text
-/// u(z) = -p' z (H - z) / (2 mu),
+/// u(z) = -p' z (H - z) / (2 mu).
 /// ```
 ///
-/// its rate of strain and the second derivative `u''`, by which spheres move with `a^2/6 u''` besides (Faxen).
+/// Returns its strain rate and its second derivative `u''`, which adds `a^2/6 u''` to the velocity of a sphere (Faxen).
 pub fn poiseuille(cell: &PeriodicBox, viscosity: f64, gradient: Vector) -> (StrainRate, Vector) {
     let (bend, height) = (gradient / viscosity, cell.edges().z);
     let slope = [0.5 * bend.x, 0.5 * bend.y];

@@ -1,42 +1,42 @@
-//! Random motions of the particles, in their columns, and how these change with their places.
+//! Random motions, stored in columns of the particles, and their finite differences.
 
 use crate::ambient::StrainRate;
 use crate::coupled_solver::{Acting, Found, Guess, Hydrodynamics, Solved};
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
 
-/// The column of how the fluid moves at each particle besides, and its width. There is no such column between steps, nor any of
-/// the following.
+/// Column of the ambient motion of the fluid at each particle, and its width. This column and the following ones do not
+/// exist between steps.
 const AMBIENT: &str = "ambient motion";
 /// Numbers of a particle in that column.
 pub const AMBIENT_NUMBERS: usize = 11;
 
-/// Columns of random motions, loads and stresslets, the far field's part of these first.
+/// Columns of random motions, loads and stresslets (first the far-field part).
 const RANDOM: [&str; 2] = ["random velocity", "random angular velocity"];
 const LOADS: [&str; 2] = ["random force", "random torque"];
 const STRESSLETS: [&str; 2] = ["random far stresslet", "random stresslet"];
 
-/// The column of stresslets by heat of the last step, where they are told apart from random ones.
+/// Column of Brownian stresslets of the last step, if they are separated from the random stresslets.
 pub const BROWNIAN: &str = "brownian stresslet";
 
-/// Columns of mean motions by heat, of which one draw is a random part.
+/// Columns of the Brownian drift; each draw is a random estimate of its mean.
 pub const DRIFT_VELOCITY: &str = "drift velocity";
 const DRIFT: [&str; 2] = [DRIFT_VELOCITY, "drift angular velocity"];
 
-/// The column of displacements that are taken back.
+/// Column of displacements that are taken back.
 pub const DISPLACEMENT: &str = "random displacement";
 
-/// Numbers of a particle in all of these and in [`BROWNIAN`].
+/// Numbers per particle in all of these and in [`BROWNIAN`].
 pub const RANDOM_NUMBERS: usize = 3 * 7 + 5 * 3;
 
-/// How far drift moves a sphere in a step at most, over its radius: usually it is some thousandths.
+/// Largest drift of a sphere in a step, over its radius; usually the drift is some thousandths.
 const FARTHEST: f64 = 0.05;
 
-/// Error of the change of random motions, over it, that is small enough: noise leaves much more of a mean.
+/// Relative error of the finite difference of random motions; the statistical error of a mean is much larger.
 pub const CHANGE: f64 = 0.03;
 
-/// Solves for the random motions of rigid particles under random loads in a fluid that moves at each, and notes both. The fluid
-/// that is noted is the one in which they are exact. Collective; fails on every rank or on none.
+/// Solves for the motions of rigid particles under random loads in the given ambient motions, and stores the result and
+/// the ambient motions for which it is exact. Collective; fails on every rank or on none.
 pub fn solve(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &mut Particles),
@@ -49,7 +49,8 @@ pub fn solve(
     Ok(solved)
 }
 
-/// Notes motions that were solved for under loads, and the fluid in which they are exact. Collective; fails on every rank or on none.
+/// Stores a solution under loads, and the ambient motions for which it is exact. Collective; fails on every rank or on
+/// none.
 pub fn note_solved(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &mut Particles),
@@ -61,24 +62,26 @@ pub fn note_solved(
     Ok(())
 }
 
-/// How the change of random motions is made their mean.
+/// Parameters of the finite difference of random motions.
 #[derive(Debug, Clone, Copy)]
 pub struct Change {
-    /// What it is divided by.
+    /// Divisor of the difference.
     pub over: f64,
-    /// The thermal energy.
+    /// Thermal energy.
     pub energy: f64,
-    /// Its error, relative to it.
+    /// Relative error of the difference.
     pub tolerance: f64,
 }
 
-/// Notes as mean motions and stresslets by heat what random ones that were noted are more where the particles are now, with the same
-/// fluid and loads, over a factor. Collective; fails on every rank or on none.
+/// Stores the Brownian drift and stresslets: the change of the stored random motions and stresslets from the positions
+/// where they were solved for to the present ones, with the same fluid and loads, divided by `over`. Collective; fails
+/// on every rank or on none.
 ///
-/// With the displacement `h v` by the velocities of the fluid before, whose covariance with its motions `(v, w, e)` is `2 kT / dt`
-/// times the mobility of the method, that factor is `2 h / dt`, and the means are `kT div M` of the mobility `M` of rigid,
-/// lubricated spheres, and `-kT div D` of the first moments that forces cause. Near walls, where the mobility of the method has a
-/// divergence itself, the fluid has moved by that factor of `kT` times it besides.
+/// Let the displacement be `h v` with the former velocities of the fluid, whose covariance with its motions `(v, w, e)`
+/// is `2 kT / dt` times the mobility of the method. With `over = 2 h / dt`, the means are `kT div M` for the mobility
+/// `M` of rigid, lubricated spheres, and `-kT div D` for the first moments caused by forces. Near walls, where the
+/// divergence of the method's mobility is nonzero, `over` times `kT` times this divergence is added to the motion of
+/// the fluid.
 pub fn note_drift(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &mut Particles),
@@ -97,8 +100,8 @@ pub fn note_drift(
     Ok(())
 }
 
-/// Notes the mean motions by heat of particles that do not resist to strain: a thermal energy times the divergence of the mobility of
-/// the method.
+/// Stores the Brownian drift of particles without resistance to strain: the thermal energy times the divergence of the
+/// method's mobility.
 pub fn note_divergence(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &mut Particles),
@@ -109,14 +112,14 @@ pub fn note_divergence(
     particles.vectors(DRIFT_VELOCITY).copy_from_slice(&motion.velocities);
 }
 
-/// The mean motions and stresslets by heat that were noted.
+/// The stored drift and Brownian stresslets.
 pub fn drift(particles: &mut Particles) -> (Motion, Vec<Traceless>) {
     let [velocities, angular_velocities] = DRIFT.map(|name| particles.vectors(name).to_vec());
     (Motion { velocities, angular_velocities, strain_rates: Vec::new() }, tensors(particles, BROWNIAN).to_vec())
 }
 
-/// Shortens mean velocities by heat with which a sphere would move farther than a twentieth of its radius in a time. So far it is
-/// moved by the change of random loads alone, where a gap is next to nothing and the displacement for which that is taken is not.
+/// Limits drift velocities to a displacement of a twentieth of the radius in a time. Larger values result from the
+/// change of random loads alone, where a gap almost vanishes and the displacement of the finite difference does not.
 pub fn limit_drift(particles: &mut Particles, time: f64) {
     let most: Vec<f64> = particles.radii.iter().map(|radius| FARTHEST * radius / time).collect();
     for (velocity, most) in particles.vectors(DRIFT_VELOCITY).iter_mut().zip(most) {
@@ -124,20 +127,20 @@ pub fn limit_drift(particles: &mut Particles, time: f64) {
     }
 }
 
-/// Notes displacements by the velocities of the fluid as it was drawn, over a time.
+/// Stores displacements by the drawn velocities of the fluid over a time.
 pub fn displace(particles: &mut Particles, time: f64) {
     let displacements: Vec<Vector> = ambient(particles).velocities.into_iter().map(|v| v * time).collect();
     particles.vectors(DISPLACEMENT).copy_from_slice(&displacements);
 }
 
-/// Forgets random motions.
+/// Removes the columns of random motions.
 pub fn forget(particles: &mut Particles) {
     let names = [RANDOM, LOADS, STRESSLETS, DRIFT].concat();
     let is_random = |name: &str| name == AMBIENT || name == DISPLACEMENT || names.contains(&name);
     particles.columns.retain(|column| !is_random(&column.name));
 }
 
-/// Notes how the fluid moves at each particle, so many times a motion.
+/// Stores `amplitude` times a motion as the ambient motion of the fluid.
 pub fn set_ambient(particles: &mut Particles, motion: &Motion, amplitude: f64) {
     let values = &mut particles.column(AMBIENT, AMBIENT_NUMBERS).values;
     for (row, values) in values.chunks_exact_mut(AMBIENT_NUMBERS).enumerate() {
@@ -152,7 +155,7 @@ pub fn set_ambient(particles: &mut Particles, motion: &Motion, amplitude: f64) {
     }
 }
 
-/// How the fluid moves at each particle.
+/// The stored ambient motion of the fluid.
 pub fn ambient(particles: &mut Particles) -> Motion {
     let mut motion = Motion::default();
     for values in particles.column(AMBIENT, AMBIENT_NUMBERS).values.chunks_exact(AMBIENT_NUMBERS) {
@@ -163,7 +166,7 @@ pub fn ambient(particles: &mut Particles) -> Motion {
     motion
 }
 
-/// Notes loads, and what they and the fluid do.
+/// Stores loads and the solution under them.
 fn note(particles: &mut Particles, loads: &Loads, found: &Found) {
     let Motion { velocities, angular_velocities, .. } = &found.motion;
     let vectors = RANDOM.into_iter().zip([velocities, angular_velocities]);

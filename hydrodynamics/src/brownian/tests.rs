@@ -4,12 +4,13 @@ use domain::{Boundaries, Comm, Partition};
 use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Plan, Problem};
 use lubrication::Range;
 
-/// Three spheres near each other in a box of side 14, sheared by 0.2, at a viscosity of 1.
+/// Three near spheres in a cube of edge 14, sheared by 0.2, at a viscosity of 1.
 const PLACES: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.9, 0.85, 0.2], [1.0, -0.6, 2.95]];
 const RADII: [f64; 3] = [1.0, 1.0, 2.0];
 
-/// The divergence of their mobility, velocities and then angular velocities, by central differences of dense matrices of the
-/// method without a grid, without lubrication and with all three pairs' (exact, by bispherical coordinates).
+/// Divergence of their mobility, velocities and then angular velocities, by central differences of dense matrices of
+/// the method without a grid; without lubrication, and with that of all three pairs (exact, by bispherical
+/// coordinates).
 const FAR: [f64; 18] = [
     -1.569987629198e-03,
     -5.236852091350e-04,
@@ -51,8 +52,9 @@ const LUBRICATED: [f64; 18] = [
     1.792479072141e-04,
 ];
 
-/// That of the first moments that forces cause, with lubrication, the sum of both parts: along diag(-1, -1, 2)/sqrt(6),
-/// diag(1, -1, 0)/sqrt(2), and the three off the diagonal over sqrt(2), sphere by sphere.
+/// Divergence of the first moments caused by forces, with lubrication, far-field and near-field parts together: the
+/// components along diag(-1, -1, 2)/sqrt(6), diag(1, -1, 0)/sqrt(2), and the three off-diagonal ones over sqrt(2),
+/// sphere by sphere.
 const MOMENTS: [[f64; 5]; 3] = [
     [0.119091439, 0.590403586, 0.563819431, 0.467478175, -0.189779820],
     [-0.189979055, 0.516763329, 0.720130936, -0.028341371, -0.241648021],
@@ -93,9 +95,9 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>)
     Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap()
 }
 
-/// `sum_k d_k (A M_{.,k})` over the coordinates `k` of all spheres, with `M_{.,k}` what a unit force along `k` does to the fluid,
-/// which stays as it was while that sphere is moved along `k`, ahead and back: what the mean over random motions is without their
-/// scatter. Near walls `A sum_k d_k M_{.,k}` comes to it.
+/// `sum_k d_k (A M_{.,k})` over the coordinates `k` of all spheres, with `M_{.,k}` the motions of the fluid due to a
+/// unit force along `k`, which are kept while that sphere is displaced along `k` in either direction: the mean over
+/// random motions, without their variance. Near walls `A sum_k d_k M_{.,k}` is added.
 fn divergence(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &Particles),
@@ -131,13 +133,13 @@ fn divergence(
     (sums, stresslets)
 }
 
-/// That of the spheres in a sheared box.
+/// The divergence for the spheres in a sheared box.
 fn divergence_in_shear(lubrication: Option<Range>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
     let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
     divergence(&mut hydrodynamics(&cell, 1e-4, lubrication), (&cell, &particles()), tolerance)
 }
 
-/// The distance of two lists over the length of the second.
+/// Distance of two lists, relative to the norm of the second.
 fn error(found: &[f64], exact: &[f64]) -> f64 {
     let square = |list: &mut dyn Iterator<Item = f64>| list.map(|x| x * x).sum::<f64>();
     (square(&mut found.iter().zip(exact).map(|(a, b)| a - b)) / square(&mut exact.iter().copied())).sqrt()
@@ -149,9 +151,9 @@ fn along(s: &Traceless) -> [f64; 5] {
     [-1.5_f64.sqrt() * (xx + yy), (xx - yy) / root, root * xy, root * xz, root * yz]
 }
 
-/// Velocities, angular velocities and, with lubrication, stresslets by heat, which are minus the divergence of first moments, each over
-/// their own size. The matrices with lubrication are known to half a hundredth, and their divergence to less. Without the change there
-/// would be nothing.
+/// Velocities, angular velocities and, with lubrication, Brownian stresslets, which are minus the divergence of the
+/// first moments, each relative to its norm. The matrices with lubrication are accurate to half a per cent, and their
+/// divergence is less accurate. Without the finite difference the result would be zero.
 #[test]
 fn drift_and_stress_by_heat_are_divergences() {
     let (far, _) = divergence_in_shear(None, 1e-3);
@@ -168,7 +170,7 @@ fn drift_and_stress_by_heat_are_divergences() {
     assert!(errors.iter().all(|error| *error < 0.03), "{errors:?}");
 }
 
-/// The error that is allowed to the change in a step is that of the drift, more or less.
+/// The error of the finite difference that a step allows is about that of the drift.
 #[test]
 fn rough_changes_are_as_exact_as_they_say() {
     let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
@@ -177,7 +179,8 @@ fn rough_changes_are_as_exact_as_they_say() {
     assert!(found > 0.0 && found < 2.0 * CHANGE, "{found}");
 }
 
-/// The divergence of the mobility and of the stresslets of rigid spheres by central differences of what unit forces do.
+/// Divergence of the mobility and of the stresslets of rigid spheres, by central differences of the response to unit
+/// forces.
 fn by_differences(
     hydrodynamics: &mut Hydrodynamics,
     (cell, particles): (&PeriodicBox, &Particles),
@@ -207,8 +210,9 @@ fn by_differences(
     (sums, stresslets)
 }
 
-/// Between walls and above one, with and without lubrication between spheres and at walls, drift and stress by heat are the
-/// divergences by differences: without what walls do to each sphere they would be off by more than their size.
+/// Between two walls and above one, with and without lubrication between spheres and at walls, drift and Brownian
+/// stresslets equal the divergences by differences. Without the walls' effect on each sphere the error would exceed
+/// 100%.
 #[test]
 fn drift_and_stress_by_heat_are_divergences_near_walls() {
     let mut particles = Particles::default();
@@ -236,7 +240,7 @@ fn drift_and_stress_by_heat_are_divergences_near_walls() {
     }
 }
 
-/// In a step of 0.1 no farther than a twentieth of the radius, and as far as it says where that is less.
+/// In a step of 0.1 the displacement is limited to a twentieth of the radius, and unchanged below that.
 #[test]
 fn drift_is_no_jump() {
     let mut particles = particles();

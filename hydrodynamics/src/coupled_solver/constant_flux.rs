@@ -1,4 +1,4 @@
-//! Flow between walls whose flux is given.
+//! Pressure-driven flow between walls at a given flux.
 
 use crate::ambient::Poiseuille;
 use crate::ambient::StrainRate;
@@ -9,40 +9,44 @@ use crate::units;
 use domain::{Comm, Particles, PeriodicBox, Traceless, Units, Vector};
 use fcm::{Constraint, Evaluation, Linear, Loads, Mobility, Motion, Multipoles};
 
-/// The pressure gradient that keeps the flux between walls, as a flow of the curvature `c` besides that of the fluid alone.
+/// Pressure gradient that keeps the flux between walls: a parabolic flow of curvature `c` added to the flow of the
+/// fluid alone.
 ///
-/// With `m` the motions `(U, Omega, E)` of free spheres in the flow `z (H - z) / 2`, the reciprocal theorem gives the flux through
-/// walls of the area `A` that forces and torques `F` that are not the fluid's, and the whole stresslets `S`, add to that of a
-/// pressure gradient: `m . (F, S) / (mu A) = sum (F . U + T . Omega - S : E) / (mu A)`. So
+/// Let `m` be the motions `(U, Omega, E)` of free spheres in the unit flow `z (H - z) / 2`. By the reciprocal theorem,
+/// external forces and torques `F` and total stresslets `S` add a flux through the cross-section between walls of the
+/// area `A` as large as that of a pressure gradient `m . (F, S) / (mu A) = sum (F . U + T . Omega - S : E) / (mu A)`.
+/// Hence
 ///
 /// ```text
 /// c = -kappa m . (F, S),        kappa = 12 / (mu A H^3)
 /// ```
 ///
-/// leaves the flux as it is. Lubrication, of a resistance `R`, acts on motions relative to the flow that there is, `(U, Omega, -E)` less
-/// `c n` with `n = (U, Omega, E)` of `m`: spheres that the flow passes by feel `w = R n`, and with the mobility `M` move by
-/// `c m'`, `m' = m + M w`, of the flow. By loads `f` of the far field without `c w`,
+/// keeps the flux. Lubrication, with the resistance `R`, acts on motions relative to the actual flow, that is on
+/// `(U, Omega, -E)` minus `c n`, where `n = (U, Omega, E)` of `m`. Spheres at rest in the unit flow feel the loads
+/// `w = R n`; with the mobility `M`, the flow of curvature `c` moves spheres by `c m'`, `m' = m + M w`. With the
+/// far-field loads `f` without `c w`,
 ///
 /// ```text
 /// c = (w_E : E_inf - m' . f) / alpha,        alpha = 1/kappa + 2 m . w + w . M w - n . w
 /// ```
 ///
-/// and the mobility is `M - m' m'^T / alpha`: the system stays symmetric, and the solution is that with the pressure gradient
-/// given, of whatever comes out here.
+/// and the mobility at constant flux is `M - m' m'^T / alpha`. The system stays symmetric, and its solution equals the
+/// solution for the pressure gradient that results.
 pub struct ConstantFlux {
-    /// The rate of strain of the unit flow, and `m`.
+    /// Strain rate of the unit flow, and `m`.
     flow: StrainRate,
     unit: Motion,
     /// `w`, with stresslets `w_E`.
     resisted: Loads,
     /// `m'` and `1 / alpha`.
     constraint: Constraint,
-    /// `(w_E : E_inf + ...) / alpha`, with what lubrication at walls feels of a curved flow.
+    /// `w_E : E_inf / alpha`, with a term for lubrication at walls in a curved flow.
     ambient: f64,
 }
 
 impl Hydrodynamics {
-    /// What keeps the flux in an ambient flow of a rate of strain; particles are in place in the mobility then. Collective.
+    /// The constant-flux constraint in an ambient flow with a strain rate. Arranges the particles in the mobility.
+    /// Collective.
     pub(super) fn flux(&mut self, cell: &PeriodicBox, particles: &Particles, strain_rate: StrainRate) -> ConstantFlux {
         let mobility = self.far.mobility();
         mobility.constrain(None);
@@ -59,7 +63,7 @@ impl Hydrodynamics {
 }
 
 impl ConstantFlux {
-    /// That of spheres without lubrication, between the walls of a box.
+    /// The constraint for spheres without lubrication, between the walls of a box.
     fn new(cell: &PeriodicBox, particles: &Particles, (viscosity, multipoles): (f64, Multipoles)) -> Self {
         let [x, y, height] = cell.edges().to_array();
         let flow = Poiseuille { curvature: 1.0, height };
@@ -69,8 +73,9 @@ impl ConstantFlux {
         Self { flow: flow.strain_rate(), unit, resisted: Loads::default(), constraint, ambient: 0.0 }
     }
 
-    /// The same with lubrication in the unit flow, in units of its own and without springs, of spheres in place in a mobility that
-    /// has no constraint, in an ambient flow of a rate of strain. Collective.
+    /// Adds the effect of lubrication. `near` are the near pairs in the unit flow, in scaled units and without springs;
+    /// the particles are arranged in `mobility`, which has no constraint; `strain_rate` is that of the ambient flow.
+    /// Collective.
     fn lubricated(
         mut self,
         mobility: &mut Mobility,
@@ -96,7 +101,7 @@ impl ConstantFlux {
         let by_loads = mobility.apply(&moved, wanted);
         let strained: f64 =
             self.resisted.stresslets.iter().zip(positions).map(|(&s, place)| s.contract(strain_rate.at(place.z))).sum();
-        // Lubrication at walls is relative to flows that rest there.
+        // Lubrication at walls is computed relative to flows that vanish at the wall.
         let levers = near.levers(&passed) * units.length.powi(2);
         let [own, besides] = [self.flow, strain_rate].map(|flow| flow.half_curvature().dot(levers));
         let mut sums = [self.unit.power(&self.resisted) + by_loads.power(&moved) - own, strained + besides];
@@ -109,12 +114,12 @@ impl ConstantFlux {
         self
     }
 
-    /// What is added to the motions by loads.
+    /// Rank-one correction of the mobility.
     pub fn constraint(&self) -> Constraint {
         self.constraint.clone()
     }
 
-    /// How the fluid moves at the particles besides, with what the ambient flow makes of the pressure gradient.
+    /// Ambient motions, plus the motions due to the part of the pressure gradient that the ambient flow causes.
     pub fn ambient(&self, besides: &Motion) -> Motion {
         let Motion { velocities, angular_velocities, strain_rates } = &self.constraint.response;
         let mut ambient = Motion {
@@ -127,7 +132,8 @@ impl ConstantFlux {
         ambient
     }
 
-    /// Adds the loads of lubrication in the flow of the pressure gradient to a solution, and says its curvature. Collective.
+    /// Adds the lubrication loads in the flow of the pressure gradient to a solution, and sets its curvature.
+    /// Collective.
     pub fn complete(&self, solved: &mut Solved, comm: &Comm) {
         let curvature = self.ambient + self.constraint.amplitude(&solved.far, comm);
         let Loads { forces, torques, .. } = &mut solved.far;

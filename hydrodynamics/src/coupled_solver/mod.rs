@@ -1,4 +1,4 @@
-//! Rigid spheres with lubrication: the far field and the near field, solved together.
+//! Rigid spheres with lubrication: coupled solve of the far field and the near field.
 
 mod constant_flux;
 mod perturbed_solve;
@@ -22,76 +22,78 @@ pub use perturbed_solve::Found;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// The hydrodynamics of spheres as in [`fcm::Hydrodynamics`], to which lubrication between near pairs may be added. As
-/// with those, results have the same digits in any units.
+/// Hydrodynamics of spheres as in [`fcm::Hydrodynamics`], optionally with lubrication between near pairs. Results have
+/// the same digits in any units.
 pub struct Hydrodynamics {
     far: fcm::Hydrodynamics,
-    /// In units of length and viscosity in which the particles' and the fluid's are about 1.
+    /// Near field, in units of length and viscosity that scale the particles and the fluid to about 1.
     near: Option<NearField>,
     units: Units,
     preconditioned: bool,
     partition: Partition,
 }
 
-/// What acts between near particles besides the far field.
+/// Short-range interactions between near particles.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShortRange {
-    /// Gaps at which there is lubrication, if there is any.
+    /// Gaps at which lubrication acts, if it does.
     pub lubrication: Option<Range>,
-    /// Distance of the centres up to which springs act, if there are any.
+    /// Distance of centres up to which springs act, if there are any.
     pub springs: Option<f64>,
 }
 
-/// What makes the particles move.
+/// Input of a solve: loads, ambient flow, implicit springs.
 pub struct Acting<'a> {
-    /// Forces and torques; stresslets are ignored and solved for.
+    /// Forces and torques; stresslets are ignored, as they are solved for.
     pub loads: &'a Loads,
-    /// The rate of strain of the background flow.
+    /// Strain rate of the background flow.
     pub strain_rate: StrainRate,
-    /// Springs whose resistance goes with the loads, if there are any.
+    /// Springs whose resistance is part of the solve, if there are any.
     pub springs: Option<&'a Springs<'a>>,
-    /// How the fluid moves at the particles besides, each its own, such as by heat; no entries stand for none.
+    /// Further motions of the ambient fluid at each particle, such as Brownian noise; empty lists stand for none.
     pub ambient: &'a Motion,
-    /// Whether a flow along x besides, between two walls, keeps the flux what it is without particles.
+    /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
 
-/// The motions of the spheres and what was needed to find them.
+/// Solution for the motions of the spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solved {
     /// Motions relative to the background flow.
     pub motion: Motion,
-    /// The whole hydrodynamic stresslets; empty with monopoles only.
+    /// Total hydrodynamic stresslets; empty with monopoles only.
     pub stresslets: Vec<Traceless>,
-    /// What the far field sees: the loads given and those of lubrication, and its part of the stresslets.
+    /// Loads on the far field: given loads plus lubrication, and the far-field part of the stresslets.
     pub far: Loads,
-    /// What the loads of all others do to each sphere: its velocities less those that its own loads alone would give it.
+    /// Motions induced by the loads of all other spheres: total motions minus those of single spheres under their own
+    /// loads.
     pub induced: Motion,
-    /// The curvature `-u''` of the flow that keeps the flux; 0 if none does.
+    /// Curvature `-u''` of the flow that keeps the flux; 0 without that constraint.
     pub curvature: f64,
-    /// Applications of the mobility, besides one to begin with.
+    /// Number of applications of the mobility, not counting the initial one.
     pub iterations: usize,
-    /// The error left, as the iteration estimates it, relative to the solution.
+    /// Estimated error of the iteration, relative to the solution.
     pub residual: f64,
 }
 
-/// Where the search for a solution starts; empty lists stand for nothing known.
+/// Initial guess of a solution; empty lists stand for no guess.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Guess {
-    /// The far field's part of the stresslets.
+    /// Far-field part of the stresslets.
     pub stresslets_far: Vec<Traceless>,
-    /// Velocities that the loads of all others induce, see [`Solved::induced`].
+    /// Velocities induced by the loads of all other spheres, see [`Solved::induced`].
     pub induced_velocities: Vec<Vector>,
-    /// Angular velocities that they induce.
+    /// Angular velocities induced by the loads of all other spheres.
     pub induced_angular_velocities: Vec<Vector>,
-    /// Velocities relative to the background flow: where the search for those that go with the former starts.
+    /// Velocities relative to the background flow: start of the iteration for the near-field motions that match the
+    /// induced ones.
     pub velocities: Vec<Vector>,
     /// Angular velocities relative to the background flow.
     pub angular_velocities: Vec<Vector>,
 }
 
 impl Guess {
-    /// That of particles that the fluid around moves.
+    /// Guess for particles moved by ambient motions of the fluid.
     pub fn induced_by(ambient: &Motion) -> Self {
         Self {
             induced_velocities: ambient.velocities.clone(),
@@ -101,23 +103,23 @@ impl Guess {
     }
 }
 
-/// Fluid that does not move besides.
+/// Zero ambient motion.
 pub static STILL: Motion = Motion { velocities: Vec::new(), angular_velocities: Vec::new(), strain_rates: Vec::new() };
 
-/// Iterations after which a solve has failed.
+/// Number of iterations after which a solve has failed.
 const MOST_ITERATIONS: usize = 1000;
 
-/// Error left in the preconditioner's solves of the stiff pairs: the outer iteration corrects it, and takes hardly fewer
-/// steps if they are ten times more exact.
+/// Relative error of the preconditioner's inner solves for the stiff pairs. The outer iteration corrects this error,
+/// and hardly needs fewer steps if the inner solves are ten times more accurate.
 const ROUGH: f64 = 0.1;
 
-/// Errors left in the near field of the start and of the end, over that allowed: small enough that where the far field was
-/// guessed well, nothing is left to iterate on, and that the next guess is as good.
+/// Near-field errors at the start and at the end of a solve, over the tolerance: small enough that a good guess of the
+/// far field needs no iteration, and that the next guess is as good.
 const START: f64 = 0.6;
 const END: f64 = 0.2;
 
 impl Hydrodynamics {
-    /// Prepares what `plan` decided, with what acts between near particles. Not to be called from a rayon task.
+    /// Sets up the far field of `plan` and the short-range interactions. Must not be called from a rayon task.
     pub fn new(plan: &Plan, partition: &Partition, short_range: ShortRange) -> Result<Self, PairForceError> {
         let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
         let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
@@ -137,13 +139,13 @@ impl Hydrodynamics {
         Ok(Self { far, near, units, preconditioned: true, partition })
     }
 
-    /// With the preconditioner of the solve with lubrication, as it comes, or without, to see what it is worth.
+    /// Turns the preconditioner of the solve with lubrication on (the default) or off, for comparison.
     #[must_use]
     pub fn preconditioned(self, preconditioned: bool) -> Self {
         Self { preconditioned, ..self }
     }
 
-    /// Goes on with another plan for the same radii and fluid, on ranks that share out its grid.
+    /// Continues with another plan for the same radii and fluid, and with the partition of its grid.
     pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
         let interrupt = self.far.interrupt().clone();
         self.far = fcm::Hydrodynamics::new(plan, partition);
@@ -154,23 +156,23 @@ impl Hydrodynamics {
         self.partition = partition.clone();
     }
 
-    /// The mobility of the far field.
+    /// Mobility of the far field.
     pub fn mobility(&mut self) -> &mut Mobility {
         self.far.mobility()
     }
 
-    /// Looks at this interrupt at each evaluation of a solve from now on.
+    /// Sets the interrupt that is checked at each evaluation of a solve.
     pub fn listen(&mut self, interrupt: Interrupt) {
         self.far.listen(interrupt);
     }
 
-    /// What it looks at.
+    /// The interrupt that is checked.
     pub fn interrupt(&self) -> &Interrupt {
         self.far.interrupt()
     }
 
-    /// The motion of the particles under what acts on them, relative to the background flow. Where no pair is near, this is
-    /// the far field alone. Collective; an error is an error on all ranks.
+    /// Motions of the particles relative to the background flow. Without near pairs this is the far field alone.
+    /// Collective; an error is an error on all ranks.
     pub fn solve(
         &mut self,
         cell: &PeriodicBox,
@@ -229,8 +231,8 @@ impl Hydrodynamics {
 }
 
 impl Hydrodynamics {
-    /// Random motions of particles whose covariance is the mobility of the method, to a tolerance: what fluctuations of the fluid
-    /// do to spheres that do not resist to strain. Collective.
+    /// Random motions whose covariance is the mobility of the method, to a tolerance: motions of particles without
+    /// resistance to strain in a fluctuating fluid. Collective.
     pub fn noise(
         &mut self,
         cell: &PeriodicBox,
@@ -242,21 +244,21 @@ impl Hydrodynamics {
         mobility.noise(&particles.ids, tolerance, stream)
     }
 
-    /// Adds to motions of particles so many times the divergence of the mobility of the method, which vanishes but near walls.
+    /// Adds `times` the divergence of the mobility, which is nonzero only near walls, to motions of particles.
     pub fn add_divergence(&mut self, (cell, particles): (&PeriodicBox, &Particles), times: f64, motion: &mut Motion) {
         if let Some(divergence) = self.far.mobility().divergence_at_walls(cell, particles) {
             motion.add(times, &divergence);
         }
     }
 
-    /// Random forces and torques whose covariance is the resistance of lubrication; nothing without it. Collective.
+    /// Random forces and torques whose covariance is the lubrication resistance; empty without lubrication. Collective.
     pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: Stream) -> Loads {
         let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {
             return Loads::default();
         };
         let (units, own) = (self.units, units::particles(particles, &self.units));
         let loads = noise::loads(field, &own, (&cell.scaled(1.0 / units.length), &self.partition), stream);
-        // The root of the unit of a resistance to velocities, and of one to turning.
+        // Square roots of the units of translational and rotational resistance.
         let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
         Loads {
             forces: loads.forces.into_iter().map(|f| f * force).collect(),
@@ -270,7 +272,8 @@ fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
     lengths.iter().map(|length| length / unit).collect()
 }
 
-/// How the fluid moves at particles besides the background flow at `z = 0`, whose rate of strain slopes, if it does.
+/// Ambient motions plus the variation of a non-uniform background strain rate with z; `None` if the strain rate is
+/// uniform.
 fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> Option<Motion> {
     (!strain_rate.is_uniform()).then(|| {
         let mut strain_rates: Vec<Traceless> = particles.positions.iter().map(|x| strain_rate.beyond(x.z)).collect();
@@ -279,7 +282,7 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
     })
 }
 
-/// As [`Hydrodynamics::solve`], in the units of lubrication.
+/// [`Hydrodynamics::solve`] with near pairs, in scaled units.
 fn lubricated(
     (comm, interrupt): (&Comm, &Interrupt),
     (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
@@ -314,7 +317,7 @@ fn lubricated(
     Ok(Solved { motion, stresslets, far, induced, curvature, iterations, residual })
 }
 
-/// Whether a solve ended well.
+/// The error of a solve that failed.
 fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
     let Outcome { iterations, residual, converged, interrupted } = *outcome;
     if interrupted {
@@ -327,28 +330,28 @@ fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
     if converged { Ok(()) } else { Err(SolveError::NotConverged { iterations, residual, tolerance }) }
 }
 
-/// Motions of spheres of some resistances alone, less those that their own loads alone would give them.
+/// Motions minus those of single spheres under their own loads.
 fn induced(single: &[Screw], motion: &Motion, loads: &Loads) -> Motion {
     let motions = Screws::new(single.len(), &motion.velocities, &motion.angular_velocities);
     let induced = motions.less_those_alone(single, &Screws::new(single.len(), &loads.forces, &loads.torques));
     Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
 }
 
-/// Resistances of spheres on their own, to motions and to strain.
+/// Resistances of single spheres to motions and to strain.
 fn alone(viscosity: f64, radii: &[f64]) -> (Vec<Screw>, Vec<f64>) {
     let strain = |a: &f64| 20.0 / 3.0 * PI * viscosity * a.powi(3);
     (radii.iter().map(|&a| single(viscosity, a)).collect(), radii.iter().map(strain).collect())
 }
 
-/// The resistance of a sphere on its own.
+/// Resistance of a single sphere to translation and rotation.
 fn single(viscosity: f64, radius: f64) -> Screw {
     let (force, torque) = (6.0 * PI * viscosity * radius, 8.0 * PI * viscosity * radius.powi(3));
     Screw::new(Vector::splat(force), Vector::splat(torque))
 }
 
-/// The unknowns that go with a guess: with what the others' loads induce as guessed, or nothing where nothing is, the
-/// motions `U` of all near pairs follow, with an error of `tolerance`, from `(M_0^-1 + R) U = M_0^-1 U_induced + F`; without
-/// a matrix they are those guessed. Collective.
+/// Unknowns that correspond to a guess. From the guessed induced motions (zero if unknown), the motions `U` of all near
+/// pairs follow from `(M_0^-1 + R) U = M_0^-1 U_induced + F`, with an error of `tolerance`; without a preconditioner
+/// matrix they are the guessed velocities. Collective.
 fn start<'a>(
     near: &'a NearPairs,
     (matrix, tolerance): (Option<&mut ParticleMatrix<'a>>, f64),
@@ -367,7 +370,7 @@ fn start<'a>(
     Unknowns::of(&motions, &resisted, moments)
 }
 
-/// The unknowns that go with motions of the particles. Collective.
+/// Unknowns that correspond to motions of the particles. Collective.
 fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
     Unknowns::of(motions, &near.times(&[Pairs::Stiff, Pairs::Soft], motions), moments)
 }

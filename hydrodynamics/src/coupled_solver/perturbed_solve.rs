@@ -1,4 +1,4 @@
-//! What solutions become where spheres have moved a little.
+//! Change of a solution under a small displacement of the spheres, for finite-difference drift.
 
 use crate::ambient::StrainRate;
 use crate::coupled_solver::{Hydrodynamics, MOST_ITERATIONS, ROUGH, STILL, Solved, alone, ended, unknowns};
@@ -10,18 +10,18 @@ use crate::units::{self, Scaled};
 use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
 
-/// Motions of spheres that are at rest but for the motions of the fluid at each and loads, and what goes with them.
+/// A solution for spheres under loads in a fluid with ambient motions.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
     /// Velocities and angular velocities.
     pub motion: Motion,
-    /// The far field's part of the stresslets.
+    /// Far-field part of the stresslets.
     pub stresslets_far: Vec<Traceless>,
-    /// The whole stresslets.
+    /// Total stresslets.
     pub stresslets: Vec<Traceless>,
 }
 
-/// The system at some places, and what is left over there of a solution that was found.
+/// The system at given positions, and the residual of a solution there.
 struct Left<'a> {
     near: &'a NearPairs,
     system: Coupled<'a>,
@@ -30,9 +30,9 @@ struct Left<'a> {
 }
 
 impl Hydrodynamics {
-    /// The motions that the fluid would need to have at rigid spheres besides, each its own, for a solution under loads to be
-    /// exact, and the solution in that fluid: those with which it was solved for but for the error of the solve, and what a
-    /// background flow does to the spheres. The solution is the last one that was found. Collective.
+    /// The ambient motions for which `solved` is the exact solution under `loads` (backward error), and that solution.
+    /// The ambient motions are those of the solve, corrected by its error, plus the effect of the background flow on
+    /// the spheres. `solved` has to be the latest solution. Collective.
     pub fn fluid_around(
         &mut self,
         place: (&PeriodicBox, &Particles),
@@ -50,14 +50,16 @@ impl Hydrodynamics {
         })
     }
 
-    /// What a solution becomes for rigid spheres that have moved a little since it was found, with the same loads and in the fluid
-    /// in which it was exact, see [`Self::fluid_around`]: with `S(x) l = r(x)` the system and what was found,
+    /// The solution after a small displacement of the rigid spheres, under the same loads and in the ambient motions
+    /// for which the original solution is exact, see [`Self::fluid_around`]. With `S(x) l = r(x)` the system and its
+    /// original solution, it solves
     ///
     /// ```text
     /// S(x*) dl = r(x*) - S(x*) l
     /// ```
     ///
-    /// with an error of `tolerance` relative to the change `dl`, however small. Collective; an error is an error on all ranks.
+    /// with an error of `tolerance` relative to the change `dl`, however small that is. Collective; an error is an
+    /// error on all ranks.
     pub fn changed(
         &mut self,
         place: (&PeriodicBox, &Particles),
@@ -84,8 +86,8 @@ impl Hydrodynamics {
         })
     }
 
-    /// Makes the system at some places, and does something with what a solution leaves over there; what is for new places and
-    /// solves alone only if spheres have moved.
+    /// Sets up the system at the positions of `particles` and passes it, with the residual of a solution, to `then`.
+    /// The mobility is moved to these positions, and a preconditioner made, only if the spheres have moved.
     fn left_over<T>(
         &mut self,
         (cell, particles): (&PeriodicBox, &Particles),
@@ -118,7 +120,7 @@ impl Hydrodynamics {
     }
 }
 
-/// The whole stresslets that go with motions and the far field's part. Collective.
+/// Total stresslets from the motions and the far-field part. Collective.
 fn whole(near: &NearPairs, found: &Found, units: &Units) -> Vec<Traceless> {
     let own = units::motion(&found.motion, units);
     let by_pairs = near.stresslets(&Screws::new(found.stresslets_far.len(), &own.velocities, &own.angular_velocities));

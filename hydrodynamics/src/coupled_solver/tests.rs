@@ -1,4 +1,4 @@
-//! Lubricated spheres against exact answers and against the dense solution, on any ranks and threads.
+//! Lubricated spheres against exact solutions and a dense solve, on any number of ranks and threads.
 
 mod constant_flux;
 mod springs;
@@ -12,7 +12,7 @@ use domain::random_packing;
 use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Precision, Problem};
 use lubrication::PairMotion;
 
-/// Rigid spheres in a periodic cube, with a grid in f64: in f32 it would make noise of 1e-7.
+/// Rigid spheres in a periodic cube, with a double-precision grid; a single-precision grid would add noise of 1e-7.
 fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Problem {
     Problem {
         edges: Vector::splat(edge),
@@ -66,7 +66,7 @@ fn cube(edge: f64) -> PeriodicBox {
     PeriodicBox::new(Vector::splat(edge)).unwrap()
 }
 
-/// Solves on one rank, particles in the order given.
+/// Solution on one rank, with the particles in the given order.
 fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceless, range: Option<Range>) -> Solved {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut fluid = Hydrodynamics::new(plan, &partition, lubricated_at(range)).unwrap();
@@ -74,8 +74,8 @@ fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceles
     fluid.solve(&plan.cell(), particles, &acting(&loads, strain), &Guess::default()).unwrap()
 }
 
-/// Two spheres with the line of centres along z in a box so large that images change forces without sum and strains by
-/// less than a thousandth.
+/// Two spheres with the line of centres along z, in a box large enough that images change the results, for zero total
+/// force and in strain, by less than a thousandth.
 fn pair(gap: f64, radii: [f64; 2]) -> (Plan, Particles) {
     let edge = 50.0;
     let middle = Vector::splat(0.5 * edge);
@@ -83,8 +83,8 @@ fn pair(gap: f64, radii: [f64; 2]) -> (Plan, Particles) {
     (plan(edge, &radii, (1e-4, 1e-6)), placed(&positions, &radii))
 }
 
-/// Relative motions in strain and stresslets, from the exact solution: A, B and C of Batchelor & Green (1972), and the
-/// stresslets along and across the line of centres over that of a single sphere.
+/// Relative motions and stresslets in strain against the exact solution: A, B and C of Batchelor & Green (1972), and
+/// the stresslets along and across the line of centres over that of a single sphere.
 #[test]
 fn equal_spheres_in_strain_move_as_the_exact_ones() {
     let cases = [
@@ -107,16 +107,16 @@ fn equal_spheres_in_strain_move_as_the_exact_ones() {
             shear.stresslets[0].0[2] / (20.0 / 3.0 * PI),
         ];
         for (k, (found, exact)) in found.into_iter().zip([a, b, c, along, across]).enumerate() {
-            // Images, and the end of lubrication at 2.5 radii.
+            // Tolerance: images, and the cutoff of lubrication at 2.5 radii.
             assert!((found - exact).abs() < 0.002 * exact, "gap {gap}, answer {k}: {found}, exact {exact}");
         }
-        // 1 - A is what is left of the approach.
+        // 1 - A is the relative rate of approach.
         let approach = 1.0 + apart(&axial).z;
         assert!((approach / (1.0 - a) - 1.0).abs() < 0.02, "gap {gap}: {approach} of {}", 1.0 - a);
     }
 }
 
-/// Opposite forces along and across the line of centres: relative velocities from the exact mobility functions.
+/// Opposite forces along and across the line of centres: relative velocities against the exact mobility functions.
 #[test]
 fn forced_pairs_move_as_the_exact_ones() {
     for (ratio, gap) in [(1.0, 1e-3), (2.0, 1e-3), (2.0, 0.1)] {
@@ -137,7 +137,7 @@ fn forced_pairs_move_as_the_exact_ones() {
 
 #[test]
 fn without_near_pairs_it_is_the_far_field_to_the_bit() {
-    // Lubrication ends at 2.5 larger radii.
+    // Lubrication ends at a gap of 2.5 larger radii.
     let (plan, particles) = pair(3.8, [1.0, 1.5]);
     let forces = [Vector::X, Vector::Y];
     let strain = Traceless([0.0, 1.0, 0.0, 0.0, 0.0]);
@@ -145,7 +145,7 @@ fn without_near_pairs_it_is_the_far_field_to_the_bit() {
     assert_eq!(with, without);
 }
 
-/// Gauss's elimination with pivots.
+/// Gaussian elimination with pivoting.
 fn eliminated(mut matrix: Vec<Vec<f64>>, mut right: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let n = matrix.len();
     for column in 0..n {
@@ -170,13 +170,14 @@ fn eliminated(mut matrix: Vec<Vec<f64>>, mut right: Vec<Vec<f64>>) -> Vec<Vec<f6
     right
 }
 
-/// Eleven numbers a particle: velocity, angular velocity and strain, or force, torque and moment.
+/// Eleven numbers per particle: velocity, angular velocity and strain rate, or force, torque and moment.
 fn flat(linear: &[Vector], angular: &[Vector], tensors: &[Traceless]) -> Vec<f64> {
     let one = |i: usize| [&linear[i].to_array()[..], &angular[i].to_array()[..], &tensors[i].0[..]].concat();
     (0..linear.len()).flat_map(one).collect()
 }
 
-/// Resistance of all particles in a box without near images, `M^-1` plus the correction of each pair, column by column.
+/// Resistance matrix of all particles in a box without near images: `M^-1` plus the correction of each pair, column by
+/// column.
 fn dense(plan: &Plan, particles: &Particles) -> Vec<Vec<f64>> {
     let (n, cell) = (particles.len(), plan.cell());
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
@@ -259,7 +260,7 @@ fn the_iteration_finds_the_dense_solution() {
     }
 }
 
-/// A random suspension at 30%, solved on ranks that are threads, in the order of the ids.
+/// A random suspension at 30%, solved on ranks that are threads; results in the order of the ids.
 fn on_ranks(ranks: usize) -> Vec<f64> {
     let (n, edge) = (24, (24.0 * 4.0 / 3.0 * PI / 0.3_f64).cbrt());
     let (radii, cell) = (vec![1.0; n], cube(edge));
@@ -311,7 +312,7 @@ fn a_solution_is_its_own_best_guess() {
     assert!(again.iterations <= 1 && first.iterations > 5, "{} after {}", again.iterations, first.iterations);
 }
 
-/// Without a preconditioner a suspension like this takes hundreds of iterations, and more the smaller its gaps.
+/// Without the preconditioner a suspension like this takes hundreds of iterations, and more as gaps shrink.
 #[test]
 fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
     let (n, edge) = (64, (64.0 * 4.0 / 3.0 * PI / 0.4_f64).cbrt());
@@ -320,7 +321,7 @@ fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
     let mut particles = placed(&random_packing(&cell, &radii, 0.0, 5).unwrap(), &radii);
     let shear = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
     let as_packed = solve(&plan, &particles, &[], shear, Some(Range::default())).iterations;
-    // The nearest pair is brought together to a gap of 1e-5.
+    // Brings the nearest pair to a gap of 1e-5.
     let apart = |&(i, j): &(usize, usize)| cell.nearest_image(particles.positions[j] - particles.positions[i]).length();
     let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
     let (i, j) = pairs.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();

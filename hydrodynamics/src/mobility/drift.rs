@@ -1,4 +1,4 @@
-//! The mean motion that heat causes.
+//! Brownian drift.
 
 use super::{Mobility, MobilityError, ROOT, turn_motion};
 use crate::brownian::{self, CHANGE, Change, DISPLACEMENT};
@@ -6,30 +6,31 @@ use domain::{Traceless, Vector};
 use fcm::{Loads, Multipoles, Stream};
 use std::f64::consts::PI;
 
-/// Mean motions and stresslets by heat at a thermal energy of 1, of which one draw is a random part.
+/// Brownian drift and stresslets at a thermal energy of 1; each draw is a random estimate whose mean is exact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drift {
     /// `div M` of the mobility from forces to velocities.
     pub velocities: Vec<Vector>,
-    /// The same of the mobility from forces to angular velocities.
+    /// `div M` of the mobility from forces to angular velocities.
     pub angular_velocities: Vec<Vector>,
-    /// Whole hydrodynamic stresslets, `-div D` of the first moments `D = -S` that forces cause.
+    /// Total hydrodynamic stresslets, `-div D` of the first moments `D = -S` caused by forces.
     pub stresslets: Vec<Traceless>,
 }
 
-/// Displacements after which motions are looked at once more, over the smallest radius.
+/// Displacement of the finite difference, over the smallest radius.
 const DISPLACED: f64 = 1e-3;
 
 impl Mobility {
-    /// Random parts of the drift of rigid spheres, by draws of the same seed and numbers as [`Self::noise`]: the mean over many is
-    /// the drift. Spheres that are not rigid have none but near walls.
+    /// Random estimates of the drift of rigid spheres, from draws with the same seed and numbers as in [`Self::noise`];
+    /// their mean is the drift. Spheres that are not rigid have a drift only near walls.
     ///
     /// ```text
     /// [U(x + h v; v, w, e) - U(x; v, w, e)] / h
     /// ```
     ///
-    /// with `v, w, e` random motions of the fluid of the covariance of the method's own mobility, whose divergence vanishes but near
-    /// walls, where it is added, and `U` those of the spheres in that fluid: its scatter does not grow as `h` falls.
+    /// Here `v, w, e` are random motions of the fluid with the covariance of the method's own mobility, and `U` are the
+    /// motions of the spheres in that fluid. The divergence of the method's mobility vanishes except near walls, where
+    /// it is added. The variance does not grow as `h` decreases.
     pub fn drift(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<Vec<Drift>, MobilityError> {
         self.check_draws(&draws)?;
         let (cell, tolerance) = (self.parameters.cell, ROOT * self.parameters.tolerance);
@@ -65,7 +66,7 @@ impl Mobility {
         Ok(drifts)
     }
 
-    /// The time in which random motions displace the smallest sphere as far as they are to.
+    /// Time in which random motions displace the smallest sphere by [`DISPLACED`] radii.
     fn step(&self) -> f64 {
         let smallest = self.parameters.radii.iter().copied().fold(f64::INFINITY, f64::min);
         DISPLACED * smallest * (6.0 * PI * self.parameters.viscosity * smallest).sqrt()

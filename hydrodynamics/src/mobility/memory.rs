@@ -1,28 +1,28 @@
-//! The memory of single evaluations, for particles that are brought from outside.
+//! Memory of single evaluations of the mobility.
 
 use crate::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles};
 use fcm::{Footprint, Plan};
 use lubrication::Range;
 
-/// What is evaluated.
+/// A single evaluation.
 pub struct SingleEvaluation<'a> {
-    /// How.
+    /// Plan of the far field.
     pub plan: &'a Plan,
-    /// Radii and how many particles have each.
+    /// Radii, with the number of particles of each.
     pub radii: Vec<(f64, usize)>,
-    /// Where lubrication acts, if it does.
+    /// Gaps at which lubrication acts, if it does.
     pub lubrication: Option<Range>,
-    /// Numbers of a particle's columns.
+    /// Numbers per particle in columns.
     pub numbers: usize,
-    /// What the first rank has besides.
+    /// Other memory on the first rank.
     pub besides: Bytes,
-    /// What to change where it takes too much.
+    /// Advice if it needs too much memory.
     pub remedy: &'static str,
 }
 
 impl SingleEvaluation<'_> {
-    /// Refuses an evaluation for which the ranks have no memory. Collective.
+    /// Refuses an evaluation for which the ranks do not have the memory. Collective.
     pub fn check_memory(&self, comm: &Comm) -> Result<(), Failure> {
         let count: usize = self.radii.iter().map(|kind| kind.1).sum();
         let message = |error| format!("{error}; for these {count} spheres take {}, or more machines", self.remedy);

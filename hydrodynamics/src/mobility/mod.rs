@@ -1,4 +1,4 @@
-//! The mobility of spheres at given positions: loads to motions.
+//! Mobility of spheres at given positions, from loads to motions.
 
 mod drift;
 pub mod memory;
@@ -23,38 +23,38 @@ use fcm::{
 use lubrication::{PairForceError, Range};
 use solver::BackgroundFlow;
 
-/// Which spheres move in which fluid, and how exactly that is computed.
+/// Parameters of a mobility: spheres, fluid and accuracy.
 #[derive(Debug, Clone)]
 pub struct MobilityParameters {
-    /// The box.
+    /// Box.
     pub cell: PeriodicBox,
     /// Radius of each sphere.
     pub radii: Vec<f64>,
     /// Viscosity of the fluid.
     pub viscosity: f64,
-    /// Forces alone, or torques and stresslets too.
+    /// Order of the multipole expansion.
     pub multipoles: Multipoles,
-    /// Whether to solve for the stresslets that keep the spheres rigid.
+    /// Whether the spheres are rigid, so that stresslets are solved for.
     pub rigid: bool,
     /// Relative error allowed.
     pub tolerance: f64,
-    /// The gaps between rigid spheres at which lubrication acts, if it does.
+    /// Gaps at which lubrication acts between rigid spheres, if it does.
     pub lubrication: Option<Range>,
-    /// How the far field is evaluated; in the way that takes less time if it is not said.
+    /// Method of the far field; `None` for the faster one.
     pub method: Option<MethodName>,
-    /// What the machine takes for the parts of an evaluation.
+    /// Costs of the parts of an evaluation on the machine.
     pub costs: Costs,
 }
 
 impl MobilityParameters {
-    /// Refuses a box in which no random motions are drawn.
+    /// Refuses a box too elongated for random motions.
     pub fn check_noise(&self) -> Result<(), MobilityError> {
         check_box_of_noise(&self.cell).map_err(MobilityError::Box)
     }
 }
 
-/// The mobility of spheres, planned once for any positions. Whatever is of each sphere is given, and found, in the order
-/// of the radii, on the first rank. All calls are collective.
+/// Mobility of spheres, planned once for any positions. Lists with an entry per sphere are in the order of the radii,
+/// on the first rank. All calls are collective.
 pub struct Mobility {
     parameters: MobilityParameters,
     problem: Problem,
@@ -66,68 +66,68 @@ pub struct Mobility {
     pressure_gradient: Vector,
 }
 
-/// Why a mobility can't be computed.
+/// Error of a mobility.
 #[derive(Debug, thiserror::Error)]
 pub enum MobilityError {
-    /// No plan.
+    /// No plan fits the problem.
     #[error("this case can't be evaluated")]
     Plan(#[source] PlanError),
-    /// A radius that can't be computed with.
+    /// A radius out of its range.
     #[error("radii has a sphere whose radius {0}")]
     Radius(String),
-    /// A box in which no random motions are drawn.
+    /// A box too elongated for random motions.
     #[error("box {0}")]
     Box(String),
-    /// Lubrication between these radii.
+    /// No lubrication functions for these radii.
     #[error(transparent)]
     Lubrication(#[from] PairForceError),
-    /// Lubrication between spheres that overlap.
+    /// Overlapping spheres with lubrication.
     #[error("{0}; lubrication acts between spheres that are apart: move these apart, or leave out lubrication")]
     Overlap(Overlaps),
     /// A sphere outside of a box with walls or open faces.
     #[error(transparent)]
     Outside(#[from] OutsideError),
-    /// A background flow that does not fit the walls.
+    /// A background flow that is incompatible with the walls.
     #[error(transparent)]
     Flow(#[from] FlowRefused),
-    /// No square root to the tolerance.
+    /// The square root did not converge.
     #[error(
         "the square root of the mobility still changed by {change:.1e} after {applications} applications, where {tolerance:e} was \
          asked for: move spheres that nearly touch apart, or take a larger tolerance"
     )]
     Root {
-        /// How often the mobility was applied.
+        /// Number of applications of the mobility.
         applications: usize,
-        /// The last change, over the root.
+        /// Last change, relative to the root.
         change: f64,
-        /// That which is allowed.
+        /// Allowed change.
         tolerance: f64,
     },
-    /// No solution.
+    /// The solve failed.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// Something that only some ranks know of.
+    /// An error that may be known to some ranks only.
     #[error(transparent)]
     Failed(#[from] Failure),
 }
 
-/// Motions of the spheres, and what was needed to find them.
+/// Motions of the spheres, with stresslets and convergence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motions {
-    /// Velocities, angular velocities and rates of strain, relative to the background flow; the latter two are zero with
+    /// Velocities, angular velocities and strain rates relative to the background flow; the latter two are zero with
     /// forces alone.
     pub motion: Motion,
-    /// The whole hydrodynamic stresslets.
+    /// Total hydrodynamic stresslets.
     pub stresslets: Vec<Traceless>,
-    /// The far field's part of them.
+    /// Far-field part of the stresslets.
     pub stresslets_far: Vec<Traceless>,
-    /// Iterations.
+    /// Number of iterations.
     pub iterations: usize,
-    /// The error left, relative to the solution.
+    /// Estimated error, relative to the solution.
     pub residual: f64,
 }
 
-/// Columns in which loads and motions travel with their particles.
+/// Names of the columns that carry loads and motions with their particles.
 mod column {
     pub const FORCE: &str = "force";
     pub const TORQUE: &str = "torque";
@@ -139,7 +139,7 @@ mod column {
 }
 
 impl Mobility {
-    /// Plans the mobility, if there is memory for it; `besides` is what the first rank needs for the caller's lists.
+    /// Plans the mobility, if there is memory for it; `besides` is the memory of the caller's lists on the first rank.
     pub fn new(parameters: MobilityParameters, besides: Bytes, comm: &Comm) -> Result<Self, MobilityError> {
         let cell = &parameters.cell;
         parameters.radii.iter().try_for_each(|&radius| check_radius(radius, cell)).map_err(MobilityError::Radius)?;
@@ -155,14 +155,15 @@ impl Mobility {
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, turn, pressure_gradient })
     }
 
-    /// With vectors and tensors from and to the caller in axes that this turn makes those of the box.
+    /// Sets the rotation from the caller's axes, in which vectors and tensors are given and returned, to those of the
+    /// box.
     #[must_use]
     pub fn turned(self, turn: Turn) -> Self {
         Self { turn, ..self }
     }
 
-    /// Drives the fluid between two walls by a pressure gradient from now on; motions are relative to that flow's velocity and
-    /// half its vorticity at the centres.
+    /// Drives the fluid between two walls by a pressure gradient. Motions are then relative to the velocity and half
+    /// the vorticity of that flow at the centres.
     pub fn drive(&mut self, pressure_gradient: Vector) -> Result<(), MobilityError> {
         let gradient = self.turn.vector(pressure_gradient);
         check_pressure(&self.parameters.cell, gradient, self.last_axis())?;
@@ -170,32 +171,32 @@ impl Mobility {
         Ok(())
     }
 
-    /// What the caller calls the box's last axis.
+    /// The caller's name of the box's last axis.
     fn last_axis(&self) -> char {
         self.turn.list(['x', 'y', 'z'])[2]
     }
 
-    /// How it is computed.
+    /// Plan of the far field.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// From the caller's axes to those of the box.
+    /// Rotation from the caller's axes to those of the box.
     pub fn turn(&self) -> Turn {
         self.turn
     }
 
-    /// What makes the plan hopeless, if it is.
+    /// A warning if the plan is infeasible.
     pub fn burden(&self) -> Option<String> {
         self.plan.burden(&self.problem)
     }
 
-    /// Looks at this interrupt in each iteration from now on; an evaluation that is interrupted has no answer.
+    /// Sets the interrupt that is checked in each iteration; an interrupted evaluation has no result.
     pub fn listen(&mut self, interrupt: Interrupt) {
         self.hydrodynamics.listen(interrupt);
     }
 
-    /// Puts the spheres into places, inside the box or not. Spheres that overlap are returned, or refused where they feel
+    /// Sets the positions of the spheres, wrapped into the box if necessary. Returns overlaps, or refuses them with
     /// lubrication.
     pub fn place(&mut self, positions: &[Vector]) -> Result<Option<Overlaps>, MobilityError> {
         let cell = &self.parameters.cell;
@@ -215,8 +216,8 @@ impl Mobility {
         }
     }
 
-    /// The motions of the spheres under loads, and relative to a background flow. Empty lists stand for no load;
-    /// stresslets are loads of spheres that are not rigid.
+    /// Motions of the spheres under loads, relative to a background flow. Empty lists stand for zero loads; stresslets
+    /// are loads on spheres that are not rigid.
     pub fn apply(&mut self, loads: &Loads, background: &BackgroundFlow) -> Result<Motions, MobilityError> {
         let turn = self.turn;
         let background =
@@ -231,10 +232,9 @@ impl Mobility {
         Ok(motions(particles.gathered(&self.partition), &solved).turned(turn.inverse()))
     }
 
-    /// Random motions of the spheres whose covariance is their mobility, as many as `draws`: what heat does to them in
-    /// a time `dt` at a thermal energy `kT = dt / 2`. The first is of the number `first`; the same seed and number give
-    /// the same motion, on any ranks. Rates of strain are those of the fluctuating fluid, where spheres are not rigid,
-    /// else none.
+    /// Random motions of the spheres whose covariance is their mobility, one for each of `draws`: Brownian motion over
+    /// a time `dt` at a thermal energy `kT = dt / 2`. The same seed and draw give the same motion, on any number of
+    /// ranks. Strain rates are those of the fluctuating fluid for spheres that are not rigid, else absent.
     pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
         self.check_draws(&draws)?;
         let (cell, mut worst) = (self.parameters.cell, Drawn::default());
@@ -270,8 +270,7 @@ impl Mobility {
         Ok((motions, worst))
     }
 
-    /// Refuses draws for whose motions there is no memory, as they are and as
-    /// the caller has them. Collective.
+    /// Refuses draws whose motions, with the caller's copy, exceed the memory. Collective.
     fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
         self.parameters.check_noise()?;
         let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
@@ -281,13 +280,13 @@ impl Mobility {
         Ok(evaluation.check_memory(self.partition.comm())?)
     }
 
-    /// An error where some rank is asked to stop. Collective.
+    /// Fails if any rank is asked to stop. Collective.
     fn unless_interrupted(&self) -> Result<(), MobilityError> {
         let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
         if is_requested { Err(SolveError::from(Interrupted).into()) } else { Ok(()) }
     }
 
-    /// The particles, with their loads, on the ranks that own them.
+    /// The particles with their loads, on the ranks that own them.
     fn placed(&self, loads: &Loads) -> Particles {
         let mut particles = Particles::default();
         if self.partition.comm().is_first() {
@@ -340,8 +339,8 @@ impl Mobility {
     }
 }
 
-/// Adds the velocities `a^2/6 u''` that spheres of some radii have in a flow of that second derivative `u''` by Faxen's law, beyond
-/// the flow's own.
+/// Adds the velocities `a^2/6 u''` that spheres have, by Faxen's law, in addition to the velocity of a flow with the
+/// second derivative `u''`.
 fn carry(motion: &mut Motion, radii: &[f64], bend: Vector) {
     if bend != Vector::ZERO {
         motion.velocities.iter_mut().zip(radii).for_each(|(v, a)| *v += bend * (a * a / 6.0));
@@ -349,7 +348,7 @@ fn carry(motion: &mut Motion, radii: &[f64], bend: Vector) {
 }
 
 impl Motions {
-    /// The same in other axes.
+    /// The same in rotated axes.
     #[must_use]
     fn turned(mut self, turn: Turn) -> Self {
         if turn == Turn::default() {
@@ -371,8 +370,7 @@ fn turn_motion(motion: &mut Motion, turn: Turn) {
     }
 }
 
-/// Puts the spheres into the middle of the box along axes without walls that do not repeat: the place of the origin does not
-/// matter there.
+/// Centres the spheres in the box along open axes without walls, where the choice of the origin does not matter.
 fn centre_where_open(cell: &PeriodicBox, positions: &mut [Vector]) {
     let is_open = |axis: usize| !cell.is_periodic(axis) && cell.boundaries().walls() == 0;
     let lowest = positions.iter().copied().fold(Vector::INFINITY, Vector::min);
@@ -385,19 +383,19 @@ fn centre_where_open(cell: &PeriodicBox, positions: &mut [Vector]) {
     }
 }
 
-/// Error of the near field's root over the tolerance.
+/// Relative error of the square root over the tolerance.
 const ROOT: f64 = 0.3;
 
-/// What to change where it takes too much memory.
+/// Advice for a problem that needs too much memory.
 const REMEDY: &str = "fewer positions, a larger tolerance";
 
-/// The same where draws do.
+/// Advice for draws that need too much memory.
 const FEWER_DRAWS: &str = "fewer draws at a time, fewer positions";
 
-/// Numbers of a particle in one draw.
+/// Numbers per particle and draw.
 const DRAWN_NUMBERS: f64 = 11.0;
 
-/// Numbers of a particle in columns, about.
+/// Approximate numbers per particle in columns.
 const NUMBERS: usize = 32;
 
 fn problem(parameters: &MobilityParameters) -> Problem {
@@ -423,7 +421,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
     }
 }
 
-/// Writes the result into the particles' columns, which are put into the order of the ids when they are gathered.
+/// Writes a solution into the particles' columns; gathering sorts them by id.
 fn record(particles: &mut Particles, solved: &Solved) {
     record_motion(particles, &solved.motion);
     for (name, list) in [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)] {
@@ -438,7 +436,7 @@ fn record_motion(particles: &mut Particles, motion: &Motion) {
     fill(traceless(particles, column::STRAIN_RATE), strain_rates);
 }
 
-/// The motions that gathered particles have in their columns.
+/// The motions in the columns of gathered particles.
 fn moved(all: &mut Particles) -> Motion {
     Motion {
         velocities: all.vectors(column::VELOCITY).to_vec(),
@@ -457,7 +455,7 @@ fn motions(mut all: Particles, solved: &Solved) -> Motions {
     }
 }
 
-/// Sets as many values as are known.
+/// Copies known values; the rest is unchanged.
 fn fill<T: Copy>(values: &mut [T], known: &[T]) {
     values.iter_mut().zip(known).for_each(|(value, &known)| *value = known);
 }

@@ -1,24 +1,25 @@
-//! Spheres that overlap where they are.
+//! Overlaps of spheres at given positions.
 
 use domain::{PeriodicBox, Vector, fold_pairs};
 use std::fmt::{Display, Formatter};
 
-/// Spheres whose surfaces cut each other: how many pairs, and the deepest of them.
+/// Overlapping spheres: number of pairs, and the deepest overlap.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Overlaps {
-    /// How many pairs there are.
+    /// Number of overlapping pairs.
     pub pairs: u64,
-    /// The spheres of the deepest, in the order given, from 0.
+    /// Indices, from 0, of the two spheres with the deepest overlap.
     pub deepest: [u32; 2],
-    /// By how much these overlap, over the radius of the smaller.
+    /// Depth of that overlap, over the smaller radius.
     pub depth: f64,
 }
 
-/// Part of the longest edge up to which round-off makes touching spheres overlap.
+/// Tolerance of round-off for touching spheres, over the longest edge.
 const ROUND_OFF: f64 = 1e-12;
 
 impl Overlaps {
-    /// Those of all spheres in a box, at positions inside it; none if no spheres overlap. All of them have to be here.
+    /// Overlaps of all spheres in a box, at positions inside it; `None` if no spheres overlap. All spheres have to be
+    /// on this rank.
     pub fn find(cell: &PeriodicBox, positions: &[Vector], radii: &[f64]) -> Option<Self> {
         let cutoff = 2.0 * radii.iter().copied().fold(0.0, f64::max);
         if cutoff == 0.0 {
@@ -36,7 +37,7 @@ impl Overlaps {
         fold_pairs(cell, positions, cutoff, || None, count).into_iter().flatten().reduce(Self::and)
     }
 
-    /// Both together; of two that are as deep, the pair of the first spheres.
+    /// Union of two sets of overlaps; of equally deep ones, the pair with the lower indices is kept.
     fn and(self, other: Self) -> Self {
         let key = |o: &Self| (-o.depth, o.deepest);
         let deepest = if key(&self) <= key(&other) { self } else { other };

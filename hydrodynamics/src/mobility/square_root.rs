@@ -1,4 +1,4 @@
-//! The square root of the mobility.
+//! Square root of the mobility.
 
 use super::{Mobility, MobilityError, ROOT};
 use domain::Vector;
@@ -6,23 +6,24 @@ use fcm::{Drawn, Loads, Motion, root_times};
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
 
-/// Applications of the mobility at most: hundreds of nearly touching spheres take some forty.
+/// Largest number of applications of the mobility; hundreds of nearly touching spheres need about forty.
 const MOST_APPLICATIONS: usize = 200;
 
-/// Numbers of a sphere: of its force or velocity, and of its torque or angular velocity.
+/// Six numbers per sphere: for force or velocity, and for torque or angular velocity.
 type Numbers = [f64; 6];
 
 impl Mobility {
-    /// `B z` for given numbers, six a sphere, or `B^T z`, of a square root `B B^T = M` of the mobility from forces and torques
-    /// to velocities and angular velocities, stresslets and lubrication included, in boxes of any kind:
+    /// `B z`, or `B^T z`, for a vector `z` of six numbers per sphere, with a square root `B B^T = M` of the mobility
+    /// from forces and torques to velocities and angular velocities, stresslets and lubrication included, in boxes of
+    /// any kind:
     ///
     /// ```text
     /// B = S (S^-1 M S^-1)^{1/2},       S = diag((6 pi mu a)^{-1/2}, (8 pi mu a^3)^{-1/2})
     /// ```
     ///
-    /// with the roots `S` of the mobilities of single spheres, so that numbers without units make motions in any units. Where there
-    /// are forces alone the last three numbers of each sphere count for nothing. By Lanczos's iteration on the whole mobility, each
-    /// of whose applications is a solve, to the mobility's tolerance. Numbers are those of the first rank, which has the answer.
+    /// where `S` are the square roots of single-sphere mobilities, so that `z` is dimensionless. With forces alone, the
+    /// last three numbers of each sphere are ignored. Lanczos iteration on the whole mobility; each application is a
+    /// solve to the mobility's tolerance. The numbers are those of the first rank, which has the result.
     pub fn root(&mut self, numbers: &[Numbers], transposed: bool) -> Result<(Vec<Numbers>, Drawn), MobilityError> {
         self.parameters.check_noise()?;
         let driven = std::mem::take(&mut self.pressure_gradient);
@@ -63,7 +64,7 @@ impl Mobility {
         Ok((root, drawn))
     }
 
-    /// The roots of the mobilities of a single sphere.
+    /// Square roots of the mobilities of a single sphere.
     fn scales(&self, radius: f64) -> [f64; 2] {
         let resistances = [6.0 * PI * radius, 8.0 * PI * radius.powi(3)];
         resistances.map(|resistance| (self.parameters.viscosity * resistance).sqrt().recip())

@@ -1,4 +1,4 @@
-//! From neighbour lists to the resistance of near pairs.
+//! Assembly of the near-field resistance matrix from neighbour lists.
 
 use crate::ambient::StrainRate;
 use crate::pairs::lubrication::PairLubrication;
@@ -15,7 +15,7 @@ use solver::Real;
 use solver::simd::{Vector as Width, Work};
 use std::marker::PhantomData;
 
-/// The particles present and who is near whom.
+/// Local particles, ghosts and neighbour lists.
 pub struct Arrangement<'a> {
     pub lubrication: Option<&'a PairLubrication>,
     pub springs: Option<&'a Springs<'a>>,
@@ -26,18 +26,19 @@ pub struct Arrangement<'a> {
     pub ids: &'a [u64],
     pub species: &'a [u32],
     pub neighbours: &'a Neighbours,
-    /// The ambient rate of strain.
+    /// Ambient strain rate.
     pub strain_rate: StrainRate,
 }
 
-/// Rows of a rank's particles: their stiff pairs, and the others.
+/// Matrix rows of a block of a rank's particles: stiff pairs in double precision, and soft pairs.
 pub struct Assembled<T> {
     pub stiff: Part<f64>,
     pub soft: Part<T>,
 }
 
-/// The rows of one part, from `first` on, of so many particles, with soft pairs stored as such numbers; and where their loads
-/// and moments by all of them are added, in the ambient flow if they do not move relative to it.
+/// Assembly of the `rows` rows from `first` on. Soft pairs are stored as numbers of type `T`. The loads and first
+/// moments that all these pairs exert in the ambient flow, on particles at rest relative to it, are added to `loads`
+/// and `moments`.
 pub struct Assembly<'a, T> {
     arrangement: &'a Arrangement<'a>,
     first: usize,
@@ -47,12 +48,12 @@ pub struct Assembly<'a, T> {
     stored: PhantomData<T>,
 }
 
-/// The pairs of one kind of the rows of a part, row by row.
+/// Pairs of one kind, stiff or soft, in the order of the rows of a block.
 struct Listed {
     pairs: Vec<NearPair>,
-    /// What springs resist between them, if there are any: along, across, and to rolling.
+    /// Spring resistances of each pair, if there are springs: along the line of centres, to slip, and to rolling.
     springs: Vec<[f64; 3]>,
-    /// Where each row's pairs end.
+    /// End of each row in `pairs`.
     ends: Vec<usize>,
 }
 
@@ -70,7 +71,7 @@ impl<T: Stored> Work<f64> for Assembly<'_, T> {
 }
 
 impl<T: Stored> Assembly<'_, T> {
-    /// The rows of all particles that a rank owns, whose loads and moments are added to those given.
+    /// Rows of all particles of a rank, whose loads and moments are added to those given.
     pub fn of_all(arrangement: &Arrangement, (loads, moments): (&mut [Screw], &mut [Traceless])) -> Vec<Assembled<T>> {
         let part = |(k, (loads, moments)): (usize, (&mut [Screw], &mut [Traceless]))| {
             let (first, rows) = (k * ROWS, loads.len());
@@ -79,7 +80,7 @@ impl<T: Stored> Assembly<'_, T> {
         loads.par_chunks_mut(ROWS).zip(moments.par_chunks_mut(ROWS)).enumerate().map(part).collect()
     }
 
-    /// The stiff pairs and the others.
+    /// Lists the stiff and the soft pairs.
     #[inline(always)]
     fn listed(&self) -> [Listed; 2] {
         let rows = self.first..self.first + self.rows;
@@ -96,7 +97,7 @@ impl<T: Stored> Assembly<'_, T> {
         listed
     }
 
-    /// Appends a row's pair with a neighbour to the stiff ones or the others, if anything acts between them.
+    /// Appends the pair of a row and a neighbour to the stiff or the soft pairs, if they interact.
     #[inline(always)]
     fn list(&self, row: usize, neighbour: Neighbour, [stiff, soft]: &mut [Listed; 2]) {
         let Arrangement { lubrication, springs, radii, cell, positions, ids, species, .. } = *self.arrangement;
@@ -121,7 +122,7 @@ impl<T: Stored> Assembly<'_, T> {
         list.springs.extend(resisted);
     }
 
-    /// Makes rows of pairs of one kind, and adds their loads and moments in the ambient flow.
+    /// Assembles the rows of one kind of pairs, and adds their loads and moments in the ambient flow.
     #[inline(always)]
     fn part<V: Width<f64>, S: Stored, K: Kind<N>, const N: usize>(
         &mut self,
@@ -149,7 +150,7 @@ impl<T: Stored> Assembly<'_, T> {
         part
     }
 
-    /// Sets the pairs in a place of the rows' lists.
+    /// Packs the pairs at one position of the rows' lists.
     #[inline(always)]
     fn pack<V: Width<f64>, K: Kind<N>, const N: usize>(
         &self,
@@ -175,14 +176,14 @@ impl Listed {
         Self { pairs: Vec::with_capacity(pairs), springs: Vec::new(), ends: Vec::with_capacity(rows) }
     }
 
-    /// The pairs of a row.
+    /// Range of a row in `pairs`.
     #[inline(always)]
     fn of(&self, row: u32) -> std::ops::Range<usize> {
         let row = row as usize;
         (if row == 0 { 0 } else { self.ends[row - 1] })..self.ends[row]
     }
 
-    /// The rows that have pairs, those with the most first.
+    /// Rows with at least one pair, those with the most pairs first.
     fn order(&self) -> Vec<u32> {
         let mut rows: Vec<u32> = (0..self.ends.len() as u32).filter(|&row| !self.of(row).is_empty()).collect();
         rows.sort_by_key(|&row| std::cmp::Reverse(self.of(row).len()));

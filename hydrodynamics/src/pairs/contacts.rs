@@ -1,10 +1,10 @@
-//! What contacts resist, pair by pair.
+//! Resistance of contacts, pair by pair.
 
 use crate::pairs::matrix::lanes::{LANES, Lanes};
 use lubrication::{Arithmetic, Coefficients};
 use solver::simd::Vector as Width;
 
-/// What contacts resist, a lane each: to slip and to rolling, with the arms of the smaller and the larger sphere.
+/// Resistances of contacts to slip and to rolling, one per lane, and the arms of the smaller and the larger sphere.
 #[derive(Default)]
 pub struct Touching {
     slip: [f64; LANES],
@@ -13,7 +13,7 @@ pub struct Touching {
 }
 
 impl Touching {
-    /// Notes what a contact resists.
+    /// Sets the contact of a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, [slip, rolling]: [f64; 2], distance: f64, radii: [f64; 2]) {
         let [smaller, larger] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
@@ -24,8 +24,8 @@ impl Touching {
         self.rolling[lane] = rolling * (2.0 * smaller * larger / sum).powi(2);
     }
 
-    /// Adds what contacts resist: with `s = 1` for the smaller sphere and `-1` for the larger, arms `b` and the velocity `v`
-    /// at which surfaces slip, the rate of work is
+    /// Adds the resistances of contacts. With `s = 1` for the smaller sphere and `-1` for the larger, the arms `b` and
+    /// the slip velocity `v`, the rate of work is
     ///
     /// ```text
     /// slip v^2 + rolling |(sum s Omega) x z|^2,        v = (sum s U)_across + (sum b Omega) x z

@@ -1,43 +1,43 @@
-//! Lubrication between spheres, of stiff pairs, which the preconditioner solves with the particles, and of the others.
+//! Lubrication between spheres, divided into stiff pairs, which the preconditioner includes, and soft pairs.
 
 use crate::six_vector::Screw;
 use lubrication::{PairForce, SideTables};
 
 /// Lubrication between spheres.
 pub struct PairLubrication {
-    /// Of all pairs.
+    /// Lubrication of all pairs.
     pub force: PairForce,
-    /// Of those that are not stiff, in tables of their own.
+    /// Tables for soft pairs.
     pub soft: SideTables,
     stiffness: Stiffness,
 }
 
 impl PairLubrication {
-    /// Between species whose resistances alone are `single`.
+    /// Lubrication between species with the single-sphere resistances `single`.
     pub fn new(force: PairForce, single: &[Screw]) -> Self {
         let stiffness = Stiffness::new(&force, single);
         let soft = SideTables::new(&force, |species| stiffness.gap(species));
         Self { force, soft, stiffness }
     }
 
-    /// Whether a pair of two species at a gap is stiff.
+    /// Whether a pair of two species is stiff at a gap.
     #[inline(always)]
     pub fn is_stiff(&self, species: [u32; 2], gap: f64) -> bool {
         gap < self.stiffness.gap(species)
     }
 }
 
-/// Up to which gap the pairs of each two species are stiff.
+/// Largest gaps at which pairs of species are stiff.
 struct Stiffness {
     species: usize,
     gaps: Vec<f64>,
 }
 
-/// A pair is stiff if it resists some motion of a sphere more than this part of what the sphere does alone: within gaps
-/// of about half a radius. Most pairs within reach are not.
+/// A pair is stiff if one of its resistances exceeds this fraction of the single-sphere resistance: at gaps below about
+/// half a radius. Most pairs within reach are soft.
 const STIFF: f64 = 0.1;
 
-/// Halvings of the range in which the gap is sought.
+/// Bisection steps for the largest stiff gap.
 const HALVINGS: usize = 30;
 
 impl Stiffness {
@@ -52,7 +52,7 @@ impl Stiffness {
     }
 }
 
-/// The gap at which a pair ceases to be stiff, since resistance falls as it grows.
+/// Largest gap at which a pair is stiff; the resistance decreases with the gap.
 fn largest_gap(force: &PairForce, species: [usize; 2], single: &[Screw]) -> f64 {
     let radii = species.map(|s| force.radii()[s]);
     let order = if radii[0] > radii[1] { [species[1], species[0]] } else { species };

@@ -1,4 +1,4 @@
-//! The pairs that feel lubrication, and their resistance.
+//! Near pairs and their resistance.
 
 use crate::ambient::StrainRate;
 use crate::pairs::assembly::{Arrangement, Assembled, Assembly};
@@ -14,24 +14,24 @@ use fcm::Precision;
 use lubrication::WallForce;
 use rayon::prelude::*;
 
-/// Forces between near particles, and the lists of who is near.
+/// Short-range interactions and the neighbour lists for them.
 pub struct NearField {
     pub lubrication: Option<PairLubrication>,
     /// Lubrication at walls, if there are any.
     pub at_walls: Option<WallForce>,
     pub lists: VerletList,
-    /// That in which the numbers of soft pairs are kept: the grid's.
+    /// Precision in which soft pairs are stored: that of the grid.
     pub precision: Precision,
     /// Radii by species.
     pub radii: Vec<f64>,
-    /// Largest distance of the centres of a near pair.
+    /// Largest centre distance of a near pair.
     pub reach: f64,
 }
 
-/// Motions that one thread copies at a time.
+/// Number of motions that one thread copies at a time.
 const BATCH: usize = 1024;
 
-/// Particles of a rank and those of others that are near, in place.
+/// A rank's particles and the ghosts in their reach.
 pub struct Present {
     pub halo: Halo,
     pub positions: Vec<Vector>,
@@ -40,7 +40,7 @@ pub struct Present {
 }
 
 impl NearField {
-    /// All that are present, and their lists. Collective.
+    /// Collects particles and ghosts, and updates the neighbour lists. Collective.
     pub fn present(&mut self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Present {
         let halo = Halo::plan(partition, cell, &particles.positions, [self.reach; 2]);
         let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
@@ -54,30 +54,31 @@ impl NearField {
     }
 }
 
-/// Which pairs.
+/// Selection of near pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pairs {
-    /// Stiff ones, and spheres at walls and in traps.
+    /// Stiff pairs, and spheres at walls and in traps.
     Stiff,
-    /// The others.
+    /// Soft pairs.
     Soft,
 }
 
-/// The resistance of the near pairs of the particles that a rank owns, with what is needed of ghosts.
+/// Resistance of the near pairs of a rank's particles, with the halo for their ghosts.
 pub struct NearPairs {
     halo: Halo,
-    /// With what walls resist. In double precision: near contact, the resistances of both spheres all but cancel.
+    /// Includes the resistance of walls. In double precision: near contact, the resistances of both spheres almost
+    /// cancel.
     stiff: PairMatrix<f64>,
     soft: Box<dyn Resistance>,
     at_walls: Vec<AtWall>,
-    /// Loads and moments in the ambient flow of particles that do not move relative to it.
+    /// Loads and first moments in the ambient flow on particles at rest relative to it.
     loads: Screws,
     moments: Vec<Traceless>,
-    /// Whether a particle is in a trap.
+    /// Whether any particle is in a trap.
     has_traps: bool,
 }
 
-/// Stiff pairs, and the others.
+/// Resistance matrices of stiff and of soft pairs.
 struct Resisting {
     stiff: PairMatrix<f64>,
     soft: Box<dyn Resistance>,
@@ -91,7 +92,7 @@ impl Resisting {
 }
 
 impl NearPairs {
-    /// Finds the pairs within reach of lubrication or of springs, in a flow of a rate of strain, by lists that reach as far. Collective.
+    /// Finds the pairs within the range of lubrication or springs, in a flow with a strain rate. Collective.
     pub fn find(
         (field, springs): (&mut NearField, Option<&Springs>),
         particles: &Particles,
@@ -128,7 +129,7 @@ impl NearPairs {
         Self { halo, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
     }
 
-    /// None, where nothing acts between near particles. Collective.
+    /// No near pairs, for systems without short-range interactions. Collective.
     pub fn none(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [0.0; 2]);
         let (loads, moments) = (Screws::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
@@ -148,18 +149,18 @@ impl NearPairs {
         self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty() && !self.has_traps
     }
 
-    /// What resists motions of stiff pairs, and of spheres at walls and in traps.
+    /// Resistance matrix of stiff pairs, walls and traps.
     pub fn stiff(&self) -> &PairMatrix<f64> {
         &self.stiff
     }
 
-    /// What some pairs resist to the motions of the particles that this rank owns. Collective.
+    /// Loads of a selection of pairs in the motions of this rank's particles. Collective.
     pub fn times(&self, pairs: &[Pairs], motions: &Screws) -> Screws {
         self.times_and(pairs, motions, |_, _| 0.0).0
     }
 
-    /// As [`Self::times`], changed then by a function of the first row and the loads of some rows, and the sum of what that
-    /// is, the same on any number of threads. Collective.
+    /// [`Self::times`] followed by a function that changes the loads of a block of rows, given its first row. Also
+    /// returns the sum of the function's values, the same on any number of threads. Collective.
     pub fn times_and(
         &self,
         pairs: &[Pairs],
@@ -182,17 +183,17 @@ impl NearPairs {
         (loads, sums.iter().sum())
     }
 
-    /// Loads of lubrication on the fluid in the ambient flow, with the particles not moving relative to it.
+    /// Lubrication loads in the ambient flow on particles at rest relative to it.
     pub fn ambient_loads(&self) -> &Screws {
         &self.loads
     }
 
-    /// The sum over this rank's spheres at walls of [`AtWall::lever`].
+    /// Sum of [`AtWall::lever`] over this rank's spheres at walls.
     pub fn levers(&self, passed: &Screws) -> Vector {
         self.at_walls.iter().map(|at_wall| at_wall.lever(passed)).sum()
     }
 
-    /// The stresslets that lubrication adds to those of the far field for motions relative to the ambient flow.
+    /// Near-field stresslets of motions relative to the ambient flow, to be added to those of the far field.
     /// Collective.
     pub fn stresslets(&self, motions: &Screws) -> Vec<Traceless> {
         let present = self.present(motions);

@@ -1,4 +1,4 @@
-//! The resistance of spheres at walls.
+//! Near-field resistance of spheres at walls.
 
 use crate::ambient::StrainRate;
 use crate::pairs::matrix::diagonal_block::Own;
@@ -7,20 +7,21 @@ use crate::springs::Springs;
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
 use lubrication::{Surfaces, WallCoefficients, WallForce};
 
-/// A sphere at a wall, which resists like a pair of which one does not move relative to the flow.
+/// A sphere near a wall. Its resistance is like that of a pair one of which is at rest relative to the flow.
 #[derive(Debug, Clone, Copy)]
 pub struct AtWall {
-    /// The row of the sphere.
+    /// Row of the sphere.
     pub row: usize,
-    /// The unit vector to the wall, and how far it is from the centre.
+    /// Unit vector towards the wall, and distance of the centre from it.
     axis: Vector,
     distance: f64,
     resistance: WallCoefficients,
-    /// Load and moment by lubrication of a sphere that moves as the ambient flow at its centre does.
+    /// Load and first moment by lubrication on a sphere that moves with the ambient flow at its centre.
     pub in_flow: (Screw, Traceless),
 }
 
-/// The spheres of a rank that are within reach of lubrication or of springs at walls, by rows, in an ambient flow of a rate of strain.
+/// The spheres of a rank within the range of lubrication or springs at walls, by rows, in an ambient flow with a strain
+/// rate.
 pub fn find(
     (lubrication, springs): (Option<&WallForce>, Option<&Springs>),
     particles: &Particles,
@@ -42,9 +43,10 @@ pub fn find(
     rows.flat_map(of_row).collect()
 }
 
-/// Load and moment of a sphere that moves with a flow along a wall as that is at its centre, relative to the linear flow that has the
-/// same rate of strain and rests at the wall, as the flow does. Were it relative to the linear flow at the centre, that would
-/// slip at the wall by half of `distance^2 u''`, which a sphere near it resists to without end.
+/// Load and first moment on a sphere that moves with the velocity of a parabolic flow at its centre. The reference is
+/// the linear flow that has the same strain rate there and vanishes at the wall, as the parabolic flow does. The linear
+/// flow that agrees in velocity at the centre would slip at the wall by `distance^2 u'' / 2`, and the resistance to
+/// that slip diverges as the gap closes.
 fn in_flow(
     resistance: &WallCoefficients,
     (place, to): (Vector, ToWall),
@@ -57,8 +59,8 @@ fn in_flow(
     (load, strained.moment - passed.moment)
 }
 
-/// Adds what springs resist along the axis, to slip and to rolling: with the velocity `v = U_across + distance Omega x z` at
-/// which the surfaces slip, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
+/// Adds the resistances of springs along the axis, to slip and to rolling. With the slip velocity
+/// `v = U_across + distance Omega x z`, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
 fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 3], distance: f64, radius: f64) {
     resistance.along += along;
     resistance.across += slip;
@@ -67,7 +69,7 @@ fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 
 }
 
 impl AtWall {
-    /// What it adds to the block on the diagonal of its row.
+    /// Contribution to the diagonal block of the row.
     pub fn own(&self) -> Own<f64> {
         let (z, r) = (self.axis.to_array(), &self.resistance);
         let tensor = |along: f64, across: f64| {
@@ -83,14 +85,15 @@ impl AtWall {
         }
     }
 
-    /// The square of the distance times the force by lubrication on a sphere that the flow passes so, where no springs hold it.
+    /// Lubrication force on a sphere that moves with `passed` relative to the flow, times the squared distance from the
+    /// wall. Valid without springs.
     pub fn lever(&self, passed: &Screws) -> Vector {
         let motion = passed.0[self.row];
         let by_motion = self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).force;
         (by_motion + self.in_flow.0.linear()) * self.distance.powi(2)
     }
 
-    /// The first moment by motions.
+    /// First moment due to the motions.
     pub fn moment(&self, motions: &Screws) -> Traceless {
         let motion = motions.0[self.row];
         self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).moment
@@ -118,7 +121,7 @@ mod tests {
         particles
     }
 
-    /// The block of the diagonal is the resistance of the wall's lubrication.
+    /// The diagonal block is the lubrication resistance at the wall.
     #[test]
     fn the_block_of_a_row_is_the_resistance_of_its_walls() {
         let force = WallForce::new(1.0, Range::default());
@@ -133,8 +136,8 @@ mod tests {
         }
     }
 
-    /// The load of a sphere that is held at a wall of a curved flow hardly changes as it comes nearer: nothing slips there, neither
-    /// on the lower wall nor on the upper one.
+    /// The load on a sphere held at a wall of a curved flow hardly changes as the gap closes: there is no slip at the
+    /// wall, at the lower or the upper one.
     #[test]
     fn a_held_sphere_does_not_slip_in_a_curved_flow() {
         let (force, height) = (WallForce::new(1.0, Range::default()), 6.0);
@@ -150,14 +153,14 @@ mod tests {
                 found[0].in_flow.0.0[0] - by_motion[0]
             };
             let [far, near, nearest] = [1e-3, 1e-5, 1e-6].map(load);
-            // What slips at unit velocity resists by this much more for each factor of e by which it is nearer.
+            // Increase of the resistance to slip at unit velocity per factor of e in the gap.
             let of_slip = 8.0 / 15.0 * 6.0 * std::f64::consts::PI;
             assert!((near - far).abs() < 0.01 * of_slip * 100.0_f64.ln(), "{far} {near}");
             assert!((nearest - near).abs() < 0.01 * of_slip * 10.0_f64.ln(), "{near} {nearest}");
         }
     }
 
-    /// A sphere that rolls on a wall without slipping meets no resistance of a spring against slip.
+    /// A sphere that rolls on a wall without slip meets no resistance of the tangential spring.
     #[test]
     fn springs_resist_slip_rolling_and_approach() {
         let contact = |other| ContactSprings { other, normal: 3.0, tangential: 5.0, rolling: 0.0 };
@@ -169,7 +172,7 @@ mod tests {
         let force = |velocity: Vector, turning: Vector| at.own().times([velocity.to_array(), turning.to_array()]);
         let along = [force(Vector::Z, Vector::ZERO)[2], force(Vector::X, Vector::ZERO)[0]];
         assert!(along.iter().all(|force| (force - 5.0).abs() < 1e-14), "{along:?}");
-        // The lowest point of a sphere that turns about y moves along -x.
+        // The lowest point of a sphere that rotates about y moves along -x.
         let rolls = force(Vector::X * 1.001, Vector::Y);
         assert!(rolls.iter().all(|load| load.abs() < 1e-14), "{rolls:?}");
     }

@@ -1,11 +1,11 @@
-//! What the parts of an evaluation cost on this machine.
+//! Measured costs of the parts of an evaluation on this machine.
 
 use super::{BenchmarkError, Case, Kind, Spheres, Task};
 use domain::Comm;
 use fcm::{Costs, Fixed, Seconds};
 
-/// What stencils, transforms and pairs cost on this machine, over what the planner expects: medians over evaluations of
-/// two tolerances.
+/// Costs of stencils, transforms and pairs on this machine, over those that the planner expects: medians over
+/// evaluations at two tolerances.
 pub fn measured_costs(comm: &Comm) -> Result<Costs, BenchmarkError> {
     let case = Case { particles: 3200, volume_fraction: 0.12, size_ratio: 1.0 };
     let spheres = Spheres::random(&case, comm)?;
@@ -24,7 +24,7 @@ pub fn measured_costs(comm: &Comm) -> Result<Costs, BenchmarkError> {
         let expected = plan.parts(case.particles);
         let parts = [(spread + interpolate, expected.stencils), (fft, expected.transforms), (near, expected.pairs)];
         for (factor, (found, expected)) in factors.iter_mut().zip(parts) {
-            // The threads share the work.
+            // Threads share the work.
             let found = found * rayon::current_num_threads() as f64;
             *factor *= (found / expected).clamp(0.01, 100.0).sqrt();
         }

@@ -1,4 +1,4 @@
-//! One case: its time and its error.
+//! Time and error of one benchmark case.
 
 use super::BenchmarkError;
 use super::spheres::{Kind, Spheres, loads};
@@ -11,30 +11,30 @@ use hydrodynamics::SingleEvaluation;
 use serde::Serialize;
 use std::time::Instant;
 
-/// What to change in a case that takes too much memory.
+/// Advice for a case that needs too much memory.
 const REMEDY: &str = "fewer --particles, a larger --tolerance or a smaller --grid";
 
-/// What to measure.
+/// Parameters of a measurement.
 #[derive(Debug, Clone, Copy)]
 pub struct Task {
     /// Relative error allowed.
     pub tolerance: f64,
-    /// Loads and motions.
+    /// Kind of loads and motions.
     pub kind: Kind,
-    /// Evaluations that count.
+    /// Number of evaluations that are timed.
     pub repeats: u32,
     /// Whether to measure the error.
     pub with_error: bool,
-    /// What the user fixed.
+    /// Choices fixed by the user.
     pub fixed: Fixed,
-    /// Of the machine.
+    /// Costs on this machine.
     pub costs: Costs,
 }
 
-/// Bytes and messages.
+/// Bytes and messages sent.
 type Sent = [u64; 2];
 
-/// What was measured.
+/// Result of a measurement.
 #[derive(Debug, Serialize)]
 pub struct Measurement {
     tolerance: f64,
@@ -64,7 +64,7 @@ struct Times {
 }
 
 impl Task {
-    /// Evaluates the mobility of the spheres again and again. Collective.
+    /// Times repeated evaluations of the mobility of the spheres. Collective.
     pub fn measure(&self, spheres: &Spheres, comm: &Comm) -> Result<Measurement, BenchmarkError> {
         let plan = self.plan(spheres, comm)?;
         let (times, sent, found) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
@@ -85,7 +85,7 @@ impl Task {
         })
     }
 
-    /// The plan, and the median seconds of each part of an evaluation. Collective.
+    /// The plan, and the median time of each part of an evaluation in seconds. Collective.
     pub fn times(&self, spheres: &Spheres, comm: &Comm) -> Result<(Plan, Seconds), BenchmarkError> {
         let plan = self.plan(spheres, comm)?;
         let (times, ..) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
@@ -128,8 +128,8 @@ impl Task {
         Ok(plan)
     }
 
-    /// The seconds of an evaluation at each turn's positions, the bytes that a rank sends for the last one, the most of
-    /// all, and its motions, on the first rank.
+    /// Evaluates the mobility at the displaced positions of each turn. Returns the times in seconds, the largest
+    /// numbers of bytes and messages that a rank sends in the last evaluation, and its motions, on the first rank.
     fn evaluate(
         &self,
         plan: &Plan,
@@ -164,7 +164,7 @@ impl Task {
         (times, most.map(|count| count as u64), gathered(last.0, &last.1, &partition))
     }
 
-    /// The largest relative error against an evaluation with a tolerance 100 times smaller.
+    /// Largest relative error against an evaluation with a tolerance 100 times smaller.
     fn error(&self, found: &[Vec<f64>; 3], spheres: &Spheres, comm: &Comm) -> Result<f64, BenchmarkError> {
         let fixed = Fixed { method: Some(MethodName::Split), ..Fixed::default() };
         let tighter = Self { tolerance: (self.tolerance * 1e-2).max(1e-12), fixed, ..*self };
@@ -175,7 +175,7 @@ impl Task {
     }
 }
 
-/// Velocities, angular velocities and rates of strain in the order of the ids, on the first rank.
+/// Velocities, angular velocities and strain rates in the order of the ids, on the first rank.
 fn gathered(mut particles: Particles, motion: &Motion, partition: &Partition) -> [Vec<f64>; 3] {
     let kinds: [(&str, usize, &[f64]); 3] = [
         ("velocity", 3, bytemuck::cast_slice(&motion.velocities)),
@@ -258,7 +258,7 @@ mod tests {
         Comm::threads(ranks, |comm| task.measure(&Spheres::random(&CASE, &comm).unwrap(), &comm).unwrap())
     }
 
-    /// A plan's error is measured, on any ranks: below what was asked for, and not by chance far below.
+    /// The measured error of a plan is below the tolerance but not far below, on any number of ranks.
     #[test]
     fn the_measured_error_is_that_of_the_plan() {
         for (kind, tolerance) in [(Kind::All, 1e-3), (Kind::Forces, 1e-2), (Kind::Stresslets, 1e-4)] {
@@ -270,7 +270,7 @@ mod tests {
         }
     }
 
-    /// Motions in the order of the ids, each its own, against those that a sum over two ranks would mix up.
+    /// Motions in the order of the ids, with values that a mix-up between two ranks would change.
     #[test]
     fn motions_are_gathered_by_id() {
         let gathered = Comm::threads(2, |comm| {

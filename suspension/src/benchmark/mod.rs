@@ -1,4 +1,4 @@
-//! Benchmarks of a mobility: its time and its error for random spheres, and what its parts cost on a machine.
+//! Benchmarks of the mobility: time and error for random spheres, and costs of its parts on a machine.
 
 mod costs;
 mod measure;
@@ -11,19 +11,19 @@ pub use spheres::{Case, Kind, Spheres};
 use domain::{BoxError, Failure};
 use fcm::PlanError;
 
-/// Why a case can't be measured.
+/// Error of a benchmark.
 #[derive(Debug, thiserror::Error)]
 pub enum BenchmarkError {
-    /// The spheres have no place.
+    /// The spheres cannot be placed.
     #[error("these spheres can't be placed: {0}")]
     Placing(Failure),
-    /// There is no box for them.
+    /// There is no box for the spheres.
     #[error(transparent)]
     Box(#[from] BoxError),
-    /// No plan has the tolerance.
+    /// No plan reaches the tolerance.
     #[error("this case can't be evaluated")]
     Plan(#[source] PlanError),
-    /// There is no memory.
+    /// There is not enough memory.
     #[error(transparent)]
     Room(#[from] Failure),
 }

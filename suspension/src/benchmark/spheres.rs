@@ -1,4 +1,4 @@
-//! Random spheres that move a little from evaluation to evaluation.
+//! Random spheres that are displaced slightly from evaluation to evaluation.
 
 use super::BenchmarkError;
 use domain::{
@@ -9,33 +9,33 @@ use fcm::Loads;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// Which loads there are and which motions are asked for.
+/// Loads that are applied, and motions that are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Forces, torques and stresslets to velocities, angular velocities and rates of strain.
+    /// Forces, torques and stresslets; velocities, angular velocities and strain rates.
     All,
-    /// Forces to velocities.
+    /// Forces; velocities.
     Forces,
-    /// Stresslets to angular velocities and rates of strain.
+    /// Stresslets; angular velocities and strain rates.
     Stresslets,
 }
 
-/// One combination of the lists.
+/// A benchmark case.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Case {
-    /// Spheres.
+    /// Number of spheres.
     pub particles: usize,
-    /// Their volume fraction.
+    /// Volume fraction of the spheres.
     pub volume_fraction: f64,
-    /// The radius of every second one over that of the others.
+    /// Radius of every second sphere over that of the others.
     pub size_ratio: f64,
 }
 
 /// The same spheres on every rank.
 pub struct Spheres {
-    /// Their box.
+    /// Periodic box.
     pub cell: PeriodicBox,
-    /// Radii: 1 and the size ratio in turn.
+    /// Radii, alternately 1 and the size ratio.
     pub radii: Vec<f64>,
     positions: Vec<Vector>,
 }
@@ -61,7 +61,7 @@ impl Spheres {
         Ok(Self { cell, radii, positions })
     }
 
-    /// This rank's particles after a small random displacement of each, a new one for each `turn`.
+    /// This rank's particles after a small random displacement of each, different for each `turn`.
     pub fn displaced(&self, turn: u32, partition: &Partition) -> Particles {
         let mut particles = Particles::default();
         for (id, &position) in self.positions.iter().enumerate() {
@@ -76,11 +76,11 @@ impl Spheres {
     }
 }
 
-/// Forces like `a`, torques and stresslets like `a^2`, by the particles' ids; of them those of a kind.
+/// Random loads of a kind, keyed by the particles' ids: forces scale as `a`, torques and stresslets as `a^2`.
 pub fn loads(particles: &Particles, kind: Kind) -> Loads {
     let mut loads = Loads::default();
     for (&id, &radius) in particles.ids.iter().zip(&particles.radii) {
-        // Of other numbers than the positions: forces that point away from a corner would hardly move anything.
+        // Independent of the random positions: forces that all point away from a corner would hardly move anything.
         let mut random = Random::new(!SEED, id);
         let mut vector = |scale: f64| (random.point() - Vector::splat(0.5)) * scale;
         let (force, torque) = (vector(radius), vector(radius * radius));

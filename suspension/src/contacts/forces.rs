@@ -1,15 +1,15 @@
-//! Forces of contacts, one by one.
+//! Forces of individual contacts.
 
 use super::touching::Touching;
 use domain::{Particles, Vector};
 use lubrication::Contact;
 use simulation::{ContactForce, ContactState};
 
-/// Numbers of a contact on its way to the first rank: both ids, the first centre, the separation, the normal and the
-/// tangential force, and the state.
+/// Numbers per contact sent to the first rank: both ids, the centre of the first sphere, the separation, the normal and
+/// the tangential force, and the state.
 pub const FORCE_NUMBERS: usize = 13;
 
-/// Those of a contact as its particle sees it.
+/// The numbers of a contact as seen by its particle.
 pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) -> [f64; FORCE_NUMBERS] {
     let row = contact.rows[0];
     let normal = law.force(contact.overlap, contact.between);
@@ -28,7 +28,7 @@ pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) 
     })
 }
 
-/// The numbers of a contact.
+/// Packs a contact into numbers.
 pub fn of(force: &ContactForce) -> [f64; FORCE_NUMBERS] {
     let mut numbers = [0.0; FORCE_NUMBERS];
     numbers[..2].copy_from_slice(&force.ids.map(|id| id as f64));
@@ -40,7 +40,7 @@ pub fn of(force: &ContactForce) -> [f64; FORCE_NUMBERS] {
     numbers
 }
 
-/// The contact of which these are the numbers.
+/// Unpacks a contact from its numbers.
 pub fn contact_force(numbers: &[f64; FORCE_NUMBERS]) -> ContactForce {
     let [place, separation, tangential] = [2, 5, 9].map(|first| Vector::from_slice(&numbers[first..]));
     ContactForce {

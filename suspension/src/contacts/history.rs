@@ -1,22 +1,23 @@
-//! What contacts remember, as columns of the particles.
+//! History of the contacts, stored in columns of the particles.
 
 use domain::{Column, Particles, Vector};
 
-/// The contacts of now, and those found at the places of the evaluation at hand; there is no such column as the latter
-/// between substeps.
+/// The column of the current contacts, and the column of the contacts found in the evaluation in progress, which does
+/// not exist between substeps.
 pub const CONTACTS: &str = "contacts";
 pub const FOUND: &str = "contacts found";
 
-/// What a contact remembers, as one of its two particles sees it.
+/// State of a contact as seen by one of its two particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Memory {
-    /// The force across the line of centres on the particle.
+    /// Tangential force on the particle.
     pub force: Vector,
-    /// The force of the rolling resistance, which makes the torque `a n x force` on the particle.
+    /// Rolling resistance as a force, which exerts the torque `a n x force` on the particle.
     pub rolling: Vector,
-    /// The normal force.
+    /// Normal force.
     pub normal: f64,
-    /// Those two forces over what springs that neither slide nor roll off would have: 1 for such.
+    /// The tangential and rolling forces over the forces of their springs without sliding or rolling: 1 if the contact
+    /// sticks.
     pub shares: [f64; 2],
 }
 
@@ -26,18 +27,18 @@ impl Default for Memory {
     }
 }
 
-/// Numbers of a contact: the id of the other particle plus 1, or 0 for none; what it remembers.
+/// Numbers stored per contact: the id of the other particle plus 1 (0 for an empty slot), and the state.
 pub const CONTACT_NUMBERS: usize = 10;
 
-/// The contacts that a particle can have at most, whose surfaces just touch it, with spheres of the largest ratio of radii
-/// all around: by the share of its surface, widened by the radius of the others, that these cover; and not more than there
-/// are others.
+/// Upper bound of the number of contacts of a particle. Spheres with the largest ratio of radii touch it all around:
+/// the bound follows from the fraction of its surface, widened by the radius of the others, that each covers. It never
+/// exceeds the number of other spheres.
 pub fn most_contacts(radii: [f64; 2], count: usize) -> usize {
     let ratio = radii[1] / radii[0];
     ((0.9 * 4.0 * (1.0 + ratio).powi(2)).ceil() as usize).min(count.saturating_sub(1)).max(1)
 }
 
-/// What the contact of a row with the particle of an id remembers.
+/// Stored state of the contact of a row with the particle `id`.
 pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
     let of_row = &column.values[row * column.width..][..column.width];
     let mut slots = of_row.as_chunks::<CONTACT_NUMBERS>().0.iter().take_while(|slot| slot[0] != 0.0);
@@ -49,7 +50,7 @@ pub fn recall(column: &Column, row: usize, id: u64) -> Option<Memory> {
     })
 }
 
-/// Fills the slots of a row; whether there are enough.
+/// Fills the slots of a row. Returns whether there are enough slots.
 pub fn note(column: &mut Column, row: usize, contacts: impl Iterator<Item = (u64, Memory)>) -> bool {
     let width = column.width;
     let of_row = &mut column.values[row * width..][..width];
@@ -66,7 +67,7 @@ pub fn note(column: &mut Column, row: usize, contacts: impl Iterator<Item = (u64
     true
 }
 
-/// Makes the contacts that were found those of now.
+/// Replaces the current contacts by those found last.
 pub fn keep(particles: &mut Particles) {
     let Some(found) = particles.columns.iter().position(|column| column.name == FOUND) else { return };
     let found = particles.columns.remove(found);

@@ -1,20 +1,20 @@
-//! What contacts amount to.
+//! Averages and totals over contacts.
 
 use super::touching::{AllTouching, Touching};
 use domain::{Comm, Particles, Tensor};
 use lubrication::{Contact, Surfaces};
 
-/// What contacts amount to.
+/// Averages and totals over contacts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// For each particle that this rank owns, its share of the symmetric first moments of contact forces: of a pair at
-    /// `x_i` and `x_j`, where the first feels the force `F`, that is the symmetric part of `-(x_i - x_j) F`, and each has a
-    /// share in proportion to its radius.
+    /// Contribution of each particle of this rank to the symmetric first moments of contact forces. For a pair at `x_i`
+    /// and `x_j` with the force `F` on the first, the moment is the symmetric part of `-(x_i - x_j) F`; it is divided
+    /// between the two in proportion to their radii.
     pub moments: Vec<Tensor>,
     sums: Sums,
 }
 
-/// Sums over this rank's contacts, each of which two particles see.
+/// Sums over this rank's contacts, in which each pair is counted once per particle.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Sums {
     particles: f64,
@@ -22,11 +22,11 @@ struct Sums {
     frictional: f64,
     sliding: f64,
     energy: f64,
-    /// The largest overlap over the roughness.
+    /// Largest overlap, over the roughness.
     overlap: f64,
 }
 
-/// The largest overlap of this rank's contacts over the roughness.
+/// Largest overlap of this rank's contacts, over the roughness.
 pub(super) fn largest_overlap(law: &Contact, touching: &AllTouching) -> f64 {
     let of_one = |contact: &Touching| contact.overlap / (law.roughness * contact.between.mean_radius());
     touching.list.iter().map(of_one).fold(0.0, f64::max)
@@ -46,7 +46,7 @@ impl Measured {
             sums.frictional += f64::from(u8::from(law.cone(normal) > 0.0));
             sums.sliding += f64::from(u8::from(contact.memory.shares[0] < 1.0));
             let across = [contact.memory.force, contact.memory.rolling];
-            // Of two spheres each sees it.
+            // A contact of two spheres is in the sum twice.
             let share = if let Surfaces::Wall(_) = contact.between { 1.0 } else { 0.5 };
             sums.energy += share * law.energy(contact.overlap, contact.between, across);
         }
@@ -54,8 +54,8 @@ impl Measured {
         Self { moments, sums }
     }
 
-    /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
-    /// over the roughness, and the elastic energy. Collective.
+    /// Mean number of contacts per particle, fractions of frictional and of sliding contacts, largest overlap over the
+    /// roughness, and elastic energy. Collective.
     pub fn numbers(&self, comm: &Comm) -> [f64; 5] {
         let Sums { particles, contacts, frictional, sliding, energy, overlap } = self.sums;
         let mut sums = [particles, contacts, frictional, sliding, energy];

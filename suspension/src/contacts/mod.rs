@@ -1,4 +1,4 @@
-//! Contacts between rough spheres: their springs in the solve, what slides, and what is remembered.
+//! Contacts between rough spheres: implicit springs, friction, and the history of each contact.
 
 mod forces;
 mod history;
@@ -22,70 +22,72 @@ use touching::{AllTouching, Touching, across};
 /// The contacts of a suspension.
 pub struct Contacts {
     law: Contact,
-    /// Distance of the centres up to which any two spheres touch.
+    /// Distance of centres up to which any two spheres touch.
     reach: f64,
-    /// Contacts that a particle remembers at most.
+    /// Largest number of contacts stored per particle.
     slots: usize,
-    /// How the stiffness adapts, if it does.
+    /// Stiffness adaptation, if the stiffness adapts.
     settling: Option<Settling>,
 }
 
-/// Times by which forces are to be ahead of what is known: of the places of an evaluation, for springs along the line of
-/// centres, and of the start of the substep, for those across.
+/// Times over which contact forces are predicted: from the positions of the evaluation for springs along the line of
+/// centres, and from the start of the substep for tangential springs.
 #[derive(Debug, Clone, Copy)]
 pub struct Ahead {
     pub along: f64,
     pub across: f64,
 }
 
-/// Contacts at the places of an evaluation, whose forces are to be those at its end.
+/// Contacts at the positions of an evaluation, with forces predicted for the end of the substep.
 ///
-/// With `w` the rate at which the centres part, `w*` that expected and `d*` the overlap at the places that it leads to, the
-/// normal force is `F_n(d*) - t k (w - w*)`, linear in what is solved for. Across, with `f` the force at the start of the
-/// substep `h`, `v` the slip and `v*` that of the solution before, it is
+/// With `w` the rate at which the centres separate, `w*` its expected value and `d*` the overlap at the positions that
+/// `w*` leads to, the normal force is `F_n(d*) - t k (w - w*)`, linear in the unknown velocities. With `f` the
+/// tangential force at the start of the substep `h`, `v` the slip velocity and `v*` the one of the previous solution,
+/// the tangential force is
 ///
 /// ```text
-/// f + h k_t v                    of a contact that stuck at the start
-/// f + s/2 h k_t (v - v*)         of one that slid
+/// f + h k_t v                    if the contact was sticking at the start
+/// f + s/2 h k_t (v - v*)         if it was sliding
 /// ```
 ///
-/// where `s` is the share of the spring's force that friction allowed at the start. At the end the force is that of the spring,
-/// `f + h k_t v`, cut to what friction allows under the normal force then. So a contact that slides steadily has the force
-/// that it had, whichever way it turns, and is known within some substeps where that changes: the derivative of the cut force
-/// is `s h k_t` across the slip and nothing along it, and half of that brings either about equally fast.
+/// where `s` is the force allowed by friction over the force of the spring, at the start. The force at the end is the
+/// spring force, `f + h k_t v`, limited by friction under the normal force at the end. A contact that slides steadily
+/// thus keeps its force in any direction of sliding, and a change of direction is followed within some substeps: the
+/// derivative of the limited force is `s h k_t` across the slip and zero along it, and half of `s h k_t` makes both
+/// converge about equally fast.
 pub struct Acting {
     law: Contact,
     slots: usize,
     ahead: Ahead,
     touching: AllTouching,
-    /// Of each that touches.
+    /// Expected motion of each contact in `touching`.
     expected: Vec<Expected>,
     flow: Flow,
 }
 
-/// The flow that velocities are relative to.
+/// The flow relative to which velocities are given.
 #[derive(Debug, Clone, Copy)]
 pub struct Flow {
-    /// The rate of strain, and the angular velocity at `z = 0`.
+    /// Strain rate, and angular velocity at `z = 0`.
     strain_rate: StrainRate,
     turning: Vector,
-    /// The rate of strain expected besides.
+    /// Expected change of the strain rate.
     besides: Traceless,
 }
 
 impl Flow {
-    /// That of a box, and the rate of strain that is expected besides.
+    /// The flow of a box, and the expected change of its strain rate.
     pub fn of(moving: &MovingBox, besides: Traceless) -> Self {
         Self { strain_rate: moving.strain_rate(), turning: moving.angular_velocity_at(Vector::ZERO), besides }
     }
 
-    /// How fast its strain where the surfaces touch moves the centres apart: so spheres that the flow turns each in its own way
-    /// slip as they do.
+    /// Velocity at which the strain of the flow at the contact separates the centres. It lets spheres slip that rotate
+    /// with the local flow.
     fn strained(&self, contact: &Touching) -> Vector {
         strained(contact, self.strain_rate.at(contact.place.z))
     }
 
-    /// How fast a sphere that turns as the fluid does rolls over a wall, which does not turn.
+    /// Rolling velocity, over a wall at rest, of a sphere that rotates with the fluid.
     fn rolled(&self, contact: &Touching) -> Vector {
         let Surfaces::Wall(_) = contact.between else { return Vector::ZERO };
         let turning = self.turning + self.strain_rate.turning((contact.place - contact.separation).z);
@@ -93,57 +95,57 @@ impl Flow {
     }
 }
 
-/// What is expected of a contact.
+/// Expected relative motion at a contact.
 #[derive(Debug, Clone, Copy)]
 struct Expected {
-    /// How fast the centres part.
+    /// Rate at which the centres separate.
     parting: f64,
-    /// The slip and the velocity of rolling, as in the solution before.
+    /// Slip velocity and rolling velocity, from the previous solution.
     slip: Vector,
     rolling: Vector,
 }
 
-/// Of the derivative of a force that is cut, what goes with the solve.
+/// Fraction of the derivative of a limited friction force that is treated implicitly.
 const CUT: f64 = 0.5;
 
-/// What the contact of a row with the particle of an id remembers at the end.
+/// Row of a particle, id of the other, and the state of their contact at the end of the substep.
 type End = (usize, u64, Memory);
 
 impl Contacts {
-    /// Contacts of a law, between so many spheres whose radii are between two.
+    /// Contacts by a law, between `count` spheres with radii in a range.
     pub fn new(law: Contact, (radii, count): ([f64; 2], usize)) -> Self {
         Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count), settling: None }
     }
 
-    /// The same with a stiffness that adapts, if it does.
+    /// These contacts with stiffness adaptation, or without it if `None`.
     #[must_use]
     pub fn settling(mut self, settling: Option<Settling>) -> Self {
         self.settle_at(settling);
         self
     }
 
-    /// How the stiffness adapts, if it does.
+    /// Stiffness adaptation, if the stiffness adapts.
     pub fn how_it_settles(&self) -> Option<Settling> {
         self.settling
     }
 
-    /// Goes on with a stiffness that adapts.
+    /// Sets the stiffness adaptation, and the stiffness from it.
     pub fn settle_at(&mut self, settling: Option<Settling>) {
         self.settling = settling;
         self.law.stiffness = settling.map_or(self.law.stiffness, |settling| settling.stiffness());
     }
 
-    /// Has the stiffness stay what it is.
+    /// Ends the adaptation: the stiffness stays at its present value.
     pub fn end_settling(&mut self) {
         self.settling.iter_mut().for_each(Settling::end);
     }
 
-    /// The stiffness.
+    /// Present stiffness.
     pub fn stiffness(&self) -> f64 {
         self.law.stiffness
     }
 
-    /// Adapts the stiffness, while it does, after the flow has gone on by a strain. Collective.
+    /// Adapts the stiffness, unless the adaptation is over, after the flow has advanced by `strain`. Collective.
     pub fn adapt(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition), strain: f64) {
         let Some(mut settling) = self.settling.filter(|settling| !settling.is_over()) else { return };
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
@@ -153,8 +155,8 @@ impl Contacts {
         self.settle_at(Some(settling));
     }
 
-    /// The contacts of particles whose velocities relative to a flow are expected to be given ones and those that it has
-    /// besides, after the motions of the solution before. Collective.
+    /// Contacts for an implicit evaluation, from the expected velocities relative to the flow, the expected change of
+    /// the flow, and the motions of the previous solution. Collective.
     pub fn acting(
         &self,
         particles: &Particles,
@@ -175,22 +177,22 @@ impl Contacts {
         Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
     }
 
-    /// The contacts of this rank's particles with others of higher ids, in rows of numbers that [`contact_force`] reads.
-    /// Collective.
+    /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
+    /// [`contact_force`] reads. Collective.
     pub fn forces(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Vec<[f64; FORCE_NUMBERS]> {
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
         let own = |contact: &&Touching| particles.ids[contact.rows[0]] < contact.other;
         touching.list.iter().filter(own).map(|contact| forces::numbers(&self.law, contact, particles)).collect()
     }
 
-    /// What contacts amount to. Collective.
+    /// Averages and totals over the contacts. Collective.
     pub fn measured(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Measured {
         Measured::of(&self.law, &AllTouching::find(&self.law, particles, place, self.reach), particles)
     }
 }
 
 impl Acting {
-    /// Adds the known part of the contacts' forces and torques to the loads on the particles that this rank owns.
+    /// Adds the known part of contact forces and torques to the loads on this rank's particles.
     pub fn add_to(&self, loads: &mut Loads) {
         let owned = self.touching.halo.owned();
         loads.forces.resize(owned, Vector::ZERO);
@@ -208,7 +210,7 @@ impl Acting {
         }
     }
 
-    /// What contacts resist to motions, particle by particle.
+    /// Implicit resistance of the contacts, particle by particle.
     pub fn springs(&self) -> Vec<Vec<ContactSprings>> {
         let mut springs = vec![Vec::new(); self.touching.halo.owned()];
         for contact in &self.touching.list {
@@ -218,8 +220,8 @@ impl Acting {
         springs
     }
 
-    /// Notes what contacts remember at the end, after motions relative to the flow, until [`keep`] makes it that of now.
-    /// Refuses more contacts of a particle than there can be. Collective.
+    /// Stores the state of the contacts at the end of the substep, from motions relative to the flow; [`keep`] makes it
+    /// the current state. Fails if a particle has more contacts than slots. Collective.
     pub fn note(&self, particles: &mut Particles, motion: &Motion) -> Result<(), String> {
         let ends = self.ends(motion);
         let ids = particles.ids.clone();
@@ -235,8 +237,8 @@ impl Acting {
         Ok(())
     }
 
-    /// The `xy` component of the symmetric first moments of this rank's contact forces at the end, after motions relative to the
-    /// flow. Collective.
+    /// The `xy` component of the symmetric first moments of this rank's contact forces at the end, from motions
+    /// relative to the flow. Collective.
     pub fn shear_moment(&self, motion: &Motion) -> f64 {
         let ends = self.ends(motion);
         let of_one = |(contact, (_, _, memory)): (&Touching, &End)| {
@@ -247,7 +249,7 @@ impl Acting {
         self.touching.list.iter().zip(&ends).map(of_one).sum()
     }
 
-    /// What contacts remember at the end, in the order of rows. Collective.
+    /// States of the contacts at the end, in the order of rows. Collective.
     fn ends(&self, motion: &Motion) -> Vec<End> {
         let velocities = self.touching.present(&motion.velocities);
         let angular = self.touching.present(&motion.angular_velocities);
@@ -268,7 +270,7 @@ impl Acting {
         self.touching.list.iter().zip(&self.expected).map(end).collect()
     }
 
-    /// Along the line of centres, to slip and to rolling.
+    /// Implicit resistances along the line of centres, to slip, and to rolling.
     fn resistances(&self, contact: &Touching) -> [f64; 3] {
         let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
         let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
@@ -279,12 +281,12 @@ impl Acting {
     }
 }
 
-/// How fast a flow's strain moves the centres apart.
+/// Velocity at which a strain rate separates the centres.
 fn strained(contact: &Touching, strain_rate: Traceless) -> Vector {
     strain_rate.tensor() * contact.separation
 }
 
-/// By what a force is to be multiplied not to be larger than some.
+/// Factor that limits the magnitude of a force to `most`.
 fn share(force: Vector, most: f64) -> f64 {
     let length = force.length();
     if length > most { most / length } else { 1.0 }

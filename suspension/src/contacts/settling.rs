@@ -1,57 +1,60 @@
-//! Stiffness that settles where contacts overlap as much as is aimed at.
+//! Adaptation of the contact stiffness to a target of the overlap.
 
 use crate::model::{Contacts, Model};
 use domain::{Comm, Particles};
 use lubrication::Elasticity;
 
-/// The column that says what the stiffness is, the same for all particles: it, the strain so far, and whether it stays.
+/// Column of the stiffness adaptation, equal for all particles: stiffness, strain so far, and whether the adaptation is
+/// over.
 pub const SETTLING: &str = "contact stiffness";
 
-/// Its width.
+/// Width of the column [`SETTLING`].
 pub const SETTLING_NUMBERS: usize = 3;
 
-/// The mean is over at least this strain: half of it when settling begins.
+/// Shortest strain of the running mean: half of it when the adaptation begins.
 const SHORTEST: f64 = 0.25;
 
-/// An overlap asks for at most this many times the present stiffness, so that a single one changes it by little.
+/// Largest change of the stiffness that one overlap may ask for, as a factor: it bounds the weight of a single overlap.
 const MOST: f64 = 4.0;
 
-/// The stiffness is at most this many times the estimate that it starts from, and at least that part of it.
+/// Largest factor between the stiffness and its first estimate, in either direction.
 const WIDEST: f64 = 10.0;
 
-/// The stiffness `k` of contacts while it adapts. Under the forces by which a flow presses spheres together the largest overlap
-/// `d` goes with `k^-1/n`, `n` = 1 of the linear law and 3/2 of Hertz's, so that overlaps of `d*` need about `k (d / d*)^n`; the
-/// stiffness is the mean of that over the strain `s` so far, in which later ones weigh more,
+/// The stiffness `k` of contacts while it adapts. Under the forces by which a flow presses spheres together, the
+/// largest overlap `d` scales as `k^(-1/n)`, with `n = 1` for the linear law and `3/2` for Hertz's. A target overlap
+/// `d*` thus needs a stiffness of about `k (d / d*)^n`. The stiffness is the mean of this over the strain `s` so far,
+/// with more weight on later values,
 ///
 /// ```text
 /// dk/ds = 2 (k (d / d*)^n - k) / s
 /// ```
 ///
-/// and stays what it is from a given strain on, or where the rate of the flow changes first. What contacts remember are forces:
-/// those across the line of centres go on as they are, and their springs' elongations, which are forces over stiffness, change in
-/// inverse proportion; those along it follow the overlap, which comes to rest anew in a strain of some thousandths, while the
-/// stiffness changes by some percent. So no force jumps. All ranks find the same to the last bit,
-/// since nothing but the largest overlap of all contacts goes in.
+/// and is constant from a given strain on, or from the first change of the flow rate. Contacts store forces, so no
+/// force jumps as `k` changes: tangential forces continue unchanged (the elongations of their springs are forces over
+/// stiffness and change in inverse proportion), and normal forces follow the overlap, which relaxes within a strain of
+/// some thousandths, while the stiffness changes by some per cent. All ranks find bitwise the same stiffness, since it
+/// depends only on the largest overlap of all contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settling {
     stiffness: f64,
     strain: f64,
     is_over: bool,
-    /// What it starts from.
+    /// First estimate of the stiffness.
     estimate: f64,
-    /// The largest overlap over the roughness that is aimed at, and the power `n`.
+    /// Target of the largest overlap over the roughness, and the exponent `n`.
     aim: f64,
     power: f64,
-    /// The strain, as of a shear flow, after which it stays.
+    /// Strain, as of a shear flow, at which the adaptation ends.
     until: f64,
-    /// The strain of the shear flow that dissipates as much, over that of the flow; and how much more the flow presses
-    /// spheres together at its largest rate than at that which it starts with.
+    /// Rate of the simple shear with equal dissipation over the rate of the flow; and the largest rate of the flow over
+    /// its first rate, by which spheres will be pressed together more strongly later.
     as_shear: f64,
     later: f64,
 }
 
 impl Settling {
-    /// That of a model, as particles remember it if they do. None if the stiffness is what the scene says. Collective.
+    /// The adaptation of a model, restored from the particles if they store it. `None` if the scene gives the
+    /// stiffness. Collective.
     pub fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
         let contacts = model.contacts.filter(|contacts| contacts.stiffness.is_none())?;
         let known = recalled(particles, comm);
@@ -80,29 +83,29 @@ impl Settling {
         })
     }
 
-    /// Lets particles remember it.
+    /// Stores the state in a column of the particles.
     pub fn note(&self, particles: &mut Particles) {
         let numbers = [self.stiffness, self.strain, f64::from(u8::from(self.is_over))];
         let column = particles.column(SETTLING, SETTLING_NUMBERS);
         column.values.chunks_exact_mut(SETTLING_NUMBERS).for_each(|values| values.copy_from_slice(&numbers));
     }
 
-    /// The stiffness.
+    /// Present stiffness.
     pub fn stiffness(&self) -> f64 {
         self.stiffness
     }
 
-    /// Whether it stays what it is.
+    /// Whether the adaptation is over.
     pub fn is_over(&self) -> bool {
         self.is_over
     }
 
-    /// Ends it.
+    /// Ends the adaptation.
     pub fn end(&mut self) {
         self.is_over = true;
     }
 
-    /// Adapts the stiffness to the largest overlap over the roughness after the flow has gone on by a strain.
+    /// Adapts the stiffness to the largest overlap (over the roughness) after the flow has advanced by `strain`.
     pub fn adapt(&mut self, overlap: f64, strain: f64) {
         let strain = self.as_shear * strain.abs();
         self.strain += strain;
@@ -114,7 +117,7 @@ impl Settling {
     }
 }
 
-/// What particles of any rank remember, if they do. Collective.
+/// State stored with the particles of any rank, if any. Collective.
 fn recalled(particles: &Particles, comm: &Comm) -> Option<[f64; SETTLING_NUMBERS]> {
     let column = particles.columns.iter().find(|column| column.name == SETTLING && column.width == SETTLING_NUMBERS);
     let own = column.and_then(|column| column.values.first_chunk()).copied();
@@ -127,7 +130,7 @@ fn recalled(particles: &Particles, comm: &Comm) -> Option<[f64; SETTLING_NUMBERS
 mod tests {
     use super::*;
 
-    /// Overlaps of a law under a load that scatters, in steps of a strain.
+    /// Adaptation to the overlaps of a law under a fluctuating load, in steps of a given strain.
     fn settled(power: f64, estimate: f64, later: f64, step: f64) -> Settling {
         let (load, until) = (30.0, 2.0);
         let start = Settling {
@@ -150,7 +153,7 @@ mod tests {
         settling
     }
 
-    /// Whatever it starts from, the length of steps and the sign of the rate.
+    /// The result depends neither on the first estimate nor on the step length or the sign of the rate.
     #[test]
     fn it_settles_where_the_overlap_is_what_is_aimed_at() {
         for (power, estimate) in [(1.0, 30.0), (1.0, 400.0), (1.5, 100.0), (1.5, 900.0)] {

@@ -1,40 +1,40 @@
-//! The contacts of the particles that a rank owns.
+//! Contacts of a rank's particles.
 
 use super::history::{CONTACTS, Memory, recall};
 use domain::{Halo, Neighbours, Particles, Partition, PeriodicBox, Vector};
 use hydrodynamics::ContactSprings;
 use lubrication::{Contact, Surfaces};
 
-/// A contact as one of its two particles sees it. The other, on this rank or another, sees the same with its axis and force
-/// reversed, to the last bit.
+/// A contact as seen by one of its two particles. The other, on this rank or another, sees the same with axis and force
+/// reversed, bit for bit.
 #[derive(Debug, Clone, Copy)]
 pub struct Touching {
-    /// Rows of the particle and, among local particles and ghosts, of the other, which for a wall is the row after the last.
+    /// Row of the particle, and row of the other among local particles and ghosts; for a wall, the row after the last.
     pub rows: [usize; 2],
-    /// The id of the other, or what stands for that of a wall.
+    /// Id of the other particle, or the id that stands for a wall.
     pub other: u64,
-    /// From the particle's centre to the other's image, or to the nearest point of a wall.
+    /// Vector from the particle's centre to the other's image, or to the nearest point of a wall.
     pub separation: Vector,
-    /// The unit vector along it.
+    /// Unit vector along `separation`.
     pub axis: Vector,
-    /// Where the surfaces touch.
+    /// Point of contact.
     pub place: Vector,
-    /// What touches, and the distances of the centres from where it does; none of a wall.
+    /// The surfaces in contact, and the distances of both centres from the point of contact (0 for a wall).
     pub between: Surfaces,
     pub arms: [f64; 2],
     pub overlap: f64,
-    /// What it remembers, with forces turned into the present plane across the axis.
+    /// State of the contact, with its forces rotated into the present tangential plane.
     pub memory: Memory,
 }
 
-/// All of them, row by row and in the order of the others' ids.
+/// All contacts, by rows and then by the ids of the others.
 pub struct AllTouching {
     pub halo: Halo,
     pub list: Vec<Touching>,
 }
 
 impl AllTouching {
-    /// Finds them. Collective.
+    /// Finds all contacts. Collective.
     pub fn find(
         law: &Contact,
         particles: &Particles,
@@ -101,8 +101,8 @@ impl AllTouching {
         Self { halo, list }
     }
 
-    /// Values relative to the flow of all particles present, from those of this rank's, and of walls, which move as the flow
-    /// does. Collective.
+    /// Values relative to the flow for all local particles and ghosts, from those of this rank's particles, and zero
+    /// for walls, which move with the flow. Collective.
     pub fn present(&self, values: &[Vector]) -> Vec<Vector> {
         let mut present = values.to_vec();
         present.resize(self.halo.owned(), Vector::ZERO);
@@ -113,8 +113,8 @@ impl AllTouching {
 }
 
 impl Touching {
-    /// How fast the surface of the other moves past the particle's, for velocities and angular velocities relative to a flow
-    /// whose rate of strain moves the centres apart at `strained`.
+    /// Slip velocity: velocity of the other's surface relative to the particle's, for velocities and angular velocities
+    /// relative to a flow whose strain separates the centres with the velocity `strained`.
     pub fn slip(&self, velocities: &[Vector], angular: &[Vector], strained: Vector) -> Vector {
         let [own, other] = self.rows;
         let turning = self.arms[0] * angular[own] + self.arms[1] * angular[other];
@@ -122,19 +122,19 @@ impl Touching {
         across(relative, self.axis)
     }
 
-    /// The velocity of rolling over each other.
+    /// Rolling velocity.
     pub fn rolling(&self, angular: &[Vector]) -> Vector {
         let [own, other] = self.rows;
         self.between.harmonic_radius() * (angular[other] - angular[own]).cross(self.axis)
     }
 
-    /// How fast the centres move apart.
+    /// Rate at which the centres separate.
     pub fn parting(&self, velocities: &[Vector]) -> f64 {
         let [own, other] = self.rows;
         self.axis.dot(velocities[other] - velocities[own])
     }
 
-    /// The force and the torque on the particle by a normal force and what the contact remembers.
+    /// Force and torque on the particle from a normal force and the state of the contact.
     pub fn load(&self, normal: f64, memory: &Memory) -> [Vector; 2] {
         let force = memory.force - normal * self.axis;
         let torque = self.axis.cross(self.arms[0] * memory.force + self.between.harmonic_radius() * memory.rolling);
@@ -142,12 +142,12 @@ impl Touching {
     }
 }
 
-/// The part of a vector across a unit vector.
+/// The component of a vector perpendicular to a unit vector.
 pub fn across(vector: Vector, axis: Vector) -> Vector {
     vector - axis.dot(vector) * axis
 }
 
-/// What is remembered, with forces of the same magnitude in the plane across an axis.
+/// The state with forces projected on the plane perpendicular to an axis, magnitudes kept.
 fn turned(memory: Memory, axis: Vector) -> Memory {
     let turn = |force: Vector| {
         let flat = across(force, axis);
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
     use domain::{Tensor, Traceless};
 
-    /// A contact of two spheres as either sees it: rows 0 and 1, the other way round.
+    /// A contact of two spheres as seen by each: rows 0 and 1, and the reverse.
     fn both() -> [Touching; 2] {
         let separation = Vector::new(1.2, -2.0, 0.7);
         let (distance, radii) = (separation.length(), [1.0, 1.5]);
@@ -201,8 +201,8 @@ mod tests {
     const VELOCITIES: [Vector; 2] = [Vector::new(0.4, -0.1, 0.9), Vector::new(-0.3, 0.6, 0.2)];
     const ANGULAR: [Vector; 2] = [Vector::new(0.5, 0.2, -0.7), Vector::new(0.1, -0.9, 0.3)];
 
-    /// What contacts do to the spheres is what their springs give back, less what slip and rolling take, and what the flow's
-    /// strain does to the stress of contacts.
+    /// Power balance: the power of contact loads on the spheres equals the power released by the springs, minus the
+    /// losses by slip and rolling, plus the power of the flow's strain on the contact stress.
     #[test]
     fn the_powers_of_a_contact_balance() {
         let strain = Traceless([0.3, 0.5, -0.2, 0.1, 0.4]).tensor();
@@ -235,7 +235,7 @@ mod tests {
         assert_eq!(one.load(2.0, &one.memory)[0], -other.load(2.0, &other.memory)[0]);
     }
 
-    /// A pair that turns like one body neither slips nor rolls.
+    /// A pair in rigid-body rotation neither slips nor rolls.
     #[test]
     fn a_pair_that_turns_like_one_body_feels_no_friction() {
         let [one, _] = both();

@@ -1,4 +1,4 @@
-//! Dynamics in a flow that a stress drives.
+//! Evaluations under stress control.
 
 use super::{Dynamics, Moment, Outcome};
 use crate::columns::{STRESSLET, VELOCITY};
@@ -11,7 +11,7 @@ use fcm::Motion;
 use hydrodynamics::Guess;
 
 impl Dynamics {
-    /// Solves for the rate of shear with which the stress is what it is to be, and for the motions at that rate. Collective.
+    /// Solves for the shear rate at which the stress has its given value, and for the motions at that rate. Collective.
     pub(super) fn drive(
         &mut self,
         particles: &mut Particles,
@@ -32,8 +32,8 @@ impl Dynamics {
         }
     }
 
-    /// The shear stress of the whole suspension, with short-range forces as they will be where those are in the solve; `moment`s
-    /// of contacts are those of this rank. Collective.
+    /// Shear stress of the whole suspension, with implicit short-range forces at their predicted values; `of_contacts`
+    /// is this rank's contribution of contacts. Collective.
     fn stress_at(&self, particles: &mut Particles, of_contacts: f64, moment: &Moment) -> f64 {
         let beyond = moment.implicit.map(|time| {
             let expected = particles.vectors(EXPECTED).to_vec();
@@ -59,21 +59,22 @@ impl Dynamics {
         self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()
     }
 
-    /// Expects the rate at the end of a substep that weights of that of now and the one before give, and the strain that
-    /// weights of those and of the mean of the last substep do.
+    /// Predicts the rate at the end of a substep from weights of the present and past rates, and the strain from
+    /// weights of these and of the mean over the last substep.
     pub fn expect_flow(&mut self, rate: [f64; 2], strain: [f64; 3]) {
         if let Some(driven) = self.moving.driven() {
             driven.expect(rate, strain);
         }
     }
 
-    /// The strain that is missing with the rate that was found, where a substep has `implicit` of it.
+    /// Correction of the strain for the rate that was found; `implicit` is the weight of this rate in the strain of the
+    /// substep.
     pub fn correct_flow(&mut self, implicit: f64) -> f64 {
         let rate = self.flow().shear_rate();
         self.moving.driven().map_or(0.0, |driven| driven.correct(rate, implicit))
     }
 
-    /// Ends a substep in which the rate at its end had a share.
+    /// Ends a substep in whose mean the rate at its end has the weight `share`.
     pub fn end_flow(&mut self, share: f64) {
         if let Some(driven) = self.moving.driven() {
             driven.end(share);

@@ -1,4 +1,4 @@
-//! Dynamics in a fluid that fluctuates.
+//! Evaluations in a fluctuating fluid.
 
 use super::{Dynamics, Moment, Outcome};
 use crate::brownian::Noise;
@@ -10,11 +10,11 @@ use fcm::Loads;
 use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
 use hydrodynamics::{Guess, Solved};
 
-/// Error of random motions over the tolerance.
+/// Relative error of random motions over the tolerance.
 const ROOT: f64 = 0.3;
 
 impl Dynamics {
-    /// Draws how the fluid moves at each particle. Collective.
+    /// Draws random motions of the fluid at the particles. Collective.
     pub fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
         let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
         let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, noise.stream));
@@ -22,14 +22,14 @@ impl Dynamics {
         set_ambient(particles, &motion, noise.amplitude);
     }
 
-    /// The velocities of the fluid as it was drawn and of the background flow, as the first past ones.
+    /// Stores the velocities of the drawn motions plus the background flow as the first past velocities.
     pub fn carry(&self, particles: &mut Particles) {
         let drawn = ambient(particles).velocities;
         self.note_carried(particles, PAST[0], &drawn);
     }
 
-    /// As [`Self::evaluate`], with the fluid moving as it was drawn, and by the drift near walls, and noise of lubrication by the same
-    /// random numbers. Collective; fails on every rank or on none.
+    /// [`Self::evaluate`] in the fluctuating fluid: with the drawn motions, the drift near walls, and lubrication noise
+    /// from the same random numbers. Collective; fails on every rank or on none.
     pub fn evaluate_fluctuating(
         &mut self,
         particles: &mut Particles,
@@ -41,7 +41,7 @@ impl Dynamics {
         Ok(Outcome::of(&solved))
     }
 
-    /// The motions under all that acts, loads of lubrication's noise among it, in the fluid as it was drawn and with so many times the
+    /// Solves for the motions under all loads, lubrication noise included, in the drawn motions plus `energy` times the
     /// divergence of the mobility.
     fn solve_fluctuating(
         &mut self,
@@ -67,9 +67,9 @@ impl Dynamics {
         Ok((loads, solved))
     }
 
-    /// As [`Self::evaluate_fluctuating`], but what was found is not that of the particles: its velocities are the first past ones,
-    /// and its motions are noted, as their change is to be known, see [`brownian::note_solved`]. Collective; fails on every rank
-    /// or on none.
+    /// [`Self::evaluate_fluctuating`] with results that are intermediate: the velocities are stored as the first past
+    /// ones, and the motions are stored for their finite difference, see [`brownian::note_solved`]. Collective;
+    /// fails on every rank or on none.
     pub fn move_at_random(
         &mut self,
         particles: &mut Particles,
@@ -86,8 +86,9 @@ impl Dynamics {
         Ok(Outcome::of(&solved))
     }
 
-    /// Notes the drift of the random motions at a thermal energy where the particles are now, see [`brownian::note_drift`]; that of
-    /// particles that do not resist to strain is the divergence of the mobility. Collective; fails on every rank or on none.
+    /// Stores the drift of the random motions from a finite difference at the present positions, see
+    /// [`brownian::note_drift`]. For particles without resistance to strain it is the divergence of the mobility.
+    /// Collective; fails on every rank or on none.
     pub fn note_drift(
         &mut self,
         particles: &mut Particles,
@@ -104,7 +105,7 @@ impl Dynamics {
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
 
-    /// Pairs that were too near each other where random motions were solved for last; none without heat.
+    /// Pairs that were too close in the last solve for random motions; `None` without Brownian motion.
     pub fn crowded(&self) -> Option<Crowded> {
         self.crowding.as_ref().map(Crowding::last)
     }
@@ -122,7 +123,7 @@ impl Dynamics {
         Loads { forces: times(forces), torques: times(torques), stresslets: Vec::new() }
     }
 
-    /// An error where some rank is asked to stop. Collective.
+    /// Fails if any rank is asked to stop. Collective.
     fn unless_interrupted(&self) -> Result<(), StepError> {
         let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
         if is_requested { Err(Interrupted.into()) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! A box that follows spheres in open fluid, and a grid that follows the box.
+//! Box and grid that follow spheres in open fluid.
 
 use super::Dynamics;
 use crate::model::Model;
@@ -9,28 +9,28 @@ use crate::step_error::StepError;
 use domain::{Failure, Number, Particles, PeriodicBox};
 use simulation::Clock;
 
-/// What it takes to plan again where edges of the box change.
+/// Data for a new plan when edges of the box change.
 pub(super) struct Following {
     model: Model,
     radii: Radii,
-    /// Evaluations of the mobility on the grids before.
+    /// Number of evaluations of the mobility on previous grids.
     evaluations: u64,
 }
 
 impl Following {
-    /// That of a scene whose box follows the spheres.
+    /// Data for replanning, if the box of the scene follows the spheres.
     pub fn of(model: &Model, radii: &Radii) -> Option<Self> {
         follows(model.cell.boundaries()).then(|| Self { model: model.clone(), radii: radii.clone(), evaluations: 0 })
     }
 
-    /// Evaluations of the mobility on the grids before.
+    /// Number of evaluations of the mobility on previous grids.
     pub fn evaluations(&self) -> u64 {
         self.evaluations
     }
 }
 
 impl Dynamics {
-    /// Puts the box around the particles, and makes another grid where its edges are others. Collective.
+    /// Fits the box around the particles, and replaces the grid if the edges have changed. Collective.
     pub(super) fn follow(&mut self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
         let Some(following) = &self.following else { return Ok(()) };
         let comm = self.partition.comm();
@@ -45,12 +45,12 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Whether the grid is that of a box.
+    /// Whether the grid matches a box.
     fn fits(&mut self, cell: &PeriodicBox) -> bool {
         self.hydrodynamics.mobility().plan().edges == cell.edges()
     }
 
-    /// The plan in a box, if there is memory for it. Collective.
+    /// The plan for a box, if there is memory for it. Collective.
     fn planned(&self, cell: &PeriodicBox) -> Result<Planned, Failure> {
         let Some(Following { model, radii, .. }) = &self.following else { unreachable!("only a box that follows") };
         Planned::within(cell, model, radii.clone(), self.partition.comm())
@@ -66,7 +66,7 @@ impl Dynamics {
         self.hydrodynamics.replan(&planned.plan, &self.partition);
     }
 
-    /// Makes the grid that of the box again, after the box went back to what it was. Collective.
+    /// Restores the grid of the box after the box returned to an earlier state. Collective.
     pub(super) fn refit(&mut self) {
         let cell = *self.moving.cell();
         if self.following.is_some() && !self.fits(&cell) {

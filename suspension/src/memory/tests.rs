@@ -3,7 +3,7 @@ use crate::model::{Evaluation, Hydrodynamics, Parameters, Statistics};
 use crate::plan::plan;
 use domain::PeriodicBox;
 
-/// So many settling spheres of radius 1 at a volume fraction.
+/// Settling spheres of radius 1 at a volume fraction.
 fn settling(count: u64, fraction: f64) -> Parameters {
     let edge = (count as f64 * 4.0 / 3.0 * std::f64::consts::PI / fraction).cbrt();
     let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
@@ -11,7 +11,7 @@ fn settling(count: u64, fraction: f64) -> Parameters {
     Parameters { start: Start::Random { minimum_gap: 0.02 }, ..Parameters::new(cell, 1.0, vec![spheres], (0.001, 2)) }
 }
 
-/// What ranks of a thread each need, in MB.
+/// Memory of each of several single-threaded ranks, in MB.
 fn needed(parameters: Parameters, ranks: usize) -> Vec<f64> {
     let model = Model::new(parameters).unwrap();
     let radii = Radii::of_model(&model).unwrap();
@@ -20,7 +20,7 @@ fn needed(parameters: Parameters, ranks: usize) -> Vec<f64> {
     needs.iter().map(|need| need.resident / 1e6).collect()
 }
 
-/// As they stand beside measured peaks in `docs/src/memory.md`.
+/// The predictions that `docs/src/memory.md` compares with measured peaks.
 #[test]
 fn predictions_are_those_that_were_compared_with_peaks() {
     let cases: [(_, _, &[f64]); 6] = [
@@ -49,7 +49,7 @@ fn statistics_of_more_samples_take_more() {
     assert!((few[1] - many[1]).abs() < 1e-9, "the first rank has them: {few:?} {many:?}");
 }
 
-/// Those have pairs, and what moves them.
+/// Dense packings need pairs and displacements.
 #[test]
 fn dense_spheres_take_more_to_be_placed() {
     let placed = |fraction: f64| {
@@ -59,7 +59,7 @@ fn dense_spheres_take_more_to_be_placed() {
     assert!(placed(0.26) > placed(0.24));
 }
 
-/// Repulsion in the solve takes pairs, and what may be taken again a copy.
+/// Implicit repulsion needs pairs, and repeated substeps need a copy.
 #[test]
 fn implicit_steps_take_more() {
     let with = |integrator, repulsion| needed(Parameters { repulsion, integrator, ..settling(100_000, 0.12) }, 1)[0];

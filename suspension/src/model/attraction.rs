@@ -1,37 +1,37 @@
-//! Forces by which spheres attract each other.
+//! Attractive forces between the surfaces of spheres.
 
 use super::Parameters;
 use domain::{Number, ParameterError};
 use lubrication::SurfaceForce;
 
-/// How spheres attract each other.
+/// Attraction between spheres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Attraction {
-    /// By van der Waals' forces.
+    /// Van der Waals force.
     VanDerWaals {
-        /// The Hamaker constant, an energy.
+        /// Hamaker constant, an energy.
         hamaker: f64,
-        /// The gap, over the mean radius, that bounds the force at contact.
+        /// Offset added to the gap, over the mean radius, which bounds the force at contact.
         closest: f64,
-        /// The gap where it ends, over the mean radius.
+        /// Gap beyond which the force vanishes, over the mean radius.
         range: f64,
     },
-    /// By the osmotic pressure of small spheres between them.
+    /// Depletion force: the osmotic pressure of small spheres that are excluded from the gap.
     Depletion {
-        /// Their osmotic pressure.
+        /// Osmotic pressure of the depletants.
         pressure: f64,
-        /// Their radius.
+        /// Radius of the depletants.
         radius: f64,
     },
 }
 
 impl Attraction {
-    /// The gap that bounds van der Waals' force, unless another one is given.
+    /// Default of [`Attraction::VanDerWaals::closest`].
     pub const CLOSEST: f64 = 0.01;
-    /// The gap where it ends, unless another one is given.
+    /// Default of [`Attraction::VanDerWaals::range`].
     pub const RANGE: f64 = 1.0;
 
-    /// The force between two spheres.
+    /// The force law between two surfaces.
     pub fn force(self) -> SurfaceForce {
         match self {
             Self::VanDerWaals { hamaker, closest, range } => SurfaceForce::VanDerWaals { hamaker, closest, range },

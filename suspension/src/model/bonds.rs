@@ -3,16 +3,16 @@
 use super::{Parameters, Species};
 use domain::{Number, ParameterError};
 
-/// Bonds of one kind, each between two spheres: springs along the lines of centres.
+/// Bonds of one kind, each a spring along the line of centres of two spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bonds {
-    /// The ids of the spheres: they are counted from 0 as species or a list of positions have them.
+    /// Ids of the bonded spheres, counted from 0 in the order of the species or of the list of positions.
     pub pairs: Vec<[u64; 2]>,
-    /// The distance of the centres at rest, or that at the start.
+    /// Distance of the centres at rest; `None` for their distance at the start.
     pub length: Option<f64>,
-    /// Force over the distance from that at rest.
+    /// Spring constant: force over extension.
     pub stiffness: f64,
-    /// The pull at which a bond breaks at the end of a step, if it ever does.
+    /// Tension above which a bond breaks at the end of a step; `None` for bonds that never break.
     pub breaking_force: Option<f64>,
 }
 
@@ -51,12 +51,12 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     counted(&p.species).map_or(Ok(()), |count| check_ids(&p.bonds, count))
 }
 
-/// How many spheres there are, if the species say it.
+/// Number of spheres, if the species give it.
 pub(super) fn counted(species: &[Species]) -> Option<u64> {
     species.iter().map(|s| s.count).sum()
 }
 
-/// All pairs with their keys.
+/// All pairs with the keys under which messages name them.
 fn keyed(bonds: &[Bonds]) -> impl Iterator<Item = (String, [u64; 2])> + '_ {
     let of_one = |(k, bonds): (usize, &'_ Bonds)| {
         let pairs = bonds.pairs.clone().into_iter().enumerate();
@@ -83,7 +83,7 @@ fn check_pairs(bonds: &[Bonds]) -> Result<(), ParameterError> {
     }
 }
 
-/// Refuses ids that none of so many spheres has.
+/// Refuses bonds with ids beyond the last of `count` spheres.
 pub(crate) fn check_ids(bonds: &[Bonds], count: u64) -> Result<(), ParameterError> {
     for (key, pair) in keyed(bonds) {
         unless_known(&key, &pair, count)?;
@@ -91,7 +91,7 @@ pub(crate) fn check_ids(bonds: &[Bonds], count: u64) -> Result<(), ParameterErro
     Ok(())
 }
 
-/// Refuses ids that none of so many spheres has.
+/// Refuses ids beyond the last of `count` spheres.
 pub(super) fn unless_known(key: &str, ids: &[u64], count: u64) -> Result<(), ParameterError> {
     match ids.iter().find(|&&id| id >= count) {
         Some(id) => {

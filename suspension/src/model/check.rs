@@ -1,4 +1,4 @@
-//! The ranges that parameters have to be in.
+//! Checks that all parameters are in their ranges and fit together.
 
 use super::spheres::check_species;
 use super::{
@@ -10,10 +10,10 @@ use hydrodynamics::lengths::check_lubricated;
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
 
-/// The largest strain of a run: beyond, the box's offset has lost more than half of its digits.
+/// Largest strain of a run: beyond it the offset of the sheared box has lost more than half of its digits.
 const MAX_STRAIN: f64 = 1e9;
 
-/// Passes parameters that are all in their ranges.
+/// Checks that all parameters are in their ranges and fit together.
 pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let p = parameters;
     ParameterError::unless_positive("time.step", p.time_step)?;
@@ -37,7 +37,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     p.integrator.check(p.contacts.is_some())
 }
 
-/// Heat needs steps that know of it, and a box in which the images of a sphere move with the flow.
+/// Brownian motion needs an integrator made for it, and a box whose images move with the flow.
 fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
     let is_brownian = matches!(p.integrator, Integrator::Brownian(_));
     let Some(energy) = p.thermal_energy else {
@@ -67,7 +67,7 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
     Ok(())
 }
 
-/// What a run in a box that does not repeat along all axes can't have.
+/// Refuses features that are not available with walls or in open fluid.
 fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
     let refused = |key: &str, message: &str| Err(ParameterError::new(key, message));
     let boundaries = p.cell.boundaries();
@@ -97,8 +97,8 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
     if boundaries == Boundaries::OpenAlongZ { check_layer(p) } else { Ok(()) }
 }
 
-/// A layer in fluid that is open on both sides: what is far away has no velocity to which a flow, or the motion that forces
-/// along the layer cause, could be relative.
+/// Checks a layer of spheres in fluid that is open on both sides: the far fluid has no velocity to which a flow, or the
+/// motion due to forces along the layer, could be relative.
 fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
     if p.thermal_energy.is_some() {
         let message = "can't be in a layer in fluid that is open on both sides: heat moves spheres along it, and all fluid with them; \
@@ -128,7 +128,7 @@ fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
     }
 }
 
-/// Only a box that repeats along all axes starts with a strain, and one that shears with the flow if there is one.
+/// Only a fully periodic box may start with a strain; if there is a flow, the box has to shear with it.
 fn check_strain(p: &Parameters) -> Result<(), ParameterError> {
     let strain = if p.cell.axes().is_none() { p.cell.strain() } else { 0.0 };
     let is_possible = matches!(p.flow, Flow::None | Flow::Shear { lees_edwards: true, .. });
@@ -142,8 +142,8 @@ fn check_strain(p: &Parameters) -> Result<(), ParameterError> {
     Err(ParameterError::new("box.strain", message))
 }
 
-/// The strain at the end of a run needs to be a number that tells where images are, and lubrication needs a box in which
-/// the images of a sphere move with the flow.
+/// Checks that the final strain is small enough to locate the images, and that with lubrication the images of a sphere
+/// move with the flow.
 fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     if let Flow::Poiseuille { pressure_gradient } = p.flow {
         ParameterError::unless_finite("flow.pressure_gradient", pressure_gradient)?;
@@ -207,7 +207,8 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     Ok(())
 }
 
-/// An extension needs its own box, and only what is known of such boxes, or open fluid, for which [`check_boundaries`] is enough.
+/// An extension needs its own periodic box and features that support such boxes, or open fluid, for which
+/// [`check_boundaries`] is enough.
 fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError> {
     if p.cell.boundaries() == Boundaries::Open {
         return Ok(());
@@ -246,7 +247,7 @@ fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError
     }
 }
 
-/// Lubrication is known for radii that differ up to a factor.
+/// The lubrication functions are available for radius ratios up to a limit.
 fn check_ratio(p: &Parameters) -> Result<(), ParameterError> {
     let radii = || p.species.iter().map(|species| species.radius);
     let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));

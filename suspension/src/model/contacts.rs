@@ -6,50 +6,52 @@ use domain::{Number, ParameterError};
 use lubrication::{Contact, Elasticity};
 use std::f64::consts::PI;
 
-/// How rough spheres touch; what is `None` is chosen for the scene.
+/// Contacts of rough spheres; parameters that are `None` are chosen for the suspension.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contacts {
-    /// The coefficient of friction.
+    /// Coefficient of sliding friction.
     pub friction: f64,
-    /// Height of the asperities of two spheres together, over their mean radius.
+    /// Sum of the heights of the asperities of both spheres, over their mean radius.
     pub roughness: f64,
-    /// Normal force over overlap and mean radius, or what keeps overlaps at `overlap`.
+    /// Normal stiffness: force over overlap and mean radius. `None` for a stiffness that keeps overlaps near `overlap`.
     pub stiffness: Option<f64>,
-    /// Where there is none, the strain, as of a shear flow, in which it settles from an estimate; by default [`Self::SETTLING`], and 0,
-    /// which keeps the estimate, where the stress is given.
+    /// Strain, as of a shear flow, in which an automatic stiffness adapts from its first estimate. Default:
+    /// [`Self::SETTLING`], or 0 under a given stress, which keeps the estimate.
     pub settling: Option<f64>,
-    /// Where there is none, what it has settled at in a run of this kind, which it is from the start.
+    /// Value to which an automatic stiffness adapted in a similar run. It is used from the start, without adaptation.
     pub settled: Option<f64>,
-    /// The largest overlap that is aimed at, over the roughness.
+    /// Target of the largest overlap, over the roughness.
     pub overlap: f64,
-    /// Stiffness against slip over that against overlap.
+    /// Tangential over normal stiffness.
     pub tangential_ratio: f64,
-    /// The largest force of rolling resistance over the normal force.
+    /// Coefficient of rolling friction: largest rolling resistance over the normal force.
     pub rolling_friction: f64,
-    /// Normal force up to which there is no friction.
+    /// Normal force below which there is no friction.
     pub critical_load: f64,
-    /// How the force grows with the overlap.
+    /// Normal force law.
     pub law: Elasticity,
 }
 
-/// Largest overlap that is aimed at, over the roughness.
+/// Default target of the largest overlap, over the roughness.
 const OVERLAP: f64 = 0.3;
 
-/// Largest overlaps over the mean radius are about this times the viscosity that a suspension has by [`jamming_fraction`],
-/// over the stiffness in units of `6 pi` times viscosity times rate of shear: measured with 100 spheres at 40 to 50%.
+/// Prefactor of the largest overlap over the mean radius, about `DEPTH` times the relative viscosity estimated from
+/// [`jamming_fraction`], over the stiffness in units of `6 pi` times viscosity times shear rate. Measured with 100
+/// spheres at 40 to 50%.
 const DEPTH: f64 = 2.0;
 
-/// Suspensions begin to thicken at this stress, over that of the critical load.
+/// Stress at which shear thickening sets in, over the stress that corresponds to the critical load.
 const THICKENING: f64 = 0.5;
 
-/// The least distance from jamming that a stiffness is chosen for.
+/// Lower bound of `1 - phi / phi_J` in the estimate of the stiffness.
 const LEAST_ROOM: f64 = 0.07;
 
 impl Contacts {
-    /// The strain in which the stiffness settles: in it contacts are made, and the largest overlap has its mean to a tenth or so.
+    /// Default strain of the stiffness adaptation: enough for contacts to form and for the mean of the largest overlap
+    /// to converge to about 10%.
     pub const SETTLING: f64 = 2.0;
 
-    /// Contacts with a coefficient of friction.
+    /// Contacts with a coefficient of friction and defaults for all else.
     pub fn new(friction: f64) -> Self {
         Self {
             friction,
@@ -65,7 +67,7 @@ impl Contacts {
         }
     }
 
-    /// The contact law in a suspension.
+    /// Contact law for the spheres of a suspension.
     pub fn contact(&self, parameters: &Parameters) -> Contact {
         Contact {
             friction: self.friction,
@@ -78,8 +80,8 @@ impl Contacts {
         }
     }
 
-    /// Whether the stiffness adapts to the overlaps in a suspension, at first: where a flow goes on at a rate, or by a stress if that is
-    /// asked for.
+    /// Whether the stiffness starts out adapting to the overlaps: it does in a steady flow at a given rate, and under a
+    /// given stress if `settling` asks for it.
     pub(crate) fn settles(&self, parameters: &Parameters) -> bool {
         self.stiffness.is_none()
             && self.settled.is_none()
@@ -87,8 +89,8 @@ impl Contacts {
             && goes_on(parameters)
     }
 
-    /// What keeps the largest overlaps about where they are aimed at, under the forces by which the flow and weight press
-    /// spheres of the mean radius together.
+    /// Estimate of the stiffness at which the largest overlaps are near their target, from the forces by which the flow
+    /// and the weight press spheres of the mean radius together.
     pub(crate) fn sufficient_stiffness(&self, p: &Parameters) -> f64 {
         let spheres: f64 = p.species.iter().map(|s| s.count.unwrap_or(1) as f64).sum();
         let radius = p.species.iter().map(|s| s.count.unwrap_or(1) as f64 * s.radius).sum::<f64>() / spheres;
@@ -98,12 +100,13 @@ impl Contacts {
             room.max(LEAST_ROOM).powi(-2)
         };
         let rate = p.flow.as_shear(p.shear_rates().largest());
-        // Below the stress at which suspensions thicken hardly a contact bears the critical load.
+        // Below the onset of shear thickening hardly any contact bears the critical load.
         let pressed = 6.0 * PI * p.viscosity * rate * radius * radius * viscosity(0.0);
         let friction = if pressed < THICKENING * self.critical_load { 0.0 } else { self.friction };
         let depth = DEPTH * viscosity(friction);
         let weight = p.species.iter().map(|s| s.force_on(s.radius, p.gravity).length()).fold(0.0, f64::max);
-        // A stress is what presses spheres together; a rate does so by the viscosity, which `depth` has.
+        // A given stress presses the spheres together directly; a given rate does so through the viscosity, which is
+        // part of `depth`.
         let (rate, stress) = p.shear_rates().stress().map_or((rate, 0.0), |stress| (0.0, stress));
         let load = depth * (6.0 * PI * p.viscosity * rate * radius * radius + weight);
         let by_stress = DEPTH * 6.0 * PI * stress * radius * radius;
@@ -113,7 +116,7 @@ impl Contacts {
             Elasticity::Linear => linear,
             Elasticity::Hertz => linear / target.sqrt(),
         };
-        // Where nothing presses spheres together any stiffness will do.
+        // Without any load, any stiffness will do.
         if stiffness > 0.0 { stiffness } else { p.viscosity / p.time_step }
     }
 
@@ -170,7 +173,7 @@ impl Contacts {
         Err(ParameterError::new("contacts.settling", message))
     }
 
-    /// A contact is known by the ids of its two spheres.
+    /// Contacts are identified by the ids of their two spheres, so a sphere must not touch two images of another.
     fn check_images(&self, p: &Parameters) -> Result<(), ParameterError> {
         let largest = p.species.iter().map(|s| s.radius).fold(0.0, f64::max);
         let repeating = (0..3).filter(|&axis| p.cell.is_periodic(axis)).map(|axis| p.cell.edges()[axis]);
@@ -188,26 +191,26 @@ impl Contacts {
         Ok(())
     }
 
-    /// The least gap of random starts that leaves contacts to the flow.
+    /// Smallest gap at which random starts have no contacts.
     pub fn minimum_gap(&self, largest_radius: f64) -> f64 {
         self.roughness * largest_radius
     }
 }
 
-/// Whether there is a flow at a rate, or by a stress, that does not oscillate.
+/// Whether there is a steady flow, at a rate or under a stress, rather than an oscillation or none.
 fn goes_on(p: &Parameters) -> bool {
     let rates = p.shear_rates();
     rates.frequency().is_none() && rates.before(0).0 != 0.0
 }
 
-/// The volume fraction at which a sheared suspension jams, by Lobry et al., J. Fluid Mech. 860, 682 (2019).
+/// Volume fraction at which a sheared suspension jams, by Lobry et al., J. Fluid Mech. 860, 682 (2019).
 fn jamming_fraction(friction: f64) -> f64 {
     let strongest = (-1.25 * PI).exp();
     0.546 + 0.094 * ((-2.5 * friction.atan()).exp() - strongest) / (1.0 - strongest)
 }
 
 impl Parameters {
-    /// The same with spheres that start no nearer than their roughness, if they start at random.
+    /// These parameters with random starts whose gaps are at least the roughness.
     #[must_use]
     pub fn apart_by_roughness(mut self) -> Self {
         let largest = self.species.iter().map(|s| s.radius).fold(0.0, f64::max);

@@ -1,15 +1,14 @@
-//! Smaller copies of a suspension.
+//! Reduced copies of a suspension.
 
 use super::{Model, Start};
 use domain::PeriodicBox;
 
-/// Radii of the largest sphere that the edges of a copy have at least.
+/// Shortest edge of a copy over the largest radius.
 const FEWEST_RADII: f64 = 8.0;
 
 impl Model {
-    /// The same suspension in a box of the same shape, with about `most` spheres at random places, without bonds and
-    /// traps, if it has more; `None`
-    /// where whoever starts a run brings them, or if there is no such copy.
+    /// The same suspension with at most about `most` spheres: in a box of the same shape, at random positions, without
+    /// bonds or traps. `None` if the caller provides the positions, or if there is no valid copy.
     #[must_use]
     pub fn with_at_most(&self, most: f64) -> Option<Self> {
         if self.start == Start::Given {

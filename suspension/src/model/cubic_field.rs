@@ -1,20 +1,20 @@
-//! A lattice that repeats where it is stretched along an axis.
+//! Lattice that repeats under uniaxial stretching.
 
 use super::extension::Extremes;
 use domain::{PeriodicBox, Vector};
 use std::f64::consts::SQRT_2;
 
-/// The lattice of the whole numbers of the field of `x^3 = x + 1`, with the real root `rho` and the complex one `z`, `|z|^2 = 1 /
-/// rho`: of the vectors
+/// The lattice of the integers of the cubic field of `x^3 = x + 1`, with the real root `rho` and the complex root `z`,
+/// `|z|^2 = 1 / rho`. It is spanned by the vectors with `k = 0, 1, -1` of
 ///
 /// ```text
-/// b_k = (rho^k, sqrt(2) Re z^k, sqrt(2) Im z^k),      b_(k+3) = b_(k+1) + b_k,
+/// b_k = (rho^k, sqrt(2) Re z^k, sqrt(2) Im z^k),      b_(k+3) = b_(k+1) + b_k.
 /// ```
 ///
-/// of which those of `k = 0, 1, -1` span all. Where it is stretched by `rho` along the first axis, and shrinks by `sqrt(rho)` across
-/// it, it is its own image turned about that axis by the angle of `z`, each `b_k` that of `b_(k+1)`. (Dobson, J. Chem. Phys. 141,
-/// 184103, 2014, has lattices that repeat by two whole-number matrices, without a turn.) Its shortest vector is never shorter than
-/// 1.027 times the edge of a cube of its volume.
+/// Stretching by `rho` along the first axis, with contraction by `sqrt(rho)` across it, maps the lattice to itself up
+/// to a rotation about that axis by the angle of `z`: each `b_k` becomes `b_(k+1)`. (The lattices of Dobson, J. Chem.
+/// Phys. 141, 184103, 2014, repeat by two integer matrices, without a rotation.) The shortest vector is never shorter
+/// than 1.027 times the edge of a cube of the same volume.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CubicField {
     rho: f64,
@@ -22,7 +22,7 @@ pub(crate) struct CubicField {
 }
 
 impl CubicField {
-    /// It, by its roots.
+    /// The field with its roots.
     pub fn get() -> Self {
         let inner = (23.0_f64 / 108.0).sqrt();
         let rho = (0.5 + inner).cbrt() + (0.5 - inner).cbrt();
@@ -30,19 +30,20 @@ impl CubicField {
         Self { rho, angle: (-0.5 * rho * rho.sqrt()).acos() }
     }
 
-    /// The strain along the axis after which it is its own image.
+    /// Strain along the axis after which the lattice repeats.
     pub fn period(&self) -> f64 {
         self.rho.ln()
     }
 
-    /// The angle of `z`.
+    /// Argument of `z`.
     pub fn angle(&self) -> f64 {
         self.angle
     }
 
-    /// Its vectors `b_0`, `b_1` and `b_-1`, of the volume of a cube of this edge, by components along its axis and across it.
+    /// The vectors `b_0`, `b_1` and `b_-1`, scaled to the volume of a cube of the given edge; the first component is
+    /// along the axis.
     pub fn vectors(&self, edge: f64) -> [Vector; 3] {
-        // The root of the discriminant is the volume of the lattice.
+        // The volume of the unscaled lattice is the square root of the discriminant.
         let scale = edge / 23.0_f64.sqrt().cbrt();
         [0.0, 1.0, -1.0].map(|k: f64| {
             let (sin, cos) = (k * self.angle).sin_cos();
@@ -51,7 +52,7 @@ impl CubicField {
         })
     }
 
-    /// How far the box of these vectors changes up to half a period either way.
+    /// Extremes of the box of these vectors over strains from minus to plus half a period.
     pub fn extremes(&self) -> Extremes {
         let vectors = self.vectors(1.0);
         let at = |strain: f64| {
@@ -89,7 +90,7 @@ mod tests {
     #[test]
     fn vectors_follow_the_recurrence() {
         let [zeroth, first, before] = CubicField::get().vectors(2.0);
-        // b_2 = b_0 + b_-1 is b_1 stretched and turned.
+        // b_2 = b_0 + b_-1 is b_1 stretched and rotated.
         let second = zeroth + before;
         let CubicField { rho, angle } = CubicField::get();
         let stretched = Vector::new(rho, rho.powf(-0.5), rho.powf(-0.5)) * first;

@@ -1,11 +1,11 @@
-//! Flows that stretch, and the boxes that repeat in them.
+//! Extensional flows and the boxes that repeat in them.
 
 use super::Axis;
 use super::cubic_field::CubicField;
 use domain::{Number, ParameterError, PeriodicBox, Vector};
 use solver::BackgroundFlow;
 
-/// A flow that stretches along the axes, without rotation.
+/// Extensional flow along the axes, without rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Extension {
@@ -17,24 +17,24 @@ pub enum Extension {
     Biaxial,
 }
 
-/// How far the box of an extension changes, in its own axes.
+/// Extremes of the shape of the box of an extension, in the box's own axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Extremes {
-    /// The longest edges that it ever has, over those without strain.
+    /// Longest edges at any strain, over those at zero strain.
     pub longest: Vector,
-    /// The least part of any of them that is left at any time.
+    /// Smallest ratio of an edge's shortest to its longest length.
     pub contraction: f64,
-    /// Its largest strain.
+    /// Largest strain (tilt of the second vector).
     pub strain: f64,
-    /// The largest tilts of its third vector.
+    /// Largest tilts of the third vector.
     pub tilts: [f64; 2],
 }
 
-/// Edges that are equal may differ by this part of them.
+/// Relative difference up to which edges count as equal.
 const ROUND_OFF: f64 = 1e-12;
 
 impl Extension {
-    /// Rates along x, y and z, over that of the flow.
+    /// Rates of extension along x, y and z, over the rate of the flow.
     pub fn rates(self) -> Vector {
         match self {
             Self::Planar => Vector::new(1.0, -1.0, 0.0),
@@ -43,7 +43,7 @@ impl Extension {
         }
     }
 
-    /// The axis about which it is the same in all directions, if there is one.
+    /// Axis of symmetry, if there is one.
     pub fn axis(self) -> Option<Axis> {
         match self {
             Self::Planar => None,
@@ -52,34 +52,35 @@ impl Extension {
         }
     }
 
-    /// The flow at a rate.
+    /// The flow at a given rate.
     pub fn flow(self, rate: f64) -> BackgroundFlow {
         let Vector { x, y, .. } = self.rates() * rate;
         BackgroundFlow::stretching([x, y])
     }
 
-    /// The rate of the shear that dissipates as much, over that of the flow.
+    /// Rate of the simple shear with equal dissipation, over the rate of the flow.
     pub fn as_shear(self) -> f64 {
         2.0_f64.sqrt() * self.rates().length()
     }
 
-    /// By which factors it stretches lengths along x, y and z over a strain, the integral of its rate.
+    /// Stretch ratios along x, y and z at a strain (the integral of the rate).
     pub fn stretch(self, strain: f64) -> Vector {
         (self.rates() * strain).exp()
     }
 
-    /// The component of a stress `s` along its rate of strain `E` that drives it, `s : e / (2 e : e)` with `e = E / rate`:
-    /// viscosity times rate in a fluid alone.
+    /// Component of a stress `s` along the rate of strain `E`, `s : e / (2 e : e)` with `e = E / rate`; viscosity times
+    /// rate in pure fluid.
     pub fn driving_stress(self, diagonal: [f64; 3]) -> f64 {
         let rates = self.rates();
         Vector::from_array(diagonal).dot(rates) / (2.0 * rates.length_squared())
     }
 
-    /// The box that repeats in it, as it is without strain: of the volume of a box of these edges.
+    /// The periodic box of this flow at zero strain, of the volume of a box with the given edges.
     ///
-    /// In planar extension its first two vectors are those of a square lattice, turned by `atan((sqrt(5) - 1) / 2)` (Kraynik &
-    /// Reinelt, Int. J. Multiphase Flow 18, 1045, 1992). In the others its vectors are
-    /// `(rho^k, sqrt(2) Re z^k, sqrt(2) Im z^k)`, `k = 0, 1, -1`, by the roots `rho` and `z` of `x^3 = x + 1`, the axis of the flow first.
+    /// In planar extension the first two vectors span a square lattice, rotated by `atan((sqrt(5) - 1) / 2)` (Kraynik &
+    /// Reinelt, Int. J. Multiphase Flow 18, 1045, 1992). In uniaxial and biaxial extension the vectors are
+    /// `(rho^k, sqrt(2) Re z^k, sqrt(2) Im z^k)`, `k = 0, 1, -1`, by the roots `rho` and `z` of `x^3 = x + 1`, the axis
+    /// of the flow first.
     pub fn cell(self, edges: Vector) -> Result<PeriodicBox, ParameterError> {
         let Vector { x, y, z } = edges;
         let differs = |a: f64, b: f64| (a - b).abs() > ROUND_OFF * a.abs();
@@ -98,7 +99,7 @@ impl Extension {
         PeriodicBox::of_lattice(lattice).map_err(|error| ParameterError::new("box.edges", error.to_string()))
     }
 
-    /// Its name in prose.
+    /// Name in prose.
     pub fn name(self) -> &'static str {
         match self {
             Self::Planar => "planar extension",
@@ -107,26 +108,26 @@ impl Extension {
         }
     }
 
-    /// Whether a box is one that [`Self::cell`] makes.
+    /// Whether a box is of the kind that [`Self::cell`] makes.
     pub(crate) fn has_box(self, cell: &PeriodicBox) -> bool {
         let near = |(a, b): (Vector, Vector)| (a - b).length() <= 10.0 * ROUND_OFF * a.length();
         let edges = if self == Self::Planar { cell.edges() } else { Vector::splat(cell.volume().cbrt()) };
         self.cell(edges).is_ok_and(|own| own.lattice_vectors().into_iter().zip(cell.lattice_vectors()).all(near))
     }
 
-    /// The shortest lattice vector at any strain, of a box of this kind.
+    /// Shortest lattice vector, at any strain, of a box of this kind.
     pub(crate) fn shortest_vector(self, cell: &PeriodicBox) -> f64 {
         match self {
             Self::Planar => (self.extremes().contraction * cell.edges().x).min(cell.edges().z),
-            // The first vector is shortest where there is no strain.
+            // The first vector is shortest at zero strain.
             Self::Uniaxial | Self::Biaxial => cell.edges().x,
         }
     }
 
-    /// How far its box changes. Of the square of planar extension, of its area and a first vector of `sqrt(g)`, the edges are
-    /// `sqrt(g)` and `1 / sqrt(g)`, with the least `g = 2 / sqrt(5)`, and 1 where there is no strain; the strain is half a vector
-    /// along the first over the second edge, which is no less than the first. The others have their extremes at either end of a
-    /// period.
+    /// Extremes of the shape of the box. A square cell of unit area whose first vector has length `sqrt(g)` has the
+    /// edges `sqrt(g)` and `1 / sqrt(g)`, with `g` at least `2 / sqrt(5)`, and 1 at zero strain; its strain is at most
+    /// half a first vector over the second edge, which is no shorter than the first. The boxes of the other flows have
+    /// their extremes at the ends of a period.
     pub(crate) fn extremes(self) -> Extremes {
         match self {
             Self::Planar => Extremes {
@@ -140,7 +141,7 @@ impl Extension {
     }
 }
 
-/// A square lattice turned so that planar extension repeats it.
+/// A square lattice, rotated so that planar extension repeats it.
 fn square(edge: f64, height: f64) -> [Vector; 3] {
     let (sin, cos) = (0.5 * (5.0_f64.sqrt() - 1.0)).atan().sin_cos();
     [Vector::new(cos, sin, 0.0) * edge, Vector::new(-sin, cos, 0.0) * edge, Vector::Z * height]

@@ -1,52 +1,51 @@
-//! How the fluid is computed.
+//! Parameters of the hydrodynamic interactions.
 
 use crate::user_axes::UserAxes;
 use domain::{Number, ParameterError};
 
-/// How the fluid is computed; what is `None` is chosen from the tolerance.
+/// Parameters of the hydrodynamic interactions; those that are `None` are chosen from the tolerance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hydrodynamics {
-    /// Which multipoles the spheres have.
+    /// Order of the multipole expansion.
     pub multipoles: Multipoles,
-    /// Relative error that the user wants.
+    /// Relative error that the user accepts.
     pub tolerance: f64,
-    /// How the far field is evaluated.
+    /// Evaluation of the far field.
     pub method: Evaluation,
     /// Grid points along x, y and z.
     pub grid: Option<[usize; 3]>,
-    /// Grid points across a stencil.
+    /// Width of a stencil in grid points.
     pub support: Option<usize>,
-    /// Relative residual at which the stresslets are solved.
+    /// Relative residual of the iterative solve for the stresslets.
     pub iteration_tolerance: Option<f64>,
-    /// What parts of an evaluation cost on the machine that the run is planned for: stencils, transforms and pairs,
-    /// over what they cost where the planner was made.
+    /// Measured costs of stencils, transforms and pair sums on the machine that the run is planned for, over those on
+    /// the planner's reference machine.
     pub costs: Option<[f64; 3]>,
-    /// Whether near pairs feel lubrication.
+    /// Whether lubrication acts between near spheres.
     pub lubrication: bool,
-    /// The gap where lubrication ends over the larger radius of the two; [`lubrication::Range::WIDE`] where there is
-    /// none.
+    /// Gap at which lubrication ends, over the larger radius of a pair; by default [`lubrication::Range::WIDE`].
     pub lubrication_cutoff: Option<f64>,
     /// Whether the solve with lubrication is preconditioned.
     pub preconditioner: bool,
 }
 
-/// Which multipoles the spheres have.
+/// Order of the multipole expansion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Multipoles {
     /// Forces alone.
     Monopole,
-    /// Forces, torques and the stresslets that keep spheres rigid.
+    /// Forces, torques and the stresslets of rigid spheres.
     Dipole,
 }
 
-/// How the far field is evaluated.
+/// Evaluation of the far field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Evaluation {
-    /// Whichever takes less time.
+    /// Whichever is faster.
     Auto,
     /// The envelopes themselves on the grid.
     Direct,
-    /// Wider envelopes on a coarser grid, and the difference pair by pair.
+    /// Wider envelopes on a coarser grid, with a pair correction for the difference.
     Split,
 }
 
@@ -114,7 +113,7 @@ impl Hydrodynamics {
     }
 }
 
-/// Grid points along an axis that a transform may have.
+/// Largest number of grid points along an axis.
 const MOST_POINTS: usize = 1 << 20;
 
 fn check_points(points: usize) -> Result<(), String> {

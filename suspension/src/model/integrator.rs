@@ -1,44 +1,45 @@
-//! How a step is taken.
+//! Time integrators.
 
 use domain::ParameterError;
 
-/// How a step is taken.
+/// Time integrator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Integrator {
-    /// All steps are alike, by the Adams-Bashforth method of an order from 2 to 4.
+    /// Adams-Bashforth method of order 2 to 4 with fixed steps.
     AdamsBashforth {
-        /// Its order.
+        /// Order of the method.
         order: u8,
     },
-    /// Each in as many parts as are needed.
+    /// Each step is divided into as many substeps as the error requires.
     Adaptive(Adaptive),
-    /// The same, with short-range forces as they will be at the end of a part, so that their stiffness does not limit it.
+    /// Adaptive substeps with implicit short-range forces, whose stiffness then does not limit the substep.
     Implicit(Adaptive),
-    /// All steps are alike, and heat moves the spheres.
+    /// Fixed steps with Brownian motion.
     Brownian(BrownianScheme),
 }
 
-/// How a step of Brownian motion has its drift.
+/// Scheme for the drift of Brownian motion.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum BrownianScheme {
-    /// By one solve with frozen noise, half a step on.
+    /// Midpoint scheme: one solve, half a step ahead, with frozen noise.
     #[default]
     Midpoint,
-    /// By the change of random motions over a small part of that, with the stress by heat: for dense suspensions, and stresses.
+    /// Two evaluations: a finite difference of random motions over a small fraction of the step. It gives the Brownian
+    /// stress as well; for dense suspensions, and where stresses are wanted.
     TwoEvaluations,
 }
 
-/// What limits the length of a substep.
+/// Limits of the length of a substep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Adaptive {
-    /// Largest error of a substep in a position, over the radius; infinite where errors limit no substep.
+    /// Largest position error of a substep, over the radius; infinite for no limit by errors.
     pub tolerance: f64,
-    /// Largest part of a gap between two spheres that a substep may take away.
+    /// Largest fraction of the gap between two spheres that a substep may close.
     pub gap_fraction: f64,
 }
 
 impl Adaptive {
-    /// Substeps as long as gaps allow: what suits contacts.
+    /// Substeps limited by gaps only, as suits contacts.
     pub const UNLIMITED: Self = Self { tolerance: f64::INFINITY, gap_fraction: 0.5 };
 }
 
@@ -49,7 +50,7 @@ impl Default for Adaptive {
 }
 
 impl Integrator {
-    /// With contacts, which make errors of their own where they stick and slide, errors need not limit substeps.
+    /// With contacts, whose sticking and sliding cause errors of their own, the error tolerance may be infinite.
     pub(super) fn check(&self, with_contacts: bool) -> Result<(), ParameterError> {
         match self {
             Self::AdamsBashforth { order } if !(2..=4).contains(order) => {

@@ -1,4 +1,4 @@
-//! What a suspension consists of and how it moves: parameters, and the model that they make once they are checked.
+//! Parameters of a suspension, and the model: parameters that have been checked.
 
 mod attraction;
 mod bonds;
@@ -38,59 +38,59 @@ pub use statistics::{Axis, Statistics};
 use std::ops::Deref;
 pub use traps::{Centres, Trapped, Traps};
 
-/// What a suspension consists of and how it moves. Keys in the messages of [`Model::new`] are those of a scene.
+/// Parameters of a suspension. The keys in the messages of [`Model::new`] are those of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// The box, at the strain with which it starts; in an extension that of [`Extension::cell`], unless the fluid is open.
+    /// The box at its initial strain; in an extension one made by [`Extension::cell`], unless the fluid is open.
     pub cell: PeriodicBox,
-    /// From the axes of whoever gave the parameters, and looks at the run, to those of the box, in which all vectors here are; see
-    /// [`Parameters::turned`].
+    /// Rotation from the user's axes, in which parameters are given and results are shown, to the axes of the box, in
+    /// which all vectors of this struct are; see [`Parameters::turned`].
     pub turn: Turn,
     /// Viscosity of the fluid.
     pub viscosity: f64,
-    /// The thermal energy `kT`, by which spheres diffuse; without, they do not.
+    /// Thermal energy `kT`; `None` for no Brownian motion.
     pub thermal_energy: Option<f64>,
     /// Acceleration of gravity.
     pub gravity: Vector,
-    /// The kinds of spheres.
+    /// The species of spheres.
     pub species: Vec<Species>,
-    /// Where the spheres are at first.
+    /// Initial positions.
     pub start: Start,
-    /// The background flow.
+    /// Background flow.
     pub flow: Flow,
-    /// How the rate of the flow changes.
+    /// Course of the flow rate in time.
     pub protocol: Protocol,
-    /// What keeps spheres apart.
+    /// Repulsion between spheres.
     pub repulsion: Option<Repulsion>,
-    /// How spheres attract each other.
+    /// Attraction between spheres.
     pub attraction: Option<Attraction>,
-    /// How rough spheres touch; without, they are smooth.
+    /// Contacts of rough spheres; `None` for smooth spheres.
     pub contacts: Option<Contacts>,
     /// Bonds between listed spheres.
     pub bonds: Vec<Bonds>,
     /// Harmonic traps.
     pub traps: Vec<Traps>,
-    /// How the fluid is computed.
+    /// Parameters of the hydrodynamic interactions.
     pub hydrodynamics: Hydrodynamics,
-    /// The time step.
+    /// Time step.
     pub time_step: f64,
-    /// The last step, up to which memory is planned.
+    /// Number of the last step, up to which memory is planned.
     pub steps: u64,
-    /// The strain at which a run under a given stress ends, if that is before its last step.
+    /// Strain at which a run under a given stress ends, if it is reached before the last step.
     pub last_strain: Option<f64>,
-    /// How a step is taken.
+    /// Time integrator.
     pub integrator: Integrator,
-    /// What is averaged.
+    /// Averages to be taken.
     pub statistics: Option<Statistics>,
-    /// Whether velocity fields are wanted in the course of the run.
+    /// Whether velocity fields will be asked for during the run.
     pub fields: bool,
 }
 
 impl Parameters {
-    /// Spheres at random in a fluid at rest, with the tolerance of 1e-3; `steps` steps by the Adams-Bashforth method of
-    /// order 4.
+    /// Spheres at random positions in a fluid at rest, with a tolerance of 1e-3; `steps` steps by the fourth-order
+    /// Adams-Bashforth method.
     pub fn new(cell: PeriodicBox, viscosity: f64, species: Vec<Species>, (time_step, steps): (f64, u64)) -> Self {
         Self {
             seed: 0,
@@ -118,68 +118,68 @@ impl Parameters {
         }
     }
 
-    /// The axes of the user.
+    /// The user's axes.
     pub fn user_axes(&self) -> UserAxes {
         UserAxes::of(self)
     }
 
-    /// The rate of shear or of extension in time; 0 without a flow.
+    /// Rate of shear or extension as a function of time; 0 without a flow.
     pub fn shear_rates(&self) -> ShearRates {
         ShearRates::new(self.flow.rate(), self.protocol.clone(), self.time_step)
     }
 
-    /// The extension with which the box is stretched, if it is: one that repeats along all axes.
+    /// The extension by which the box is stretched; `None` if there is none or the box is not fully periodic.
     pub fn stretched_box(&self) -> Option<Extension> {
         self.flow.extension().filter(|_| self.cell.boundaries() == Boundaries::Periodic)
     }
 
-    /// The shortest lattice vector of the box at any time, of those along its edges.
+    /// Length of the shortest edge vector of the box at any time.
     pub fn shortest_vector(&self) -> f64 {
         self.stretched_box()
             .map_or_else(|| self.cell.edges().min_element(), |extension| extension.shortest_vector(&self.cell))
     }
 
-    /// The time at the end of the last step.
+    /// Time at the end of the last step.
     pub fn end(&self) -> f64 {
         self.steps as f64 * self.time_step
     }
 }
 
-/// The flow that would be there without the spheres.
+/// Background flow, undisturbed by the spheres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Flow {
-    /// None.
+    /// Fluid at rest.
     None,
     /// `u = rate y e_x`, or `u = rate z e_x` between walls.
     Shear {
-        /// One over time; at the start, where it changes.
+        /// Shear rate (1/time); the initial one, if it changes.
         rate: f64,
-        /// Whether the box shears with the flow, so that images of spheres move with it.
+        /// Whether the box shears with the flow, so that images of spheres move with it (Lees-Edwards).
         lees_edwards: bool,
     },
     /// Between walls, `u = pressure_gradient z (Lz - z) / (2 viscosity) e_x`.
     Poiseuille {
-        /// By how much the pressure falls per length along x.
+        /// Pressure drop per length along x.
         pressure_gradient: f64,
     },
-    /// Between walls, with `u = 6 mean_velocity z (Lz - z) / Lz^2 e_x` without the spheres: whatever pressure gradient along x is
-    /// needed keeps the mean velocity along x, of fluid and spheres together.
+    /// Between walls, `u = 6 mean_velocity z (Lz - z) / Lz^2 e_x` without the spheres. The pressure gradient along x
+    /// adjusts to keep the mean velocity along x of fluid and spheres together.
     ConstantFlux {
-        /// Flux over the area that it goes through.
+        /// Flux over the area of the cross-section.
         mean_velocity: f64,
     },
-    /// One that stretches: in a box that is stretched with it, or in open fluid.
+    /// Extensional flow: in a box that stretches with it, or in open fluid.
     Extension {
-        /// Which one.
+        /// Kind of extension.
         kind: Extension,
-        /// One over time; at the start, where it changes.
+        /// Rate of extension (1/time); the initial one, if it changes.
         rate: f64,
     },
 }
 
 impl Flow {
-    /// Its rate, at the start where it changes; 0 without a flow, and in those by pressure gradients.
+    /// Rate of shear or extension, the initial one if it changes; 0 for all other flows.
     pub fn rate(&self) -> f64 {
         match *self {
             Self::None | Self::Poiseuille { .. } | Self::ConstantFlux { .. } => 0.0,
@@ -187,7 +187,7 @@ impl Flow {
         }
     }
 
-    /// The curvature `-u''` of the parabola that it is between walls at a distance `height`, if it is one.
+    /// Curvature `-u''` of a parabolic profile between walls at a distance `height`; `None` for other flows.
     pub fn curvature(&self, viscosity: f64, height: f64) -> Option<f64> {
         match *self {
             Self::Poiseuille { pressure_gradient } => Some(pressure_gradient / viscosity),
@@ -196,63 +196,64 @@ impl Flow {
         }
     }
 
-    /// Whether its flux is given, and the pressure gradient follows.
+    /// Whether the flux is given rather than the pressure gradient.
     pub fn keeps_flux(&self) -> bool {
         matches!(self, Self::ConstantFlux { .. })
     }
 
-    /// The extension, if it is one.
+    /// The kind of extension, if the flow is one.
     pub fn extension(&self) -> Option<Extension> {
         if let Self::Extension { kind, .. } = *self { Some(kind) } else { None }
     }
 
-    /// The flow of this kind at a rate.
+    /// A flow of this kind at a given rate.
     pub fn at_rate(&self, rate: f64) -> BackgroundFlow {
         self.extension().map_or_else(|| BackgroundFlow::shear(rate), |kind| kind.flow(rate))
     }
 
-    /// The rate of the shear that dissipates as much as this flow at a rate, `sqrt(2 E : E)`.
+    /// Rate of the simple shear with equal dissipation, `sqrt(2 E : E)`, for this flow at a rate.
     pub fn as_shear(&self, rate: f64) -> f64 {
         self.extension().map_or(rate, |kind| kind.as_shear() * rate)
     }
 
-    /// The part of a stress that drives it, viscosity times rate in a fluid alone: with `e` the rate of strain over the rate,
-    /// `s : e / (2 e : e)`, which in a shear flow along x is the component `s_xy`, or `s_xz` where z is its gradient axis.
+    /// Component of a stress along the rate of strain, viscosity times rate in pure fluid: with `e` the rate of strain
+    /// over the rate, `s : e / (2 e : e)`. In a shear flow along x it is `s_xy`, or `s_xz` if `gradient` is the z axis.
     pub fn driving_stress(&self, stress: &Tensor, gradient: usize) -> f64 {
         let diagonal = || [stress.x_axis.x, stress.y_axis.y, stress.z_axis.z];
         self.extension().map_or(stress.col(gradient).x, |kind| kind.driving_stress(diagonal()))
     }
 }
 
-/// Repulsion, by a barrier or of charged spheres.
+/// Repulsion by a short-range barrier or by screened charges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Repulsion {
-    /// Force at contact, over the `radius_power`-th power of the harmonic mean radius of the two.
+    /// Force at contact, over the `radius_power`-th power of the pair's harmonic mean radius.
     pub strength: f64,
-    /// The power, 0, 1 or 2, of the harmonic mean radius with which the force grows.
+    /// Exponent, 0, 1 or 2, with which the force grows with the harmonic mean radius.
     pub radius_power: u8,
-    /// The gap where it starts over the mean radius of the two; what suits the hydrodynamics where there is none.
+    /// Gap at which a barrier starts, over the pair's mean radius; `None` for the default, which depends on
+    /// lubrication.
     pub range: Option<f64>,
-    /// The Debye length of charged spheres, whose repulsion falls exponentially with the gap; `None` for a barrier.
+    /// Debye length of charged spheres, whose repulsion decays exponentially with the gap; `None` for a barrier.
     pub screening_length: Option<f64>,
-    /// Whether the strength is only where the search for the least sufficient one starts.
+    /// Whether `strength` is only the start of a search for the least sufficient strength.
     pub calibrate: bool,
 }
 
 impl Repulsion {
-    /// The same force at contact for all, over the range that suits the hydrodynamics.
+    /// A barrier with the same force at contact for all pairs and the default range.
     pub fn new(strength: f64) -> Self {
         Self { strength, radius_power: 0, range: None, screening_length: None, calibrate: false }
     }
 }
 
-/// Parameters that have been checked: every number is in its range. They can be read, and changed in a copy of the
-/// [`Parameters`] that is checked again.
+/// Parameters that have been checked. They are read through `Deref`; to change them, change a copy of the
+/// [`Parameters`] and check it again.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model(Parameters);
 
 impl Model {
-    /// The model of parameters in their ranges.
+    /// Checks the parameters.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         check::check(&parameters)?;
         Ok(Self(parameters))
@@ -263,14 +264,14 @@ impl Model {
         self.hydrodynamics.lubrication || matches!(self.integrator, Integrator::Implicit(_))
     }
 
-    /// Numbers of a particle in the column of bonds: slots for as many as any sphere has.
+    /// Width of the column of bonds: room for the largest number of bonds that any sphere has.
     pub(crate) fn bond_numbers(&self) -> usize {
         let mut ids: Vec<u64> = self.bonds.iter().flat_map(|bonds| bonds.pairs.as_flattened()).copied().collect();
         ids.sort_unstable();
         BOND_NUMBERS * ids.chunk_by(|a, b| a == b).map(<[u64]>::len).max().unwrap_or(0)
     }
 
-    /// The axis along which the species' steady forces, added up by their sizes, act most; `None` without forces.
+    /// Axis with the largest component of the steady forces, summed over the species; `None` without forces.
     pub fn force_axis(&self) -> Option<usize> {
         let sum: Vector = self.species.iter().map(|s| s.force_on(s.radius, self.gravity).abs()).sum();
         let most = (0..3).max_by(|&a, &b| sum[a].total_cmp(&sum[b]));

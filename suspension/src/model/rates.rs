@@ -1,37 +1,37 @@
-//! A rate of shear that changes in the course of a run.
+//! Shear rates that change in the course of a run.
 
 use domain::{Number, ParameterError};
 use std::f64::consts::FRAC_PI_2;
 
-/// A change of the rate of shear at the beginning of a step.
+/// Change of the shear rate at the beginning of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RateChange {
-    /// The step.
+    /// Number of the step.
     pub step: u64,
-    /// The rate from then on.
+    /// Rate from then on.
     pub rate: f64,
 }
 
-/// How the rate of shear changes in the course of a run.
+/// Course of the shear rate during a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Protocol {
-    /// It has the rate of the flow, and these later, in their order.
+    /// The rate of the flow at first, then these rates in their order.
     Steps(Vec<RateChange>),
-    /// It is `rate cos(frequency t)`, so that the strain is `rate / frequency sin(frequency t)`.
+    /// `rate cos(frequency t)`, with the strain `rate / frequency sin(frequency t)`.
     Oscillation {
-        /// Angular frequency, one over time.
+        /// Angular frequency (1/time).
         frequency: f64,
     },
-    /// It is what this shear stress makes it, about the rate of the flow at first.
+    /// The rate that results from a given shear stress; the rate of the flow is the first guess.
     Stress(f64),
 }
 
 impl Protocol {
-    /// The rate of the flow and no other.
+    /// Constant rate.
     pub const STEADY: Self = Self::Steps(Vec::new());
 }
 
-/// The rate of shear in time.
+/// Shear rate as a function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShearRates {
     first: f64,
@@ -40,25 +40,25 @@ pub struct ShearRates {
 }
 
 impl ShearRates {
-    /// A first rate and how it changes, in steps of a length.
+    /// Rates from a first one, a protocol and the time step.
     pub fn new(first: f64, protocol: Protocol, time_step: f64) -> Self {
         Self { first, protocol, time_step }
     }
 
-    /// The rate during the step that ends with `step`, or at that moment if it changes all the time, and the step at which it
-    /// began; at step 0 the first one.
+    /// The rate during the step that ends with `step` (at its end, if the rate varies continuously) and the step at
+    /// which this rate began; at step 0 the first rate.
     pub fn before(&self, step: u64) -> (f64, u64) {
         let last = self.changes().iter().rev().find(|change| change.step < step);
         let began = last.map_or(0, |change| change.step);
         (self.before_time(step as f64 * self.time_step), began)
     }
 
-    /// The rate to which that changes at a step, if it does.
+    /// The new rate if the rate changes at the beginning of `step`.
     pub fn changed_at(&self, step: u64) -> Option<f64> {
         self.changes().iter().find(|change| change.step == step).map(|change| change.rate)
     }
 
-    /// The rate shortly before a time.
+    /// Rate just before a time.
     pub fn before_time(&self, time: f64) -> f64 {
         match &self.protocol {
             Protocol::Steps(changes) => {
@@ -70,7 +70,7 @@ impl ShearRates {
         }
     }
 
-    /// The strain at a time.
+    /// Strain at a time.
     pub fn strain(&self, time: f64) -> f64 {
         if let Protocol::Oscillation { frequency } = self.protocol {
             return self.first / frequency * (frequency * time).sin();
@@ -84,27 +84,27 @@ impl ShearRates {
         strain + rate * (time - since)
     }
 
-    /// Whether it is always the same.
+    /// Whether the rate is constant.
     pub fn is_constant(&self) -> bool {
         self.protocol == Protocol::STEADY
     }
 
-    /// The angular frequency, if it oscillates.
+    /// Angular frequency of an oscillation.
     pub fn frequency(&self) -> Option<f64> {
         if let Protocol::Oscillation { frequency } = self.protocol { Some(frequency) } else { None }
     }
 
-    /// The shear stress, if that is given.
+    /// Shear stress, if the protocol gives one.
     pub fn stress(&self) -> Option<f64> {
         if let Protocol::Stress(stress) = self.protocol { Some(stress) } else { None }
     }
 
-    /// The largest rate, without its sign.
+    /// Largest magnitude of the rate.
     pub fn largest(&self) -> f64 {
         self.changes().iter().map(|change| change.rate.abs()).fold(self.first.abs(), f64::max)
     }
 
-    /// The largest strain at any time up to one, without its sign.
+    /// Largest magnitude of the strain up to time `end`.
     pub fn largest_strain(&self, end: f64) -> f64 {
         if let Protocol::Oscillation { frequency } = self.protocol {
             return self.strain(end.min(FRAC_PI_2 / frequency)).abs();

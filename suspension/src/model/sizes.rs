@@ -1,53 +1,54 @@
-//! Distributions of radii as few classes.
+//! Size distributions, represented by a few classes.
 
 use domain::{Number, ParameterError};
 
-/// A distribution of radii, by number.
+/// Number distribution of the radii.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SizeDistribution {
-    /// The logarithm is distributed normally.
+    /// Log-normal distribution.
     LogNormal {
         /// Mean radius.
         mean: f64,
         /// Standard deviation of the radius.
         deviation: f64,
     },
-    /// The density goes with a power of the radius.
+    /// Density proportional to a power of the radius.
     PowerLaw {
-        /// The smallest radius.
+        /// Smallest radius.
         smallest: f64,
-        /// The largest radius.
+        /// Largest radius.
         largest: f64,
-        /// The power: -3 for as much surface in each range of radii, -4 for as much volume.
+        /// Exponent: with -3 each logarithmic range of radii has the same surface, with -4 the same volume.
         exponent: f64,
     },
-    /// Radii and how many there are of each, relative to each other.
+    /// Rows of a radius and the relative number of spheres of that radius.
     Table(Vec<[f64; 2]>),
 }
 
-/// Spheres of one radius that stand for a range of them.
+/// Class of spheres of one radius, representing a range of radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeClass {
-    /// Their radius.
+    /// Radius of the class.
     pub radius: f64,
-    /// Their share, by number.
+    /// Number fraction of the class.
     pub share: f64,
 }
 
-/// The most classes: a few have the same moments as a distribution, and more are like no fewer.
+/// Largest number of classes: a few already match the moments of the distribution.
 pub const MOST_CLASSES: usize = 12;
 
-/// Points at which a density is taken, and standard deviations of the logarithm on either side of its mean.
+/// Points at which a density is sampled, and the sampled standard deviations of the logarithm on either side of its
+/// mean.
 const POINTS: usize = 4000;
 const DEVIATIONS: f64 = 7.0;
 
-/// Halvings of the range in which a radius is sought.
+/// Bisection steps for each radius.
 const HALVINGS: usize = 80;
 
 impl SizeDistribution {
-    /// `classes` radii and shares with the same moments as the distribution, from the 0th to that of order
-    /// `2 classes - 1`: the nodes and weights of its Gauss quadrature (Golub & Welsch, Math. Comp. 23, 221, 1969). Keys in
-    /// messages follow `key`.
+    /// `classes` radii and number fractions with the same moments as the distribution, from order 0 to `2 classes - 1`:
+    /// nodes and weights of its Gauss quadrature (Golub & Welsch, Math. Comp. 23, 221, 1969). `key` is the prefix of
+    /// the keys in messages.
     pub fn classes(&self, classes: usize, key: &str) -> Result<Vec<SizeClass>, ParameterError> {
         self.check(key)?;
         if !(1..=MOST_CLASSES).contains(&classes) {
@@ -91,7 +92,7 @@ impl SizeDistribution {
         }
     }
 
-    /// Radii, ascending, and their shares: a table's own, or those of many small ranges.
+    /// Ascending radii and their fractions: the rows of a table, or the samples of a density.
     fn points(&self) -> Vec<SizeClass> {
         let mut points: Vec<SizeClass> = match self {
             Self::LogNormal { mean, deviation } => {
@@ -122,9 +123,9 @@ fn midpoints([from, to]: [f64; 2]) -> impl Iterator<Item = f64> {
     (0..POINTS).map(move |k| from + (to - from) * (k as f64 + 0.5) / POINTS as f64)
 }
 
-/// The Gauss quadrature of points: their orthonormal polynomials by the procedure of Stieltjes, with the coefficients
-/// `b_k p_k = (x - a_{k-1}) p_{k-1} - b_{k-1} p_{k-2}`; its nodes are the eigenvalues of the matrix that has `a` on the
-/// diagonal and `b` beside it.
+/// Gauss quadrature of a discrete measure: its orthonormal polynomials by Stieltjes's procedure,
+/// `b_k p_k = (x - a_{k-1}) p_{k-1} - b_{k-1} p_{k-2}`. The nodes are the eigenvalues of the Jacobi matrix with `a` on
+/// the diagonal and `b` beside it.
 fn quadrature(points: &[SizeClass], classes: usize) -> Vec<SizeClass> {
     let (mut diagonal, mut beside) = (Vec::new(), Vec::new());
     let (mut before, mut values) = (vec![0.0; points.len()], vec![1.0; points.len()]);
@@ -143,8 +144,8 @@ fn quadrature(points: &[SizeClass], classes: usize) -> Vec<SizeClass> {
     (0..classes).map(|k| class(k, range, (&diagonal, &beside))).collect()
 }
 
-/// The class of the `k`-th smallest node, found by how many are below a radius; its share is one over the sum of the squares
-/// of the orthonormal polynomials there.
+/// The class of the `k`-th smallest node, found by bisection on the number of eigenvalues below a radius (Sturm
+/// sequence). Its fraction is the inverse sum of squares of the orthonormal polynomials at the node.
 fn class(k: usize, [mut low, mut high]: [f64; 2], (diagonal, beside): (&[f64], &[f64])) -> SizeClass {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
@@ -174,14 +175,14 @@ mod tests {
         classes.iter().map(|class| class.share * class.radius.powi(order)).sum()
     }
 
-    /// Of the log-normal distribution the moment of order n is `mean^n (1 + (deviation / mean)^2)^(n (n - 1) / 2)`.
+    /// The moment of order n of the log-normal distribution is `mean^n (1 + (deviation / mean)^2)^(n (n - 1) / 2)`.
     #[test]
     fn classes_have_the_moments_of_the_distribution() {
         let classes = SizeDistribution::LogNormal { mean: 2.0, deviation: 0.5 }.classes(4, "d").unwrap();
         for order in 0..8 {
             let exact = 2.0_f64.powi(order) * 1.0625_f64.powi(order * (order - 1) / 2);
             let error = moment(&classes, order) / exact - 1.0;
-            // Less than what is cut off beyond seven standard deviations.
+            // Bounds the truncation beyond seven standard deviations.
             assert!(error.abs() < 1e-6, "{order}: {error}");
         }
         let classes =

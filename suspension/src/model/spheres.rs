@@ -1,72 +1,72 @@
-//! The spheres: their species and where they start.
+//! Species and initial positions of the spheres.
 
 use super::Parameters;
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector};
 use hydrodynamics::lengths::check_radius;
 
-/// The largest volume fraction that spheres may have together.
+/// Upper bound of the total volume fraction of the spheres.
 pub const MAX_FRACTION: f64 = 0.64;
 
-/// Rows of particles are numbered in 32 bits.
+/// Largest number of spheres: rows of particles are numbered in 32 bits.
 pub const MAX_SPHERES: f64 = u32::MAX as f64;
 
-/// A kind of spheres.
+/// A species of spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Species {
-    /// Its name in tables.
+    /// Name in tables.
     pub name: String,
     /// Radius.
     pub radius: f64,
-    /// How many; `None` where whoever brings the positions says it.
+    /// Number of spheres; `None` if it follows from positions that are provided later.
     pub count: Option<u64>,
-    /// Density less that of the fluid.
+    /// Density of the spheres minus that of the fluid.
     pub density_difference: f64,
-    /// Steady force on each, besides its weight.
+    /// Steady force on each sphere, in addition to its weight.
     pub force: Vector,
-    /// Steady torque on each.
+    /// Steady torque on each sphere.
     pub torque: Vector,
 }
 
-/// Where the spheres are at first.
+/// Initial positions of the spheres.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Start {
-    /// At random without overlap.
+    /// Random positions without overlap.
     Random {
         /// Smallest gap between surfaces.
         minimum_gap: f64,
     },
-    /// At random without overlap, with their centres in a ball around the origin, in open fluid.
+    /// Random positions without overlap, with the centres in a ball around the origin, in open fluid.
     Cloud {
         /// Radius of the ball.
         radius: f64,
         /// Smallest gap between surfaces.
         minimum_gap: f64,
     },
-    /// On a lattice, the species mixed at random.
+    /// Sites of a lattice, with the species mixed at random.
     Lattice(Lattice),
-    /// At these places, species by species.
+    /// These positions, species by species.
     Positions(Vec<Vector>),
-    /// Where whoever starts the run says.
+    /// Positions provided by the caller that starts the run.
     Given,
 }
 
 /// Cubic lattices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lattice {
-    /// One site a cell.
+    /// One site per cell.
     SimpleCubic,
-    /// Four sites a cell.
+    /// Four sites per cell.
     FaceCentredCubic,
 }
 
 impl Species {
-    /// So many spheres of a radius, on which nothing acts.
+    /// `count` spheres of a radius without loads.
     pub fn new(name: &str, radius: f64, count: u64) -> Self {
         let (force, torque) = (Vector::ZERO, Vector::ZERO);
         Self { name: name.to_owned(), radius, count: Some(count), density_difference: 0.0, force, torque }
     }
 
-    /// The steady force on a sphere of this species and of the given radius: its own, and its weight less its buoyancy.
+    /// Steady force on a sphere of this species and of the given radius: its own force plus weight minus buoyancy.
     pub fn force_on(&self, radius: f64, gravity: Vector) -> Vector {
         self.force + gravity * (self.density_difference * volume(radius))
     }
@@ -97,7 +97,7 @@ impl Species {
     }
 }
 
-/// Checks what species have to be together, in a box whose shortest lattice vector is known.
+/// Checks all species together, in a box whose shortest lattice vector is `shortest`.
 pub(super) fn check_species(p: &Parameters, shortest: f64) -> Result<(), ParameterError> {
     let (species, cell) = (&p.species, &p.cell);
     if species.is_empty() {
@@ -120,7 +120,7 @@ fn check_filling(species: &[Species], cell: &PeriodicBox) -> Result<(), Paramete
         return Err(ParameterError::new("species", format!("is a list of several: {}", too_many(total))));
     }
     let fraction = species.iter().map(|s| count(s) * volume(s.radius)).sum::<f64>() / cell.volume();
-    // In open fluid spheres need not be in the box, and where they are placed in it that is refused there.
+    // In open fluid spheres may lie outside of the box; the random placement itself refuses a box that is too full.
     if fraction >= MAX_FRACTION && cell.boundaries() != Boundaries::Open {
         let filled = Number(fraction);
         let message = format!("fill {filled:.3} of the box together; spheres need less than {MAX_FRACTION}");
@@ -153,12 +153,12 @@ impl Start {
         }
     }
 
-    /// The radius of the ball in which spheres start, if it is one.
+    /// Radius of the ball in which the spheres of a cloud start.
     pub fn ball(&self) -> Option<f64> {
         if let Self::Cloud { radius, .. } = *self { Some(radius) } else { None }
     }
 
-    /// Only whoever brings positions may leave out how many spheres there are.
+    /// The number of spheres may be missing only if positions are provided later.
     fn check_counts(&self, species: &[Species]) -> Result<(), ParameterError> {
         let uncounted = species.iter().position(|s| s.count.is_none() && *self != Self::Given);
         uncounted.map_or(Ok(()), |index| {
@@ -167,7 +167,7 @@ impl Start {
     }
 }
 
-/// A cloud is in open fluid.
+/// A cloud needs open fluid.
 fn check_open(cell: &PeriodicBox) -> Result<(), ParameterError> {
     if cell.boundaries() == Boundaries::Open {
         return Ok(());

@@ -1,22 +1,22 @@
-//! What is averaged in the course of a run.
+//! Statistics that are accumulated in the course of a run.
 
 use domain::{Boundaries, Number, ParameterError, PeriodicBox};
 use simulation::Schedule;
 
-/// What is averaged in the course of a run, and when.
+/// Statistics that are accumulated in the course of a run, and the times of their samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
-    /// When samples are taken.
+    /// Times of the samples.
     pub samples: Schedule,
-    /// The time of the first sample.
+    /// Time of the first sample.
     pub from: f64,
-    /// The largest distance of pairs whose distribution is wanted; 8 of the largest radius where there is none.
+    /// Largest distance of the pair distribution; by default 8 times the largest radius.
     pub distance: Option<f64>,
-    /// The axis of concentration and segregation; that of the forces or of the gradient where there is none.
+    /// Axis of concentration and segregation; by default that of the forces or of the gradient.
     pub axis: Option<Axis>,
-    /// How many bins there are across a channel; four to the smallest radius where there is no number.
+    /// Number of bins across a channel; by default four per smallest radius.
     pub bins: Option<usize>,
-    /// The time lag from which motion is diffusive; a quarter of the time taken in where there is none.
+    /// Time lag from which motion counts as diffusive; by default a quarter of the sampled time.
     pub diffusive_from: Option<f64>,
 }
 
@@ -31,14 +31,14 @@ pub enum Axis {
     Z,
 }
 
-/// The least distance of pairs that is told apart, over the box's shortest edge.
+/// Shortest distance of the pair distribution, over the shortest edge of the box.
 const SHORTEST: f64 = 1e-6;
 
-/// The most bins of a profile.
+/// Largest number of bins of a profile.
 const MOST_BINS: usize = 1024;
 
 impl Statistics {
-    /// Samples of every frame, and defaults.
+    /// A sample at every frame, and defaults.
     pub const ALL: Self =
         Self { samples: Schedule::EVERY_TIME, from: 0.0, distance: None, axis: None, bins: None, diffusive_from: None };
 
@@ -54,7 +54,7 @@ impl Statistics {
         lag.transpose().map(drop)
     }
 
-    /// Pairs are of boxes that repeat along all axes, bins of those with a wall or one open axis.
+    /// The pair distribution needs a fully periodic box; bins need a wall or one open axis.
     fn check_boundaries(&self, cell: &PeriodicBox) -> Result<(), ParameterError> {
         let is_periodic = cell.boundaries() == Boundaries::Periodic;
         if self.distance.is_some() && !is_periodic {
@@ -74,7 +74,7 @@ impl Statistics {
         }
     }
 
-    /// A warning if no sample is due until the end of a run of so many steps.
+    /// A warning if no sample is due in a run of `steps` steps.
     pub(crate) fn caution(&self, time_step: f64, steps: u64) -> Option<String> {
         if self.samples_until(time_step, steps) > 0 {
             return None;
@@ -92,10 +92,10 @@ impl Statistics {
         })
     }
 
-    /// Samples that are due from step 0 to a last step: at times from `from` on.
+    /// Number of samples due from step 0 to step `steps`, at times not before `from`.
     fn samples_until(&self, time_step: f64, steps: u64) -> u64 {
         let first = (self.from / time_step).ceil().max(0.0);
-        // The time of a step, a product, may be a little above or below that of the division.
+        // Rounding: `step * time_step` may differ in the last bit from the quotient's inverse.
         let first = if (first - 1.0) * time_step >= self.from { first - 1.0 } else { first };
         let first = if first * time_step < self.from { first + 1.0 } else { first }.max(0.0);
         if first > steps as f64 {
@@ -105,7 +105,7 @@ impl Statistics {
         self.samples.count_until(steps) - before
     }
 
-    /// Whether pairs in a box can be told apart up to a distance; if not, what is wrong with it.
+    /// Whether the pair distribution can extend to a distance in a box; if not, the error message.
     pub fn check_distance(distance: f64, cell: &PeriodicBox) -> Result<(), String> {
         let shortest = cell.edges().min_element();
         let (found, least, most) = (Number(distance), Number(SHORTEST * shortest), Number(shortest));

@@ -5,42 +5,41 @@ use super::bonds::{counted, unless_known};
 use crate::user_axes::UserAxes;
 use domain::{Number, ParameterError, Vector};
 
-/// A harmonic trap for each of some spheres: the force `-stiffness (x - centre)`.
+/// Harmonic traps, one for each of some spheres, with the force `-stiffness (x - centre)`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Traps {
-    /// Which spheres.
+    /// The trapped spheres.
     pub of: Trapped,
-    /// Where.
+    /// Centres of the traps.
     pub centres: Centres,
-    /// Force over the distance from the centre.
+    /// Spring constant: force over the distance from the centre.
     pub stiffness: f64,
 }
 
-/// Which spheres are trapped.
+/// The trapped spheres.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Trapped {
-    /// All.
+    /// All spheres.
     All,
-    /// Those of a species, by its place in the list of species.
+    /// All spheres of a species, given by its index in the list of species.
     Species(u32),
-    /// Those of some ids, counted from 0 as species or a list of positions have them.
+    /// Spheres with these ids, counted from 0 in the order of the species or of the list of positions.
     Spheres(Vec<u64>),
 }
 
-/// Where traps are.
+/// Centres of the traps.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Centres {
-    /// Each where its sphere starts.
+    /// Each trap is centred at the initial position of its sphere.
     AtStart,
-    /// All at one place.
+    /// One centre for all.
     One(Vector),
-    /// One for each sphere, in the order of the ids listed.
+    /// One centre for each sphere, in the order of the listed ids.
     Each(Vec<Vector>),
 }
 
 impl Traps {
-    /// The centre for a sphere of some id and species, as its place in a list of its own says it; `None` if it is not
-    /// trapped.
+    /// Index of the trap of a sphere in the list of centres; `None` if the sphere is not trapped.
     pub(crate) fn place_of(&self, id: u64, species: u32) -> Option<usize> {
         match &self.of {
             Trapped::All => Some(0),
@@ -49,7 +48,7 @@ impl Traps {
         }
     }
 
-    /// Refuses ids that none of so many spheres has, in the traps at a place in the model.
+    /// Refuses ids beyond the last of `count` spheres; `index` is the position of these traps in the model.
     pub(crate) fn check_ids(&self, index: usize, count: u64) -> Result<(), ParameterError> {
         match &self.of {
             Trapped::Spheres(ids) => unless_known(&format!("traps[{index}].particles"), ids, count),
@@ -89,7 +88,7 @@ impl Traps {
         Ok(())
     }
 
-    /// Ids and species that it names, each in numbers of their own.
+    /// The trapped ids (as `[1, id]`) and species (as `[0, species]`).
     fn named(&self, p: &Parameters) -> Vec<[u64; 2]> {
         match &self.of {
             Trapped::All => (0..p.species.len() as u64).map(|species| [0, species]).collect(),

@@ -1,27 +1,27 @@
-//! Displacements of spheres by forces in a step.
+//! Displacements of spheres by steady forces in one step.
 
 use super::{Parameters, Species};
 use domain::{Number, ParameterError, Vector};
 use std::f64::consts::PI;
 
-/// Lengths of the box through which a sphere alone may go in a step at most.
+/// Largest displacement of an isolated sphere in a step, over the longest edge of the box.
 const MOST_LENGTHS: f64 = 100.0;
 
 impl Parameters {
-    /// Displacement in a step of a sphere alone under the steady force of its species.
+    /// Displacement in one step of an isolated sphere under the steady force of its species.
     pub(crate) fn travel(&self, species: &Species) -> f64 {
         let force = species.force_on(species.radius, self.gravity).length();
         force / (6.0 * PI * self.viscosity * species.radius) * self.time_step
     }
 }
 
-/// Refuses forces that move spheres through the box again and again in one step: no step can be divided into parts that are short
-/// enough to see them pass each other.
+/// Refuses forces that would move spheres through the box many times in one step: no division into substeps could
+/// resolve how they pass each other.
 pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     let most = MOST_LENGTHS * p.cell.edges().max_element();
     for (index, species) in p.species.iter().enumerate() {
         let travel = p.travel(species);
-        // One that is no number is refused, too.
+        // Also refuses NaN.
         if travel <= most {
             continue;
         }

@@ -1,14 +1,13 @@
-//! Suspensions in boxes whose special axis is not z for their user.
+//! Suspensions in boxes whose special axis is not the user's z axis.
 
 use super::{Axis, Centres, Parameters, Start};
 use domain::{Turn, Vector};
 
 impl Parameters {
-    /// The same suspension in the axes of its box, where the box is in them already and all else, as vectors, places and whatever is
-    /// said of each axis, is in those of a user, which the turn makes those of the box. What is observed of a run is in the axes
-    /// of the user again.
+    /// The same suspension with all vectors, positions and per-axis parameters rotated from the user's axes to those of
+    /// the box. The box itself is already in its own axes. Results of a run are rotated back to the user's axes.
     ///
-    /// A shear flow and that of a pressure gradient are along the axis that becomes x.
+    /// Shear flows and pressure-driven flows are along the axis that becomes x.
     #[must_use]
     pub fn turned(mut self, turn: Turn) -> Self {
         if turn.is_none() {

@@ -1,4 +1,4 @@
-//! The flow without spheres, which velocities are relative to, in the axes of the user.
+//! Background flow without spheres, relative to which velocities are averaged, in the user's axes.
 
 use crate::model::{Flow, Model};
 use crate::setup::profile;
@@ -10,7 +10,7 @@ use solver::BackgroundFlow;
 /// The flows of a scene at any rate.
 pub struct Flows {
     kind: Flow,
-    /// Whether the flow grows along z, between walls.
+    /// Whether the gradient is along z, between walls.
     is_couette: bool,
     profile: Option<Poiseuille>,
     axes: UserAxes,
@@ -25,7 +25,7 @@ pub struct Background {
 }
 
 impl Flows {
-    /// Those of a scene.
+    /// The flows of a model.
     pub fn of(model: &Model) -> Self {
         let is_couette = model.cell.gradient_axis() == 2;
         Self { kind: model.flow, is_couette, profile: profile(model), axes: model.user_axes() }
@@ -41,7 +41,7 @@ impl Flows {
         Background { flow: self.linear(rate), profile: self.profile, axes: self.axes }
     }
 
-    /// Along which axes it carries spheres when it has a rate.
+    /// Whether the flow moves spheres along each of the user's axes.
     pub fn carries(&self, rate: f64) -> [bool; 3] {
         let gradient = self.linear(rate).gradient();
         let of_box = |axis: usize| gradient.row(axis) != Vector::ZERO || (axis == 0 && self.profile.is_some());
@@ -50,14 +50,14 @@ impl Flows {
 }
 
 impl Background {
-    /// The velocity of a free sphere of a radius in the flow.
+    /// Velocity of a free sphere in the flow.
     pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
         let place = self.axes.place_in(place);
         let linear = self.flow.velocity(place);
         self.axes.vector(self.profile.map_or(linear, |profile| linear + profile.velocity_of(place.z, radius)))
     }
 
-    /// Its angular velocity.
+    /// Angular velocity of a free sphere in the flow.
     pub fn angular_velocity_at(&self, place: Vector) -> Vector {
         let linear = self.flow.angular_velocity();
         let height = self.axes.place_in(place).z;

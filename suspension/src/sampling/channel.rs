@@ -1,4 +1,4 @@
-//! Profiles between walls, above one, or through a layer in unbounded fluid.
+//! Profiles between walls, above a wall, or through a layer in unbounded fluid.
 
 use super::column;
 use super::vectors::in_parts;
@@ -8,20 +8,20 @@ use domain::{Boundaries, IdBlocks, Particles, Tensor, Traceless, Vector};
 use statistics::{ChannelProfile, ChannelSample};
 use std::ops::Range;
 
-/// The columns that a sample needs besides [`super::COLUMNS`], the last one where there are forces between spheres.
+/// Columns that a sample needs in addition to [`super::COLUMNS`]; the last one only with forces between spheres.
 pub const MORE_COLUMNS: [&str; 2] = [STRESSLET, PAIR_MOMENT];
 
-/// A profile along the axis that does not repeat, from the wall at 0 on, or around the middle of a layer, wherever that is.
+/// Profile along the axis that is not periodic, from the wall at 0, or around the centre of a layer.
 pub struct Channel {
     pub profile: ChannelProfile,
-    /// Whether heights are those above the mean height of all centres.
+    /// Whether heights are relative to the mean height of all centres.
     is_layer: bool,
-    /// The user's axis along which heights are.
+    /// The user's axis along which heights are measured.
     pub axis: usize,
 }
 
 impl Channel {
-    /// Nothing so far; `None` in a box that repeats along all axes, and in open fluid.
+    /// A profile without samples; `None` in a fully periodic box and in open fluid.
     pub fn of(model: &Model, wanted: Wanted) -> Option<Self> {
         let count = bins(model, wanted)?;
         let is_layer = model.cell.boundaries() == Boundaries::OpenAlongZ;
@@ -32,7 +32,8 @@ impl Channel {
         Some(Self { profile, is_layer, axis: model.user_axes().axis(2) })
     }
 
-    /// Adds all spheres at one time, which move so relative to the flow, of which each rank brings those of its blocks. Collective.
+    /// Adds all spheres at one time; `slips` are velocities relative to the flow, and each rank adds the spheres of its
+    /// blocks. Collective.
     pub fn add(&mut self, (blocks, rows): (&IdBlocks, &[Range<usize>]), particles: &Particles, slips: &[Vector]) {
         let mut heights: Vec<f64> = particles.positions.iter().map(|x| x[self.axis]).collect();
         if self.is_layer {
@@ -66,13 +67,13 @@ impl Channel {
     }
 }
 
-/// Bins of a radius of the smallest spheres, unless the scene says how many there are.
+/// Default number of bins per smallest radius.
 const PER_RADIUS: f64 = 4.0;
 
-/// How many bins there are unless the scene says it.
+/// Range of the default number of bins.
 const USUAL: [f64; 2] = [8.0, 256.0];
 
-/// The bins of a scene's profiles; `None` where there are none.
+/// Number of bins of a model's profiles; `None` without profiles.
 pub fn bins(model: &Model, wanted: Wanted) -> Option<usize> {
     if matches!(model.cell.boundaries(), Boundaries::Periodic | Boundaries::Open) {
         return None;

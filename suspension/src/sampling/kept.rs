@@ -1,4 +1,4 @@
-//! What statistics keep of particles, and its bytes.
+//! Per-particle state of the statistics, and its serialisation.
 
 use super::Statistics;
 use super::paths::Paths;
@@ -6,15 +6,16 @@ use domain::{Comm, PeriodicBox, Vector};
 use statistics::{Counts, Lagrangian, Profile, State, Store};
 use std::ops::Range;
 
-/// What is kept of the particles of a block of ids, in the order of these.
+/// State of the particles of a block of ids, in the order of the ids.
 pub struct Kept {
     pub paths: Paths,
     pub lagrangian: Lagrangian,
-    /// In a box that repeats along all axes.
+    /// Profile, in a fully periodic box.
     pub profile: Option<Profile>,
 }
 
-/// All particles of this rank's blocks at one time: velocities relative to the flow, which carries them along some axes.
+/// All particles of this rank's blocks at one time, with velocities relative to the flow, which moves them along some
+/// axes.
 #[derive(Clone, Copy)]
 pub struct Moving<'a> {
     pub time: f64,
@@ -23,14 +24,14 @@ pub struct Moving<'a> {
     pub steps: &'a [[i32; 3]],
     pub velocities: &'a [Vector],
     pub carries: [bool; 3],
-    /// Positions in the box without strain.
+    /// Positions in the unstrained box.
     pub in_lattice: &'a [Vector],
     pub radii: &'a [f64],
     pub species: &'a [u32],
 }
 
 impl Kept {
-    /// Adds those of the block at one time.
+    /// Adds the particles of the block at one time.
     pub fn add(&mut self, all: &Moving, rows: Range<usize>) {
         let of_rows = |all: &'_ [Vector]| all[rows.clone()].to_vec();
         let unwrapped = all.positions[rows.clone()].iter().zip(&all.steps[rows.clone()]);
@@ -42,14 +43,14 @@ impl Kept {
         }
     }
 
-    /// Whether what was restored is of as many particles as the block has.
+    /// Whether the restored state has as many particles as the block.
     fn fits(&self) -> bool {
         self.lagrangian.fits() && self.paths.fits(self.lagrangian.particles())
     }
 }
 
-/// A part of the statistics whose bytes are one piece of their state: what is kept of a block of ids, with the first of all
-/// also what is of no block.
+/// One piece of the serialised statistics: the state of a block of ids, plus, in the first piece of all, everything
+/// that does not belong to a block.
 struct Piece<'a>(&'a mut Statistics, usize);
 
 impl State for Piece<'_> {
@@ -91,13 +92,13 @@ impl State for Piece<'_> {
 }
 
 impl Statistics {
-    /// The state as bytes, in pieces of which each rank has those of its blocks. Collective.
+    /// Serialised state, in pieces of which each rank has those of its blocks. Collective.
     pub fn pieces(&mut self) -> Vec<Vec<u8>> {
         self.settle();
         (0..self.kept.len()).map(|index| Piece(self, index).save()).collect()
     }
 
-    /// Restores a state; returns whether this rank's pieces fitted. Collective.
+    /// Restores a state. Returns whether this rank's pieces match. Collective.
     #[must_use]
     pub fn restore(&mut self, pieces: &[Vec<u8>]) -> bool {
         let mut fits = pieces.len() == self.kept.len();
@@ -110,7 +111,7 @@ impl Statistics {
         fits
     }
 
-    /// Has everything that ranks count on their own on the first. Collective.
+    /// Moves all counts that ranks accumulate separately to the first rank. Collective.
     pub(super) fn settle(&mut self) {
         let comm = self.blocks.comm();
         for vectors in self.velocities.iter_mut().chain(&mut self.angular_velocities) {
@@ -122,7 +123,7 @@ impl Statistics {
     }
 }
 
-/// Moves the counts of all ranks to the first.
+/// Moves the counts of all ranks to the first rank.
 fn settle<C: Counts>(comm: &Comm, counts: &mut C) {
     let bytes = if comm.is_first() { Vec::new() } else { counts.save() };
     let mut sent = vec![Vec::new(); comm.size()];

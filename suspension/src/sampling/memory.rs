@@ -1,51 +1,51 @@
-//! What statistics take.
+//! Memory of the statistics.
 
 use super::{channel_bins, numbers};
 use crate::model::Model;
 use domain::{Boundaries, Bytes, IdBlocks, Particles, Tensor, Vector, shared_pairs_bytes};
 use statistics::{ChannelProfile, Lagrangian, Motion, PairDistribution};
 
-/// The particles of a rank, for its part of the statistics.
+/// Numbers of particles of a rank, for its share of the statistics.
 #[derive(Debug, Clone, Copy)]
 pub struct OfRank {
-    /// Those that it owns.
+    /// Particles that it owns.
     pub owned: f64,
-    /// These and the ghosts within the distance of pairs.
+    /// Particles and ghosts within the largest distance of pairs.
     pub present: f64,
-    /// Those of its blocks of ids.
+    /// Particles of its blocks of ids.
     pub dealt: f64,
-    /// Whether it is the first, which has what is of no block.
+    /// Whether it is the first rank, which holds everything that does not belong to a block.
     pub is_first: bool,
-    /// Whether it has all particles in the order of their ids, so that they need not be dealt out.
+    /// Whether it has all particles in the order of their ids, so that they need not be redistributed.
     pub is_in_order: bool,
 }
 
 impl OfRank {
-    /// Of a rank that has so many, all that there are, in the order of their ids.
+    /// A single rank with all particles in the order of their ids.
     pub fn alone(particles: f64) -> Self {
         Self { owned: particles, present: particles, dealt: particles, is_first: true, is_in_order: true }
     }
 
-    /// What it keeps of a scene after so many samples, with so many threads.
+    /// Memory that persists after a number of samples, with the given number of threads.
     pub fn bytes(self, model: &Model, (samples, threads): (u64, usize)) -> Bytes {
         let species = model.species.len();
         let pairs = if has_pairs(model) { PairDistribution::bytes(species, threads) } else { Bytes::default() };
         self.followed(samples).then(pairs).then(self.profile(model, samples))
     }
 
-    /// Paths and former velocities of its blocks.
+    /// Paths and past velocities of its blocks.
     fn followed(self, samples: u64) -> Bytes {
-        // Places, velocities and ways of [`super::Paths`].
+        // Positions, velocities and paths of [`super::Paths`].
         Bytes::list::<[Vector; 3]>(self.dealt).then(Lagrangian::bytes(self.dealt, samples))
     }
 
-    /// A profile across a channel.
+    /// Profile across a channel.
     fn profile(self, model: &Model, samples: u64) -> Bytes {
         let bins = channel_bins(model).filter(|_| self.is_first).unwrap_or(0);
         ChannelProfile::bytes(model.species.len(), bins, samples)
     }
 
-    /// What a sample takes: pairs, or particles dealt out, with their velocities, turning and motions.
+    /// Memory of a sample: pairs, or redistributed particles with velocities, angular velocities and motions.
     pub fn sample_bytes(self, model: &Model) -> Bytes {
         let copy = Particles::bytes(self.owned, 0).then(Particles::migration_bytes(self.owned));
         let copy = if self.present > self.owned { copy } else { Bytes::default() };
@@ -57,7 +57,7 @@ impl OfRank {
         if has_pairs(model) { pairs.freed().or(dealt.then(passes).freed()) } else { dealt.then(passes).freed() }
     }
 
-    /// Its part of the state as bytes.
+    /// Bytes of its share of the serialised state.
     pub fn state_bytes(self, model: &Model, samples: u64) -> f64 {
         self.followed(samples).then(self.profile(model, samples)).kept
     }

@@ -23,88 +23,89 @@ use std::borrow::Cow;
 use std::ops::Range;
 use vectors::{Vectors, in_parts};
 
-/// The columns that a sample needs.
+/// Columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
 
-/// Everything that is averaged, in the axes of the user. Sums over particles are taken block by block of their ids, each on one
-/// rank, and what is kept of particles is kept there, so that results do not depend on the number of ranks and none has more than
-/// its share. What is of all is on the first rank.
+/// All statistics, in the user's axes. Sums over particles are taken over blocks of ids, each on one rank, which also
+/// stores the state of its particles. So results do not depend on the number of ranks, and no rank holds more than its
+/// share. Everything else is on the first rank.
 pub struct Statistics {
     about: About,
     blocks: IdBlocks,
-    /// First time, last time, and samples; on every rank.
+    /// First time, last time, and number of samples; on every rank.
     times: [f64; 3],
     velocities: Vec<Vectors>,
     angular_velocities: Vec<Vectors>,
-    /// Of each of this rank's blocks.
+    /// State of each of this rank's blocks.
     kept: Vec<Kept>,
-    /// In a box that repeats along all axes; each rank counts those of its share of space.
+    /// Pair distribution in a fully periodic box; each rank counts the pairs in its part of space.
     pairs: Option<PairDistribution>,
-    /// In one with walls, a wall, or open along z.
+    /// Profile in a box with one or two walls, or open along z.
     channel: Option<Channel>,
     segregation: Blocks,
-    /// In a flow that oscillates.
+    /// Moduli in an oscillating flow.
     moduli: Option<Moduli>,
-    /// The pressure gradient, where it keeps the flux.
+    /// Pressure gradient at constant flux.
     pressure: Option<Blocks>,
 }
 
-/// What a sample is taken of.
+/// Input of a sample.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
-    /// When.
+    /// Time.
     pub time: f64,
-    /// The rate of the flow then.
+    /// Rate of the flow at that time.
     pub rate: f64,
-    /// The box, in the axes of the user.
+    /// Box, in the user's axes.
     pub cell: &'a PeriodicBox,
-    /// The particles of this rank, with the columns [`COLUMNS`], and of stresslets and of moments of pairs if there are any and profiles need them.
+    /// Particles of this rank with the columns [`COLUMNS`], and if profiles need them those of stresslets and of pair
+    /// moments.
     pub particles: &'a Particles,
-    /// Which share of the box each rank has.
+    /// Partition of the box among ranks.
     pub partition: &'a Partition,
-    /// The stress of the whole suspension that drives the flow, if that is known.
+    /// Stress of the whole suspension along the flow, if known.
     pub shear_stress: Option<f64>,
-    /// The pressure gradient that keeps the flux, if it is kept and known.
+    /// Pressure gradient at constant flux, if known.
     pub pressure_gradient: Option<f64>,
 }
 
-/// What the samples have in common.
+/// Properties common to all samples.
 struct About {
     names: Vec<String>,
     /// Radius and volume fraction of each species.
     species: Vec<(f64, f64)>,
-    /// Particles of each.
+    /// Number of particles of each species.
     counts: Vec<u64>,
-    /// The flow, at its largest rate if that changes, and its rates in time.
+    /// The flow (at its largest rate, if the rate changes), and the flows at any rate.
     flow: BackgroundFlow,
     flows: Flows,
-    /// Along which axes the flow carries spheres.
+    /// Whether the flow moves spheres along each axis.
     carries: [bool; 3],
-    /// Edges of the box without strain.
+    /// Edges of the unstrained box.
     edges: Vector,
     rates: ShearRates,
     rigid: bool,
-    /// Whether spheres move by heat.
+    /// Whether there is Brownian motion.
     has_heat: bool,
     axis: usize,
-    /// By which separations of pairs are told apart.
+    /// Angle by which the separations of pairs are classified.
     angle: Angle,
     columns: SpeciesColumns,
     wanted: Wanted,
 }
 
-/// The largest distance of pairs, in largest radii, unless the scene says it or the box is smaller.
+/// Default of the largest pair distance, over the largest radius, unless the box is smaller.
 const DISTANCE: f64 = 8.0;
-/// Width of the columns of segregation, in largest radii.
+/// Width of the columns for segregation, over the largest radius.
 const COLUMN_WIDTH: f64 = 4.0;
 
 impl Statistics {
-    /// Nothing so far, for a scene of whose particles each rank brings its own. Collective.
+    /// Statistics without samples, for a model and each rank's own particles. Collective.
     pub fn new(model: &Model, wanted: Wanted, particles: &Particles, comm: &Comm) -> Self {
         Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), particles, comm)
     }
 
-    /// The same in blocks of so many ids.
+    /// Statistics with blocks of `size` ids.
     pub(crate) fn in_blocks_of(size: u64, of: (&Model, Wanted), particles: &Particles, comm: &Comm) -> Self {
         let (model, wanted) = of;
         let blocks = IdBlocks::of(particles, comm, size);
@@ -133,7 +134,7 @@ impl Statistics {
         }
     }
 
-    /// Takes a sample, unless it is too early for it. Samples are at equal times, but for those that were
+    /// Takes a sample, unless it is before the first time. Samples are equidistant in time, except for those that were
     /// [passed over](Self::pass_over). Collective.
     pub fn sample(&mut self, sample: &Sample) {
         if sample.time < self.about.wanted.from {
@@ -159,7 +160,7 @@ impl Statistics {
         self.times = [if samples == 0.0 { sample.time } else { first }, sample.time, samples + 1.0];
     }
 
-    /// Passes over so many samples that are missing: the next one is so many intervals later.
+    /// Passes over missing samples: the next one is as many intervals later.
     pub fn pass_over(&mut self, missing: u64) {
         self.kept.iter_mut().for_each(|kept| kept.lagrangian.pass_over(missing));
     }
@@ -181,7 +182,7 @@ impl Statistics {
         velocities
     }
 
-    /// Follows the particles of each block.
+    /// Updates the state of the particles of each block.
     fn follow(
         &mut self,
         &Sample { time, cell, .. }: &Sample,
@@ -195,7 +196,7 @@ impl Statistics {
         self.kept.par_iter_mut().zip(rows).for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
     }
 
-    /// Counts pairs, each on the rank in whose share of space the particle with the smaller id is.
+    /// Counts pairs, each on the rank whose part of space has the particle with the smaller id.
     fn count_pairs(&mut self, &Sample { cell, particles, partition, .. }: &Sample) {
         let Some(pairs) = &mut self.pairs else { return };
         let mut own = Cow::Borrowed(particles);
@@ -208,7 +209,7 @@ impl Statistics {
         pairs.add_counted(found);
     }
 
-    /// How far species are apart; of one there is nothing to be counted.
+    /// Intensity of segregation of the species; 0 for a single species.
     fn intensity(&self, (cell, particles): (&PeriodicBox, &Particles)) -> f64 {
         if self.about.names.len() == 1 {
             return 0.0;
@@ -219,12 +220,12 @@ impl Statistics {
     }
 }
 
-/// The largest distance of pairs among spheres of which the largest has this radius.
+/// Largest pair distance, for a given largest radius.
 pub fn distance((model, wanted): (&Model, Wanted), largest: f64) -> f64 {
     wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element())
 }
 
-/// Nothing yet of the particles of each block.
+/// State without samples of the particles of each block.
 fn kept(
     species: &[u32],
     (blocks, rows): (&IdBlocks, &[Range<usize>]),
@@ -282,67 +283,68 @@ impl About {
     }
 }
 
-/// The columns that a sample of a scene needs of a suspension.
+/// Columns that a sample of a model needs.
 pub fn needed_columns(model: &Model) -> Vec<&'static str> {
     COLUMNS.into_iter().chain(channel_bins(model).map(|_| STRESSLET)).collect()
 }
 
-/// Whether a sample of a scene needs the column [`PAIR_MOMENT`] besides.
+/// Whether a sample of a model also needs the column [`PAIR_MOMENT`](crate::columns::PAIR_MOMENT).
 pub fn needs_pair_moments(model: &Model) -> bool {
     let Parameters { repulsion, attraction, contacts, bonds, .. } = &**model;
     let has_pair_forces = repulsion.is_some() || attraction.is_some() || contacts.is_some() || !bonds.is_empty();
     channel_bins(model).is_some() && has_pair_forces
 }
 
-/// The numbers of a particle in all of these.
+/// Numbers per particle in all of these columns.
 pub fn numbers(model: &Model) -> usize {
     let pair_moments = if needs_pair_moments(model) { PAIR_MOMENT_NUMBERS } else { 0 };
     6 + channel_bins(model).map_or(0, |_| 5) + pair_moments
 }
 
-/// The bins of profiles of a scene that has statistics and a wall, or an open axis.
+/// Number of bins of profiles, for a model with statistics and a wall or an open axis.
 fn channel_bins(model: &Model) -> Option<usize> {
     model.statistics.and_then(|wanted| channel::bins(model, wanted))
 }
 
-/// Whether a scene has species that may separate, in a box that stays where it is.
+/// Whether segregation is defined: with several species, in a box that does not move.
 pub fn has_columns(model: &Model) -> bool {
     let stays = !matches!(model.cell.boundaries(), Boundaries::Open | Boundaries::OpenAlongZ);
     model.species.len() > 1 && stays
 }
 
-/// Columns in which to look for the segregation of a scene's species: along the axis of its statistics.
+/// Columns for the segregation of a model's species, along the axis of its statistics.
 pub fn columns(model: &Model) -> SpeciesColumns {
     let (axis, width) = axis_and_width(model);
     SpeciesColumns::new(&model.cell, axis, width, model.species.len())
 }
 
-/// The same columns in the axes of the user.
+/// These columns in the user's axes.
 fn columns_of_user(model: &Model) -> SpeciesColumns {
     let ((axis, width), axes) = (axis_and_width(model), model.user_axes());
     SpeciesColumns::new(&axes.cell(&model.cell), axes.axis(axis), width, model.species.len())
 }
 
-/// What such columns take, and as many again that are counted in.
+/// Memory of such columns, and of a copy for counting.
 pub fn column_bytes(model: &Model) -> Bytes {
     let (axis, width) = axis_and_width(model);
     let columns = SpeciesColumns::bytes(&model.cell, axis, width, model.species.len());
     columns.then(columns.freed())
 }
 
-/// The axis of the gradient of a shear flow.
+/// Gradient axis of a shear flow.
 const GRADIENT: usize = 1;
 
-/// The lattice vector of the box of an extension whose coordinate profiles are of: in planar extension it is along z and stays.
+/// Lattice vector of the box of an extension along which profiles are taken; in planar extension it is along z and
+/// constant.
 const THIRD: usize = 2;
 
-/// The axis of profiles: the one wanted, by default that of the forces or the gradient, where the box has it.
+/// Axis of profiles: the one that is wanted, or by default that of the forces or the gradient, if the box has it.
 fn axis(model: &Model, wanted: Option<Axis>) -> usize {
     let usual = || model.force_axis().unwrap_or(GRADIENT);
     wanted.map_or_else(|| if model.flow.extension().is_some() { THIRD } else { usual() }, index)
 }
 
-/// The azimuth in shear and planar extension, else that to the axis of the flow, or to the one of profiles.
+/// Azimuth in shear and planar extension, otherwise the angle to the axis of the flow, or to that of profiles.
 fn angle(flow: &BackgroundFlow, kind: Flow, axis: usize) -> Angle {
     match kind.extension().and_then(Extension::axis) {
         Some(axis) => Angle::Cosine(index(axis)),
@@ -351,14 +353,14 @@ fn angle(flow: &BackgroundFlow, kind: Flow, axis: usize) -> Angle {
     }
 }
 
-/// The axis of the columns, by default that of the forces or the gradient, and their width.
+/// Axis of the columns, by default that of the forces or the gradient, and their width.
 fn axis_and_width(model: &Model) -> (usize, f64) {
     let axis = axis(model, model.statistics.and_then(|wanted| wanted.axis));
     (axis, COLUMN_WIDTH * model.species.iter().map(|s| s.radius).fold(0.0, f64::max))
 }
 
-/// Places at the same fractions of upright edges as they are of the box's lattice vectors, where that is a lattice; of a box
-/// along x, y and z the places themselves.
+/// Positions mapped from the lattice of the box to one with orthogonal edges, at the same lattice coordinates;
+/// unchanged for a box along x, y and z.
 fn in_lattice<'a>(cell: &PeriodicBox, edges: Vector, particles: &'a Particles) -> Cow<'a, [Vector]> {
     if cell.axes().is_none() {
         return Cow::Borrowed(&particles.positions);
@@ -367,7 +369,7 @@ fn in_lattice<'a>(cell: &PeriodicBox, edges: Vector, particles: &'a Particles) -
     particles.positions.iter().map(|&position| cell.lattice_coordinates(position) * over).collect()
 }
 
-/// The particles of this rank in a box counted in columns that are empty, which were made for a box of these edges.
+/// Counts this rank's particles in a copy of empty columns, which were made for a box with the given edges.
 pub fn counted(
     (empty, edges): (&SpeciesColumns, Vector),
     (cell, particles): (&PeriodicBox, &Particles),
@@ -379,8 +381,8 @@ pub fn counted(
     columns
 }
 
-/// About how fast spheres move in a scene relative to the flow: the fastest that a force on one, the repulsion of two or
-/// the shear across one makes it.
+/// Estimated speed of the spheres relative to the flow: the largest due to a force, the repulsion of a pair, or the
+/// shear across a sphere.
 fn speed(model: &Model) -> f64 {
     let rate = model.flow.as_shear(model.shear_rates().largest());
     let of = |s: &Species| {
@@ -400,7 +402,7 @@ fn index(axis: Axis) -> usize {
     }
 }
 
-/// The vectors of a column; none if there is no such column.
+/// The vectors of a column; empty if there is no such column.
 pub fn column<'a>(particles: &'a Particles, name: &str) -> &'a [Vector] {
     particles.columns.iter().find(|c| c.name == name).map(|c| bytemuck::cast_slice(&c.values)).unwrap_or_default()
 }

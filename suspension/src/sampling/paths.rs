@@ -1,11 +1,11 @@
-//! Where particles would be without the flow.
+//! Displacements of particles without the flow.
 
 use domain::Vector;
 use statistics::{Motion, State, Store};
 
-/// The displacement of each particle since the first sample, less what the flow has carried it along its way. Along
-/// axes without a flow it is that of the position without periodicity, exactly; along the flow, the integral of the
-/// velocity relative to it, by the trapezoidal rule over the samples.
+/// Displacement of each particle since the first sample, without the contribution of the flow along its path. Along
+/// axes without a flow it is exactly that of the unwrapped position; along the flow, the integral of the relative
+/// velocity, by the trapezoidal rule over the samples.
 #[derive(Debug, Default)]
 pub struct Paths {
     time: f64,
@@ -15,8 +15,8 @@ pub struct Paths {
 }
 
 impl Paths {
-    /// Goes on to a time, at which particles are at these places without periodicity and have these velocities relative to the
-    /// flow, which carries them along some axes.
+    /// Advances to a time, with unwrapped positions and with velocities relative to the flow, which moves the particles
+    /// along the axes that `carries` marks.
     pub fn follow(
         &mut self,
         time: f64,
@@ -40,7 +40,7 @@ impl Paths {
         self.velocities.iter().zip(&self.walked).map(|(&velocity, &path)| Motion { velocity, path }).collect()
     }
 
-    /// Whether it has as many particles as these, or none yet.
+    /// Whether it has this number of particles, or none yet.
     pub fn fits(&self, particles: usize) -> bool {
         let lengths = [&self.places, &self.velocities, &self.walked].map(Vec::len);
         lengths == [0; 3] || lengths == [particles; 3]

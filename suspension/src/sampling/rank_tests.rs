@@ -5,7 +5,7 @@ use crate::model::{Flow, Parameters, Start};
 use domain::Random;
 use simulation::Table;
 
-/// Two species, large spheres before and after small ones, in any box.
+/// Two species with interleaved ids, in any box.
 fn model(boundaries: Boundaries, flow: Flow, change: impl FnOnce(&mut Parameters)) -> Model {
     let cell = PeriodicBox::new(Vector::new(9.0, 10.0, 12.0)).unwrap().with_boundaries(boundaries).unwrap();
     let species = vec![Species::new("one", 0.5, 20), Species::new("two", 0.7, 17)];
@@ -16,7 +16,7 @@ fn model(boundaries: Boundaries, flow: Flow, change: impl FnOnce(&mut Parameters
     Model::new(parameters).unwrap()
 }
 
-/// All particles at a time, anywhere in the box, with all columns.
+/// All particles at a time, at random positions in the box, with all columns.
 fn all_at(model: &Model, count: u64, step: u32) -> (PeriodicBox, Particles) {
     let cell = match model.flow {
         Flow::Shear { lees_edwards: true, .. } => {
@@ -42,8 +42,8 @@ fn all_at(model: &Model, count: u64, step: u32) -> (PeriodicBox, Particles) {
     (cell, particles)
 }
 
-/// The pieces of the state and the tables after so many samples, of which those before were stored by some ranks and taken up by
-/// others.
+/// Pieces of the state and tables after a number of samples, with the state stored and restored between different
+/// numbers of ranks.
 fn found(model: &Model, count: u64, size: u64, parts: &[(usize, u32)]) -> (Vec<Vec<u8>>, String) {
     let (mut pieces, mut text, mut first) = (Vec::<Vec<u8>>::new(), String::new(), 0);
     for &(ranks, last) in parts {
@@ -68,7 +68,7 @@ fn found(model: &Model, count: u64, size: u64, parts: &[(usize, u32)]) -> (Vec<V
                 let sample = Sample { time, rate: 0.5, cell, particles, partition, shear_stress, pressure_gradient };
                 statistics.sample(&sample);
             }
-            // Tables change nothing in what follows.
+            // Tables do not change the later results.
             let tables: String = statistics.tables().iter().map(Table::to_csv).collect();
             assert!(comm.is_first() || tables.is_empty());
             (statistics.pieces(), tables)
@@ -81,7 +81,7 @@ fn found(model: &Model, count: u64, size: u64, parts: &[(usize, u32)]) -> (Vec<V
     (pieces, text)
 }
 
-/// On any ranks, in one go or in parts.
+/// On several numbers of ranks, in one go and in parts.
 fn check(model: &Model, count: u64) {
     for size in [1.max(count / 8), 64] {
         let (pieces, text) = found(model, count, size, &[(1, 19)]);
@@ -100,7 +100,7 @@ fn in_periodic_boxes() {
     check(&model(Boundaries::Periodic, Flow::Shear { rate: 0.5, lees_edwards: true }, |_| {}), 37);
 }
 
-/// Pairs may be as far apart as the box is wide, so that each rank sees all particles.
+/// The largest pair distance equals the shortest edge, so that each rank sees all particles.
 #[test]
 fn with_pairs_far_apart() {
     let far = |p: &mut Parameters| p.statistics = Some(Wanted { distance: Some(9.0), ..Wanted::ALL });
@@ -121,7 +121,7 @@ fn between_walls_and_in_layers() {
     }
 }
 
-/// With moduli, that only the first rank has.
+/// With moduli, which only the first rank holds.
 #[test]
 fn under_oscillation() {
     let oscillating = |p: &mut Parameters| {
@@ -133,7 +133,7 @@ fn under_oscillation() {
     check(&model, 37);
 }
 
-/// Of fewer particles than ranks, or none, there is a block too.
+/// There is one block even with fewer particles than ranks, or none.
 #[test]
 fn of_hardly_any_particles() {
     for count in [0, 1, 2] {
@@ -142,7 +142,7 @@ fn of_hardly_any_particles() {
     }
 }
 
-/// Blocks change sums by no more than round-off, and counts not at all.
+/// The size of blocks changes sums by round-off only, and counts not at all.
 #[test]
 fn blocks_of_any_size_find_the_same() {
     let model = model(Boundaries::Periodic, Flow::None, |_| {});
@@ -162,7 +162,7 @@ fn blocks_of_any_size_find_the_same() {
     }
 }
 
-/// What another scene has, or too little of the same, is refused on some rank, and no rank waits for it.
+/// State of another scene, or an incomplete one, is refused on some rank, and no rank waits for it.
 #[test]
 fn pieces_that_do_not_fit_are_refused() {
     let model = model(Boundaries::Periodic, Flow::None, |_| {});

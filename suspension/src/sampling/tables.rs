@@ -1,4 +1,4 @@
-//! What statistics come to, as tables.
+//! Statistics as tables.
 
 use super::Statistics;
 use super::channel::Channel;
@@ -11,28 +11,28 @@ use statistics::{
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
-/// All particles, as a species.
+/// Name of all particles together, used like that of a species.
 const ALL: &str = "all";
 
-/// A diffusivity that is not known.
+/// Unknown diffusivity.
 const UNKNOWN: Estimate = Estimate { mean: f64::NAN, error: f64::NAN, converged: false };
 
-/// A diffusivity, unless its error is unknown or so large that it might be none.
+/// The diffusivity, or unknown if its error is unknown or exceeds its value.
 fn known(diffusivity: Estimate) -> Estimate {
     let is_known = diffusivity.error.is_finite() && diffusivity.mean > diffusivity.error;
     if is_known { diffusivity } else { UNKNOWN }
 }
 
-/// What all samples come to, with what the sums over all blocks are.
+/// Results of all samples, with the sums over all blocks.
 struct Results<'a> {
     of: &'a Statistics,
     lags: LagSums,
-    /// In a box that repeats along all axes.
+    /// Profile, in a fully periodic box.
     profile: Option<Profile>,
 }
 
 impl Statistics {
-    /// All tables on the first rank, the summary before the others; none before the first sample. Collective.
+    /// All tables on the first rank, the summary first; empty before the first sample. Collective.
     pub fn tables(&mut self) -> Vec<Table> {
         if self.times[2] == 0.0 {
             return Vec::new();
@@ -67,12 +67,12 @@ impl Results<'_> {
         tables
     }
 
-    /// The moduli, once there was a whole period.
+    /// Moduli, once a whole period was sampled.
     fn measured_moduli(&self) -> Option<&Moduli> {
         self.of.moduli.as_ref().filter(|moduli| moduli.periods() > 0)
     }
 
-    /// The numbers that sum a run up, with their errors.
+    /// Table of single numbers with their errors.
     fn summary(&self) -> Table {
         let columns = [("value", ""), ("error", ""), ("converged", "")];
         let mut summary = Summary(Table::new("summary", &["quantity", "species", "unit"], &columns));
@@ -98,7 +98,7 @@ impl Results<'_> {
                 summary.add((name, ALL, "force/length^2"), found);
             }
         }
-        // A trajectory does not know it.
+        // Not known from a trajectory.
         if let Some(pressure) = self.of.pressure.as_ref().filter(|pressure| pressure.count() > 0) {
             summary.add(("pressure_gradient", ALL, "force/length^3"), pressure.estimate());
         }
@@ -121,7 +121,7 @@ impl Results<'_> {
             let species = (name != ALL).then_some(index);
             let found = Diffusivity::of(&self.lags, species, window);
             for (axis, letter) in AXES.iter().enumerate() {
-                // With heat, velocities are those of a step and depend on its length.
+                // With Brownian motion, velocities are displacements over the step and depend on its length.
                 let by_integral = if self.of.about.has_heat { UNKNOWN } else { known(found.by_integral[axis]) };
                 summary.add((&format!("D_integral_{letter}"), name, unit), by_integral);
                 summary.add((&format!("D_slope_{letter}"), name, unit), known(found.by_slope[axis]));
@@ -133,7 +133,7 @@ impl Results<'_> {
         }
     }
 
-    /// Eqs. (18) and (19) along the gradient.
+    /// Adds [`global_coefficient`] and [`mean_coefficient`], eqs. (18) and (19), along the gradient.
     fn add_bidisperse(&self, summary: &mut Summary, all: Estimate, by_species: &[Estimate]) {
         let (species, rate) = (&self.of.about.species, self.of.about.flow.shear_rate());
         let scaled = by_species.iter().zip(species).map(|(d, (a, _))| d.mean / (a * a * rate.abs()));
@@ -197,7 +197,7 @@ impl Results<'_> {
     }
 }
 
-/// The quantities of a profile across a channel whose components have columns of their own, and units.
+/// Quantities of a profile across a channel, with the components that have columns, and units.
 const ACROSS: [(&str, &[&str], &str); 6] = [
     ("velocity", &AXES, "length/time"),
     ("slip", &AXES, "length/time"),
@@ -249,7 +249,7 @@ fn harmonics(moduli: &Moduli) -> Table {
     table
 }
 
-/// The table that sums up.
+/// The table of single numbers.
 struct Summary(Table);
 
 impl Summary {
@@ -276,7 +276,8 @@ impl Summary {
     }
 }
 
-/// Densities of fluctuations over their standard deviation, beside the stretched exponential that fits best.
+/// Probability densities of fluctuations in units of the standard deviation, with the best fit by a stretched
+/// exponential.
 fn densities(name: &'static str, species: &[String], vectors: &[Vectors]) -> Table {
     let columns = [("deviations", ""), ("density", ""), ("stretched_exponential", "")];
     let mut table = Table::new(name, &["species", "axis"], &columns);

@@ -12,7 +12,7 @@ fn model() -> Model {
     Model::new(Parameters { seed: 3, flow, statistics: Some(Wanted::ALL), ..usual }).unwrap()
 }
 
-/// On one rank.
+/// Takes a sample on one rank.
 fn taken(statistics: &mut Statistics, time: f64, (cell, particles): (&PeriodicBox, &Particles)) {
     let partition = &Partition::new(&Comm::alone(), [1, 1]);
     statistics.sample(&Sample {
@@ -26,7 +26,7 @@ fn taken(statistics: &mut Statistics, time: f64, (cell, particles): (&PeriodicBo
     });
 }
 
-/// Nothing so far, on one rank.
+/// Statistics without samples, on one rank.
 fn empty(model: &Model) -> Statistics {
     Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1, &Comm::alone())
 }
@@ -35,7 +35,7 @@ fn text(statistics: &mut Statistics) -> String {
     statistics.tables().iter().map(Table::to_csv).collect()
 }
 
-/// Particles that move with the flow and besides with a velocity of their own, at a time, in the box as it is then.
+/// Particles that move with the flow plus a velocity of their own, at a time, in the box of that time.
 fn drifting(model: &Model, time: f64) -> (PeriodicBox, Particles) {
     let cell = PeriodicBox::sheared(model.cell.edges(), 0.5 * time).unwrap();
     let turns = ((0.5 * time - cell.strain()).round()) as i32;
@@ -59,7 +59,7 @@ fn drifting(model: &Model, time: f64) -> (PeriodicBox, Particles) {
     (cell, particles)
 }
 
-/// Without their flow they move straight on, also through the sides of the box and past its turning back.
+/// Without the flow they move on straight lines, also through the sides of the box and across resets of its lattice.
 #[test]
 fn displacements_leave_the_flow_out() {
     let model = &model();
@@ -84,7 +84,7 @@ fn displacements_leave_the_flow_out() {
     assert!(value("volume_fraction", "large") > 0.04);
 }
 
-/// All at once, or stored half-way and taken up by another.
+/// In one go, or stored and restored half-way.
 #[test]
 fn an_interruption_changes_nothing() {
     let model = &model();
@@ -105,7 +105,7 @@ fn an_interruption_changes_nothing() {
     assert!(!empty(model).restore(&[whole.pieces()[0][8..].to_vec()]));
 }
 
-/// Columns stand along the axis that is asked for; else along that of the forces, or of the gradient without forces.
+/// Columns are along the axis that is given; by default along the forces, or along the gradient without forces.
 #[test]
 fn columns_stand_along_the_forces_or_the_gradient() {
     let of = |change: &dyn Fn(&mut Parameters)| {
@@ -119,7 +119,7 @@ fn columns_stand_along_the_forces_or_the_gradient() {
     assert_eq!(of(&|p| (p.species[0].force, p.statistics) = (Vector::Z, asked)).0, 0);
 }
 
-/// Pairs are told apart by the azimuth in shear and planar extension, and by the angle to the axis of the other extensions.
+/// Pairs are classified by the azimuth in shear and planar extension, and by the angle to the axis in other extensions.
 #[test]
 fn angles_of_pairs_are_those_of_the_flow() {
     let of = |kind| angle(&kind_of(kind).at_rate(1.0), kind_of(kind), 2);

@@ -1,4 +1,4 @@
-//! Moments and densities of vectors of particles.
+//! Moments and probability densities of vectors of the particles.
 
 use bytemuck::Pod;
 use domain::{IdBlocks, Vector, power_of_two};
@@ -6,27 +6,27 @@ use rayon::prelude::*;
 use statistics::{Counts, Fluctuations, Histogram, Spread, VectorSum};
 use std::ops::Range;
 
-/// The moments of a vector of the particles of a species, and the densities of its components about the mean at each
-/// time, in a unit in which fourth powers are within range. The first rank has the moments, and each the densities of its own
-/// particles.
+/// Moments of a vector over the particles of a species, and probability densities of its components about the mean at
+/// each time, in a unit in which fourth powers are representable. The moments are on the first rank; each rank has the
+/// densities of its own particles.
 pub struct Vectors {
     pub unit: f64,
     pub moments: Fluctuations,
     pub densities: [Histogram; 3],
 }
 
-/// Numbers up to this, and down to one over it, are averaged as they come.
+/// Magnitudes between this and its inverse are averaged without a change of unit.
 const ORDINARY: f64 = 1e36;
 
 impl Vectors {
-    /// Nothing so far, for vectors whose size is about this.
+    /// No samples yet, for vectors of about the given magnitude.
     pub fn about(size: f64) -> Self {
         let is_ordinary = (1.0 / ORDINARY..ORDINARY).contains(&size);
         let unit = if is_ordinary { 1.0 } else { power_of_two(size) };
         Self { unit, moments: Fluctuations::default(), densities: std::array::from_fn(|_| Histogram::default()) }
     }
 
-    /// Adds the vectors of the particles of each species at one time, of which each rank brings those of its blocks. Collective.
+    /// Adds the vectors of the particles of each species at one time; each rank adds those of its blocks. Collective.
     pub fn add(all: &mut [Self], (blocks, rows): (&IdBlocks, &[Range<usize>]), species: &[u32], vectors: &[Vector]) {
         let scales: Vec<f64> = all.iter().map(|own| 1.0 / own.unit).collect();
         let scaled = |row: usize| (species[row] as usize, vectors[row] * scales[species[row] as usize]);
@@ -65,7 +65,7 @@ impl Vectors {
     }
 }
 
-/// The numbers that each of some parts of the rows comes to.
+/// Evaluates a function for each range of rows, as flat lists of numbers.
 pub fn in_parts<T: Pod>(rows: &[Range<usize>], of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<Vec<f64>> {
     rows.par_iter().map(|rows| bytemuck::cast_slice(&of(rows.clone())).to_vec()).collect()
 }

@@ -7,43 +7,44 @@ use fcm::Loads;
 use hydrodynamics::BondSprings;
 use simulation::{ContactForce, ContactState};
 
-/// The column of the bonds of a particle, in slots: the id of the other particle plus 1, or 0 for none; the distance at rest;
-/// and the place of its kind in the model plus 1, negative once it is broken.
+/// Column of a particle's bonds, in slots of three numbers: id of the other particle plus 1 (0 for an empty slot), rest
+/// length, and index of the bond's kind in the model plus 1 (negative once it is broken).
 pub const BONDS: &str = "bonds";
 pub const BOND_NUMBERS: usize = 3;
 
-/// Bonds are part of a solve up to this times the longest distance at rest; beyond they are as they are expected.
+/// Bonds are implicit up to this multiple of the longest rest length; longer ones contribute their predicted force
+/// explicitly.
 const IMPLICIT: f64 = 1.25;
 
 /// The bonds of a suspension.
 pub struct Bonds {
     kinds: Vec<Kind>,
     longest: f64,
-    /// Half of the box's shortest edge: images that are nearer are the nearest.
+    /// Half of the shortest edge of the box: an image within this distance is the nearest.
     half: f64,
 }
 
-/// What bonds of a kind have in common.
+/// Parameters of a kind of bonds.
 #[derive(Debug, Clone, Copy)]
 struct Kind {
     stiffness: f64,
     breaking_force: f64,
 }
 
-/// A bond as one of its two particles sees it; the other sees the same with its axis reversed, to the last bit.
+/// A bond as seen by one of its two particles; the other sees the same with the axis reversed, bit for bit.
 #[derive(Debug, Clone, Copy)]
 struct Bond {
-    /// Rows of the particle and, among local particles and ghosts, of the other.
+    /// Row of the particle, and row of the other among local particles and ghosts.
     rows: [usize; 2],
     other: u64,
-    /// From the particle's centre to the other's nearest image.
+    /// Vector from the particle's centre to the other's nearest image.
     separation: Vector,
     slot: usize,
     kind: Kind,
     length: f64,
 }
 
-/// The whole bonds of the particles that a rank owns, row by row.
+/// Unbroken bonds of a rank's particles, row by row.
 pub struct Tied {
     halo: Halo,
     list: Vec<Bond>,
@@ -54,12 +55,12 @@ impl Bond {
         self.separation.length()
     }
 
-    /// The force by which it pulls; below 0 where it pushes.
+    /// Tension; negative if the bond is compressed.
     fn pull(&self) -> f64 {
         self.kind.stiffness * (self.distance() - self.length)
     }
 
-    /// How fast the centres move apart.
+    /// Rate at which the centres separate.
     fn parting(&self, velocities: &[Vector], ahead: &Ahead) -> f64 {
         let [own, other] = self.rows;
         let relative = velocities[other] - velocities[own] + ahead.strain_rate.tensor() * self.separation;
@@ -68,7 +69,7 @@ impl Bond {
 }
 
 impl Tied {
-    /// The forces of bonds with others of higher ids.
+    /// Forces of bonds with particles of higher id.
     pub(super) fn forces(&self, particles: &Particles) -> Vec<ContactForce> {
         let force = |bond: &Bond| {
             let own = bond.rows[0];
@@ -84,7 +85,7 @@ impl Tied {
         self.list.iter().filter_map(force).collect()
     }
 
-    /// Breaks those that pull too much.
+    /// Breaks the bonds whose tension is too large.
     pub(super) fn break_those(&self, particles: &mut Particles) {
         let Some(column) = particles.columns.iter_mut().find(|column| column.name == BONDS) else { return };
         for bond in self.list.iter().filter(|bond| bond.pull() > bond.kind.breaking_force) {
@@ -92,14 +93,14 @@ impl Tied {
         }
     }
 
-    /// The energy of this rank's share.
+    /// This rank's share of the elastic energy.
     pub(super) fn energy(&self) -> f64 {
         self.list.iter().map(|bond| 0.25 * bond.kind.stiffness * (bond.distance() - bond.length).powi(2)).sum()
     }
 }
 
 impl Bonds {
-    /// Those of a model, with the distances at rest that are in the particles' column. Collective.
+    /// The bonds of a model, with the rest lengths in the particles' column. Collective.
     pub(super) fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
         if model.bonds.is_empty() {
             return None;
@@ -118,8 +119,8 @@ impl Bonds {
         (IMPLICIT * self.longest).min(self.half)
     }
 
-    /// Finds the bonds that are whole. Fails where one is as long as half of the box, so that it is not known which image of a
-    /// sphere it ends at. Collective.
+    /// Finds the unbroken bonds. Fails if one is as long as half of the box, where the image to which it extends is
+    /// ambiguous. Collective.
     pub(super) fn find(
         &self,
         particles: &Particles,
@@ -158,7 +159,7 @@ impl Bonds {
         )
     }
 
-    /// The bonds, if the others are all among those present.
+    /// The bonds, if all bonded particles are among the local particles and ghosts.
     fn among(
         &self,
         particles: &Particles,
@@ -190,8 +191,8 @@ impl Bonds {
         whole().map(bond).collect()
     }
 
-    /// With `w` the rate at which the centres part and `w*` that expected, a time `t` ahead, the known part of the pull
-    /// `F(x*) + t k (w - w*)`.
+    /// Adds the known part of the tension. With `w` the rate at which the centres separate and `w*` its expected value,
+    /// the tension after a time `t` is `F(x*) + t k (w - w*)`.
     pub(super) fn add_to(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Ahead>) {
         loads.forces.resize(tied.halo.owned(), Vector::ZERO);
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, ahead.map(|ahead| (ahead, -1.0)))) {
@@ -199,7 +200,8 @@ impl Bonds {
         }
     }
 
-    /// The pull of each, changed so many times by what it resists to velocities. Collective.
+    /// Tension of each bond, changed by `times` the implicit resistance times the expected rate of separation.
+    /// Collective.
     fn pulls(&self, tied: &Tied, ahead: Option<(&Ahead, f64)>) -> Vec<f64> {
         let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
         let mut velocities = ahead.velocities.to_vec();
@@ -213,7 +215,7 @@ impl Bonds {
         if bond.distance() <= self.implicit_reach() { time * bond.kind.stiffness } else { 0.0 }
     }
 
-    /// What bonds resist to motions, particle by particle.
+    /// Implicit resistances of the bonds, particle by particle.
     pub(super) fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
         let mut springs = vec![Vec::new(); tied.halo.owned()];
         for bond in &tied.list {
@@ -223,7 +225,8 @@ impl Bonds {
         springs
     }
 
-    /// Of a pair at `x_i` and `x_j`, where the first feels the force `F`, each has `-(x_i - x_j) F / 2`. Collective.
+    /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
+    /// `-(x_i - x_j) F / 2` to each. Collective.
     pub(super) fn moments(&self, tied: &Tied, beyond: Option<&Ahead>) -> Vec<Tensor> {
         let mut moments = vec![Tensor::ZERO; tied.halo.owned()];
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
@@ -234,13 +237,13 @@ impl Bonds {
     }
 }
 
-/// The slots of all particles that have a bond, broken or not, with their places in the column.
+/// Occupied slots of all particles, with unbroken or broken bonds, and their indices in the column.
 fn slots(particles: &Particles) -> impl Iterator<Item = (usize, &[f64; BOND_NUMBERS])> {
     let values = particles.columns.iter().find(|column| column.name == BONDS).map_or(&[][..], |c| &c.values);
     values.as_chunks().0.iter().enumerate().filter(|(_, slot)| slot[0] != 0.0)
 }
 
-/// How many of this rank's share are broken.
+/// This rank's share of the number of broken bonds.
 pub fn broken(particles: &Particles) -> f64 {
     0.5 * slots(particles).filter(|(_, slot)| slot[2] < 0.0).count() as f64
 }

@@ -1,4 +1,4 @@
-//! Bonds between listed spheres and traps: springs that do not ask who is near.
+//! Bonds between listed spheres, and traps: springs that act at any distance.
 
 mod bonds;
 mod start;
@@ -16,7 +16,7 @@ use fcm::Loads;
 use hydrodynamics::TetherResistance;
 use simulation::ContactForce;
 
-/// What the end of each step makes sure of.
+/// Invariant that the end of each step establishes.
 const KNOWN: &str = "bonds are shorter than half of the box between steps";
 
 /// Bonds and traps of a suspension.
@@ -26,19 +26,19 @@ pub struct Tethers {
 }
 
 impl Tethers {
-    /// Those of a model, in whose particles' columns they are. Collective.
+    /// Bonds and traps of a model, whose state is in columns of the particles. Collective.
     pub fn new(model: &Model, particles: &Particles, comm: &Comm) -> Self {
         Self { bonds: Bonds::of(model, particles, comm), traps: Traps::of(model) }
     }
 
-    /// The distance of centres up to which bonds are part of a solve; for traps alone any will do.
+    /// Distance of centres up to which bonds are implicit; with traps alone, any distance will do.
     pub fn reach(&self, largest_radius: f64) -> Option<f64> {
         let least = self.traps.as_ref().map(|_| 2.0 * largest_radius);
         self.bonds.as_ref().map(Bonds::implicit_reach).or(least)
     }
 
-    /// Adds their forces to the loads of this rank's particles: those at the end of some time, as far as
-    /// [`TetherResistance`] does not have them, where that is foretold. Collective.
+    /// Adds the forces of bonds and traps to the loads of this rank's particles. With a prediction `ahead`, these are
+    /// the forces at its end, without the implicit part, which the returned [`TetherResistance`] describes. Collective.
     pub fn add_to(
         &self,
         loads: &mut Loads,
@@ -59,13 +59,13 @@ impl Tethers {
         Ok(resisting)
     }
 
-    /// Adds their forces as they are between steps. Collective.
+    /// Adds the present forces, between steps. Collective.
     pub fn add_known(&self, loads: &mut Loads, particles: &Particles, place: (&PeriodicBox, &Partition)) {
         self.add_to(loads, particles, place, None).expect(KNOWN);
     }
 
-    /// Each particle's share of the first moments of bonds, or nothing without; at the end of some time where they change to
-    /// velocities beyond those expected. Where they are no longer than they may be. Collective.
+    /// First moments of bonds, particle by particle, empty without bonds. With `beyond`, the forces change in
+    /// proportion to velocities beyond the expected ones. Bonds must be shorter than half of the box. Collective.
     pub fn moments(
         &self,
         particles: &Particles,
@@ -75,7 +75,7 @@ impl Tethers {
         self.tied(particles, place).map(|(bonds, tied)| bonds.moments(&tied, beyond)).unwrap_or_default()
     }
 
-    /// Breaks the bonds that pull too much. Fails where one is as long as half of the box. Collective.
+    /// Breaks bonds with too large a tension. Fails if a bond is as long as half of the box. Collective.
     pub fn break_bonds(&self, particles: &mut Particles, place: (&PeriodicBox, &Partition)) -> Result<(), Failure> {
         if let Some(bonds) = &self.bonds {
             bonds.find(particles, place)?.break_those(particles);
@@ -83,7 +83,7 @@ impl Tethers {
         Ok(())
     }
 
-    /// The elastic energy of bonds and how many of them are broken, if there are any. Collective.
+    /// Elastic energy of the bonds and number of broken bonds; `None` without bonds. Collective.
     pub fn bond_numbers(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Option<[f64; 2]> {
         let (_, tied) = self.tied(particles, place)?;
         let mut sums = [tied.energy(), bonds::broken(particles)];
@@ -91,14 +91,15 @@ impl Tethers {
         Some(sums)
     }
 
-    /// The energy of what is trapped, if anything is. Collective.
+    /// Energy of the trapped spheres; `None` without traps. Collective.
     pub fn trap_energy(&self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Option<f64> {
         let mut sum = [self.traps.as_ref()?.energy(particles, cell)];
         partition.comm().sum(&mut sum);
         Some(sum[0])
     }
 
-    /// The whole bonds of this rank's particles with others of higher ids, if there can be any. Collective.
+    /// Forces of the unbroken bonds of this rank's particles with others of higher id; `None` without bonds.
+    /// Collective.
     pub fn bond_forces(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Option<Vec<ContactForce>> {
         self.tied(particles, place).map(|(_, tied)| tied.forces(particles))
     }

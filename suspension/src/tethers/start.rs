@@ -1,19 +1,19 @@
-//! Bonds and traps at the start.
+//! Bonds and traps at the start of a run.
 
 use super::bonds::{BOND_NUMBERS, BONDS};
 use super::traps::{TRAP_NUMBERS, TRAPS};
 use crate::model::{Centres, Model, check_ids};
 use domain::{Failure, Number, Particles, Partition, PeriodicBox, Vector};
 
-/// Numbers of each particle in both columns.
+/// Columns of bonds and traps of all particles.
 struct Columns {
     ids: Vec<u64>,
     bonds: Vec<f64>,
     traps: Vec<f64>,
 }
 
-/// Fills the columns of bonds and traps for particles at their places at the start. Refuses ids that there are not, and bonds
-/// across half of the box. Collective.
+/// Fills the columns of bonds and traps from the initial positions. Refuses unknown ids, and bonds as long as half of
+/// the box. Collective.
 pub fn tie(
     particles: &mut Particles,
     model: &Model,
@@ -47,7 +47,7 @@ pub fn tie(
     Ok(())
 }
 
-/// Refuses particles of a state without the bonds and traps of the model.
+/// Refuses particles of a saved state whose columns do not match the bonds and traps of the model.
 pub fn check(particles: &Particles, model: &Model) -> Result<(), String> {
     let wanted = [
         (BONDS, model.bond_numbers(), "bonds"),
@@ -102,7 +102,7 @@ fn bonds(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Vec<f64>,
     Ok(values)
 }
 
-/// Traps at the image of their centre that is nearest to the sphere.
+/// The trap of each particle, at the image of the centre that is nearest to the particle.
 fn traps(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Vec<f64>, String> {
     let mut values = vec![0.0; TRAP_NUMBERS * all.len()];
     for (kind, traps) in model.traps.iter().enumerate() {

@@ -5,8 +5,8 @@ use crate::model::Model;
 use domain::{Particles, PeriodicBox, Vector};
 use fcm::Loads;
 
-/// The column of the traps: for each particle the trap's centre, where it would be without periodicity, and the place of its
-/// kind in the model plus 1, or 0 where there is none.
+/// Column of the traps: the unwrapped centre of the particle's trap, and the index of the trap's kind in the model plus
+/// 1 (0 without a trap).
 pub const TRAPS: &str = "traps";
 pub const TRAP_NUMBERS: usize = 4;
 
@@ -21,7 +21,7 @@ impl Traps {
         (!stiffness.is_empty()).then_some(Self { stiffness })
     }
 
-    /// For each particle the stiffness of its trap, 0 without, and the way from its centre.
+    /// Stiffness of each particle's trap (0 without one), and displacement from its centre.
     fn each(&self, particles: &Particles, cell: &PeriodicBox) -> Vec<(f64, Vector)> {
         let of_one = |(row, numbers): (usize, &[f64; TRAP_NUMBERS])| {
             let place = particles.positions[row] + cell.lattice(particles.steps[row]);
@@ -34,8 +34,8 @@ impl Traps {
         if numbers[3] > 0.0 { self.stiffness[numbers[3] as usize - 1] } else { 0.0 }
     }
 
-    /// With `x*` the places and `u*` the velocities that are expected, a time `t` ahead, the known part of the force
-    /// `-k (x* - c) - t k (u - u*)`.
+    /// Adds the known part of the trap force. With `x*` and `u*` the expected positions and velocities after a time
+    /// `t`, the force is `-k (x* - c) - t k (u - u*)`.
     pub(super) fn add_to(&self, loads: &mut Loads, particles: &Particles, cell: &PeriodicBox, ahead: Option<&Ahead>) {
         loads.forces.resize(particles.len(), Vector::ZERO);
         for (row, (stiffness, away)) in self.each(particles, cell).into_iter().enumerate() {
@@ -53,7 +53,7 @@ impl Traps {
     }
 }
 
-/// The numbers of each particle.
+/// The column's numbers for each particle.
 fn rows(particles: &Particles) -> &[[f64; TRAP_NUMBERS]] {
     let column = particles.columns.iter().find(|column| column.name == TRAPS);
     column.map_or(&[], |column| column.values.as_chunks().0)

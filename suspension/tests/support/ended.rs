@@ -1,9 +1,9 @@
-//! Runs to their ends.
+//! Runs to their last step.
 
 use domain::Comm;
 use suspension::{Model, Suspension};
 
-/// What `look` sees on the first of so many ranks when a model has run to its last step. Collective.
+/// Runs a model to its last step and returns the result of `look` on the first rank.
 pub fn ended<T: Send>(model: &Model, ranks: usize, look: impl Fn(&mut Suspension) -> T + Sync) -> T {
     let all = Comm::threads(ranks, |comm| {
         let mut suspension = Suspension::start(model, &comm).unwrap();

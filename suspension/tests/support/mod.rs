@@ -5,7 +5,7 @@ pub mod ended;
 use io::{Kind, Scene};
 use suspension::Model;
 
-/// The model of a scene of spheres, with keys set.
+/// The model of a scene, with overrides of keys.
 pub fn model_of(text: &str, overrides: &[&str]) -> Model {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let scene = Scene::parse(text, "scene.toml", &overrides).unwrap();

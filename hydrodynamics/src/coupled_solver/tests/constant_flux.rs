@@ -1,4 +1,4 @@
-//! Spheres between walls through which a given flux goes.
+//! Spheres between walls at a given flux.
 
 use super::*;
 use crate::ambient::Poiseuille;
@@ -10,7 +10,7 @@ use lubrication::Surfaces;
 
 const HEIGHT: f64 = 9.0;
 
-/// Three spheres near each other and the walls, in a unit of length.
+/// Three spheres near each other and near the walls, in the given unit of length.
 fn between_walls(unit: f64) -> (Plan, Particles) {
     let edges = Vector::new(10.0, 9.0, HEIGHT) * unit;
     let radii = [1.0, 1.4, 1.4].map(|a| a * unit);
@@ -26,7 +26,7 @@ fn fluid(plan: &Plan, short_range: ShortRange) -> Hydrodynamics {
     Hydrodynamics::new(plan, &partition, short_range).unwrap()
 }
 
-/// Whether a symmetric matrix is positive definite, by its factor.
+/// Whether a symmetric matrix is positive definite, by Cholesky factorisation.
 fn is_positive(matrix: &[Vec<f64>]) -> bool {
     let n = matrix.len();
     let mut factor = vec![vec![0.0_f64; n]; n];
@@ -41,8 +41,8 @@ fn is_positive(matrix: &[Vec<f64>]) -> bool {
     })
 }
 
-/// Forces and torques to motions, column by column, with lubrication and without: symmetric, positive definite, and less than where
-/// walls alone hold the fluid by a matrix of rank one.
+/// The mobility matrix from forces and torques to motions, with and without lubrication: it is symmetric, positive
+/// definite, and smaller by a matrix of rank one than the mobility at a given pressure gradient.
 #[test]
 fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
     for lubrication in [None, Some(Range::default())] {
@@ -66,7 +66,8 @@ fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
         let asymmetry = pairs().map(|(k, l)| (kept[k][l] - kept[l][k]).abs() / size(k, l)).fold(0.0, f64::max);
         assert!(asymmetry < 1e-6, "{lubrication:?}: {asymmetry:e}");
         assert!(is_positive(&kept), "{lubrication:?}");
-        // d_kl d_mm = d_km d_lm of the difference, with m the force along x on the sphere farthest from both walls.
+        // Rank one: d_kl d_mm = d_km d_lm for the difference d, with m the force along x on the sphere farthest from
+        // both walls.
         let less = |k: usize, l: usize| open[k][l] - kept[k][l];
         let m = 6;
         assert!(less(m, m) > 0.02 * open[m][m], "{}", less(m, m) / open[m][m]);
@@ -77,8 +78,8 @@ fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
     }
 }
 
-/// The flow of the curvature found, given as that of a pressure gradient, moves spheres alike, where springs resist to motions in
-/// space: their loads change by what they resist to the flow. In any units.
+/// Spheres move alike if the resulting curvature is given as that of a pressure gradient. Springs resist absolute
+/// motions, so their loads change by their resistance to the flow. In any units.
 #[test]
 fn a_curvature_that_is_given_moves_spheres_alike() {
     for (unit, lubrication) in [(1.0, None), (1.0, Some(Range::default())), (1e-5, Some(Range::default()))] {
@@ -93,7 +94,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
         let springs = Springs { resistance: &stiffness, contacts: &[], tethers: &tethers };
         let forces: Vec<Vector> = (0..3).map(|i| unit * unit * Vector::new(3.0, -0.5 * f64::from(i), 0.3)).collect();
         let loads = Loads { forces, ..Loads::default() };
-        // That of the fluid alone.
+        // Flow of the fluid alone.
         let background = Poiseuille { curvature: 0.4 / unit, height: HEIGHT * unit };
         let mut solve = |loads: &Loads, flow: Poiseuille, constant_flux: bool| {
             let strain_rate = flow.strain_rate();
@@ -127,7 +128,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
     }
 }
 
-/// What springs alone resist to a motion, as forces.
+/// Forces of the springs alone in a motion.
 fn against(springs: &Springs, particles: &Particles, (plan, reach): (&Plan, f64), motion: &Motion) -> Vec<Vector> {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut without = fluid(plan, ShortRange { lubrication: None, springs: Some(reach) });

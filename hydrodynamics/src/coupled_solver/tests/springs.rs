@@ -1,12 +1,12 @@
-//! Springs of repulsion and of contacts in the solve.
+//! Implicit springs of repulsion and contacts in the solve.
 
 use super::*;
 use crate::ambient::StrainRate;
 use crate::springs::{ContactSprings, TetherResistance};
 use lubrication::Surfaces;
 
-/// With contacts the motions are those without, under the forces and torques that their springs make of them: along the line
-/// of centres, against slip where the surfaces touch, and against rolling; in any units.
+/// The motions with contacts equal those without, under the forces and torques that the contact springs exert in these
+/// motions: along the line of centres, against slip at the point of contact, and against rolling. In any units.
 #[test]
 fn contacts_push_and_turn_as_the_motions_say() {
     for unit in [1.0, 1e-6] {
@@ -74,8 +74,8 @@ fn contacts_push_and_turn_as_the_motions_say() {
     }
 }
 
-/// With springs the motions are those without, under the forces that the springs make of them; on pairs within reach of
-/// lubrication or not, in any units.
+/// The motions with springs equal those without, under the forces that the springs exert in these motions; for pairs
+/// within the range of lubrication or beyond, in any units.
 #[test]
 fn springs_push_as_the_motions_say() {
     for (unit, lubrication) in [(1.0, None), (1.0, Some(0.5)), (1e-6, Some(0.5))] {

@@ -1,4 +1,4 @@
-//! The coupled system as a matrix, column by column.
+//! The coupled system as a dense matrix, column by column.
 
 use super::*;
 use crate::ambient::StrainRate;
@@ -6,7 +6,7 @@ use crate::system::{Residual, Resisted, resisted};
 use fcm::System;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Traceless tensors that are orthonormal by contraction.
+/// Traceless tensors that are orthonormal under contraction.
 fn orthonormal() -> [Traceless; 5] {
     let (half, sixth) = (FRAC_1_SQRT_2, 6.0_f64.sqrt().recip());
     [
@@ -18,7 +18,7 @@ fn orthonormal() -> [Traceless; 5] {
     ]
 }
 
-/// Two sizes at random at 30%, with one pair near contact.
+/// A random bidisperse suspension at 30%, with one pair near contact.
 fn suspension() -> (Plan, Particles) {
     let radii = [1.0, 1.5, 1.0, 1.5, 1.0];
     let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a * a * a).sum();
@@ -32,7 +32,7 @@ fn suspension() -> (Plan, Particles) {
     (plan(edge, &radii[..2], (1e-3, 1e-3)), particles)
 }
 
-/// A suspension on one rank, and what its system is made of.
+/// A suspension on one rank, with the ingredients of its system.
 struct Setting {
     mobility: Mobility,
     near: NearPairs,
@@ -61,8 +61,8 @@ impl Setting {
         self.single.len()
     }
 
-    /// A unit of the unknowns: motions as stiff pairs feel them, as the others do, and moments in an orthonormal basis,
-    /// over the roots of single spheres' resistance.
+    /// A unit vector of unknowns: motions for stiff pairs, motions for soft pairs, or moments in an orthonormal basis,
+    /// scaled by the square roots of the single-sphere resistances.
     fn unit(&self, k: usize) -> Unknowns {
         let n = self.spheres();
         let mut motions = [Screws(vec![Screw::default(); n]), Screws(vec![Screw::default(); n])];
@@ -89,7 +89,8 @@ impl Setting {
     }
 }
 
-/// Whether all eigenvalues of a symmetric matrix are above a bound: whether Cholesky's rule goes through without it.
+/// Whether all eigenvalues of a symmetric matrix exceed a bound: whether the Cholesky factorisation of the shifted
+/// matrix succeeds.
 fn eigenvalues_exceed(bound: f64, matrix: &[Vec<f64>]) -> bool {
     let mut root = vec![vec![0.0; matrix.len()]; matrix.len()];
     for i in 0..matrix.len() {
@@ -105,7 +106,8 @@ fn eigenvalues_exceed(bound: f64, matrix: &[Vec<f64>]) -> bool {
     true
 }
 
-/// The products of all units with their images, and with themselves as the pairs and single spheres measure them.
+/// Products of all unit vectors with their images under the system, and with themselves in the metric of pairs and
+/// single spheres.
 #[test]
 fn the_system_is_symmetric_and_positive_definite() {
     let mut setting = Setting::new();
@@ -127,7 +129,7 @@ fn the_system_is_symmetric_and_positive_definite() {
     }
     let largest = (0..matrix.len()).map(diagonal).fold(0.0, f64::max);
     assert!(largest > 1e5, "no pair is near");
-    // Pairs resist nothing to the motion of all as one, which is zero in both.
+    // Pairs do not resist rigid-body motion of the whole, for which both products vanish.
     for (row, measures) in matrix.iter_mut().zip(&measure) {
         row.iter_mut().zip(measures).for_each(|(value, measure)| *value -= 0.2 * measure);
     }
@@ -135,14 +137,14 @@ fn the_system_is_symmetric_and_positive_definite() {
     assert!(!eigenvalues_exceed(1e-12 * largest, &matrix));
 }
 
-/// The residual whose products with unknowns are those of these unknowns.
+/// The residual whose products with unknowns are those of the given unknowns.
 fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
     let strain_rates = unknowns.moments.iter().zip(strain_resistance).map(|(&d, r)| d * (1.0 / r)).collect();
     Residual { stiff: unknowns.stiff.motions.clone(), soft: unknowns.soft.motions.clone(), strain_rates }
 }
 
-/// The motions of the stiff pairs by themselves are more exact each time, until they are as exact as they can be; where
-/// there is no preconditioner, there is nothing to be made more exact.
+/// Inner solves for the stiff pairs become more accurate each time, down to a limit; without a preconditioner there is
+/// nothing to tighten.
 #[test]
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut setting = Setting::new();
@@ -168,7 +170,7 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     assert!(!system.sharpen());
 }
 
-/// What is resisted comes out of a solve besides the motions.
+/// A solve returns the pair loads as well as the motions.
 #[test]
 fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
@@ -183,12 +185,12 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     assert!(error < 1e-9 * size, "{error:e} of {size}");
 }
 
-/// Whether the loads of pairs are off or the moments, it is an error, and both together are a larger one.
+/// Errors of pair loads and of moments both count, and they add up.
 #[test]
 fn loads_and_moments_count_as_errors() {
     let mut setting = Setting::new();
     let n = setting.spheres();
-    // A sphere with stiff pairs, and a moment.
+    // Unknowns of a sphere with stiff pairs, and of a moment.
     let stiff = (0..6 * n).find(|&k| setting.unit(k).stiff.loads.0.iter().any(|load| load.0[0].abs() > 0.1)).unwrap();
     let [load, moment] = [stiff, 12 * n].map(|k| setting.unit(k));
     let mut both = load.clone();

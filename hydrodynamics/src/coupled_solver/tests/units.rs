@@ -5,8 +5,8 @@ use super::*;
 /// Units of length, viscosity and force.
 type Scales = [f64; 3];
 
-/// Eight spheres of two sizes in a sheared box, most of which have others near, in a fluid, under forces and torques
-/// and in a strain, in units that are numbers of others; what comes out is brought back.
+/// Eight spheres of two sizes in a sheared box, most of them with near neighbours, under forces and torques and in a
+/// strain, solved in the given units. The results are converted back.
 fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>; 3] {
     let cell = PeriodicBox::sheared(Vector::splat(5.4 * length), 0.2).unwrap();
     let one = PeriodicBox::sheared(Vector::splat(5.4), 0.2).unwrap();
@@ -50,7 +50,8 @@ fn worst(found: &[Vec<f64>; 3], exact: &[Vec<f64>; 3]) -> f64 {
     found.iter().zip(exact).map(error).fold(0.0, f64::max)
 }
 
-/// Thirty systems from 1e-30 to 1e30, with all digits: 1e-6 on grids in `f32`, 1e-12 in `f64`.
+/// Thirty systems of units from 1e-30 to 1e30 agree to all digits: 1e-6 on single-precision grids, 1e-12 in double
+/// precision.
 #[test]
 fn answers_have_the_same_digits_in_any_units() {
     let extremes = [-30, 0, 30];

@@ -1,4 +1,4 @@
-//! What particles resist to their own motions.
+//! Diagonal blocks of the resistance matrix.
 
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, Lanes, turn};
@@ -6,8 +6,8 @@ use crate::six_vector::Screw;
 use lubrication::Arithmetic;
 use solver::simd::{Vector as Width, Work};
 
-/// A block on the diagonal: forces by velocities, torques by angular velocities, each a symmetric matrix by its
-/// components xx, xy, xz, yy, yz, zz; and the vector `c` of `F = Omega x c` and `L = c x U`.
+/// Diagonal block of the resistance matrix: forces by velocities and torques by angular velocities, each a symmetric
+/// matrix with the components xx, xy, xz, yy, yz, zz, and the vector `c` of the coupling `F = Omega x c`, `L = c x U`.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Own<X> {
     pub force: [X; 6],
@@ -15,16 +15,16 @@ pub struct Own<X> {
     pub coupling: [X; 3],
 }
 
-/// Its numbers, filled up to whole vectors.
+/// Numbers of a block, padded to whole SIMD vectors.
 const NUMBERS: usize = 2 * LANES;
 
 impl Own<f64> {
-    /// What resists to all velocities alike.
+    /// Isotropic resistance to translation.
     pub fn against_velocity(resistance: f64) -> Self {
         Self { force: [resistance, 0.0, 0.0, resistance, 0.0, resistance], ..Self::default() }
     }
 
-    /// Adds another.
+    /// Adds another block.
     pub fn add(&mut self, other: &Self) {
         self.force.iter_mut().zip(other.force).for_each(|(sum, value)| *sum += value);
         self.torque.iter_mut().zip(other.torque).for_each(|(sum, value)| *sum += value);
@@ -42,7 +42,7 @@ impl Own<f64> {
 }
 
 impl<V: Width<f64>> Own<Lanes<V>> {
-    /// Those of several rows, a lane each; empty lanes have zeros.
+    /// Blocks of several rows, one per lane; empty lanes are zero.
     #[inline(always)]
     pub fn of(rows: &[Own<f64>]) -> Self {
         let mut records = [[0.0; NUMBERS]; LANES];
@@ -67,7 +67,7 @@ impl<V: Width<f64>> Own<Lanes<V>> {
 }
 
 impl<X: Arithmetic> Own<X> {
-    /// The loads by a velocity and an angular velocity.
+    /// Loads for a velocity and an angular velocity.
     #[inline(always)]
     pub fn times(&self, [[ux, uy, uz], [ox, oy, oz]]: [[X; 3]; 2]) -> [X; 6] {
         let ([a, b, c, d, e, f], [p, q, r, s, t, u]) = (self.force, self.torque);
@@ -82,7 +82,7 @@ impl<X: Arithmetic> Own<X> {
         ]
     }
 
-    /// All of its numbers, row by row.
+    /// The full 6x6 matrix.
     #[inline(always)]
     fn matrix(&self) -> [[X; 6]; 6] {
         let mut rows = [[X::constant(0.0); 6]; 6];
@@ -103,7 +103,7 @@ impl<X: Arithmetic> Own<X> {
     }
 }
 
-/// The inverse of a symmetric positive definite matrix, by Gauss's and Jordan's elimination without pivoting.
+/// Inverse of a symmetric positive definite matrix, by Gauss-Jordan elimination without pivoting.
 #[inline(always)]
 fn inverse<X: Arithmetic>(mut work: [[X; 6]; 6]) -> [[X; 6]; 6] {
     for pivot in 0..6 {
@@ -126,7 +126,7 @@ fn inverse<X: Arithmetic>(mut work: [[X; 6]; 6]) -> [[X; 6]; 6] {
     work
 }
 
-/// The inverses of these blocks with what particles resist alone.
+/// Inverses of the diagonal blocks plus the single-sphere resistances.
 pub struct Inverses<'a> {
     pub own: &'a [Own<f64>],
     pub single: &'a [Screw],
@@ -142,7 +142,7 @@ impl Work<f64> for Inverses<'_> {
         for ((own, single), blocks) in given.zip(self.blocks.chunks_mut(LANES)) {
             let mut matrix = Own::<Lanes<V>>::of(own).matrix();
             for k in 0..6 {
-                // Empty lanes have an inverse too.
+                // The identity keeps empty lanes invertible.
                 let mut alone = [1.0; LANES];
                 for (alone, single) in alone.iter_mut().zip(single) {
                     *alone = single.0[k];

@@ -5,15 +5,16 @@ use crate::six_vector::Screw;
 use lubrication::Arithmetic;
 use solver::simd::{Vector as Width, Work};
 
-/// A symmetric matrix that takes loads on one particle to its motion, row by row, and nothing up to a whole vector.
+/// Symmetric 6x6 mobility of one particle, from load to motion, stored row by row and padded with zeros to whole SIMD
+/// vectors.
 #[derive(Debug, Clone, Copy)]
 pub struct Block(pub [f64; Block::NUMBERS]);
 
 impl Block {
-    /// Its numbers: from the first of the last row on there is a whole vector.
+    /// Stored numbers: a whole SIMD vector can be read from the start of the last row.
     pub const NUMBERS: usize = 5 * 6 + LANES;
 
-    /// The matrix times a screw.
+    /// Product of the matrix and a screw.
     #[cfg(test)]
     pub fn times(&self, screw: &Screw) -> Screw {
         let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * screw.0[k]).sum();
@@ -27,7 +28,7 @@ impl Default for Block {
     }
 }
 
-/// Blocks times a screw each.
+/// Products of blocks with one screw each.
 pub struct Products<'a> {
     pub blocks: &'a [Block],
     pub screws: &'a [Screw],
@@ -42,7 +43,7 @@ impl Work<f64> for Products<'_> {
         for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.results) {
             let mut sum = Lanes::<V>::constant(0.0);
             for k in 0..6 {
-                // A column is a row. What follows it is summed too, and left out.
+                // By symmetry a row is a column. Numbers beyond its end are summed too, and discarded.
                 sum = sum.plus(Lanes::constant(screw.0[k]), Lanes::read(&block.0[6 * k..]));
             }
             let mut wide = [0.0; LANES];

@@ -1,17 +1,17 @@
-//! Vectors of the machine as numbers.
+//! SIMD vectors as scalars of the pair kernels.
 
 use lubrication::Arithmetic;
 use solver::simd::Vector;
 use std::ops::{Add, Mul, Sub};
 
-/// The same number of several pairs, one a lane.
+/// One number of each of several pairs, one pair per lane.
 #[derive(Clone, Copy)]
 pub struct Lanes<V>(pub V);
 
-/// Pairs that are worked on at once.
+/// Number of pairs per SIMD vector.
 pub const LANES: usize = 8;
 
-/// Lanes and numbers exchanged: eight numbers of each pair, from the first on, become the lanes of eight numbers.
+/// Transposition: eight numbers of each record, starting at `first`, become the lanes of eight vectors.
 #[inline(always)]
 pub fn turn<V: Vector<f64>, const N: usize>(
     records: &[[f64; N]; LANES],
@@ -20,7 +20,7 @@ pub fn turn<V: Vector<f64>, const N: usize>(
 ) {
     const { assert!(V::LANES == LANES) };
     assert!(first + LANES <= N, "eight numbers of a record");
-    // SAFETY: there are as many records as lanes, `N` numbers apart, and eight numbers of each from the first one on.
+    // SAFETY: there are LANES records, `N` numbers apart, and each has eight numbers from `first` on.
     unsafe { V::transpose((records.as_ptr().cast::<f64>().add(first), N), (lanes.as_mut_ptr().cast(), LANES)) };
 }
 
@@ -46,7 +46,7 @@ impl<V: Vector<f64>> Arithmetic for Lanes<V> {
     fn read(from: &[f64]) -> Self {
         const { assert!(V::LANES == LANES) };
         let from = &from[..LANES];
-        // SAFETY: as many numbers as a vector has.
+        // SAFETY: the slice holds a whole vector.
         Self(unsafe { V::load(from.as_ptr()) })
     }
 
@@ -54,7 +54,7 @@ impl<V: Vector<f64>> Arithmetic for Lanes<V> {
     fn write(self, to: &mut [f64]) {
         const { assert!(V::LANES == LANES) };
         let to = &mut to[..LANES];
-        // SAFETY: as many numbers as a vector has.
+        // SAFETY: the slice holds a whole vector.
         unsafe { self.0.store(to.as_mut_ptr()) };
     }
 }
@@ -83,12 +83,12 @@ impl<V: Vector<f64>> Mul for Lanes<V> {
     }
 }
 
-/// Numbers as they are stored, a lane each.
+/// Storage format of the numbers in the lanes.
 pub trait Stored: bytemuck::Zeroable + Copy + Send + Sync {
-    /// The lanes of stored numbers.
+    /// Loads stored numbers into lanes.
     fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V>;
 
-    /// Stores lanes, rounded if need be.
+    /// Stores lanes, rounding if necessary.
     fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]);
 }
 

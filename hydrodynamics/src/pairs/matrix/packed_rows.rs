@@ -1,4 +1,4 @@
-//! Pairs of several rows at once.
+//! Pairs of several rows, packed into SIMD lanes.
 
 use crate::pairs::contacts::Touching;
 use crate::pairs::lubrication::PairLubrication;
@@ -9,21 +9,21 @@ use domain::{Traceless, Vector};
 use lubrication::{Arithmetic, Coefficients, RECORD, SIDE, Side};
 use solver::simd::Vector as Width;
 
-/// A pair of a row: from its particle to the other.
+/// A pair of a row, with the separation from its particle to the other.
 pub struct NearPair {
     pub separation: Vector,
     pub distance: f64,
-    /// The height half-way between them.
+    /// Height of the midpoint.
     pub height: f64,
     pub other: u32,
     pub species: [u32; 2],
     pub is_lubricated: bool,
 }
 
-/// What the sides of pairs are computed from, as so many numbers a pair.
+/// Source of the resistance coefficients of pairs, with `N` numbers per pair.
 pub trait Kind<const N: usize> {
-    /// Writes the numbers of a pair of spheres of two radii, with what a spring resists between them along, across, and to
-    /// rolling, if there is one.
+    /// Writes the numbers of a pair of spheres with two radii. `spring` has the spring resistances along the line of
+    /// centres, to slip, and to rolling.
     fn write<V: Width<f64>>(
         &mut self,
         lane: usize,
@@ -32,23 +32,23 @@ pub trait Kind<const N: usize> {
         numbers: &mut [f64; N],
     );
 
-    /// The sides of the rows' spheres from these numbers, a lane each.
+    /// Resistance coefficients of the rows' spheres, one pair per lane, from these numbers.
     fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> Side<Lanes<V>>;
 }
 
-/// Pairs of one kind of several rows, a lane each.
+/// Pairs of one kind from several rows, one pair per lane.
 pub struct Packed<K, const N: usize> {
     kind: K,
     records: [[f64; N]; LANES],
-    /// Unit vectors from the smaller sphere to the larger.
+    /// Unit vectors from the smaller to the larger sphere.
     axis: [[f64; LANES]; 3],
-    /// By how much the components xz and yz of the ambient rate of strain are larger between them.
+    /// Increase of the xz and yz components of the ambient strain rate from `z = 0` to the pair.
     sloping: [[f64; LANES]; 2],
     others: [u32; LANES],
 }
 
 impl<K: Kind<N>, const N: usize> Packed<K, N> {
-    /// No pairs, in lanes that stand for any row.
+    /// Empty lanes, with a placeholder row.
     #[inline(always)]
     pub fn empty(kind: K, row: u32) -> Self {
         Self {
@@ -60,7 +60,8 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
         }
     }
 
-    /// Sets the pair of a lane, of spheres of two radii, in a flow whose rate of strain grows with z.
+    /// Sets the pair of a lane, for spheres with two radii, in a flow whose strain rate varies with z at the rate
+    /// `slope`.
     #[inline(always)]
     pub fn set<V: Width<f64>>(
         &mut self,
@@ -80,7 +81,7 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
         }
     }
 
-    /// Makes a group of the pairs.
+    /// Assembles the pairs into a group.
     #[inline(always)]
     pub fn assemble<V: Width<f64>, T: Stored>(
         &self,
@@ -108,17 +109,17 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
     }
 }
 
-/// Numbers of a stiff pair: those of its coefficients, 1 where the row's particle is the larger one, and the resistance of
-/// its spring along the axis.
+/// Numbers of a stiff pair: its resistance coefficients, 1 if the row's particle is the larger one, and the resistance
+/// of its spring along the axis.
 pub const STIFF: usize = 48;
 const IS_LARGER: usize = RECORD;
 const SPRING: usize = RECORD + 1;
 
-/// Pairs that are stiff, by lubrication or by springs.
+/// Stiff pairs, with lubrication or springs.
 pub struct Stiff<'a> {
     lubrication: Option<&'a PairLubrication>,
     touching: Touching,
-    /// Whether any of them touch.
+    /// Whether any of the pairs is in contact.
     touch: bool,
 }
 
@@ -169,7 +170,7 @@ impl Kind<STIFF> for Stiff<'_> {
     }
 }
 
-/// Pairs that lubrication alone acts between, and weakly.
+/// Soft pairs, with weak lubrication alone.
 pub struct Soft<'a>(pub Option<&'a PairLubrication>);
 
 impl Kind<SIDE> for Soft<'_> {
@@ -197,7 +198,7 @@ impl Kind<SIDE> for Soft<'_> {
 }
 
 impl<T: Stored> Group<T> {
-    /// Sets what the motion of the others makes of loads.
+    /// Sets the coefficients of loads due to the motion of the other particle.
     #[inline(always)]
     fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
         T::store(side.across[1], &mut self.across);
@@ -210,7 +211,7 @@ impl<T: Stored> Group<T> {
 }
 
 impl<T: Stored> MomentGroup<T> {
-    /// Sets the first moments.
+    /// Sets the coefficients of the first moments.
     #[inline(always)]
     fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
         for (both, to) in [(side.pull, &mut self.pull), (side.drag, &mut self.drag), (side.turn, &mut self.turn)] {

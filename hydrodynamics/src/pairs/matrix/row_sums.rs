@@ -1,4 +1,4 @@
-//! What the pairs of several rows add up to, a lane each.
+//! Sums over the pairs of several rows, one row per lane.
 
 use crate::pairs::matrix::diagonal_block::Own;
 use crate::pairs::matrix::lanes::{LANES, Lanes};
@@ -8,32 +8,32 @@ use domain::Traceless;
 use lubrication::{Arithmetic, Side};
 use solver::simd::Vector as Width;
 
-/// Blocks on the diagonal.
+/// Sums of the diagonal blocks.
 pub struct Sums<V> {
     force: [Lanes<V>; 6],
     torque: [Lanes<V>; 6],
     coupling: [Lanes<V>; 3],
 }
 
-/// Loads and moments in the ambient flow.
+/// Sums of the loads and first moments in the ambient flow.
 pub struct InStrain<V> {
     force: [Lanes<V>; 3],
     torque: [Lanes<V>; 3],
     moment: [Lanes<V>; 5],
 }
 
-/// Rows and columns of the components of a symmetric matrix.
+/// Rows and columns of the six components of a symmetric matrix.
 const SYMMETRIC: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
 impl<V: Width<f64>> Sums<V> {
-    /// Nothing.
+    /// Zero sums.
     #[inline(always)]
     pub fn zero() -> Self {
         let zero = Lanes::constant(0.0);
         Self { force: [zero; 6], torque: [zero; 6], coupling: [zero; 3] }
     }
 
-    /// Adds a pair of each row, along these axes.
+    /// Adds one pair of each row, along the axes `z`.
     #[inline(always)]
     pub fn add(&mut self, side: &Side<Lanes<V>>, z: [Lanes<V>; 3]) {
         let (across, roll, coupling) = (side.across[0], side.roll[0], side.coupling[0]);
@@ -51,7 +51,7 @@ impl<V: Width<f64>> Sums<V> {
         }
     }
 
-    /// The block of each row.
+    /// The diagonal block of each row.
     #[inline(always)]
     pub fn totals(&self) -> [Own<f64>; LANES] {
         let [force, torque, coupling] = [scattered(&self.force), scattered(&self.torque), scattered(&self.coupling)];
@@ -66,14 +66,15 @@ impl<V: Width<f64>> Sums<V> {
 }
 
 impl<V: Width<f64>> InStrain<V> {
-    /// Nothing.
+    /// Zero sums.
     #[inline(always)]
     pub fn zero() -> Self {
         let zero = Lanes::constant(0.0);
         Self { force: [zero; 3], torque: [zero; 3], moment: [zero; 5] }
     }
 
-    /// Adds a pair of each row, along these axes, in an ambient rate of strain whose components xz and yz are larger there.
+    /// Adds one pair of each row, along the axes `z`, in an ambient strain rate whose xz and yz components are
+    /// increased by the given amounts.
     #[inline(always)]
     pub fn add(
         &mut self,
@@ -110,7 +111,7 @@ impl<V: Width<f64>> InStrain<V> {
         self.moment[4] = self.moment[4].plus(bulk, sloping_y);
     }
 
-    /// The load and the moment of each row.
+    /// The load and the first moment of each row.
     #[inline(always)]
     pub fn totals(&self) -> ([Screw; LANES], [Traceless; LANES]) {
         let [force, torque, moment] = [scattered(&self.force), scattered(&self.torque), scattered(&self.moment)];

@@ -1,4 +1,4 @@
-//! The lubrication resistance of many pairs as a sparse matrix.
+//! Near-field resistance matrix in sparse storage.
 
 use crate::pairs::matrix::diagonal_block::{Inverses, Own};
 use crate::pairs::matrix::inverse_block::Block;
@@ -11,42 +11,43 @@ use rayon::prelude::*;
 use solver::Real;
 use solver::simd::{Vector as Width, Work};
 
-/// Rows that one thread works through at a time.
+/// Number of rows that one thread processes at a time.
 pub const ROWS: usize = 64;
 
-/// What particles resist to their rigid motions by some of their near pairs: with the unit vector `z` along each pair,
-/// the loads of [`lubrication::Coefficients`]. Each row of a particle that the rank owns has all of its pairs, so that a
-/// pair stands in the rows of both.
+/// Resistance of near pairs to rigid-body motions, as a sparse matrix: with the unit vector `z` along each pair, the
+/// loads of [`lubrication::Coefficients`]. The row of each particle of a rank has all of its pairs, so that a pair is
+/// stored in the rows of both particles.
 ///
-/// Rows are worked out several at once, a lane each, pair by pair: the rows with the most pairs of a part together, so
-/// that few lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). The numbers of pairs are stored in
-/// single or double precision, their sums and what is on the diagonal always in double.
+/// Rows are processed in SIMD lanes, pair by pair. Each slice has rows of similar length, longest first, so that few
+/// lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). Coefficients of pairs are stored in
+/// single or double precision; sums and diagonal blocks are always in double precision.
 pub struct PairMatrix<T> {
     parts: Vec<Part<T>>,
 }
 
-/// The rows of some particles.
+/// Matrix rows of a block of particles.
 pub struct Part<T> {
-    /// What is on the diagonal.
+    /// Diagonal blocks.
     own: Vec<Own<f64>>,
     slices: Vec<Slice>,
     groups: Vec<Group<T>>,
     moments: Vec<MomentGroup<T>>,
-    /// Groups that are filled.
+    /// Number of groups that have been filled.
     filled: usize,
 }
 
-/// Rows that are worked out at once; those without pairs are in none.
+/// Rows that are processed together, one per lane; rows without pairs are in no slice.
 #[derive(Debug, Clone, Copy)]
 pub struct Slice {
-    /// Rows within the part, the first `count` of these.
+    /// Rows within the block; the first `count` entries are valid.
     rows: [u32; LANES],
     count: usize,
-    /// Where the groups of the slice end.
+    /// End of the slice in the groups.
     end: usize,
 }
 
-/// A pair of each row of a slice, by what the motion of the other particle makes of loads; empty lanes have zeros.
+/// One pair of each row of a slice: coefficients of the loads due to the motion of the other particle; empty lanes are
+/// zero.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct Group<T> {
@@ -57,13 +58,13 @@ pub struct Group<T> {
     pub roll: [T; LANES],
     /// `spin - roll`
     pub spin: [T; LANES],
-    /// Force by the angular velocity of the other, and torque by its velocity.
+    /// Coefficients of the force due to the other's angular velocity, and of the torque due to its velocity.
     pub coupling: [[T; LANES]; 2],
-    /// Rows of the others.
+    /// Rows of the other particles.
     pub others: [u32; LANES],
 }
 
-/// First moments of the rows' particles by motions, of themselves and of the others.
+/// Coefficients of the first moments on the rows' particles, due to their own motions and to those of the others.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct MomentGroup<T> {
@@ -73,21 +74,21 @@ pub struct MomentGroup<T> {
 }
 
 impl Slice {
-    /// Some rows of a part, at most as many as there are lanes.
+    /// A slice of at most [`LANES`] rows of a block.
     pub fn new(rows: &[u32]) -> Self {
         let mut slice = Self { rows: [0; LANES], count: rows.len(), end: 0 };
         slice.rows[..rows.len()].copy_from_slice(rows);
         slice
     }
 
-    /// Its rows, lane by lane.
+    /// The rows of the slice, lane by lane.
     pub fn rows(&self) -> &[u32] {
         &self.rows[..self.count]
     }
 }
 
 impl<T: Stored> Part<T> {
-    /// So many rows without pairs, and so many groups to be filled.
+    /// A block of `rows` rows, with room for `groups` groups.
     pub fn new(rows: usize, groups: usize) -> Self {
         Self {
             own: vec![Own::default(); rows],
@@ -98,7 +99,7 @@ impl<T: Stored> Part<T> {
         }
     }
 
-    /// The next group of the slice that is being made.
+    /// The next group of the current slice.
     #[inline(always)]
     pub fn group(&mut self) -> (&mut Group<T>, &mut MomentGroup<T>) {
         let next = self.filled;
@@ -106,7 +107,7 @@ impl<T: Stored> Part<T> {
         (&mut self.groups[next], &mut self.moments[next])
     }
 
-    /// Ends a slice, whose rows have these blocks on the diagonal, lane by lane.
+    /// Ends a slice and stores the diagonal blocks of its rows, given lane by lane.
     pub fn end_slice(&mut self, slice: Slice, own: &[Own<f64>; LANES]) {
         for (&row, own) in slice.rows().iter().zip(own) {
             self.own[row as usize] = *own;
@@ -114,7 +115,7 @@ impl<T: Stored> Part<T> {
         self.slices.push(Slice { end: self.filled, ..slice });
     }
 
-    /// The slices with their groups.
+    /// Slices with the ranges of their groups.
     fn slices(&self) -> impl Iterator<Item = (&Slice, std::ops::Range<usize>)> {
         let starts = std::iter::once(0).chain(self.slices.iter().map(|slice| slice.end));
         self.slices.iter().zip(starts).map(|(slice, start)| (slice, start..slice.end))
@@ -122,17 +123,17 @@ impl<T: Stored> Part<T> {
 }
 
 impl<T: Stored> PairMatrix<T> {
-    /// Of parts of [`ROWS`] rows each, but for the last.
+    /// The matrix of blocks of [`ROWS`] rows each, except for the last.
     pub fn new(parts: Vec<Part<T>>) -> Self {
         Self { parts }
     }
 
-    /// Adds to the block on the diagonal of a row.
+    /// Adds to the diagonal block of a row.
     pub fn add_own(&mut self, row: usize, own: &Own<f64>) {
         self.parts[row / ROWS].own[row % ROWS].add(own);
     }
 
-    /// The inverses of the blocks on the diagonal with what particles resist alone.
+    /// Inverses of the diagonal blocks plus the single-sphere resistances.
     pub fn inverses(&self, single: &[Screw]) -> Vec<Block> {
         let mut inverses = vec![Block::default(); single.len()];
         let parts = self.parts.par_iter().zip(single.par_chunks(ROWS)).zip(inverses.par_chunks_mut(ROWS));
@@ -141,15 +142,15 @@ impl<T: Stored> PairMatrix<T> {
     }
 }
 
-/// What resists to motions, with numbers stored in whichever precision.
+/// Near-field resistance matrix, stored in either precision.
 pub trait Resistance: Sync {
-    /// Whether there is no pair.
+    /// Whether there are no pairs.
     fn is_empty(&self) -> bool;
 
-    /// Adds the loads by the motions of all particles present to those of the rows of a part.
+    /// Adds the loads due to the motions of particles and ghosts, for the rows of a block.
     fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]);
 
-    /// Adds the first moments by the motions of all particles present to those of the particles that the rank owns.
+    /// Adds the first moments due to the motions of particles and ghosts, for all of a rank's particles.
     fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
 }
 
@@ -171,7 +172,7 @@ impl<T: Stored> Resistance for PairMatrix<T> {
     }
 }
 
-/// A motion that fills a vector, to be read at once.
+/// A motion padded to a whole SIMD vector.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Padded([f64; LANES]);
@@ -183,7 +184,7 @@ impl From<&Screw> for Padded {
     }
 }
 
-/// Velocities and angular velocities of some particles, lane by lane.
+/// Velocities and angular velocities of the particles in `rows`, one per lane.
 #[inline(always)]
 fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[Lanes<V>; 3]; 2] {
     let mut records = [[0.0; LANES]; LANES];
@@ -200,7 +201,7 @@ fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[Lanes<V
     motions
 }
 
-/// Numbers of rows, as many of each, from lanes of numbers; numbers that are not given are zeros.
+/// Transposes sums from lanes to rows; missing numbers are zero.
 #[inline(always)]
 pub fn scattered<V: Width<f64>>(sums: &[Lanes<V>]) -> [[f64; LANES]; LANES] {
     let mut lanes = [[0.0; LANES]; LANES];
@@ -227,7 +228,7 @@ fn axis<T: Stored, V: Width<f64>>(group: &Group<T>) -> [Lanes<V>; 3] {
     [T::lanes(&group.axis[0]), T::lanes(&group.axis[1]), T::lanes(&group.axis[2])]
 }
 
-/// Some rows of the matrix times motions.
+/// Product of a block of rows and the motions.
 struct Product<'a, T> {
     part: &'a Part<T>,
     first: usize,
@@ -267,7 +268,7 @@ impl<T: Stored> Work<f64> for Product<'_, T> {
 }
 
 impl<T: Stored> Group<T> {
-    /// Adds the loads by the motions of the others.
+    /// Adds the loads due to the motions of the other particles.
     #[inline(always)]
     fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [Lanes<V>; 6]) {
         let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<T, V>(self));
@@ -283,7 +284,7 @@ impl<T: Stored> Group<T> {
     }
 }
 
-/// First moments of some rows.
+/// First moments of a block of rows.
 struct MomentRows<'a, T> {
     part: &'a Part<T>,
     first: usize,
@@ -318,7 +319,7 @@ impl<T: Stored> Work<f64> for MomentRows<'_, T> {
 }
 
 impl<T: Stored> MomentGroup<T> {
-    /// Adds the moments by the motions of the rows' particles and of the others.
+    /// Adds the moments due to the motions of the rows' particles and of the others.
     #[inline(always)]
     fn add<V: Width<f64>>(
         &self,
@@ -342,7 +343,7 @@ impl<T: Stored> MomentGroup<T> {
     }
 }
 
-/// Adds `stretch (3 zz - 1) + z s + s z` to the five components of symmetric traceless tensors.
+/// Adds `stretch (3 zz - 1) + z s + s z`, with `s` the shear, to the five components of symmetric traceless tensors.
 #[inline(always)]
 pub fn add_tensor<V: Width<f64>>(stretch: Lanes<V>, shear: [Lanes<V>; 3], z: [Lanes<V>; 3], sums: &mut [Lanes<V>; 5]) {
     let three = Lanes::constant(3.0) * stretch;

@@ -17,7 +17,7 @@ fn model(boundaries: Boundaries, flow: Flow, start: Start) -> Model {
     Model::new(Parameters { seed: 4, flow, start, statistics, ..usual }).unwrap()
 }
 
-/// The profile of a run of a few steps on some ranks, on the first.
+/// Profile of a run of some steps on several ranks, on the first rank.
 fn profile_of(model: &Model, ranks: usize, steps: u32) -> Table {
     let found = Comm::threads(ranks, |comm| {
         let mut suspension = Suspension::start(model, &comm).unwrap();
@@ -41,14 +41,13 @@ fn profile_of(model: &Model, ranks: usize, steps: u32) -> Table {
     found.into_iter().next().flatten().unwrap()
 }
 
-/// The numbers of a column of a profile, of all spheres.
+/// A column of a profile, for all species together.
 fn numbers(table: &Table, name: &str) -> Vec<f64> {
     let index = table.columns.iter().position(|(column, _)| column == name).unwrap();
     table.rows.iter().filter(|(words, _)| words[0] == "all").map(|(_, numbers)| numbers[index]).collect()
 }
 
-/// A random suspension between walls has its volume fraction in the mean over the channel, whatever moves it, and none of it is
-/// where spheres can't be.
+/// The mean over the channel is the volume fraction, for any flow, and regions that centres cannot reach are empty.
 #[test]
 fn a_random_suspension_has_its_volume_fraction() {
     let model =
@@ -61,11 +60,11 @@ fn a_random_suspension_has_its_volume_fraction() {
     assert!(numbers(&table, "number_density")[..2].iter().all(|&density| density == 0.0), "nearer than a radius");
 }
 
-/// A small sphere far from walls moves with the flow, in Couette and in Poiseuille flow: its slip is small beside its velocity, it
-/// turns with half the vorticity, and its stresslet is Einstein's, `20/3 pi mu a^3 E`, by its slices.
+/// A small sphere far from walls, in Couette and Poiseuille flow: its slip is small compared to its velocity, it
+/// rotates with half the vorticity, and its stresslet is Einstein's `20/3 pi mu a^3 E`, summed over its slices.
 #[test]
 fn a_sphere_in_a_flow_has_a_known_profile() {
-    // The tolerance of an evaluation is 1e-3.
+    // Tolerance of an evaluation: 1e-3.
     let place = Vector::new(4.5, 4.5, 4.0);
     let start = || Start::Positions(vec![place]);
     let couette = Flow::Shear { rate: 2.0, lees_edwards: false };
@@ -78,11 +77,11 @@ fn a_sphere_in_a_flow_has_a_known_profile() {
     assert!(stress > einstein && stress < 1.3 * einstein, "walls stiffen it: {stress} for {einstein}");
     let table = profile_of(&model(Boundaries::Walls, Flow::Poiseuille { pressure_gradient: 1.0 }, start()), 1, 0);
     let slip = numbers(&table, "slip_x")[8];
-    // u = 8, less a^2 / 6 u'' = 1 / 6, is what the slip is relative to.
+    // The slip is relative to u + a^2 / 6 u'' = 8 - 1 / 6.
     assert!((numbers(&table, "velocity_x")[8] - slip - (8.0 - 1.0 / 6.0)).abs() < 1e-12 && slip.abs() < 0.05, "{slip}");
 }
 
-/// Heights of a layer are above its middle, wherever it has gone.
+/// Heights of a layer are relative to its centre, wherever that is.
 #[test]
 fn a_layer_is_in_the_middle() {
     let places = [1.0, 4.0].map(|z| Vector::new(4.5, 4.5, z + 100.0));
@@ -101,13 +100,13 @@ fn profiles_are_those_of_any_ranks() {
     let [alone, together] = [1, 3].map(|ranks| profile_of(&model, ranks, 2));
     for name in ["volume_fraction", "velocity_x", "slip_z", "stress_xz", "T_xx"] {
         for (a, b) in numbers(&alone, name).into_iter().zip(numbers(&together, name)) {
-            // The iteration's tolerance.
+            // Tolerance of the iteration.
             assert!((a - b).abs() < 1e-3 * a.abs().max(0.1) || (a.is_nan() && b.is_nan()), "{name}: {a} {b}");
         }
     }
 }
 
-/// What is stored half-way and taken up by another goes on with the same bits.
+/// Statistics that are stored and restored half-way continue bit for bit.
 #[test]
 fn an_interruption_changes_nothing() {
     let model = model(Boundaries::Wall, Flow::None, Start::Random { minimum_gap: 0.02 });
