@@ -1,4 +1,4 @@
-//! Hydrodynamics of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved together.
+//! CoupledSolver of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved together.
 //! It needs no scene and no model: positions and loads go in, motions and stresslets come out.
 
 pub mod ambient;
@@ -16,7 +16,7 @@ mod system;
 mod units;
 
 pub use ambient::{FlowRefused, Poiseuille, StrainRate};
-pub use coupled_solver::{Acting, Found, Guess, Hydrodynamics, STILL, ShortRange, Solved};
+pub use coupled_solver::{CoupledSolver, Found, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};

@@ -1,10 +1,10 @@
 //! Memory of a solve with lubrication.
 
-use crate::pairs::matrix::diagonal_block::Own;
+use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::LANES;
 use crate::pairs::matrix::sparse::{Group, MomentGroup};
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, Need, Process, Traceless, Vector, VerletList};
 use fcm::{Footprint, Precision};
 use lubrication::{PairForce, Range};
@@ -34,8 +34,8 @@ const STIFF: f64 = 0.5;
 const SPREAD: f64 = 0.28;
 
 /// Numbers per particle in the unknowns and in a residual.
-type UnknownsOfOne = ([Screw; 4], Traceless);
-type ResidualOfOne = ([Screw; 2], Traceless);
+type UnknownsOfOne = ([SixVector; 4], Traceless);
+type ResidualOfOne = ([SixVector; 2], Traceless);
 
 /// Vectors of unknowns held at once by conjugate gradients (solution, direction, next direction, and three
 /// preconditioned residuals: current, previous and last), and residuals (the current one and the image of a direction).
@@ -50,10 +50,10 @@ pub fn table_bytes(radii: &[f64]) -> Bytes {
 /// Memory of [`crate::CoupledSolver::solve`] with lubrication at the gaps of a range.
 pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> Bytes {
     let owned = expected.owned();
-    let single = Bytes::list::<(Screw, f64)>(owned).then(Bytes::list::<Block>(owned));
+    let single = Bytes::list::<(SixVector, f64)>(owned).then(Bytes::list::<Block>(owned));
     let unknowns = Bytes::list::<UnknownsOfOne>(UNKNOWNS * owned).then(Bytes::list::<ResidualOfOne>(RESIDUALS * owned));
-    let loads = Bytes::list::<Screw>(3.0 * owned).then(Bytes::list::<(Vector, Vector, Traceless)>(3.0 * owned));
-    let inner = Bytes::list::<Screw>(7.0 * owned);
+    let loads = Bytes::list::<SixVector>(3.0 * owned).then(Bytes::list::<(Vector, Vector, Traceless)>(3.0 * owned));
+    let inner = Bytes::list::<SixVector>(7.0 * owned);
     let evaluation = far.evaluation().or(inner);
     let (lists, pairs) = near_pairs(expected, range, far.precision());
     lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
@@ -68,7 +68,7 @@ fn near_pairs(expected: &ExpectedCounts, range: Range, precision: Precision) -> 
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
     let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
     let soft = numbers[0] - stiff;
-    let rows = Bytes::list::<([Own<f64>; 2], [u32; 2], Screw, Traceless)>(owned);
+    let rows = Bytes::list::<([DiagonalBlock<f64>; 2], [u32; 2], SixVector, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
     let [stiff, soft] = [stiff, soft].map(|pairs| groups(pairs) * owned);
     let soft = match precision {

@@ -2,7 +2,7 @@
 
 use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::search::{NearPairs, Pairs};
-use crate::six_vector::{Screw, Screws, dot};
+use crate::six_vector::{SixVector, SixVectors, dot};
 use domain::{Comm, Interrupt};
 use fcm::{Limits, Linear, Step, Sums, System, conjugate_gradients};
 use rayon::prelude::*;
@@ -11,11 +11,11 @@ use solver::simd::{Vector as Width, Work};
 
 /// The matrix `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs:
 /// resistance to rigid-body motions of particles that interact only through the lubrication of stiff pairs.
-pub struct ParticleMatrix<'a> {
+pub struct Preconditioner<'a> {
     comm: Comm,
     near: &'a NearPairs,
     pairs: &'static [Pairs],
-    single: &'a [Screw],
+    single: &'a [SixVector],
     /// Inverses of the diagonal blocks.
     inverse: Vec<Block>,
     /// Relative error of a solve, in the norm of the single-sphere resistances.
@@ -32,21 +32,21 @@ const BATCH: usize = 256;
 /// Largest number of iterations of a solve.
 const MOST_ITERATIONS: usize = 2000;
 
-impl<'a> ParticleMatrix<'a> {
+impl<'a> Preconditioner<'a> {
     /// The matrix for near pairs of particles with the given single-sphere resistances.
-    pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [Screw], tolerance: f64) -> Self {
+    pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [SixVector], tolerance: f64) -> Self {
         let inverse = near.stiff().inverses(single);
         Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
     }
 
     /// Approximate motions under the given loads, and the pair loads in these motions. Collective.
-    pub fn solve(&mut self, loads: &Screws) -> [Screws; 2] {
+    pub fn solve(&mut self, loads: &SixVectors) -> [SixVectors; 2] {
         let limits = self.limits();
-        self.solve_from(Screws::zero(loads.0.len()), loads, loads.clone(), limits)
+        self.solve_from(SixVectors::zero(loads.0.len()), loads, loads.clone(), limits)
     }
 
     /// [`Self::solve`], continued from an earlier solution. Collective.
-    pub fn go_on(&mut self, [motions, resisted]: [Screws; 2], loads: &Screws) -> [Screws; 2] {
+    pub fn go_on(&mut self, [motions, resisted]: [SixVectors; 2], loads: &SixVectors) -> [SixVectors; 2] {
         let residual = self.remainder(loads, &resisted, &motions);
         let limits = self.limits();
         self.solve_from(motions, loads, residual, limits)
@@ -54,7 +54,7 @@ impl<'a> ParticleMatrix<'a> {
 
     /// Motions under the given loads with stiff and soft pairs, to an error of `tolerance`, and the pair loads in these
     /// motions. Starts from `motions`. Collective.
-    pub fn solve_with_all(&mut self, motions: Screws, loads: &Screws, tolerance: f64) -> [Screws; 2] {
+    pub fn solve_with_all(&mut self, motions: SixVectors, loads: &SixVectors, tolerance: f64) -> [SixVectors; 2] {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
         let mut residual = loads.clone();
         residual.add(-1.0, &self.apply(&motions));
@@ -65,22 +65,28 @@ impl<'a> ParticleMatrix<'a> {
     }
 
     /// [`Self::solve`] from motions with a known residual.
-    fn solve_from(&mut self, mut motions: Screws, loads: &Screws, mut residual: Screws, limits: Limits) -> [Screws; 2] {
+    fn solve_from(
+        &mut self,
+        mut motions: SixVectors,
+        loads: &SixVectors,
+        mut residual: SixVectors,
+        limits: Limits,
+    ) -> [SixVectors; 2] {
         let comm = self.comm.clone();
-        let mut z = Screws::zero(loads.0.len());
+        let mut z = SixVectors::zero(loads.0.len());
         conjugate_gradients(&comm, self, (&mut motions, &mut residual, &mut z), limits);
         let resisted = self.remainder(loads, &residual, &motions);
         [motions, resisted]
     }
 
     /// Loads minus a part of them and minus the single-sphere resistance to motions.
-    fn remainder(&self, loads: &Screws, part: &Screws, motions: &Screws) -> Screws {
-        let less = |((load, part), (single, motion)): ((&Screw, &Screw), (&Screw, &Screw))| {
-            Screw(std::array::from_fn(|k| load.0[k] - part.0[k] - single.0[k] * motion.0[k]))
+    fn remainder(&self, loads: &SixVectors, part: &SixVectors, motions: &SixVectors) -> SixVectors {
+        let less = |((load, part), (single, motion)): ((&SixVector, &SixVector), (&SixVector, &SixVector))| {
+            SixVector(std::array::from_fn(|k| load.0[k] - part.0[k] - single.0[k] * motion.0[k]))
         };
         let of_single = self.single.par_iter().zip(&motions.0);
         let loads = loads.0.par_iter().with_min_len(BATCH).zip(&part.0);
-        Screws(loads.zip(of_single).map(less).collect())
+        SixVectors(loads.zip(of_single).map(less).collect())
     }
 
     fn limits(&self) -> Limits<'static> {
@@ -104,19 +110,19 @@ impl<'a> ParticleMatrix<'a> {
     }
 }
 
-impl System for ParticleMatrix<'_> {
-    type Unknowns = Screws;
-    type Residual = Screws;
+impl System for Preconditioner<'_> {
+    type Unknowns = SixVectors;
+    type Residual = SixVectors;
 
-    fn product(&self, residual: &Screws, x: &Screws) -> f64 {
+    fn product(&self, residual: &SixVectors, x: &SixVectors) -> f64 {
         residual.dot(x)
     }
 
-    fn apply(&mut self, direction: &Screws) -> Screws {
+    fn apply(&mut self, direction: &SixVectors) -> SixVectors {
         self.curvature(direction).0
     }
 
-    fn curvature(&mut self, direction: &Screws) -> (Screws, f64) {
+    fn curvature(&mut self, direction: &SixVectors) -> (SixVectors, f64) {
         self.near.times_and(self.pairs, direction, |first, loads| {
             let of_rows = loads.iter_mut().zip(&self.single[first..]).zip(&direction.0[first..]);
             let mut sums = [0.0; 6];
@@ -132,27 +138,27 @@ impl System for ParticleMatrix<'_> {
 
     fn stepped(&mut self, _: f64) {}
 
-    fn precondition(&mut self, residual: &Screws) -> Screws {
-        let mut motions = Screws::zero(residual.0.len());
+    fn precondition(&mut self, residual: &SixVectors) -> SixVectors {
+        let mut motions = SixVectors::zero(residual.0.len());
         let chunks =
             self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
         chunks.for_each(|((blocks, screws), results)| f64::dispatch(Products { blocks, screws, results }));
         motions
     }
 
-    fn error(&self, residual: &Screws, _: &Screws) -> f64 {
+    fn error(&self, residual: &SixVectors, _: &SixVectors) -> f64 {
         error(&residual.0, self.single)
     }
 
-    fn size(&self, x: &Screws) -> f64 {
+    fn size(&self, x: &SixVectors) -> f64 {
         size(&x.0, self.single)
     }
 
     fn look(
         &mut self,
-        (x, residual): (&mut Screws, &mut Screws),
-        step: Option<Step<Screws, Screws>>,
-        z: &mut Screws,
+        (x, residual): (&mut SixVectors, &mut SixVectors),
+        step: Option<Step<SixVectors, SixVectors>>,
+        z: &mut SixVectors,
     ) -> Sums {
         let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
         let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
@@ -167,20 +173,20 @@ impl System for ParticleMatrix<'_> {
 }
 
 /// Motions, residuals and preconditioned residuals of a batch of particles.
-type Unknowns<'a> = ((&'a mut [Screw], &'a mut [Screw]), &'a mut [Screw]);
+type Unknowns<'a> = ((&'a mut [SixVector], &'a mut [SixVector]), &'a mut [SixVector]);
 
 /// Preconditioner blocks and single-sphere resistances of a batch of particles.
-type Given<'a> = (&'a [Block], &'a [Screw]);
+type Given<'a> = (&'a [Block], &'a [SixVector]);
 
 /// [`System::look`] for a batch of particles.
 struct Look<'a> {
     blocks: &'a [Block],
-    single: &'a [Screw],
+    single: &'a [SixVector],
     /// Length of a step, its direction and the image of the direction.
-    step: Option<(f64, [&'a [Screw]; 2])>,
-    x: &'a mut [Screw],
-    residual: &'a mut [Screw],
-    z: &'a mut [Screw],
+    step: Option<(f64, [&'a [SixVector]; 2])>,
+    x: &'a mut [SixVector],
+    residual: &'a mut [SixVector],
+    z: &'a mut [SixVector],
 }
 
 impl Work<f64> for Look<'_> {
@@ -201,7 +207,7 @@ impl Work<f64> for Look<'_> {
 }
 
 #[inline(always)]
-fn add(screws: &mut [Screw], factor: f64, others: &[Screw]) {
+fn add(screws: &mut [SixVector], factor: f64, others: &[SixVector]) {
     for (a, b) in screws.iter_mut().zip(others) {
         (0..6).for_each(|k| a.0[k] += factor * b.0[k]);
     }
@@ -210,18 +216,18 @@ fn add(screws: &mut [Screw], factor: f64, others: &[Screw]) {
 /// Squared norm of the error estimate: the motions of single spheres under the residual. The energy norm would be
 /// dominated by stiff pairs, whose loads on the far field converge much later than their motions.
 #[inline(always)]
-fn error(residual: &[Screw], single: &[Screw]) -> f64 {
+fn error(residual: &[SixVector], single: &[SixVector]) -> f64 {
     squares(residual, single, |load, single| load * load / single)
 }
 
 /// Squared norm of motions, weighted by the single-sphere resistances.
 #[inline(always)]
-fn size(motions: &[Screw], single: &[Screw]) -> f64 {
+fn size(motions: &[SixVector], single: &[SixVector]) -> f64 {
     squares(motions, single, |motion, single| motion * motion * single)
 }
 
 #[inline(always)]
-fn squares(screws: &[Screw], single: &[Screw], square: impl Fn(f64, f64) -> f64) -> f64 {
+fn squares(screws: &[SixVector], single: &[SixVector], square: impl Fn(f64, f64) -> f64) -> f64 {
     let mut sums = [0.0; 6];
     for (screw, single) in screws.iter().zip(single) {
         (0..6).for_each(|k| sums[k] += square(screw.0[k], single.0[k]));

@@ -9,9 +9,9 @@ use std::ops::{AddAssign, Neg};
 /// Velocity and angular velocity of a particle, or the force and the torque on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
-pub struct Screw(pub [f64; 6]);
+pub struct SixVector(pub [f64; 6]);
 
-impl Screw {
+impl SixVector {
     /// A screw from its two vectors.
     pub fn new(linear: Vector, angular: Vector) -> Self {
         Self([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
@@ -28,13 +28,13 @@ impl Screw {
     }
 }
 
-impl AddAssign for Screw {
+impl AddAssign for SixVector {
     fn add_assign(&mut self, other: Self) {
         self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
     }
 }
 
-impl Neg for Screw {
+impl Neg for SixVector {
     type Output = Self;
     fn neg(self) -> Self {
         Self(self.0.map(|x| -x))
@@ -43,13 +43,13 @@ impl Neg for Screw {
 
 /// One screw for each particle of a rank.
 #[derive(Debug, Clone, Default)]
-pub struct Screws(pub Vec<Screw>);
+pub struct SixVectors(pub Vec<SixVector>);
 
-impl Screws {
-    /// Screws from lists of vectors; an empty list stands for zeros.
+impl SixVectors {
+    /// SixVectors from lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
-        let screw = |i: usize| Screw::new(at(linear, i), at(angular, i));
+        let screw = |i: usize| SixVector::new(at(linear, i), at(angular, i));
         Self((0..count).into_par_iter().with_min_len(BATCH).map(screw).collect())
     }
 
@@ -67,10 +67,10 @@ impl Screws {
 /// Number of screws that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 1024;
 
-impl Screws {
+impl SixVectors {
     /// `count` zero screws.
     pub fn zero(count: usize) -> Self {
-        Self(vec![Screw::default(); count])
+        Self(vec![SixVector::default(); count])
     }
 
     /// This rank's part of the inner product.
@@ -86,25 +86,26 @@ impl Screws {
     }
 
     /// Loads of single spheres with the given resistances in these motions.
-    pub fn resisted(&self, single: &[Screw]) -> Self {
-        let resist = |(motion, single): (&Screw, &Screw)| Screw(std::array::from_fn(|k| single.0[k] * motion.0[k]));
+    pub fn resisted(&self, single: &[SixVector]) -> Self {
+        let resist =
+            |(motion, single): (&SixVector, &SixVector)| SixVector(std::array::from_fn(|k| single.0[k] * motion.0[k]));
         Self(self.0.par_iter().with_min_len(BATCH).zip(single).map(resist).collect())
     }
 
     /// Adds `factor` times the loads of single spheres with the given resistances in motions.
-    pub fn add_resisted(&mut self, factor: f64, single: &[Screw], motions: &Self) {
-        let add = |((load, single), motion): ((&mut Screw, &Screw), &Screw)| {
+    pub fn add_resisted(&mut self, factor: f64, single: &[SixVector], motions: &Self) {
+        let add = |((load, single), motion): ((&mut SixVector, &SixVector), &SixVector)| {
             (0..6).for_each(|k| load.0[k] += factor * single.0[k] * motion.0[k]);
         };
         self.0.par_iter_mut().with_min_len(BATCH).zip(single).zip(&motions.0).for_each(add);
     }
 }
 
-impl Screws {
+impl SixVectors {
     /// These motions minus those of single spheres with the given resistances under loads.
-    pub fn less_those_alone(&self, single: &[Screw], loads: &Self) -> Self {
-        let less = |((motion, single), load): ((&Screw, &Screw), &Screw)| {
-            Screw(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
+    pub fn less_those_alone(&self, single: &[SixVector], loads: &Self) -> Self {
+        let less = |((motion, single), load): ((&SixVector, &SixVector), &SixVector)| {
+            SixVector(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
         };
         Self(self.0.par_iter().with_min_len(BATCH).zip(single).zip(&loads.0).map(less).collect())
     }
@@ -112,7 +113,7 @@ impl Screws {
 
 /// Inner product.
 #[inline(always)]
-pub fn dot(screws: &[Screw], others: &[Screw]) -> f64 {
+pub fn dot(screws: &[SixVector], others: &[SixVector]) -> f64 {
     let mut sums = [0.0; 6];
     for (a, b) in screws.iter().zip(others) {
         (0..6).for_each(|k| sums[k] += a.0[k] * b.0[k]);
@@ -120,7 +121,7 @@ pub fn dot(screws: &[Screw], others: &[Screw]) -> f64 {
     sums.iter().sum()
 }
 
-impl Linear for Screws {
+impl Linear for SixVectors {
     fn add(&mut self, factor: f64, other: &Self) {
         self.changed(other, |a, b| *a += factor * b);
     }
@@ -130,7 +131,7 @@ impl Linear for Screws {
     }
 }
 
-impl Screws {
+impl SixVectors {
     fn changed(&mut self, other: &Self, change: impl Fn(&mut f64, f64) + Sync) {
         self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).for_each(|(a, b)| {
             let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(a), bytemuck::cast_slice(b));

@@ -1,8 +1,8 @@
-//! Coupled linear system of lubrication forces and stresslets.
+//! CoupledSystem linear system of lubrication forces and stresslets.
 
 use crate::pairs::search::{NearPairs, Pairs};
-use crate::preconditioner::ParticleMatrix;
-use crate::six_vector::{Screw, Screws};
+use crate::preconditioner::Preconditioner;
+use crate::six_vector::{SixVector, SixVectors};
 use crate::units::Scaled;
 use domain::{Comm, Traceless};
 use fcm::{Linear, Loads, Motion, System};
@@ -12,9 +12,9 @@ use rayon::prelude::*;
 #[derive(Debug, Clone, Default)]
 pub struct Resisted {
     /// `y`
-    pub motions: Screws,
+    pub motions: SixVectors,
     /// `R y`
-    pub loads: Screws,
+    pub loads: SixVectors,
 }
 
 /// Unknowns of the system: minus the motions in the loads of stiff pairs and of soft pairs, and the first moments
@@ -32,8 +32,8 @@ pub struct Unknowns {
 /// Residual: mismatch between the motions of the particles and of the fluid, and strain rates within the particles.
 #[derive(Debug, Clone)]
 pub struct Residual {
-    pub stiff: Screws,
-    pub soft: Screws,
+    pub stiff: SixVectors,
+    pub soft: SixVectors,
     pub strain_rates: Vec<Traceless>,
 }
 
@@ -79,14 +79,14 @@ impl Linear for Residual {
 
 impl Unknowns {
     /// The unknowns for motions and the loads of all near pairs in these motions.
-    pub fn of(motions: &Screws, resisted: &Screws, moments: Vec<Traceless>) -> Self {
-        let (against, loads) = (motions.negative(), Screws::zero(motions.0.len()));
+    pub fn of(motions: &SixVectors, resisted: &SixVectors, moments: Vec<Traceless>) -> Self {
+        let (against, loads) = (motions.negative(), SixVectors::zero(motions.0.len()));
         let soft = Resisted { motions: against.clone(), loads };
         Self { stiff: Resisted { motions: against, loads: resisted.negative() }, soft, moments }
     }
 
     /// Lubrication loads on the far field.
-    pub fn loads(&self) -> Screws {
+    pub fn loads(&self) -> SixVectors {
         let mut loads = self.stiff.loads.clone();
         loads.add(1.0, &self.soft.loads);
         loads
@@ -119,27 +119,27 @@ impl Unknowns {
 ///
 /// with `d` the resistance of single spheres to strain. No small difference of large numbers is taken, however small
 /// the gaps.
-pub struct Coupled<'a> {
+pub struct CoupledSystem<'a> {
     mobility: Scaled<'a>,
     near: &'a NearPairs,
     /// Preconditioner of the stiff pairs, if there is one.
-    pub(super) matrix: Option<ParticleMatrix<'a>>,
+    pub(super) matrix: Option<Preconditioner<'a>>,
     /// Resistances of single spheres to motion and to strain.
-    single: &'a [Screw],
+    single: &'a [SixVector],
     strain_resistance: &'a [f64],
     motion: Motion,
     step: Motion,
 }
 
-impl<'a> Coupled<'a> {
+impl<'a> CoupledSystem<'a> {
     /// The system for particles that are arranged in the mobility, with the resistances of single spheres to motion and
     /// to strain. Computes the motion under `loads` and the loads of `start`, added to the ambient motion. Collective.
     pub fn new(
         mut mobility: Scaled<'a>,
         near: &'a NearPairs,
-        matrix: Option<ParticleMatrix<'a>>,
-        (single, strain_resistance): (&'a [Screw], &'a [f64]),
-        (loads, ambient, start): (&Screws, &Motion, &Unknowns),
+        matrix: Option<Preconditioner<'a>>,
+        (single, strain_resistance): (&'a [SixVector], &'a [f64]),
+        (loads, ambient, start): (&SixVectors, &Motion, &Unknowns),
     ) -> Self {
         let mut all = start.loads();
         all.add(1.0, loads);
@@ -184,16 +184,16 @@ impl<'a> Coupled<'a> {
 }
 
 /// Left-hand side of the system, from the unknown motions and the far-field motion that the unknown loads cause.
-fn image(stiff: &Screws, soft: &Screws, motion: &Motion) -> Residual {
-    let plus = |motions: &Screws| {
-        let mut sum = Screws::new(motions.0.len(), &motion.velocities, &motion.angular_velocities);
+fn image(stiff: &SixVectors, soft: &SixVectors, motion: &Motion) -> Residual {
+    let plus = |motions: &SixVectors| {
+        let mut sum = SixVectors::new(motions.0.len(), &motion.velocities, &motion.angular_velocities);
         sum.add(1.0, motions);
         sum
     };
     Residual { stiff: plus(stiff), soft: plus(soft), strain_rates: motion.strain_rates.clone() }
 }
 
-impl System for Coupled<'_> {
+impl System for CoupledSystem<'_> {
     type Unknowns = Unknowns;
     type Residual = Residual;
 
@@ -220,11 +220,11 @@ impl System for Coupled<'_> {
     }
 
     fn sharpen(&mut self) -> bool {
-        self.matrix.as_mut().is_some_and(ParticleMatrix::sharpen)
+        self.matrix.as_mut().is_some_and(Preconditioner::sharpen)
     }
 
     /// Squared norm of the error estimate: the motions of single spheres under the loads of a preconditioned residual,
-    /// and its moments. Motions without resistance follow from the others in [`Coupled::finish`], and the energy norm
+    /// and its moments. Motions without resistance follow from the others in [`CoupledSystem::finish`], and the energy norm
     /// would overweight stiff pairs, whose large resistance hardly moves them. Loads of stiff and of soft pairs count
     /// separately: their sum may vanish in some directions of a symmetric arrangement, since each step leaves a
     /// residual orthogonal to the last direction. Separately they vanish only at the solution.
@@ -241,9 +241,9 @@ impl System for Coupled<'_> {
     }
 }
 
-impl Coupled<'_> {
+impl CoupledSystem<'_> {
     /// Preconditioned residual of the stiff pairs.
-    fn of_stiff(&mut self, residual: &Screws) -> Resisted {
+    fn of_stiff(&mut self, residual: &SixVectors) -> Resisted {
         let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, residual) };
         let [motions, loads] = matrix.solve(&residual.resisted(self.single));
         Resisted { motions, loads }
@@ -266,12 +266,12 @@ fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
 }
 
 /// Motions with the loads of a set of near pairs. Collective.
-pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &Screws) -> Resisted {
+pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &SixVectors) -> Resisted {
     Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
 }
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.
-pub fn far_loads(loads: &Screws, moments: &[Traceless]) -> Loads {
+pub fn far_loads(loads: &SixVectors, moments: &[Traceless]) -> Loads {
     let stresslets = moments.par_iter().with_min_len(BATCH).map(|&d| -d).collect();
     Loads { forces: loads.linear(), torques: loads.angular(), stresslets }
 }

@@ -1,7 +1,7 @@
 //! Scaling of the lubrication problem to units in which radii and viscosity are about 1. Without it, the square roots
 //! of both in the amplitudes of the modes would lose their last digit when powers of two change the units.
 
-use crate::coupled_solver::{Found, Guess, Solved};
+use crate::coupled_solver::{Found, Guess, Solution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
 use domain::{Particles, Traceless, Units, Vector};
@@ -77,8 +77,8 @@ pub fn guess(given: &Guess, units: &Units) -> Guess {
 }
 
 /// A solution in the original units.
-pub fn solution(found: &Solved, units: &Units) -> Solved {
-    Solved {
+pub fn solution(found: &Solution, units: &Units) -> Solution {
+    Solution {
         motion: motion_back(&found.motion, units),
         stresslets: tensors_times(&found.stresslets, units.torque()),
         far: times(&found.far, units.torque()),

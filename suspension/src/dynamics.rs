@@ -29,7 +29,7 @@ use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, P
 use fcm::{Loads, Motion, PlanError, SolveError};
 use following::Following;
 use hydrodynamics::TetherResistance;
-use hydrodynamics::{Acting, ContactSprings, Guess, Hydrodynamics, STILL, ShortRange, Solved, Springs};
+use hydrodynamics::{ContactSprings, CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput, Springs};
 use lubrication::{Range, Surfaces};
 use simulation::Clock;
 use solver::BackgroundFlow;
@@ -52,7 +52,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    fn of(solved: &Solved) -> Self {
+    fn of(solved: &Solution) -> Self {
         Self { iterations: solved.iterations, residual: solved.residual }
     }
 }
@@ -90,7 +90,7 @@ pub struct Dynamics {
     contacts: Option<Contacts>,
     tethers: Tethers,
     applied: AppliedForces,
-    hydrodynamics: Hydrodynamics,
+    hydrodynamics: CoupledSolver,
     lubrication: Option<Range>,
     warm_start: WarmStart,
     rigid: bool,
@@ -126,7 +126,7 @@ impl Dynamics {
         let crowding = model.thermal_energy.map(|_| Crowding::new(model, setup.radii.largest(), &setup.partition));
         let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
-        let hydrodynamics = Hydrodynamics::new(&setup.plan, &setup.partition, short_range);
+        let hydrodynamics = CoupledSolver::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
         let dynamics = Self {
             hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
@@ -303,7 +303,7 @@ impl Dynamics {
         guess: &Guess,
         moment: &Moment,
     ) -> Result<Outcome, StepError> {
-        let solved = self.solved(particles, (loads, springs, &STILL), guess, moment)?;
+        let solved = self.solved(particles, (loads, springs, &NO_AMBIENT), guess, moment)?;
         self.record(particles, &solved);
         Ok(Outcome::of(&solved))
     }
@@ -315,13 +315,13 @@ impl Dynamics {
         (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
         guess: &Guess,
         moment: &Moment,
-    ) -> Result<Solved, StepError> {
+    ) -> Result<Solution, StepError> {
         let surface = self.forces.surface();
         let resistance =
             moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
         let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
-        let acting = Acting { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
+        let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {
@@ -410,7 +410,7 @@ impl Dynamics {
 
     /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
     /// include it unless they are relative to it while particles move.
-    fn record(&self, particles: &mut Particles, solved: &Solved) {
+    fn record(&self, particles: &mut Particles, solved: &Solution) {
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
             let own = &solved.motion.angular_velocities;

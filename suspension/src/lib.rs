@@ -81,9 +81,8 @@ pub use fluid::FluidVelocity;
 pub use forecast::Forecast;
 pub use hydrodynamics::memory::Ranks;
 pub use hydrodynamics::{
-    Acting, BondSprings, ContactSprings, Drift, FlowRefused, Guess, Hydrodynamics as CoupledHydrodynamics, Mobility,
-    MobilityError, MobilityParameters, Motions, Overlaps, ShortRange, SingleEvaluation, Solved, Springs,
-    TetherResistance,
+    BondSprings, ContactSprings, CoupledSolver, Drift, FlowRefused, Guess, Mobility, MobilityError, MobilityParameters,
+    Motions, Overlaps, ShortRange, SingleEvaluation, Solution, SolveInput, Springs, TetherResistance,
 };
 pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use lubrication::Elasticity;

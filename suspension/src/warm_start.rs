@@ -4,7 +4,7 @@ use crate::columns::STRESSLET;
 use crate::extrapolation;
 use domain::{Comm, Particles, Vector};
 use fcm::{Loads, Motion};
-use hydrodynamics::{Guess, Solved};
+use hydrodynamics::{Guess, Solution};
 use rayon::prelude::*;
 
 /// Columns of a coupled solve: stresslets of the far field, forces and torques on the fluid, motions that the loads of
@@ -84,7 +84,7 @@ impl WarmStart {
     }
 
     /// Stores the parts of a solution that are needed later, in addition to the results.
-    pub fn record(&self, particles: &mut Particles, solved: &Solved) {
+    pub fn record(&self, particles: &mut Particles, solved: &Solution) {
         if !self.coupled {
             return;
         }
@@ -287,7 +287,7 @@ mod tests {
         let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
         let (motion, stresslets) = (Motion::default(), Vec::new());
         let solved =
-            Solved { motion, stresslets, far: far.clone(), induced, curvature: 0.0, iterations: 1, residual: 0.0 };
+            Solution { motion, stresslets, far: far.clone(), induced, curvature: 0.0, iterations: 1, residual: 0.0 };
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
         let warm_start = WarmStart::new(true);

@@ -1,7 +1,7 @@
 //! Random motions, stored in columns of the particles, and their finite differences.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{Acting, Found, Guess, Hydrodynamics, Solved};
+use crate::coupled_solver::{CoupledSolver, Found, Guess, Solution, SolveInput};
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
 
@@ -38,12 +38,12 @@ pub const CHANGE: f64 = 0.03;
 /// Solves for the motions of rigid particles under random loads in the given ambient motions, and stores the result and
 /// the ambient motions for which it is exact. Collective; fails on every rank or on none.
 pub fn solve(
-    hydrodynamics: &mut Hydrodynamics,
+    hydrodynamics: &mut CoupledSolver,
     (cell, particles): (&PeriodicBox, &mut Particles),
     (loads, fluid): (&Loads, &Motion),
-) -> Result<Solved, SolveError> {
+) -> Result<Solution, SolveError> {
     let acting =
-        Acting { loads, strain_rate: StrainRate::default(), springs: None, ambient: fluid, constant_flux: false };
+        SolveInput { loads, strain_rate: StrainRate::default(), springs: None, ambient: fluid, constant_flux: false };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
     note_solved(hydrodynamics, (cell, particles), (loads, &solved))?;
     Ok(solved)
@@ -52,9 +52,9 @@ pub fn solve(
 /// Stores a solution under loads, and the ambient motions for which it is exact. Collective; fails on every rank or on
 /// none.
 pub fn note_solved(
-    hydrodynamics: &mut Hydrodynamics,
+    hydrodynamics: &mut CoupledSolver,
     (cell, particles): (&PeriodicBox, &mut Particles),
-    (loads, solved): (&Loads, &Solved),
+    (loads, solved): (&Loads, &Solution),
 ) -> Result<(), SolveError> {
     let (exact, found) = hydrodynamics.fluid_around((cell, particles), loads, solved)?;
     set_ambient(particles, &exact, 1.0);
@@ -83,7 +83,7 @@ pub struct Change {
 /// divergence of the method's mobility is nonzero, `over` times `kT` times this divergence is added to the motion of
 /// the fluid.
 pub fn note_drift(
-    hydrodynamics: &mut Hydrodynamics,
+    hydrodynamics: &mut CoupledSolver,
     (cell, particles): (&PeriodicBox, &mut Particles),
     Change { over, energy, tolerance }: Change,
 ) -> Result<(), SolveError> {
@@ -103,7 +103,7 @@ pub fn note_drift(
 /// Stores the Brownian drift of particles without resistance to strain: the thermal energy times the divergence of the
 /// method's mobility.
 pub fn note_divergence(
-    hydrodynamics: &mut Hydrodynamics,
+    hydrodynamics: &mut CoupledSolver,
     (cell, particles): (&PeriodicBox, &mut Particles),
     energy: f64,
 ) {

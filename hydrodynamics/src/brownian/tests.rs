@@ -69,7 +69,7 @@ fn particles() -> Particles {
     particles
 }
 
-fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>) -> Hydrodynamics {
+fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>) -> CoupledSolver {
     let problem = Problem {
         edges: cell.edges(),
         boundaries: cell.boundaries(),
@@ -92,14 +92,14 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>)
     };
     let plan = Plan::choose(&problem).unwrap();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap()
+    CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }).unwrap()
 }
 
 /// `sum_k d_k (A M_{.,k})` over the coordinates `k` of all spheres, with `M_{.,k}` the motions of the fluid due to a
 /// unit force along `k`, which are kept while that sphere is displaced along `k` in either direction: the mean over
 /// random motions, without their variance. Near walls `A sum_k d_k M_{.,k}` is added.
 fn divergence(
-    hydrodynamics: &mut Hydrodynamics,
+    hydrodynamics: &mut CoupledSolver,
     (cell, particles): (&PeriodicBox, &Particles),
     tolerance: f64,
 ) -> ([f64; 18], [Traceless; 3]) {
@@ -182,7 +182,7 @@ fn rough_changes_are_as_exact_as_they_say() {
 /// Divergence of the mobility and of the stresslets of rigid spheres, by central differences of the response to unit
 /// forces.
 fn by_differences(
-    hydrodynamics: &mut Hydrodynamics,
+    hydrodynamics: &mut CoupledSolver,
     (cell, particles): (&PeriodicBox, &Particles),
 ) -> ([f64; 18], [Traceless; 3]) {
     const LENGTH: f64 = 5e-3;
@@ -193,7 +193,7 @@ fn by_differences(
             moved.positions[sphere][axis] += length;
             let mut forces = vec![Vector::ZERO; 3];
             forces[sphere][axis] = 0.5 / length;
-            let acting = Acting {
+            let acting = SolveInput {
                 loads: &Loads { forces, ..Loads::default() },
                 strain_rate: StrainRate::default(),
                 springs: None,

@@ -2,9 +2,9 @@
 
 use crate::ambient::Poiseuille;
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{Hydrodynamics, Solved};
+use crate::coupled_solver::{CoupledSolver, Solution};
 use crate::pairs::search::{NearPairs, Pairs};
-use crate::six_vector::Screws;
+use crate::six_vector::SixVectors;
 use crate::units;
 use domain::{Comm, Particles, PeriodicBox, Traceless, Units, Vector};
 use fcm::{Constraint, Evaluation, Linear, Loads, Mobility, Motion, Multipoles};
@@ -44,7 +44,7 @@ pub struct ConstantFlux {
     ambient: f64,
 }
 
-impl Hydrodynamics {
+impl CoupledSolver {
     /// The constant-flux constraint in an ambient flow with a strain rate. Arranges the particles in the mobility.
     /// Collective.
     pub(super) fn flux(&mut self, cell: &PeriodicBox, particles: &Particles, strain_rate: StrainRate) -> ConstantFlux {
@@ -84,7 +84,7 @@ impl ConstantFlux {
         comm: &Comm,
     ) -> Self {
         let unit = units::motion(&self.unit, units);
-        let passed = Screws::new(unit.velocities.len(), &unit.velocities, &unit.angular_velocities);
+        let passed = SixVectors::new(unit.velocities.len(), &unit.velocities, &unit.angular_velocities);
         let mut loads = near.times(&[Pairs::Stiff, Pairs::Soft], &passed);
         loads.add(1.0, near.ambient_loads());
         let stresslets = near.stresslets(&passed.negative());
@@ -134,7 +134,7 @@ impl ConstantFlux {
 
     /// Adds the lubrication loads in the flow of the pressure gradient to a solution, and sets its curvature.
     /// Collective.
-    pub fn complete(&self, solved: &mut Solved, comm: &Comm) {
+    pub fn complete(&self, solved: &mut Solution, comm: &Comm) {
         let curvature = self.ambient + self.constraint.amplitude(&solved.far, comm);
         let Loads { forces, torques, .. } = &mut solved.far;
         let own = forces.iter_mut().chain(torques).zip(self.resisted.forces.iter().chain(&self.resisted.torques));

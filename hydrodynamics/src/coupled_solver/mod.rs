@@ -7,10 +7,10 @@ use crate::ambient::StrainRate;
 use crate::noise;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::search::{NearField, NearPairs, Pairs};
-use crate::preconditioner::ParticleMatrix;
-use crate::six_vector::{Screw, Screws};
+use crate::preconditioner::Preconditioner;
+use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
-use crate::system::{self, Coupled, Unknowns};
+use crate::system::{self, CoupledSystem, Unknowns};
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
@@ -22,9 +22,9 @@ pub use perturbed_solve::Found;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// Hydrodynamics of spheres as in [`fcm::Hydrodynamics`], optionally with lubrication between near pairs. Results have
+/// CoupledSolver of spheres as in [`fcm::Hydrodynamics`], optionally with lubrication between near pairs. Results have
 /// the same digits in any units.
-pub struct Hydrodynamics {
+pub struct CoupledSolver {
     far: fcm::Hydrodynamics,
     /// Near field, in units of length and viscosity that scale the particles and the fluid to about 1.
     near: Option<NearField>,
@@ -43,7 +43,7 @@ pub struct ShortRange {
 }
 
 /// Input of a solve: loads, ambient flow, implicit springs.
-pub struct Acting<'a> {
+pub struct SolveInput<'a> {
     /// Forces and torques; stresslets are ignored, as they are solved for.
     pub loads: &'a Loads,
     /// Strain rate of the background flow.
@@ -58,7 +58,7 @@ pub struct Acting<'a> {
 
 /// Solution for the motions of the spheres.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Solved {
+pub struct Solution {
     /// Motions relative to the background flow.
     pub motion: Motion,
     /// Total hydrodynamic stresslets; empty with monopoles only.
@@ -81,7 +81,7 @@ pub struct Solved {
 pub struct Guess {
     /// Far-field part of the stresslets.
     pub stresslets_far: Vec<Traceless>,
-    /// Velocities induced by the loads of all other spheres, see [`Solved::induced`].
+    /// Velocities induced by the loads of all other spheres, see [`Solution::induced`].
     pub induced_velocities: Vec<Vector>,
     /// Angular velocities induced by the loads of all other spheres.
     pub induced_angular_velocities: Vec<Vector>,
@@ -104,7 +104,8 @@ impl Guess {
 }
 
 /// Zero ambient motion.
-pub static STILL: Motion = Motion { velocities: Vec::new(), angular_velocities: Vec::new(), strain_rates: Vec::new() };
+pub static NO_AMBIENT: Motion =
+    Motion { velocities: Vec::new(), angular_velocities: Vec::new(), strain_rates: Vec::new() };
 
 /// Number of iterations after which a solve has failed.
 const MOST_ITERATIONS: usize = 1000;
@@ -118,14 +119,14 @@ const ROUGH: f64 = 0.1;
 const START: f64 = 0.6;
 const END: f64 = 0.2;
 
-impl Hydrodynamics {
+impl CoupledSolver {
     /// Sets up the far field of `plan` and the short-range interactions. Must not be called from a rayon task.
     pub fn new(plan: &Plan, partition: &Partition, short_range: ShortRange) -> Result<Self, PairForceError> {
         let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
         let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
         let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
         let force = short_range.lubrication.map(|range| PairForce::new(&radii, viscosity, range)).transpose()?;
-        let single: Vec<Screw> = radii.iter().map(|&a| single(viscosity, a)).collect();
+        let single: Vec<SixVector> = radii.iter().map(|&a| single(viscosity, a)).collect();
         let lubrication = force.map(|force| PairLubrication::new(force, &single));
         let reaches =
             [lubrication.as_ref().map(|pairs| pairs.force.reach()), short_range.springs.map(|r| r / units.length)];
@@ -177,10 +178,10 @@ impl Hydrodynamics {
         &mut self,
         cell: &PeriodicBox,
         particles: &Particles,
-        acting: &Acting,
+        acting: &SolveInput,
         guess: &Guess,
-    ) -> Result<Solved, SolveError> {
-        let Acting { loads, strain_rate, springs, ambient, constant_flux } = *acting;
+    ) -> Result<Solution, SolveError> {
+        let SolveInput { loads, strain_rate, springs, ambient, constant_flux } = *acting;
         let sloping = sloping(strain_rate, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
@@ -220,9 +221,9 @@ impl Hydrodynamics {
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
         let plan = self.far.mobility().plan();
-        let single: Vec<Screw> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+        let single: Vec<SixVector> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
         let induced = induced(&single, &motion, &far);
-        let mut solved = Solved { motion, stresslets, far, induced, curvature: 0.0, iterations, residual };
+        let mut solved = Solution { motion, stresslets, far, induced, curvature: 0.0, iterations, residual };
         if let Some(flux) = &flux {
             flux.complete(&mut solved, self.partition.comm());
         }
@@ -230,7 +231,7 @@ impl Hydrodynamics {
     }
 }
 
-impl Hydrodynamics {
+impl CoupledSolver {
     /// Random motions whose covariance is the mobility of the method, to a tolerance: motions of particles without
     /// resistance to strain in a fluctuating fluid. Collective.
     pub fn noise(
@@ -282,24 +283,24 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
     })
 }
 
-/// [`Hydrodynamics::solve`] with near pairs, in scaled units.
+/// [`CoupledSolver::solve`] with near pairs, in scaled units.
 fn lubricated(
     (comm, interrupt): (&Comm, &Interrupt),
     (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
     radii: &[f64],
     (loads, ambient, background): (&Loads, &Motion, Traceless),
     guess: &Guess,
-) -> Result<Solved, SolveError> {
+) -> Result<Solution, SolveError> {
     let plan = mobility.mobility.plan().clone();
     let viscosity = plan.viscosity / mobility.units.viscosity;
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let (single, strain_resistance) = alone(viscosity, radii);
-    let mut matrix = preconditioned.then(|| ParticleMatrix::new((comm, near), &single, ROUGH));
-    let mut known = Screws::new(radii.len(), &loads.forces, &loads.torques);
+    let mut matrix = preconditioned.then(|| Preconditioner::new((comm, near), &single, ROUGH));
+    let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
     let is_rigid = plan.multipoles == Multipoles::Dipole;
     let mut x = start(near, (matrix.as_mut(), START * limits.tolerance), (&single, &known), (guess, is_rigid));
-    let mut system = Coupled::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
+    let mut system = CoupledSystem::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
     let mut residual = system.residual(&x, background);
     let mut correction = Unknowns::default();
     let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual, &mut correction), limits);
@@ -310,11 +311,11 @@ fn lubricated(
     }
     known.add(1.0, &x.loads());
     let far = system::far_loads(&known, &x.moments);
-    let motions = Screws::new(radii.len(), &motion.velocities, &motion.angular_velocities);
+    let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
     let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
     let induced = induced(&single, &motion, &far);
     let (curvature, Outcome { iterations, residual, .. }) = (0.0, outcome);
-    Ok(Solved { motion, stresslets, far, induced, curvature, iterations, residual })
+    Ok(Solution { motion, stresslets, far, induced, curvature, iterations, residual })
 }
 
 /// The error of a solve that failed.
@@ -331,22 +332,22 @@ fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
 }
 
 /// Motions minus those of single spheres under their own loads.
-fn induced(single: &[Screw], motion: &Motion, loads: &Loads) -> Motion {
-    let motions = Screws::new(single.len(), &motion.velocities, &motion.angular_velocities);
-    let induced = motions.less_those_alone(single, &Screws::new(single.len(), &loads.forces, &loads.torques));
+fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
+    let motions = SixVectors::new(single.len(), &motion.velocities, &motion.angular_velocities);
+    let induced = motions.less_those_alone(single, &SixVectors::new(single.len(), &loads.forces, &loads.torques));
     Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
 }
 
 /// Resistances of single spheres to motions and to strain.
-fn alone(viscosity: f64, radii: &[f64]) -> (Vec<Screw>, Vec<f64>) {
+fn alone(viscosity: f64, radii: &[f64]) -> (Vec<SixVector>, Vec<f64>) {
     let strain = |a: &f64| 20.0 / 3.0 * PI * viscosity * a.powi(3);
     (radii.iter().map(|&a| single(viscosity, a)).collect(), radii.iter().map(strain).collect())
 }
 
 /// Resistance of a single sphere to translation and rotation.
-fn single(viscosity: f64, radius: f64) -> Screw {
+fn single(viscosity: f64, radius: f64) -> SixVector {
     let (force, torque) = (6.0 * PI * viscosity * radius, 8.0 * PI * viscosity * radius.powi(3));
-    Screw::new(Vector::splat(force), Vector::splat(torque))
+    SixVector::new(Vector::splat(force), Vector::splat(torque))
 }
 
 /// Unknowns that correspond to a guess. From the guessed induced motions (zero if unknown), the motions `U` of all near
@@ -354,24 +355,24 @@ fn single(viscosity: f64, radius: f64) -> Screw {
 /// matrix they are the guessed velocities. Collective.
 fn start<'a>(
     near: &'a NearPairs,
-    (matrix, tolerance): (Option<&mut ParticleMatrix<'a>>, f64),
-    (single, known): (&[Screw], &Screws),
+    (matrix, tolerance): (Option<&mut Preconditioner<'a>>, f64),
+    (single, known): (&[SixVector], &SixVectors),
     (guess, is_rigid): (&Guess, bool),
 ) -> Unknowns {
     let count = known.0.len();
-    let motions = Screws::new(count, &guess.velocities, &guess.angular_velocities);
+    let motions = SixVectors::new(count, &guess.velocities, &guess.angular_velocities);
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
     moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
     let Some(matrix) = matrix else { return unknowns(near, &motions, moments) };
     let mut loads = known.clone();
-    let induced = Screws::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
+    let induced = SixVectors::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
     loads.add_resisted(1.0, single, &induced);
     let [motions, resisted] = matrix.solve_with_all(motions, &loads, tolerance);
     Unknowns::of(&motions, &resisted, moments)
 }
 
 /// Unknowns that correspond to motions of the particles. Collective.
-fn unknowns(near: &NearPairs, motions: &Screws, moments: Vec<Traceless>) -> Unknowns {
+fn unknowns(near: &NearPairs, motions: &SixVectors, moments: Vec<Traceless>) -> Unknowns {
     Unknowns::of(motions, &near.times(&[Pairs::Stiff, Pairs::Soft], motions), moments)
 }
 

@@ -1,11 +1,11 @@
 //! Change of a solution under a small displacement of the spheres, for finite-difference drift.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{Hydrodynamics, MOST_ITERATIONS, ROUGH, STILL, Solved, alone, ended, unknowns};
+use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, NO_AMBIENT, ROUGH, Solution, alone, ended, unknowns};
 use crate::pairs::search::NearPairs;
-use crate::preconditioner::ParticleMatrix;
-use crate::six_vector::{Screw, Screws};
-use crate::system::{Coupled, Residual, Unknowns};
+use crate::preconditioner::Preconditioner;
+use crate::six_vector::{SixVector, SixVectors};
+use crate::system::{CoupledSystem, Residual, Unknowns};
 use crate::units::{self, Scaled};
 use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
@@ -24,12 +24,12 @@ pub struct Found {
 /// The system at given positions, and the residual of a solution there.
 struct Left<'a> {
     near: &'a NearPairs,
-    system: Coupled<'a>,
+    system: CoupledSystem<'a>,
     residual: Residual,
     interrupt: &'a Interrupt,
 }
 
-impl Hydrodynamics {
+impl CoupledSolver {
     /// The ambient motions for which `solved` is the exact solution under `loads` (backward error), and that solution.
     /// The ambient motions are those of the solve, corrected by its error, plus the effect of the background flow on
     /// the spheres. `solved` has to be the latest solution. Collective.
@@ -37,12 +37,12 @@ impl Hydrodynamics {
         &mut self,
         place: (&PeriodicBox, &Particles),
         loads: &Loads,
-        solved: &Solved,
+        solved: &Solution,
     ) -> Result<(Motion, Found), SolveError> {
         let units = self.units;
         let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
         let found = Found { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
-        self.left_over(place, (loads, &STILL), (&found, false), |Left { near, residual, .. }| {
+        self.left_over(place, (loads, &NO_AMBIENT), (&found, false), |Left { near, residual, .. }| {
             let Residual { stiff, strain_rates, .. } = residual;
             let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
             let stresslets = whole(near, &found, &units);
@@ -72,7 +72,7 @@ impl Hydrodynamics {
             let Left { near, mut system, mut residual, interrupt } = left;
             let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt };
             let count = found.stresslets.len();
-            let mut change = unknowns(near, &Screws::zero(count), vec![Traceless::ZERO; count]);
+            let mut change = unknowns(near, &SixVectors::zero(count), vec![Traceless::ZERO; count]);
             let mut correction = Unknowns::default();
             let unknowns = (&mut change, &mut residual, &mut correction);
             ended(&conjugate_gradients(&comm, &mut system, unknowns, limits), limits)?;
@@ -109,12 +109,13 @@ impl Hydrodynamics {
         }
         let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
         let is_matrix = have_moved && self.preconditioned && self.near.is_some();
-        let matrix = is_matrix.then(|| ParticleMatrix::new((comm, &near), &single, ROUGH));
+        let matrix = is_matrix.then(|| Preconditioner::new((comm, &near), &single, ROUGH));
         let start = guessed(&near, &single, &units::found(found, &units));
         let loads = units::times(loads, 1.0 / units.torque());
-        let known = Screws::new(own.len(), &loads.forces, &loads.torques);
+        let known = SixVectors::new(own.len(), &loads.forces, &loads.torques);
         let parts = (&known, &units::motion(fluid, &units), &start);
-        let system = Coupled::new(Scaled { mobility, units }, &near, matrix, (&single, &strain_resistance), parts);
+        let system =
+            CoupledSystem::new(Scaled { mobility, units }, &near, matrix, (&single, &strain_resistance), parts);
         let residual = system.residual(&start, Traceless::ZERO);
         then(Left { near: &near, system, residual, interrupt: &interrupt })
     }
@@ -123,12 +124,13 @@ impl Hydrodynamics {
 /// Total stresslets from the motions and the far-field part. Collective.
 fn whole(near: &NearPairs, found: &Found, units: &Units) -> Vec<Traceless> {
     let own = units::motion(&found.motion, units);
-    let by_pairs = near.stresslets(&Screws::new(found.stresslets_far.len(), &own.velocities, &own.angular_velocities));
+    let by_pairs =
+        near.stresslets(&SixVectors::new(found.stresslets_far.len(), &own.velocities, &own.angular_velocities));
     found.stresslets_far.iter().zip(by_pairs).map(|(&far, near)| far + near * units.torque()).collect()
 }
 
 /// The unknowns of a solution.
-fn guessed(near: &NearPairs, single: &[Screw], found: &Found) -> Unknowns {
-    let motions = Screws::new(single.len(), &found.motion.velocities, &found.motion.angular_velocities);
+fn guessed(near: &NearPairs, single: &[SixVector], found: &Found) -> Unknowns {
+    let motions = SixVectors::new(single.len(), &found.motion.velocities, &found.motion.angular_velocities);
     unknowns(near, &motions, found.stresslets_far.iter().map(|&s| -s).collect())
 }

@@ -52,12 +52,12 @@ fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
     ShortRange { lubrication, ..ShortRange::default() }
 }
 
-fn acting(loads: &Loads, strain_rate: Traceless) -> Acting<'_> {
-    Acting {
+fn acting(loads: &Loads, strain_rate: Traceless) -> SolveInput<'_> {
+    SolveInput {
         loads,
         strain_rate: StrainRate::uniform(strain_rate),
         springs: None,
-        ambient: &STILL,
+        ambient: &NO_AMBIENT,
         constant_flux: false,
     }
 }
@@ -67,9 +67,9 @@ fn cube(edge: f64) -> PeriodicBox {
 }
 
 /// Solution on one rank, with the particles in the given order.
-fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceless, range: Option<Range>) -> Solved {
+fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceless, range: Option<Range>) -> Solution {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = Hydrodynamics::new(plan, &partition, lubricated_at(range)).unwrap();
+    let mut fluid = CoupledSolver::new(plan, &partition, lubricated_at(range)).unwrap();
     let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
     fluid.solve(&plan.cell(), particles, &acting(&loads, strain), &Guess::default()).unwrap()
 }
@@ -97,7 +97,7 @@ fn equal_spheres_in_strain_move_as_the_exact_ones() {
         let distance = 2.0 + gap;
         let axial = solve(&plan, &particles, &[], Traceless([-0.5, 0.0, 0.0, -0.5, 0.0]), Some(Range::default()));
         let shear = solve(&plan, &particles, &[], Traceless([0.0, 0.0, 1.0, 0.0, 0.0]), Some(Range::default()));
-        let apart = |solved: &Solved| (solved.motion.velocities[1] - solved.motion.velocities[0]) / distance;
+        let apart = |solved: &Solution| (solved.motion.velocities[1] - solved.motion.velocities[0]) / distance;
         let zz = -(axial.stresslets[0].0[0] + axial.stresslets[0].0[3]);
         let found = [
             -apart(&axial).z,
@@ -271,7 +271,7 @@ fn on_ranks(ranks: usize) -> Vec<f64> {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
         let mut particles = if comm.is_first() { placed(&positions, &radii) } else { Particles::default() };
         particles.migrate(&partition, &cell);
-        let mut fluid = Hydrodynamics::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
+        let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
         let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
         let solved = fluid.solve(&cell, &particles, &acting(&loads, strain), &Guess::default()).unwrap();
@@ -298,7 +298,7 @@ fn ranks_agree() {
 fn a_solution_is_its_own_best_guess() {
     let (plan, particles) = cluster();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = Hydrodynamics::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
+    let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
     let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
     let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
     let first = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &Guess::default()).unwrap();

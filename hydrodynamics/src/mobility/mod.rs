@@ -9,7 +9,7 @@ pub use drift::Drift;
 
 use crate::ambient::StrainRate;
 use crate::ambient::{FlowRefused, check_linear, check_pressure, poiseuille};
-use crate::coupled_solver::{Acting, Guess, Hydrodynamics, STILL, ShortRange, Solved};
+use crate::coupled_solver::{CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput};
 use crate::lengths::{check_box_of_noise, check_radius};
 use crate::mobility::memory::SingleEvaluation;
 use crate::mobility::overlaps::Overlaps;
@@ -60,7 +60,7 @@ pub struct Mobility {
     problem: Problem,
     plan: Plan,
     partition: Partition,
-    hydrodynamics: Hydrodynamics,
+    hydrodynamics: CoupledSolver,
     positions: Vec<Vector>,
     turn: Turn,
     pressure_gradient: Vector,
@@ -150,7 +150,7 @@ impl Mobility {
             .check_memory(comm)?;
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics =
-            comm.agree(Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
+            comm.agree(CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
         let (positions, turn, pressure_gradient) = (Vec::new(), Turn::default(), Vector::ZERO);
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, turn, pressure_gradient })
     }
@@ -252,7 +252,7 @@ impl Mobility {
             if is_rigid {
                 let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
                 let guess = Guess::induced_by(&ambient);
-                let acting = Acting {
+                let acting = SolveInput {
                     loads: &loads,
                     strain_rate: StrainRate::default(),
                     springs: None,
@@ -309,7 +309,7 @@ impl Mobility {
         particles: &mut Particles,
         [forces, torques, stresslets]: [bool; 3],
         background: &BackgroundFlow,
-    ) -> Result<Solved, SolveError> {
+    ) -> Result<Solution, SolveError> {
         let (cell, multipoles) = (&self.parameters.cell, self.parameters.multipoles);
         let mut loads = Loads::default();
         if forces {
@@ -321,7 +321,8 @@ impl Mobility {
         let (by_pressure, bend) = poiseuille(cell, self.parameters.viscosity, self.pressure_gradient);
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
-            let acting = Acting { loads: &loads, strain_rate, springs: None, ambient: &STILL, constant_flux: false };
+            let acting =
+                SolveInput { loads: &loads, strain_rate, springs: None, ambient: &NO_AMBIENT, constant_flux: false };
             let mut solved = self.hydrodynamics.solve(cell, particles, &acting, &Guess::default())?;
             carry(&mut solved.motion, &particles.radii, bend);
             return Ok(solved);
@@ -335,7 +336,7 @@ impl Mobility {
         carry(&mut motion, &particles.radii, bend);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
         let (induced, curvature) = (Motion::default(), 0.0);
-        Ok(Solved { motion, stresslets, far: loads, induced, curvature, iterations: 0, residual: 0.0 })
+        Ok(Solution { motion, stresslets, far: loads, induced, curvature, iterations: 0, residual: 0.0 })
     }
 }
 
@@ -422,7 +423,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
 }
 
 /// Writes a solution into the particles' columns; gathering sorts them by id.
-fn record(particles: &mut Particles, solved: &Solved) {
+fn record(particles: &mut Particles, solved: &Solution) {
     record_motion(particles, &solved.motion);
     for (name, list) in [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)] {
         fill(traceless(particles, name), list);
@@ -445,7 +446,7 @@ fn moved(all: &mut Particles) -> Motion {
     }
 }
 
-fn motions(mut all: Particles, solved: &Solved) -> Motions {
+fn motions(mut all: Particles, solved: &Solution) -> Motions {
     Motions {
         motion: moved(&mut all),
         stresslets: traceless(&mut all, column::STRESSLET).to_vec(),

@@ -6,7 +6,7 @@ use crate::pairs::matrix::lanes::{LANES, Stored};
 use crate::pairs::matrix::packed_rows::{Kind, NearPair, Packed, STIFF, Soft, Stiff};
 use crate::pairs::matrix::row_sums::{InStrain, Sums};
 use crate::pairs::matrix::sparse::{Part, ROWS, Slice};
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use crate::springs::Springs;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::SIDE;
@@ -43,7 +43,7 @@ pub struct Assembly<'a, T> {
     arrangement: &'a Arrangement<'a>,
     first: usize,
     rows: usize,
-    loads: &'a mut [Screw],
+    loads: &'a mut [SixVector],
     moments: &'a mut [Traceless],
     stored: PhantomData<T>,
 }
@@ -72,8 +72,11 @@ impl<T: Stored> Work<f64> for Assembly<'_, T> {
 
 impl<T: Stored> Assembly<'_, T> {
     /// Rows of all particles of a rank, whose loads and moments are added to those given.
-    pub fn of_all(arrangement: &Arrangement, (loads, moments): (&mut [Screw], &mut [Traceless])) -> Vec<Assembled<T>> {
-        let part = |(k, (loads, moments)): (usize, (&mut [Screw], &mut [Traceless]))| {
+    pub fn of_all(
+        arrangement: &Arrangement,
+        (loads, moments): (&mut [SixVector], &mut [Traceless]),
+    ) -> Vec<Assembled<T>> {
+        let part = |(k, (loads, moments)): (usize, (&mut [SixVector], &mut [Traceless]))| {
             let (first, rows) = (k * ROWS, loads.len());
             f64::dispatch(Assembly { arrangement, first, rows, loads, moments, stored: PhantomData })
         };

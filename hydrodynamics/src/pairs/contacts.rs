@@ -6,13 +6,13 @@ use solver::simd::Vector as Width;
 
 /// Resistances of contacts to slip and to rolling, one per lane, and the arms of the smaller and the larger sphere.
 #[derive(Default)]
-pub struct Touching {
+pub struct ContactResistances {
     slip: [f64; LANES],
     rolling: [f64; LANES],
     arms: [[f64; LANES]; 2],
 }
 
-impl Touching {
+impl ContactResistances {
     /// Sets the contact of a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, [slip, rolling]: [f64; 2], distance: f64, radii: [f64; 2]) {

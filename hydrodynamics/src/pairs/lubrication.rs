@@ -1,6 +1,6 @@
 //! Lubrication between spheres, divided into stiff pairs, which the preconditioner includes, and soft pairs.
 
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use lubrication::{PairForce, SideTables};
 
 /// Lubrication between spheres.
@@ -14,7 +14,7 @@ pub struct PairLubrication {
 
 impl PairLubrication {
     /// Lubrication between species with the single-sphere resistances `single`.
-    pub fn new(force: PairForce, single: &[Screw]) -> Self {
+    pub fn new(force: PairForce, single: &[SixVector]) -> Self {
         let stiffness = Stiffness::new(&force, single);
         let soft = SideTables::new(&force, |species| stiffness.gap(species));
         Self { force, soft, stiffness }
@@ -41,7 +41,7 @@ const STIFF: f64 = 0.1;
 const HALVINGS: usize = 30;
 
 impl Stiffness {
-    fn new(force: &PairForce, single: &[Screw]) -> Self {
+    fn new(force: &PairForce, single: &[SixVector]) -> Self {
         let gap = |k: usize| largest_gap(force, [k / single.len(), k % single.len()], single);
         Self { species: single.len(), gaps: (0..single.len() * single.len()).map(gap).collect() }
     }
@@ -53,7 +53,7 @@ impl Stiffness {
 }
 
 /// Largest gap at which a pair is stiff; the resistance decreases with the gap.
-fn largest_gap(force: &PairForce, species: [usize; 2], single: &[Screw]) -> f64 {
+fn largest_gap(force: &PairForce, species: [usize; 2], single: &[SixVector]) -> f64 {
     let radii = species.map(|s| force.radii()[s]);
     let order = if radii[0] > radii[1] { [species[1], species[0]] } else { species };
     let is_stiff = |gap: f64| {

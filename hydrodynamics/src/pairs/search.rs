@@ -3,11 +3,11 @@
 use crate::ambient::StrainRate;
 use crate::pairs::assembly::{Arrangement, Assembled, Assembly};
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::matrix::diagonal_block::Own;
+use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::Stored;
 use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::walls::{self, AtWall};
-use crate::six_vector::{Screw, Screws};
+use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Precision;
@@ -72,7 +72,7 @@ pub struct NearPairs {
     soft: Box<dyn Resistance>,
     at_walls: Vec<AtWall>,
     /// Loads and first moments in the ambient flow on particles at rest relative to it.
-    loads: Screws,
+    loads: SixVectors,
     moments: Vec<Traceless>,
     /// Whether any particle is in a trap.
     has_traps: bool,
@@ -108,7 +108,7 @@ impl NearPairs {
         let ids = &ids;
         let arrangement =
             Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
-        let (mut loads, mut moments) = (Screws::zero(owned), vec![Traceless::ZERO; owned]);
+        let (mut loads, mut moments) = (SixVectors::zero(owned), vec![Traceless::ZERO; owned]);
         let sums = (&mut loads.0[..], &mut moments[..]);
         let Resisting { mut stiff, soft } = match field.precision {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, sums)),
@@ -124,7 +124,7 @@ impl NearPairs {
         let trap = |row: usize| Some((row, springs?.trap(row)?));
         let traps: Vec<(usize, f64)> = (0..owned).filter_map(trap).collect();
         for &(row, resistance) in &traps {
-            stiff.add_own(row, &Own::against_velocity(resistance));
+            stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
         Self { halo, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
     }
@@ -132,7 +132,7 @@ impl NearPairs {
     /// No near pairs, for systems without short-range interactions. Collective.
     pub fn none(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [0.0; 2]);
-        let (loads, moments) = (Screws::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
+        let (loads, moments) = (SixVectors::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
         Self {
             halo,
             stiff: PairMatrix::new(Vec::new()),
@@ -155,7 +155,7 @@ impl NearPairs {
     }
 
     /// Loads of a selection of pairs in the motions of this rank's particles. Collective.
-    pub fn times(&self, pairs: &[Pairs], motions: &Screws) -> Screws {
+    pub fn times(&self, pairs: &[Pairs], motions: &SixVectors) -> SixVectors {
         self.times_and(pairs, motions, |_, _| 0.0).0
     }
 
@@ -164,13 +164,13 @@ impl NearPairs {
     pub fn times_and(
         &self,
         pairs: &[Pairs],
-        motions: &Screws,
-        change: impl Fn(usize, &mut [Screw]) -> f64 + Sync,
-    ) -> (Screws, f64) {
+        motions: &SixVectors,
+        change: impl Fn(usize, &mut [SixVector]) -> f64 + Sync,
+    ) -> (SixVectors, f64) {
         let present = self.present(motions);
-        let mut loads = Screws::zero(motions.0.len());
+        let mut loads = SixVectors::zero(motions.0.len());
         let (stiff, soft) = (&self.stiff, &self.soft);
-        let of_part = |(part, loads): (usize, &mut [Screw])| {
+        let of_part = |(part, loads): (usize, &mut [SixVector])| {
             for which in pairs {
                 match which {
                     Pairs::Stiff => stiff.add_loads(part, &present, loads),
@@ -184,18 +184,18 @@ impl NearPairs {
     }
 
     /// Lubrication loads in the ambient flow on particles at rest relative to it.
-    pub fn ambient_loads(&self) -> &Screws {
+    pub fn ambient_loads(&self) -> &SixVectors {
         &self.loads
     }
 
     /// Sum of [`AtWall::lever`] over this rank's spheres at walls.
-    pub fn levers(&self, passed: &Screws) -> Vector {
+    pub fn levers(&self, passed: &SixVectors) -> Vector {
         self.at_walls.iter().map(|at_wall| at_wall.lever(passed)).sum()
     }
 
     /// Near-field stresslets of motions relative to the ambient flow, to be added to those of the far field.
     /// Collective.
-    pub fn stresslets(&self, motions: &Screws) -> Vec<Traceless> {
+    pub fn stresslets(&self, motions: &SixVectors) -> Vec<Traceless> {
         let present = self.present(motions);
         let mut by_motions = vec![Traceless::ZERO; self.moments.len()];
         self.stiff.add_moments(&present, &mut by_motions);
@@ -205,7 +205,7 @@ impl NearPairs {
         moments.map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
     }
 
-    fn present(&self, motions: &Screws) -> Vec<Padded> {
+    fn present(&self, motions: &SixVectors) -> Vec<Padded> {
         let mut present: Vec<Padded> = motions.0.par_iter().with_min_len(BATCH).map(Padded::from).collect();
         self.halo.extend(&mut present);
         present

@@ -1,8 +1,8 @@
 //! Near-field resistance of spheres at walls.
 
 use crate::ambient::StrainRate;
-use crate::pairs::matrix::diagonal_block::Own;
-use crate::six_vector::{Screw, Screws};
+use crate::pairs::matrix::diagonal_block::DiagonalBlock;
+use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
 use lubrication::{Surfaces, WallCoefficients, WallForce};
@@ -17,7 +17,7 @@ pub struct AtWall {
     distance: f64,
     resistance: WallCoefficients,
     /// Load and first moment by lubrication on a sphere that moves with the ambient flow at its centre.
-    pub in_flow: (Screw, Traceless),
+    pub in_flow: (SixVector, Traceless),
 }
 
 /// The spheres of a rank within the range of lubrication or springs at walls, by rows, in an ambient flow with a strain
@@ -51,11 +51,11 @@ fn in_flow(
     resistance: &WallCoefficients,
     (place, to): (Vector, ToWall),
     strain_rate: StrainRate,
-) -> (Screw, Traceless) {
+) -> (SixVector, Traceless) {
     let strained = resistance.by_strain(to.axis, strain_rate.at(place.z));
     let beyond = strain_rate.half_curvature() * -to.distance.powi(2);
     let passed = resistance.by_motion(to.axis, [beyond, Vector::ZERO]);
-    let load = Screw::new(strained.force - passed.force, strained.torque - passed.torque);
+    let load = SixVector::new(strained.force - passed.force, strained.torque - passed.torque);
     (load, strained.moment - passed.moment)
 }
 
@@ -70,7 +70,7 @@ fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 
 
 impl AtWall {
     /// Contribution to the diagonal block of the row.
-    pub fn own(&self) -> Own<f64> {
+    pub fn own(&self) -> DiagonalBlock<f64> {
         let (z, r) = (self.axis.to_array(), &self.resistance);
         let tensor = |along: f64, across: f64| {
             [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
@@ -78,7 +78,7 @@ impl AtWall {
                 unit + (along - across) * z[i] * z[j]
             })
         };
-        Own {
+        DiagonalBlock {
             force: tensor(r.along, r.across),
             torque: tensor(r.spin, r.roll),
             coupling: z.map(|component| r.coupling * component),
@@ -87,14 +87,14 @@ impl AtWall {
 
     /// Lubrication force on a sphere that moves with `passed` relative to the flow, times the squared distance from the
     /// wall. Valid without springs.
-    pub fn lever(&self, passed: &Screws) -> Vector {
+    pub fn lever(&self, passed: &SixVectors) -> Vector {
         let motion = passed.0[self.row];
         let by_motion = self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).force;
         (by_motion + self.in_flow.0.linear()) * self.distance.powi(2)
     }
 
     /// First moment due to the motions.
-    pub fn moment(&self, motions: &Screws) -> Traceless {
+    pub fn moment(&self, motions: &SixVectors) -> Traceless {
         let motion = motions.0[self.row];
         self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).moment
     }
@@ -131,7 +131,7 @@ mod tests {
             let motion = [Vector::new(0.3, -0.2, 0.9), Vector::new(-0.4, 0.8, 0.1)];
             let expected = at.resistance.by_motion(at.axis, motion);
             let loads = at.own().times(motion.map(|v| v.to_array()));
-            let wanted = Screw::new(expected.force, expected.torque).0;
+            let wanted = SixVector::new(expected.force, expected.torque).0;
             assert!(loads.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12 * wanted[2].abs()), "{loads:?}");
         }
     }

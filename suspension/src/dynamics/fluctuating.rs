@@ -8,7 +8,7 @@ use crate::step_error::StepError;
 use domain::{Interrupted, Particles, Vector};
 use fcm::Loads;
 use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
-use hydrodynamics::{Guess, Solved};
+use hydrodynamics::{Guess, Solution};
 
 /// Relative error of random motions over the tolerance.
 const ROOT: f64 = 0.3;
@@ -48,7 +48,7 @@ impl Dynamics {
         particles: &mut Particles,
         moment: &Moment,
         (noise, energy): (Noise, f64),
-    ) -> Result<(Loads, Solved), StepError> {
+    ) -> Result<(Loads, Solution), StepError> {
         self.unless_interrupted()?;
         self.place(particles, moment)?;
         self.look_for_crowding(particles);

@@ -21,9 +21,9 @@ fn between_walls(unit: f64) -> (Plan, Particles) {
     (Plan::choose(&problem).unwrap(), placed(&places.map(|place| place * unit), &radii))
 }
 
-fn fluid(plan: &Plan, short_range: ShortRange) -> Hydrodynamics {
+fn fluid(plan: &Plan, short_range: ShortRange) -> CoupledSolver {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    Hydrodynamics::new(plan, &partition, short_range).unwrap()
+    CoupledSolver::new(plan, &partition, short_range).unwrap()
 }
 
 /// Whether a symmetric matrix is positive definite, by Cholesky factorisation.
@@ -53,7 +53,7 @@ fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
                 let mut loads = [[Vector::ZERO; 3]; 2];
                 loads[k % 6 / 3][k / 6][k % 3] = 1.0;
                 let loads = Loads { forces: loads[0].to_vec(), torques: loads[1].to_vec(), ..Loads::default() };
-                let acting = Acting { constant_flux, ..acting(&loads, Traceless::ZERO) };
+                let acting = SolveInput { constant_flux, ..acting(&loads, Traceless::ZERO) };
                 let motion = fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion;
                 let of = |l: usize| if l % 6 / 3 == 0 { &motion.velocities } else { &motion.angular_velocities };
                 (0..18).map(|l| of(l)[l / 6][l % 3]).collect::<Vec<f64>>()
@@ -99,7 +99,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
         let mut solve = |loads: &Loads, flow: Poiseuille, constant_flux: bool| {
             let strain_rate = flow.strain_rate();
             let springs = Some(&springs);
-            let acting = Acting { loads, strain_rate, springs, ambient: &STILL, constant_flux };
+            let acting = SolveInput { loads, strain_rate, springs, ambient: &NO_AMBIENT, constant_flux };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let kept = solve(&loads, background, true);
@@ -140,6 +140,6 @@ fn against(springs: &Springs, particles: &Particles, (plan, reach): (&Plan, f64)
     let still = (&plan.cell().scaled(1.0 / units.length), StrainRate::default());
     let near = NearPairs::find((field, Some(&springs)), &own, still, &partition);
     let motion = crate::units::motion(motion, &units);
-    let motions = Screws::new(particles.len(), &motion.velocities, &motion.angular_velocities);
+    let motions = SixVectors::new(particles.len(), &motion.velocities, &motion.angular_velocities);
     near.times(&[Pairs::Stiff, Pairs::Soft], &motions).linear()
 }

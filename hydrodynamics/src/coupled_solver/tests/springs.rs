@@ -34,13 +34,13 @@ fn contacts_push_and_turn_as_the_motions_say() {
         assert!(contacts.iter().map(Vec::len).sum::<usize>() >= 4, "some touch");
         let lubrication = Some(Range::new(2.5, 1e-6).unwrap());
         let mut fluid =
-            Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
+            CoupledSolver::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
-            let acting = Acting {
+            let acting = SolveInput {
                 loads,
                 strain_rate: StrainRate::uniform(strain),
                 springs,
-                ambient: &STILL,
+                ambient: &NO_AMBIENT,
                 constant_flux: false,
             };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
@@ -93,14 +93,14 @@ fn springs_push_as_the_motions_say() {
             1500.0 * depth * radii[0] * radii[1] / unit
         };
         let mut fluid =
-            Hydrodynamics::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
+            CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-            let acting = Acting {
+            let acting = SolveInput {
                 loads: &loads,
                 strain_rate: StrainRate::uniform(strain),
                 springs,
-                ambient: &STILL,
+                ambient: &NO_AMBIENT,
                 constant_flux: false,
             };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()

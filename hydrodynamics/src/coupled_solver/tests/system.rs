@@ -36,7 +36,7 @@ fn suspension() -> (Plan, Particles) {
 struct Setting {
     mobility: Mobility,
     near: NearPairs,
-    single: Vec<Screw>,
+    single: Vec<SixVector>,
     strain_resistance: Vec<f64>,
 }
 
@@ -45,7 +45,7 @@ impl Setting {
         let (plan, particles) = suspension();
         let (cell, partition) = (plan.cell(), Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
         let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
-        let alone: Vec<Screw> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
+        let alone: Vec<SixVector> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
         let (reach, radii) = (force.reach(), plan.radii.clone());
         let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
         let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii, reach };
@@ -65,7 +65,7 @@ impl Setting {
     /// scaled by the square roots of the single-sphere resistances.
     fn unit(&self, k: usize) -> Unknowns {
         let n = self.spheres();
-        let mut motions = [Screws(vec![Screw::default(); n]), Screws(vec![Screw::default(); n])];
+        let mut motions = [SixVectors(vec![SixVector::default(); n]), SixVectors(vec![SixVector::default(); n])];
         let mut moments = vec![Traceless::ZERO; n];
         if k < 12 * n {
             motions[k / (6 * n)].0[k / 6 % n].0[k % 6] = 1.0;
@@ -78,14 +78,20 @@ impl Setting {
         Unknowns { stiff, soft: resisted(&self.near, Pairs::Soft, &soft), moments }
     }
 
-    fn system(&mut self) -> Coupled<'_> {
-        let nothing = Screws(vec![Screw::default(); self.spheres()]);
+    fn system(&mut self) -> CoupledSystem<'_> {
+        let nothing = SixVectors(vec![SixVector::default(); self.spheres()]);
         let resisted = Resisted { motions: nothing.clone(), loads: nothing.clone() };
         let moments = vec![Traceless::ZERO; self.spheres()];
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
-        let matrix = Some(ParticleMatrix::new((&Comm::alone(), &self.near), &self.single, 0.1));
+        let matrix = Some(Preconditioner::new((&Comm::alone(), &self.near), &self.single, 0.1));
         let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
-        Coupled::new(mobility, &self.near, matrix, (&self.single, &self.strain_resistance), (&nothing, &STILL, &start))
+        CoupledSystem::new(
+            mobility,
+            &self.near,
+            matrix,
+            (&self.single, &self.strain_resistance),
+            (&nothing, &NO_AMBIENT, &start),
+        )
     }
 }
 
@@ -149,9 +155,9 @@ fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
-    let mut matrix = ParticleMatrix::new((&Comm::alone(), near), single, 0.1);
-    let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
-    let error = |matrix: &mut ParticleMatrix| {
+    let mut matrix = Preconditioner::new((&Comm::alone(), near), single, 0.1);
+    let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
+    let error = |matrix: &mut Preconditioner| {
         let [motions, _] = matrix.solve(&loads);
         let mut residual = loads.clone();
         residual.add(-1.0, &matrix.apply(&motions));
@@ -175,8 +181,8 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
 fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
-    let loads = Screws(vec![Screw([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
-    let [motions, resisted] = ParticleMatrix::new((&Comm::alone(), near), single, 0.1).solve(&loads);
+    let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
+    let [motions, resisted] = Preconditioner::new((&Comm::alone(), near), single, 0.1).solve(&loads);
     let mut difference = near.times(&[Pairs::Stiff], &motions);
     let size = difference.dot(&difference).sqrt();
     difference.add(-1.0, &resisted);

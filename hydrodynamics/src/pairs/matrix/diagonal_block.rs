@@ -2,14 +2,14 @@
 
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, Lanes, turn};
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
 use solver::simd::{Vector as Width, Work};
 
 /// Diagonal block of the resistance matrix: forces by velocities and torques by angular velocities, each a symmetric
 /// matrix with the components xx, xy, xz, yy, yz, zz, and the vector `c` of the coupling `F = Omega x c`, `L = c x U`.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Own<X> {
+pub struct DiagonalBlock<X> {
     pub force: [X; 6],
     pub torque: [X; 6],
     pub coupling: [X; 3],
@@ -18,7 +18,7 @@ pub struct Own<X> {
 /// Numbers of a block, padded to whole SIMD vectors.
 const NUMBERS: usize = 2 * LANES;
 
-impl Own<f64> {
+impl DiagonalBlock<f64> {
     /// Isotropic resistance to translation.
     pub fn against_velocity(resistance: f64) -> Self {
         Self { force: [resistance, 0.0, 0.0, resistance, 0.0, resistance], ..Self::default() }
@@ -41,10 +41,10 @@ impl Own<f64> {
     }
 }
 
-impl<V: Width<f64>> Own<Lanes<V>> {
+impl<V: Width<f64>> DiagonalBlock<Lanes<V>> {
     /// Blocks of several rows, one per lane; empty lanes are zero.
     #[inline(always)]
-    pub fn of(rows: &[Own<f64>]) -> Self {
+    pub fn of(rows: &[DiagonalBlock<f64>]) -> Self {
         let mut records = [[0.0; NUMBERS]; LANES];
         for (record, own) in records.iter_mut().zip(rows) {
             *record = own.numbers();
@@ -66,7 +66,7 @@ impl<V: Width<f64>> Own<Lanes<V>> {
     }
 }
 
-impl<X: Arithmetic> Own<X> {
+impl<X: Arithmetic> DiagonalBlock<X> {
     /// Loads for a velocity and an angular velocity.
     #[inline(always)]
     pub fn times(&self, [[ux, uy, uz], [ox, oy, oz]]: [[X; 3]; 2]) -> [X; 6] {
@@ -128,8 +128,8 @@ fn inverse<X: Arithmetic>(mut work: [[X; 6]; 6]) -> [[X; 6]; 6] {
 
 /// Inverses of the diagonal blocks plus the single-sphere resistances.
 pub struct Inverses<'a> {
-    pub own: &'a [Own<f64>],
-    pub single: &'a [Screw],
+    pub own: &'a [DiagonalBlock<f64>],
+    pub single: &'a [SixVector],
     pub blocks: &'a mut [Block],
 }
 
@@ -140,7 +140,7 @@ impl Work<f64> for Inverses<'_> {
     fn run<V: Width<f64>>(self) {
         let given = self.own.chunks(LANES).zip(self.single.chunks(LANES));
         for ((own, single), blocks) in given.zip(self.blocks.chunks_mut(LANES)) {
-            let mut matrix = Own::<Lanes<V>>::of(own).matrix();
+            let mut matrix = DiagonalBlock::<Lanes<V>>::of(own).matrix();
             for k in 0..6 {
                 // The identity keeps empty lanes invertible.
                 let mut alone = [1.0; LANES];
@@ -169,24 +169,24 @@ mod tests {
 
     #[test]
     fn inverses_undo_the_blocks_and_what_particles_resist_alone() {
-        let own: Vec<Own<f64>> = (0..11)
+        let own: Vec<DiagonalBlock<f64>> = (0..11)
             .map(|row| {
                 let size = 1.0 + f64::from(row);
-                Own {
+                DiagonalBlock {
                     force: [3.0, 0.1, -0.2, 2.0, 0.3, size],
                     torque: [1.0, 0.0, 0.1, size, -0.2, 2.0],
                     coupling: [0.1, 0.2, -0.3],
                 }
             })
             .collect();
-        let single = [Screw([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]); 11];
+        let single = [SixVector([1.0, 1.0, 1.0, 2.0, 2.0, 2.0]); 11];
         let mut blocks = [Block::default(); 11];
         solver::Real::dispatch(Inverses { own: &own, single: &single, blocks: &mut blocks });
         for (own, block) in own.iter().zip(blocks) {
             let x = [1.0, -2.0, 3.0, 0.5, -0.25, 4.0];
             let mut loads = own.times([[1.0, -2.0, 3.0], [0.5, -0.25, 4.0]]);
             (0..6).for_each(|k| loads[k] += single[0].0[k] * x[k]);
-            let back = block.times(&Screw(loads));
+            let back = block.times(&SixVector(loads));
             assert!(back.0.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-13), "{back:?}");
         }
     }

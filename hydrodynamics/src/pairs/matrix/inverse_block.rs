@@ -1,7 +1,7 @@
 //! Small dense matrices.
 
 use crate::pairs::matrix::lanes::{LANES, Lanes};
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
 use solver::simd::{Vector as Width, Work};
 
@@ -16,9 +16,9 @@ impl Block {
 
     /// Product of the matrix and a screw.
     #[cfg(test)]
-    pub fn times(&self, screw: &Screw) -> Screw {
+    pub fn times(&self, screw: &SixVector) -> SixVector {
         let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * screw.0[k]).sum();
-        Screw(std::array::from_fn(row))
+        SixVector(std::array::from_fn(row))
     }
 }
 
@@ -31,8 +31,8 @@ impl Default for Block {
 /// Products of blocks with one screw each.
 pub struct Products<'a> {
     pub blocks: &'a [Block],
-    pub screws: &'a [Screw],
-    pub results: &'a mut [Screw],
+    pub screws: &'a [SixVector],
+    pub results: &'a mut [SixVector],
 }
 
 impl Work<f64> for Products<'_> {
@@ -64,8 +64,8 @@ mod tests {
             let (i, j) = (k / 6, k % 6);
             if i == j { 2.0 + i as f64 } else { 1.0 / (1.0 + i as f64 + j as f64) }
         }));
-        let screws = [Screw([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), Screw([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
-        let mut products = [Screw::default(); 2];
+        let screws = [SixVector([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), SixVector([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
+        let mut products = [SixVector::default(); 2];
         f64::dispatch(Products { blocks: &[block; 2], screws: &screws, results: &mut products });
         for (product, screw) in products.iter().zip(&screws) {
             assert!(product.0.iter().zip(block.times(screw).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");

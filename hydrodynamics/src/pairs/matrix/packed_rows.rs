@@ -1,6 +1,6 @@
 //! Pairs of several rows, packed into SIMD lanes.
 
-use crate::pairs::contacts::Touching;
+use crate::pairs::contacts::ContactResistances;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
 use crate::pairs::matrix::row_sums::{InStrain, Sums};
@@ -118,7 +118,7 @@ const SPRING: usize = RECORD + 1;
 /// Stiff pairs, with lubrication or springs.
 pub struct Stiff<'a> {
     lubrication: Option<&'a PairLubrication>,
-    touching: Touching,
+    touching: ContactResistances,
     /// Whether any of the pairs is in contact.
     touch: bool,
 }
@@ -126,7 +126,7 @@ pub struct Stiff<'a> {
 impl<'a> Stiff<'a> {
     #[inline(always)]
     pub fn new(lubrication: Option<&'a PairLubrication>) -> Self {
-        Self { lubrication, touching: Touching::default(), touch: false }
+        Self { lubrication, touching: ContactResistances::default(), touch: false }
     }
 }
 

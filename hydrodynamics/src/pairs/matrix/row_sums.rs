@@ -1,9 +1,9 @@
 //! Sums over the pairs of several rows, one row per lane.
 
-use crate::pairs::matrix::diagonal_block::Own;
+use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::{LANES, Lanes};
 use crate::pairs::matrix::sparse::{add_tensor, scattered};
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use domain::Traceless;
 use lubrication::{Arithmetic, Side};
 use solver::simd::Vector as Width;
@@ -53,9 +53,9 @@ impl<V: Width<f64>> Sums<V> {
 
     /// The diagonal block of each row.
     #[inline(always)]
-    pub fn totals(&self) -> [Own<f64>; LANES] {
+    pub fn totals(&self) -> [DiagonalBlock<f64>; LANES] {
         let [force, torque, coupling] = [scattered(&self.force), scattered(&self.torque), scattered(&self.coupling)];
-        let mut own = [Own::default(); LANES];
+        let mut own = [DiagonalBlock::default(); LANES];
         for lane in 0..LANES {
             own[lane].force.copy_from_slice(&force[lane][..6]);
             own[lane].torque.copy_from_slice(&torque[lane][..6]);
@@ -113,9 +113,9 @@ impl<V: Width<f64>> InStrain<V> {
 
     /// The load and the first moment of each row.
     #[inline(always)]
-    pub fn totals(&self) -> ([Screw; LANES], [Traceless; LANES]) {
+    pub fn totals(&self) -> ([SixVector; LANES], [Traceless; LANES]) {
         let [force, torque, moment] = [scattered(&self.force), scattered(&self.torque), scattered(&self.moment)];
-        let (mut loads, mut moments) = ([Screw::default(); LANES], [Traceless::ZERO; LANES]);
+        let (mut loads, mut moments) = ([SixVector::default(); LANES], [Traceless::ZERO; LANES]);
         for lane in 0..LANES {
             loads[lane].0[..3].copy_from_slice(&force[lane][..3]);
             loads[lane].0[3..].copy_from_slice(&torque[lane][..3]);

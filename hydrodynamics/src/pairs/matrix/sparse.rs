@@ -1,9 +1,9 @@
 //! Near-field resistance matrix in sparse storage.
 
-use crate::pairs::matrix::diagonal_block::{Inverses, Own};
+use crate::pairs::matrix::diagonal_block::{DiagonalBlock, Inverses};
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
-use crate::six_vector::Screw;
+use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
 use lubrication::Arithmetic;
@@ -28,7 +28,7 @@ pub struct PairMatrix<T> {
 /// Matrix rows of a block of particles.
 pub struct Part<T> {
     /// Diagonal blocks.
-    own: Vec<Own<f64>>,
+    own: Vec<DiagonalBlock<f64>>,
     slices: Vec<Slice>,
     groups: Vec<Group<T>>,
     moments: Vec<MomentGroup<T>>,
@@ -91,7 +91,7 @@ impl<T: Stored> Part<T> {
     /// A block of `rows` rows, with room for `groups` groups.
     pub fn new(rows: usize, groups: usize) -> Self {
         Self {
-            own: vec![Own::default(); rows],
+            own: vec![DiagonalBlock::default(); rows],
             slices: Vec::with_capacity(rows.div_ceil(LANES)),
             groups: vec![Group::zeroed(); groups],
             moments: vec![MomentGroup::zeroed(); groups],
@@ -108,7 +108,7 @@ impl<T: Stored> Part<T> {
     }
 
     /// Ends a slice and stores the diagonal blocks of its rows, given lane by lane.
-    pub fn end_slice(&mut self, slice: Slice, own: &[Own<f64>; LANES]) {
+    pub fn end_slice(&mut self, slice: Slice, own: &[DiagonalBlock<f64>; LANES]) {
         for (&row, own) in slice.rows().iter().zip(own) {
             self.own[row as usize] = *own;
         }
@@ -129,12 +129,12 @@ impl<T: Stored> PairMatrix<T> {
     }
 
     /// Adds to the diagonal block of a row.
-    pub fn add_own(&mut self, row: usize, own: &Own<f64>) {
+    pub fn add_own(&mut self, row: usize, own: &DiagonalBlock<f64>) {
         self.parts[row / ROWS].own[row % ROWS].add(own);
     }
 
     /// Inverses of the diagonal blocks plus the single-sphere resistances.
-    pub fn inverses(&self, single: &[Screw]) -> Vec<Block> {
+    pub fn inverses(&self, single: &[SixVector]) -> Vec<Block> {
         let mut inverses = vec![Block::default(); single.len()];
         let parts = self.parts.par_iter().zip(single.par_chunks(ROWS)).zip(inverses.par_chunks_mut(ROWS));
         parts.for_each(|((part, single), blocks)| f64::dispatch(Inverses { own: &part.own, single, blocks }));
@@ -148,7 +148,7 @@ pub trait Resistance: Sync {
     fn is_empty(&self) -> bool;
 
     /// Adds the loads due to the motions of particles and ghosts, for the rows of a block.
-    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]);
+    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]);
 
     /// Adds the first moments due to the motions of particles and ghosts, for all of a rank's particles.
     fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
@@ -159,7 +159,7 @@ impl<T: Stored> Resistance for PairMatrix<T> {
         self.parts.iter().all(|part| part.groups.is_empty())
     }
 
-    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [Screw]) {
+    fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]) {
         if let Some(rows) = self.parts.get(part) {
             f64::dispatch(Product { part: rows, first: part * ROWS, present, loads });
         }
@@ -177,8 +177,8 @@ impl<T: Stored> Resistance for PairMatrix<T> {
 #[repr(C, align(64))]
 pub struct Padded([f64; LANES]);
 
-impl From<&Screw> for Padded {
-    fn from(screw: &Screw) -> Self {
+impl From<&SixVector> for Padded {
+    fn from(screw: &SixVector) -> Self {
         let [ux, uy, uz, ox, oy, oz] = screw.0;
         Self([ux, uy, uz, ox, oy, oz, 0.0, 0.0])
     }
@@ -233,7 +233,7 @@ struct Product<'a, T> {
     part: &'a Part<T>,
     first: usize,
     present: &'a [Padded],
-    loads: &'a mut [Screw],
+    loads: &'a mut [SixVector],
 }
 
 impl<T: Stored> Work<f64> for Product<'_, T> {
@@ -244,7 +244,7 @@ impl<T: Stored> Work<f64> for Product<'_, T> {
         for (k, (own, loads)) in self.part.own.chunks(LANES).zip(self.loads.chunks_mut(LANES)).enumerate() {
             let mut rows = [(self.first + k * LANES) as u32; LANES];
             (0..own.len()).for_each(|lane| rows[lane] += lane as u32);
-            let records = scattered(&Own::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
+            let records = scattered(&DiagonalBlock::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
             for (load, record) in loads.iter_mut().zip(&records) {
                 for k in 0..6 {
                     load.0[k] += record[k];
