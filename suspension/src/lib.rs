@@ -22,80 +22,44 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod adaptive;
-mod applied;
-mod averages;
 pub mod benchmark;
-mod brownian;
-mod cautions;
-mod cloud;
 mod columns;
-mod contacts;
-mod course;
-mod crowding;
-mod deformation;
-mod driven;
-mod dynamics;
 mod error;
-mod extrapolation;
-mod fluid;
+mod evaluation;
+mod flow;
 mod forces;
 mod forecast;
-mod gap;
-mod given_positions;
-mod implicit;
-mod initial;
-mod integrator;
-mod least_repulsion;
-mod memory;
-mod migration;
+mod integrators;
 mod model;
-mod moving_box;
-mod near;
-mod observe;
-mod observed;
-mod open_box;
-mod orders;
-mod outline;
-mod plan;
-mod pressure_flow;
-mod relative_motion;
-mod rheology;
+mod neighbourhood;
+mod observables;
+mod run;
 mod sampling;
-mod setup;
-mod steadiness;
-mod step_error;
-mod step_lengths;
-mod stress;
-mod stretching;
-mod substeps;
+mod start;
 mod suspension;
-mod tethers;
-mod user_axes;
-mod warm_start;
 
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
-pub use course::course;
+pub use error::step::StepError;
 pub use error::{PlacingError, StartError};
-pub use fluid::FluidVelocity;
+pub use evaluation::velocity_field::FluidVelocity;
 pub use forecast::Forecast;
+pub use forecast::calibrate_repulsion::{LeastRepulsionError, least_repulsion};
+pub use forecast::cost_growth::course;
+pub use forecast::stable_step::longest_step;
+pub use forecast::summary::{Asked, outline, plan_values, predicted_memory};
 pub use hydrodynamics::memory::Ranks;
 pub use hydrodynamics::{
     BondSprings, ContactSprings, CoupledSolver, Drift, FlowRefused, Guess, Mobility, MobilityError, MobilityParameters,
     Motions, Overlaps, ShortRange, SingleEvaluation, Solution, SolveInput, Springs, TetherResistance,
 };
-pub use least_repulsion::{LeastRepulsionError, least_repulsion};
 pub use lubrication::Elasticity;
+pub use model::box_axes::UserAxes;
 pub use model::{
     Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Evaluation, Extension, Flow, Hydrodynamics,
     Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion,
     ShearRates, SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
-pub use observed::Observed;
-pub use outline::{Asked, outline, plan_values, predicted_memory};
+pub use observables::stress::ParticleStress;
+pub use run::Observed;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
-pub use steadiness::longest_step;
-pub use step_error::StepError;
-pub use stress::ParticleStress;
 pub use suspension::{StepReport, Suspension};
-pub use user_axes::UserAxes;

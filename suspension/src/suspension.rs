@@ -1,20 +1,23 @@
 //! A suspension of spheres in Stokes flow.
 
-use crate::applied;
-use crate::brownian::{self, Heat};
 use crate::columns::VELOCITY;
-use crate::contacts::{Measured, contact_force};
-use crate::crowding::Crowded;
-use crate::dynamics::{Dynamics, Moment, Outcome};
 use crate::error::StartError;
-use crate::fluid::FluidVelocity;
+use crate::error::step::StepError;
+use crate::evaluation::velocity_field::FluidVelocity;
+use crate::evaluation::{Dynamics, Moment, Outcome};
 use crate::forces::Surface;
-use crate::integrator::{self, AdamsBashforth};
+use crate::forces::contacts::{Measured, contact_force};
+use crate::forces::tethers;
+use crate::forces::user;
+use crate::integrators::adams_bashforth::{self, AdamsBashforth};
+use crate::integrators::brownian::{self, Heat};
+use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
-use crate::setup::Setup;
-use crate::step_error::StepError;
-use crate::stress::ParticleStress;
-use crate::{adaptive, given_positions, implicit, initial, near, tethers};
+use crate::neighbourhood;
+use crate::observables::overlap_monitor::Crowded;
+use crate::observables::stress::ParticleStress;
+use crate::start::setup::Setup;
+use crate::start::{given_positions, placement};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::PlanError;
 use simulation::{Clock, ContactForces, LoadFunction, State};
@@ -95,11 +98,11 @@ impl Suspension {
         comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
         let is_tied = if comm.is_first() { tethers::check(&particles, model) } else { Ok(()) };
         comm.agree(is_tied)?;
-        initial::share_columns(&mut particles, comm);
+        placement::share_columns(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], model.time_step);
         let (integrator, outcome, comm) = (model.integrator, Outcome::default(), comm.clone());
-        let has_applied_loads = applied::is_among(&particles);
+        let has_applied_loads = user::is_among(&particles);
         let mut resumed = Self {
             particles,
             dynamics,
@@ -388,7 +391,7 @@ impl Suspension {
             residual: self.outcome.residual,
             evaluations: self.evaluations,
             divergence: self.dynamics.divergence(),
-            smallest_gap: near::smallest_gap(&self.particles, self.cell(), self.dynamics.partition()),
+            smallest_gap: neighbourhood::smallest_gap(&self.particles, self.cell(), self.dynamics.partition()),
         }
     }
 
@@ -414,7 +417,7 @@ fn fixed_step(
     let mut outcome = Outcome::default();
     dynamics.remember(particles);
     let steps = dynamics.steps_before(clock);
-    integrator::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
+    adams_bashforth::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
         outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction, steps))?;
         Ok::<(), StepError>(())
     })?;

@@ -1,6 +1,6 @@
 //! Checks that all parameters are in their ranges and fit together.
 
-use super::spheres::check_species;
+use super::species::check_species;
 use super::{
     Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps,
     travel,

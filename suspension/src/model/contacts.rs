@@ -1,6 +1,6 @@
 //! Contacts of rough spheres.
 
-use super::spheres::volume;
+use super::species::volume;
 use super::{Integrator, Parameters, Start};
 use domain::{Number, ParameterError};
 use lubrication::{Contact, Elasticity};

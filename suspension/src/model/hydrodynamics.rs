@@ -1,6 +1,6 @@
 //! Parameters of the hydrodynamic interactions.
 
-use crate::user_axes::UserAxes;
+use crate::model::box_axes::UserAxes;
 use domain::{Number, ParameterError};
 
 /// Parameters of the hydrodynamic interactions; those that are `None` are chosen from the tolerance.

@@ -2,7 +2,7 @@
 
 use super::Parameters;
 use super::bonds::{counted, unless_known};
-use crate::user_axes::UserAxes;
+use crate::model::box_axes::UserAxes;
 use domain::{Number, ParameterError, Vector};
 
 /// Harmonic traps, one for each of some spheres, with the force `-stiffness (x - centre)`.

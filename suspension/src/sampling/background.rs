@@ -1,8 +1,8 @@
 //! Background flow without spheres, relative to which velocities are averaged, in the user's axes.
 
+use crate::model::box_axes::UserAxes;
 use crate::model::{Flow, Model};
-use crate::setup::profile;
-use crate::user_axes::UserAxes;
+use crate::start::setup::profile;
 use domain::Vector;
 use hydrodynamics::Poiseuille;
 use solver::BackgroundFlow;

@@ -1,0 +1,131 @@
+//! Evaluations in a fluctuating fluid.
+
+use super::{Dynamics, Moment, Outcome};
+use crate::error::step::StepError;
+use crate::integrators::adams_bashforth::PAST;
+use crate::integrators::brownian::Noise;
+use crate::observables::overlap_monitor::{Crowded, Crowding};
+use domain::{Interrupted, Particles, Vector};
+use fcm::Loads;
+use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
+use hydrodynamics::{Guess, Solution};
+
+/// Relative error of random motions over the tolerance.
+const ROOT: f64 = 0.3;
+
+impl Dynamics {
+    /// Draws random motions of the fluid at the particles. Collective.
+    pub fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
+        let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
+        let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, noise.stream));
+        self.clipped = self.clipped.max(drawn.clipped);
+        set_ambient(particles, &motion, noise.amplitude);
+    }
+
+    /// Stores the velocities of the drawn motions plus the background flow as the first past velocities.
+    pub fn carry(&self, particles: &mut Particles) {
+        let drawn = ambient(particles).velocities;
+        self.note_carried(particles, PAST[0], &drawn);
+    }
+
+    /// [`Self::evaluate`] in the fluctuating fluid: with the drawn motions, the drift near walls, and lubrication noise
+    /// from the same random numbers. Collective; fails on every rank or on none.
+    pub fn evaluate_fluctuating(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        noise: Noise,
+    ) -> Result<Outcome, StepError> {
+        let (_, solved) = self.solve_fluctuating(particles, moment, (noise, noise.energy))?;
+        self.record(particles, &solved);
+        Ok(Outcome::of(&solved))
+    }
+
+    /// Solves for the motions under all loads, lubrication noise included, in the drawn motions plus `energy` times the
+    /// divergence of the mobility.
+    fn solve_fluctuating(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        (noise, energy): (Noise, f64),
+    ) -> Result<(Loads, Solution), StepError> {
+        self.unless_interrupted()?;
+        self.place(particles, moment)?;
+        self.look_for_crowding(particles);
+        let (mut loads, tethers) = self.loads_at(particles, moment, None)?;
+        let noise = self.pair_noise(particles, noise);
+        for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
+            loads.resize(particles.len(), Vector::ZERO);
+            loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise);
+        }
+        let mut ambient = ambient(particles);
+        if energy > 0.0 {
+            self.hydrodynamics.add_divergence((self.moving.cell(), particles), energy, &mut ambient);
+        }
+        let solved =
+            self.solved(particles, (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)?;
+        Ok((loads, solved))
+    }
+
+    /// [`Self::evaluate_fluctuating`] with results that are intermediate: the velocities are stored as the first past
+    /// ones, and the motions are stored for their finite difference, see [`brownian::note_solved`]. Collective;
+    /// fails on every rank or on none.
+    pub fn move_at_random(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        noise: Noise,
+    ) -> Result<Outcome, StepError> {
+        let (loads, solved) = self.solve_fluctuating(particles, moment, (noise, 0.0))?;
+        self.note_carried(particles, PAST[0], &solved.motion.velocities);
+        if self.rigid {
+            let cell = *self.moving.cell();
+            let noted = brownian::note_solved(&mut self.hydrodynamics, (&cell, particles), (&loads, &solved));
+            noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
+        }
+        Ok(Outcome::of(&solved))
+    }
+
+    /// Stores the drift of the random motions from a finite difference at the present positions, see
+    /// [`brownian::note_drift`]. For particles without resistance to strain it is the divergence of the mobility.
+    /// Collective; fails on every rank or on none.
+    pub fn note_drift(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        (over, energy): (f64, f64),
+    ) -> Result<(), StepError> {
+        let cell = *self.moving.cell();
+        if !self.rigid {
+            brownian::note_divergence(&mut self.hydrodynamics, (&cell, particles), energy);
+            return Ok(());
+        }
+        let change = Change { over, energy, tolerance: CHANGE };
+        let noted = brownian::note_drift(&mut self.hydrodynamics, (&cell, particles), change);
+        noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
+    }
+
+    /// Pairs that were too close in the last solve for random motions; `None` without Brownian motion.
+    pub fn crowded(&self) -> Option<Crowded> {
+        self.crowding.as_ref().map(Crowding::last)
+    }
+
+    fn look_for_crowding(&mut self, particles: &Particles) {
+        let place = (self.moving.cell(), &self.partition);
+        self.crowding.iter_mut().for_each(|crowding| crowding.look(particles, place));
+    }
+
+    /// Random loads between near pairs. Collective.
+    fn pair_noise(&mut self, particles: &Particles, Noise { amplitude, stream, .. }: Noise) -> Loads {
+        let cell = *self.moving.cell();
+        let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, stream);
+        let times = |list: Vec<Vector>| list.into_iter().map(|load| load * amplitude).collect();
+        Loads { forces: times(forces), torques: times(torques), stresslets: Vec::new() }
+    }
+
+    /// Fails if any rank is asked to stop. Collective.
+    fn unless_interrupted(&self) -> Result<(), StepError> {
+        let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
+        if is_requested { Err(Interrupted.into()) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,301 @@
+//! Initial guess of the iterative solve: stresslets and lubrication extrapolated from previous steps.
+
+use crate::columns::STRESSLET;
+use crate::evaluation::extrapolation;
+use domain::{Comm, Particles, Vector};
+use fcm::{Loads, Motion};
+use hydrodynamics::{Guess, Solution};
+use rayon::prelude::*;
+
+/// Columns of a coupled solve: stresslets of the far field, forces and torques on the fluid, motions that the loads of
+/// all other spheres induce at each sphere, and motions relative to the background flow.
+pub const STRESSLET_FAR: &str = "far stresslet";
+const FORCE: &str = "far force";
+const TORQUE: &str = "far torque";
+const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];
+const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
+
+/// Number of past steps whose values are extrapolated.
+const PAST: usize = 3;
+
+/// Column of the weight of the parabola in the extrapolation of each of those columns.
+const CURVATURE: &str = "curvature of the past";
+
+/// Number of values that one thread processes at a time; the sums of these batches are added in their order.
+const BATCH: usize = 4096;
+
+/// Weight of the latest value in the running mean of the parabola's weight.
+const NEWEST: f64 = 0.5;
+
+/// History of the solutions, stored in columns of the particles.
+pub struct WarmStart {
+    coupled: bool,
+}
+
+impl WarmStart {
+    /// The history for a solve with or without coupled forces between near spheres.
+    pub fn new(coupled: bool) -> Self {
+        Self { coupled }
+    }
+
+    /// Column of the far-field stresslets.
+    fn stresslet(&self) -> &'static str {
+        if self.coupled { STRESSLET_FAR } else { STRESSLET }
+    }
+
+    /// Columns that make up a guess, with their widths.
+    fn columns(&self) -> Vec<(&'static str, usize)> {
+        let motions = INDUCED.iter().chain(&MOTION).filter(|_| self.coupled).map(|&name| (name, 3));
+        std::iter::once((self.stresslet(), 5)).chain(motions).collect()
+    }
+
+    /// Numbers per particle in all columns of the history, without those of the results.
+    pub fn numbers(&self) -> usize {
+        let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
+        let present = if self.coupled { 5 + 3 * (2 + INDUCED.len() + MOTION.len()) } else { 0 };
+        past + present + self.columns().len()
+    }
+
+    /// All columns of the history, with their widths.
+    pub fn kept(&self) -> impl Iterator<Item = (String, usize)> {
+        let past = self.columns().into_iter().flat_map(|(name, width)| (1..=PAST).map(move |k| (past(name, k), width)));
+        let torques = [FORCE, TORQUE].map(|name| (name.to_owned(), 3));
+        let learnt = std::iter::once((CURVATURE.to_owned(), self.columns().len()));
+        past.chain(self.columns().into_iter().map(|(name, width)| (name.to_owned(), width)))
+            .chain(torques)
+            .chain(learnt)
+    }
+
+    /// Stores the present values, at the start of a step, as the latest past ones.
+    pub fn remember(&self, particles: &mut Particles) {
+        for (name, width) in self.columns() {
+            let mut newest = particles.column(name, width).values.clone();
+            for k in 1..=PAST {
+                std::mem::swap(&mut particles.column(&past(name, k), width).values, &mut newest);
+            }
+        }
+    }
+
+    /// Removes all solutions except the last one.
+    pub fn forget(&self, particles: &mut Particles) {
+        let past: Vec<String> =
+            self.columns().iter().flat_map(|(name, _)| (1..=PAST).map(move |k| past(name, k))).collect();
+        particles.columns.retain(|column| !past.contains(&column.name));
+    }
+
+    /// Stores the parts of a solution that are needed later, in addition to the results.
+    pub fn record(&self, particles: &mut Particles, solved: &Solution) {
+        if !self.coupled {
+            return;
+        }
+        particles.column(STRESSLET_FAR, 5).values.copy_from_slice(bytemuck::cast_slice(&solved.far.stresslets));
+        for (name, far) in [(FORCE, &solved.far.forces), (TORQUE, &solved.far.torques)] {
+            let known = far.iter().copied().chain(std::iter::repeat(Vector::ZERO));
+            particles.vectors(name).iter_mut().zip(known).for_each(|(value, far)| *value = far);
+        }
+        for (names, motion) in [(INDUCED, &solved.induced), (MOTION, &solved.motion)] {
+            for (name, list) in names.iter().zip([&motion.velocities, &motion.angular_velocities]) {
+                particles.vectors(name).iter_mut().zip(list).for_each(|(value, &known)| *value = known);
+            }
+        }
+    }
+
+    /// Loads on the fluid in the last solution. Without coupled forces these are the given `loads`, and the stresslets.
+    pub fn felt(&self, loads: Loads, particles: &Particles) -> Loads {
+        let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| &c.values[..]);
+        // Particles may have these columns from a run with another integrator.
+        let vectors = |name| values(name).filter(|_| self.coupled).map(|v| bytemuck::cast_slice(v).to_vec());
+        Loads {
+            forces: vectors(FORCE).unwrap_or(loads.forces),
+            torques: vectors(TORQUE).unwrap_or(loads.torques),
+            stresslets: values(self.stresslet()).map(|v| bytemuck::cast_slice(v).to_vec()).unwrap_or_default(),
+        }
+    }
+
+    /// Guess of the solution at the time `ahead` after the last stored values, extrapolated by a mix of two
+    /// least-squares fits, a line and a parabola; `ages` are those of the stored values, the last of which have age 0.
+    /// Empty if nothing is stored: zero motion would be a bad guess with lubrication, since spheres at rest in a strain
+    /// exert large forces on their neighbours.
+    ///
+    /// The parabola follows smooth changes, but amplifies the errors of previous solves about four times. Its weight in
+    /// the mix is the one with which the mix would have come closest to the previous solutions, see [`Self::learn`].
+    pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
+        if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
+            return Guess::default();
+        }
+        let names = self.columns();
+        let curvature = particles.column(CURVATURE, names.len()).values.clone();
+        let lists = names.iter().enumerate().map(|(k, &(name, width))| {
+            let share = curvature.get(k).copied().unwrap_or_default();
+            let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
+            let past = Past::of(particles, (name, width), (ages, ahead));
+            (0..past.len()).into_par_iter().with_min_len(BATCH).map(|i| mixed(past.extrapolated(i))).collect()
+        });
+        Self::guessed(lists)
+    }
+
+    /// The last solution, as a guess.
+    pub fn found(&self, particles: &mut Particles) -> Guess {
+        Self::guessed(self.columns().into_iter().map(|(name, width)| particles.column(name, width).values.clone()))
+    }
+
+    /// A guess from the values of all columns, in their order.
+    fn guessed(mut lists: impl Iterator<Item = Vec<f64>>) -> Guess {
+        let stresslets_far = lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default();
+        let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
+            [(); 4].map(|()| lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default());
+        Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities }
+    }
+
+    /// Motions relative to the background flow in the last solution.
+    pub fn motion(particles: &mut Particles) -> Motion {
+        let [velocities, angular_velocities] = MOTION.map(|name| particles.vectors(name).to_vec());
+        Motion { velocities, angular_velocities, strain_rates: Vec::new() }
+    }
+
+    /// Updates the weight of the parabola from a new solution: the weight with which the guess, made with `ages` and
+    /// `ahead`, would have come closest to it. Collective.
+    pub fn learn(&self, particles: &mut Particles, ages: &[f64], ahead: f64, comm: &Comm) {
+        let names = self.columns();
+        let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), PAST));
+        if comm.any(!is_known && !particles.is_empty()) || ages.len() < PAST {
+            return;
+        }
+        let mut sums = vec![[0.0; 2]; names.len()];
+        for (sums, &(name, width)) in sums.iter_mut().zip(&names) {
+            let past = Past::of(particles, (name, width), (ages, ahead));
+            let of_batch = |batch: usize| {
+                let mut sums = [0.0; 2];
+                for i in batch * BATCH..past.len().min((batch + 1) * BATCH) {
+                    let [line, parabola] = past.extrapolated(i);
+                    let curved = parabola - line;
+                    sums[0] += (past.found[i] - line) * curved;
+                    sums[1] += curved * curved;
+                }
+                sums
+            };
+            let of_batches: Vec<_> = (0..past.len().div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+            for [along, square] in of_batches {
+                sums[0] += along;
+                sums[1] += square;
+            }
+        }
+        comm.sum(sums.as_flattened_mut());
+        let shares = particles.column(CURVATURE, names.len());
+        for of_one in shares.values.chunks_exact_mut(names.len()) {
+            for (share, [along, square]) in of_one.iter_mut().zip(&sums).filter(|(_, sums)| sums[1] > 0.0) {
+                *share += NEWEST * ((along / square).clamp(0.0, 1.0) - *share);
+            }
+        }
+    }
+}
+
+/// Past values of a column, and their weights in the extrapolations.
+struct Past<'a> {
+    /// Present values; empty if there are none.
+    found: &'a [f64],
+    values: [&'a [f64]; PAST],
+    /// Weights of the least-squares line and parabola.
+    weights: [[f64; PAST]; 2],
+}
+
+impl<'a> Past<'a> {
+    /// Past values of a column, to be extrapolated to the time `ahead` after the last of them.
+    fn of(particles: &'a mut Particles, (name, width): (&str, usize), (ages, ahead): (&[f64], f64)) -> Self {
+        let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
+        let weights = [1, 2].map(|degree| {
+            let mut weights = [0.0; PAST];
+            weights[..times.len()].copy_from_slice(&extrapolation::fitted(&times, degree, ahead));
+            weights
+        });
+        (1..=times.len()).for_each(|k| _ = particles.column(&past(name, k), width));
+        // Values without weight are arbitrary.
+        let column = |k: usize| values(particles, &past(name, 1 + if k < times.len() { k } else { 0 }));
+        Self { found: values(particles, name), values: std::array::from_fn(column), weights }
+    }
+
+    /// Number of values.
+    fn len(&self) -> usize {
+        self.values[0].len()
+    }
+
+    /// A value extrapolated by the line and by the parabola.
+    fn extrapolated(&self, i: usize) -> [f64; 2] {
+        self.weights.map(|w| (0..PAST).fold(0.0, |sum, k| sum + w[k] * self.values[k][i]))
+    }
+}
+
+/// Values of a column; empty if it does not exist.
+fn values<'a>(particles: &'a Particles, name: &str) -> &'a [f64] {
+    particles.columns.iter().find(|column| column.name == name).map_or(&[], |column| &column.values)
+}
+
+/// Name of the column of another column's values at the start of the `k`th step back.
+fn past(name: &str, k: usize) -> String {
+    format!("past {name} {k}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Traceless;
+    use fcm::Motion;
+    use std::f64::consts::PI;
+
+    /// Error of the next guess for one particle with a given stresslet as a function of time, after a number of steps
+    /// of length 1.
+    fn error_of_guess(stresslet: impl Fn(f64) -> Traceless, steps: u32) -> f64 {
+        let (warm_start, ages, comm) = (WarmStart::new(false), [0.0, 1.0, 2.0], Comm::alone());
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ZERO, 1.0, 0);
+        assert_eq!(warm_start.guess(&mut particles, &[0.0], 1.0), Guess::default(), "nothing is known");
+        for step in 0..steps {
+            particles.column(STRESSLET, 5).values.copy_from_slice(&stresslet(f64::from(step)).0);
+            warm_start.learn(&mut particles, &ages[..3.min(step as usize)], 1.0, &comm);
+            warm_start.remember(&mut particles);
+        }
+        let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
+        assert_eq!(first, stresslet(f64::from(steps) - 1.0), "with nothing known but the last value, that");
+        let found = warm_start.guess(&mut particles, &ages, 1.0).stresslets_far[0];
+        let difference = found - stresslet(f64::from(steps));
+        difference.contract(difference).sqrt()
+    }
+
+    #[test]
+    fn a_line_is_followed_exactly_and_a_parabola_once_it_is_known() {
+        let line = |t: f64| Traceless([1.0 + t, 2.0 - t, 0.3 * t, 0.0, -1.0]);
+        let parabola = |t: f64| Traceless([1.0 + t, 2.0 - t * t, 0.3 * t, t * (t - 1.0), -1.0]);
+        assert!(error_of_guess(line, 4) < 1e-13);
+        let errors = [4, 6, 30].map(|steps| error_of_guess(parabola, steps));
+        assert!(errors[0] > 0.1 && errors[1] < 0.5 * errors[0] && errors[2] < 1e-6, "{errors:?}");
+    }
+
+    /// Errors of alternating sign would be amplified seven times by a parabola and three times by a line.
+    #[test]
+    fn errors_of_former_solves_are_not_multiplied() {
+        let noisy = |t: f64| Traceless([1.0, 0.1 * (PI * t).cos(), 0.0, 0.0, 0.0]);
+        let error = error_of_guess(noisy, 30);
+        assert!(error < 0.1 * 2.0_f64.sqrt() * 2.5, "{error}");
+    }
+
+    /// The loads on the fluid are stored completely, and the induced motions as well.
+    #[test]
+    fn what_the_fluid_feels_is_kept() {
+        let vector = |x: f64| vec![Vector::new(x, 2.0 * x, -x)];
+        let given = Loads { forces: vector(1.0), ..Loads::default() };
+        let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
+        let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
+        let (motion, stresslets) = (Motion::default(), Vec::new());
+        let solved =
+            Solution { motion, stresslets, far: far.clone(), induced, curvature: 0.0, iterations: 1, residual: 0.0 };
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ZERO, 1.0, 0);
+        let warm_start = WarmStart::new(true);
+        warm_start.record(&mut particles, &solved);
+        let kept = [FORCE, TORQUE, INDUCED[0], INDUCED[1]].map(|name| particles.vectors(name).to_vec());
+        assert_eq!(kept, [5.0, 3.0, 7.0, 9.0].map(vector));
+        assert_eq!(warm_start.felt(given.clone(), &particles), far);
+        let alone = WarmStart::new(false).felt(given.clone(), &particles);
+        assert_eq!(alone, given, "without such forces those given, whatever was kept before");
+    }
+}

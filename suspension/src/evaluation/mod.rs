@@ -1,0 +1,569 @@
+//! Evaluation of the particles' velocities at given positions.
+
+pub mod extrapolation;
+mod fluctuating;
+mod following;
+pub mod initial_guess;
+mod stiffness_adaptation;
+mod stress_controlled;
+mod tethered;
+pub mod velocity_field;
+
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+use crate::error::StartError;
+use crate::error::gap::Gap;
+use crate::error::step::StepError;
+use crate::evaluation::initial_guess::WarmStart;
+use crate::evaluation::velocity_field::FluidVelocity;
+use crate::flow::periodic_cell::MovingBox;
+use crate::forces::contacts::{self, Contacts, Measured, Settling};
+use crate::forces::tethers::Tethers;
+use crate::forces::user::{self, AppliedForces};
+use crate::forces::{Ahead, Forces, Surface};
+use crate::integrators::adams_bashforth::{self, EXPECTED};
+use crate::integrators::gap_control::{RelativeMotion, WATCHED};
+use crate::integrators::substeps;
+use crate::model::box_axes::UserAxes;
+use crate::model::{self, Integrator, Model, Multipoles};
+use crate::neighbourhood::NearLists;
+use crate::observables::overlap_monitor::Crowding;
+use crate::start::setup::Setup;
+use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
+use fcm::{Loads, Motion, PlanError, SolveError};
+use following::Following;
+use hydrodynamics::TetherResistance;
+use hydrodynamics::{ContactSprings, CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput, Springs};
+use lubrication::{Range, Surfaces};
+use simulation::Clock;
+use solver::BackgroundFlow;
+
+/// Largest distance of a particle from the box at the end of a step, in edges: limited by the counting of periodic
+/// images.
+const FARTHEST: f64 = 1e9;
+
+/// Distance of a sphere's centre from a wall, in radii, below which the step is refused: at 0.8 the mobility of the
+/// envelopes is no longer positive.
+const SUNK: f64 = 0.85;
+
+/// Statistics of the solve of one evaluation.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Outcome {
+    /// Number of iterations for the stresslets.
+    pub iterations: usize,
+    /// Relative residual of the stresslets.
+    pub residual: f64,
+}
+
+impl Outcome {
+    fn of(solved: &Solution) -> Self {
+        Self { iterations: solved.iterations, residual: solved.residual }
+    }
+}
+
+/// Instant of an evaluation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moment {
+    /// The clock at the start of its step.
+    pub clock: Clock,
+    /// Elapsed fraction of the step.
+    pub fraction: f64,
+    /// Ages of the stored solutions relative to the last of them, whose age of 0 comes first.
+    pub ages: Vec<f64>,
+    /// Time since the last stored solution.
+    pub ahead: f64,
+    /// Time over which forces between near spheres are implicit, if they are: they are taken at the velocities of the
+    /// solve instead of those in the column [`EXPECTED`].
+    pub implicit: Option<f64>,
+}
+
+impl Moment {
+    /// The instant after a fraction of a step, with solutions stored at the start of each of the `steps` previous
+    /// steps.
+    pub fn in_step(clock: &Clock, fraction: f64, steps: u64) -> Self {
+        let ages = (0..=steps.min(2)).map(|k| k as f64 * clock.dt()).collect();
+        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt(), implicit: None }
+    }
+}
+
+/// Right-hand side of the equation of motion: forces, hydrodynamics and the moving box.
+pub struct Dynamics {
+    partition: Partition,
+    moving: MovingBox,
+    forces: Forces,
+    contacts: Option<Contacts>,
+    tethers: Tethers,
+    applied: AppliedForces,
+    hydrodynamics: CoupledSolver,
+    lubrication: Option<Range>,
+    warm_start: WarmStart,
+    rigid: bool,
+    viscosity: f64,
+    smallest_radius: f64,
+    tolerance: f64,
+    /// Detector of pairs that Brownian motion brings too close to each other.
+    crowding: Option<Crowding>,
+    /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
+    clipped: f64,
+    /// Neighbour lists of the pairs whose relative motion limits steps.
+    watched: NearLists,
+    /// Data for replanning when the box follows the particles.
+    following: Option<Following>,
+    axes: UserAxes,
+}
+
+impl Dynamics {
+    /// The dynamics of a prepared scene, and its particles.
+    pub fn new(model: &Model, setup: Setup) -> Result<(Self, Particles), StartError> {
+        let chosen = &model.hydrodynamics;
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
+        let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
+        let range = range.map(|range| if model.thermal_energy.is_some() { range.parting() } else { range });
+        let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
+        let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
+        let radii = [setup.radii.smallest(), setup.radii.largest()];
+        let settling = Settling::of(model, &setup.particles, setup.partition.comm());
+        let of_law = |contacts: model::Contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count()));
+        let contacts = model.contacts.map(|contacts| of_law(contacts).settling(settling));
+        let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
+        let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
+        let crowding = model.thermal_energy.map(|_| Crowding::new(model, setup.radii.largest(), &setup.partition));
+        let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
+        let short_range = ShortRange { lubrication: range, springs };
+        let hydrodynamics = CoupledSolver::new(&setup.plan, &setup.partition, short_range);
+        let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
+        let dynamics = Self {
+            hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
+            lubrication: range,
+            warm_start: WarmStart::new(model.is_coupled()),
+            forces,
+            contacts,
+            tethers,
+            applied: AppliedForces::new(model.user_axes()),
+            rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            viscosity: model.viscosity,
+            tolerance: model.hydrodynamics.tolerance,
+            clipped: 0.0,
+            crowding,
+            smallest_radius: setup.radii.smallest(),
+            watched: NearLists::new(WATCHED * setup.radii.largest(), &setup.partition),
+            following: Following::of(model, &setup.radii),
+            axes: model.user_axes(),
+            partition: setup.partition,
+            moving: setup.moving,
+        };
+        Ok((dynamics, setup.particles))
+    }
+
+    /// Stores the solution at the start of a step for later extrapolation.
+    pub fn remember(&self, particles: &mut Particles) {
+        if self.rigid {
+            self.warm_start.remember(particles);
+        }
+    }
+
+    /// Sets the interrupt that is checked at each evaluation of the mobility.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.hydrodynamics.listen(interrupt);
+    }
+
+    /// User-defined loads.
+    pub fn applied(&mut self) -> &mut AppliedForces {
+        &mut self.applied
+    }
+
+    /// The moving box, as a state to return to.
+    pub fn moving_box(&self) -> &MovingBox {
+        &self.moving
+    }
+
+    /// Makes velocities relative to the flow, for the time in which particles move. If the flow changes at this step,
+    /// discards the history and evaluates the velocities again. Collective.
+    pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
+        if self.moving.begin(clock.step()) {
+            adams_bashforth::forget(particles);
+            substeps::forget(particles);
+            self.warm_start.forget(particles);
+            self.contacts.iter_mut().for_each(Contacts::end_settling);
+            self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
+        } else {
+            self.add_reference(particles, -1.0);
+        }
+        Ok(())
+    }
+
+    /// Makes velocities absolute again and stores the states of flow and contacts in the particles' columns.
+    pub fn end_step(&mut self, particles: &mut Particles) {
+        self.add_reference(particles, 1.0);
+        if let Some(driven) = self.moving.driven() {
+            driven.note(particles);
+        }
+        if let Some(flux) = self.moving.flux() {
+            flux.note(particles);
+        }
+        if let Some(settling) = self.settling() {
+            settling.note(particles);
+        }
+    }
+
+    /// Evaluates velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
+    pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
+        let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
+        let outcome = self.evaluate(particles, &now)?;
+        let rate = self.moving.rate();
+        if let Some(driven) = self.moving.driven() {
+            driven.start_from(rate);
+        }
+        self.end_step(particles);
+        Ok(outcome)
+    }
+
+    /// Number of steps in the present flow before the step that begins.
+    pub fn steps_before(&self, clock: &Clock) -> u64 {
+        clock.step() - self.moving.began()
+    }
+
+    /// Returns to an earlier state of the box.
+    pub fn go_back(&mut self, moving: MovingBox) {
+        self.moving = moving;
+        self.refit();
+    }
+
+    /// Wraps particles into the box, migrates them to their ranks, and evaluates their velocities, angular velocities
+    /// and stresslets. Collective; fails on every rank or on none.
+    pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
+        if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
+            return Err(Interrupted.into());
+        }
+        self.place(particles, moment)?;
+        let guess =
+            if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
+        let before = self.contacts.as_ref().map(|_| WarmStart::motion(particles)).unwrap_or_default();
+        let outcome = match self.moving.search() {
+            None => self.solve_at(particles, (&guess, &before), moment)?.0,
+            Some(search) => self.drive(particles, (search, guess, &before), moment)?,
+        };
+        if self.rigid {
+            self.warm_start.learn(particles, &moment.ages, moment.ahead, self.partition.comm());
+        }
+        Ok(outcome)
+    }
+
+    /// Solves for the motions of the particles at their present positions, given the motions of the previous solution.
+    /// Returns the statistics of the solve and, under stress control, the `xy` component of the first moments of this
+    /// rank's contacts. Collective.
+    fn solve_at(
+        &mut self,
+        particles: &mut Particles,
+        (guess, before): (&Guess, &Motion),
+        moment: &Moment,
+    ) -> Result<(Outcome, f64), StepError> {
+        let cell = *self.moving.cell();
+        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
+        let besides = self.moving.expected_besides();
+        let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate: besides });
+        let (mut loads, tethers) = self.loads_at(particles, moment, ahead.as_ref())?;
+        let Some(contacts) = &self.contacts else {
+            let resisting = (&[][..], &tethers);
+            return Ok((self.solve(particles, (&loads, resisting), guess, moment)?, 0.0));
+        };
+        let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
+        let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
+        let flow = contacts::Flow::of(&self.moving, besides);
+        let with = (contacts::Ahead { along, across }, velocities, flow);
+        let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
+        touching.add_to(&mut loads);
+        let outcome = self.solve(particles, (&loads, (&touching.springs(), &tethers)), guess, moment)?;
+        let motion = WarmStart::motion(particles);
+        if moment.implicit.is_some() {
+            let noted = touching.note(particles, &motion);
+            self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
+        }
+        let of_contacts = if self.moving.driven().is_some() { touching.shear_moment(&motion) } else { 0.0 };
+        Ok((outcome, of_contacts))
+    }
+
+    /// Forces and torques of the model and of the user, and the implicit resistances of bonds and traps. Collective.
+    fn loads_at(
+        &mut self,
+        particles: &mut Particles,
+        moment: &Moment,
+        ahead: Option<&Ahead>,
+    ) -> Result<(Loads, TetherResistance), StepError> {
+        let (place, clock) = ((self.moving.cell(), &self.partition), &moment.clock);
+        let mut loads = self.forces.on(particles, place, ahead);
+        let resisting = self.tethers.add_to(&mut loads, particles, place, ahead);
+        let resisting = resisting.map_err(|source| StepError::Bonds { step: clock.step(), source })?;
+        let applied = self.applied.add_to(&mut loads, particles, place, clock.time_at(moment.fraction));
+        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
+        Ok((loads, resisting))
+    }
+
+    /// Solves for the motions under loads and implicit springs, and writes them into the particles' columns.
+    fn solve(
+        &mut self,
+        particles: &mut Particles,
+        (loads, springs): (&Loads, (&[Vec<ContactSprings>], &TetherResistance)),
+        guess: &Guess,
+        moment: &Moment,
+    ) -> Result<Outcome, StepError> {
+        let solved = self.solved(particles, (loads, springs, &NO_AMBIENT), guess, moment)?;
+        self.record(particles, &solved);
+        Ok(Outcome::of(&solved))
+    }
+
+    /// The motions under loads and implicit springs, in a fluid with further ambient motions.
+    fn solved(
+        &mut self,
+        particles: &mut Particles,
+        (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
+        guess: &Guess,
+        moment: &Moment,
+    ) -> Result<Solution, StepError> {
+        let surface = self.forces.surface();
+        let resistance =
+            moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
+        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
+        let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
+        let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
+        let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
+        let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
+        if let Some(flux) = self.moving.flux() {
+            flux.set_curvature(solved.curvature);
+        }
+        Ok(solved)
+    }
+
+    /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
+    pub fn place(&mut self, particles: &mut Particles, moment: &Moment) -> Result<(), StepError> {
+        self.check_positions(particles, &moment.clock)?;
+        self.moving.go_to(moment.clock.time_at(moment.fraction), particles);
+        self.follow(particles, &moment.clock)?;
+        particles.migrate(&self.partition, self.moving.cell());
+        Ok(())
+    }
+
+    /// A column of velocities minus the background flow, as far as the column contains it.
+    fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
+        let velocities = particles.vectors(name).to_vec();
+        let places = particles.positions.iter().zip(&particles.radii);
+        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - self.moving.carried_velocity_of(x, a)).collect()
+    }
+
+    /// Adds `times` the flow relative to which velocities are given while particles move.
+    fn add_reference(&self, particles: &mut Particles, times: f64) {
+        if !self.moving.carries() {
+            return;
+        }
+        let reference: Vec<_> = particles.positions.iter().map(|&x| self.flow().velocity(x) * times).collect();
+        particles.vectors(VELOCITY).iter_mut().zip(reference).for_each(|(v, reference)| *v += reference);
+    }
+
+    /// The error for a failed solve: an overlap, if there is one. Collective.
+    pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
+        if let SolveError::Interrupted(interrupted) = source {
+            return interrupted.into();
+        }
+        let nothing = [[0.0]; 2];
+        let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
+        if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
+    }
+
+    /// A gap or an overlap, for messages.
+    pub(super) fn gap(&self, length: f64) -> Gap {
+        Gap { length, radius: self.smallest_radius }
+    }
+
+    fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let edges = self.cell().edges();
+        let is_somewhere = |p: &Vector| (*p / edges).abs().max_element() < FARTHEST;
+        let lost = particles.positions.iter().position(|p| !is_somewhere(p));
+        let message = |row: usize| {
+            format!(
+                "step {}: particle {} is at {}, which is no place; the time step is probably too large for the forces \
+                 between particles: try a smaller time.step",
+                clock.step(),
+                particles.ids[row],
+                self.axes.place(particles.positions[row])
+            )
+        };
+        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)?;
+        self.check_walls(particles, clock)
+    }
+
+    /// Refuses spheres whose centres are too near a wall for the mobility of their envelopes to be positive.
+    fn check_walls(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
+        let sunk = |row: &usize| {
+            let walls = self.cell().to_walls(particles.positions[*row]);
+            walls.into_iter().any(|to| to.distance < SUNK * particles.radii[*row])
+        };
+        let message = |row: usize| {
+            format!(
+                "step {}: particle {} of radius {} was driven into a wall: its centre is at {} = {}; give the scene a \
+                 [repulsion], or a larger repulsion.strength, hydrodynamics.lubrication = true, or a smaller time.step",
+                clock.step(),
+                particles.ids[row],
+                Number(particles.radii[row]),
+                self.axes.name(2),
+                Number(particles.positions[row].z)
+            )
+        };
+        let found = (0..particles.len()).find(sunk).map_or(Ok(()), |row| Err(message(row)));
+        self.partition.comm().agree(found).map_err(StepError::IntoWall)
+    }
+
+    /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
+    /// include it unless they are relative to it while particles move.
+    fn record(&self, particles: &mut Particles, solved: &Solution) {
+        self.note_carried(particles, VELOCITY, &solved.motion.velocities);
+        if self.rigid {
+            let own = &solved.motion.angular_velocities;
+            let turned = particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x));
+            let turned: Vec<_> = turned.collect();
+            particles.vectors(ANGULAR_VELOCITY).copy_from_slice(&turned);
+            let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
+            particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
+            self.warm_start.record(particles, solved);
+        }
+    }
+
+    /// Writes velocities into a column, with the background flow that columns of velocities contain.
+    fn note_carried(&self, particles: &mut Particles, column: &str, velocities: &[Vector]) {
+        let places = particles.positions.iter().zip(&particles.radii).zip(velocities);
+        let carried: Vec<_> = places.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
+        particles.vectors(column).copy_from_slice(&carried);
+    }
+
+    /// Relative motion of near pairs with the velocities of the named columns. Collective.
+    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
+        let near = self.watched.find(particles, (self.moving.cell(), &self.partition));
+        RelativeMotion::new(near, particles, &self.moving, columns)
+    }
+
+    /// Gaps at which lubrication acts, if it does.
+    pub fn lubrication(&self) -> Option<Range> {
+        self.lubrication
+    }
+
+    /// Lower bounds of gaps, over the mean radius, in the relative loss and in the relative error of a gap: with
+    /// lubrication its minimum gap and the tolerance, otherwise the range of the repulsion.
+    pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
+        self.lubrication.map_or([self.forces.range(); 2], |range| [range.closest(), tolerance])
+    }
+
+    /// Present box.
+    pub fn cell(&self) -> &PeriodicBox {
+        self.moving.cell()
+    }
+
+    /// Partition of space among ranks.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// Contribution of each particle to the first moments of repulsion or attraction; empty without such a force.
+    /// Collective.
+    pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
+        self.forces.moments(which, particles, (self.cell(), &self.partition), None)
+    }
+
+    /// Shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
+    pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
+        let cell = self.cell();
+        let mut sums = self.forces.sums_along_walls(particles);
+        self.partition.comm().sum(&mut sums);
+        let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
+        let flow = [self.viscosity * self.moving.rate(), 0.0];
+        let height = cell.edges().z;
+        let driven =
+            self.moving.by_pressure().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
+        let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
+        let forces = [fx * height + driven[0] - driven[1], fy * height];
+        match cell.boundaries() {
+            Boundaries::Walls => vec![[upper[0] + forces[0], upper[1] + forces[1]], upper],
+            Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Pressure gradient at constant flux; `None` if the flux is not kept.
+    pub fn pressure_gradient(&self) -> Option<f64> {
+        let flow = self.moving.by_pressure().filter(|_| self.moving.keeps_flux())?;
+        Some(self.viscosity * flow.curvature)
+    }
+
+    /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
+    pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
+        self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
+    }
+
+    /// Background flow.
+    pub fn flow(&self) -> &BackgroundFlow {
+        self.moving.flow()
+    }
+
+    /// Largest weight of the negative eigenvalues that were left out of random motions so far, relative to the total.
+    pub fn clipped(&self) -> f64 {
+        self.clipped
+    }
+
+    /// Description of the numerical method.
+    pub fn plan(&mut self) -> String {
+        let turn = self.axes.turn();
+        self.hydrodynamics.mobility().plan().describe_for(turn)
+    }
+
+    /// Number of evaluations of the mobility since the start.
+    pub fn evaluations(&mut self) -> u64 {
+        let before = self.following.as_ref().map_or(0, Following::evaluations);
+        before + self.hydrodynamics.mobility().work().evaluations
+    }
+
+    /// Largest `|k . u| / (|k| |u|)` over all wavevectors of the last computed flow; `None` unless the box is fully
+    /// periodic. Collective.
+    pub fn divergence(&mut self) -> Option<f64> {
+        let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
+        is_periodic.then(|| self.hydrodynamics.mobility().divergence())
+    }
+
+    /// Velocity of the fluid relative to the background flow at the present positions. Fails if no grid can resolve it.
+    /// Collective.
+    pub fn velocity_field(&mut self, particles: &Particles) -> Result<FluidVelocity, PlanError> {
+        let place = (self.moving.cell(), &self.partition);
+        let mut loads = self.forces.on(particles, place, None);
+        self.tethers.add_known(&mut loads, particles, place);
+        user::add_last(&mut loads, particles);
+        let loads = self.warm_start.felt(loads, particles);
+        // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
+        let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
+        let flow = (self.moving.cell(), self.moving.by_particles());
+        Ok(velocity_field::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species, Start};
+    use domain::Comm;
+    use std::error::Error;
+
+    /// A failed solve is explained by an overlap, or by another reason.
+    #[test]
+    fn spheres_that_overlap_are_named_where_no_flow_is_found() {
+        let cell = PeriodicBox::new(Vector::splat(14.0)).unwrap();
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (0.05, 6));
+        let start = Start::Positions(vec![Vector::splat(3.0), Vector::new(6.5, 3.0, 3.0)]);
+        let model = Model::new(Parameters { start, ..usual }).unwrap();
+        let (dynamics, mut particles) =
+            Dynamics::new(&model, Setup::start(&model, None, &Comm::alone()).unwrap()).unwrap();
+        for (distance, said) in
+            [(3.5, "step 7: the motion"), (1.5, "step 7: spheres overlap by 0.5 (0.5 of the smallest radius), and")]
+        {
+            particles.positions[1] = particles.positions[0] + Vector::X * distance;
+            let error = dynamics.unsolved(SolveError::NotFinite, &mut particles, 7);
+            let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
+            let message = format!("{error}{cause}");
+            assert!(message.starts_with(said), "{message}");
+        }
+    }
+}

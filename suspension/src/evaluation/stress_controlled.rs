@@ -1,0 +1,83 @@
+//! Evaluations under stress control.
+
+use super::{Dynamics, Moment, Outcome};
+use crate::columns::{STRESSLET, VELOCITY};
+use crate::error::step::StepError;
+use crate::flow::stress_control::Search;
+use crate::forces::{Ahead, Surface};
+use crate::integrators::adams_bashforth::EXPECTED;
+use domain::{Particles, Tensor, Traceless};
+use fcm::Motion;
+use hydrodynamics::Guess;
+
+impl Dynamics {
+    /// Solves for the shear rate at which the stress has its given value, and for the motions at that rate. Collective.
+    pub(super) fn drive(
+        &mut self,
+        particles: &mut Particles,
+        (mut search, mut guess, before): (Search, Guess, &Motion),
+        moment: &Moment,
+    ) -> Result<Outcome, StepError> {
+        loop {
+            self.moving.set_rate(search.rate());
+            let (outcome, of_contacts) = self.solve_at(particles, (&guess, before), moment)?;
+            let stress = self.stress_at(particles, of_contacts, moment);
+            if !search.goes_on(stress) {
+                if let Some(driven) = self.moving.driven() {
+                    driven.learn(&search);
+                }
+                return Ok(outcome);
+            }
+            guess = self.warm_start.found(particles);
+        }
+    }
+
+    /// Shear stress of the whole suspension, with implicit short-range forces at their predicted values; `of_contacts`
+    /// is this rank's contribution of contacts. Collective.
+    fn stress_at(&self, particles: &mut Particles, of_contacts: f64, moment: &Moment) -> f64 {
+        let beyond = moment.implicit.map(|time| {
+            let expected = particles.vectors(EXPECTED).to_vec();
+            (
+                time,
+                particles.vectors(VELOCITY).iter().zip(expected).map(|(&v, expected)| v - expected).collect::<Vec<_>>(),
+            )
+        });
+        let strain_rate = self.moving.expected_besides() * -1.0;
+        let beyond = beyond.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate });
+        let place = (self.moving.cell(), &self.partition);
+        let shear = |which, beyond| {
+            let moments = self.forces.moments(which, particles, place, beyond);
+            moments.iter().map(|moment: &Tensor| moment.y_axis.x).sum::<f64>()
+        };
+        let of_surfaces = shear(Surface::Repulsion, beyond.as_ref()) + shear(Surface::Attraction, None);
+        let bonds = self.tethers.moments(particles, place, beyond.as_ref());
+        let of_bonds: f64 = bonds.iter().map(|moment| moment.y_axis.x).sum();
+        let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
+        let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
+        let mut sum = [of_surfaces + of_fluid + of_contacts + of_bonds];
+        self.partition.comm().sum(&mut sum);
+        self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()
+    }
+
+    /// Predicts the rate at the end of a substep from weights of the present and past rates, and the strain from
+    /// weights of these and of the mean over the last substep.
+    pub fn expect_flow(&mut self, rate: [f64; 2], strain: [f64; 3]) {
+        if let Some(driven) = self.moving.driven() {
+            driven.expect(rate, strain);
+        }
+    }
+
+    /// Correction of the strain for the rate that was found; `implicit` is the weight of this rate in the strain of the
+    /// substep.
+    pub fn correct_flow(&mut self, implicit: f64) -> f64 {
+        let rate = self.flow().shear_rate();
+        self.moving.driven().map_or(0.0, |driven| driven.correct(rate, implicit))
+    }
+
+    /// Ends a substep in whose mean the rate at its end has the weight `share`.
+    pub fn end_flow(&mut self, share: f64) {
+        if let Some(driven) = self.moving.driven() {
+            driven.end(share);
+        }
+    }
+}

@@ -1,0 +1,452 @@
+//! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
+
+use crate::flow::constant_flux::PressureFlow;
+use crate::flow::deformation::Deformation;
+use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
+use crate::flow::stress_control::{Driven, Search};
+use crate::integrators::adams_bashforth::VELOCITY_COLUMNS;
+use crate::model::{Extension, ShearRates};
+use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
+use hydrodynamics::Poiseuille;
+use hydrodynamics::StrainRate;
+use simulation::Clock;
+use solver::BackgroundFlow;
+
+/// Longest strain of a substep under stress control: contacts stick or slide for a whole substep.
+const LONGEST_STRAIN: f64 = 0.005;
+
+/// A box in a flow: static, sheared with a shear flow, or stretched with an extension. In a shear flow the velocity of
+/// the flow differs across a lattice vector by `G . lattice vector`, with `G` the velocity gradient: a particle that
+/// leaves the box on one side and enters on the other changes its frame of reference, and its past velocities change
+/// with it.
+///
+/// If the rate of the flow varies continuously, by an oscillation or under stress control, velocities are relative to
+/// the flow while particles move, past velocities included, and the box carries both positions and velocities along as
+/// it shears, by `x += strain y`. So a multistep method keeps its order, and images that are displaced by exactly the
+/// strain of the box have the same past. In extensions, which separate particles exponentially, this is always done, by
+/// `x -> D x` with the stretch `D`; also in open fluid, where no box stretches with the flow.
+#[derive(Clone)]
+pub struct MovingBox {
+    start: PeriodicBox,
+    rates: ShearRates,
+    driven: Option<Driven>,
+    /// Pressure-driven flow without particles, and the state of the constant-flux constraint, if there are any.
+    profile: Option<Poiseuille>,
+    flux: Option<PressureFlow>,
+    motion: Motion,
+    /// Present rate and flow, and the step at which this rate began.
+    rate: f64,
+    flow: BackgroundFlow,
+    began: u64,
+    time: f64,
+    cell: PeriodicBox,
+    vectors: Vectors,
+}
+
+/// Motion of the box.
+#[derive(Clone, Copy)]
+enum Motion {
+    Still,
+    Shearing,
+    Stretching(StretchingLattice),
+    /// Static box in an extension of open fluid.
+    Open(Extension),
+}
+
+/// Choice of the lattice vectors of the box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Vectors {
+    /// Vectors of a sheared lattice, reduced by this many periods of the strain since the start.
+    Sheared(i32),
+    Stretched(Named),
+}
+
+impl MovingBox {
+    /// The box after the last step of a clock, if it is `start` at time zero; it shears with the flow of the given
+    /// rates if `shears` is set.
+    pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
+        let (rate, began) = rates.before(clock.step());
+        let motion = if shears { Motion::Shearing } else { Motion::Still };
+        let (flow, time, vectors) = (shear(&start, rate), clock.time(), Vectors::Sheared(0));
+        let (driven, profile, flux) = (None, None, None);
+        let mut moving =
+            Self { start, rates, driven, profile, flux, motion, rate, flow, began, time, cell: start, vectors };
+        (moving.cell, moving.vectors) = moving.shape_at(time);
+        moving
+    }
+
+    /// This box in an extension with its rates. A periodic box has to be one that repeats in this extension; in open
+    /// fluid any box will do.
+    #[must_use]
+    pub fn in_extension(mut self, extension: Extension) -> Self {
+        self.motion = match self.start.boundaries() {
+            Boundaries::Periodic => Motion::Stretching(StretchingLattice::new(extension, &self.start)),
+            _ => Motion::Open(extension),
+        };
+        self.set_rate(self.rate);
+        (self.cell, self.vectors) = self.shape_at(self.time);
+        self
+    }
+
+    /// This box with a pressure-driven flow in addition, if there is one.
+    #[must_use]
+    pub fn with_profile(self, profile: Option<Poiseuille>) -> Self {
+        Self { profile, ..self }
+    }
+
+    /// This box with a pressure-driven flow at constant flux, or at constant pressure gradient for `None`.
+    #[must_use]
+    pub fn at_constant_flux(self, flux: Option<PressureFlow>) -> Self {
+        Self { flux, ..self }
+    }
+
+    /// State of the constant-flux constraint, if the flux is kept.
+    pub fn flux(&mut self) -> Option<&mut PressureFlow> {
+        self.flux.as_mut()
+    }
+
+    /// Flow of the total pressure gradient; at constant flux it differs from the flow without particles.
+    pub fn by_pressure(&self) -> Option<Poiseuille> {
+        let besides = self.flux.map_or(0.0, PressureFlow::curvature);
+        self.profile.map(|profile| Poiseuille { curvature: profile.curvature + besides, ..profile })
+    }
+
+    /// Change of the pressure-driven flow by the particles at constant flux.
+    pub fn by_particles(&self) -> Option<Poiseuille> {
+        self.profile.zip(self.flux).map(|(profile, flux)| Poiseuille { curvature: flux.curvature(), ..profile })
+    }
+
+    /// Whether the flux is kept constant.
+    pub fn keeps_flux(&self) -> bool {
+        self.flux.is_some()
+    }
+
+    /// Velocity of a free sphere at a position in the background flow.
+    pub fn velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        let sheared = self.flow.velocity(place);
+        self.profile.map_or(sheared, |profile| sheared + profile.velocity_of(place.z, radius))
+    }
+
+    /// The part of [`Self::velocity_of`] that velocities include while particles move.
+    pub fn carried_velocity_of(&self, place: Vector, radius: f64) -> Vector {
+        if self.carries() { Vector::ZERO } else { self.velocity_of(place, radius) }
+    }
+
+    /// Angular velocity of a free sphere at a position in the background flow.
+    pub fn angular_velocity_at(&self, place: Vector) -> Vector {
+        let sheared = self.flow.angular_velocity();
+        self.profile.map_or(sheared, |profile| sheared + profile.angular_velocity(place.z))
+    }
+
+    /// Strain rate of the background flow.
+    pub fn strain_rate(&self) -> StrainRate {
+        let sheared = StrainRate::uniform(self.flow.strain_rate());
+        self.profile.map_or(sheared, |profile| sheared + profile.strain_rate())
+    }
+
+    /// This box under stress control, with `stress` the shear stress, the viscosity and the tolerance of solves; the
+    /// state is restored from the particles of the first rank, if they store it. Collective.
+    #[must_use]
+    pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
+        let driven = Driven::start(stress, self.rate).recalled(particles, comm);
+        self.driven = Some(driven);
+        self.set_rate(driven.rate());
+        (self.cell, self.vectors) = self.shape_at(self.time);
+        self
+    }
+
+    /// State of the stress control, if the stress is given.
+    pub fn driven(&mut self) -> Option<&mut Driven> {
+        self.driven.as_mut()
+    }
+
+    /// A search for the rate at the given stress, if the stress is given.
+    pub fn search(&self) -> Option<Search> {
+        self.driven.as_ref().map(Driven::search)
+    }
+
+    /// Continues with another rate.
+    pub fn set_rate(&mut self, rate: f64) {
+        self.rate = rate;
+        self.flow = match &self.motion {
+            Motion::Stretching(lattice) => lattice.kind().flow(rate),
+            Motion::Open(extension) => extension.flow(rate),
+            Motion::Still | Motion::Shearing => shear(&self.start, rate),
+        };
+    }
+
+    /// Rate of shear or extension.
+    pub fn rate(&self) -> f64 {
+        self.rate
+    }
+
+    /// Strain rate of the flow at the predicted rate minus that at the present rate.
+    pub fn expected_besides(&self) -> Traceless {
+        let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.rate);
+        shear(&self.start, missing).strain_rate()
+    }
+
+    /// Whether the flow has almost stopped under its stress.
+    pub fn is_jammed(&self) -> bool {
+        self.driven.as_ref().is_some_and(Driven::is_jammed)
+    }
+
+    /// Longest substep allowed by the flow.
+    pub fn longest_substep(&self) -> f64 {
+        self.driven.as_ref().map_or(f64::INFINITY, |driven| LONGEST_STRAIN / driven.rate().abs())
+    }
+
+    /// Whether velocities are relative to the flow while particles move.
+    pub fn carries(&self) -> bool {
+        self.rates.frequency().is_some()
+            || self.driven.is_some()
+            || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
+    }
+
+    /// Deformation of the box that carries the particles along, over a coming time; under stress control, `weights` are
+    /// those of the present and past rates and of the mean over the last substep.
+    pub fn carry(&self, duration: f64, weights: [f64; 3]) -> Deformation {
+        self.deformation(match &self.driven {
+            Some(driven) => driven.carry(weights),
+            None if self.carries() => self.rates.strain(self.time + duration) - self.rates.strain(self.time),
+            None => 0.0,
+        })
+    }
+
+    /// Deformation by the flow over a strain.
+    pub fn deformation(&self, strain: f64) -> Deformation {
+        match &self.motion {
+            Motion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
+            Motion::Open(extension) => Deformation::Stretch(extension.stretch(strain)),
+            Motion::Still | Motion::Shearing => Deformation::Shear(Vector::AXES[self.start.gradient_axis()] * strain),
+        }
+    }
+
+    /// Background flow.
+    pub fn flow(&self) -> &BackgroundFlow {
+        &self.flow
+    }
+
+    /// Changes the flow to that from `step` on. Returns whether it has changed.
+    pub fn begin(&mut self, step: u64) -> bool {
+        let changed = self.rates.changed_at(step);
+        if let Some(rate) = changed {
+            self.set_rate(rate);
+            self.began = step;
+        }
+        changed.is_some()
+    }
+
+    /// Step at which the present rate began.
+    pub fn began(&self) -> u64 {
+        self.began
+    }
+
+    /// Strain of the flow at a time.
+    pub fn strain(&self, time: f64) -> f64 {
+        self.driven.as_ref().map_or_else(|| self.rates.strain(time), Driven::strain)
+    }
+
+    /// Present box.
+    pub fn cell(&self) -> &PeriodicBox {
+        &self.cell
+    }
+
+    /// Continues with a box that follows the particles.
+    pub fn follow(&mut self, cell: PeriodicBox) {
+        (self.start, self.cell) = (cell, cell);
+    }
+
+    /// Largest strain of the lattice at any time.
+    pub fn largest_strain(&self) -> f64 {
+        let edges = self.start.edges();
+        let moves = self.rates.largest() > 0.0;
+        match self.motion {
+            Motion::Shearing if moves => 0.5 * edges.x / edges.y,
+            Motion::Stretching(lattice) => lattice.kind().extremes().strain,
+            Motion::Shearing | Motion::Still | Motion::Open(_) => self.start.strain().abs(),
+        }
+    }
+
+    /// Velocity of the image `steps` lattice vectors away, relative to its particle.
+    pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
+        let moves = matches!(self.motion, Motion::Shearing) && !self.carries();
+        if moves { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
+    }
+
+    fn shape_at(&self, time: f64) -> (PeriodicBox, Vectors) {
+        if let Motion::Stretching(lattice) = &self.motion {
+            let (cell, named) = lattice.at(self.strain(time));
+            return (cell, Vectors::Stretched(named));
+        }
+        if self.start.boundaries() != Boundaries::Periodic {
+            return (self.start, Vectors::Sheared(0));
+        }
+        let strain = self.start.strain() + if let Motion::Shearing = self.motion { self.strain(time) } else { 0.0 };
+        let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");
+        let period = cell.edges().x / cell.edges().y;
+        (cell, Vectors::Sheared(((strain - cell.strain()) / period).round() as i32))
+    }
+
+    /// Advances the box to a time, carries the particles along, and wraps them.
+    pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
+        if let Some(driven) = &mut self.driven {
+            let (strain, rate) = (driven.go(), driven.expected());
+            carry_by(self.deformation(strain), particles);
+            self.set_rate(rate);
+        } else if self.carries() {
+            let strain = self.rates.strain(time) - self.rates.strain(self.time);
+            carry_by(self.deformation(strain), particles);
+            if self.rates.frequency().is_some() {
+                self.set_rate(self.rates.before_time(time));
+            }
+        }
+        self.time = time;
+        let (cell, vectors) = self.shape_at(time);
+        if vectors != self.vectors {
+            particles.relabel(&self.renamed(vectors));
+        }
+        (self.cell, self.vectors) = (cell, vectors);
+        if self.carries() || self.flow == BackgroundFlow::NONE {
+            particles.wrap(&self.cell);
+        } else {
+            self.wrap_in_flow(particles);
+        }
+    }
+
+    /// Matrix that converts lattice steps to other vectors of the box.
+    fn renamed(&self, vectors: Vectors) -> Matrix {
+        match (&self.motion, self.vectors, vectors) {
+            (_, Vectors::Sheared(before), Vectors::Sheared(now)) => [[1, now - before, 0], [0, 1, 0], [0, 0, 1]],
+            (Motion::Stretching(lattice), Vectors::Stretched(before), Vectors::Stretched(now)) => {
+                lattice.renamed(&before, &now)
+            }
+            _ => unreachable!("a box moves in one way"),
+        }
+    }
+
+    fn wrap_in_flow(&self, particles: &mut Particles) {
+        let before = particles.steps.clone();
+        particles.wrap(&self.cell);
+        for (i, before) in before.iter().enumerate() {
+            let now = particles.steps[i];
+            if now == *before {
+                continue;
+            }
+            let jump = self.flow.gradient() * self.cell.lattice(std::array::from_fn(|d| now[d] - before[d]));
+            for velocities in velocities(particles) {
+                velocities[i] -= jump;
+            }
+        }
+    }
+}
+
+/// All columns of velocities.
+fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> {
+    let columns = particles.columns.iter_mut().filter(|c| VELOCITY_COLUMNS.contains(&c.name.as_str()));
+    columns.map(|column| bytemuck::cast_slice_mut(&mut column.values))
+}
+
+/// Shear flow of a rate in a box: its gradient is along y, or along z between walls.
+fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
+    if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
+}
+
+/// Carries particles along with a flow, together with their velocities relative to it.
+fn carry_by(deformation: Deformation, particles: &mut Particles) {
+    let carry = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| *vector = deformation.of(*vector));
+    carry(&mut particles.positions);
+    velocities(particles).for_each(carry);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::VELOCITY;
+    use crate::integrators::adams_bashforth::{AdamsBashforth, advance};
+    use crate::model::Protocol;
+
+    fn at_rate(step: u64, start: PeriodicBox, rate: f64) -> MovingBox {
+        MovingBox::at(&Clock::at(step, 0.1), start, ShearRates::new(rate, Protocol::STEADY, 0.1), true)
+    }
+
+    /// The unwrapped position of a particle that drifts in the flow is known, `x0 + rate y0 t + drift t`, and the
+    /// integrator is exact for it, whatever images the particle passes through and however often the lattice is reset.
+    #[test]
+    fn a_passing_particle_moves_on_a_straight_line() {
+        let (rate, drift) = (0.7, Vector::new(0.1, 0.9, -0.4));
+        let gradient = BackgroundFlow::shear(rate).gradient();
+        let start = PeriodicBox::new(Vector::new(3.0, 2.0, 4.0)).unwrap();
+        let mut moving = at_rate(0, start, rate);
+        let mut particles = Particles::default();
+        let from = Vector::new(1.0, 1.5, 0.2);
+        particles.push(0, from, 0.1, 0);
+        let flow = |particles: &mut Particles| {
+            let velocities: Vec<Vector> = particles.positions.iter().map(|x| gradient * *x + drift).collect();
+            particles.vectors(VELOCITY).copy_from_slice(&velocities);
+        };
+        flow(&mut particles);
+        let mut clock = Clock::at(0, 0.05);
+        for _ in 0..400 {
+            let now = clock;
+            advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, |particles, fraction| {
+                moving.go_to(now.time_at(fraction), particles);
+                flow(particles);
+                Ok::<(), ()>(())
+            })
+            .unwrap();
+            clock.tick();
+        }
+        let t = clock.time();
+        let y = from.y + drift.y * t;
+        let x = from.x + (drift.x + rate * from.y) * t + 0.5 * rate * drift.y * t * t;
+        let exact = Vector::new(x, y, from.z + drift.z * t);
+        let found = particles.positions[0] + moving.cell().lattice(particles.steps[0]);
+        assert!((found - exact).length() < 1e-10 * exact.length(), "{found} is not {exact}");
+        assert!(matches!(moving.vectors, Vectors::Sheared(9..)), "the lattice turned back: {:?}", moving.vectors);
+    }
+
+    /// In an oscillating flow a drifting particle obeys `x' = rate cos(w t) y + drift`. The error is that of the
+    /// method, whatever images it passes through, and zero without drift.
+    #[test]
+    fn a_drifting_particle_follows_an_oscillation() {
+        let (rate, w, start) = (1.2, 3.0, PeriodicBox::new(Vector::new(3.0, 2.0, 4.0)).unwrap());
+        let (end, from) = (2.0, Vector::new(1.0, 1.5, 0.2));
+        let error = |drift: Vector, dt: f64| {
+            let rates = ShearRates::new(rate, Protocol::Oscillation { frequency: w }, dt);
+            let mut moving = MovingBox::at(&Clock::at(0, dt), start, rates, true);
+            let mut particles = Particles::default();
+            particles.push(0, from, 0.1, 0);
+            particles.vectors(VELOCITY).fill(drift);
+            let mut clock = Clock::at(0, dt);
+            while clock.time() < end - 0.5 * dt {
+                let now = clock;
+                let go = |particles: &mut Particles, fraction| {
+                    moving.go_to(now.time_at(fraction), particles);
+                    particles.vectors(VELOCITY).fill(drift);
+                    Ok::<(), ()>(())
+                };
+                advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, go).unwrap();
+                clock.tick();
+            }
+            // The integral of rate cos(w t) (y0 + drift t)
+            let (sin, cos) = (w * end).sin_cos();
+            let sheared = rate / w * (sin * (from.y + drift.y * end) + drift.y * (cos - 1.0) / w);
+            let exact = from + drift * end + Vector::X * sheared;
+            (particles.positions[0] + moving.cell().lattice(particles.steps[0]) - exact).length()
+        };
+        assert!(error(Vector::ZERO, 0.05) < 1e-13, "{}", error(Vector::ZERO, 0.05));
+        let drift = Vector::new(0.1, 1.9, -0.4);
+        let order = (error(drift, 0.01) / error(drift, 0.005)).log2();
+        assert!((order - 4.0).abs() < 0.2, "order {order}");
+    }
+
+    #[test]
+    fn a_box_taken_up_later_is_the_same() {
+        let start = PeriodicBox::new(Vector::new(3.0, 2.0, 4.0)).unwrap();
+        let mut moving = at_rate(0, start, 0.7);
+        moving.go_to(0.1 * 137.0, &mut Particles::default());
+        let later = at_rate(137, start, 0.7);
+        assert_eq!((moving.cell, moving.vectors), (later.cell, later.vectors));
+    }
+}

@@ -1,0 +1,293 @@
+//! Contacts between rough spheres: implicit springs, friction, and the history of each contact.
+
+mod forces;
+mod history;
+mod measured;
+mod settling;
+mod touching;
+
+use crate::flow::periodic_cell::MovingBox;
+use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
+use fcm::{Loads, Motion};
+pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
+pub use history::{CONTACT_NUMBERS, keep, most_contacts};
+use history::{FOUND, Memory, note};
+use hydrodynamics::ContactSprings;
+use hydrodynamics::StrainRate;
+use lubrication::{Contact, Surfaces};
+pub use measured::Measured;
+pub use settling::{SETTLING_NUMBERS, Settling};
+use touching::{AllTouching, Touching, across};
+
+/// The contacts of a suspension.
+pub struct Contacts {
+    law: Contact,
+    /// Distance of centres up to which any two spheres touch.
+    reach: f64,
+    /// Largest number of contacts stored per particle.
+    slots: usize,
+    /// Stiffness adaptation, if the stiffness adapts.
+    settling: Option<Settling>,
+}
+
+/// Times over which contact forces are predicted: from the positions of the evaluation for springs along the line of
+/// centres, and from the start of the substep for tangential springs.
+#[derive(Debug, Clone, Copy)]
+pub struct Ahead {
+    pub along: f64,
+    pub across: f64,
+}
+
+/// Contacts at the positions of an evaluation, with forces predicted for the end of the substep.
+///
+/// With `w` the rate at which the centres separate, `w*` its expected value and `d*` the overlap at the positions that
+/// `w*` leads to, the normal force is `F_n(d*) - t k (w - w*)`, linear in the unknown velocities. With `f` the
+/// tangential force at the start of the substep `h`, `v` the slip velocity and `v*` the one of the previous solution,
+/// the tangential force is
+///
+/// ```text
+/// f + h k_t v                    if the contact was sticking at the start
+/// f + s/2 h k_t (v - v*)         if it was sliding
+/// ```
+///
+/// where `s` is the force allowed by friction over the force of the spring, at the start. The force at the end is the
+/// spring force, `f + h k_t v`, limited by friction under the normal force at the end. A contact that slides steadily
+/// thus keeps its force in any direction of sliding, and a change of direction is followed within some substeps: the
+/// derivative of the limited force is `s h k_t` across the slip and zero along it, and half of `s h k_t` makes both
+/// converge about equally fast.
+pub struct Acting {
+    law: Contact,
+    slots: usize,
+    ahead: Ahead,
+    touching: AllTouching,
+    /// Expected motion of each contact in `touching`.
+    expected: Vec<Expected>,
+    flow: Flow,
+}
+
+/// The flow relative to which velocities are given.
+#[derive(Debug, Clone, Copy)]
+pub struct Flow {
+    /// Strain rate, and angular velocity at `z = 0`.
+    strain_rate: StrainRate,
+    turning: Vector,
+    /// Expected change of the strain rate.
+    besides: Traceless,
+}
+
+impl Flow {
+    /// The flow of a box, and the expected change of its strain rate.
+    pub fn of(moving: &MovingBox, besides: Traceless) -> Self {
+        Self { strain_rate: moving.strain_rate(), turning: moving.angular_velocity_at(Vector::ZERO), besides }
+    }
+
+    /// Velocity at which the strain of the flow at the contact separates the centres. It lets spheres slip that rotate
+    /// with the local flow.
+    fn strained(&self, contact: &Touching) -> Vector {
+        strained(contact, self.strain_rate.at(contact.place.z))
+    }
+
+    /// Rolling velocity, over a wall at rest, of a sphere that rotates with the fluid.
+    fn rolled(&self, contact: &Touching) -> Vector {
+        let Surfaces::Wall(_) = contact.between else { return Vector::ZERO };
+        let turning = self.turning + self.strain_rate.turning((contact.place - contact.separation).z);
+        -contact.between.harmonic_radius() * turning.cross(contact.axis)
+    }
+}
+
+/// Expected relative motion at a contact.
+#[derive(Debug, Clone, Copy)]
+struct Expected {
+    /// Rate at which the centres separate.
+    parting: f64,
+    /// Slip velocity and rolling velocity, from the previous solution.
+    slip: Vector,
+    rolling: Vector,
+}
+
+/// Fraction of the derivative of a limited friction force that is treated implicitly.
+const CUT: f64 = 0.5;
+
+/// Row of a particle, id of the other, and the state of their contact at the end of the substep.
+type End = (usize, u64, Memory);
+
+impl Contacts {
+    /// Contacts by a law, between `count` spheres with radii in a range.
+    pub fn new(law: Contact, (radii, count): ([f64; 2], usize)) -> Self {
+        Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count), settling: None }
+    }
+
+    /// These contacts with stiffness adaptation, or without it if `None`.
+    #[must_use]
+    pub fn settling(mut self, settling: Option<Settling>) -> Self {
+        self.settle_at(settling);
+        self
+    }
+
+    /// Stiffness adaptation, if the stiffness adapts.
+    pub fn how_it_settles(&self) -> Option<Settling> {
+        self.settling
+    }
+
+    /// Sets the stiffness adaptation, and the stiffness from it.
+    pub fn settle_at(&mut self, settling: Option<Settling>) {
+        self.settling = settling;
+        self.law.stiffness = settling.map_or(self.law.stiffness, |settling| settling.stiffness());
+    }
+
+    /// Ends the adaptation: the stiffness stays at its present value.
+    pub fn end_settling(&mut self) {
+        self.settling.iter_mut().for_each(Settling::end);
+    }
+
+    /// Present stiffness.
+    pub fn stiffness(&self) -> f64 {
+        self.law.stiffness
+    }
+
+    /// Adapts the stiffness, unless the adaptation is over, after the flow has advanced by `strain`. Collective.
+    pub fn adapt(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition), strain: f64) {
+        let Some(mut settling) = self.settling.filter(|settling| !settling.is_over()) else { return };
+        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+        let mut largest = [measured::largest_overlap(&self.law, &touching)];
+        place.1.comm().max(&mut largest);
+        settling.adapt(largest[0], strain);
+        self.settle_at(Some(settling));
+    }
+
+    /// Contacts for an implicit evaluation, from the expected velocities relative to the flow, the expected change of
+    /// the flow, and the motions of the previous solution. Collective.
+    pub fn acting(
+        &self,
+        particles: &Particles,
+        place: (&PeriodicBox, &Partition),
+        (ahead, expected, flow): (Ahead, &[Vector], Flow),
+        before: &Motion,
+    ) -> Acting {
+        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+        let parting = touching.present(expected);
+        let velocities = touching.present(&before.velocities);
+        let angular = touching.present(&before.angular_velocities);
+        let of_one = |contact: &Touching| Expected {
+            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, flow.besides)),
+            slip: contact.slip(&velocities, &angular, flow.strained(contact)),
+            rolling: contact.rolling(&angular) + flow.rolled(contact),
+        };
+        let expected = touching.list.iter().map(of_one).collect();
+        Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
+    }
+
+    /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
+    /// [`contact_force`] reads. Collective.
+    pub fn forces(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Vec<[f64; FORCE_NUMBERS]> {
+        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+        let own = |contact: &&Touching| particles.ids[contact.rows[0]] < contact.other;
+        touching.list.iter().filter(own).map(|contact| forces::numbers(&self.law, contact, particles)).collect()
+    }
+
+    /// Averages and totals over the contacts. Collective.
+    pub fn measured(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Measured {
+        Measured::of(&self.law, &AllTouching::find(&self.law, particles, place, self.reach), particles)
+    }
+}
+
+impl Acting {
+    /// Adds the known part of contact forces and torques to the loads on this rank's particles.
+    pub fn add_to(&self, loads: &mut Loads) {
+        let owned = self.touching.halo.owned();
+        loads.forces.resize(owned, Vector::ZERO);
+        loads.torques.resize(owned, Vector::ZERO);
+        for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
+            let [along, slip, roll] = self.resistances(contact);
+            let normal = self.law.force(contact.overlap, contact.between) + along * expected.parting;
+            let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
+            let mut memory = contact.memory;
+            memory.force += slip * (across(self.flow.strained(contact), contact.axis) - slides * expected.slip);
+            memory.rolling += roll * (self.flow.rolled(contact) - rolls * expected.rolling);
+            let [force, torque] = contact.load(normal, &memory);
+            loads.forces[contact.rows[0]] += force;
+            loads.torques[contact.rows[0]] += torque;
+        }
+    }
+
+    /// Implicit resistance of the contacts, particle by particle.
+    pub fn springs(&self) -> Vec<Vec<ContactSprings>> {
+        let mut springs = vec![Vec::new(); self.touching.halo.owned()];
+        for contact in &self.touching.list {
+            let [normal, tangential, rolling] = self.resistances(contact);
+            springs[contact.rows[0]].push(ContactSprings { other: contact.other, normal, tangential, rolling });
+        }
+        springs
+    }
+
+    /// Stores the state of the contacts at the end of the substep, from motions relative to the flow; [`keep`] makes it
+    /// the current state. Fails if a particle has more contacts than slots. Collective.
+    pub fn note(&self, particles: &mut Particles, motion: &Motion) -> Result<(), String> {
+        let ends = self.ends(motion);
+        let ids = particles.ids.clone();
+        let column = particles.column(FOUND, CONTACT_NUMBERS * self.slots);
+        let mut rest = &ends[..];
+        for (row, id) in ids.iter().enumerate() {
+            let (own, others) = rest.split_at(rest.partition_point(|(other, ..)| *other <= row));
+            if !note(column, row, own.iter().map(|&(_, id, memory)| (id, memory))) {
+                return Err(format!("particle {id} has more than {} contacts", self.slots));
+            }
+            rest = others;
+        }
+        Ok(())
+    }
+
+    /// The `xy` component of the symmetric first moments of this rank's contact forces at the end, from motions
+    /// relative to the flow. Collective.
+    pub fn shear_moment(&self, motion: &Motion) -> f64 {
+        let ends = self.ends(motion);
+        let of_one = |(contact, (_, _, memory)): (&Touching, &End)| {
+            let [force, _] = contact.load(memory.normal, memory);
+            let arm = contact.arms[0] * contact.axis;
+            0.5 * (arm.x * force.y + arm.y * force.x)
+        };
+        self.touching.list.iter().zip(&ends).map(of_one).sum()
+    }
+
+    /// States of the contacts at the end, in the order of rows. Collective.
+    fn ends(&self, motion: &Motion) -> Vec<End> {
+        let velocities = self.touching.present(&motion.velocities);
+        let angular = self.touching.present(&motion.angular_velocities);
+        let end = |(contact, expected): (&Touching, &Expected)| {
+            let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
+            let known = self.law.force(contact.overlap, contact.between);
+            let normal = (known - stiffness * (contact.parting(&velocities) - expected.parting)).max(0.0);
+            let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
+            let slip = contact.slip(&velocities, &angular, self.flow.strained(contact));
+            let force = contact.memory.force + spring * slip;
+            let rolled = contact.rolling(&angular) + self.flow.rolled(contact);
+            let rolling = contact.memory.rolling + spring * rolled;
+            let most = [self.law.cone(normal), self.law.rolling_friction * normal];
+            let shares = [share(force, most[0]), share(rolling, most[1])];
+            let memory = Memory { force: shares[0] * force, rolling: shares[1] * rolling, normal, shares };
+            (contact.rows[0], contact.other, memory)
+        };
+        self.touching.list.iter().zip(&self.expected).map(end).collect()
+    }
+
+    /// Implicit resistances along the line of centres, to slip, and to rolling.
+    fn resistances(&self, contact: &Touching) -> [f64; 3] {
+        let along = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
+        let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
+        let of_share = |share: f64| if share < 1.0 { CUT * share * spring } else { spring };
+        let [slip, rolling] = contact.memory.shares.map(of_share);
+        let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
+        [along, on(self.law.friction, slip), on(self.law.rolling_friction, rolling)]
+    }
+}
+
+/// Velocity at which a strain rate separates the centres.
+fn strained(contact: &Touching, strain_rate: Traceless) -> Vector {
+    strain_rate.tensor() * contact.separation
+}
+
+/// Factor that limits the magnitude of a force to `most`.
+fn share(force: Vector, most: f64) -> f64 {
+    let length = force.length();
+    if length > most { most / length } else { 1.0 }
+}

@@ -1,0 +1,357 @@
+//! Prediction of the peak memory of each rank of a run, from the model and the plan.
+
+#[cfg(test)]
+mod tests;
+
+use crate::columns::VELOCITY;
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
+use crate::evaluation::initial_guess::WarmStart;
+use crate::flow::open_cell;
+use crate::flow::stress_control::DRIVEN_NUMBERS;
+use crate::forces::SurfaceForces;
+use crate::forces::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
+use crate::forces::tethers::TRAP_NUMBERS;
+use crate::forecast::plan::{Radii, largest_strain};
+use crate::integrators::adams_bashforth::{AdamsBashforth, PAST_OF_ANY_LENGTH};
+use crate::integrators::adaptive;
+use crate::integrators::gap_control::WATCHED;
+use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
+use crate::neighbourhood::NearLists;
+use crate::sampling;
+use domain::{
+    Boundaries, Bytes, ExpectedCounts, IdBlocks, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList,
+    packing_bytes, readable_bytes,
+};
+use fcm::{Footprint, Plan};
+use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
+use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
+use lubrication::Range;
+use simulation::Frame;
+
+/// Numbers in each column of a frame of the trajectory.
+const FRAME: [(&str, usize); 3] = [(VELOCITY, 3), (ANGULAR_VELOCITY, 3), (STRESSLET, 5)];
+
+/// Volume fraction above which random placement has to move spheres apart, see [`domain::random_packing`].
+const DENSE: f64 = 0.25;
+
+/// Number of species above which the advice mentions the columns of the segregation between species.
+const MANY: usize = 16;
+
+/// Peak memory of each rank of a run.
+pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<Need> {
+    (0..ranks.count).map(|rank| need(model, (radii, plan), ranks, rank)).collect()
+}
+
+/// Peak memory of one rank of a run.
+pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> Need {
+    let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
+    let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
+    let far = Footprint::new(plan, (&place, ranks.threads), &expected);
+    let (threads, rank_of) = (ranks.threads, (rank, ranks.count));
+    let share = Share { model, far, expected: &expected, threads, rank_of };
+    of_peak(share.peak(), &share.far, (rank, ranks.count))
+}
+
+/// Advice for a scene that needs too much memory.
+pub fn remedy(model: &Model, radii: &Radii) -> String {
+    let chosen = &model.hydrodynamics;
+    let grid = if chosen.grid.is_some() { "a smaller hydrodynamics.grid" } else { "a larger hydrodynamics.tolerance" };
+    let far = if repels_far(model, radii) { "a shorter repulsion.screening_length, " } else { "" };
+    let near = if chosen.lubrication { ", a smaller hydrodynamics.lubrication_cutoff" } else { "" };
+    let samples = if model.statistics.is_some() { ", no [statistics]" } else { "" };
+    let columns = readable_bytes(sampling::column_bytes(model).most);
+    let species = if model.species.len() > MANY {
+        format!(", fewer [[species]] (their columns take {columns})")
+    } else {
+        String::new()
+    };
+    format!(
+        "the scene has {} spheres: take {far}fewer of them (species.count, species.volume_fraction, or smaller box.edges), \
+         {grid}{near}{samples}{species}, or more machines with ranks on each",
+        radii.count()
+    )
+}
+
+/// Whether screened repulsion extends beyond the width of the box: then all images take memory.
+fn repels_far(model: &Model, radii: &Radii) -> bool {
+    let is_screened = model.repulsion.is_some_and(|repulsion| repulsion.screening_length.is_some());
+    let reach = SurfaceForces::of(model).ok().and_then(|forces| forces.reach([radii.largest(); 2]));
+    is_screened && reach.is_some_and(|reach| reach > model.shortest_vector())
+}
+
+/// Memory of the placement of the particles on a single rank.
+pub fn placing(model: &Model, radii: &Radii) -> Need {
+    Need { resident: Process::ALONE.resident(placing_bytes(model, radii.count() as f64).most), ..Need::default() }
+}
+
+fn placing_bytes(model: &Model, count: f64) -> Bytes {
+    let listed = Bytes::list::<(u32, f64)>(count);
+    let places = match model.start {
+        Start::Random { minimum_gap } => packing_bytes(count, filled(model, minimum_gap) > DENSE),
+        Start::Cloud { .. } => packing_bytes(count, false),
+        // A lattice may have more sites than there are spheres.
+        _ => Bytes::list::<(Vector, usize)>(2.0 * count),
+    };
+    let store = Particles::bytes(domain::GROWING * count, 0);
+    listed.then(places).then(Bytes::list::<Vector>(count)).then(store).freed()
+}
+
+/// Volume fraction of the spheres enlarged by half the gap that is kept around each.
+fn filled(model: &Model, gap: f64) -> f64 {
+    let of_kind = |s: &Species| s.count.unwrap_or(0) as f64 * (s.radius + 0.5 * gap).powi(3);
+    4.0 / 3.0 * std::f64::consts::PI * model.species.iter().map(of_kind).sum::<f64>() / model.cell.volume()
+}
+
+/// One rank's share of a run.
+struct Share<'a> {
+    model: &'a Model,
+    far: Footprint<'a>,
+    expected: &'a ExpectedCounts,
+    threads: usize,
+    /// The rank and the number of ranks.
+    rank_of: (usize, usize),
+}
+
+/// Lanczos vectors of random motions.
+const VECTORS: f64 = 24.0;
+
+impl Share<'_> {
+    /// Peak from the start to the end of a run.
+    fn peak(&self) -> Bytes {
+        let particles = Particles::bytes(self.expected.owned(), self.numbers());
+        let stays = self.fluid().then(particles).then(self.estimators()).then(self.segregation());
+        let passes =
+            self.step().or(self.report()).or(self.frame()).or(self.sample()).or(self.checkpoint()).or(self.field());
+        self.start().then(stays).then(passes)
+    }
+
+    fn start(&self) -> Bytes {
+        let placed = match self.model.start {
+            Start::Random { minimum_gap } if filled(self.model, minimum_gap) <= DENSE => {
+                self.shared_placing(minimum_gap)
+            }
+            _ if self.is_first() => placing_bytes(self.model, self.expected.total()),
+            _ => Bytes::default(),
+        };
+        let own = Particles::bytes(self.expected.owned(), 0);
+        placed.or(own.then(self.near(self.gap_search())).freed())
+    }
+
+    /// Memory of a rank that places its own share and knows the spheres around it.
+    fn shared_placing(&self, gap: f64) -> Bytes {
+        let present = self.expected.present(2.0 * self.expected.largest_radius() + gap);
+        let listed = Bytes::list::<(u64, Vector)>(domain::GROWING * self.expected.owned());
+        listed
+            .then(packing_bytes(present, false))
+            .then(Particles::bytes(domain::GROWING * self.expected.owned(), 0))
+            .freed()
+    }
+
+    fn fluid(&self) -> Bytes {
+        let tables = if self.range().is_some() { table_bytes(self.far.radii()) } else { Bytes::default() };
+        let far = self.far.mobility();
+        // If the grid follows the spheres, the old grid exists until the new one is complete.
+        let again = if open_cell::follows(self.model.cell.boundaries()) { far.freed() } else { Bytes::default() };
+        far.then(again).then(tables)
+    }
+
+    fn range(&self) -> Option<Range> {
+        let chosen = &self.model.hydrodynamics;
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
+        chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST).ok()).flatten()
+    }
+
+    /// Gaps at which forces between near spheres are part of the solve: lubrication, or implicit repulsion.
+    fn near_field(&self) -> Option<Range> {
+        let springs = || {
+            let repulsion = SurfaceForces::of(self.model).ok()?.repulsion.filter(|_| self.is_implicit())?;
+            let largest = self.expected.largest_radius();
+            Range::new(repulsion.reach([largest; 2]) / largest - 2.0, Range::CLOSEST).ok()
+        };
+        self.range().or_else(springs)
+    }
+
+    /// Numbers in all columns of a particle.
+    fn numbers(&self) -> usize {
+        let velocities = 3 * match self.model.integrator {
+            Integrator::AdamsBashforth { order } => AdamsBashforth::of_order(order).velocity_columns(),
+            Integrator::Adaptive(_) => 1 + adaptive::PAST_VELOCITIES,
+            // The mean and the predicted velocity are stored as well.
+            Integrator::Implicit(_) => 1 + PAST_OF_ANY_LENGTH + 2,
+            Integrator::Brownian(_) => 2,
+        };
+        let velocities = velocities + usize::from(self.model.flow.keeps_flux());
+        let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
+        let settles = self.model.contacts.is_some_and(|contacts| contacts.settles(self.model));
+        let velocities = velocities + self.random_numbers() + if settles { SETTLING_NUMBERS } else { 0 };
+        let velocities =
+            velocities + self.model.bond_numbers() + if self.model.traps.is_empty() { 0 } else { TRAP_NUMBERS };
+        if self.is_rigid() {
+            let kept = WarmStart::new(self.model.is_coupled()).numbers() + self.contact_numbers();
+            velocities + FRAME[1].1 + FRAME[2].1 + kept
+        } else {
+            velocities
+        }
+    }
+
+    /// Numbers of a particle's contacts at the start and at the end of a substep.
+    fn contact_numbers(&self) -> usize {
+        let radii = self.model.species.iter().map(|s| s.radius);
+        let extremes = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
+        self.model.contacts.map_or(0, |_| 2 * CONTACT_NUMBERS * most_contacts(extremes, self.expected.total() as usize))
+    }
+
+    fn is_rigid(&self) -> bool {
+        self.model.hydrodynamics.multipoles == Multipoles::Dipole
+    }
+
+    /// Memory of near pairs within a distance, with copies of the particles and ghosts.
+    fn near(&self, distance: f64) -> Bytes {
+        let (owned, present) = (self.expected.owned(), self.expected.present(distance));
+        let copies = Bytes::list::<(Vector, f64, u64)>(present);
+        copies.then(Pairs::bytes(owned, present, self.expected.neighbours(distance)))
+    }
+
+    /// Neighbour lists of a distance.
+    fn lists(&self, distance: f64) -> Bytes {
+        let numbers = [distance, distance * NearLists::REACH].map(|reach| self.expected.neighbours(reach));
+        VerletList::bytes([self.expected.owned(), self.expected.present(distance), self.expected.total()], numbers)
+    }
+
+    fn gap_search(&self) -> f64 {
+        2.2 * self.expected.largest_radius()
+    }
+
+    /// Memory of a step. It includes a copy of the particles before the step, to restore after an interrupt, and before
+    /// a substep that may be repeated.
+    fn step(&self) -> Bytes {
+        let copies = if self.is_implicit() { 2.0 } else { 1.0 };
+        Particles::bytes(copies * self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
+    }
+
+    /// Numbers of a particle's random motions.
+    fn random_numbers(&self) -> usize {
+        match self.model.integrator {
+            Integrator::Brownian(BrownianScheme::Midpoint) => AMBIENT_NUMBERS,
+            Integrator::Brownian(BrownianScheme::TwoEvaluations) => AMBIENT_NUMBERS + RANDOM_NUMBERS,
+            _ => 0,
+        }
+    }
+
+    fn is_brownian(&self) -> bool {
+        self.model.thermal_energy.is_some()
+    }
+
+    fn is_implicit(&self) -> bool {
+        matches!(self.model.integrator, Integrator::Implicit(_))
+    }
+
+    fn evaluation(&self) -> Bytes {
+        let owned = self.expected.owned();
+        let largest = self.expected.largest_radius();
+        let reach = SurfaceForces::of(self.model).ok().and_then(|forces| forces.reach([largest; 2]));
+        let forces = reach.map_or_else(Bytes::default, |reach| self.lists(reach).then(self.near(reach).freed()));
+        let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
+        let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
+        let solve = match self.near_field() {
+            Some(range) => solve_bytes(&self.far, self.expected, range).or(self.far.solve()),
+            None => self.far.solve(),
+        };
+        let random = if self.is_brownian() { VECTORS * owned } else { 0.0 };
+        let solve = solve.or(Bytes::list::<[f64; AMBIENT_NUMBERS]>(random).freed());
+        let evaluation = Particles::migration_bytes(owned).freed().or(loads.then(guess).then(solve).freed());
+        let [lists, approach] = self.approach();
+        lists.then(evaluation.or(approach))
+    }
+
+    /// Variable steps examine pairs with gaps up to a radius: memory of their neighbour lists, which persist, and of
+    /// the pairs' relative motion.
+    fn approach(&self) -> [Bytes; 2] {
+        if matches!(self.model.integrator, Integrator::AdamsBashforth { .. }) {
+            return [Bytes::default(); 2];
+        }
+        let distance = WATCHED * self.expected.largest_radius();
+        let pairs = 0.5 * self.expected.owned() * self.expected.neighbours(distance);
+        [self.lists(distance), self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()]
+    }
+
+    fn report(&self) -> Bytes {
+        self.near(self.gap_search()).freed()
+    }
+
+    fn is_first(&self) -> bool {
+        self.rank_of.0 == 0
+    }
+
+    fn frame(&self) -> Bytes {
+        let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
+        let numbers: usize = widths.sum();
+        let buffers = if self.is_first() { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
+        self.by_id(numbers).then(buffers).freed()
+    }
+
+    /// A copy of the rank's particles, sent to the first rank block by block.
+    fn by_id(&self, numbers: usize) -> Bytes {
+        Particles::bytes(self.expected.owned(), numbers)
+            .then(Particles::by_id_bytes(self.expected.owned(), self.expected.total()))
+    }
+
+    /// The rank's share of the statistics, and the number of samples.
+    fn statistics(&self) -> Option<(sampling::OfRank, u64)> {
+        let wanted = self.model.statistics?;
+        let distance = sampling::distance((self.model, wanted), self.expected.largest_radius());
+        let of_rank = sampling::OfRank {
+            owned: self.expected.owned(),
+            present: self.expected.present(distance),
+            dealt: IdBlocks::expected(self.expected.total(), self.rank_of),
+            is_first: self.is_first(),
+            is_in_order: false,
+        };
+        Some((of_rank, wanted.samples.count_until(self.model.steps)))
+    }
+
+    /// Memory of accumulated statistics.
+    fn estimators(&self) -> Bytes {
+        let kept = |(share, samples): (sampling::OfRank, u64)| share.bytes(self.model, (samples, self.threads));
+        self.statistics().map_or_else(Bytes::default, kept)
+    }
+
+    /// Columns of the time series and of the statistics.
+    fn segregation(&self) -> Bytes {
+        let columns = sampling::column_bytes(self.model);
+        let series = if sampling::has_columns(self.model) { columns } else { Bytes::default() };
+        let sampled = if self.model.statistics.is_some() { columns } else { Bytes::default() };
+        series.then(sampled)
+    }
+
+    fn sample(&self) -> Bytes {
+        self.statistics().map_or_else(Bytes::default, |(share, _)| share.sample_bytes(self.model).freed())
+    }
+
+    fn checkpoint(&self) -> Bytes {
+        let state = self.statistics().map_or(0.0, |(share, samples)| share.state_bytes(self.model, samples));
+        Bytes::keep(2.0 * state).then(self.by_id(self.numbers())).freed()
+    }
+
+    /// A velocity field on its own grid, gathered on the first rank.
+    fn field(&self) -> Bytes {
+        if !self.model.fields {
+            return Bytes::default();
+        }
+        let Some(plan) = self.far.plan_of_flow(largest_strain(self.model)) else { return Bytes::default() };
+        let place = self.far.place_of(&plan);
+        let far = Footprint::new(&plan, (&place, self.threads), self.expected);
+        let moved = Particles::bytes(self.expected.owned(), 11);
+        let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
+        let flow = if plan.boundaries == Boundaries::Periodic {
+            // In a sheared box the coordinates of the points are written as well.
+            let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
+            far.evaluation().or(far.velocity_field().then(gathered))
+        } else {
+            // With rotated axes there are two copies.
+            let turned = if self.model.turn.is_none() { 0.0 } else { all };
+            far.flow().then(Bytes::list::<Vector>(all)).then(Bytes::list::<Vector>(turned))
+        };
+        moved.then(Bytes::keep(far.reached())).then(far.mobility()).then(flow).freed()
+    }
+}

@@ -1,0 +1,8 @@
+//! Time integrators, one a file.
+
+pub mod adams_bashforth;
+pub mod adaptive;
+pub mod brownian;
+pub mod gap_control;
+pub mod implicit;
+pub mod substeps;

@@ -1,0 +1,81 @@
+//! Common parts of the integrators with substeps.
+
+use crate::evaluation::Dynamics;
+use crate::integrators::gap_control::RelativeMotion;
+use domain::{Comm, Particles, Vector};
+
+/// Column of the ages of the past velocities and solutions; 0 for none.
+pub const AGES: &str = "past ages";
+
+/// Column of the age of the third past velocities; 0 for none. It does not exist for integrators that use at most two.
+pub const OLDEST_AGE: &str = "oldest past age";
+
+/// Column of the length of the next substep that the error allows.
+pub const AHEAD: &str = "next substep";
+
+/// Smallest substep, over the clock's step.
+pub const SHORTEST: f64 = 1e-9;
+
+/// Tolerance for quotients that are integers up to round-off, so that the steps do not depend on the unit of time.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Divides `rest` evenly into steps not longer than `longest`, so that no small remainder is left at the end.
+pub fn share(rest: f64, longest: f64) -> f64 {
+    rest / (rest / longest - ROUND_OFF).ceil().max(1.0)
+}
+
+/// Displacements that separate spheres closer than the minimum gap of lubrication, if there is lubrication. `None` if
+/// they cannot be separated. Collective.
+pub fn moved_apart<const N: usize>(
+    approach: &RelativeMotion<N>,
+    weights: [f64; N],
+    dynamics: &Dynamics,
+) -> Option<Vec<Vector>> {
+    let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
+    approach.apart(weights, range.closest(), dynamics.partition().comm())
+}
+
+/// Largest displacement over the radius, for displacements that are sums of `weights[k]` times column `k`; infinite if
+/// one is NaN. Collective.
+pub fn largest_displacement<const N: usize>(
+    particles: &mut Particles,
+    (columns, weights): ([&str; N], [f64; N]),
+    comm: &Comm,
+) -> f64 {
+    let mut sums = vec![Vector::ZERO; particles.len()];
+    for (name, weight) in columns.into_iter().zip(weights) {
+        sums.iter_mut().zip(particles.vectors(name).iter()).for_each(|(sum, &v)| *sum += v * weight);
+    }
+    let over_radius = sums.iter().zip(&particles.radii).map(|(sum, a)| sum.length() / a);
+    // The maximum of floating-point numbers ignores NaN.
+    let mut largest = [over_radius.fold(0.0, |m, e| if e.is_nan() { f64::INFINITY } else { f64::max(m, e) })];
+    comm.max(&mut largest);
+    largest[0]
+}
+
+/// Ages of the stored velocities and solutions, in ascending order from 0. Collective.
+pub fn ages(particles: &mut Particles, comm: &Comm) -> Vec<f64> {
+    let oldest = particles.columns.iter().find(|column| column.name == OLDEST_AGE);
+    let oldest = oldest.and_then(|column| column.values.first()).copied().unwrap_or_default();
+    let column = particles.column(AGES, 2).values.get(..2).map_or([0.0; 2], |ages| [ages[0], ages[1]]);
+    let mut known = [column[0], column[1], oldest];
+    comm.max(&mut known);
+    std::iter::once(0.0).chain(known.into_iter().take_while(|&age| age > 0.0)).collect()
+}
+
+/// Removes the columns of substeps.
+pub fn forget(particles: &mut Particles) {
+    particles.columns.retain(|column| ![AGES, OLDEST_AGE, AHEAD].contains(&column.name.as_str()));
+}
+
+/// Updates the ages after a substep.
+pub fn grow_older(particles: &mut Particles, ages: &[f64], step: f64) {
+    let next = [step, ages.get(1).map_or(0.0, |age| age + step)];
+    particles.column(AGES, 2).values.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&next));
+}
+
+/// Updates the age of the third past velocities, after [`grow_older`].
+pub fn grow_oldest(particles: &mut Particles, ages: &[f64], step: f64) {
+    let next = ages.get(2).map_or(0.0, |age| age + step);
+    particles.column(OLDEST_AGE, 1).values.fill(next);
+}

@@ -1,0 +1,5 @@
+//! Start of a run: positions of a model, and its memory and plan.
+
+pub mod given_positions;
+pub mod placement;
+pub mod setup;

@@ -1,0 +1,208 @@
+//! Preparation of a scene: placed particles, the plan of the far field, and the partition.
+
+use crate::error::StartError;
+use crate::error::gap::Gap;
+use crate::flow::constant_flux::PressureFlow;
+use crate::flow::open_cell;
+use crate::flow::periodic_cell::MovingBox;
+use crate::forces::tethers;
+use crate::forecast::memory;
+use crate::forecast::plan::{Radii, plan, plan_in};
+use crate::integrators::gap_control::RelativeMotion;
+use crate::model::{Flow, Model};
+use crate::neighbourhood::smallest_gap;
+use crate::start::placement;
+use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition, PeriodicBox};
+use fcm::{Plan, PlanError};
+use hydrodynamics::Poiseuille;
+use hydrodynamics::lengths::check_lubricated;
+use hydrodynamics::memory::Ranks;
+use simulation::Clock;
+
+/// A prepared scene, for a run or its outline.
+pub struct Setup {
+    /// This rank's particles.
+    pub particles: Particles,
+    /// Radii of all particles.
+    pub radii: Radii,
+    /// Plan of the far field.
+    pub plan: Plan,
+    /// Partition of space among ranks.
+    pub partition: Partition,
+    /// The box and the background flow.
+    pub moving: MovingBox,
+    /// Upper bound of the displacement by which overlapping spheres were moved apart, if any overlapped.
+    farthest: Option<Gap>,
+}
+
+/// Largest number of rounds in which overlapping spheres are moved apart, each with a new neighbour list.
+const MOST_ROUNDS: usize = 100;
+
+impl Setup {
+    /// Prepares a scene at time zero, if there is memory to run it. Collective.
+    pub fn start(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
+        let planned = Planned::of_model(model)?;
+        planned.iter().try_for_each(|planned| planned.check_memory(model, comm))?;
+        Self::placed(model, placed, planned, comm)
+    }
+
+    /// Prepares a scene at time zero, with a plan if the scene gives the numbers of particles. Collective.
+    pub fn placed(
+        model: &Model,
+        placed: Option<GivenPositions>,
+        planned: Option<Planned>,
+        comm: &Comm,
+    ) -> Result<Self, StartError> {
+        let shared = planned.as_ref().map(|planned| placement::shared(model, &planned.partition(comm))).transpose();
+        let first = || if comm.is_first() { placement::particles(model, placed) } else { Ok(Particles::default()) };
+        let particles = comm.agree(shared.and_then(|shared| shared.flatten().map_or_else(first, Ok)))?;
+        let mut setup = match planned {
+            Some(planned) => Self::of(model, (planned, particles), (comm, 0))?,
+            None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Given(Box::new(error)))?,
+        };
+        if let Some(contacts) = model.contacts.filter(|_| setup.gap().length < 0.0) {
+            setup.relax(contacts.roughness, comm);
+        }
+        let Self { particles, moving, partition, .. } = &mut setup;
+        tethers::tie(particles, model, (moving.cell(), partition))?;
+        let Gap { length: gap, radius } = setup.gap();
+        // Touching spheres are allowed, up to round-off of the box's edges.
+        if gap > -1e-12 * model.cell.edges().max_element() {
+            Ok(setup)
+        } else {
+            Err(StartError::Overlap(Gap { length: -gap, radius }))
+        }
+    }
+
+    /// Moves overlapping spheres apart until all gaps are about `gap` mean radii, or until the rounds are used up.
+    /// Collective.
+    fn relax(&mut self, gap: f64, comm: &Comm) {
+        let mut farthest = 0.0_f64;
+        for _ in 0..MOST_ROUNDS {
+            let approach = RelativeMotion::find(&mut self.particles, &self.moving, &self.partition, []);
+            let (displacements, is_done) = approach.pushed([], gap, comm);
+            let moved = displacements.iter().map(|displacement| displacement.length()).fold(0.0, f64::max);
+            for (position, displacement) in self.particles.positions.iter_mut().zip(displacements) {
+                *position += displacement;
+            }
+            self.particles.wrap(self.moving.cell());
+            self.particles.migrate(&self.partition, self.moving.cell());
+            let mut largest = [moved];
+            comm.max(&mut largest);
+            farthest += largest[0];
+            if is_done && largest[0] == 0.0 {
+                break;
+            }
+        }
+        self.farthest = Some(Gap { length: farthest, radius: self.radii.smallest() });
+    }
+
+    /// Prepares a scene after `step` steps, with its particles on any ranks, if there is memory to run it. Collective.
+    pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
+        let radii = Radii::shared(&particles, comm);
+        let cell = open_cell::of(model, &particles, (&radii, comm));
+        let planned = Planned::within(&cell, model, radii, comm)?;
+        Self::of(model, (planned, particles), (comm, step))
+    }
+
+    fn of(
+        model: &Model,
+        (planned, mut particles): (Planned, Particles),
+        (comm, step): (&Comm, u64),
+    ) -> Result<Self, StartError> {
+        if model.hydrodynamics.lubrication {
+            let (smallest, largest) = (planned.radii.smallest(), planned.radii.largest());
+            check_lubricated(smallest, largest).map_err(StartError::Radii)?;
+        }
+        let cell = open_cell::of(model, &particles, (&planned.radii, comm));
+        let fits = cell == model.cell || planned.plan.edges == cell.edges();
+        let Planned { radii, plan } = if fits { planned } else { Planned::within(&cell, model, planned.radii, comm)? };
+        let partition = partition(&plan, comm);
+        let is_straight = matches!(model.flow, Flow::Shear { lees_edwards: false, .. });
+        let shears = model.cell.boundaries() == Boundaries::Periodic && !is_straight;
+        let rates = model.shear_rates();
+        let stress = rates.stress();
+        let moving = MovingBox::at(&Clock::at(step, model.time_step), cell, rates, shears);
+        let flux = model.flow.keeps_flux().then(|| PressureFlow::recalled(&particles, comm));
+        let moving = moving.with_profile(profile(model)).at_constant_flux(flux);
+        let moving = match model.flow.extension() {
+            Some(extension) => moving.in_extension(extension),
+            None => moving,
+        };
+        let moving = match stress {
+            Some(stress) => {
+                moving.driven_by((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)
+            }
+            None => moving,
+        };
+        if model.fields {
+            let planned = plan.of_flow(moving.largest_strain());
+            comm.agree(planned).map_err(StartError::Fields)?;
+        }
+        particles.wrap(moving.cell());
+        particles.migrate(&partition, moving.cell());
+        Ok(Self { particles, radii, plan, partition, moving, farthest: None })
+    }
+
+    /// A warning about overlapping spheres that were moved apart, if there were any.
+    pub fn relaxed(&self) -> Option<String> {
+        let farthest = self.farthest?;
+        Some(format!("spheres overlap at the start; with [contacts] they are moved apart first, by {farthest} at most"))
+    }
+
+    /// Smallest gap between the surfaces of two particles. Collective.
+    pub fn gap(&self) -> Gap {
+        let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
+        Gap { length, radius: self.radii.smallest() }
+    }
+}
+
+/// Pressure-driven flow of the model without particles, if there is one.
+pub(crate) fn profile(model: &Model) -> Option<Poiseuille> {
+    let height = model.cell.edges().z;
+    model.flow.curvature(model.viscosity, height).map(|curvature| Poiseuille { curvature, height })
+}
+
+/// Radii of a scene's particles, and the plan of the far field.
+pub struct Planned {
+    /// Radii of all particles.
+    pub radii: Radii,
+    /// Plan of the far field.
+    pub plan: Plan,
+}
+
+/// Partition of space among ranks.
+fn partition(plan: &Plan, comm: &Comm) -> Partition {
+    Partition::new(comm, [plan.grid[1], plan.grid[2]])
+}
+
+impl Planned {
+    /// Partition of space among ranks.
+    pub fn partition(&self, comm: &Comm) -> Partition {
+        partition(&self.plan, comm)
+    }
+
+    fn new(model: &Model, radii: Radii) -> Result<Self, PlanError> {
+        Ok(Self { plan: plan(model, &radii)?, radii })
+    }
+
+    /// Plans a scene in a box that may differ from its own, if there is memory for it. Collective.
+    pub fn within(cell: &PeriodicBox, model: &Model, radii: Radii, comm: &Comm) -> Result<Self, Failure> {
+        let planned = Self { plan: comm.agree(plan_in(cell, model, &radii))?, radii };
+        planned.check_memory(model, comm)?;
+        Ok(planned)
+    }
+
+    /// Plans a model before any particle is placed; `None` if a file determines the particles.
+    pub fn of_model(model: &Model) -> Result<Option<Self>, PlanError> {
+        Radii::of_model(model).map(|radii| Self::new(model, radii)).transpose()
+    }
+
+    /// Refuses a run for which the present ranks do not have the memory. Collective.
+    pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
+        let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
+        let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());
+        let remedy = || memory::remedy(model, &self.radii);
+        comm.agree(comm.check_memory(need).map_err(|error| format!("{error}; {}", remedy())))
+    }
+}
