@@ -1,4 +1,4 @@
-//! CoupledSolver of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved together.
+//! Hydrodynamics of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved together.
 //! It needs no scene and no model: positions and loads go in, motions and stresslets come out.
 
 pub mod ambient;

@@ -1,4 +1,4 @@
-//! CoupledSystem linear system of lubrication forces and stresslets.
+//! Coupled linear system of lubrication forces and stresslets.
 
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;

@@ -22,7 +22,7 @@ pub use perturbed_solve::Found;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// CoupledSolver of spheres as in [`fcm::Hydrodynamics`], optionally with lubrication between near pairs. Results have
+/// Hydrodynamics of spheres as in [`fcm::Hydrodynamics`], optionally with lubrication between near pairs. Results have
 /// the same digits in any units.
 pub struct CoupledSolver {
     far: fcm::Hydrodynamics,
