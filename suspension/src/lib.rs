@@ -41,6 +41,7 @@ mod suspension;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use error::step::StepError;
 pub use error::{PlacingError, StartError};
+pub use evaluation::stress::ParticleStress;
 pub use evaluation::velocity_field::FluidVelocity;
 pub use forecast::Forecast;
 pub use forecast::calibrate_repulsion::{LeastRepulsionError, least_repulsion};
@@ -59,7 +60,6 @@ pub use model::{
     Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion,
     ShearRates, SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
-pub use observables::stress::ParticleStress;
 pub use run::Observed;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
 pub use suspension::{StepReport, Suspension};

@@ -1,14 +1,26 @@
 //! Evaluations in a fluctuating fluid.
 
 use super::{Dynamics, Moment, Outcome};
+use crate::columns::PAST;
 use crate::error::step::StepError;
-use crate::integrators::adams_bashforth::PAST;
-use crate::integrators::brownian::Noise;
-use crate::observables::overlap_monitor::{Crowded, Crowding};
+use crate::evaluation::overlap_monitor::{Crowded, Crowding};
 use domain::{Interrupted, Particles, Vector};
 use fcm::Loads;
+use fcm::Stream;
 use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
 use hydrodynamics::{Guess, Solution};
+
+/// Thermal fluctuations of a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Noise {
+    /// Random numbers of the step.
+    pub stream: Stream,
+    /// `sqrt(2 kT / dt)`, the factor between motions whose covariance is the mobility and the random motions of the
+    /// step.
+    pub amplitude: f64,
+    /// The thermal energy `kT`.
+    pub energy: f64,
+}
 
 /// Relative error of random motions over the tolerance.
 const ROOT: f64 = 0.3;

@@ -2,10 +2,10 @@
 
 use super::Dynamics;
 use crate::error::step::StepError;
+use crate::evaluation::prepared::{Planned, Replan};
 use crate::flow::open_cell::{around, follows};
-use crate::forecast::plan::Radii;
 use crate::model::Model;
-use crate::start::setup::Planned;
+use crate::model::radii::Radii;
 use domain::{Failure, Number, Particles, PeriodicBox};
 use simulation::Clock;
 
@@ -13,14 +13,20 @@ use simulation::Clock;
 pub(super) struct Following {
     model: Model,
     radii: Radii,
+    replan: Replan,
     /// Number of evaluations of the mobility on previous grids.
     evaluations: u64,
 }
 
 impl Following {
     /// Data for replanning, if the box of the scene follows the spheres.
-    pub fn of(model: &Model, radii: &Radii) -> Option<Self> {
-        follows(model.cell.boundaries()).then(|| Self { model: model.clone(), radii: radii.clone(), evaluations: 0 })
+    pub fn of(model: &Model, radii: &Radii, replan: Replan) -> Option<Self> {
+        follows(model.cell.boundaries()).then(|| Self {
+            model: model.clone(),
+            radii: radii.clone(),
+            replan,
+            evaluations: 0,
+        })
     }
 
     /// Number of evaluations of the mobility on previous grids.
@@ -52,8 +58,10 @@ impl Dynamics {
 
     /// The plan for a box, if there is memory for it. Collective.
     fn planned(&self, cell: &PeriodicBox) -> Result<Planned, Failure> {
-        let Some(Following { model, radii, .. }) = &self.following else { unreachable!("only a box that follows") };
-        Planned::within(cell, model, radii.clone(), self.partition.comm())
+        let Some(Following { model, radii, replan, .. }) = &self.following else {
+            unreachable!("only a box that follows")
+        };
+        replan(cell, model, radii.clone(), self.partition.comm())
     }
 
     fn adopt(&mut self, planned: &Planned) {

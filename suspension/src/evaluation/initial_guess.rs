@@ -1,6 +1,7 @@
 //! Initial guess of the iterative solve: stresslets and lubrication extrapolated from previous steps.
 
 use crate::columns::STRESSLET;
+use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
 use domain::{Comm, Particles, Vector};
 use fcm::{Loads, Motion};
@@ -9,7 +10,6 @@ use rayon::prelude::*;
 
 /// Columns of a coupled solve: stresslets of the far field, forces and torques on the fluid, motions that the loads of
 /// all other spheres induce at each sphere, and motions relative to the background flow.
-pub const STRESSLET_FAR: &str = "far stresslet";
 const FORCE: &str = "far force";
 const TORQUE: &str = "far torque";
 const INDUCED: [&str; 2] = ["induced velocity", "induced angular velocity"];

@@ -1,33 +1,38 @@
 //! Evaluation of the particles' velocities at given positions.
 
 pub mod extrapolation;
-mod fluctuating;
+pub mod fluctuating;
 mod following;
+pub mod gap_control;
 pub mod initial_guess;
+pub mod orders;
+pub mod overlap_monitor;
+pub mod prepared;
 mod stiffness_adaptation;
+pub mod stress;
 mod stress_controlled;
 mod tethered;
 pub mod velocity_field;
 
+use crate::columns;
+use crate::columns::EXPECTED;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::error::StartError;
 use crate::error::gap::Gap;
 use crate::error::step::StepError;
+use crate::evaluation::gap_control::{RelativeMotion, WATCHED};
 use crate::evaluation::initial_guess::WarmStart;
+use crate::evaluation::overlap_monitor::Crowding;
+use crate::evaluation::prepared::Setup;
 use crate::evaluation::velocity_field::FluidVelocity;
 use crate::flow::periodic_cell::MovingBox;
 use crate::forces::contacts::{self, Contacts, Measured, Settling};
 use crate::forces::tethers::Tethers;
 use crate::forces::user::{self, AppliedForces};
 use crate::forces::{Ahead, Forces, Surface};
-use crate::integrators::adams_bashforth::{self, EXPECTED};
-use crate::integrators::gap_control::{RelativeMotion, WATCHED};
-use crate::integrators::substeps;
 use crate::model::box_axes::UserAxes;
 use crate::model::{self, Integrator, Model, Multipoles};
 use crate::neighbourhood::NearLists;
-use crate::observables::overlap_monitor::Crowding;
-use crate::start::setup::Setup;
 use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{Loads, Motion, PlanError, SolveError};
 use following::Following;
@@ -146,7 +151,7 @@ impl Dynamics {
             crowding,
             smallest_radius: setup.radii.smallest(),
             watched: NearLists::new(WATCHED * setup.radii.largest(), &setup.partition),
-            following: Following::of(model, &setup.radii),
+            following: Following::of(model, &setup.radii, setup.replan),
             axes: model.user_axes(),
             partition: setup.partition,
             moving: setup.moving,
@@ -180,8 +185,7 @@ impl Dynamics {
     /// discards the history and evaluates the velocities again. Collective.
     pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
         if self.moving.begin(clock.step()) {
-            adams_bashforth::forget(particles);
-            substeps::forget(particles);
+            columns::clear_history(particles);
             self.warm_start.forget(particles);
             self.contacts.iter_mut().for_each(Contacts::end_settling);
             self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;

@@ -1,11 +1,11 @@
 //! Evaluations under stress control.
 
 use super::{Dynamics, Moment, Outcome};
+use crate::columns::EXPECTED;
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
 use crate::forces::{Ahead, Surface};
-use crate::integrators::adams_bashforth::EXPECTED;
 use domain::{Particles, Tensor, Traceless};
 use fcm::Motion;
 use hydrodynamics::Guess;

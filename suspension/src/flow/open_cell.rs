@@ -1,7 +1,7 @@
 //! Boxes that follow spheres in open fluid.
 
-use crate::forecast::plan::Radii;
 use crate::model::Model;
+use crate::model::radii::Radii;
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Vector, power_of_two};
 
 /// Resolution of edges: they are multiples of the next smaller power of two over this number, so that the box seldom

@@ -1,10 +1,10 @@
 //! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
+use crate::columns::VELOCITY_COLUMNS;
 use crate::flow::constant_flux::PressureFlow;
 use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Driven, Search};
-use crate::integrators::adams_bashforth::VELOCITY_COLUMNS;
 use crate::model::{Extension, ShearRates};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use hydrodynamics::Poiseuille;

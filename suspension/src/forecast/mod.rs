@@ -2,16 +2,14 @@
 
 pub mod calibrate_repulsion;
 pub mod cost_growth;
-pub mod memory;
-pub mod plan;
 pub mod stable_step;
 pub mod step_lengths;
 pub mod summary;
 pub mod warnings;
 
-use crate::forecast::plan::largest_strain;
+use crate::evaluation::prepared::Planned;
 use crate::model::Model;
-use crate::start::setup::Planned;
+use crate::start::plan::largest_strain;
 
 /// Properties of a suspension that are known before a run.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! Stability of fixed steps with repulsion.
 
 use crate::forces::SurfaceForces;
-use crate::forecast::plan::Radii;
 use crate::integrators::adams_bashforth::AdamsBashforth;
+use crate::model::radii::Radii;
 use crate::model::{Integrator, Model, Multipoles};
 use domain::Number;
 use lubrication::{Detail, opening_mobility};

@@ -1,8 +1,8 @@
 //! Warnings of steps in which spheres move farther than the range of the forces between them.
 
 use crate::forces::SurfaceForces;
-use crate::forecast::plan::Radii;
 use crate::forecast::warnings::diffusive_step;
+use crate::model::radii::Radii;
 use crate::model::{Integrator, Model};
 use domain::Number;
 
@@ -99,8 +99,8 @@ fn forces(model: &Model, radii: &Radii) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use crate::forecast::plan::Radii;
     use crate::forecast::warnings::cautions;
+    use crate::model::radii::Radii;
     use crate::model::{Flow, Integrator, Model, Parameters, Repulsion, Species};
     use domain::{PeriodicBox, Vector};
     use std::f64::consts::PI;

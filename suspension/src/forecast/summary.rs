@@ -2,12 +2,13 @@
 
 use crate::error::StartError;
 use crate::error::gap::Gap;
+use crate::evaluation::prepared::{Planned, Setup};
 use crate::flow::open_cell::follows;
-use crate::forecast::memory;
-use crate::forecast::plan::{Radii, problem_in};
 use crate::forecast::warnings::{cautions, diffusive_step};
+use crate::model::radii::Radii;
 use crate::model::{Contacts, Flow, Model};
-use crate::start::setup::{Planned, Setup};
+use crate::start::memory;
+use crate::start::plan::problem_in;
 use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, Turn, readable_bytes};
 use fcm::{Method, Plan, Precision, Problem};
 use hydrodynamics::memory::Ranks;

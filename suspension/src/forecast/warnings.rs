@@ -1,11 +1,12 @@
 //! Warnings of `check` and `run` before a run.
 
-use crate::forces::tethers::BOND_NUMBERS;
-use crate::forecast::plan::{Radii, problem};
+use crate::columns::BOND_NUMBERS;
 use crate::forecast::stable_step;
 use crate::forecast::step_lengths;
 use crate::integrators::adams_bashforth::AdamsBashforth;
+use crate::model::radii::Radii;
 use crate::model::{Flow, Integrator, Model};
+use crate::start::plan::problem;
 use domain::{Boundaries, Number};
 use fcm::Plan;
 use std::f64::consts::PI;

@@ -1,22 +1,8 @@
 //! Time integration of positions.
 
 use crate::columns::VELOCITY;
+use crate::columns::{PAST, STAGES};
 use domain::Particles;
-
-/// Velocities of previous steps, the last one first.
-pub const PAST: [&str; 3] = ["past velocity 1", "past velocity 2", "past velocity 3"];
-
-/// Velocities of the stages of a Runge-Kutta step. These columns do not exist between steps.
-const STAGES: [&str; 2] = ["stage velocity 2", "stage velocity 3"];
-
-/// Mean velocity over the last substep, and velocity predicted for the end of the current one; the latter does not
-/// exist between substeps.
-pub const MEAN: &str = "mean velocity";
-pub const EXPECTED: &str = "expected velocity";
-
-/// All columns of velocities. They change with the frame of reference, for example when a particle leaves a sheared box
-/// on one side and enters it on the other.
-pub const VELOCITY_COLUMNS: [&str; 8] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1], MEAN, EXPECTED];
 
 /// Number of past velocities that implicit steps of variable length keep.
 pub const PAST_OF_ANY_LENGTH: usize = 2;
@@ -132,11 +118,6 @@ fn runge_kutta<E>(
     particles.displace_by([first, STAGES[0], STAGES[1], VELOCITY], weights);
     particles.columns.retain(|column| !STAGES.contains(&column.name.as_str()));
     Ok(())
-}
-
-/// Removes all velocities except the present ones.
-pub fn forget(particles: &mut Particles) {
-    particles.columns.retain(|column| column.name == VELOCITY || !VELOCITY_COLUMNS.contains(&column.name.as_str()));
 }
 
 /// Makes the present velocities the latest past ones and keeps `past` of them.

@@ -1,12 +1,12 @@
 //! Adaptive steps, as long as accuracy and near pairs allow.
 
 use crate::error::step::StepError;
+use crate::evaluation::gap_control::RelativeMotion;
+use crate::evaluation::orders::{Estimate, USED, Weights, of_displacements, weights};
 use crate::evaluation::{Dynamics, Moment, Outcome};
 use crate::integrators::adams_bashforth::remember;
-use crate::integrators::gap_control::RelativeMotion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, grow_oldest, moved_apart, share};
 use crate::model::Adaptive;
-use crate::observables::orders::{Estimate, USED, Weights, of_displacements, weights};
 use domain::{Particles, Vector};
 use simulation::Clock;
 

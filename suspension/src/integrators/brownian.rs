@@ -1,9 +1,10 @@
 //! Time stepping of Brownian motion.
 
+use crate::columns::PAST;
 use crate::columns::VELOCITY;
 use crate::error::step::StepError;
+use crate::evaluation::fluctuating::Noise;
 use crate::evaluation::{Dynamics, Moment, Outcome};
-use crate::integrators::adams_bashforth::PAST;
 use crate::model::BrownianScheme;
 use domain::Particles;
 use fcm::Stream;
@@ -25,18 +26,6 @@ impl Heat {
         let stream = Stream::new(self.seed, clock.step());
         Noise { stream, amplitude: (2.0 * self.energy / clock.dt()).sqrt(), energy: self.energy }
     }
-}
-
-/// Thermal fluctuations of a step.
-#[derive(Debug, Clone, Copy)]
-pub struct Noise {
-    /// Random numbers of the step.
-    pub stream: Stream,
-    /// `sqrt(2 kT / dt)`, the factor between motions whose covariance is the mobility and the random motions of the
-    /// step.
-    pub amplitude: f64,
-    /// The thermal energy `kT`.
-    pub energy: f64,
 }
 
 /// Size of the displacement for the finite difference of motions, over that in half a step.
@@ -130,8 +119,8 @@ fn two_evaluations(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluation::prepared::Setup;
     use crate::model::{Integrator, Model, Parameters, Species, Start};
-    use crate::start::setup::Setup;
     use domain::{Boundaries, Comm, PeriodicBox, Vector};
 
     fn pair(distance: f64) -> Model {

@@ -1,13 +1,15 @@
 //! Time stepping with implicit short-range forces, whose stiffness does not limit the step.
 
+use crate::columns::AHEAD;
 use crate::columns::VELOCITY;
+use crate::columns::{EXPECTED, MEAN, PAST};
 use crate::error::step::StepError;
 use crate::evaluation::extrapolation;
+use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::{Dynamics, Moment, Outcome};
 use crate::forces::contacts;
-use crate::integrators::adams_bashforth::{EXPECTED, MEAN, PAST, PAST_OF_ANY_LENGTH, remember};
-use crate::integrators::gap_control::RelativeMotion;
-use crate::integrators::substeps::{AHEAD, SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
+use crate::integrators::adams_bashforth::{PAST_OF_ANY_LENGTH, remember};
+use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
 use crate::model::Adaptive;
 use domain::{Comm, Particles, Vector};
 use simulation::Clock;

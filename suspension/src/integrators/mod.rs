@@ -3,6 +3,5 @@
 pub mod adams_bashforth;
 pub mod adaptive;
 pub mod brownian;
-pub mod gap_control;
 pub mod implicit;
 pub mod substeps;

@@ -1,17 +1,9 @@
 //! Common parts of the integrators with substeps.
 
+use crate::columns::{AGES, OLDEST_AGE};
 use crate::evaluation::Dynamics;
-use crate::integrators::gap_control::RelativeMotion;
+use crate::evaluation::gap_control::RelativeMotion;
 use domain::{Comm, Particles, Vector};
-
-/// Column of the ages of the past velocities and solutions; 0 for none.
-pub const AGES: &str = "past ages";
-
-/// Column of the age of the third past velocities; 0 for none. It does not exist for integrators that use at most two.
-pub const OLDEST_AGE: &str = "oldest past age";
-
-/// Column of the length of the next substep that the error allows.
-pub const AHEAD: &str = "next substep";
 
 /// Smallest substep, over the clock's step.
 pub const SHORTEST: f64 = 1e-9;
@@ -61,11 +53,6 @@ pub fn ages(particles: &mut Particles, comm: &Comm) -> Vec<f64> {
     let mut known = [column[0], column[1], oldest];
     comm.max(&mut known);
     std::iter::once(0.0).chain(known.into_iter().take_while(|&age| age > 0.0)).collect()
-}
-
-/// Removes the columns of substeps.
-pub fn forget(particles: &mut Particles) {
-    particles.columns.retain(|column| ![AGES, OLDEST_AGE, AHEAD].contains(&column.name.as_str()));
 }
 
 /// Updates the ages after a substep.

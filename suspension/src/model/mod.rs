@@ -10,6 +10,7 @@ mod extension;
 mod hydrodynamics;
 mod integrator;
 mod protocol;
+pub mod radii;
 mod reduced_copy;
 mod sizes;
 mod species;
@@ -18,8 +19,9 @@ mod traps;
 mod travel;
 mod turned;
 
-use crate::forces::tethers::BOND_NUMBERS;
+use crate::columns::BOND_NUMBERS;
 use crate::model::box_axes::UserAxes;
+use ::hydrodynamics::Poiseuille;
 pub use attraction::Attraction;
 pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
@@ -254,6 +256,12 @@ impl Repulsion {
 pub struct Model(Parameters);
 
 impl Model {
+    /// Pressure-driven flow of the model without particles, if there is one.
+    pub fn poiseuille(&self) -> Option<Poiseuille> {
+        let height = self.cell.edges().z;
+        self.flow.curvature(self.viscosity, height).map(|curvature| Poiseuille { curvature, height })
+    }
+
     /// Checks the parameters.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         check::check(&parameters)?;

@@ -1,19 +1,17 @@
 //! Time series of a suspension.
 
+pub mod averages;
 pub mod clouds;
 pub mod heights;
-pub mod orders;
-pub mod overlap_monitor;
 pub mod rheology;
-pub mod stress;
 
 use crate::columns::VELOCITY;
 use crate::error::gap::Gap;
+use crate::evaluation::overlap_monitor::{Crowded, CrowdedSteps, Remedies};
+use crate::evaluation::stress::ParticleStress;
 use crate::model::Model;
 use crate::model::box_axes::UserAxes;
-use crate::observables::overlap_monitor::{Crowded, CrowdedSteps, Remedies};
 use crate::observables::rheology::Rheology;
-use crate::observables::stress::ParticleStress;
 use crate::sampling::{column, columns, counted, has_columns};
 use crate::suspension::{StepReport, Suspension};
 use domain::{Boundaries, Number, Vector};

@@ -1,8 +1,8 @@
 //! Stress of a sheared or stretched suspension in the time series.
 
+use crate::evaluation::stress::ParticleStress;
 use crate::model::box_axes::UserAxes;
 use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
-use crate::observables::stress::ParticleStress;
 use domain::{Boundaries, Tensor};
 use simulation::Quantity;
 

@@ -2,7 +2,6 @@
 
 use crate::model::box_axes::UserAxes;
 use crate::model::{Flow, Model};
-use crate::start::setup::profile;
 use domain::Vector;
 use hydrodynamics::Poiseuille;
 use solver::BackgroundFlow;
@@ -28,7 +27,7 @@ impl Flows {
     /// The flows of a model.
     pub fn of(model: &Model) -> Self {
         let is_couette = model.cell.gradient_axis() == 2;
-        Self { kind: model.flow, is_couette, profile: profile(model), axes: model.user_axes() }
+        Self { kind: model.flow, is_couette, profile: model.poiseuille(), axes: model.user_axes() }
     }
 
     /// The linear flow at a rate, in the axes of the box.

@@ -1,6 +1,5 @@
 //! Statistics of a suspension, in the course of a run or from its trajectory.
 
-pub mod averages;
 mod background;
 mod channel;
 mod kept;

@@ -1,12 +1,12 @@
 //! Checks of particles restored from a saved state.
 
+use crate::columns::VELOCITY_COLUMNS;
+use crate::columns::{AGES, AHEAD, OLDEST_AGE};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::constant_flux::CURVATURE;
 use crate::flow::stress_control::{DRIVEN, DRIVEN_NUMBERS};
 use crate::forces::user::APPLIED;
-use crate::integrators::adams_bashforth::VELOCITY_COLUMNS;
-use crate::integrators::substeps::{AGES, AHEAD, OLDEST_AGE};
 use domain::Particles;
 
 /// Refuses particles of an unknown species, and columns whose width differs from that of a run.

@@ -1,5 +1,7 @@
 //! Start of a run: positions of a model, and its memory and plan.
 
 pub mod given_positions;
+pub mod memory;
 pub mod placement;
+pub mod plan;
 pub mod setup;

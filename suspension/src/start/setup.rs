@@ -2,38 +2,22 @@
 
 use crate::error::StartError;
 use crate::error::gap::Gap;
+use crate::evaluation::gap_control::RelativeMotion;
+use crate::evaluation::prepared::{Planned, Setup, partition};
 use crate::flow::constant_flux::PressureFlow;
 use crate::flow::open_cell;
 use crate::flow::periodic_cell::MovingBox;
 use crate::forces::tethers;
-use crate::forecast::memory;
-use crate::forecast::plan::{Radii, plan, plan_in};
-use crate::integrators::gap_control::RelativeMotion;
+use crate::model::radii::Radii;
 use crate::model::{Flow, Model};
-use crate::neighbourhood::smallest_gap;
+use crate::start::memory;
 use crate::start::placement;
-use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, Partition, PeriodicBox};
-use fcm::{Plan, PlanError};
-use hydrodynamics::Poiseuille;
+use crate::start::plan::{plan, plan_in};
+use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, PeriodicBox};
+use fcm::PlanError;
 use hydrodynamics::lengths::check_lubricated;
 use hydrodynamics::memory::Ranks;
 use simulation::Clock;
-
-/// A prepared scene, for a run or its outline.
-pub struct Setup {
-    /// This rank's particles.
-    pub particles: Particles,
-    /// Radii of all particles.
-    pub radii: Radii,
-    /// Plan of the far field.
-    pub plan: Plan,
-    /// Partition of space among ranks.
-    pub partition: Partition,
-    /// The box and the background flow.
-    pub moving: MovingBox,
-    /// Upper bound of the displacement by which overlapping spheres were moved apart, if any overlapped.
-    farthest: Option<Gap>,
-}
 
 /// Largest number of rounds in which overlapping spheres are moved apart, each with a new neighbour list.
 const MOST_ROUNDS: usize = 100;
@@ -124,7 +108,7 @@ impl Setup {
         let stress = rates.stress();
         let moving = MovingBox::at(&Clock::at(step, model.time_step), cell, rates, shears);
         let flux = model.flow.keeps_flux().then(|| PressureFlow::recalled(&particles, comm));
-        let moving = moving.with_profile(profile(model)).at_constant_flux(flux);
+        let moving = moving.with_profile(model.poiseuille()).at_constant_flux(flux);
         let moving = match model.flow.extension() {
             Some(extension) => moving.in_extension(extension),
             None => moving,
@@ -141,47 +125,11 @@ impl Setup {
         }
         particles.wrap(moving.cell());
         particles.migrate(&partition, moving.cell());
-        Ok(Self { particles, radii, plan, partition, moving, farthest: None })
+        Ok(Self { particles, radii, plan, partition, moving, farthest: None, replan: Planned::within })
     }
-
-    /// A warning about overlapping spheres that were moved apart, if there were any.
-    pub fn relaxed(&self) -> Option<String> {
-        let farthest = self.farthest?;
-        Some(format!("spheres overlap at the start; with [contacts] they are moved apart first, by {farthest} at most"))
-    }
-
-    /// Smallest gap between the surfaces of two particles. Collective.
-    pub fn gap(&self) -> Gap {
-        let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
-        Gap { length, radius: self.radii.smallest() }
-    }
-}
-
-/// Pressure-driven flow of the model without particles, if there is one.
-pub(crate) fn profile(model: &Model) -> Option<Poiseuille> {
-    let height = model.cell.edges().z;
-    model.flow.curvature(model.viscosity, height).map(|curvature| Poiseuille { curvature, height })
-}
-
-/// Radii of a scene's particles, and the plan of the far field.
-pub struct Planned {
-    /// Radii of all particles.
-    pub radii: Radii,
-    /// Plan of the far field.
-    pub plan: Plan,
-}
-
-/// Partition of space among ranks.
-fn partition(plan: &Plan, comm: &Comm) -> Partition {
-    Partition::new(comm, [plan.grid[1], plan.grid[2]])
 }
 
 impl Planned {
-    /// Partition of space among ranks.
-    pub fn partition(&self, comm: &Comm) -> Partition {
-        partition(&self.plan, comm)
-    }
-
     fn new(model: &Model, radii: Radii) -> Result<Self, PlanError> {
         Ok(Self { plan: plan(model, &radii)?, radii })
     }

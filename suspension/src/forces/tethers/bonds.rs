@@ -1,16 +1,12 @@
 //! Bonds between listed spheres.
 
+use crate::columns::{BOND_NUMBERS, BONDS};
 use crate::forces::Ahead;
 use crate::model::Model;
 use domain::{Comm, Failure, Halo, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
 use hydrodynamics::BondSprings;
 use simulation::{ContactForce, ContactState};
-
-/// Column of a particle's bonds, in slots of three numbers: id of the other particle plus 1 (0 for an empty slot), rest
-/// length, and index of the bond's kind in the model plus 1 (negative once it is broken).
-pub const BONDS: &str = "bonds";
-pub const BOND_NUMBERS: usize = 3;
 
 /// Bonds are implicit up to this multiple of the longest rest length; longer ones contribute their predicted force
 /// explicitly.

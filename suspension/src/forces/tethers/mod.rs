@@ -4,8 +4,8 @@ mod bonds;
 mod start;
 mod traps;
 
+pub use bonds::Bonds;
 use bonds::Tied;
-pub use bonds::{BOND_NUMBERS, Bonds};
 pub use start::{check, tie};
 pub use traps::{TRAP_NUMBERS, Traps};
 

@@ -1,7 +1,7 @@
 //! Bonds and traps at the start of a run.
 
-use super::bonds::{BOND_NUMBERS, BONDS};
 use super::traps::{TRAP_NUMBERS, TRAPS};
+use crate::columns::{BOND_NUMBERS, BONDS};
 use crate::model::{Centres, Model, check_ids};
 use domain::{Failure, Number, Particles, Partition, PeriodicBox, Vector};
 

@@ -1,9 +1,9 @@
 //! Relative motion of near pairs.
 
+use crate::evaluation::orders::Estimate;
 use crate::flow::deformation::Deformation;
 use crate::flow::periodic_cell::MovingBox;
 use crate::neighbourhood::Near;
-use crate::observables::orders::Estimate;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::forecast::plan::plan;
 use crate::model::{Evaluation, Hydrodynamics, Parameters, Statistics};
+use crate::start::plan::plan;
 use domain::PeriodicBox;
 
 /// Settling spheres of radius 1 at a volume fraction.

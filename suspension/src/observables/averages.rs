@@ -2,9 +2,9 @@
 
 use crate::Suspension;
 use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};
+use crate::evaluation::stress::ParticleStress;
 use crate::model::box_axes::UserAxes;
 use crate::model::{Flow, Model, Statistics as Wanted};
-use crate::observables::stress::ParticleStress;
 use crate::sampling::{Sample, Statistics, needed_columns, needs_pair_moments};
 use domain::{Comm, IdBlocks};
 use simulation::{Schedule, TableSet};

@@ -1,8 +1,8 @@
 //! Adams-Bashforth methods of variable step length: weights, and selection of the order.
 
+use crate::columns::PAST;
 use crate::columns::VELOCITY;
 use crate::evaluation::extrapolation::integral;
-use crate::integrators::adams_bashforth::PAST;
 use domain::{Comm, Particles, Vector};
 use rayon::prelude::*;
 

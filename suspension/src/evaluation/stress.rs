@@ -1,7 +1,7 @@
 //! Particle stress.
 
+use crate::columns::STRESSLET_FAR;
 use crate::columns::{BROWNIAN, STRESSLET};
-use crate::evaluation::initial_guess::STRESSLET_FAR;
 use bytemuck::cast_slice;
 use domain::{Comm, Particles, Tensor, Traceless};
 

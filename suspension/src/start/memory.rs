@@ -5,19 +5,20 @@ mod tests;
 
 use crate::columns::VELOCITY;
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
+use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
 use crate::flow::stress_control::DRIVEN_NUMBERS;
 use crate::forces::SurfaceForces;
 use crate::forces::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
 use crate::forces::tethers::TRAP_NUMBERS;
-use crate::forecast::plan::{Radii, largest_strain};
 use crate::integrators::adams_bashforth::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::integrators::adaptive;
-use crate::integrators::gap_control::WATCHED;
+use crate::model::radii::Radii;
 use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
 use crate::neighbourhood::NearLists;
 use crate::sampling;
+use crate::start::plan::largest_strain;
 use domain::{
     Boundaries, Bytes, ExpectedCounts, IdBlocks, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList,
     packing_bytes, readable_bytes,
