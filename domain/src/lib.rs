@@ -19,6 +19,7 @@
 //! ```
 
 mod available_memory;
+mod block;
 mod boundaries;
 mod by_id;
 mod bytes;
@@ -50,6 +51,7 @@ mod verlet_list;
 mod walls;
 
 pub use available_memory::{AvailableMemory, ProcessMemory};
+pub use block::{block, block_of};
 pub use boundaries::Boundaries;
 pub use by_id::ById;
 pub use bytes::{Bytes, GROWING, readable_bytes};
@@ -67,7 +69,7 @@ pub use packing::{PackingError, random_cloud, random_packing, shared_random_pack
 pub use pairs::{Pair, Pairs, fold_pairs};
 pub use parameter::ParameterError;
 pub use particles::{Column, ColumnError, Particles};
-pub use partition::{Partition, Place, block, block_of};
+pub use partition::{Partition, Place};
 pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::{Random, RandomLanes};
 pub use resident::Process;

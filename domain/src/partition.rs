@@ -1,18 +1,7 @@
 //! Domain decomposition: the share of space that each rank owns.
 
-use crate::{Comm, PeriodicBox, Vector};
+use crate::{Comm, PeriodicBox, Vector, block, block_of};
 use std::ops::Range;
-
-/// The `index`-th of `parts` consecutive blocks of `0..count`, of sizes as equal as possible; empty if there are more
-/// parts than elements.
-pub fn block(count: usize, parts: usize, index: usize) -> Range<usize> {
-    count * index / parts..count * (index + 1) / parts
-}
-
-/// Index of the block that holds `element`: the inverse of [`block`].
-pub fn block_of(count: usize, parts: usize, element: usize) -> usize {
-    (parts * (element + 1) - 1) / count
-}
 
 /// Place of a rank in the table of ranks and the grid lines that it owns, as in [`Partition`]; the rank need not
 /// exist.

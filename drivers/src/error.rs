@@ -1,7 +1,6 @@
 //! Reasons why a driver's run cannot be started.
 
 use crate::ParameterError;
-use crate::shear_cell::PackingError;
 
 /// A reason why a driver's run cannot be started.
 #[derive(Debug, thiserror::Error)]
@@ -43,4 +42,19 @@ impl StartError {
     pub(crate) fn unless_alone(comm: &domain::Comm) -> Result<(), Self> {
         if comm.size() == 1 { Ok(()) } else { Err(Self::Processes) }
     }
+}
+
+/// Reasons why the grains could not be packed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PackingError {
+    /// The grains jam, or do not fit at all.
+    #[error(
+        "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a larger cell"
+    )]
+    Jammed {
+        /// Solid fraction asked for.
+        wanted: f64,
+        /// Solid fraction reached.
+        reached: f64,
+    },
 }

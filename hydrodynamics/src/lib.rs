@@ -11,13 +11,15 @@ mod noise;
 mod pairs;
 mod preconditioner;
 mod six_vector;
+mod solution;
 mod springs;
 mod system;
 mod units;
 
 pub use ambient::{FlowRefused, Poiseuille, StrainRate};
-pub use coupled_solver::{CoupledSolver, Found, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput};
+pub use coupled_solver::{CoupledSolver, ShortRange};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
+pub use solution::{Found, Guess, NO_AMBIENT, Solution, SolveInput};
 pub use springs::{BondSprings, ContactSprings, Springs, TetherResistance};

@@ -1,7 +1,7 @@
 //! Scaling of the lubrication problem to units in which radii and viscosity are about 1. Without it, the square roots
 //! of both in the amplitudes of the modes would lose their last digit when powers of two change the units.
 
-use crate::coupled_solver::{Found, Guess, Solution};
+use crate::solution::{Found, Guess, Solution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
 use domain::{Particles, Traceless, Units, Vector};

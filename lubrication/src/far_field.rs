@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::blocks::{Blocks, place};
 use crate::dense::{Square, inverse};
 use crate::gaussian::{radial_derivatives, widths};
+use crate::two_sphere::blocks::{Blocks, place};
 
 /// Resistance over viscosity of two spheres in free space by the force-coupling method: forces, torques and
 /// stresslets with Gaussian envelopes, each block the inverse of its mobility.

@@ -2,10 +2,10 @@
 
 use domain::{Traceless, Vector};
 
-use crate::blocks::Blocks;
 use crate::dense::{Square, inverse, solve};
 use crate::far_field;
 use crate::two_sphere::TwoSphere;
+use crate::two_sphere::blocks::Blocks;
 use crate::{PairForce, PairMotion, Range};
 
 /// Axial and transverse blocks.

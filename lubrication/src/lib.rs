@@ -14,7 +14,6 @@
 
 mod arithmetic;
 mod barrier;
-mod blocks;
 mod chebyshev;
 mod coefficients;
 mod contact;
@@ -33,6 +32,7 @@ mod root;
 mod root_table;
 mod side;
 mod side_table;
+mod sphere_motion;
 mod surface_force;
 mod surfaces;
 pub mod two_sphere;
@@ -54,8 +54,9 @@ pub use pair_motion::{PairLoads, PairMotion};
 pub use range::{Range, RangeError};
 pub use side::{SIDE, Side};
 pub use side_table::SideTables;
+pub use sphere_motion::{SphereLoads, SphereMotion};
 pub use surface_force::SurfaceForce;
 pub use surfaces::Surfaces;
 pub use wall_coefficients::WallCoefficients;
-pub use wall_factor::{SphereLoads, SphereMotion, WallFactor};
+pub use wall_factor::WallFactor;
 pub use wall_force::WallForce;

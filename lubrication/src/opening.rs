@@ -1,8 +1,8 @@
 //! Relative mobility of a near pair along its line of centres.
 
-use crate::blocks::{Blocks, part};
 use crate::dense::inverse;
 use crate::far_field;
+use crate::two_sphere::blocks::{Blocks, part};
 use crate::two_sphere::{TwoSphere, TwoSphereError};
 use domain::power_of_two;
 

@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use crate::blocks::{Blocks, change, from_gap_coordinates};
 use crate::dense::{Square, eigen};
+use crate::two_sphere::blocks::{Blocks, change, from_gap_coordinates};
 
 /// Negative eigenvalues are smoothed to zero over this fraction of the sum of all eigenvalues of a block.
 const SOFTNESS: f64 = 1e-5;

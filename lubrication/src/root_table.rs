@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::arithmetic::Arithmetic;
-use crate::blocks::Blocks;
 use crate::chebyshev::{Chebyshev, Powers, Samples};
 use crate::coefficients::{RECORD, sizes};
 use crate::far_field;
 use crate::root::{LANES, Roots, Scales, flat_roots};
+use crate::two_sphere::blocks::Blocks;
 use crate::two_sphere::{TwoSphere, TwoSphereError};
 
 /// Smallest tabulated gap over the smaller radius.

@@ -7,7 +7,7 @@ use crate::gaussian::widths;
 use crate::two_sphere::{Function, WallFunctions};
 
 /// Resistance over viscosity of a sphere of radius 1: its loads on the fluid against its motions, as in
-/// [`Blocks`](crate::blocks::Blocks) with `d = e_z` from the centre to the wall.
+/// [`Blocks`](crate::two_sphere::blocks::Blocks) with `d = e_z` from the centre to the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallBlocks {
     /// `(U, e)` along the normal.

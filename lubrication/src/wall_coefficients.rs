@@ -1,7 +1,7 @@
 //! Lubrication resistance of a sphere at a wall as coefficients of tensors of the normal.
 
 use crate::pair_factor::LEVER;
-use crate::wall_factor::SphereLoads;
+use crate::sphere_motion::SphereLoads;
 use crate::wall_table::WallRoots;
 use domain::{Tensor, Traceless, Vector};
 

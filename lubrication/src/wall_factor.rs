@@ -1,53 +1,11 @@
 //! Lubrication resistance of a sphere at a wall in the laboratory frame.
 
-use std::ops::Add;
-
 use domain::{Tensor, Traceless, Vector};
 
 use crate::pair_factor::{LEVER, frame};
+use crate::sphere_motion::{SphereLoads, SphereMotion};
 use crate::wall_coefficients::{WallCoefficients, axial};
 use crate::wall_table::WallRoots;
-
-/// Motion of a sphere relative to the ambient flow at its centre, `U - U_inf`, `Omega - Omega_inf`, `E - E_inf`.
-///
-/// A rigid sphere has `E = 0`, so its `strain_rate` here is minus that of the ambient flow.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SphereMotion {
-    /// Velocity.
-    pub velocity: Vector,
-    /// Angular velocity.
-    pub angular_velocity: Vector,
-    /// Rate of strain.
-    pub strain_rate: Traceless,
-}
-
-/// Loads of a sphere on the fluid; the moment is conjugate to [`SphereMotion::strain_rate`]: minus the stresslet that
-/// is positive along the ambient strain.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SphereLoads {
-    /// Force.
-    pub force: Vector,
-    /// Torque about the centre.
-    pub torque: Vector,
-    /// Symmetric traceless first moment about the centre.
-    pub moment: Traceless,
-}
-
-impl Add for SphereLoads {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { force: self.force + other.force, torque: self.torque + other.torque, moment: self.moment + other.moment }
-    }
-}
-
-impl SphereMotion {
-    /// Rate of work of loads in this motion.
-    pub fn power(&self, loads: &SphereLoads) -> f64 {
-        self.velocity.dot(loads.force)
-            + self.angular_velocity.dot(loads.torque)
-            + self.strain_rate.contract(loads.moment)
-    }
-}
 
 /// Lubrication resistance of a sphere at a wall. The resistance to its motion is `B B^T`, with 6 modes, the first of
 /// which is the approach of the surfaces; the coupling of motions and rates of strain is stored separately.

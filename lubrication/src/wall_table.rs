@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, OnceLock};
 
-use crate::blocks::{change, from_pole_coordinates};
 use crate::chebyshev::Chebyshev;
 use crate::root::{Part, difference, part, root};
 use crate::root_table::{CLOSEST, GROWTH, NODES};
 use crate::two_sphere::SphereWall;
+use crate::two_sphere::blocks::{change, from_pole_coordinates};
 use crate::wall_blocks::{ALONE, WallBlocks};
 
 /// Largest tabulated gap over the radius.

@@ -18,6 +18,7 @@ mod tables;
 mod tally;
 mod time_stepped;
 
+pub use crate::error::PackingError;
 pub use cell_run::{CellRun, Experiment};
 pub use contact::{Contact, Face, FrictionLaw, INERTIA, Motion};
 pub use engine::{Collisions, Engine, State};
@@ -25,7 +26,6 @@ pub use event_driven::{EventDriven, Events};
 pub use grains::Grains;
 pub use lid::Lid;
 pub use measure::{Balance, DensityMap, Layer, Profile, Sample, WallStress};
-pub use packing::PackingError;
 pub use parameters::{Model, Parameters, Top};
 pub use run::{Report, Run, Sampling};
 pub use side::Side;

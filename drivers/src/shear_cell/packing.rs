@@ -2,6 +2,7 @@
 
 use super::lengths::without_unit;
 use super::{Contact, EventDriven, FrictionLaw, Grains, Model, Motion, Parameters, State, Top};
+use crate::error::PackingError;
 use domain::{Random, Vector};
 use std::collections::HashMap;
 
@@ -16,21 +17,6 @@ const JAMMED: f64 = 3e-4;
 const LAP: u64 = 10;
 /// Positions tried for each grain.
 const TRIES: usize = 10_000;
-
-/// Reasons why the grains could not be packed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PackingError {
-    /// The grains jam, or do not fit at all.
-    #[error(
-        "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a larger cell"
-    )]
-    Jammed {
-        /// Solid fraction asked for.
-        wanted: f64,
-        /// Solid fraction reached.
-        reached: f64,
-    },
-}
 
 impl Model {
     /// `count` grains at random positions, without overlap, at rest. The same seed gives the same positions, in

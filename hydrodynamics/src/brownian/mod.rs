@@ -1,7 +1,8 @@
 //! Random motions, stored in columns of the particles, and their finite differences.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{CoupledSolver, Found, Guess, Solution, SolveInput};
+use crate::coupled_solver::CoupledSolver;
+use crate::solution::{Found, Guess, Solution, SolveInput};
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
 

@@ -2,9 +2,10 @@
 
 use crate::ambient::Poiseuille;
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{CoupledSolver, Solution};
+use crate::coupled_solver::CoupledSolver;
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::SixVectors;
+use crate::solution::Solution;
 use crate::units;
 use domain::{Comm, Particles, PeriodicBox, Traceless, Units, Vector};
 use fcm::{Constraint, Evaluation, Linear, Loads, Mobility, Motion, Multipoles};

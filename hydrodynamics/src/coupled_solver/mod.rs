@@ -9,6 +9,7 @@ use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::search::{NearField, NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
+use crate::solution::{Guess, Solution, SolveInput};
 use crate::springs::Springs;
 use crate::system::{self, CoupledSystem, Unknowns};
 use crate::units::{self, Scaled};
@@ -18,7 +19,6 @@ use fcm::{
     Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
 };
 use lubrication::{PairForce, PairForceError, Range, WallForce};
-pub use perturbed_solve::Found;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -41,71 +41,6 @@ pub struct ShortRange {
     /// Distance of centres up to which springs act, if there are any.
     pub springs: Option<f64>,
 }
-
-/// Input of a solve: loads, ambient flow, implicit springs.
-pub struct SolveInput<'a> {
-    /// Forces and torques; stresslets are ignored, as they are solved for.
-    pub loads: &'a Loads,
-    /// Strain rate of the background flow.
-    pub strain_rate: StrainRate,
-    /// Springs whose resistance is part of the solve, if there are any.
-    pub springs: Option<&'a Springs<'a>>,
-    /// Further motions of the ambient fluid at each particle, such as Brownian noise; empty lists stand for none.
-    pub ambient: &'a Motion,
-    /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
-    pub constant_flux: bool,
-}
-
-/// Solution for the motions of the spheres.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Solution {
-    /// Motions relative to the background flow.
-    pub motion: Motion,
-    /// Total hydrodynamic stresslets; empty with monopoles only.
-    pub stresslets: Vec<Traceless>,
-    /// Loads on the far field: given loads plus lubrication, and the far-field part of the stresslets.
-    pub far: Loads,
-    /// Motions induced by the loads of all other spheres: total motions minus those of single spheres under their own
-    /// loads.
-    pub induced: Motion,
-    /// Curvature `-u''` of the flow that keeps the flux; 0 without that constraint.
-    pub curvature: f64,
-    /// Number of applications of the mobility, not counting the initial one.
-    pub iterations: usize,
-    /// Estimated error of the iteration, relative to the solution.
-    pub residual: f64,
-}
-
-/// Initial guess of a solution; empty lists stand for no guess.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Guess {
-    /// Far-field part of the stresslets.
-    pub stresslets_far: Vec<Traceless>,
-    /// Velocities induced by the loads of all other spheres, see [`Solution::induced`].
-    pub induced_velocities: Vec<Vector>,
-    /// Angular velocities induced by the loads of all other spheres.
-    pub induced_angular_velocities: Vec<Vector>,
-    /// Velocities relative to the background flow: start of the iteration for the near-field motions that match the
-    /// induced ones.
-    pub velocities: Vec<Vector>,
-    /// Angular velocities relative to the background flow.
-    pub angular_velocities: Vec<Vector>,
-}
-
-impl Guess {
-    /// Guess for particles moved by ambient motions of the fluid.
-    pub fn induced_by(ambient: &Motion) -> Self {
-        Self {
-            induced_velocities: ambient.velocities.clone(),
-            induced_angular_velocities: ambient.angular_velocities.clone(),
-            ..Self::default()
-        }
-    }
-}
-
-/// Zero ambient motion.
-pub static NO_AMBIENT: Motion =
-    Motion { velocities: Vec::new(), angular_velocities: Vec::new(), strain_rates: Vec::new() };
 
 /// Number of iterations after which a solve has failed.
 const MOST_ITERATIONS: usize = 1000;

@@ -1,25 +1,15 @@
 //! Change of a solution under a small displacement of the spheres, for finite-difference drift.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, NO_AMBIENT, ROUGH, Solution, alone, ended, unknowns};
+use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH, alone, ended, unknowns};
 use crate::pairs::search::NearPairs;
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
+use crate::solution::{Found, NO_AMBIENT, Solution};
 use crate::system::{CoupledSystem, Residual, Unknowns};
 use crate::units::{self, Scaled};
 use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
-
-/// A solution for spheres under loads in a fluid with ambient motions.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Found {
-    /// Velocities and angular velocities.
-    pub motion: Motion,
-    /// Far-field part of the stresslets.
-    pub stresslets_far: Vec<Traceless>,
-    /// Total stresslets.
-    pub stresslets: Vec<Traceless>,
-}
 
 /// The system at given positions, and the residual of a solution there.
 struct Left<'a> {

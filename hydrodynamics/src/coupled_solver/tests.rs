@@ -8,6 +8,7 @@ mod walls;
 
 use super::*;
 use crate::ambient::StrainRate;
+use crate::solution::NO_AMBIENT;
 use domain::random_packing;
 use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Precision, Problem};
 use lubrication::PairMotion;

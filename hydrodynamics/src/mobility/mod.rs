@@ -9,10 +9,11 @@ pub use drift::Drift;
 
 use crate::ambient::StrainRate;
 use crate::ambient::{FlowRefused, check_linear, check_pressure, poiseuille};
-use crate::coupled_solver::{CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput};
+use crate::coupled_solver::{CoupledSolver, ShortRange};
 use crate::lengths::{check_box_of_noise, check_radius};
 use crate::mobility::memory::SingleEvaluation;
 use crate::mobility::overlaps::Overlaps;
+use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
 use domain::{
     Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn, Vector,
 };

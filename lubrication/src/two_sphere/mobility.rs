@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions};
-use crate::blocks::{Blocks, change, from_gap_coordinates, part};
 use crate::dense::{Square, inverse, product, transpose};
+use crate::two_sphere::blocks::{Blocks, change, from_gap_coordinates, part};
 
 /// Mobility functions for radii 1 and `ratio`.
 ///

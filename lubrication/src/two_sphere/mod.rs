@@ -15,6 +15,7 @@
 //! ```
 
 mod bispherical;
+pub(crate) mod blocks;
 mod double_double;
 mod exact;
 mod functions;

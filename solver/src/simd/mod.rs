@@ -13,11 +13,12 @@
 
 mod exponential;
 mod portable;
+mod real;
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
-use crate::Real;
 pub use exponential::exponential;
+pub use real::Real;
 
 /// As many neighbouring values as fill a cache line of 64 bytes, processed at once.
 ///
