@@ -65,6 +65,7 @@ mod plan;
 mod poiseuille;
 mod pressure_flow;
 mod random_motion;
+mod rearranged;
 mod relative_motion;
 mod rheology;
 mod sampling;

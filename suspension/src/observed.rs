@@ -9,14 +9,15 @@ use crate::fluid::FluidVelocity;
 use crate::model::Model;
 use crate::observe::Observer;
 use crate::plan::Radii;
+use crate::rearranged::rearranged;
 use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use crate::user_axes::UserAxes;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
 use fcm::Drawn;
 use simulation::{
-    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet,
-    VelocityField,
+    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Rearrangement, Simulation, SimulationError, State,
+    TableSet, VelocityField,
 };
 
 /// A suspension and who observes it.
@@ -138,6 +139,12 @@ impl Simulation for Observed {
     fn state(&mut self) -> State {
         let statistics = self.averages.as_mut().map(Averages::state).unwrap_or_default();
         State { statistics, ..self.suspension.state() }
+    }
+
+    fn rearranged(&self, state: State, change: &Rearrangement) -> Result<State, SimulationError> {
+        let comm = self.suspension.comm();
+        comm.agree(rearranged(state, change, &self.axes).map_err(|error| error.to_string()))
+            .map_err(SimulationError::new)
     }
 
     fn found(&self) -> Option<Found> {
