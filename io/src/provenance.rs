@@ -25,7 +25,7 @@ pub struct Provenance {
 }
 
 /// Files from which that of a folder is read, in order of preference.
-const FILES: [&str; 6] = ["trajectory.h5", "observables.h5", "averages.h5", "sweep.h5", "solution.h5", "family.h5"];
+const FILES: [&str; 5] = ["trajectory.h5", "observables.h5", "averages.h5", "solution.h5", "family.h5"];
 
 impl Provenance {
     /// That of the results in a folder; nothing if there are none.

@@ -106,7 +106,7 @@ class Simulation(State):
     def run(self, steps: int | None = None, time: float | None = None) -> None:
         """Takes so many steps more, or steps until so much more time has passed, or goes on to the scene's end.
 
-        A run that goes beyond the scene's end moves that end. Sweeps and the continuum model are carried out as a
+        A run that goes beyond the scene's end moves that end. Scenes of the continuum model are carried out as a
         whole, without `steps` and `time`. Ctrl-C ends the run between two evaluations; the checkpoint is written
         before `KeyboardInterrupt` is raised.
         """

@@ -2,7 +2,6 @@
 
 use crate::{FileError, SceneError};
 use domain::{Failure, Interrupted};
-use drivers::ParameterError;
 use simulation::SimulationError;
 use std::path::PathBuf;
 use suspension::LeastRepulsionError;
@@ -28,9 +27,6 @@ pub enum RunError {
     /// No least repulsion.
     #[error(transparent)]
     LeastRepulsion(#[from] LeastRepulsionError),
-    /// A parameter of a sweep's runs.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
     /// Something that only some ranks know of.
     #[error(transparent)]
     Failed(#[from] Failure),
