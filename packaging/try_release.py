@@ -12,7 +12,7 @@ import time
 
 OUT, VERSION = pathlib.Path(sys.argv[1]), sys.argv[2]
 # Nothing of this machine's own but the system's programs.
-EMPTY = {"PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"}
+EMPTY = {"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "LANG": "C.UTF-8"}
 # From nothing to a viscosity with its error, in Python and by the program.
 STRAIN = 10
 FIRST_LINES = f"""

@@ -6,7 +6,6 @@ mod disks;
 mod disks_input;
 mod disks_lattice;
 mod disks_start;
-mod disks_sweep;
 mod extremes;
 mod runs;
 mod shear_cell_flow;

@@ -41,7 +41,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     if let Some(work) = WholeScene::of(&scene) {
         io::check_ranks(scene.kind(), comm.size())?;
         io::check_memory(scene.kind(), comm)?;
-        return carry_out(&work, (&scene, &folder), (comm, &signals));
+        return carry_out(&work, (&scene, &folder), comm);
     }
     go_on(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
 }

@@ -87,7 +87,7 @@ fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) ->
         io::check_memory(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
-        return carry_out(&work, (&scene, &folder), (comm, signals));
+        return carry_out(&work, (&scene, &folder), comm);
     }
     let mut preparing = PartProgress::start(comm, "the particles are placed");
     let mut started = io::start(&scene, comm, &mut |part| preparing.show(part))?;
@@ -111,7 +111,7 @@ fn start_or_go_on(
             Ok(finished("", &folder, comm))
         } else {
             signals.go_on_with(resume_command(folder.path(), None));
-            carry_out(&work, (&kept, &folder), (comm, signals))
+            carry_out(&work, (&kept, &folder), comm)
         };
     }
     refuse_another(scene.fixed_differences(&kept).into_iter(), folder.path())?;

@@ -1,6 +1,7 @@
 //! Scenes that are read on the first rank.
 
 use crate::causes::in_full;
+use crate::streams;
 use anyhow::{Context, bail, ensure};
 use domain::Comm;
 use io::{Scene, SceneError, SceneFile};
@@ -36,6 +37,9 @@ fn read_here(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<S
             path.display(),
             family.members().len()
         );
+        for warning in family.warnings() {
+            streams::log(format_args!("warning: {warning}"));
+        }
     }
     Ok(file)
 }

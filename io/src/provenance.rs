@@ -24,8 +24,8 @@ pub struct Provenance {
     pub seed: u64,
 }
 
-/// Files from which the provenance of a folder is read, in order of preference.
-const FILES: [&str; 6] = ["trajectory.h5", "observables.h5", "averages.h5", "sweep.h5", "solution.h5", "family.h5"];
+/// Files from which that of a folder is read, in order of preference.
+const FILES: [&str; 5] = ["trajectory.h5", "observables.h5", "averages.h5", "solution.h5", "family.h5"];
 
 impl Provenance {
     /// Provenance of the results in a folder; `None` if there are none.

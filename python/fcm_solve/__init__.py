@@ -25,6 +25,7 @@ from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
 from .scene import Scene  # noqa: E402
 from .simulation import Simulation  # noqa: E402
+from .snapshots import Snapshot  # noqa: E402
 
 __all__ = [
     "Action",
@@ -42,6 +43,7 @@ __all__ = [
     "Run",
     "Scene",
     "Simulation",
+    "Snapshot",
     "Writer",
     "__version__",
     "open",

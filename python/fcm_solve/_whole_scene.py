@@ -1,4 +1,4 @@
-"""Scenes that are carried out as a whole: sweeps, and the continuum model."""
+"""Scenes that are carried out as a whole: those of the continuum model."""
 
 import logging
 
@@ -16,7 +16,7 @@ class WholeScene:
         self._scene, self._folder, self._goes_on = scene, folder, goes_on
 
     def run(self, steps, time):
-        """Carries it out. What was done before it is interrupted is kept; its lines go to the logger `fcm_solve`."""
+        """Carries it out; its lines go to the logger `fcm_solve`."""
         if steps is not None or time is not None:
             raise Error(f"{NO_STEPS}: run() carries them out as a whole")
         scene = (self._scene.to_toml(), self._scene._name)

@@ -50,7 +50,7 @@ class Scene:
 
     @property
     def is_whole(self) -> bool:
-        """Whether it is carried out as a whole (a sweep, or the continuum model) and not in steps."""
+        """Whether it is carried out as a whole (the continuum model) and not in steps."""
         return self._is_whole
 
     def _take(self, text, overrides):

@@ -17,6 +17,7 @@ from ._steps import StepCount
 from ._whole_scene import NO_STEPS, WholeScene
 from .actions import Action, ActionList
 from .scene import Scene, scene_of
+from .snapshots import Snapshot
 from .state import State
 
 LoadFunction = Callable[[np.ndarray, float], Any]
@@ -105,7 +106,7 @@ class Simulation(State):
     def run(self, steps: int | None = None, time: float | None = None) -> None:
         """Takes so many steps more, or steps until so much more time has passed, or goes on to the scene's end.
 
-        A run that goes beyond the scene's end moves that end. Sweeps and the continuum model are carried out as a
+        A run that goes beyond the scene's end moves that end. Scenes of the continuum model are carried out as a
         whole, without `steps` and `time`. Ctrl-C ends the run between two evaluations; the checkpoint is written
         before `KeyboardInterrupt` is raised.
         """
@@ -210,6 +211,23 @@ class Simulation(State):
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    # Snapshots.
+
+    def get_snapshot(self) -> Snapshot:
+        """The state now, with all that the run needs to go on from it bit for bit. Its arrays can be changed."""
+        return Snapshot(self._core)
+
+    def set_snapshot(self, snapshot: Snapshot) -> None:
+        """Goes back, or on, to the state of a snapshot, at its step and time.
+
+        Unchanged, the run goes on from it as it did, to the last bit. Where arrays of the snapshot were changed, particles are where
+        and as these say, and nothing is left of how they moved before: velocities are computed again. What was recorded in the
+        folder after that step is dropped. The snapshot stays what it is, and may be one of another simulation of the same kind with
+        as many particles. A state that is refused leaves all as it was.
+        """
+        self._check_open()
+        self._core.restore(*snapshot._changes())
 
     # Forces.
 

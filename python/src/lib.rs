@@ -15,6 +15,7 @@ mod run;
 mod scene;
 mod signals;
 mod simulation;
+mod snapshot;
 mod threads;
 mod whole_scene;
 
@@ -28,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("has_mpi", cfg!(feature = "mpi"))?;
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<simulation::Simulation>()?;
+    module.add_class::<snapshot::Snapshot>()?;
     module.add_function(wrap_pyfunction!(arrays::is_finite, module)?)?;
     module.add_function(wrap_pyfunction!(threads::start_threads, module)?)?;
     module.add_function(wrap_pyfunction!(scene::template, module)?)?;

@@ -7,6 +7,14 @@ use simulation::{AppliedLoads, LoadFunction};
 use std::cell::RefCell;
 use std::error::Error;
 use std::rc::Rc;
+use std::sync::Arc;
+
+/// A function of Python `(positions, time) -> (N, 3)` that gives forces, or torques.
+#[derive(Clone)]
+pub struct OwnLoads {
+    pub function: Arc<Py<PyAny>>,
+    pub torques: bool,
+}
 
 /// What such functions have raised, until somebody takes it.
 #[derive(Clone, Default)]
@@ -23,14 +31,13 @@ impl Raised {
         self.0.borrow().is_some()
     }
 
-    /// A function `(positions, time) -> (N, 3)` whose array is checked when it comes: a load, or an error that says what
-    /// was raised.
-    pub fn loads(&self, function: Py<PyAny>, torques: bool) -> LoadFunction {
+    /// Loads by a function whose array is checked when it comes: a load, or an error that says what was raised.
+    pub fn loads(&self, own: OwnLoads) -> LoadFunction {
         let raised = self.clone();
         Box::new(move |positions, time| {
-            let called = Python::attach(|py| called(py, &function, (positions, time)));
+            let called = Python::attach(|py| called(py, &own.function, (positions, time)));
             match called {
-                Ok(list) if torques => Ok(AppliedLoads { torques: list, ..AppliedLoads::default() }),
+                Ok(list) if own.torques => Ok(AppliedLoads { torques: list, ..AppliedLoads::default() }),
                 Ok(list) => Ok(AppliedLoads { forces: list, ..AppliedLoads::default() }),
                 Err(error) => Err(raised.keep(error)),
             }

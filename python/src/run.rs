@@ -1,17 +1,20 @@
 //! A simulation, and the folder that its results go to.
 
-use crate::own_loads::Raised;
+use crate::own_loads::{OwnLoads, Raised};
 use crate::signals::Signals;
+use crate::snapshot::{Snapshot, count, shared};
 use domain::Comm;
 use io::{ExistingRun, Recorder, Resumption, RunError, RunFolder, Scene};
 use pyo3::prelude::*;
-use simulation::Simulation;
+use simulation::{Rearrangement, Simulation, SimulationError};
 use std::path::Path;
 
 /// A simulation, with what it writes.
 pub struct Run {
     pub simulation: Box<dyn Simulation>,
     pub raised: Raised,
+    /// The user's functions of loads, in the order in which they were added.
+    own_loads: Vec<OwnLoads>,
     scene: Scene,
     output: Output,
     signals: Signals,
@@ -66,7 +69,40 @@ impl Run {
     fn of(mut simulation: Box<dyn Simulation>, scene: Scene, output: Output) -> Self {
         let (signals, room) = (Signals::default(), scene.kind().steps());
         simulation.listen(signals.interrupt());
-        Self { simulation, raised: Raised::default(), scene, output, signals, room, has_failed: false }
+        let (raised, own_loads) = (Raised::default(), Vec::new());
+        Self { simulation, raised, own_loads, scene, output, signals, room, has_failed: false }
+    }
+
+    /// Adds a function of loads. Collective.
+    pub fn add_loads(&mut self, loads: OwnLoads) -> Result<(), SimulationError> {
+        self.simulation.add_loads(self.raised.loads(loads.clone()))?;
+        self.own_loads.push(loads);
+        Ok(())
+    }
+
+    /// The state now. Collective.
+    pub fn snapshot(&mut self) -> Snapshot {
+        let state = self.simulation.state();
+        Snapshot::of(state, &self.scene, self.simulation.comm())
+    }
+
+    /// Goes back to a state, of which the first rank's user has changed some values: what was recorded after its step
+    /// is dropped. A state that is refused leaves all as it is. Collective.
+    pub fn restore(&mut self, snapshot: &Snapshot, change: Rearrangement) -> Result<(), RunError> {
+        let comm = self.simulation.comm().clone();
+        let now = self.simulation.state();
+        let state = comm.agree(snapshot.state_for(&self.scene, count(&now, &comm)))?;
+        let change = shared(change, &comm);
+        let state = if change.is_empty() { state } else { self.simulation.rearranged(state, &change)? };
+        let mut simulation = io::resume(&self.scene, Some(state), &comm)?;
+        simulation.listen(self.signals.interrupt());
+        self.own_loads.iter().try_for_each(|loads| simulation.add_loads(self.raised.loads(loads.clone())))?;
+        self.output = match std::mem::replace(&mut self.output, Output::Nowhere) {
+            Output::Files(recorder) => Output::Files(recorder.go_back(&self.scene, self.room, &mut *simulation)?),
+            output => output,
+        };
+        (self.simulation, self.has_failed) = (simulation, false);
+        Ok(())
     }
 
     /// The scene's last step.

@@ -3,15 +3,18 @@
 use crate::arrays::{rows_of, table_of};
 use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
-use crate::error::{explained, of_run};
+use crate::error::{explained, of_run, refused};
+use crate::own_loads::OwnLoads;
 use crate::run::{Ended, Run};
 use crate::scene::parsed;
+use crate::snapshot::{Moved, Snapshot, rearrangement};
 use io::{ExistingRun, RunError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use simulation::{Frame, SimulationError};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A simulation.
 #[pyclass(frozen, module = "fcm_solve._core")]
@@ -70,13 +73,36 @@ impl Simulation {
 
     /// Adds a function `(positions, time) -> (N, 3)` of forces, or of torques.
     fn add_loads(&self, py: Python<'_>, function: Py<PyAny>, torques: bool) -> PyResult<()> {
-        let added = self.run.with(py, |run| {
-            let loads = run.raised.loads(function, torques);
-            run.simulation.add_loads(loads)
-        })?;
+        let loads = OwnLoads { function: Arc::new(function), torques };
+        let added = self.run.with(py, |run| run.add_loads(loads))?;
         match self.raised(py)? {
             Some(raised) => Err(raised),
             None => added.map_err(|cause: SimulationError| explained(&cause)),
+        }
+    }
+
+    /// The state now.
+    fn snapshot(&self, py: Python<'_>) -> PyResult<Snapshot> {
+        self.run.with(py, Run::snapshot)
+    }
+
+    /// Goes back to a state; `moved` has what was changed of it: ids and values of positions, velocities and angular
+    /// velocities, and of `radii`.
+    fn restore(
+        &self,
+        py: Python<'_>,
+        snapshot: &Snapshot,
+        moved: (Moved<'_>, Moved<'_>, Moved<'_>),
+        radii: (Vec<u64>, Vec<f64>),
+    ) -> PyResult<()> {
+        let change = rearrangement(moved, radii)?;
+        let restored = self.run.with(py, |run| run.restore(snapshot, change))?;
+        match self.raised(py)? {
+            Some(raised) => Err(raised),
+            None => restored.map_err(|cause| match cause {
+                RunError::File(_) | RunError::Folder { .. } => explained(&cause),
+                _ => refused(&cause),
+            }),
         }
     }
 

@@ -3,27 +3,19 @@
 use crate::confined::without_lock;
 use crate::error::{error, of_run};
 use crate::scene::parsed;
-use crate::signals::Signals;
 use crate::threads::check_this_thread;
 use domain::Comm;
 use io::{ExistingRun, Listener, RunError, RunFolder, Scene, WholeScene};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Passes lines on to a function of Python, and stops when a signal comes.
-struct Told {
-    line: Py<PyAny>,
-    signals: Signals,
-}
+/// Passes lines on to a function of Python.
+struct Told(Py<PyAny>);
 
 impl Listener for Told {
     fn line(&self, text: &str) {
         // What hears of it has no say in the run.
-        let _ = Python::attach(|py| self.line.call1(py, (text,)).map(drop));
-    }
-
-    fn goes_on(&self) -> bool {
-        !self.signals.interrupt().is_requested()
+        let _ = Python::attach(|py| self.0.call1(py, (text,)).map(drop));
     }
 }
 
@@ -48,12 +40,8 @@ pub fn carry_out(
         (_, true) => ExistingRun::Continue,
         _ => ExistingRun::Keep,
     };
-    let told = Told { line: tell, signals: Signals::default() };
-    let done = without_lock(py, || in_folder(&scene, (&path, former), &told));
-    match told.signals.take() {
-        Some(raised) => Err(raised),
-        None => done.map_err(|cause| of_run(&cause)),
-    }
+    let told = Told(tell);
+    without_lock(py, || in_folder(&scene, (&path, former), &told)).map_err(|cause| of_run(&cause))
 }
 
 fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &Told) -> Result<(), RunError> {

@@ -12,9 +12,9 @@ def message_of(program, *arguments):
 
 
 def test_scenes_of_all_kinds_are_there(program):
-    for kind in ("suspension", "granular-disks", "shear-cell", "shear-cell-continuum", "disk-sweep"):
+    for kind in ("suspension", "granular-disks", "shear-cell", "shear-cell-continuum"):
         assert program("new", kind).endswith(fcm.Scene.new(kind).to_toml())
-    assert fcm.Scene.new("disk-sweep").is_whole and not fcm.Scene.new("suspension").is_whole
+    assert fcm.Scene.new("shear-cell-continuum").is_whole and not fcm.Scene.new("suspension").is_whole
     with pytest.raises(fcm.InputError, match='no scene is called "pudding"; there are suspension, '):
         fcm.Scene.new("pudding")
 

@@ -1,6 +1,8 @@
 //! Trait of simulations that are advanced in time steps.
 
-use crate::{Clock, ContactForces, Found, Frame, LoadFunction, NoLoads, Quantity, State, TableSet, VelocityField};
+use crate::{
+    Clock, ContactForces, Found, Frame, LoadFunction, NoLoads, Quantity, Rearrangement, State, TableSet, VelocityField,
+};
 use domain::{Comm, Interrupt};
 use std::error::Error;
 
@@ -67,7 +69,12 @@ pub trait Simulation {
     /// State for a checkpoint, from which a run continues bit for bit, on each rank with its own particles.
     fn state(&mut self) -> State;
 
-    /// Velocity of the fluid, if there is a fluid.
+    /// A state of this simulation, or of another of the same kind, in which a user has changed some values. Nothing is
+    /// left in it of how the particles moved before, and what follows from their places is to be computed again. `Err`
+    /// on every rank or on none.
+    fn rearranged(&self, state: State, change: &Rearrangement) -> Result<State, SimulationError>;
+
+    /// The velocity of the fluid, if there is one.
     fn velocity_field(&mut self) -> Result<Option<VelocityField>, SimulationError> {
         Ok(None)
     }

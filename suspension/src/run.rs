@@ -7,16 +7,16 @@ use crate::error::step::StepError;
 use crate::evaluation::velocity_field::FluidVelocity;
 use crate::forecast::warnings::cautions;
 use crate::model::Model;
-use crate::model::box_axes::UserAxes;
-use crate::model::radii::Radii;
-use crate::observables::Observer;
-use crate::observables::averages::Averages;
+use crate::observe::Observer;
+use crate::plan::Radii;
+use crate::rearranged::rearranged;
+use crate::step_error::StepError;
 use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
 use fcm::Drawn;
 use simulation::{
-    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Simulation, SimulationError, State, TableSet,
-    VelocityField,
+    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Rearrangement, Simulation, SimulationError, State,
+    TableSet, VelocityField,
 };
 
 /// A suspension together with its time series and statistics.
@@ -140,6 +140,12 @@ impl Simulation for Observed {
     fn state(&mut self) -> State {
         let statistics = self.averages.as_mut().map(Averages::state).unwrap_or_default();
         State { statistics, ..self.suspension.state() }
+    }
+
+    fn rearranged(&self, state: State, change: &Rearrangement) -> Result<State, SimulationError> {
+        let comm = self.suspension.comm();
+        comm.agree(rearranged(state, change, &self.axes).map_err(|error| error.to_string()))
+            .map_err(SimulationError::new)
     }
 
     fn found(&self) -> Option<Found> {

@@ -88,8 +88,8 @@ impl Suspension {
         })
     }
 
-    /// Resumes a suspension from a state, of which each rank provides some particles. The first rank has to provide a
-    /// state; others without particles may provide none. Collective.
+    /// A model in a state, of which each rank brings some particles; the first brings the state in any case, and with none
+    /// of its own a rank may bring nothing. Velocities that the state does not have are computed. Collective.
     pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let mut step = state.iter().map(|state| state.step).collect();
         comm.broadcast(&mut step);
@@ -117,6 +117,9 @@ impl Suspension {
         };
         if then.is_some_and(|plan| !fcm::is_same_way(&plan, &resumed.plan())) {
             resumed.caution = Some(OTHER_PLAN.to_owned());
+        }
+        if !resumed.particles.columns.iter().any(|column| column.name == VELOCITY) {
+            resumed.outcome = resumed.dynamics.evaluate_now(&mut resumed.particles, &resumed.clock)?;
         }
         Ok(resumed)
     }
@@ -415,9 +418,9 @@ fn fixed_step(
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let mut outcome = Outcome::default();
-    dynamics.remember(particles);
     let steps = dynamics.steps_before(clock);
-    adams_bashforth::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
+    dynamics.remember(particles, steps);
+    integrator::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
         outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction, steps))?;
         Ok::<(), StepError>(())
     })?;

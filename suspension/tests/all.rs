@@ -14,6 +14,7 @@ mod noise;
 mod open_extension;
 mod open_space;
 mod protocols;
+mod rearranged;
 mod runs;
 mod settling;
 mod stress;

@@ -37,12 +37,16 @@ def snapshots(name, every=5, **what):
 
 
 class Sweep(Run):
-    """Runs over seeds and parameters, made by the program itself on all cores."""
+    """A family of runs over seeds, viscosities or rates of shear, made by the program on all cores."""
 
-    def __init__(self, name, strain, particles=None, **lists):
-        output = {"observables_every": 5 * UNIT}
-        what = scene(strain=strain, output=output, sweep=lists)
+    def __init__(self, name, strain, seeds, particles=None, viscosities=None, rates=None):
+        what = scene(strain=strain, output={"observables_every": 5 * UNIT, "trajectory_every": 0, "checkpoint_every": 0})
         what["particles"] |= particles or {}
+        what["ensemble"] = {"seeds": seeds}
+        points = [{"fluid.viscosity": viscosity} for viscosity in viscosities or []]
+        # Records at the same strains.
+        points += [{"flow.rate": rate, "output.observables_every": round(5 * UNIT * RATE / rate)} for rate in rates or []]
+        what["sweep"] = points
         super().__init__(f"disks/{name}", what, threads=WORKERS)
 
     def branches(self):
@@ -57,8 +61,10 @@ class Sweep(Run):
 
 
 def numbers(path):
+    """The rows of a table but for the words that name a point."""
     with open(path) as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        rows = [{key: value for key, value in row.items() if key not in ("point", "values")} for row in csv.DictReader(file)]
+    return [{key: float(value) for key, value in row.items()} for row in rows]
 
 
 def near(strain, values, centre, width=5.0):

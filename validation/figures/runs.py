@@ -33,13 +33,18 @@ def toml(value):
     return repr(value)
 
 
+def key_of(name):
+    """A key as TOML writes it: one with points, as of a swept key, in quotes."""
+    return f'"{name}"' if "." in name else name
+
+
 def scene_text(scene):
     """A scene as TOML: tables of keys, and a list of tables for the species."""
     lines = [f"{key} = {toml(value)}" for key, value in scene.items() if not isinstance(value, (dict, list))]
     for name, table in scene.items():
         for one in table if isinstance(table, list) else [table] if isinstance(table, dict) else []:
             lines += ["", f"[[{name}]]" if isinstance(table, list) else f"[{name}]"]
-            lines += [f"{key} = {toml(value)}" for key, value in one.items()]
+            lines += [f"{key_of(key)} = {toml(value)}" for key, value in one.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -56,7 +61,7 @@ class Run:
 
     def has_a_part(self):
         """Whether something of it has been made that `resume` goes on from."""
-        return any(self.folder.glob("checkpoint-*.bin")) or any(self.folder.glob("cases/*.csv"))
+        return any(self.folder.glob("checkpoint-*.bin")) or any(self.folder.glob("point-*"))
 
     def make(self):
         """Runs the scene, or goes on with it; a scene that has changed starts anew."""

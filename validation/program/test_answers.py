@@ -107,7 +107,7 @@ class Answers(unittest.TestCase):
 
     def test_a_folder_without_results_is_named(self):
         with tempfile.TemporaryDirectory() as folder:
-            self.assertIn("holds no results of a run", run(["stats", folder], expect=1))
+            self.assertIn("no results of a run", run(["stats", folder], expect=1))
 
 
 if __name__ == "__main__":

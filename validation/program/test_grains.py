@@ -31,6 +31,11 @@ def words(name, sets):
     return [ROOT / "scenes" / f"{name}.toml", *(word for item in sets.items() for word in ("--set", "=".join(map(str, item))))]
 
 
+def table(path):
+    with open(path) as file:
+        return list(csv.DictReader(file))
+
+
 def rows(path):
     with open(path) as file:
         return [{key: float(value) for key, value in row.items() if key != "wall"} for row in csv.DictReader(file)]
@@ -250,27 +255,40 @@ class Grains(unittest.TestCase):
         said = self.run_scene("shear-cell", {"grains.solid_fraction": 0.63}, self.out.with_name("dense"), expect=1)
         self.assertIn("grains.solid_fraction is 0.63; it needs 0 < solid_fraction <= 0.62", said)
 
-    def test_a_stopped_sweep_makes_no_run_twice(self):
-        sets = {"box.edges": "[30.0, 30.0]", "time.strain": 40.0, "sweep.seeds": "[1, 2, 3]"}
+    def test_a_stopped_family_of_disks_makes_no_run_twice(self):
+        sets = {"box.edges": "[30.0, 30.0]", "time.strain": 40.0, "ensemble.seeds": "[1, 2, 3]"}
         whole = self.out.with_name("whole")
         self.run_scene("disk-sweep", sets, whole)
         process = start(["run", *words("disk-sweep", sets), "--out", self.out])
-        while not list(self.out.glob("cases/*.csv")):
+        while not list(self.out.glob("*/*/summary.csv")):
             self.assertIsNone(process.poll())
             time.sleep(0.001)
         os.kill(process.pid, signal.SIGINT)
         _, said = process.communicate()
         self.assertEqual(process.returncode, 128 + 2, said)
-        again = run(["resume", self.out])
-        self.assertIn("made before", again)
-        for name in ("averages.csv", "branches.csv"):
+        self.assertRegex(run(["resume", self.out]), "[1-5] finished before")
+        for name in ("averages.csv", "branches.csv", "family.csv"):
             self.assertEqual((self.out / name).read_bytes(), (whole / name).read_bytes())
-        averages, last = rows(whole / "averages.csv"), rows(whole / "branches.csv")
-        self.assertEqual(len(last), 2)
-        cases = [rows(path)[-1]["segregation"] for path in sorted((whole / "cases").glob("*.csv"))][:3]
-        final = [row for row in averages if row["viscosity"] == 0.001][-1]
-        self.assertAlmostEqual(final["segregation"], np.mean(cases), delta=1e-14)
-        self.assertAlmostEqual(final["segregation_error"], np.std(cases, ddof=1) / 3**0.5, delta=1e-14)
+        averages, last = table(whole / "averages.csv"), table(whole / "branches.csv")
+        self.assertEqual([row["values"] for row in last], ["fluid.viscosity = 0.001", "fluid.viscosity = 0.01"])
+        runs = [table(path) for path in sorted(whole.glob("point-0001/*/observables.csv"))]
+        final = [row for row in averages if row["point"] == "point-0001"][-1]
+        ends = [float(run[-1]["segregation"]) for run in runs]
+        self.assertAlmostEqual(float(final["segregation"]), np.mean(ends), delta=1e-14)
+        # Student's factor for three seeds.
+        error = 1.3212775 * np.std(ends, ddof=1) / 3**0.5
+        self.assertAlmostEqual(float(final["segregation_error"]) / error, 1, delta=1e-6)
+        late = [np.mean([float(row["segregation"]) for row in run[-(-(-len(run) // 10)) :]]) for run in runs]
+        self.assertAlmostEqual(float(last[0]["last_segregation"]), np.mean(late), delta=1e-14)
+
+    def test_former_lists_of_a_sweep_are_a_family_with_a_warning(self):
+        lists = {"sweep.seeds": "[1, 2]", "sweep.viscosities": "[0.001, 0.01]"}
+        sets = {"box.edges": "[30.0, 30.0]", "time.strain": 1.0}
+        said = self.run_scene("granular-disks", sets | lists)
+        self.assertIn("warning: sweep.seeds has another name now: [ensemble] seeds\n", said)
+        self.assertIn('warning: sweep.viscosities has another name now: [sweep] "fluid.viscosity"\n', said)
+        self.assertNotIn("warning", run(["resume", self.out]))
+        self.assertEqual(len(table(self.out / "branches.csv")), 2)
 
     def test_disks_start_from_a_file_and_from_a_former_run(self):
         self.run_scene("granular-disks", DISKS | {"time.steps": 10})

@@ -198,20 +198,6 @@ class SceneChanges(unittest.TestCase):
         sets = ["--set", "time.steps=8"]
         self.assertIn("finished after step 8", run(["run", moved / "my.toml", "--out", moved / "a", "--continue", *sets]))
 
-    def test_the_runs_of_a_sweep_are_of_one_scene(self):
-        sweep = {"box.edges": "[30.0, 30.0]", "time.strain": 4.0, "sweep.seeds": "[1, 2]"}
-        out = self.whole.with_name("sweep")
-        shutil.rmtree(out, ignore_errors=True)
-        run(["run", ROOT / "scenes" / "disk-sweep.toml", *words(sweep), "--out", out])
-        (out / "sweep.h5").unlink()
-        scene = out / "scene.toml"
-        text = scene.read_text()
-        scene.write_text(text.replace("[30.0, 30.0]", "[31.0, 30.0]"))
-        said = run(["resume", out], expect=1)
-        self.assertIn("has runs of another scene: box.edges is [31.0, 30.0] here and [30.0, 30.0] there", said)
-        scene.write_text(text)
-        self.assertIn("made before", run(["resume", out]))
-
 
 if __name__ == "__main__":
     unittest.main()

@@ -3,7 +3,7 @@
 use super::observe::{AveragedProfile, Disk};
 use super::state::{Block, Body, Identity, LANES, Motion};
 use super::verlet_list::{Chunk, Grid, ListMargin, Pair, cell_of};
-use super::{Estimate, Model, Parameters, Record, Size, Sweep};
+use super::{Model, Size};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
 
@@ -67,30 +67,5 @@ impl Model {
         let reach = stretch * stretch * 2.0 * (square + mean * mean) + 4.0 * stretch * skin * mean + skin * skin;
         let [length, height] = self.parameters().edges;
         0.5 * count * (count * std::f64::consts::PI * reach / (length * height) - 1.0).max(0.0)
-    }
-}
-
-impl Sweep {
-    /// All runs, `at_a_time` at a time, and their records.
-    pub fn bytes(&self, at_a_time: usize) -> Bytes {
-        let densest = self.area_fractions.iter().copied().fold(0.0, f64::max);
-        let model = Model::new(Parameters { area_fraction: densest, ..self.base.clone() });
-        let run = model.map_or_else(|_| Bytes::default(), |model| model.bytes(0));
-        let runs = Bytes::pass(run.most * self.count().min(at_a_time as f64));
-        let records = self.count() * self.records_each();
-        let averages = Bytes::list::<[Estimate; Record::COLUMNS.len()]>(records / self.seeds.len() as f64);
-        // A list of a run grows as it is made.
-        Bytes::list::<Record>(GROWING * records).then(runs.or(averages))
-    }
-
-    /// How many runs.
-    pub fn count(&self) -> f64 {
-        let lists = [self.seeds.len(), self.viscosities.len(), self.rates.len(), self.area_fractions.len()];
-        lists.iter().map(|&length| length as f64).product()
-    }
-
-    /// Records of each run.
-    pub fn records_each(&self) -> f64 {
-        (self.strain / self.record_every).ceil() + 1.0
     }
 }

@@ -18,7 +18,6 @@ mod stage;
 mod state;
 mod store;
 mod sums;
-mod sweep;
 mod tally;
 mod verlet_list;
 
@@ -38,7 +37,6 @@ pub use run::{Course, DiskRun, outline, run_bytes};
 pub use sizes::{LengthUnit, Size, Sizes, Species};
 use stage::Law;
 pub use stage::Stage;
-pub use sweep::{Branch, Case, Estimate, Sweep, SweepStore};
 pub use tally::{Measurement, Tally};
 
 /// Works on parts one by one, on several threads if there are several parts.

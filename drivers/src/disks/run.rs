@@ -5,7 +5,10 @@ use super::{
 };
 use crate::StartError;
 use domain::{Bytes, Comm, GivenPositions, Need, Number, Particles, Process};
-use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, Table, TableSet};
+use simulation::{
+    Clock, Frame, Outline, Quantity, Rearrangement, RearrangementError, Simulation, SimulationError, State, Table,
+    TableSet,
+};
 use statistics::{State as Stored, Store};
 
 /// Largest number of disks times steps in one call, so that requests to stop are noticed soon.
@@ -185,6 +188,30 @@ impl Simulation for DiskRun {
             particles,
             statistics: vec![Kept { progress: progress.to_numbers(), profile: self.profile.clone() }.save()],
         }
+    }
+
+    fn rearranged(&self, mut state: State, change: &Rearrangement) -> Result<State, SimulationError> {
+        let refused = |error| Err(SimulationError::new(error));
+        if !change.radii.is_empty() {
+            return refused(RearrangementError::FixedRadii);
+        }
+        if !change.angular_velocities.is_empty() {
+            return refused(RearrangementError::NoSpin);
+        }
+        if let Some(&(id, _)) = change.positions.iter().chain(&change.velocities).find(|(_, vector)| vector.z != 0.0) {
+            return refused(RearrangementError::OffThePlane(id));
+        }
+        let mut kept = Kept { progress: Vec::new(), profile: self.profile.clone() };
+        let fits = kept.load(&state.statistics.concat());
+        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits);
+        let progress = progress.ok_or(StartError::State).map_err(SimulationError::new)?;
+        let ids = state.particles.ids.clone();
+        let disks = Disks::resume(self.disks.model(), &state.particles, &progress).map_err(SimulationError::new)?;
+        Rearrangement::put(&change.positions, &ids, &mut state.particles.positions);
+        Rearrangement::put(&change.velocities, &ids, state.particles.vectors("velocity"));
+        let (particles, progress) = disks.rearranged(&state.particles).map_err(SimulationError::new)?.store();
+        state.statistics = vec![Kept { progress: progress.to_numbers(), ..kept }.save()];
+        Ok(State { particles, ..state })
     }
 
     fn averages(&mut self) -> Option<TableSet> {

@@ -78,7 +78,7 @@ impl Disks {
     /// Disks of a particle store, in the stage with flow. Without a column `velocity` they move with the liquid.
     pub fn flowing(parameters: super::Parameters, particles: &Particles) -> Result<Self, ParameterError> {
         let model = Model::with_particles(parameters, particles)?;
-        check_places(&model, particles)?;
+        check_places(&model, model.parameters().strain, particles)?;
         Self::given(&model, particles, Stage::Flow)
     }
 
@@ -86,15 +86,24 @@ impl Disks {
         let law = model.law(stage);
         let mut state = State::given(particles, &law, model)?;
         state.set_response(&law, model);
-        Ok(Self::begin(model.clone(), stage, state))
+        Ok(Self::begin(model.clone(), stage, 0, state))
     }
 
-    /// Starts a stage from positions and velocities.
-    fn begin(model: Model, stage: Stage, mut state: State) -> Self {
+    /// The same disks at the same step at the places and with the velocities of a store, as if they had only begun to
+    /// move: counts begin anew.
+    pub fn rearranged(&self, particles: &Particles) -> Result<Self, ParameterError> {
+        check_places(&self.model, self.law.strain(self.step), particles)?;
+        let mut state = State::given(particles, &self.law, &self.model)?;
+        state.set_response(&self.law, &self.model);
+        Ok(Self::begin(self.model.clone(), self.stage, self.step, state))
+    }
+
+    /// Starts a stage, or goes on with it after some steps, from places and velocities.
+    fn begin(model: Model, stage: Stage, step: u64, mut state: State) -> Self {
         let law = model.law(stage);
-        let list = List::make(&mut state, &model, &law, 0, None);
-        let mut disks = Self { model, stage, law, step: 0, state, list, tally: Tally::default(), lost: false };
-        let contact = disks.list.push_apart(&mut disks.state, &law, 0, true);
+        let list = List::make(&mut state, &model, &law, step, None);
+        let mut disks = Self { model, stage, law, step, state, list, tally: Tally::default(), lost: false };
+        let contact = disks.list.push_apart(&mut disks.state, &law, step, true);
         let motion = disks.state.measure(&law);
         disks.state.start(&law, |radius| disks.model.mass(radius));
         disks.tally = Tally::begin(disks.measurement(&motion, &contact));
@@ -114,7 +123,7 @@ impl Disks {
             }
         }
         state.set_response(&law, &self.model);
-        *self = Self::begin(self.model.clone(), stage, state);
+        *self = Self::begin(self.model.clone(), stage, 0, state);
     }
 
     /// Takes a number of steps of the present stage.
@@ -207,9 +216,9 @@ impl Disks {
     }
 }
 
-/// Refuses two disks at the same position: they would exert no force on each other.
-fn check_places(model: &Model, particles: &Particles) -> Result<(), ParameterError> {
-    let cell = model.cell(model.parameters().strain);
+/// Two disks at one point exert no force on each other.
+fn check_places(model: &Model, strain: f64, particles: &Particles) -> Result<(), ParameterError> {
+    let cell = model.cell(strain);
     let mut places: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();
     places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     match places.windows(2).find(|pair| pair[0] == pair[1]) {

@@ -3,8 +3,10 @@
 use super::tables::{WALLS, tables};
 use super::{Collisions, Grains, Model, Run, Sample, Sampling, Side};
 use crate::StartError;
-use domain::{Comm, Interrupt, Number, PeriodicBox, Vector};
-use simulation::{Clock, Frame, Outline, Quantity, Simulation, SimulationError, State, TableSet};
+use domain::{Comm, Interrupt, Number, Particles, PeriodicBox, Vector};
+use simulation::{
+    Clock, Frame, Outline, Quantity, Rearrangement, RearrangementError, Simulation, SimulationError, State, TableSet,
+};
 
 /// A cell and the parameters of its run.
 #[derive(Debug, Clone, Copy)]
@@ -209,6 +211,23 @@ impl Simulation for CellRun {
             particles: self.run.engine().grains().to_particles(&self.model),
             statistics: vec![self.run.save()],
         }
+    }
+
+    fn rearranged(&self, mut state: State, change: &Rearrangement) -> Result<State, SimulationError> {
+        if !change.radii.is_empty() {
+            return Err(SimulationError::new(RearrangementError::FixedRadii));
+        }
+        let grains =
+            |particles: &Particles| Grains::from_particles(&self.model, particles).map_err(SimulationError::new);
+        let before = grains(&state.particles)?;
+        let particles = &mut state.particles;
+        let ids = particles.ids.clone();
+        Rearrangement::put(&change.positions, &ids, &mut particles.positions);
+        Rearrangement::put(&change.velocities, &ids, particles.vectors("velocity"));
+        Rearrangement::put(&change.angular_velocities, &ids, particles.vectors("angular_velocity"));
+        let after = grains(particles)?;
+        let saved = self.run.saved_with(&state.statistics.concat(), [&before, &after]).ok_or(StartError::State);
+        Ok(State { statistics: vec![saved.map_err(SimulationError::new)?], ..state })
     }
 
     fn averages(&mut self) -> Option<TableSet> {

@@ -159,7 +159,18 @@ impl Run {
         Kept { lid, tally, start: self.start, measured: self.measured.clone() }.save()
     }
 
-    /// Resumes from the grains of a checkpoint and the bytes saved there; the other arguments are those of a new run.
+    /// The saved part of a checkpoint, for other grains than it was saved with: the balances do not count what the user
+    /// has done. None if it is of another form.
+    pub fn saved_with(&self, saved: &[u8], [before, after]: [&Grains; 2]) -> Option<Vec<u8>> {
+        let (lid, tally, measured) = (self.engine.lid(), *self.engine.tally(), self.measured.clone());
+        let mut kept = Kept { lid, tally, start: self.start, measured };
+        kept.load(saved).then(|| {
+            kept.start = kept.start.with_replaced(&self.model, [before, after]);
+            kept.save()
+        })
+    }
+
+    /// Goes on from the grains of a checkpoint and what was saved there; the rest as for a new run.
     pub fn resume(
         model: &Model,
         grains: &Grains,

@@ -1,12 +1,16 @@
 //! Check that the rows of a table have the cells that its first line names.
 
-/// Refuses a table with rows of a different number of cells, or without a column named after a
-/// species. Cells may be quoted.
+/// Refuses a table whose rows have other numbers of cells, or of which no column is named after a species and no row of a
+/// column `species` is of it. Cells may be quoted.
 pub fn of_cells(text: &str, species: &str) -> Result<(), String> {
     let rows: Vec<Vec<String>> = rows(text);
     let Some(names) = rows.first() else { return Ok(()) };
-    if !names.iter().any(|name| name.contains(&format!("[{species}]"))) {
-        return Err(format!("no column is named after the species {species:?}: {}", names.join(" | ")));
+    let (is_named, kind) = match names.iter().position(|name| name == "species") {
+        Some(column) => (rows.iter().skip(1).any(|row| row.get(column).is_some_and(|of| of == species)), "row is of"),
+        None => (names.iter().any(|name| name.contains(&format!("[{species}]"))), "column is named after"),
+    };
+    if !is_named {
+        return Err(format!("no {kind} the species {species:?}: {}", names.join(" | ")));
     }
     let other = rows.iter().position(|row| row.len() != names.len());
     other.map_or(Ok(()), |row| Err(format!("row {row} has {} cells for {} names", rows[row].len(), names.len())))
@@ -39,6 +43,7 @@ mod tests {
     fn quoted_names_keep_their_commas() {
         assert_eq!(of_cells("time,\"v[a,b]\"\n0,1\n", "a,b"), Ok(()));
         assert_eq!(of_cells("time,\"v[a\"\"b]\"\n0,1\n", "a\"b"), Ok(()));
+        assert_eq!(of_cells("quantity,species\nv,\"a,b\"\n", "a,b"), Ok(()));
     }
 
     #[test]
@@ -46,5 +51,6 @@ mod tests {
         assert!(of_cells("time,v[a,b]\n0,1\n", "a,b").unwrap_err().contains("no column"));
         assert!(of_cells("time,v[a]\n0,1,2\n", "a").unwrap_err().contains("row 1 has 3 cells for 2 names"));
         assert!(of_cells("time,v[b]\n0,1\n", "a").is_err());
+        assert!(of_cells("quantity,species\nv,b\n", "a").unwrap_err().contains("no row is of"));
     }
 }

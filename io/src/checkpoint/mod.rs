@@ -64,7 +64,17 @@ impl<'a> Checkpoints<'a> {
         Ok(())
     }
 
-    /// File of the checkpoint at a step.
+    /// Removes those of steps after this one.
+    pub(crate) fn drop_after(run: &Manifest, step: u64) -> Result<(), FileError> {
+        let last = Checkpoints(run.folder()).path(step);
+        Checkpoints(run.folder())
+            .paths()?
+            .into_iter()
+            .filter(|path| *path > last)
+            .try_for_each(|path| run.remove(&path))
+    }
+
+    /// The file of a step.
     fn path(&self, step: u64) -> PathBuf {
         self.0.join(format!("checkpoint-{step:010}.bin"))
     }

@@ -17,7 +17,7 @@ pub enum ReportError {
     },
     /// A run without results to show.
     #[error(
-        "{} has a scene, but no results to report: no trajectory.h5, observables.h5, averages.h5, sweep.h5, \
+        "{} has a scene, but no results to report: no trajectory.h5, observables.h5, averages.h5, \
          solution.h5 or family.h5; finish the run, or set output.trajectory_every or output.observables_every",
         folder.display()
     )]

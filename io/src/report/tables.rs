@@ -27,8 +27,7 @@ fn shown(stored: &StoredTable) -> Option<(&'static str, String)> {
         )),
         "totals" => Some(("Averages over the cell", totals(stored))),
         "branches" => {
-            let names =
-                ["viscosity", "rate", "area_fraction", "viscous_length", "last_segregation", "last_segregation_error"];
+            let names = ["values", "viscous_length", "last_segregation", "last_segregation_error"];
             Some(("Branches of the sweep", columns(stored, &names)))
         }
         _ => None,

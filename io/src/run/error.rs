@@ -2,7 +2,6 @@
 
 use crate::{FileError, SceneError};
 use domain::{Failure, Interrupted};
-use drivers::ParameterError;
 use simulation::SimulationError;
 use std::path::PathBuf;
 use suspension::LeastRepulsionError;
@@ -28,10 +27,7 @@ pub enum RunError {
     /// No strength of repulsion prevents overlaps.
     #[error(transparent)]
     LeastRepulsion(#[from] LeastRepulsionError),
-    /// A parameter of a sweep's runs.
-    #[error(transparent)]
-    Parameter(#[from] ParameterError),
-    /// A failure on another rank.
+    /// Something that only some ranks know of.
     #[error(transparent)]
     Failed(#[from] Failure),
     /// A request to stop.

@@ -4,7 +4,7 @@ use super::RunError;
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Bytes, Comm, Need, Process, readable_bytes};
 use drivers::continuum::Problem;
-use drivers::disks::{Record, run_bytes};
+use drivers::disks::run_bytes;
 use drivers::shear_cell::Experiment;
 use simulation::{Frame, Outline, Table};
 use suspension::Ranks;
@@ -68,27 +68,14 @@ fn remedy(kind: &Kind) -> String {
 
 fn remedy_of_disks(scene: &GranularDisksScene) -> String {
     let disks = scene.model.sizes().len();
-    match &scene.sweep {
-        Some(sweep) => format!(
-            "the scene has {} runs of about {disks} disks with {:.2e} records each; take fewer sweep.seeds, a larger \
-             output.observables_every, a smaller box.edges or sweep.area_fractions, or fewer --threads",
-            sweep.count(),
-            sweep.records_each()
-        ),
-        None => format!(
-            "the scene has {disks} disks and {} strips; take a smaller box.edges or particles.area_fraction, or fewer \
-             output.profile_strips",
-            scene.profile_strips
-        ),
-    }
+    format!(
+        "the scene has {disks} disks and {} strips; take a smaller box.edges or particles.area_fraction, or fewer \
+         output.profile_strips",
+        scene.profile_strips
+    )
 }
 
 fn disks(scene: &GranularDisksScene) -> Bytes {
-    if let Some(sweep) = &scene.sweep {
-        let rows = sweep.count() * sweep.records_each();
-        let tables = Table::bytes(rows, 2 * Record::COLUMNS.len());
-        return sweep.bytes(rayon::current_num_threads()).then(tables);
-    }
     run_bytes(&scene.model, scene.profile_strips)
 }
 

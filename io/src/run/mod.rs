@@ -15,9 +15,7 @@ mod recorder;
 mod resumption;
 mod start;
 mod start_file;
-mod stored_cases;
 mod strain_end;
-mod sweep;
 mod trial;
 mod whole_scene;
 

@@ -1,10 +1,8 @@
 //! Outlines of scenes of grains, before they are run.
 
-use super::trial::sweep_steps;
 use super::{RunError, check_ranks, memory, start, start_positions};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Comm, Number};
-use drivers::disks::Sweep;
 use drivers::shear_cell::Collisions;
 use simulation::Outline;
 use suspension::Asked;
@@ -39,24 +37,7 @@ fn of_disks(scene: &GranularDisksScene) -> Outline {
         outline =
             outline.line("start", format_args!("from {}, whose disks take the place of these", start.path.display()));
     }
-    if let Some(sweep) = &scene.sweep {
-        outline = outline.line("sweep", cases(sweep)).value("runs", sweep.cases().len());
-    }
-    let steps = sweep_steps(scene);
-    with_cost(outline, Some(scene.model.sizes().len() as f64 * steps / DISK_STEPS))
-}
-
-/// Summary of the runs of a sweep.
-pub fn cases(sweep: &Sweep) -> String {
-    format!(
-        "{} runs: {} seeds, {} viscosities, {} rates, {} area fractions, each to strain {:.6}",
-        sweep.cases().len(),
-        sweep.seeds.len(),
-        sweep.viscosities.len(),
-        sweep.rates.len(),
-        sweep.area_fractions.len(),
-        Number(sweep.strain)
-    )
+    with_cost(outline, Some(scene.model.sizes().len() as f64 * scene.time.steps as f64 / DISK_STEPS))
 }
 
 /// Estimated seconds of a run of the cell, if its collisions are time-stepped.

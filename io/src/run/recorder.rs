@@ -72,6 +72,19 @@ impl Recorder {
         Self::open(folder, (scene, Some(record)), simulation, (Some(last), room))
     }
 
+    /// The same run of a scene from the step on to which the simulation has gone back, in files with room until step
+    /// `room`. What was written after it is dropped. Collective.
+    pub fn go_back(self, scene: &Scene, room: u64, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
+        let Self { folder, files, comm, scene: record, .. } = self;
+        drop(files);
+        let step = simulation.clock().step();
+        let dropped = if comm.is_first() { Checkpoints::drop_after(folder.manifest(), step) } else { Ok(()) };
+        comm.agree(dropped.map_err(|e| in_full(&e)))?;
+        let mut recorder = Self::open(folder, (scene, Some(record)), simulation, (Some(step), room))?;
+        recorder.renew_checkpoint(simulation)?;
+        Ok(recorder)
+    }
+
     fn open(
         folder: RunFolder,
         (scene, former): (&Scene, Option<SceneRecord>),

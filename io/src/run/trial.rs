@@ -3,7 +3,7 @@
 use super::strain_end::StrainEnd;
 use super::{RunError, start};
 use crate::checkpoint;
-use crate::{GranularDisksScene, Kind, Output, Scene, SceneRecord, SuspensionScene, Trajectory};
+use crate::{Kind, Output, Scene, SceneRecord, SuspensionScene, Trajectory};
 use domain::{Comm, Interrupt, Number, readable_bytes};
 use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
@@ -68,10 +68,7 @@ const LAUNCH_TIME: f64 = 0.01;
 /// Bytes of an HDF5 file of frames in addition to its frames.
 const FILE: f64 = 2e5;
 
-/// Bytes of a file of averages of a sweep.
-const SWEEP_FILE: f64 = 4e4;
-
-/// Bytes of all tables of averages, per species.
+/// Bytes of all tables of averages, for each species.
 const TABLES: f64 = 6e5;
 
 /// Bytes of the velocity at a grid point.
@@ -228,25 +225,10 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
     }))
 }
 
-/// Number of steps of a run, an upper bound if a strain may end it earlier; for a sweep that of all its runs, divided
-/// by the number of runs that are computed at the same time.
+/// The steps of a run, at most where a strain may end it before.
 fn steps_of_all(scene: &Scene, strain: Option<StrainEnd>) -> f64 {
-    match scene.kind() {
-        Kind::GranularDisks(disks) => match &disks.sweep {
-            Some(sweep) => {
-                let at_once = rayon::current_num_threads().min(sweep.cases().len()).max(1);
-                sweep_steps(disks) / at_once as f64
-            }
-            None => disks.time.steps as f64,
-        },
-        kind => strain.map_or(kind.steps() as f64, |end| end.steps(kind.steps() as f64)),
-    }
-}
-
-/// Steps of all runs of a scene of disks.
-pub(super) fn sweep_steps(scene: &GranularDisksScene) -> f64 {
-    let Some(sweep) = &scene.sweep else { return scene.time.steps as f64 };
-    sweep.cases().iter().map(|case| sweep.strain / (case.rate.abs() * sweep.base.time_step)).sum()
+    let most = scene.kind().steps() as f64;
+    strain.map_or(most, |end| end.steps(most))
 }
 
 /// Bytes and time of the output up to step `last`.
@@ -258,11 +240,6 @@ fn written(trying: &mut Trying, (scene, output): (&Scene, &Output), last: u64) -
     let numbers: usize = quantities.iter().map(|quantity| quantity.columns().len()).sum();
     let series =
         Written { bytes: rows * NUMBER * numbers as f64, seconds: rows * QUANTITY_TIME * quantities.len() as f64 };
-    if let Kind::GranularDisks(disks) = scene.kind()
-        && let Some(sweep) = &disks.sweep
-    {
-        return Written { bytes: SWEEP_FILE + sweep.cases().len() as f64 * series.bytes, seconds: 0.0 };
-    }
     let now = simulation.frame();
     let frame = trying.particles * Trajectory::frame_bytes(&now) as f64;
     let state = simulation.state();

@@ -1,30 +1,20 @@
 //! Scenes without time steps, which are computed as a whole.
 
-use super::{Listener, RunError, RunFolder, check_ranks, continuum, sweep};
+use super::{Listener, RunError, RunFolder, check_ranks, continuum};
 use crate::{ContinuumScene, Kind, Scene};
 use domain::Comm;
-use drivers::disks::Sweep;
 use std::path::Path;
 
-/// A scene that is computed as a whole, in one process. Results that were complete before an interruption are kept.
-pub enum WholeScene<'a> {
-    /// Problems to solve.
-    Continuum(&'a ContinuumScene),
-    /// Runs to make.
-    Sweep(&'a Sweep),
-}
+/// A scene that is carried out as a whole, in one process: problems of a continuum to solve.
+pub struct WholeScene<'a>(&'a ContinuumScene);
 
 impl<'a> WholeScene<'a> {
     /// The scene, if it is of a kind without steps.
     pub fn of(scene: &'a Scene) -> Option<Self> {
-        match scene.kind() {
-            Kind::Continuum(scene) => Some(Self::Continuum(scene)),
-            Kind::GranularDisks(scene) => scene.sweep.as_ref().map(Self::Sweep),
-            _ => None,
-        }
+        if let Kind::Continuum(problems) = scene.kind() { Some(Self(problems)) } else { None }
     }
 
-    /// Computes the remaining results.
+    /// Does the work.
     pub fn carry_out(
         &self,
         scene: &Scene,
@@ -34,18 +24,11 @@ impl<'a> WholeScene<'a> {
     ) -> Result<(), RunError> {
         check_ranks(scene.kind(), comm.size())?;
         folder.manifest().remove_temporary_files();
-        match self {
-            Self::Continuum(problems) => continuum::solve(problems, scene, folder.manifest(), listener),
-            Self::Sweep(runs) => sweep::sweep(runs, scene, folder.manifest(), listener),
-        }
+        continuum::solve(self.0, scene, folder.manifest(), listener)
     }
 
     /// Whether a folder contains all results.
     pub fn is_finished(&self, folder: &Path) -> bool {
-        match self {
-            Self::Continuum(problems) => continuum::is_solved(problems, folder),
-            // Written last.
-            Self::Sweep(_) => folder.join("sweep.h5").exists(),
-        }
+        continuum::is_solved(self.0, folder)
     }
 }

@@ -45,11 +45,13 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// The same error, for a member of the family in the file `name`.
-    pub(super) fn of_member(self, name: &str, member: &Member) -> Self {
+    /// The same about a member of the family in the file `name`, whose lines are those of the text that was read, or not.
+    pub(super) fn of_member(self, name: &str, member: &Member, has_lines: bool) -> Self {
         let with = format!(", {member}");
         match self {
-            Self::Invalid { name, line, message, .. } => Self::Invalid { name, line, with, message },
+            Self::Invalid { name, line, message, .. } => {
+                Self::Invalid { name, line: line.filter(|_| has_lines), with, message }
+            }
             Self::Override { message } => {
                 Self::Invalid { name: name.to_owned(), line: None, with, message: format!("sweep can't set {message}") }
             }
@@ -72,6 +74,15 @@ pub(super) struct Fault {
 impl Fault {
     pub(super) fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
         Self { key: key.into(), message: message.into() }
+    }
+
+    pub(super) fn key(&self) -> &str {
+        &self.key
+    }
+
+    /// The same of the key by another name.
+    pub(super) fn of_key(self, key: impl Into<String>) -> Self {
+        Self { key: key.into(), ..self }
     }
 }
 

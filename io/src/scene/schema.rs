@@ -38,15 +38,11 @@ fn of_kind<Raw: JsonSchema>(name: &str, generator: &mut SchemaGenerator) -> Valu
             "items": { "type": "integer", "minimum": 0 },
         }},
     });
-    let mut forms = vec![json!({
+    schema["properties"]["sweep"] = json!({
+        "description": "Many runs: keys in quotes with lists of values, or [[sweep]] with a value for each key.",
         "type": ["object", "array"],
         "additionalProperties": { "type": ["array", "object"] },
         "items": { "type": "object" },
-    })];
-    forms.extend(schema["properties"].get("sweep").cloned());
-    schema["properties"]["sweep"] = json!({
-        "description": "Many runs: keys in quotes with lists of values, or [[sweep]] with a value for each key.",
-        "anyOf": forms,
     });
     schema["properties"]["kind"] = json!({ "const": name, "description": "What the scene is of." });
     schema

@@ -25,7 +25,9 @@ def draw(folder, by="excess", only=None, notes=None):
     folder = Path(folder)
     kept = scene.read_scene(folder)
     with style.applied():
-        if family.is_one(folder, kept):
+        if family.is_one(folder, kept) and only is None and grains.sweep.is_one(folder, kept):
+            figure = grains.sweep.draw(folder, kept)
+        elif family.is_one(folder, kept):
             figure = family.draw(folder, kept, only)
         elif kept.kind in grains.KINDS and only is not None:
             raise PlotError(f"{folder} holds grains, whose quantities are drawn together; leave {only} out")
@@ -44,11 +46,11 @@ def draw(folder, by="excess", only=None, notes=None):
 
 def animate(folder, picture, by="excess"):
     """Writes all frames of disks as a GIF."""
-    from . import grains, output, scene
+    from . import family, grains, output, scene
 
     folder = Path(folder)
     kept = scene.read_scene(folder)
-    if kept.kind != "granular-disks" or "sweep" in kept.keys:
+    if kept.kind != "granular-disks" or family.is_one(folder, kept):
         raise PlotError(
             f"{folder} is no run of disks, of which alone animations are made; fcm-solve report shows spheres in motion"
         )

@@ -38,9 +38,8 @@ class Family:
 
 
 def is_one(folder, scene):
-    """Whether a folder holds a family. Sweeps of disks of former versions have a table of their own."""
-    is_former = "sweep" in scene.keys and (folder / "averages.csv").is_file()
-    return (folder / TABLE).is_file() or "ensemble" in scene.keys or ("sweep" in scene.keys and not is_former)
+    """Whether a folder holds a family."""
+    return (folder / TABLE).is_file() or "ensemble" in scene.keys or "sweep" in scene.keys
 
 
 def draw(folder, scene, only=None):

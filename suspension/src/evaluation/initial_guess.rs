@@ -66,9 +66,12 @@ impl WarmStart {
             .chain(learnt)
     }
 
-    /// Stores the present values, at the start of a step, as the latest past ones.
-    pub fn remember(&self, particles: &mut Particles) {
-        for (name, width) in self.columns() {
+    /// Makes the values of now, at the start of a step after so many, the last past ones; and all past ones, where
+    /// there are none of those steps.
+    pub fn remember(&self, particles: &mut Particles, steps: u64) {
+        let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1));
+        let times = if steps > 0 && !is_known { PAST } else { 1 };
+        for (name, width) in (0..times).flat_map(|_| self.columns()) {
             let mut newest = particles.column(name, width).values.clone();
             for k in 1..=PAST {
                 std::mem::swap(&mut particles.column(&past(name, k), width).values, &mut newest);
@@ -83,8 +86,18 @@ impl WarmStart {
         particles.columns.retain(|column| !past.contains(&column.name));
     }
 
-    /// Stores the parts of a solution that are needed later, in addition to the results.
-    pub fn record(&self, particles: &mut Particles, solved: &Solution) {
+    /// Forgets all solutions, of particles with forces between near ones in the solve or without.
+    pub fn forget_all(particles: &mut Particles) {
+        for coupled in [false, true] {
+            let known = Self::new(coupled);
+            known.forget(particles);
+            let kept: Vec<String> = known.kept().map(|(name, _)| name).collect();
+            particles.columns.retain(|column| !kept.contains(&column.name));
+        }
+    }
+
+    /// What a solution keeps for later, besides what its users see.
+    pub fn record(&self, particles: &mut Particles, solved: &Solved) {
         if !self.coupled {
             return;
         }
@@ -252,7 +265,7 @@ mod tests {
         for step in 0..steps {
             particles.column(STRESSLET, 5).values.copy_from_slice(&stresslet(f64::from(step)).0);
             warm_start.learn(&mut particles, &ages[..3.min(step as usize)], 1.0, &comm);
-            warm_start.remember(&mut particles);
+            warm_start.remember(&mut particles, step.into());
         }
         let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
         assert_eq!(first, stresslet(f64::from(steps) - 1.0), "with nothing known but the last value, that");

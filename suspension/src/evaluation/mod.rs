@@ -159,10 +159,11 @@ impl Dynamics {
         Ok((dynamics, setup.particles))
     }
 
-    /// Stores the solution at the start of a step for later extrapolation.
-    pub fn remember(&self, particles: &mut Particles) {
+    /// Makes the state at the start of a step part of the past, after so many steps; where nothing is known of those,
+    /// all of it.
+    pub fn remember(&self, particles: &mut Particles, steps: u64) {
         if self.rigid {
-            self.warm_start.remember(particles);
+            self.warm_start.remember(particles, steps);
         }
     }
 

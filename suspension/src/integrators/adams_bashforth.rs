@@ -81,15 +81,20 @@ impl AdamsBashforth {
 
 /// Takes one step of length `dt`, after `steps` previous steps.
 ///
-/// `evaluate` migrates the particles to their ranks and fills the column [`VELOCITY`] for a fraction of the step. It
-/// may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
-/// column must hold the velocities at the start of the step, and holds those at its end afterwards.
+/// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
+/// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
+/// column must hold the velocities of now when this is called, and holds those of the step's end afterwards. Where
+/// those of the steps before are missing, as after the particles were put elsewhere, they count as those of now.
 pub fn advance<E>(
     particles: &mut Particles,
     (dt, steps): (f64, u64),
     method: AdamsBashforth,
     mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
+    let is_known = particles.columns.iter().any(|column| column.name == PAST[0]);
+    if steps > 0 && !is_known {
+        (0..method.past()).for_each(|_| remember(particles, method.past()));
+    }
     if steps < method.past() as u64 {
         runge_kutta(particles, dt, method.past(), &mut evaluate)?;
     } else {

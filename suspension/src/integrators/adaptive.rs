@@ -59,7 +59,7 @@ pub fn advance(
     let (mut fraction, mut outcome) = (0.0, Outcome::default());
     while fraction < 1.0 {
         let comm = dynamics.partition().comm().clone();
-        dynamics.remember(particles);
+        dynamics.remember(particles, 0);
         let ages = ages(particles, &comm);
         let rest = (1.0 - fraction) * clock.dt();
         let Chosen { step, weights, apart } =

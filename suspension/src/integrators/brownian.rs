@@ -70,7 +70,7 @@ pub fn advance(
         BrownianScheme::TwoEvaluations => {
             let outcome = two_evaluations(particles, clock, noise, dynamics)?;
             if is_seen {
-                dynamics.remember(particles);
+                dynamics.remember(particles, 0);
                 dynamics.evaluate(particles, &Moment::in_step(clock, 1.0, 0))?;
             }
             Ok(outcome)

@@ -119,7 +119,7 @@ impl Substep<'_> {
     fn take(self, dynamics: &mut Dynamics) -> Result<(f64, Outcome), StepError> {
         let Self { particles, control, clock, fraction } = self;
         let comm = dynamics.partition().comm().clone();
-        dynamics.remember(particles);
+        dynamics.remember(particles, 0);
         let (ages, rest) = (ages(particles, &comm), (1.0 - fraction) * clock.dt());
         let mut longest =
             proposed(particles, &ages, control, &comm).min(dynamics.moving_box().longest_substep()).min(rest);

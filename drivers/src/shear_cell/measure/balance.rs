@@ -1,6 +1,6 @@
 //! Balances of energy and momentum, as a check of a run.
 
-use super::super::{Engine, Model};
+use super::super::{Engine, Grains, Model};
 use domain::Vector;
 use statistics::{State, Store};
 
@@ -24,6 +24,14 @@ impl Start {
     pub fn new(model: &Model, engine: &Engine) -> Self {
         let grains = engine.grains();
         Self { energy: grains.energy(model) + engine.lid().energy(model), momentum: grains.momentum(model) }
+    }
+
+    /// The same where a user has replaced the grains of a later time by others.
+    pub fn with_replaced(self, model: &Model, [before, after]: [&Grains; 2]) -> Self {
+        Self {
+            energy: self.energy + after.energy(model) - before.energy(model),
+            momentum: self.momentum + after.momentum(model) - before.momentum(model),
+        }
     }
 
     /// The balance from the start of the engine's tally until now.

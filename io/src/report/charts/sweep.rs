@@ -1,11 +1,9 @@
-//! Charts of a sweep of sheared disks.
+//! Charts of a family of sheared disks.
 
 use crate::report::chart::Chart;
 use crate::report::stored_table::StoredTable;
 
-/// What tells the branches of a sweep apart.
-pub(in crate::report) const OF: [&str; 3] = ["viscosity", "rate", "area_fraction"];
-/// Branches that a chart shows at most.
+/// Points that a chart shows at most.
 const MOST: usize = 7;
 
 /// Segregation over the strain, and what is left of it at the end against the viscous length.
@@ -15,9 +13,9 @@ pub(super) fn charts(averages: Option<&StoredTable>, branches: Option<&StoredTab
 
 fn over_strain(table: &StoredTable) -> Option<Chart> {
     let mut chart = Chart::new("Segregation over the strain", ("strain", ""), ("segregation", ""));
-    for (of, rows) in table.groups(&OF).into_iter().take(MOST) {
+    for (of, rows) in table.groups(&["values"]).into_iter().take(MOST) {
         let (points, errors) = table.points("strain", "segregation", &rows)?;
-        chart.add(&format!("viscosity {}, rate {}, area fraction {}", of[0], of[1], of[2]), points, errors);
+        chart.add(&of[0], points, errors);
     }
     Some(chart)
 }

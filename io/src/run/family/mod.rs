@@ -2,6 +2,7 @@
 
 mod answers;
 mod changes;
+mod disks;
 mod folder;
 mod spread;
 mod state;

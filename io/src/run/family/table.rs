@@ -1,6 +1,7 @@
 //! The table of a family: a row for each point and quantity, with the mean over the seeds.
 
 use super::answers::{self, Answer};
+use super::disks;
 use super::folder::FamilyFolder;
 use super::spread::Spread;
 use crate::{Family, FileError, Manifest, Member, Provenance, write_tables};
@@ -12,7 +13,8 @@ pub(super) const FILES: [&str; 2] = ["family.csv", "family.h5"];
 
 /// Writes the table of the answers so far.
 pub(super) fn write(folder: &FamilyFolder, family: &Family, manifest: &Manifest) -> Result<(), FileError> {
-    let table = table(folder, family)?;
+    let mut tables = vec![table(folder, family)?];
+    tables.extend(disks::tables(folder, family)?);
     let provenance = Provenance {
         scene: family.text().to_owned(),
         program: concat!("fcm-solve ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -20,7 +22,7 @@ pub(super) fn write(folder: &FamilyFolder, family: &Family, manifest: &Manifest)
         ranks: 1,
         seed: family.members()[0].seed.unwrap_or_default(),
     };
-    write_tables((folder.path(), "family"), &provenance, &[table], manifest)
+    write_tables((folder.path(), "family"), &provenance, &tables, manifest)
 }
 
 /// Columns of words, and columns of numbers after those of the swept keys.

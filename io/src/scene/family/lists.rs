@@ -29,15 +29,12 @@ pub(super) enum Seeds {
 /// Seeds that a family may have.
 const MOST_SEEDS: u64 = 10_000;
 /// Keys that can't be swept, and why.
-const NOT_SWEPT: [(&str, &str); 8] = [
+const NOT_SWEPT: [(&str, &str); 5] = [
     ("seed", "is not swept: list seeds by [ensemble] seeds = [1, 2, 3], or give their number"),
     ("kind", "is not swept: write a family for each kind of scene"),
     ("output.folder", "is not swept: each run has a folder in that of the family"),
     ("title", "is not swept: a title changes nothing; leave it out"),
     ("seeds", "is not swept: list seeds by [ensemble] seeds = [1, 2, 3], or give their number"),
-    ("viscosities", "is for sweeps of disks without [ensemble]; write \"fluid.viscosity\" here"),
-    ("rates", "is for sweeps of disks without [ensemble]; write \"flow.rate\" here"),
-    ("area_fractions", "is for sweeps of disks without [ensemble]; write \"particles.area_fraction\" here"),
 ];
 
 impl Lists {

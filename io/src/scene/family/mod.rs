@@ -1,6 +1,7 @@
 //! Families: scenes that stand for many runs, one for each seed of `[ensemble]` at each point of `[sweep]`.
 
 mod convergence;
+mod former_lists;
 mod lists;
 mod member;
 mod swept_paths;
@@ -8,9 +9,10 @@ mod swept_paths;
 mod tests;
 
 use super::error::{Explain, Fault};
-use super::{KINDS, Scene, SceneError, kept_paths, overrides, text_size};
+use super::{Scene, SceneError, kept_paths, overrides, text_size};
 use crate::document::{Node, excerpt};
 pub use convergence::Convergence;
+use former_lists::Renamed;
 use lists::Lists;
 pub use member::Member;
 use std::path::{Path, PathBuf};
@@ -39,6 +41,9 @@ pub struct Family {
     folder: PathBuf,
     keys: Vec<String>,
     members: Vec<Member>,
+    warnings: Vec<String>,
+    /// Whether the text is that of the file.
+    is_as_written: bool,
 }
 
 impl SceneFile {
@@ -73,20 +78,11 @@ fn sections(text: &str) -> bool {
 }
 
 fn is_family(table: &Table) -> bool {
-    table.contains_key("ensemble") || table.get("sweep").is_some_and(|sweep| !is_of_disks(table, sweep))
+    SECTIONS.iter().any(|section| table.contains_key(*section))
 }
 
 fn is_of_family(key: &str) -> bool {
     SECTIONS.iter().any(|section| key == *section || key.starts_with(&format!("{section}.")))
-}
-
-/// Lists of values of the runs of sheared disks that one process makes.
-const OF_DISKS: [&str; 4] = ["seeds", "viscosities", "rates", "area_fractions"];
-
-/// Whether a sweep is one of those.
-fn is_of_disks(table: &Table, sweep: &Value) -> bool {
-    let is_one = |sweep: &Table| sweep.keys().all(|key| OF_DISKS.contains(&key.as_str()));
-    table.get("kind").and_then(Value::as_str) == Some(KINDS[1]) && sweep.as_table().is_some_and(is_one)
 }
 
 /// The section that makes a family of a document, if there is one.
@@ -102,22 +98,31 @@ impl Family {
         let explain = Explain { text, written: None, name, overrides };
         let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
         let explain = Explain { written: Some(&written), ..explain };
+        let given = text;
         let text = match overrides {
             [] => text.to_owned(),
             set => overrides::apply(text, set, &[]).map_err(|message| SceneError::Override { message })?,
         };
         let folder = Path::new(name).parent().unwrap_or(Path::new("")).to_owned();
         let text = kept_paths::with_absolute_paths(&text, &folder).unwrap_or(text);
-        let text = swept_paths::with_absolute_paths(text, &folder);
-        let lists = Lists::read(&text).map_err(|fault| explain.fault(&fault))?;
-        let mut family = Self { text, name: name.to_owned(), folder, keys: lists.keys.clone(), members: Vec::new() };
-        family.members = family.members_of(lists, &explain)?;
+        let renamed = Renamed::of(text).map_err(|fault| explain.fault(&fault))?;
+        let explain_lists = |fault| explain.fault(&renamed.as_written(fault));
+        let text = swept_paths::with_absolute_paths(renamed.text.clone(), &folder);
+        let lists = Lists::read(&text).map_err(explain_lists)?;
+        let (name, keys, warnings) = (name.to_owned(), lists.keys.clone(), renamed.warnings());
+        let is_as_written = text == given;
+        let mut family = Self { text, name, folder, keys, members: Vec::new(), warnings, is_as_written };
+        family.members = family.members_of(lists, &explain_lists)?;
         family.members.iter().try_for_each(|member| family.scene(member).map(drop))?;
         Ok(family)
     }
 
     /// One for each seed at each point, those of a point one after another.
-    fn members_of(&self, Lists { seeds, points, keys }: Lists, explain: &Explain) -> Result<Vec<Member>, SceneError> {
+    fn members_of(
+        &self,
+        Lists { seeds, points, keys }: Lists,
+        explain: &impl Fn(Fault) -> SceneError,
+    ) -> Result<Vec<Member>, SceneError> {
         let first = Member::new(0, (&keys, &points[0]), None);
         let scene = self.scene(&first)?;
         let seeds = match seeds {
@@ -126,17 +131,15 @@ impl Family {
                     "goes with scenes that have random numbers; one of kind \"{}\" has none",
                     scene.kind().name()
                 );
-                return Err(explain.fault(&Fault::new("ensemble", message)));
+                return Err(explain(Fault::new("ensemble", message)));
             }
-            Some(seeds) => {
-                seeds.from(scene.kind().seed()).map_err(|fault| explain.fault(&fault))?.into_iter().map(Some).collect()
-            }
+            Some(seeds) => seeds.from(scene.kind().seed()).map_err(explain)?.into_iter().map(Some).collect(),
             None => vec![scene.kind().has_seed().then(|| scene.kind().seed())],
         };
         let count = points.len().saturating_mul(seeds.len());
         if count > MOST {
             let message = format!("makes {count} runs; a family has at most {MOST}: list fewer values or seeds");
-            return Err(explain.fault(&Fault::new(if points.len() > 1 { "sweep" } else { "ensemble" }, message)));
+            return Err(explain(Fault::new(if points.len() > 1 { "sweep" } else { "ensemble" }, message)));
         }
         let of_point = |(place, values): (usize, &Vec<Value>)| {
             seeds.iter().map(|seed| Member::new(place, (&keys, values), *seed)).collect::<Vec<_>>()
@@ -159,6 +162,11 @@ impl Family {
         &self.keys
     }
 
+    /// What the user should know of the way in which it is written.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
     /// The members: those of a point follow each other.
     pub fn members(&self) -> &[Member] {
         &self.members
@@ -172,7 +180,7 @@ impl Family {
     /// The scene of a member.
     pub fn scene(&self, member: &Member) -> Result<Scene, SceneError> {
         Scene::parse_member(&self.folder, &self.text, &self.name, member.settings())
-            .map_err(|e| e.of_member(&self.name, member))
+            .map_err(|e| e.of_member(&self.name, member, self.is_as_written))
     }
 
     /// The folder that the family names for its results.

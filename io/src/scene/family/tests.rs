@@ -125,16 +125,68 @@ fn scenes_without_random_numbers_have_no_seeds() {
     assert!(error.contains("ensemble goes with scenes that have random numbers"), "{error}");
 }
 
-#[test]
-fn a_sweep_of_disks_is_one_scene_whatever_is_set() {
-    let text = crate::Template::named("disk-sweep").unwrap().text;
-    for sets in [vec![], vec!["sweep.seeds=[1, 2, 3]".to_owned()], vec!["sweep.rates=[0.01]".to_owned()]] {
-        let Ok(SceneFile::Scene(_)) = SceneFile::parse(text, "d.toml", &sets) else { panic!("{sets:?}") };
-    }
-    let ensemble = ["ensemble.seeds=2".to_owned()];
-    let error = SceneFile::parse(text, "d.toml", &ensemble).unwrap_err().to_string();
-    assert!(error.contains("sweep.\"seeds\" is"), "{error}");
+fn disks(sections: &str, sets: &[&str]) -> Result<Family, String> {
     let disks = crate::Template::named("granular-disks").unwrap().text;
-    let Ok(SceneFile::Family(family)) = SceneFile::parse(disks, "d.toml", &ensemble) else { panic!("a family") };
-    assert_eq!(family.members().len(), 2);
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    match SceneFile::parse(&format!("{disks}\n{sections}"), "d.toml", &sets) {
+        Ok(SceneFile::Family(family)) => Ok(family),
+        Ok(SceneFile::Scene(_)) => Err("a scene".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+#[test]
+fn former_lists_of_disks_are_those_of_now() {
+    let former =
+        disks("[sweep]\nseeds = [4, 2]\nviscosities = [0.001, 0.01]\nrates = [0.02]\narea_fractions = [0.5]\n", &[]);
+    let now = disks(
+        "[ensemble]\nseeds = [4, 2]\n[sweep]\n\"flow.rate\" = [0.02]\n\"fluid.viscosity\" = [0.001, 0.01]\n\
+         \"particles.area_fraction\" = [0.5]\n",
+        &[],
+    );
+    let (former, now) = (former.unwrap(), now.unwrap());
+    assert_eq!(former.members(), now.members());
+    assert_eq!(
+        former.warnings(),
+        [
+            "sweep.seeds has another name now: [ensemble] seeds",
+            "sweep.viscosities has another name now: [sweep] \"fluid.viscosity\"",
+            "sweep.rates has another name now: [sweep] \"flow.rate\"",
+            "sweep.area_fractions has another name now: [sweep] \"particles.area_fraction\"",
+        ]
+    );
+    assert!(now.warnings().is_empty());
+    let Ok(SceneFile::Family(again)) = SceneFile::parse(former.text(), "d.toml", &[]) else { panic!("a family") };
+    assert!(again.warnings().is_empty() && again.members() == former.members());
+    let set = disks("", &["sweep.seeds=[1, 2, 3]", "sweep.rates=[0.01]"]).unwrap();
+    assert_eq!(set.members().len(), 3);
+    assert_eq!(disks("[sweep]\nseeds = [1, 2]\n", &[]).unwrap().keys(), [""; 0]);
+}
+
+#[test]
+fn former_lists_are_refused_by_their_names() {
+    for (sections, expected) in [
+        ("[sweep]\nseeds = []\n", "sweep.seeds is empty"),
+        ("[sweep]\nviscosities = [0.01, 0.01]\n", "sweep.viscosities has 0.01 more than once"),
+        ("[sweep]\nrates = 0.01\n", "sweep.rates is 0.01; list its values"),
+        (
+            "[sweep]\nseeds = [1]\n[ensemble]\nseeds = 2\n",
+            "sweep.seeds is the former name of [ensemble] seeds, which is set too",
+        ),
+        (
+            "[sweep]\nrates = [0.01]\n\"flow.rate\" = [0.02]\n",
+            "sweep.rates is the former name of [sweep] \"flow.rate\", which is set too",
+        ),
+        (
+            "[sweep]\nviscosities = [0.01, 0.5]\n",
+            "point-0002/seed-0001 (fluid.viscosity = 0.5): fluid.viscosity is 0.5",
+        ),
+    ] {
+        let error = disks(sections, &[]).unwrap_err();
+        assert!(error.contains(expected), "{sections}\n  expected: {expected}\n  found:    {error}");
+    }
+    let error = disks("[sweep]\nrates = [0.01, 0.02]\n", &["time.steps=9"]).unwrap_err();
+    assert!(error.contains("end at the same strain by time.strain only"), "{error}");
+    let spheres = family("[sweep]\nviscosities = [1.0]\n").unwrap_err();
+    assert!(spheres.contains("viscosities is not a key of a scene"), "{spheres}");
 }

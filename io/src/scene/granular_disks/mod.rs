@@ -4,12 +4,11 @@ mod raw;
 
 use super::checks::rows;
 use super::error::Fault;
-use super::time_and_output::{MOST_STEPS, Output, Time, steps_in};
+use super::time_and_output::{Output, Time, steps_in};
 use crate::StartSource;
 use domain::Number;
-use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species, Sweep};
+use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
 pub(super) use raw::Raw;
-use std::fmt::Display;
 use std::path::Path;
 
 /// A checked scene of granular disks; only [`Scene`](super::Scene) makes one.
@@ -26,8 +25,6 @@ pub struct GranularDisksScene {
     pub strain: Option<f64>,
     /// Strips over the height in the profile.
     pub profile_strips: usize,
-    /// The runs to make instead of a single one.
-    pub sweep: Option<Sweep>,
     /// Time step and number of steps.
     pub time: Time,
     /// Output schedules and folder.
@@ -36,9 +33,7 @@ pub struct GranularDisksScene {
 
 /// Default number of rows of the time series.
 const ROWS: u64 = 500;
-/// Runs of a sweep.
-const MOST_CASES: f64 = 100_000.0;
-/// Default number of strips of the profile.
+/// Strips of the profile by default.
 const STRIPS: usize = 50;
 
 impl GranularDisksScene {
@@ -54,7 +49,6 @@ impl GranularDisksScene {
         }
         Ok(Self {
             title: raw.title.clone().unwrap_or_default(),
-            sweep: raw.sweep.as_ref().map(|sweep| self::sweep(sweep, raw, (&model, &time))).transpose()?,
             start: start(&raw.particles, folder)?,
             strain: strain(raw)?,
             model,
@@ -183,61 +177,4 @@ fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, Fault> {
         return Err(Fault::new("time.strain", message));
     }
     Time::of_steps(step, steps_in(strain / rate, step), "time.strain")
-}
-
-fn sweep(raw: &raw::Sweep, scene: &Raw, (model, time): (&Model, &Time)) -> Result<Sweep, Fault> {
-    let base = model.parameters().clone();
-    let Flow::Shear { rate } = base.flow else {
-        return Err(Fault::new("sweep", "goes with flow.kind = \"shear\" only; leave it out or change that"));
-    };
-    if scene.particles.path.is_some() {
-        return Err(Fault::new("sweep", "starts its disks at random; leave out particles.path or the sweep"));
-    }
-    let strain = |steps: u64| rate.abs() * base.time_step * steps as f64;
-    let every = scene.output.observables_every.filter(|&steps| steps > 0);
-    let sweep = Sweep {
-        seeds: listed("sweep.seeds", raw.seeds.as_ref(), base.seed)?,
-        viscosities: listed("sweep.viscosities", raw.viscosities.as_ref(), base.viscosity)?,
-        rates: listed("sweep.rates", raw.rates.as_ref(), rate)?,
-        area_fractions: listed("sweep.area_fractions", raw.area_fractions.as_ref(), base.area_fraction)?,
-        strain: strain(time.steps),
-        record_every: strain(every.unwrap_or(time.steps.div_ceil(ROWS).max(1))),
-        base,
-    };
-    let cases = sweep.count();
-    if cases > MOST_CASES {
-        let message = format!("has {cases:.1e} cases, every combination of its lists; at most {MOST_CASES} are made");
-        return Err(Fault::new("sweep", message));
-    }
-    for &rate in &sweep.rates {
-        let steps = sweep.strain / (rate.abs() * sweep.base.time_step);
-        let gets_there = steps <= MOST_STEPS as f64;
-        if !gets_there {
-            let message = format!(
-                "has {}, with which the strain {:.6} of the scene takes more than {MOST_STEPS} steps; list faster rates",
-                Number(rate),
-                Number(sweep.strain)
-            );
-            return Err(Fault::new("sweep.rates", message));
-        }
-    }
-    for case in sweep.cases() {
-        sweep.model(&case).map_err(|e| Fault::new("sweep", format!("has a case whose {e}")))?;
-    }
-    Ok(sweep)
-}
-
-/// The values of a list, each once: a run made twice is the same run, and no further sample.
-fn listed<T: Clone + PartialEq + Display>(key: &str, values: Option<&Vec<T>>, usual: T) -> Result<Vec<T>, Fault> {
-    let Some(values) = values else { return Ok(vec![usual]) };
-    if values.is_empty() {
-        return Err(Fault::new(key, "is empty; list at least one value, or leave it out"));
-    }
-    match values.iter().enumerate().find(|(place, value)| values[..*place].contains(value)) {
-        Some((_, twice)) => Err(Fault::new(
-            key,
-            format!("has {twice} more than once; the runs would be the same: list each value once"),
-        )),
-        None => Ok(values.clone()),
-    }
 }

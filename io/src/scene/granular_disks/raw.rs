@@ -39,8 +39,6 @@ pub(in crate::scene) struct Raw {
     /// Output.
     #[serde(default)]
     pub(super) output: Output,
-    /// Instead of one run, one for each combination of the lists.
-    pub(super) sweep: Option<Sweep>,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -219,17 +217,4 @@ impl Output {
             checkpoint_every: self.checkpoint_every,
         }
     }
-}
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Sweep {
-    /// Seeds.
-    pub(super) seeds: Option<Vec<u64>>,
-    /// Viscosities.
-    pub(super) viscosities: Option<Vec<f64>>,
-    /// Shear rates.
-    pub(super) rates: Option<Vec<f64>>,
-    /// Area fractions.
-    pub(super) area_fractions: Option<Vec<f64>>,
 }

@@ -12,4 +12,4 @@ def draw(folder, scene, by):
         return cell.draw(folder, scene)
     if scene.kind == "shear-cell-continuum":
         return continuum.draw(folder, scene)
-    return sweep.draw(folder, scene) if "sweep" in scene.keys else disks.draw(folder, scene, by)
+    return disks.draw(folder, scene, by)

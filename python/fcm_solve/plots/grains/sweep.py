@@ -1,36 +1,39 @@
-"""A sweep of disks: the segregation of each branch."""
+"""A family of disks: the segregation at each of its points over the strain."""
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ..csv_table import needed_table
 from ..style import PAGE, colours, legend_above
+from ..text import shown
 
-OF = (("viscosity", "viscosity"), ("rate", "rate"), ("area_fraction", "area fraction"))
-# Branches that can still be told apart.
+TABLE = "averages.csv"
+# Points that can still be told apart.
 MOST = 12
 
 
+def is_one(folder, scene):
+    """Whether a folder, which holds a family, is of disks that have been recorded."""
+    return scene.kind == "granular-disks" and (folder / TABLE).is_file()
+
+
 def draw(folder, scene):
-    """Mean segregation over the seeds of each branch."""
-    path = folder / "averages.csv"
-    averages = needed_table(path, "a sweep writes it when its cases are finished: go on with fcm-solve resume")
-    averages.needs_numbers(path, "strain", "segregation", "segregation_error", *(name for name, _ in OF))
+    """Mean segregation over the seeds of each point."""
+    path = folder / TABLE
+    averages = needed_table(path, "the family writes it as its runs end: go on with fcm-solve resume")
+    averages.needs(path, "values").needs_numbers(path, "strain", "segregation", "segregation_error")
     figure = Figure(figsize=(PAGE * 0.6, 3.2), layout="constrained")
     axes = figure.subplots()
-    branches = np.unique(np.stack([averages[name] for name, _ in OF], axis=1), axis=0)[:MOST]
-    differing = [number for number in range(len(OF)) if len(set(branches[:, number])) > 1] or [0]
-    for branch, colour in zip(branches, colours(len(branches))):
-        rows = averages.where(**{name: value for (name, _), value in zip(OF, branch)})
-        label = ", ".join(f"{OF[number][1]} {branch[number]:g}" for number in differing)
-        _draw_branch(axes, rows, label, colour)
+    points = list(dict.fromkeys(averages["values"].tolist()))[:MOST]
+    for values, colour in zip(points, colours(len(points))):
+        _draw_point(axes, averages.where(values=values), shown(values, 40), colour)
     axes.set(xlabel="strain", ylabel="segregation", ylim=(0, None))
     legend_above(axes, room=54)
     figure.suptitle(scene.title)
     return figure
 
 
-def _draw_branch(axes, rows, label, colour):
+def _draw_point(axes, rows, label, colour):
     strain, mean = rows["strain"], rows["segregation"]
     error = np.where(np.isfinite(rows["segregation_error"]), rows["segregation_error"], 0)
     axes.plot(strain, mean, color=colour, label=label, marker="o" if len(rows) < 4 else "", markersize=3)

@@ -1,0 +1,90 @@
+//! States of simulations that are taken, and gone back to.
+
+use crate::arrays::{Rows, list_of};
+use domain::{Comm, Vector};
+use io::{Kind, Scene};
+use pyo3::prelude::*;
+use simulation::{Rearrangement, State};
+use std::mem::{Discriminant, discriminant};
+
+/// The state of a simulation at a step, with the particles of this rank.
+#[pyclass(frozen, module = "fcm_solve._core")]
+pub struct Snapshot {
+    state: State,
+    kind: Discriminant<Kind>,
+    /// Particles of all ranks.
+    count: u64,
+    has_inertia: bool,
+}
+
+impl Snapshot {
+    /// A state of a scene. Collective.
+    pub fn of(state: State, scene: &Scene, comm: &Comm) -> Self {
+        let count = count(&state, comm);
+        let has_inertia = !matches!(scene.kind(), Kind::Suspension(_));
+        Self { state, kind: discriminant(scene.kind()), count, has_inertia }
+    }
+
+    /// The state, if it may be one of a scene with so many particles.
+    pub fn state_for(&self, scene: &Scene, count: u64) -> Result<State, String> {
+        if self.kind != discriminant(scene.kind()) {
+            return Err("the snapshot is of a scene of another kind; take one of this simulation".to_owned());
+        }
+        if self.count != count {
+            return Err(format!("the snapshot has {} particles; this simulation has {count}", self.count));
+        }
+        Ok(self.state.clone())
+    }
+}
+
+/// Particles of a state on all ranks. Collective.
+pub fn count(state: &State, comm: &Comm) -> u64 {
+    let mut count = [state.particles.len() as f64];
+    comm.sum(&mut count);
+    count[0] as u64
+}
+
+#[pymethods]
+impl Snapshot {
+    /// Whether velocities are a part of it, and not a consequence of the rest.
+    #[getter]
+    fn has_inertia(&self) -> bool {
+        self.has_inertia
+    }
+}
+
+/// Ids and new values of vectors.
+pub type Moved<'py> = (Vec<u64>, Rows<'py>);
+
+/// Changes by a user on the first rank: of positions, velocities and angular velocities, and of radii, each with its
+/// ids.
+pub fn rearrangement(moved: (Moved<'_>, Moved<'_>, Moved<'_>), radii: (Vec<u64>, Vec<f64>)) -> PyResult<Rearrangement> {
+    let (positions, velocities, angular_velocities) = moved;
+    let vectors = |(ids, rows): Moved<'_>| -> PyResult<Vec<(u64, Vector)>> {
+        Ok(ids.into_iter().zip(list_of(Some(rows))?).collect())
+    };
+    Ok(Rearrangement {
+        positions: vectors(positions)?,
+        radii: radii.0.into_iter().zip(radii.1).collect(),
+        velocities: vectors(velocities)?,
+        angular_velocities: vectors(angular_velocities)?,
+    })
+}
+
+/// The same on all ranks. Collective.
+pub fn shared(change: Rearrangement, comm: &Comm) -> Rearrangement {
+    let Rearrangement { positions, radii, velocities, angular_velocities } = change;
+    Rearrangement {
+        positions: of_first(positions, comm),
+        radii: of_first(radii, comm),
+        velocities: of_first(velocities, comm),
+        angular_velocities: of_first(angular_velocities, comm),
+    }
+}
+
+fn of_first<T: bytemuck::Pod>(list: Vec<(u64, T)>, comm: &Comm) -> Vec<(u64, T)> {
+    let (mut ids, mut values): (Vec<u64>, Vec<T>) = list.into_iter().unzip();
+    comm.broadcast(&mut ids);
+    comm.broadcast(&mut values);
+    ids.into_iter().zip(values).collect()
+}

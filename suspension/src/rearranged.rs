@@ -1,0 +1,30 @@
+//! States in which a user has put spheres elsewhere.
+
+use crate::applied::APPLIED;
+use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET};
+use crate::integrator::VELOCITY_COLUMNS;
+use crate::substeps;
+use crate::user_axes::UserAxes;
+use crate::warm_start::WarmStart;
+use domain::Vector;
+use simulation::{Rearrangement, RearrangementError, State};
+
+/// A state with some values changed, in which the velocities and what came before are missing.
+pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> Result<State, RearrangementError> {
+    if !(change.velocities.is_empty() && change.angular_velocities.is_empty()) {
+        return Err(RearrangementError::NoInertia);
+    }
+    if let Some(&(id, radius)) = change.radii.iter().find(|(_, radius)| !(radius.is_finite() && *radius > 0.0)) {
+        return Err(RearrangementError::Radius(id, radius));
+    }
+    let particles = &mut state.particles;
+    let places: Vec<(u64, Vector)> = change.positions.iter().map(|&(id, place)| (id, axes.place_in(place))).collect();
+    Rearrangement::put(&places, &particles.ids, &mut particles.positions);
+    Rearrangement::put(&change.radii, &particles.ids, &mut particles.radii);
+    WarmStart::forget_all(particles);
+    substeps::forget(particles);
+    let motion = [ANGULAR_VELOCITY, STRESSLET, BROWNIAN];
+    let computed = |name: &str| [&VELOCITY_COLUMNS[..], &motion, &APPLIED].concat().contains(&name);
+    particles.columns.retain(|column| !computed(&column.name));
+    Ok(state)
+}
