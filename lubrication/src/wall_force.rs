@@ -53,7 +53,7 @@ mod tests {
     use crate::dense::inverse;
     use crate::two_sphere::SphereWall;
     use crate::wall_blocks::{ALONE, WallBlocks};
-    use crate::wall_factor::SphereMotion;
+    use crate::sphere_motion::SphereMotion;
     use domain::Traceless;
 
     /// Unit motions by block, for an axis `z`: axial, spin, transverse in `x` and in `y`, and planar.

@@ -420,7 +420,7 @@ fn fixed_step(
     let mut outcome = Outcome::default();
     let steps = dynamics.steps_before(clock);
     dynamics.remember(particles, steps);
-    integrator::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
+    adams_bashforth::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
         outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction, steps))?;
         Ok::<(), StepError>(())
     })?;

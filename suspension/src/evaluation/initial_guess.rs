@@ -97,7 +97,7 @@ impl WarmStart {
     }
 
     /// What a solution keeps for later, besides what its users see.
-    pub fn record(&self, particles: &mut Particles, solved: &Solved) {
+    pub fn record(&self, particles: &mut Particles, solved: &Solution) {
         if !self.coupled {
             return;
         }

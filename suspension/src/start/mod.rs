@@ -4,4 +4,5 @@ pub mod given_positions;
 pub mod memory;
 pub mod placement;
 pub mod plan;
+pub mod rearranged;
 pub mod setup;
