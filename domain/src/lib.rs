@@ -19,6 +19,7 @@
 //! ```
 
 mod available_memory;
+mod axis_rotation;
 mod block;
 mod boundaries;
 mod by_id;
@@ -45,12 +46,12 @@ mod resident;
 mod rows;
 mod shared_pairs;
 mod traceless;
-mod turn;
 mod units;
 mod verlet_list;
 mod walls;
 
 pub use available_memory::{AvailableMemory, ProcessMemory};
+pub use axis_rotation::AxisRotation;
 pub use block::{block, block_of};
 pub use boundaries::Boundaries;
 pub use by_id::ById;
@@ -75,7 +76,6 @@ pub use random::{Random, RandomLanes};
 pub use resident::Process;
 pub use shared_pairs::fold_shared_pairs;
 pub use traceless::Traceless;
-pub use turn::Turn;
 pub use units::{Units, power_of_two};
 pub use verlet_list::{LocalAndGhosts, VerletList};
 pub use walls::ToWall;

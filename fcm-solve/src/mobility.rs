@@ -5,10 +5,10 @@ use crate::number::tolerance;
 use crate::part_progress::PartProgress;
 use crate::streams;
 use anyhow::{Context, ensure};
-use domain::{Bytes, Comm, Tensor, Traceless, Turn, Vector};
+use domain::{AxisRotation, Bytes, Comm, Tensor, Traceless, Vector};
 use fcm::{Costs, Drawn, Loads, Motion, Multipoles, Plan};
 use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
-use lubrication::Range;
+use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -129,9 +129,9 @@ fn text_bytes(case: &Case) -> Bytes {
     Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)
 }
 
-fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<(MobilityParameters, Turn)> {
+fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<(MobilityParameters, AxisRotation)> {
     let (cell, turn) = case.bounded_box()?;
-    let cutoff = case.lubrication_cutoff.unwrap_or(Range::WIDE);
+    let cutoff = case.lubrication_cutoff.unwrap_or(LubricationRange::WIDE);
     let parameters = MobilityParameters {
         cell,
         radii: case.radii(),
@@ -142,7 +142,7 @@ fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<(
         },
         rigid: case.rigid,
         tolerance,
-        lubrication: case.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?,
+        lubrication: case.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::CLOSEST)).transpose()?,
         method: case.method.alone(),
         costs,
     };
@@ -155,7 +155,7 @@ fn loads(case: &Case) -> Loads {
     Loads { forces: vectors(&case.forces), torques: vectors(&case.torques), stresslets }
 }
 
-fn answer(motions: &Motions, case: &Case, (plan, turn): (&Plan, Turn), seconds: f64) -> Answer {
+fn answer(motions: &Motions, case: &Case, (plan, turn): (&Plan, AxisRotation), seconds: f64) -> Answer {
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;

@@ -5,7 +5,7 @@ use crate::envelope::{Common, Envelope};
 use crate::problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
 use crate::stencil::Support;
 use crate::window::Window;
-use domain::{Boundaries, Number, PeriodicBox, Turn, Units, Vector};
+use domain::{AxisRotation, Boundaries, Number, PeriodicBox, Units, Vector};
 
 /// Reason why there is no plan.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -237,11 +237,11 @@ impl Plan {
 
     /// One-line summary of the plan.
     pub fn in_short(&self) -> String {
-        self.in_short_for(Turn::default())
+        self.in_short_for(AxisRotation::default())
     }
 
     /// The same in the user's axes, which `turn` maps to those of the box.
-    pub fn in_short_for(&self, turn: Turn) -> String {
+    pub fn in_short_for(&self, turn: AxisRotation) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let method = if self.method == Method::Direct { "direct" } else { "split" };
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
@@ -251,11 +251,11 @@ impl Plan {
 
     /// Description of the plan, one quantity per line.
     pub fn describe(&self) -> String {
-        self.describe_for(Turn::default())
+        self.describe_for(AxisRotation::default())
     }
 
     /// The same in the user's axes, which `turn` maps to those of the box.
-    pub fn describe_for(&self, turn: Turn) -> String {
+    pub fn describe_for(&self, turn: AxisRotation) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let [px, py, pz] = turn.inverse().list(self.support.along_axes());
         let method = match self.method {

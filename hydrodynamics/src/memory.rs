@@ -7,7 +7,7 @@ use crate::pairs::matrix::sparse::{Group, MomentGroup};
 use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, Need, Process, Traceless, Vector, VerletList};
 use fcm::{Footprint, Precision};
-use lubrication::{PairForce, Range};
+use lubrication::{LubricationRange, PairForce};
 
 /// Parallel layout: number of ranks and of threads per rank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub fn table_bytes(radii: &[f64]) -> Bytes {
 }
 
 /// Memory of [`crate::CoupledSolver::solve`] with lubrication at the gaps of a range.
-pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> Bytes {
+pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: LubricationRange) -> Bytes {
     let owned = expected.owned();
     let single = Bytes::list::<(SixVector, f64)>(owned).then(Bytes::list::<Block>(owned));
     let unknowns = Bytes::list::<UnknownsOfOne>(UNKNOWNS * owned).then(Bytes::list::<ResidualOfOne>(RESIDUALS * owned));
@@ -60,7 +60,7 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Range) -> 
 }
 
 /// Neighbour lists, and the near pairs of a rank's particles.
-fn near_pairs(expected: &ExpectedCounts, range: Range, precision: Precision) -> (Bytes, Bytes) {
+fn near_pairs(expected: &ExpectedCounts, range: LubricationRange, precision: Precision) -> (Bytes, Bytes) {
     let cutoff = range.cutoff();
     let reach = (2.0 + cutoff) * expected.largest_radius();
     let (owned, present) = (expected.owned(), expected.present(reach));

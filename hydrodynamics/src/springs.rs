@@ -1,13 +1,13 @@
 //! Implicit treatment of short-range forces.
 
-use lubrication::Surfaces;
+use lubrication::PairKind;
 
 /// Short-range forces, taken implicitly, at the end of a time `t`: between particles that separate at the rate `w`, a
 /// repulsive force is reduced by `resistance w`, with the resistance `t` times the decay of the force with distance.
 /// This acts like the resistance of lubrication, and motions do not overshoot however stiff the force is.
 pub struct Springs<'a> {
     /// Resistance, force over velocity, of two particles or of a particle and a wall, as a function of the distance.
-    pub resistance: &'a (dyn Fn(f64, Surfaces) -> f64 + Sync),
+    pub resistance: &'a (dyn Fn(f64, PairKind) -> f64 + Sync),
     /// Contacts of each particle of the rank, in their order; or empty.
     pub contacts: &'a [Vec<ContactSprings>],
     /// Bonds and traps.
@@ -72,10 +72,10 @@ impl Springs<'_> {
 
     /// Resistances of a particle and a wall: along the normal, to slip, and to rolling.
     pub fn at_wall(&self, (row, wall): (usize, usize), distance: f64, radius: f64) -> [f64; 3] {
-        self.of((row, ContactSprings::wall(wall)), distance, Surfaces::Wall(radius))
+        self.of((row, ContactSprings::wall(wall)), distance, PairKind::Wall(radius))
     }
 
-    fn of(&self, (row, other): (usize, u64), distance: f64, between: Surfaces) -> [f64; 3] {
+    fn of(&self, (row, other): (usize, u64), distance: f64, between: PairKind) -> [f64; 3] {
         let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
         [(self.resistance)(distance, between) + normal + self.bond((row, other), distance), tangential, rolling]

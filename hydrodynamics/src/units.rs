@@ -6,7 +6,7 @@ use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
-use lubrication::Surfaces;
+use lubrication::PairKind;
 
 /// A mobility in scaled units.
 pub struct Scaled<'a> {
@@ -29,7 +29,7 @@ impl Scaled<'_> {
 }
 
 /// Spring resistances in scaled units, as a function of distance and surfaces.
-pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, Surfaces) -> f64 + Sync + 'a {
+pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, PairKind) -> f64 + Sync + 'a {
     let (length, velocity) = (units.length, units.velocity());
     move |distance, between| (springs.resistance)(distance * length, between.times(length)) * velocity
 }

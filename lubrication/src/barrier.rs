@@ -1,6 +1,6 @@
 //! Short-range repulsion that keeps spheres apart.
 
-use crate::surfaces::Surfaces;
+use crate::surfaces::PairKind;
 use domain::{Number, Vector};
 use thiserror::Error;
 
@@ -42,7 +42,7 @@ pub enum BarrierError {
     Strength(f64),
     /// The activation gap is not a positive number up to 1.
     #[error("barrier range is {}; it is the gap at activation over the mean radius: give a number above 0, at most 1", Number(*.0))]
-    Range(f64),
+    LubricationRange(f64),
 }
 
 impl Barrier {
@@ -57,7 +57,7 @@ impl Barrier {
             return Err(BarrierError::Strength(strength));
         }
         if !(range > 0.0 && range <= 1.0) {
-            return Err(BarrierError::Range(range));
+            return Err(BarrierError::LubricationRange(range));
         }
         Ok(Self { strength, range, radius_power: 0 })
     }
@@ -70,7 +70,7 @@ impl Barrier {
     }
 
     /// Force at contact of two spheres, `F_ref`.
-    pub fn strength(&self, between: impl Into<Surfaces>) -> f64 {
+    pub fn strength(&self, between: impl Into<PairKind>) -> f64 {
         self.strength * between.into().harmonic_radius().powi(self.radius_power.into())
     }
 
@@ -80,16 +80,16 @@ impl Barrier {
     }
 
     /// Distance of the centres, or of the centre from a wall, at which the barrier starts.
-    pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
+    pub fn reach(&self, between: impl Into<PairKind>) -> f64 {
         between.into().at_gap(self.range)
     }
 
     /// Decrease of the force with the gap, `-dF/dr`: zero beyond the range, and negative deep in an overlap, where
     /// the force decreases with it.
-    pub fn stiffness(&self, gap: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn stiffness(&self, gap: f64, between: impl Into<PairKind>) -> f64 {
         let radii = match between.into() {
-            Surfaces::Spheres(radii) => radii,
-            wall @ Surfaces::Wall(radius) => {
+            PairKind::Spheres(radii) => radii,
+            wall @ PairKind::Wall(radius) => {
                 return 2.0 * self.strength(wall) * self.depth_at_wall(gap, radius) / (self.range * radius);
             }
         };
@@ -109,10 +109,10 @@ impl Barrier {
 
     /// Force on the first sphere; `separation` is `x_j - x_i`, or points from the sphere's centre to the nearest
     /// point of a wall. The force on the second sphere is opposite.
-    pub fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
+    pub fn force(&self, separation: Vector, between: impl Into<PairKind>) -> Vector {
         let radii = match between.into() {
-            Surfaces::Spheres(radii) => radii,
-            wall @ Surfaces::Wall(radius) => {
+            PairKind::Spheres(radii) => radii,
+            wall @ PairKind::Wall(radius) => {
                 let distance = separation.length();
                 let depth = self.depth_at_wall(distance - radius, radius);
                 return -self.strength(wall) * depth * depth / distance * separation;
@@ -192,12 +192,12 @@ mod tests {
             let sphere = Barrier::new(3.0, range * 2.0 / (1.0 + large)).unwrap().growing(power);
             for gap in [-0.02, 0.0, 0.03, 0.0999, 0.2] {
                 let [at_wall, at_sphere] = [
-                    wall.force(Vector::Z * (1.0 + gap), Surfaces::Wall(1.0)),
+                    wall.force(Vector::Z * (1.0 + gap), PairKind::Wall(1.0)),
                     sphere.force(Vector::Z * (1.0 + large + gap), [1.0, large]),
                 ];
                 // Error of the ratio of the radii, and round-off of the large distance.
                 assert!((at_wall - at_sphere).length() < 1e-5, "gap {gap}: {at_wall}, not {at_sphere}");
-                let stiffness = [wall.stiffness(gap, Surfaces::Wall(1.0)), sphere.stiffness(gap, [1.0, large])];
+                let stiffness = [wall.stiffness(gap, PairKind::Wall(1.0)), sphere.stiffness(gap, [1.0, large])];
                 assert!((stiffness[0] - stiffness[1]).abs() < 1e-4, "gap {gap}: {stiffness:?}");
             }
         }
@@ -214,7 +214,7 @@ mod tests {
     fn refuses_senseless_parameters() {
         assert!(matches!(Barrier::new(f64::NAN, 0.1), Err(BarrierError::Strength(_))));
         assert_eq!(Barrier::new(-1.0, 0.1), Err(BarrierError::Strength(-1.0)));
-        assert_eq!(Barrier::new(1.0, 0.0), Err(BarrierError::Range(0.0)));
+        assert_eq!(Barrier::new(1.0, 0.0), Err(BarrierError::LubricationRange(0.0)));
         assert!(Barrier::new(1.0, f64::INFINITY).unwrap_err().to_string().contains("at most 1"));
     }
 }

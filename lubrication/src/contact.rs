@@ -1,6 +1,6 @@
 //! Contact of rough spheres: elastic, with friction.
 
-use crate::surfaces::Surfaces;
+use crate::surfaces::PairKind;
 use domain::{ParameterError, Vector};
 
 /// Dependence of the contact force on the overlap.
@@ -13,7 +13,7 @@ pub enum Elasticity {
     Hertz,
 }
 
-/// Contact law between rough elastic spheres, or a sphere and a wall (see [`Surfaces`]), of radii `a_i` and `a_j`,
+/// Contact law between rough elastic spheres, or a sphere and a wall (see [`PairKind`]), of radii `a_i` and `a_j`,
 /// mean radius `a = (a_i + a_j) / 2` and gap `h` of their smooth surfaces (Cundall & Strack, Geotechnique 29, 47,
 /// 1979; Gallier et al., J. Fluid Mech. 757, 514, 2014). They touch if the overlap of their asperities is positive,
 ///
@@ -74,17 +74,17 @@ impl Contact {
     }
 
     /// Distance of the centres, or of the centre from a wall, below which spheres touch.
-    pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
+    pub fn reach(&self, between: impl Into<PairKind>) -> f64 {
         between.into().at_gap(self.roughness)
     }
 
     /// Overlap of the asperities of spheres at a distance of their centres; negative if they are apart.
-    pub fn overlap(&self, distance: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn overlap(&self, distance: f64, between: impl Into<PairKind>) -> f64 {
         self.reach(between) - distance
     }
 
     /// Normal force of an overlap; zero if that is negative.
-    pub fn force(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn force(&self, overlap: f64, between: impl Into<PairKind>) -> f64 {
         let depth = overlap.max(0.0);
         match self.elasticity {
             Elasticity::Linear => self.stiffness * between.into().mean_radius() * depth,
@@ -93,7 +93,7 @@ impl Contact {
     }
 
     /// Normal stiffness: derivative of the normal force by the overlap.
-    pub fn normal_stiffness(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn normal_stiffness(&self, overlap: f64, between: impl Into<PairKind>) -> f64 {
         let depth = overlap.max(0.0);
         match self.elasticity {
             Elasticity::Linear => self.stiffness * between.into().mean_radius(),
@@ -102,7 +102,7 @@ impl Contact {
     }
 
     /// Tangential stiffness: derivative of the tangential force by the slip.
-    pub fn tangential_stiffness(&self, overlap: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn tangential_stiffness(&self, overlap: f64, between: impl Into<PairKind>) -> f64 {
         self.tangential_ratio * self.normal_stiffness(overlap, between)
     }
 
@@ -112,7 +112,7 @@ impl Contact {
     }
 
     /// Elastic energy of an overlap and of tangential forces.
-    pub fn energy(&self, overlap: f64, between: impl Into<Surfaces>, across: [Vector; 2]) -> f64 {
+    pub fn energy(&self, overlap: f64, between: impl Into<PairKind>, across: [Vector; 2]) -> f64 {
         let between = between.into();
         let power = match self.elasticity {
             Elasticity::Linear => 0.5,
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn forces_are_slopes_of_the_energy_and_stiffnesses_of_forces() {
         let laws = [law(Elasticity::Linear), law(Elasticity::Hertz)];
-        let between = [Surfaces::Spheres([1.0, 1.7]), Surfaces::Wall(1.3)];
+        let between = [PairKind::Spheres([1.0, 1.7]), PairKind::Wall(1.3)];
         for (law, radii) in laws.into_iter().flat_map(|law| between.map(|surfaces| (law, surfaces))) {
             for overlap in [1e-4, 3e-3] {
                 let slope = |of: &dyn Fn(f64) -> f64| (of(overlap * 1.001) - of(overlap * 0.999)) / (0.002 * overlap);
@@ -163,7 +163,7 @@ mod tests {
         assert!((law.reach(radii) - 3.015).abs() < 1e-15);
         assert!((law.overlap(3.005, radii) - 0.01).abs() < 1e-14);
         assert!((law.force(0.01, radii) - 450.0).abs() < 1e-12);
-        let wall = Surfaces::Wall(2.0);
+        let wall = PairKind::Wall(2.0);
         assert!((law.reach(wall) - 2.02).abs() < 1e-15 && (law.force(0.01, wall) - 600.0).abs() < 1e-12);
     }
 

@@ -6,7 +6,7 @@ use crate::dense::{Square, inverse, solve};
 use crate::far_field;
 use crate::two_sphere::TwoSphere;
 use crate::two_sphere::blocks::Blocks;
-use crate::{PairForce, PairMotion, Range};
+use crate::{LubricationRange, PairForce, PairMotion};
 
 /// Axial and transverse blocks.
 type Pair = (Square<4>, Square<6>);
@@ -65,7 +65,7 @@ fn compared(ratio: f64, gap: f64, force: &PairForce) -> [(Vec<f64>, Vec<f64>); 2
 }
 
 /// Compares at gaps up to 4 radii; `slack` is an absolute error allowed for the small motions of distant pairs.
-fn check(ratios: &[f64], range: Range, slack: f64) {
+fn check(ratios: &[f64], range: LubricationRange, slack: f64) {
     for &ratio in ratios {
         let force = PairForce::new(&[1.0, ratio], 1.0, range).unwrap();
         for gap in [1e-4, 1e-3, 0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0] {
@@ -94,13 +94,13 @@ fn check(ratios: &[f64], range: Range, slack: f64) {
 
 #[test]
 fn every_motion_is_within_a_percent_of_exact_if_lubrication_reaches_far() {
-    check(&[1.0, 2.0, 4.0], Range::new(6.0, 1e-6).unwrap(), 0.0);
+    check(&[1.0, 2.0, 4.0], LubricationRange::new(6.0, 1e-6).unwrap(), 0.0);
 }
 
 #[test]
 fn the_default_range_is_within_a_percent_of_the_motion_of_a_sphere() {
     // Unit strain rates move distant pairs across their line by less than a hundredth of a radius, which FCM has to a
     // few percent; so does a unit force rotate a sphere ten times as large.
-    check(&[1.0, 2.0], Range::default(), 2e-4);
-    check(&[1.0, 2.0, 4.0, 10.0], Range::default(), 1e-3);
+    check(&[1.0, 2.0], LubricationRange::default(), 2e-4);
+    check(&[1.0, 2.0, 4.0, 10.0], LubricationRange::default(), 1e-3);
 }

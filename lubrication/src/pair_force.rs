@@ -9,7 +9,7 @@ use crate::arithmetic::Arithmetic;
 use crate::coefficients::{Coefficients, RECORD};
 use crate::pair_factor::PairFactor;
 use crate::pair_motion::{PairLoads, PairMotion};
-use crate::range::Range;
+use crate::range::LubricationRange;
 use crate::root_table::RootTable;
 use crate::two_sphere::TwoSphereError;
 
@@ -24,7 +24,7 @@ use crate::two_sphere::TwoSphereError;
 pub struct PairForce {
     radii: Vec<f64>,
     viscosity: f64,
-    range: Range,
+    range: LubricationRange,
     /// Upper triangle of the species, row by row: `i <= j`.
     tables: Vec<Table>,
 }
@@ -60,7 +60,7 @@ pub enum PairForceError {
 impl PairForce {
     /// Tables for every pair of species; `radii` has one entry per species. Computes tables at first use, with rayon;
     /// must not be called from a rayon task.
-    pub fn new(radii: &[f64], viscosity: f64, range: Range) -> Result<Self, PairForceError> {
+    pub fn new(radii: &[f64], viscosity: f64, range: LubricationRange) -> Result<Self, PairForceError> {
         let named = radii.iter().map(|&radius| ("particle radius", radius)).chain([("viscosity", viscosity)]);
         if let Some((name, value)) = named.into_iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
             return Err(PairForceError::Positive { name, value });
@@ -82,8 +82,8 @@ impl PairForce {
         &self.radii
     }
 
-    /// Range of gaps of the correction.
-    pub fn range(&self) -> Range {
+    /// LubricationRange of gaps of the correction.
+    pub fn range(&self) -> LubricationRange {
         self.range
     }
 

@@ -1,18 +1,18 @@
-//! Range of gaps in which lubrication acts.
+//! LubricationRange of gaps in which lubrication acts.
 
 use thiserror::Error;
 
 use crate::root_table::{CLOSEST, FARTHEST};
 use crate::wall_table;
 
-/// Range of gaps of the lubrication correction: its cutoff over the larger radius of a pair, with which the errors of
+/// LubricationRange of gaps of the lubrication correction: its cutoff over the larger radius of a pair, with which the errors of
 /// the far field scale, and the gap below which the correction is constant, over the mean radius.
 ///
 /// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two
 /// continuous derivatives. Below the gap `closest` the correction is constant, also for spheres that overlap unless
 /// they are to separate again, see [`Self::parting`].
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Range {
+pub struct LubricationRange {
     cutoff: f64,
     closest: f64,
     parts: bool,
@@ -33,7 +33,7 @@ pub enum RangeError {
     Closest(f64),
 }
 
-impl Range {
+impl LubricationRange {
     /// Cutoff with which two spheres move within 1% of the exact solution at every gap, for radii up to 2:1.
     pub const WIDE: f64 = 2.5;
     /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction is still large there.
@@ -79,7 +79,7 @@ impl Range {
         gap.max(closest)
     }
 
-    /// Range for a sphere and a wall, with gaps over its radius: the errors of the far field extend less far than
+    /// LubricationRange for a sphere and a wall, with gaps over its radius: the errors of the far field extend less far than
     /// between spheres.
     #[must_use]
     pub fn at_wall(self) -> Self {
@@ -100,7 +100,7 @@ impl Range {
     }
 }
 
-impl Default for Range {
+impl Default for LubricationRange {
     fn default() -> Self {
         Self { cutoff: Self::WIDE, closest: Self::CLOSEST, parts: false }
     }

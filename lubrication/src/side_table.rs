@@ -4,7 +4,7 @@ use crate::arithmetic::Arithmetic;
 use crate::chebyshev::Powers;
 use crate::coefficients::{Coefficients, RECORD};
 use crate::pair_force::PairForce;
-use crate::range::Range;
+use crate::range::LubricationRange;
 use crate::root_table::{NODES, mean_of, of_gaps, piece_of, relative};
 use crate::side::{SIDE, Side};
 
@@ -15,7 +15,7 @@ use crate::side::{SIDE, Side};
 #[derive(Debug)]
 pub struct SideTables {
     species: usize,
-    range: Range,
+    range: LubricationRange,
     /// By pair of species, the species of the sphere itself first.
     tables: Vec<SideTable>,
 }
@@ -84,7 +84,7 @@ mod tests {
     /// Both spheres of unequal and equal pairs, against the coefficients themselves.
     #[test]
     fn sides_are_those_of_the_coefficients() {
-        let force = PairForce::new(&[1.0, 1.7], 0.8, Range::default()).unwrap();
+        let force = PairForce::new(&[1.0, 1.7], 0.8, LubricationRange::default()).unwrap();
         let least = 0.3;
         let sides = SideTables::new(&force, |_| least);
         for pair in [[0, 0], [0, 1], [1, 0], [1, 1]] {

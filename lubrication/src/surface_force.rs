@@ -1,13 +1,13 @@
 //! Forces between the surfaces of two spheres, along their line of centres.
 
 use crate::barrier::Barrier;
-use crate::surfaces::Surfaces;
+use crate::surfaces::PairKind;
 use domain::Vector;
 use std::f64::consts::PI;
 
 /// Force between two spheres of radii `a_i` and `a_j` at a gap `h` between their surfaces, with the mean radius `a`
 /// and the harmonic mean `a_h = 2 a_i a_j / (a_i + a_j)`; a repulsion has a positive sign. It may also act between a
-/// sphere and a wall (see [`Surfaces`]).
+/// sphere and a wall (see [`PairKind`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SurfaceForce {
     /// Barrier of the force-coupling method.
@@ -61,7 +61,7 @@ const LENGTHS: f64 = 16.0;
 
 impl SurfaceForce {
     /// Distance of the centres, or of the centre from a wall, up to which it acts.
-    pub fn reach(&self, between: impl Into<Surfaces>) -> f64 {
+    pub fn reach(&self, between: impl Into<PairKind>) -> f64 {
         let between = between.into();
         let contact = between.contact();
         match self {
@@ -74,7 +74,7 @@ impl SurfaceForce {
 
     /// Force on the first sphere; `separation` is `x_j - x_i`, or points from the sphere's centre to the nearest
     /// point of a wall. The force on the second sphere is opposite.
-    pub fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
+    pub fn force(&self, separation: Vector, between: impl Into<PairKind>) -> Vector {
         let between = between.into();
         if let Self::Barrier(barrier) = self {
             return barrier.force(separation, between);
@@ -87,7 +87,7 @@ impl SurfaceForce {
     }
 
     /// Decrease of the force with the distance, `-dF/dr`, if positive; else 0.
-    pub fn stiffness(&self, gap: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn stiffness(&self, gap: f64, between: impl Into<PairKind>) -> f64 {
         let between = between.into();
         if let Self::Barrier(barrier) = self {
             return barrier.stiffness(gap, between);
@@ -97,7 +97,7 @@ impl SurfaceForce {
     }
 
     /// Force and its derivative by the distance of the centres, within reach.
-    fn magnitude_and_slope(&self, distance: f64, between: Surfaces) -> [f64; 2] {
+    fn magnitude_and_slope(&self, distance: f64, between: PairKind) -> [f64; 2] {
         let (mean, harmonic) = (between.mean_radius(), between.harmonic_radius());
         let gap = distance - between.contact();
         match *self {
@@ -113,7 +113,7 @@ impl SurfaceForce {
                 [factor * (at_end.powi(-2) - apart.powi(-2)), is_apart * 2.0 * factor * apart.powi(-3)]
             }
             Self::Depletion { pressure, thickness } => {
-                let Surfaces::Spheres(radii) = between else {
+                let PairKind::Spheres(radii) = between else {
                     // The exclusion shell of the wall ends in a plane.
                     let (shell, along) = (between.contact() + thickness, distance - thickness);
                     return [-pressure * PI * (shell * shell - along * along).max(0.0), pressure * PI * 2.0 * along];
@@ -156,10 +156,10 @@ mod tests {
         for (wall, sphere) in [(screened, screened), (attraction(1.0), attraction(1.3 * unit)), (depletion, depletion)]
         {
             for gap in [0.0, 0.05, 0.2, 0.7] {
-                let at_wall = wall.force(Vector::X * (1.3 + gap), Surfaces::Wall(1.3)).x;
+                let at_wall = wall.force(Vector::X * (1.3 + gap), PairKind::Wall(1.3)).x;
                 let at_sphere = sphere.force(Vector::X * (1.3 + large + gap), [1.3, large]).x;
                 assert!((at_wall - at_sphere).abs() < 1e-4 * (0.1 + at_wall.abs()), "{wall:?}: {at_wall}, {at_sphere}");
-                let [a, b] = [wall.stiffness(gap, Surfaces::Wall(1.3)), sphere.stiffness(gap, [1.3, large])];
+                let [a, b] = [wall.stiffness(gap, PairKind::Wall(1.3)), sphere.stiffness(gap, [1.3, large])];
                 assert!((a - b).abs() < 1e-4 * (0.1 + a), "{wall:?}: {a}, {b}");
             }
         }

@@ -1,23 +1,23 @@
 //! Pair of surfaces: two spheres, or a sphere and a wall.
 
-/// Surfaces of two spheres with given radii, or of a sphere and a plane wall. At a wall, quantities that depend on
+/// PairKind of two spheres with given radii, or of a sphere and a plane wall. At a wall, quantities that depend on
 /// the harmonic mean radius have the limit of a large second sphere; the arithmetic mean radius, which has none, is
 /// replaced by the sphere's radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Surfaces {
+pub enum PairKind {
     /// Two spheres.
     Spheres([f64; 2]),
     /// A sphere and a wall.
     Wall(f64),
 }
 
-impl From<[f64; 2]> for Surfaces {
+impl From<[f64; 2]> for PairKind {
     fn from(radii: [f64; 2]) -> Self {
         Self::Spheres(radii)
     }
 }
 
-impl Surfaces {
+impl PairKind {
     /// Distance of the centres, or of the centre from the wall, at contact.
     pub fn contact(&self) -> f64 {
         match self {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use domain::Vector;
 
-use crate::range::Range;
+use crate::range::LubricationRange;
 use crate::wall_factor::WallFactor;
 use crate::wall_table::WallTable;
 
@@ -17,19 +17,19 @@ use crate::wall_table::WallTable;
 #[derive(Debug, Clone)]
 pub struct WallForce {
     viscosity: f64,
-    range: Range,
+    range: LubricationRange,
     table: Arc<WallTable>,
 }
 
 impl WallForce {
     /// For a positive viscosity; `range` is that between spheres. Computes its table at first use, with rayon; must
     /// not be called from a rayon task.
-    pub fn new(viscosity: f64, range: Range) -> Self {
+    pub fn new(viscosity: f64, range: LubricationRange) -> Self {
         Self { viscosity, range: range.at_wall(), table: WallTable::get() }
     }
 
-    /// Range of gaps of the correction, over the radius.
-    pub fn range(&self) -> Range {
+    /// LubricationRange of gaps of the correction, over the radius.
+    pub fn range(&self) -> LubricationRange {
         self.range
     }
 
@@ -51,9 +51,9 @@ impl WallForce {
 mod tests {
     use super::*;
     use crate::dense::inverse;
+    use crate::sphere_motion::SphereMotion;
     use crate::two_sphere::SphereWall;
     use crate::wall_blocks::{ALONE, WallBlocks};
-    use crate::sphere_motion::SphereMotion;
     use domain::Traceless;
 
     /// Unit motions by block, for an axis `z`: axial, spin, transverse in `x` and in `y`, and planar.
@@ -83,7 +83,7 @@ mod tests {
     fn compared(gap: f64) -> Vec<(Rows, Rows)> {
         let exact = WallBlocks::exact(&SphereWall::get().resistance(gap).unwrap());
         let known = WallBlocks::of_method(1.0 + gap);
-        let factor = WallForce::new(1.0, Range::default()).factor(Vector::Z, 1.0 + gap, 1.0);
+        let factor = WallForce::new(1.0, LubricationRange::default()).factor(Vector::Z, 1.0 + gap, 1.0);
         let rows = |blocks: &WallBlocks, block: usize| -> Rows {
             match block {
                 0 => blocks.axial.map(|row| row.to_vec()).to_vec(),
@@ -120,12 +120,13 @@ mod tests {
     /// if the range is to separate it.
     #[test]
     fn a_sphere_that_sank_in_parts_again_if_it_is_to() {
-        let factor = |range: Range, gap: f64| WallForce::new(1.0, range).factor(Vector::Z, 1.0 + gap, 1.0).unwrap();
-        let along = |range: Range, gap: f64| factor(range, gap).coefficients().along;
-        let (kept, parting) = (Range::default(), Range::default().parting());
-        let ratio = |a: (Range, f64), b: (Range, f64)| along(a.0, a.1) / along(b.0, b.1);
+        let factor =
+            |range: LubricationRange, gap: f64| WallForce::new(1.0, range).factor(Vector::Z, 1.0 + gap, 1.0).unwrap();
+        let along = |range: LubricationRange, gap: f64| factor(range, gap).coefficients().along;
+        let (kept, parting) = (LubricationRange::default(), LubricationRange::default().parting());
+        let ratio = |a: (LubricationRange, f64), b: (LubricationRange, f64)| along(a.0, a.1) / along(b.0, b.1);
         for (one, other) in [
-            ((kept, -0.03), (kept, 0.5 * Range::CLOSEST)),
+            ((kept, -0.03), (kept, 0.5 * LubricationRange::CLOSEST)),
             ((parting, -0.03), (kept, 0.03)),
             ((parting, 0.03), (kept, 0.03)),
         ] {

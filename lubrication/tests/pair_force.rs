@@ -3,11 +3,13 @@
 use std::f64::consts::PI;
 
 use domain::{Tensor, Traceless, Vector};
-use lubrication::{Coefficients, PairFactor, PairForce, PairForceError, PairLoads, PairMotion, Range, RangeError};
+use lubrication::{
+    Coefficients, LubricationRange, PairFactor, PairForce, PairForceError, PairLoads, PairMotion, RangeError,
+};
 use proptest::prelude::*;
 
 fn force(radii: &[f64]) -> PairForce {
-    PairForce::new(radii, 1.0, Range::default()).unwrap()
+    PairForce::new(radii, 1.0, LubricationRange::default()).unwrap()
 }
 
 fn moving(sphere: usize, velocity: Vector) -> PairMotion {
@@ -153,7 +155,8 @@ fn loads_change_smoothly_with_direction() {
 
 #[test]
 fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
-    let force = PairForce::new(&[1.0, 1.5], 1.0, Range::new(Range::NARROW, 1e-6).unwrap()).unwrap();
+    let force =
+        PairForce::new(&[1.0, 1.5], 1.0, LubricationRange::new(LubricationRange::NARROW, 1e-6).unwrap()).unwrap();
     let at =
         |gap: f64| force.loads(Vector::Y * (2.5 + gap), [0, 1], &moving(0, Vector::Y)).map(|loads| loads.force[0].y);
     assert!(at(0.3 + 1e-12).is_none());
@@ -167,7 +170,7 @@ fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
 /// as well as by coefficients.
 #[test]
 fn spheres_that_overlap_part_again_if_they_are_to() {
-    let parting = PairForce::new(&[1.0, 1.5], 1.0, Range::default().parting()).unwrap();
+    let parting = PairForce::new(&[1.0, 1.5], 1.0, LubricationRange::default().parting()).unwrap();
     let along = |force: &PairForce, gap: f64| {
         let by_factor = force.loads(Vector::X * (2.5 + gap), [0, 1], &moving(0, Vector::X)).unwrap();
         [force.coefficients(2.5 + gap, [0, 1]).unwrap().along[0][0], by_factor.force[0].x]
@@ -176,7 +179,7 @@ fn spheres_that_overlap_part_again_if_they_are_to() {
     for (found, wanted) in along(&parting, -0.03).into_iter().zip(apart) {
         assert!((found / wanted - 1.0).abs() < 1e-9, "{found} is not {wanted}");
     }
-    let kept = PairForce::new(&[1.0, 1.5], 1.0, Range::default()).unwrap();
+    let kept = PairForce::new(&[1.0, 1.5], 1.0, LubricationRange::default()).unwrap();
     let motion = moving(0, Vector::X);
     assert_eq!(kept.loads(Vector::X * 2.53, [0, 1], &motion), parting.loads(Vector::X * 2.53, [0, 1], &motion));
     assert!(along(&kept, -0.03)[0].abs() > 1e4 * apart[0].abs());
@@ -184,7 +187,7 @@ fn spheres_that_overlap_part_again_if_they_are_to() {
 
 #[test]
 fn overlap_is_as_stiff_as_the_closest_gap() {
-    let force = PairForce::new(&[1.0], 1.0, Range::new(2.0, 1e-3).unwrap()).unwrap();
+    let force = PairForce::new(&[1.0], 1.0, LubricationRange::new(2.0, 1e-3).unwrap()).unwrap();
     let at = |r: f64| force.loads(Vector::X * r, [0, 0], &moving(0, Vector::X)).unwrap();
     assert_eq!(at(1.9), at(1.0));
     assert!((at(1.9).force[0].x / at(2.001).force[0].x - 1.0).abs() < 1e-10);
@@ -193,7 +196,7 @@ fn overlap_is_as_stiff_as_the_closest_gap() {
 
 #[test]
 fn loads_scale_with_size_and_viscosity() {
-    let (unit, large) = (force(&[1.0, 2.0]), PairForce::new(&[3.0, 6.0], 5.0, Range::default()).unwrap());
+    let (unit, large) = (force(&[1.0, 2.0]), PairForce::new(&[3.0, 6.0], 5.0, LubricationRange::default()).unwrap());
     let separation = Vector::new(1.0, 2.0, 2.1);
     let loads = unit.loads(separation, [0, 1], &moving(1, Vector::X)).unwrap();
     let scaled = large.loads(3.0 * separation, [0, 1], &moving(1, Vector::X)).unwrap();
@@ -204,11 +207,14 @@ fn loads_scale_with_size_and_viscosity() {
 
 #[test]
 fn refuses_senseless_parameters() {
-    assert_eq!(Range::new(9.0, 1e-4), Err(RangeError::Cutoff(9.0)));
-    assert_eq!(Range::new(1.0, 0.2), Err(RangeError::Closest(0.2)));
-    assert!(Range::new(f64::NAN, 1e-4).is_err());
-    assert!(matches!(PairForce::new(&[1.0, -1.0], 1.0, Range::default()), Err(PairForceError::Positive { .. })));
-    let error = PairForce::new(&[1.0, 30.0], 1.0, Range::default()).unwrap_err();
+    assert_eq!(LubricationRange::new(9.0, 1e-4), Err(RangeError::Cutoff(9.0)));
+    assert_eq!(LubricationRange::new(1.0, 0.2), Err(RangeError::Closest(0.2)));
+    assert!(LubricationRange::new(f64::NAN, 1e-4).is_err());
+    assert!(matches!(
+        PairForce::new(&[1.0, -1.0], 1.0, LubricationRange::default()),
+        Err(PairForceError::Positive { .. })
+    ));
+    let error = PairForce::new(&[1.0, 30.0], 1.0, LubricationRange::default()).unwrap_err();
     assert!(error.to_string().contains("radii 1 and 30"));
 }
 

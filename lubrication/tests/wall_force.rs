@@ -1,11 +1,11 @@
 //! Lubrication of a sphere at a wall: symmetries, limits of its range, units.
 
 use domain::{Tensor, Traceless, Vector};
-use lubrication::{Range, SphereLoads, SphereMotion, WallFactor, WallForce};
+use lubrication::{LubricationRange, SphereLoads, SphereMotion, WallFactor, WallForce};
 use proptest::prelude::*;
 
 fn factor(to_wall: Vector) -> WallFactor {
-    WallForce::new(1.0, Range::default()).factor(to_wall.normalize(), to_wall.length(), 1.0).unwrap()
+    WallForce::new(1.0, LubricationRange::default()).factor(to_wall.normalize(), to_wall.length(), 1.0).unwrap()
 }
 
 fn vector() -> impl Strategy<Value = Vector> {
@@ -94,7 +94,7 @@ proptest! {
     #[test]
     fn loads_scale_with_size_and_viscosity(gap in 1e-6..1.4f64, a in motion()) {
         let to_wall = Vector::X * (1.0 + gap);
-        let large = WallForce::new(5.0, Range::default()).factor(Vector::X, 3.0 * (1.0 + gap), 3.0).unwrap();
+        let large = WallForce::new(5.0, LubricationRange::default()).factor(Vector::X, 3.0 * (1.0 + gap), 3.0).unwrap();
         let (loads, scaled) = (factor(to_wall).resistance(&a), large.resistance(&SphereMotion {
             velocity: a.velocity * 3.0, ..a
         }));
@@ -108,9 +108,9 @@ proptest! {
 
 #[test]
 fn nothing_acts_beyond_the_cutoff_and_contact_is_as_stiff_as_the_closest_gap() {
-    let force = WallForce::new(1.0, Range::default());
+    let force = WallForce::new(1.0, LubricationRange::default());
     assert_eq!(
-        (force.range().cutoff(), WallForce::new(1.0, Range::new(0.2, 1e-6).unwrap()).range().cutoff()),
+        (force.range().cutoff(), WallForce::new(1.0, LubricationRange::new(0.2, 1e-6).unwrap()).range().cutoff()),
         (1.5, 0.2)
     );
     let approach = SphereMotion { velocity: Vector::Z, ..SphereMotion::default() };

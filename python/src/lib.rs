@@ -25,7 +25,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add("LUBRICATION_CUTOFF", lubrication::Range::WIDE)?;
+    module.add("LUBRICATION_CUTOFF", lubrication::LubricationRange::WIDE)?;
     module.add("has_mpi", cfg!(feature = "mpi"))?;
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<simulation::Simulation>()?;

@@ -5,10 +5,10 @@ use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
 use crate::error::{explained, refused};
 use crate::signals::Signals;
-use domain::{Bytes, Comm, Tensor, Turn, Vector};
+use domain::{AxisRotation, Bytes, Comm, Tensor, Vector};
 use fcm::{Loads, Motion, Multipoles};
 use io::{CaseBoundary, CaseBox, CaseMethod};
-use lubrication::Range;
+use lubrication::LubricationRange;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use solver::BackgroundFlow;
@@ -53,7 +53,8 @@ impl Mobility {
         let given = (Some(given_box(&rows)), boundaries(&axes)?);
         let (cell, turn) = CaseBox::bounded(given.0, strain, given.1, (&[], &[])).map_err(|cause| refused(&cause))?;
         let comm = ranks(comm)?;
-        let lubrication = lubrication.map(|cutoff| Range::new(cutoff, Range::CLOSEST)).transpose();
+        let lubrication =
+            lubrication.map(|cutoff| LubricationRange::new(cutoff, LubricationRange::CLOSEST)).transpose();
         let count = radii.len();
         let parameters = MobilityParameters {
             cell,
@@ -178,7 +179,7 @@ impl Mobility {
 impl Mobility {
     fn planned(
         py: Python<'_>,
-        (parameters, turn): (MobilityParameters, Turn),
+        (parameters, turn): (MobilityParameters, AxisRotation),
         (count, comm): (usize, &Comm),
     ) -> PyResult<Self> {
         let signals = Signals::default();

@@ -3,17 +3,17 @@
 use crate::columns::VELOCITY;
 use crate::error::StartError;
 use crate::error::step::StepError;
-use crate::evaluation::overlap_monitor::Crowded;
+use crate::evaluation::overlap_monitor::OverlapCounts;
 use crate::evaluation::prepared::Setup;
 use crate::evaluation::stress::ParticleStress;
 use crate::evaluation::velocity_field::FluidVelocity;
-use crate::evaluation::{Dynamics, Moment, Outcome};
+use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::forces::Surface;
 use crate::forces::contacts::{Measured, contact_force};
 use crate::forces::tethers;
 use crate::forces::user;
 use crate::integrators::adams_bashforth::{self, AdamsBashforth};
-use crate::integrators::brownian::{self, Heat};
+use crate::integrators::brownian::{self, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::neighbourhood;
@@ -29,7 +29,7 @@ pub struct Suspension {
     dynamics: Dynamics,
     clock: Clock,
     integrator: Integrator,
-    heat: Option<Heat>,
+    heat: Option<ThermalNoise>,
     outcome: Outcome,
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
@@ -190,7 +190,7 @@ impl Suspension {
 
     /// Applies a change; if it fails, restores the state before it.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
-        let (particles, moving) = (self.particles.copied(), self.dynamics.moving_box().clone());
+        let (particles, moving) = (self.particles.copied(), self.dynamics.periodic_cell().clone());
         let settling = self.dynamics.settling();
         let changed = change(self);
         if changed.is_err() {
@@ -271,20 +271,20 @@ impl Suspension {
     pub fn velocities_in_flow(&self) -> Vec<Vector> {
         let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
-        let (moving, particles) = (self.dynamics.moving_box(), &self.particles);
+        let (moving, particles) = (self.dynamics.periodic_cell(), &self.particles);
         let places = particles.positions.iter().zip(&particles.radii);
         velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
     }
 
     /// Rate of shear or extension to which the velocities belong, and the strain so far.
     pub fn shear(&self) -> [f64; 2] {
-        let moving = self.dynamics.moving_box();
+        let moving = self.dynamics.periodic_cell();
         [moving.rate(), moving.strain(self.clock.time())]
     }
 
     /// Whether the flow has almost stopped under its stress.
     pub fn is_jammed(&self) -> bool {
-        self.dynamics.moving_box().is_jammed()
+        self.dynamics.periodic_cell().is_jammed()
     }
 
     /// Largest weight left out of random motions so far, relative to the total: that of negative eigenvalues of the
@@ -294,7 +294,7 @@ impl Suspension {
     }
 
     /// Pairs that overlapped, or almost, in the last Brownian solve; `None` without Brownian motion.
-    pub(crate) fn crowded(&self) -> Option<Crowded> {
+    pub(crate) fn crowded(&self) -> Option<OverlapCounts> {
         self.dynamics.crowded()
     }
 
@@ -406,8 +406,8 @@ impl Suspension {
 }
 
 /// Thermal fluctuations of a model, if there are any.
-fn heat(model: &Model) -> Option<Heat> {
-    model.thermal_energy.map(|energy| Heat { energy, seed: model.seed })
+fn heat(model: &Model) -> Option<ThermalNoise> {
+    model.thermal_energy.map(|energy| ThermalNoise { energy, seed: model.seed })
 }
 
 /// One step of a method with fixed steps.
@@ -421,7 +421,7 @@ fn fixed_step(
     let steps = dynamics.steps_before(clock);
     dynamics.remember(particles, steps);
     adams_bashforth::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
-        outcome = dynamics.evaluate(particles, &Moment::in_step(clock, fraction, steps))?;
+        outcome = dynamics.evaluate(particles, &StageTime::in_step(clock, fraction, steps))?;
         Ok::<(), StepError>(())
     })?;
     Ok(outcome)

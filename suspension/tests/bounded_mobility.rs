@@ -1,8 +1,8 @@
 //! Mobility between walls and in open space.
 
-use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Traceless, Turn, Vector};
+use domain::{AxisRotation, Boundaries, Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
 use fcm::{Costs, Loads, Multipoles};
-use lubrication::Range;
+use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
 use suspension::{Mobility, MobilityParameters, Motions};
@@ -63,7 +63,7 @@ fn a_lubricated_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
         (0.25, 0.5, [0.713_250_22, 0.121_003_97]),
         (0.25, 0.8, [0.622_225_95, 0.174_597_15]),
     ];
-    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
     for (part, over_place, [velocity, turning]) in exact {
         let (place, height) = (RADIUS / over_place, RADIUS / over_place / part);
         let usual = parameters([24.0, 24.0, height], Boundaries::Walls, 1);
@@ -100,7 +100,7 @@ fn any_axis_may_be_the_special_one() {
     mobility.place(&positions).unwrap();
     let expected = mobility.apply(&loads, &shear(0.3)).unwrap();
     for axis in [0, 1] {
-        let turn = Turn::to_last(axis);
+        let turn = AxisRotation::to_last(axis);
         let back = turn.inverse();
         let vectors = |list: &[Vector]| list.iter().map(|&v| back.vector(v)).collect::<Vec<_>>();
         let mut mobility = own().turned(turn);
@@ -134,7 +134,7 @@ fn open_space_has_no_places() {
 /// drift is away from the wall.
 #[test]
 fn random_motions_near_walls_are_in_the_axes_of_the_caller() {
-    let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(Turn::to_last(0));
+    let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(AxisRotation::to_last(0));
     mobility.place(&[Vector::new(1.3, 0.0, 0.0)]).unwrap();
     let (motions, _) = mobility.noise(1, 0..100).unwrap();
     let square = |axis: usize| motions.iter().map(|motion| motion.velocities[0][axis].powi(2)).sum::<f64>();
@@ -146,7 +146,7 @@ fn random_motions_near_walls_are_in_the_axes_of_the_caller() {
 
 #[test]
 fn what_walls_do_not_allow_is_refused() {
-    let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(Turn::to_last(0));
+    let mut mobility = planned(parameters([9.0, 10.0, 7.0], Boundaries::Walls, 1)).turned(AxisRotation::to_last(0));
     let error = mobility.place(&[Vector::new(0.5, 0.0, 0.0)]).unwrap_err().to_string();
     assert!(error.contains("sphere 0 of radius 1 is at x = 0.5") && error.contains("from 0.85"), "{error}");
     mobility.place(&[Vector::new(3.5, 0.0, 0.0)]).unwrap();

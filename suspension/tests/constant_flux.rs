@@ -4,7 +4,7 @@ use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
 use fcm::{Costs, Loads, Multipoles};
-use lubrication::{Range, WallForce};
+use lubrication::{LubricationRange, WallForce};
 use simulation::{Quantity, Simulation};
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
@@ -140,7 +140,7 @@ const LAYERS: &str = "particles={initial=\"positions\", positions=[[1.0, 2.0, 1.
 /// Contribution of lubrication at walls to the sum over spheres: the lubrication forces on the fluid along x times half
 /// the squared distance from the wall, since this lubrication acts relative to a flow that is linear from the wall.
 fn at_walls(found: &Seen) -> f64 {
-    let (force, curvature) = (WallForce::new(VISCOSITY, Range::default()), found.gradient / VISCOSITY);
+    let (force, curvature) = (WallForce::new(VISCOSITY, LubricationRange::default()), found.gradient / VISCOSITY);
     let of_sphere = |row: usize| {
         let (place, radius) = (found.positions[row], found.radii[row]);
         let passing = 0.5 * curvature * place.z * (HEIGHT - place.z) - curvature * radius * radius / 6.0;

@@ -1,7 +1,7 @@
 //! Velocity fields of runs in boxes that are not fully periodic.
 
 use crate::support::model_of;
-use domain::{Comm, Turn, Vector};
+use domain::{AxisRotation, Comm, Vector};
 use simulation::{Simulation, VelocityField};
 use suspension::{Model, Observed};
 
@@ -11,7 +11,7 @@ const EDGES: [f64; 3] = [9.0, 8.0, 10.0];
 /// Scene with a boundary along its special axis, or all axes, and a kind of driving; `axis` is the special axis, and
 /// vectors are given as if it were z.
 fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
-    let back = Turn::to_last(axis).inverse();
+    let back = AxisRotation::to_last(axis).inverse();
     let vector = |v: [f64; 3]| format!("{:?}", back.vector(v.into()).to_array());
     let edges = back.list(EDGES);
     let boundaries = if kind == "cloud" { [boundary; 3] } else { back.list(["periodic", "periodic", boundary]) };
@@ -96,7 +96,7 @@ fn fields_are_in_the_axes_of_the_user() {
         let upright = field(&model_of(&scene(2, *kind), &[]), 2, 1);
         assert_eq!(upright.values.len(), upright.points.iter().product::<usize>());
         for axis in [0, 1] {
-            let back = Turn::to_last(axis).inverse();
+            let back = AxisRotation::to_last(axis).inverse();
             let found = field(&model_of(&scene(axis, *kind), &[]), 2, 1);
             assert_eq!(found.points, back.list(upright.points), "{kind:?}");
             let edges = Vector::from_array(back.list(EDGES));

@@ -2,7 +2,7 @@
 
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
 use fcm::{Costs, Loads, Multipoles};
-use lubrication::Range;
+use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
 use suspension::{Mobility, MobilityParameters, Motions};
@@ -42,7 +42,8 @@ impl Lattice {
             multipoles: Multipoles::Dipole,
             rigid: true,
             tolerance,
-            lubrication: is_lubricated.then(|| Range::new(Range::WIDE, Range::CLOSEST).unwrap()),
+            lubrication: is_lubricated
+                .then(|| LubricationRange::new(LubricationRange::WIDE, LubricationRange::CLOSEST).unwrap()),
             method: None,
             costs: Costs::default(),
         };

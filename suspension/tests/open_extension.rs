@@ -4,7 +4,7 @@ use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Vector};
 use fcm::{Costs, Loads, Multipoles};
-use lubrication::Range;
+use lubrication::LubricationRange;
 use std::f64::consts::PI;
 use suspension::{Extension, Mobility, MobilityParameters, Model, Suspension};
 
@@ -103,7 +103,7 @@ fn a_pair_moves_as_its_mobility_says() {
                 multipoles: Multipoles::Dipole,
                 rigid: true,
                 tolerance: 1e-5,
-                lubrication: Some(Range::new(Range::WIDE, Range::CLOSEST).unwrap()),
+                lubrication: Some(LubricationRange::new(LubricationRange::WIDE, LubricationRange::CLOSEST).unwrap()),
                 method: None,
                 costs: Costs::default(),
             };

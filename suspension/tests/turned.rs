@@ -1,7 +1,7 @@
 //! Runs with walls across x or y equal rotated runs with walls across z, in all results.
 
 use crate::support::model_of;
-use domain::{Comm, Tensor, Traceless, Turn, Vector};
+use domain::{AxisRotation, Comm, Tensor, Traceless, Vector};
 use simulation::{AppliedLoads, Frame, Simulation};
 use std::collections::HashMap;
 use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, VELOCITY};
@@ -14,7 +14,7 @@ const EDGES: [f64; 3] = [9.0, 8.0, 10.0];
 /// Scene with a boundary along its special axis and further features; `axis` is the special axis, and vectors and
 /// positions are given as if it were z.
 fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
-    let back = Turn::to_last(axis).inverse();
+    let back = AxisRotation::to_last(axis).inverse();
     let edges = back.list(EDGES);
     let vector = |v: [f64; 3]| format!("{:?}", back.vector(v.into()).to_array());
     let place = |v: [f64; 3]| format!("{:?}", back.place(v.into(), edges.into()).to_array());
@@ -149,7 +149,7 @@ fn near_vectors(found: &[Vector], expected: &[Vector], allowed: f64) -> bool {
 
 /// Asserts that all results of `found` are those of `upright`, with the last axis rotated to another.
 fn is_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64) {
-    let back = Turn::to_last(axis).inverse();
+    let back = AxisRotation::to_last(axis).inverse();
     let edges = Vector::from_array(back.list(upright.frame.cell.edges().to_array()));
     assert_eq!((found.frame.cell.edges(), found.frame.periodic), (edges, back.list(upright.frame.periodic)));
     let places: Vec<Vector> = upright.places().into_iter().map(|place| back.place(place, edges)).collect();
@@ -172,8 +172,8 @@ fn is_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64) {
 
 /// The same for the numbers by name. All of them are checked: as vectors, as tensors, or individually.
 fn numbers_are_turned(found: &Shown, upright: &Shown, axis: usize, allowed: f64) {
-    let back = Turn::to_last(axis).inverse();
-    let [along, beside, across] = Turn::to_last(axis).list(AXES);
+    let back = AxisRotation::to_last(axis).inverse();
+    let [along, beside, across] = AxisRotation::to_last(axis).list(AXES);
     let mut left: HashMap<&str, f64> = upright.numbers.iter().map(|(name, value)| (name.as_str(), *value)).collect();
     let mut vectors = vec!["mean_velocity_*[small]".to_owned(), "mean_velocity_*[large]".to_owned()];
     let mut tensors = Vec::new();
@@ -289,7 +289,7 @@ fn turned_runs_are_the_same_on_any_ranks() {
 #[test]
 fn places_are_where_the_user_says() {
     for axis in [0, 1] {
-        let back = Turn::to_last(axis).inverse();
+        let back = AxisRotation::to_last(axis).inverse();
         let edges = Vector::from_array(back.list(EDGES));
         let given = [[1.0, 2.0, 3.0], [0.0, 0.0, 7.0], [-4.0, 12.0, 5.0]].map(|x| back.vector(Vector::from_array(x)));
         let list = given.map(|x| x.to_array());
@@ -328,7 +328,7 @@ fn a_turned_run_resumes_bit_for_bit() {
 #[test]
 fn forces_of_ones_own_are_in_the_axes_of_the_user() {
     for axis in [0, 1] {
-        let force = Turn::to_last(axis).inverse().vector(Vector::new(0.5, -2.0, 0.0));
+        let force = AxisRotation::to_last(axis).inverse().vector(Vector::new(0.5, -2.0, 0.0));
         let model = model_of(&scene(axis, ["walls", "poiseuille"]), &["time.steps=1"]);
         let by_scene = format!("species=[{{radius=1.0, count=8, force={:?}}}]", force.to_array());
         let expected = shown(&model_of(&scene(axis, ["walls", "poiseuille"]), &[&by_scene, "time.steps=0"]), 1);
@@ -343,7 +343,7 @@ fn forces_of_ones_own_are_in_the_axes_of_the_user() {
         .unwrap();
         let found = Shown { frame: run.frame(), numbers: HashMap::new() };
         assert!(near_vectors(&found.vectors(VELOCITY), &expected.vectors(VELOCITY), 1e-6));
-        assert_eq!(model.turn, Turn::to_last(axis));
+        assert_eq!(model.turn, AxisRotation::to_last(axis));
     }
 }
 
@@ -351,7 +351,7 @@ fn forces_of_ones_own_are_in_the_axes_of_the_user() {
 #[test]
 fn contacts_are_in_the_axes_of_the_user() {
     let of = |axis: usize| {
-        let weight = Turn::to_last(axis).inverse().vector(Vector::new(3.0, -2.0, -10.0));
+        let weight = AxisRotation::to_last(axis).inverse().vector(Vector::new(3.0, -2.0, -10.0));
         let gravity = format!("gravity.acceleration={:?}", weight.to_array());
         let keys = [gravity.as_str(), "contacts.stiffness=3000.0", "time.steps=0"];
         let mut run = Observed::start(&model_of(&scene(axis, SCENES[2]), &keys), None, &Comm::alone()).unwrap();
@@ -363,7 +363,7 @@ fn contacts_are_in_the_axes_of_the_user() {
     let upright = of(2);
     assert!(upright.list.len() > 1, "some touch");
     for axis in [0, 1] {
-        let (back, found) = (Turn::to_last(axis).inverse(), of(axis));
+        let (back, found) = (AxisRotation::to_last(axis).inverse(), of(axis));
         let edges = Vector::from_array([0, 1, 2].map(|d| found.lattice[d][d]));
         assert_eq!(found.list.len(), upright.list.len());
         for (found, expected) in found.list.iter().zip(&upright.list) {
@@ -379,7 +379,7 @@ fn contacts_are_in_the_axes_of_the_user() {
 #[test]
 fn a_sphere_that_is_driven_into_a_wall_is_named_by_the_axis_of_the_user() {
     for (axis, name) in AXES.iter().enumerate() {
-        let back = Turn::to_last(axis).inverse();
+        let back = AxisRotation::to_last(axis).inverse();
         let (place, force) = (back.vector(Vector::new(0.0, 0.0, 1.3)), back.vector(Vector::new(0.0, 0.0, -300.0)));
         let keys = [
             "repulsion.strength=0.0",

@@ -2,7 +2,7 @@ use super::*;
 use crate::coupled_solver::ShortRange;
 use domain::{Boundaries, Comm, Partition};
 use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Plan, Problem};
-use lubrication::Range;
+use lubrication::LubricationRange;
 
 /// Three near spheres in a cube of edge 14, sheared by 0.2, at a viscosity of 1.
 const PLACES: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [1.9, 0.85, 0.2], [1.0, -0.6, 2.95]];
@@ -69,7 +69,7 @@ fn particles() -> Particles {
     particles
 }
 
-fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Range>) -> CoupledSolver {
+fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<LubricationRange>) -> CoupledSolver {
     let problem = Problem {
         edges: cell.edges(),
         boundaries: cell.boundaries(),
@@ -134,7 +134,7 @@ fn divergence(
 }
 
 /// The divergence for the spheres in a sheared box.
-fn divergence_in_shear(lubrication: Option<Range>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
+fn divergence_in_shear(lubrication: Option<LubricationRange>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
     let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
     divergence(&mut hydrodynamics(&cell, 1e-4, lubrication), (&cell, &particles()), tolerance)
 }
@@ -157,7 +157,8 @@ fn along(s: &Traceless) -> [f64; 5] {
 #[test]
 fn drift_and_stress_by_heat_are_divergences() {
     let (far, _) = divergence_in_shear(None, 1e-3);
-    let (near, stresslets) = divergence_in_shear(Some(Range::new(2.5, Range::CLOSEST).unwrap()), 1e-3);
+    let (near, stresslets) =
+        divergence_in_shear(Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap()), 1e-3);
     let stresslets: Vec<f64> = stresslets.iter().flat_map(along).collect();
     let minus_moments: Vec<f64> = MOMENTS.concat().into_iter().map(|moment| -moment).collect();
     let errors = [
@@ -173,7 +174,7 @@ fn drift_and_stress_by_heat_are_divergences() {
 /// The error of the finite difference that a step allows is about that of the drift.
 #[test]
 fn rough_changes_are_as_exact_as_they_say() {
-    let lubrication = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
     let [rough, exact] = [CHANGE, 1e-3].map(|tolerance| divergence_in_shear(lubrication, tolerance).0);
     let found = error(&rough[..9], &exact[..9]);
     assert!(found > 0.0 && found < 2.0 * CHANGE, "{found}");
@@ -221,7 +222,7 @@ fn drift_and_stress_by_heat_are_divergences_near_walls() {
     {
         particles.push(id as u64, Vector::from_array(place), radius, 0);
     }
-    let range = Some(Range::new(2.5, Range::CLOSEST).unwrap());
+    let range = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
     for (boundaries, lubrication) in
         [(Boundaries::Walls, None), (Boundaries::Walls, range), (Boundaries::Wall, None), (Boundaries::Wall, range)]
     {

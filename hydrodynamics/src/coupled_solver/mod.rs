@@ -18,7 +18,7 @@ use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Tr
 use fcm::{
     Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
 };
-use lubrication::{PairForce, PairForceError, Range, WallForce};
+use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
@@ -37,7 +37,7 @@ pub struct CoupledSolver {
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ShortRange {
     /// Gaps at which lubrication acts, if it does.
-    pub lubrication: Option<Range>,
+    pub lubrication: Option<LubricationRange>,
     /// Distance of centres up to which springs act, if there are any.
     pub springs: Option<f64>,
 }

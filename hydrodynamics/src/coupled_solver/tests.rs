@@ -49,7 +49,7 @@ fn placed(positions: &[Vector], radii: &[f64]) -> Particles {
     particles
 }
 
-fn lubricated_at(lubrication: Option<Range>) -> ShortRange {
+fn lubricated_at(lubrication: Option<LubricationRange>) -> ShortRange {
     ShortRange { lubrication, ..ShortRange::default() }
 }
 
@@ -68,7 +68,13 @@ fn cube(edge: f64) -> PeriodicBox {
 }
 
 /// Solution on one rank, with the particles in the given order.
-fn solve(plan: &Plan, particles: &Particles, forces: &[Vector], strain: Traceless, range: Option<Range>) -> Solution {
+fn solve(
+    plan: &Plan,
+    particles: &Particles,
+    forces: &[Vector],
+    strain: Traceless,
+    range: Option<LubricationRange>,
+) -> Solution {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut fluid = CoupledSolver::new(plan, &partition, lubricated_at(range)).unwrap();
     let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
@@ -96,8 +102,10 @@ fn equal_spheres_in_strain_move_as_the_exact_ones() {
     for (gap, [a, b, c, along, across]) in cases {
         let (plan, particles) = pair(gap, [1.0; 2]);
         let distance = 2.0 + gap;
-        let axial = solve(&plan, &particles, &[], Traceless([-0.5, 0.0, 0.0, -0.5, 0.0]), Some(Range::default()));
-        let shear = solve(&plan, &particles, &[], Traceless([0.0, 0.0, 1.0, 0.0, 0.0]), Some(Range::default()));
+        let axial =
+            solve(&plan, &particles, &[], Traceless([-0.5, 0.0, 0.0, -0.5, 0.0]), Some(LubricationRange::default()));
+        let shear =
+            solve(&plan, &particles, &[], Traceless([0.0, 0.0, 1.0, 0.0, 0.0]), Some(LubricationRange::default()));
         let apart = |solved: &Solution| (solved.motion.velocities[1] - solved.motion.velocities[0]) / distance;
         let zz = -(axial.stresslets[0].0[0] + axial.stresslets[0].0[3]);
         let found = [
@@ -127,7 +135,7 @@ fn forced_pairs_move_as_the_exact_ones() {
             [(Vector::Z, lubrication::two_sphere::Function::XA), (Vector::X, lubrication::two_sphere::Function::YA)]
         {
             let forces = [direction * 6.0 * PI, -direction * 6.0 * PI];
-            let solved = solve(&plan, &particles, &forces, Traceless::ZERO, Some(Range::default()));
+            let solved = solve(&plan, &particles, &forces, Traceless::ZERO, Some(LubricationRange::default()));
             let found = (solved.motion.velocities[0] - solved.motion.velocities[1]).dot(direction);
             let [[first, mutual], [_, second]] = exact[function];
             let wanted = first + second / ratio - 4.0 * mutual / (1.0 + ratio);
@@ -142,7 +150,8 @@ fn without_near_pairs_it_is_the_far_field_to_the_bit() {
     let (plan, particles) = pair(3.8, [1.0, 1.5]);
     let forces = [Vector::X, Vector::Y];
     let strain = Traceless([0.0, 1.0, 0.0, 0.0, 0.0]);
-    let [with, without] = [Some(Range::default()), None].map(|range| solve(&plan, &particles, &forces, strain, range));
+    let [with, without] =
+        [Some(LubricationRange::default()), None].map(|range| solve(&plan, &particles, &forces, strain, range));
     assert_eq!(with, without);
 }
 
@@ -184,7 +193,7 @@ fn dense(plan: &Plan, particles: &Particles) -> Vec<Vec<f64>> {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut mobility = Mobility::new(plan, &partition);
     mobility.arrange(&cell, particles);
-    let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
+    let force = PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
     let unit = |k: usize| {
         let mut values = vec![[0.0; 11]; n];
         values[k / 11][k % 11] = 1.0;
@@ -249,7 +258,7 @@ fn the_iteration_finds_the_dense_solution() {
         vec![load - straining.iter().map(|&k| resistance[i][k] * ambient(k)).sum::<f64>()]
     };
     let motions = eliminated(matrix, moving.iter().map(right).collect());
-    let solved = solve(&plan, &particles, &forces, strain, Some(Range::default()));
+    let solved = solve(&plan, &particles, &forces, strain, Some(LubricationRange::default()));
     let found = flat(&solved.motion.velocities, &solved.motion.angular_velocities, &solved.stresslets);
     for (&k, exact) in moving.iter().zip(&motions) {
         assert!((found[k] - exact[0]).abs() < 1e-6, "motion {k}: {}, dense {}", found[k], exact[0]);
@@ -267,12 +276,13 @@ fn on_ranks(ranks: usize) -> Vec<f64> {
     let (radii, cell) = (vec![1.0; n], cube(edge));
     let positions = random_packing(&cell, &radii, 1e-3, 7).unwrap();
     let plan = plan(edge, &radii, (1e-3, 1e-6));
-    PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
+    PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
     let all = Comm::threads(ranks, |comm| {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
         let mut particles = if comm.is_first() { placed(&positions, &radii) } else { Particles::default() };
         particles.migrate(&partition, &cell);
-        let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
+        let mut fluid =
+            CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
         let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
         let solved = fluid.solve(&cell, &particles, &acting(&loads, strain), &Guess::default()).unwrap();
@@ -299,7 +309,7 @@ fn ranks_agree() {
 fn a_solution_is_its_own_best_guess() {
     let (plan, particles) = cluster();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
+    let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
     let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
     let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
     let first = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &Guess::default()).unwrap();
@@ -321,7 +331,7 @@ fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
     let plan = plan(edge, &radii, (1e-3, 1e-3));
     let mut particles = placed(&random_packing(&cell, &radii, 0.0, 5).unwrap(), &radii);
     let shear = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
-    let as_packed = solve(&plan, &particles, &[], shear, Some(Range::default())).iterations;
+    let as_packed = solve(&plan, &particles, &[], shear, Some(LubricationRange::default())).iterations;
     // Brings the nearest pair to a gap of 1e-5.
     let apart = |&(i, j): &(usize, usize)| cell.nearest_image(particles.positions[j] - particles.positions[i]).length();
     let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
@@ -329,6 +339,6 @@ fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
     let line = cell.nearest_image(particles.positions[j] - particles.positions[i]);
     particles.positions[j] -= line * (1.0 - (2.0 + 1e-5) / line.length());
     particles.wrap(&cell);
-    let nearer = solve(&plan, &particles, &[], shear, Some(Range::default())).iterations;
+    let nearer = solve(&plan, &particles, &[], shear, Some(LubricationRange::default())).iterations;
     assert!(as_packed <= 18 && nearer <= as_packed + 2, "{as_packed}, with a near pair {nearer}");
 }

@@ -3,7 +3,7 @@
 use crate::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles};
 use fcm::{Footprint, Plan};
-use lubrication::Range;
+use lubrication::LubricationRange;
 
 /// A single evaluation.
 pub struct SingleEvaluation<'a> {
@@ -12,7 +12,7 @@ pub struct SingleEvaluation<'a> {
     /// Radii, with the number of particles of each.
     pub radii: Vec<(f64, usize)>,
     /// Gaps at which lubrication acts, if it does.
-    pub lubrication: Option<Range>,
+    pub lubrication: Option<LubricationRange>,
     /// Numbers per particle in columns.
     pub numbers: usize,
     /// Other memory on the first rank.

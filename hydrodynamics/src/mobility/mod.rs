@@ -15,13 +15,13 @@ use crate::mobility::memory::SingleEvaluation;
 use crate::mobility::overlaps::Overlaps;
 use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
 use domain::{
-    Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Turn, Vector,
+    AxisRotation, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector,
 };
 use fcm::{
     Costs, Drawn, Evaluation, Fixed, Loading, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError,
     Problem, SolveError, Stream, check_inside,
 };
-use lubrication::{PairForceError, Range};
+use lubrication::{LubricationRange, PairForceError};
 use solver::BackgroundFlow;
 
 /// Parameters of a mobility: spheres, fluid and accuracy.
@@ -40,7 +40,7 @@ pub struct MobilityParameters {
     /// Relative error allowed.
     pub tolerance: f64,
     /// Gaps at which lubrication acts between rigid spheres, if it does.
-    pub lubrication: Option<Range>,
+    pub lubrication: Option<LubricationRange>,
     /// Method of the far field; `None` for the faster one.
     pub method: Option<MethodName>,
     /// Costs of the parts of an evaluation on the machine.
@@ -63,7 +63,7 @@ pub struct Mobility {
     partition: Partition,
     hydrodynamics: CoupledSolver,
     positions: Vec<Vector>,
-    turn: Turn,
+    turn: AxisRotation,
     pressure_gradient: Vector,
 }
 
@@ -152,14 +152,14 @@ impl Mobility {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics =
             comm.agree(CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
-        let (positions, turn, pressure_gradient) = (Vec::new(), Turn::default(), Vector::ZERO);
+        let (positions, turn, pressure_gradient) = (Vec::new(), AxisRotation::default(), Vector::ZERO);
         Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, turn, pressure_gradient })
     }
 
     /// Sets the rotation from the caller's axes, in which vectors and tensors are given and returned, to those of the
     /// box.
     #[must_use]
-    pub fn turned(self, turn: Turn) -> Self {
+    pub fn turned(self, turn: AxisRotation) -> Self {
         Self { turn, ..self }
     }
 
@@ -183,7 +183,7 @@ impl Mobility {
     }
 
     /// Rotation from the caller's axes to those of the box.
-    pub fn turn(&self) -> Turn {
+    pub fn turn(&self) -> AxisRotation {
         self.turn
     }
 
@@ -352,8 +352,8 @@ fn carry(motion: &mut Motion, radii: &[f64], bend: Vector) {
 impl Motions {
     /// The same in rotated axes.
     #[must_use]
-    fn turned(mut self, turn: Turn) -> Self {
-        if turn == Turn::default() {
+    fn turned(mut self, turn: AxisRotation) -> Self {
+        if turn == AxisRotation::default() {
             return self;
         }
         turn_motion(&mut self.motion, turn);
@@ -364,7 +364,7 @@ impl Motions {
     }
 }
 
-fn turn_motion(motion: &mut Motion, turn: Turn) {
+fn turn_motion(motion: &mut Motion, turn: AxisRotation) {
     let Motion { velocities, angular_velocities, strain_rates } = motion;
     velocities.iter_mut().chain(angular_velocities).for_each(|v| *v = turn.vector(*v));
     for tensor in strain_rates {

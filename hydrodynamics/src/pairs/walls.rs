@@ -5,7 +5,7 @@ use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
-use lubrication::{Surfaces, WallCoefficients, WallForce};
+use lubrication::{PairKind, WallCoefficients, WallForce};
 
 /// A sphere near a wall. Its resistance is like that of a pair one of which is at rest relative to the flow.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +65,7 @@ fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 
     resistance.along += along;
     resistance.across += slip;
     resistance.coupling += slip * distance;
-    resistance.roll += slip * distance * distance + rolling * Surfaces::Wall(radius).harmonic_radius().powi(2);
+    resistance.roll += slip * distance * distance + rolling * PairKind::Wall(radius).harmonic_radius().powi(2);
 }
 
 impl AtWall {
@@ -107,7 +107,7 @@ mod tests {
     use crate::springs::ContactSprings;
     use crate::springs::TetherResistance;
     use domain::Boundaries;
-    use lubrication::Range;
+    use lubrication::LubricationRange;
 
     fn cell() -> PeriodicBox {
         PeriodicBox::new(Vector::new(10.0, 10.0, 6.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap()
@@ -124,7 +124,7 @@ mod tests {
     /// The diagonal block is the lubrication resistance at the wall.
     #[test]
     fn the_block_of_a_row_is_the_resistance_of_its_walls() {
-        let force = WallForce::new(1.0, Range::default());
+        let force = WallForce::new(1.0, LubricationRange::default());
         let found = find((Some(&force), None), &spheres(), (&cell(), StrainRate::default()));
         assert_eq!(found.iter().map(|at| (at.row, at.axis.z)).collect::<Vec<_>>(), [(0, -1.0), (2, 1.0)]);
         for at in &found {
@@ -140,7 +140,7 @@ mod tests {
     /// wall, at the lower or the upper one.
     #[test]
     fn a_held_sphere_does_not_slip_in_a_curved_flow() {
-        let (force, height) = (WallForce::new(1.0, Range::default()), 6.0);
+        let (force, height) = (WallForce::new(1.0, LubricationRange::default()), 6.0);
         let flow = Poiseuille { curvature: 0.3, height };
         for is_upper in [false, true] {
             let load = |gap: f64| {

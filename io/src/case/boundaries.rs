@@ -1,6 +1,6 @@
 //! Boundary conditions of a case, as the user specifies them.
 
-use domain::{Boundaries, Turn};
+use domain::{AxisRotation, Boundaries};
 use serde::{Deserialize, Serialize};
 
 /// Boundary condition along one axis.
@@ -38,21 +38,21 @@ impl CaseBoundary {
 pub struct BoundariesError([CaseBoundary; 3]);
 
 /// Boundaries of a box whose non-periodic axis is the last, and the rotation of axes to it.
-pub fn boundaries_of(axes: [CaseBoundary; 3]) -> Result<(Boundaries, Turn), BoundariesError> {
+pub fn boundaries_of(axes: [CaseBoundary; 3]) -> Result<(Boundaries, AxisRotation), BoundariesError> {
     use CaseBoundary::{Open, Periodic, Wall, Walls};
     if axes == [Open; 3] {
-        return Ok((Boundaries::Open, Turn::default()));
+        return Ok((Boundaries::Open, AxisRotation::default()));
     }
     let special: Vec<usize> = (0..3).filter(|&axis| axes[axis] != Periodic).collect();
     match special[..] {
-        [] => Ok((Boundaries::Periodic, Turn::default())),
+        [] => Ok((Boundaries::Periodic, AxisRotation::default())),
         [axis] => {
             let boundaries = match axes[axis] {
                 Walls => Boundaries::Walls,
                 Wall => Boundaries::Wall,
                 Open | Periodic => Boundaries::OpenAlongZ,
             };
-            Ok((boundaries, Turn::to_last(axis)))
+            Ok((boundaries, AxisRotation::to_last(axis)))
         }
         _ => Err(BoundariesError(axes)),
     }
@@ -66,11 +66,11 @@ mod tests {
     #[test]
     fn one_axis_or_all_are_special() {
         let of = |axes| boundaries_of(axes).unwrap();
-        assert_eq!(of([Periodic; 3]), (Boundaries::Periodic, Turn::default()));
-        assert_eq!(of([Open; 3]), (Boundaries::Open, Turn::default()));
-        assert_eq!(of([Periodic, Walls, Periodic]), (Boundaries::Walls, Turn::to_last(1)));
-        assert_eq!(of([Wall, Periodic, Periodic]), (Boundaries::Wall, Turn::to_last(0)));
-        assert_eq!(of([Periodic, Periodic, Open]), (Boundaries::OpenAlongZ, Turn::default()));
+        assert_eq!(of([Periodic; 3]), (Boundaries::Periodic, AxisRotation::default()));
+        assert_eq!(of([Open; 3]), (Boundaries::Open, AxisRotation::default()));
+        assert_eq!(of([Periodic, Walls, Periodic]), (Boundaries::Walls, AxisRotation::to_last(1)));
+        assert_eq!(of([Wall, Periodic, Periodic]), (Boundaries::Wall, AxisRotation::to_last(0)));
+        assert_eq!(of([Periodic, Periodic, Open]), (Boundaries::OpenAlongZ, AxisRotation::default()));
         for axes in [[Walls, Walls, Periodic], [Open, Open, Periodic], [Wall, Open, Open]] {
             assert!(boundaries_of(axes).unwrap_err().to_string().contains("possible are"));
         }

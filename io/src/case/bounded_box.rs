@@ -2,7 +2,7 @@
 
 use super::boundaries::{BoundariesError, CaseBoundary, boundaries_of};
 use crate::document::{Alternative, NumberOr};
-use domain::{Boundaries, BoxError, PeriodicBox, Turn, Vector};
+use domain::{AxisRotation, Boundaries, BoxError, PeriodicBox, Vector};
 use serde::{Deserialize, Serialize};
 
 /// A box as the user specifies it.
@@ -61,7 +61,7 @@ impl CaseBox {
         strain: f64,
         axes: [CaseBoundary; 3],
         spheres: (&[[f64; 3]], &[f64]),
-    ) -> Result<(PeriodicBox, Turn), CaseBoxError> {
+    ) -> Result<(PeriodicBox, AxisRotation), CaseBoxError> {
         let (boundaries, turn) = boundaries_of(axes)?;
         let of_box = match given {
             Some(of_box) => of_box,
@@ -117,7 +117,7 @@ mod tests {
         let spheres: (&[[f64; 3]], &[f64]) = (&[[0.0; 3], [-2.0, 1.0, 7.0]], &[1.0, 2.0]);
         let of = |given, strain, axes| CaseBox::bounded(given, strain, axes, spheres);
         let (cell, turn) = of(Some(edges), 0.0, [Periodic, Walls, Periodic]).unwrap();
-        assert_eq!((cell.edges(), turn), (Vector::new(3.0, 5.0, 4.0), Turn::to_last(1)));
+        assert_eq!((cell.edges(), turn), (Vector::new(3.0, 5.0, 4.0), AxisRotation::to_last(1)));
         assert_eq!(of(None, 0.0, [Open; 3]).unwrap().0.edges(), Vector::new(7.0, 6.0, 12.0));
         let error = |given, strain, axes| of(given, strain, axes).unwrap_err().to_string();
         assert!(error(None, 0.0, [Periodic; 3]).contains("box is missing"));

@@ -15,7 +15,7 @@ pub use method::{CaseMethod, UnknownMethod};
 
 use crate::document::{Alternative, Misfit, Node, NumberOr, bounded};
 use crate::{FileError, stored_inside};
-use domain::{PeriodicBox, Turn};
+use domain::{AxisRotation, PeriodicBox};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -192,7 +192,7 @@ impl Case {
     }
 
     /// The box with its non-periodic axis last, and the rotation of axes to it.
-    pub fn bounded_box(&self) -> Result<(PeriodicBox, Turn), CaseBoxError> {
+    pub fn bounded_box(&self) -> Result<(PeriodicBox, AxisRotation), CaseBoxError> {
         CaseBox::bounded(self.cell, self.strain, self.boundaries, (&self.positions, &self.radii()))
     }
 }

@@ -187,7 +187,7 @@ fn boxes_may_have_walls_or_be_open() {
         |more: &str| read(&format!(r#"{{"viscosity": 1, "positions": [[1, 2, 3], [3, 2, 8]], "radii": 0.5{more}}}"#));
     let case = with(r#", "box": [4, 5, 9], "boundaries": ["periodic", "walls", "periodic"]"#).unwrap();
     let (cell, turn) = case.bounded_box().unwrap();
-    assert_eq!((cell.edges().to_array(), turn), ([4.0, 9.0, 5.0], Turn::to_last(1)));
+    assert_eq!((cell.edges().to_array(), turn), ([4.0, 9.0, 5.0], AxisRotation::to_last(1)));
     let open = with(r#", "boundaries": ["open", "open", "open"]"#).unwrap();
     assert_eq!(open.bounded_box().unwrap().0.edges(), domain::Vector::new(3.25, 1.25, 6.25));
     let error = |more: &str| with(more).unwrap_err();

@@ -3,7 +3,7 @@
 use super::file_box::{Axis, FileBox, SceneBox, Shape, is_same_strain};
 use super::{StartFile, order};
 use crate::document::excerpt;
-use domain::{Boundaries, GivenPositions, Number, Turn, Vector};
+use domain::{AxisRotation, Boundaries, GivenPositions, Number, Vector};
 use drivers::disks;
 use suspension::{Model, Species};
 
@@ -77,7 +77,7 @@ fn box_of_model(model: &Model) -> SceneBox {
         None if cell.boundaries() == Boundaries::Periodic => Shape::Sheared(edges, cell.strain()),
         None => Shape::Straight(edges),
     };
-    debug_assert!(cell.boundaries() != Boundaries::Periodic || axes.turn() == Turn::default());
+    debug_assert!(cell.boundaries() != Boundaries::Periodic || axes.turn() == AxisRotation::default());
     SceneBox { shape, axes: axes.list(kinds) }
 }
 

@@ -1,9 +1,9 @@
 //! Evaluations in a fluctuating fluid.
 
-use super::{Dynamics, Moment, Outcome};
+use super::{Dynamics, Outcome, StageTime};
 use crate::columns::PAST;
 use crate::error::step::StepError;
-use crate::evaluation::overlap_monitor::{Crowded, Crowding};
+use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
 use domain::{Interrupted, Particles, Vector};
 use fcm::Loads;
 use fcm::Stream;
@@ -45,7 +45,7 @@ impl Dynamics {
     pub fn evaluate_fluctuating(
         &mut self,
         particles: &mut Particles,
-        moment: &Moment,
+        moment: &StageTime,
         noise: Noise,
     ) -> Result<Outcome, StepError> {
         let (_, solved) = self.solve_fluctuating(particles, moment, (noise, noise.energy))?;
@@ -58,7 +58,7 @@ impl Dynamics {
     fn solve_fluctuating(
         &mut self,
         particles: &mut Particles,
-        moment: &Moment,
+        moment: &StageTime,
         (noise, energy): (Noise, f64),
     ) -> Result<(Loads, Solution), StepError> {
         self.unless_interrupted()?;
@@ -85,7 +85,7 @@ impl Dynamics {
     pub fn move_at_random(
         &mut self,
         particles: &mut Particles,
-        moment: &Moment,
+        moment: &StageTime,
         noise: Noise,
     ) -> Result<Outcome, StepError> {
         let (loads, solved) = self.solve_fluctuating(particles, moment, (noise, 0.0))?;
@@ -104,7 +104,7 @@ impl Dynamics {
     pub fn note_drift(
         &mut self,
         particles: &mut Particles,
-        moment: &Moment,
+        moment: &StageTime,
         (over, energy): (f64, f64),
     ) -> Result<(), StepError> {
         let cell = *self.moving.cell();
@@ -118,8 +118,8 @@ impl Dynamics {
     }
 
     /// Pairs that were too close in the last solve for random motions; `None` without Brownian motion.
-    pub fn crowded(&self) -> Option<Crowded> {
-        self.crowding.as_ref().map(Crowding::last)
+    pub fn crowded(&self) -> Option<OverlapCounts> {
+        self.crowding.as_ref().map(OverlapMonitor::last)
     }
 
     fn look_for_crowding(&mut self, particles: &Particles) {

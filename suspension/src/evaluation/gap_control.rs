@@ -2,7 +2,7 @@
 
 use crate::evaluation::orders::Estimate;
 use crate::flow::deformation::Deformation;
-use crate::flow::periodic_cell::MovingBox;
+use crate::flow::periodic_cell::PeriodicCell;
 use crate::neighbourhood::Near;
 use bytemuck::{Pod, Zeroable};
 use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
@@ -49,7 +49,7 @@ struct MovingAtWall<const N: usize> {
 
 impl<const N: usize> RelativeMotion<N> {
     /// Finds the near pairs of particles with velocities in the named columns. Collective.
-    pub fn find(particles: &mut Particles, moving: &MovingBox, partition: &Partition, columns: [&str; N]) -> Self {
+    pub fn find(particles: &mut Particles, moving: &PeriodicCell, partition: &Partition, columns: [&str; N]) -> Self {
         let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
         partition.comm().max(&mut largest);
         let near = Near::find(particles, moving.cell(), partition, WATCHED * largest[0]);
@@ -57,7 +57,7 @@ impl<const N: usize> RelativeMotion<N> {
     }
 
     /// Relative motion of known near pairs, with velocities in the named columns. Collective.
-    pub fn new(near: Near, particles: &mut Particles, moving: &MovingBox, columns: [&str; N]) -> Self {
+    pub fn new(near: Near, particles: &mut Particles, moving: &PeriodicCell, columns: [&str; N]) -> Self {
         let velocities = columns.map(|name| particles.vectors(name).to_vec());
         let at_walls = at_walls(particles, moving.cell(), velocities.each_ref());
         let pairs = near.map(velocities, |(separation, radii, steps), velocities| {
@@ -304,7 +304,8 @@ mod tests {
                 let mut particles = if comm.is_first() { chain() } else { Particles::default() };
                 particles.vectors(VELOCITY);
                 particles.migrate(&partition, &cell);
-                let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, Protocol::STEADY, 1.0), true);
+                let moving =
+                    PeriodicCell::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, Protocol::STEADY, 1.0), true);
                 let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
                 let apart = approach.apart([1.0], 1e-3, &comm).expect("an end");
                 let moved: Vec<Vector> = particles.vectors(VELOCITY).iter().zip(&apart).map(|(&v, &a)| v + a).collect();
@@ -324,7 +325,7 @@ mod tests {
     fn what_keeps_its_gap_stays_where_it_is() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
         let partition = Partition::new(&Comm::alone(), [8, 8]);
-        let moving = MovingBox::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, Protocol::STEADY, 1.0), true);
+        let moving = PeriodicCell::at(&Clock::at(0, 1.0), cell, ShearRates::new(0.0, Protocol::STEADY, 1.0), true);
         let mut particles = chain();
         let approach = RelativeMotion::find(&mut particles, &moving, &partition, [VELOCITY]);
         let apart = approach.apart([-1.0], 1e-3, &Comm::alone());

@@ -22,14 +22,14 @@ use crate::error::gap::Gap;
 use crate::error::step::StepError;
 use crate::evaluation::gap_control::{RelativeMotion, WATCHED};
 use crate::evaluation::initial_guess::WarmStart;
-use crate::evaluation::overlap_monitor::Crowding;
+use crate::evaluation::overlap_monitor::OverlapMonitor;
 use crate::evaluation::prepared::Setup;
 use crate::evaluation::velocity_field::FluidVelocity;
-use crate::flow::periodic_cell::MovingBox;
-use crate::forces::contacts::{self, Contacts, Measured, Settling};
+use crate::flow::periodic_cell::PeriodicCell;
+use crate::forces::contacts::{self, Contacts, Measured, StiffnessAdaptation};
 use crate::forces::tethers::Tethers;
 use crate::forces::user::{self, AppliedForces};
-use crate::forces::{Ahead, Forces, Surface};
+use crate::forces::{Forces, Prediction, Surface};
 use crate::model::box_axes::UserAxes;
 use crate::model::{self, Integrator, Model, Multipoles};
 use crate::neighbourhood::NearLists;
@@ -38,7 +38,7 @@ use fcm::{Loads, Motion, PlanError, SolveError};
 use following::Following;
 use hydrodynamics::TetherResistance;
 use hydrodynamics::{ContactSprings, CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput, Springs};
-use lubrication::{Range, Surfaces};
+use lubrication::{LubricationRange, PairKind};
 use simulation::Clock;
 use solver::BackgroundFlow;
 
@@ -67,7 +67,7 @@ impl Outcome {
 
 /// Instant of an evaluation.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Moment {
+pub struct StageTime {
     /// The clock at the start of its step.
     pub clock: Clock,
     /// Elapsed fraction of the step.
@@ -81,7 +81,7 @@ pub struct Moment {
     pub implicit: Option<f64>,
 }
 
-impl Moment {
+impl StageTime {
     /// The instant after a fraction of a step, with solutions stored at the start of each of the `steps` previous
     /// steps.
     pub fn in_step(clock: &Clock, fraction: f64, steps: u64) -> Self {
@@ -93,20 +93,20 @@ impl Moment {
 /// Right-hand side of the equation of motion: forces, hydrodynamics and the moving box.
 pub struct Dynamics {
     partition: Partition,
-    moving: MovingBox,
+    moving: PeriodicCell,
     forces: Forces,
     contacts: Option<Contacts>,
     tethers: Tethers,
     applied: AppliedForces,
     hydrodynamics: CoupledSolver,
-    lubrication: Option<Range>,
+    lubrication: Option<LubricationRange>,
     warm_start: WarmStart,
     rigid: bool,
     viscosity: f64,
     smallest_radius: f64,
     tolerance: f64,
     /// Detector of pairs that Brownian motion brings too close to each other.
-    crowding: Option<Crowding>,
+    crowding: Option<OverlapMonitor>,
     /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
     clipped: f64,
     /// Neighbour lists of the pairs whose relative motion limits steps.
@@ -120,18 +120,19 @@ impl Dynamics {
     /// The dynamics of a prepared scene, and its particles.
     pub fn new(model: &Model, setup: Setup) -> Result<(Self, Particles), StartError> {
         let chosen = &model.hydrodynamics;
-        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
-        let range = chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST)).transpose()?;
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(LubricationRange::WIDE);
+        let range = chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::CLOSEST)).transpose()?;
         let range = range.map(|range| if model.thermal_energy.is_some() { range.parting() } else { range });
         let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let radii = [setup.radii.smallest(), setup.radii.largest()];
-        let settling = Settling::of(model, &setup.particles, setup.partition.comm());
+        let settling = StiffnessAdaptation::of(model, &setup.particles, setup.partition.comm());
         let of_law = |contacts: model::Contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count()));
         let contacts = model.contacts.map(|contacts| of_law(contacts).settling(settling));
         let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
         let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
-        let crowding = model.thermal_energy.map(|_| Crowding::new(model, setup.radii.largest(), &setup.partition));
+        let crowding =
+            model.thermal_energy.map(|_| OverlapMonitor::new(model, setup.radii.largest(), &setup.partition));
         let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = CoupledSolver::new(&setup.plan, &setup.partition, short_range);
@@ -178,7 +179,7 @@ impl Dynamics {
     }
 
     /// The moving box, as a state to return to.
-    pub fn moving_box(&self) -> &MovingBox {
+    pub fn periodic_cell(&self) -> &PeriodicCell {
         &self.moving
     }
 
@@ -189,7 +190,7 @@ impl Dynamics {
             columns::clear_history(particles);
             self.warm_start.forget(particles);
             self.contacts.iter_mut().for_each(Contacts::end_settling);
-            self.evaluate(particles, &Moment::in_step(clock, 0.0, 0))?;
+            self.evaluate(particles, &StageTime::in_step(clock, 0.0, 0))?;
         } else {
             self.add_reference(particles, -1.0);
         }
@@ -212,7 +213,7 @@ impl Dynamics {
 
     /// Evaluates velocities, angular velocities and stresslets at the time of a clock, between steps. Collective.
     pub fn evaluate_now(&mut self, particles: &mut Particles, clock: &Clock) -> Result<Outcome, StepError> {
-        let now = Moment::in_step(clock, 0.0, self.steps_before(clock));
+        let now = StageTime::in_step(clock, 0.0, self.steps_before(clock));
         let outcome = self.evaluate(particles, &now)?;
         let rate = self.moving.rate();
         if let Some(driven) = self.moving.driven() {
@@ -228,14 +229,14 @@ impl Dynamics {
     }
 
     /// Returns to an earlier state of the box.
-    pub fn go_back(&mut self, moving: MovingBox) {
+    pub fn go_back(&mut self, moving: PeriodicCell) {
         self.moving = moving;
         self.refit();
     }
 
     /// Wraps particles into the box, migrates them to their ranks, and evaluates their velocities, angular velocities
     /// and stresslets. Collective; fails on every rank or on none.
-    pub fn evaluate(&mut self, particles: &mut Particles, moment: &Moment) -> Result<Outcome, StepError> {
+    pub fn evaluate(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<Outcome, StepError> {
         if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
             return Err(Interrupted.into());
         }
@@ -260,12 +261,13 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         (guess, before): (&Guess, &Motion),
-        moment: &Moment,
+        moment: &StageTime,
     ) -> Result<(Outcome, f64), StepError> {
         let cell = *self.moving.cell();
         let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
         let besides = self.moving.expected_besides();
-        let ahead = expected.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate: besides });
+        let ahead =
+            expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate: besides });
         let (mut loads, tethers) = self.loads_at(particles, moment, ahead.as_ref())?;
         let Some(contacts) = &self.contacts else {
             let resisting = (&[][..], &tethers);
@@ -274,7 +276,7 @@ impl Dynamics {
         let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
         let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
         let flow = contacts::Flow::of(&self.moving, besides);
-        let with = (contacts::Ahead { along, across }, velocities, flow);
+        let with = (contacts::PredictionTimes { along, across }, velocities, flow);
         let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
         touching.add_to(&mut loads);
         let outcome = self.solve(particles, (&loads, (&touching.springs(), &tethers)), guess, moment)?;
@@ -291,8 +293,8 @@ impl Dynamics {
     fn loads_at(
         &mut self,
         particles: &mut Particles,
-        moment: &Moment,
-        ahead: Option<&Ahead>,
+        moment: &StageTime,
+        ahead: Option<&Prediction>,
     ) -> Result<(Loads, TetherResistance), StepError> {
         let (place, clock) = ((self.moving.cell(), &self.partition), &moment.clock);
         let mut loads = self.forces.on(particles, place, ahead);
@@ -309,7 +311,7 @@ impl Dynamics {
         particles: &mut Particles,
         (loads, springs): (&Loads, (&[Vec<ContactSprings>], &TetherResistance)),
         guess: &Guess,
-        moment: &Moment,
+        moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         let solved = self.solved(particles, (loads, springs, &NO_AMBIENT), guess, moment)?;
         self.record(particles, &solved);
@@ -322,11 +324,11 @@ impl Dynamics {
         particles: &mut Particles,
         (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
         guess: &Guess,
-        moment: &Moment,
+        moment: &StageTime,
     ) -> Result<Solution, StepError> {
         let surface = self.forces.surface();
         let resistance =
-            moment.implicit.map(|time| move |d: f64, between: Surfaces| surface.resistance(time, d, between));
+            moment.implicit.map(|time| move |d: f64, between: PairKind| surface.resistance(time, d, between));
         let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
         let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
         let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
@@ -339,7 +341,7 @@ impl Dynamics {
     }
 
     /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
-    pub fn place(&mut self, particles: &mut Particles, moment: &Moment) -> Result<(), StepError> {
+    pub fn place(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
         self.check_positions(particles, &moment.clock)?;
         self.moving.go_to(moment.clock.time_at(moment.fraction), particles);
         self.follow(particles, &moment.clock)?;
@@ -445,7 +447,7 @@ impl Dynamics {
     }
 
     /// Gaps at which lubrication acts, if it does.
-    pub fn lubrication(&self) -> Option<Range> {
+    pub fn lubrication(&self) -> Option<LubricationRange> {
         self.lubrication
     }
 

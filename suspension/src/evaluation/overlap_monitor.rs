@@ -4,34 +4,34 @@ use crate::error::gap::Gap;
 use crate::model::{BrownianScheme, Evaluation, Extension, Integrator, Model};
 use crate::neighbourhood::NearLists;
 use domain::{Boundaries, Number, Particles, Partition, PeriodicBox};
-use lubrication::Range;
+use lubrication::LubricationRange;
 
 /// Pairs, of two spheres or a sphere and a wall, that are too close at the positions where the motions were solved for.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Crowded {
+pub struct OverlapCounts {
     /// Number of overlapping pairs.
     pub overlapping: u64,
     /// Number of pairs below the minimum gap of lubrication, overlapping ones included; 0 without lubrication.
-    pub at_floor: u64,
+    pub at_minimum_gap: u64,
     /// Deepest overlap, a length; 0 without overlaps.
     pub depth: f64,
 }
 
 /// Detector of such pairs.
-pub struct Crowding {
+pub struct OverlapMonitor {
     near: NearLists,
     /// Minimum gap of lubrication, below which the resistance is constant, over the mean radius; `None` without
     /// lubrication.
     floor: Option<f64>,
-    last: Crowded,
+    last: OverlapCounts,
 }
 
-impl Crowding {
+impl OverlapMonitor {
     /// A detector for a model with the given largest radius.
     pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Self {
-        let floor = model.hydrodynamics.lubrication.then_some(Range::CLOSEST);
+        let floor = model.hydrodynamics.lubrication.then_some(LubricationRange::CLOSEST);
         let near = NearLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
-        Self { near, floor, last: Crowded::default() }
+        Self { near, floor, last: OverlapCounts::default() }
     }
 
     /// Continues with another partition of space.
@@ -56,41 +56,41 @@ impl Crowding {
         }
         place.1.comm().sum(&mut counts);
         place.1.comm().max(&mut depth);
-        let [overlapping, at_floor] = counts.map(|count| count as u64);
-        self.last = Crowded { overlapping, at_floor, depth: depth[0] };
+        let [overlapping, at_minimum_gap] = counts.map(|count| count as u64);
+        self.last = OverlapCounts { overlapping, at_minimum_gap, depth: depth[0] };
     }
 
     /// Result of the last examination.
-    pub fn last(&self) -> Crowded {
+    pub fn last(&self) -> OverlapCounts {
         self.last
     }
 }
 
 /// Counts of steps with such pairs in a run.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct CrowdedSteps {
+pub struct OverlappedSteps {
     steps: u64,
     with_overlap: u64,
-    at_floor: u64,
+    at_minimum_gap: u64,
     /// Maximum of each number over all steps.
-    most: Crowded,
+    most: OverlapCounts,
 }
 
-impl CrowdedSteps {
+impl OverlappedSteps {
     /// Adds a step to the counts.
-    pub fn see(&mut self, crowded: Crowded) {
-        let Crowded { overlapping, at_floor, depth } = crowded;
+    pub fn see(&mut self, crowded: OverlapCounts) {
+        let OverlapCounts { overlapping, at_minimum_gap, depth } = crowded;
         self.steps += 1;
         self.with_overlap += u64::from(overlapping > 0);
-        self.at_floor += u64::from(at_floor > 0);
+        self.at_minimum_gap += u64::from(at_minimum_gap > 0);
         self.most.overlapping = self.most.overlapping.max(overlapping);
-        self.most.at_floor = self.most.at_floor.max(at_floor);
+        self.most.at_minimum_gap = self.most.at_minimum_gap.max(at_minimum_gap);
         self.most.depth = self.most.depth.max(depth);
     }
 
     /// A warning, if there were such pairs.
     pub fn warning(&self, remedies: Remedies, smallest_radius: f64) -> Option<String> {
-        let Self { steps, with_overlap, at_floor, most } = self;
+        let Self { steps, with_overlap, at_minimum_gap, most } = self;
         let overlapped = (*with_overlap > 0).then(|| {
             format!(
                 "spheres overlapped in {with_overlap} of {steps} steps where their motions were solved for, up to {} at a time \
@@ -99,11 +99,11 @@ impl CrowdedSteps {
                 Gap { length: most.depth, radius: smallest_radius }
             )
         });
-        let near = (*at_floor > 0).then(|| {
+        let near = (*at_minimum_gap > 0).then(|| {
             format!(
-                "in {at_floor} of {steps} steps up to {} had a gap below {} mean radii, where lubrication grows no more",
-                pairs(most.at_floor),
-                Number(Range::CLOSEST)
+                "in {at_minimum_gap} of {steps} steps up to {} had a gap below {} mean radii, where lubrication grows no more",
+                pairs(most.at_minimum_gap),
+                Number(LubricationRange::CLOSEST)
             )
         });
         let found: Vec<String> = [overlapped, near].into_iter().flatten().collect();
@@ -169,7 +169,7 @@ mod tests {
     fn pairs_that_overlap_or_nearly_are_counted() {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
         let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 6)], (0.1, 1));
-        for (lubrication, at_floor) in [(true, 2), (false, 0)] {
+        for (lubrication, at_minimum_gap) in [(true, 2), (false, 0)] {
             let mut parameters = usual.clone();
             parameters.hydrodynamics.lubrication = lubrication;
             let model = Model::new(parameters).unwrap();
@@ -185,12 +185,12 @@ mod tests {
                         particles.push(2 * id as u64 + 1, Vector::new(0.5, 12.5 - apart, z), 1.0, 0);
                     }
                     particles.migrate(&partition, &cell);
-                    let mut crowding = Crowding::new(&model, 1.0, &partition);
+                    let mut crowding = OverlapMonitor::new(&model, 1.0, &partition);
                     crowding.look(&particles, (&cell, &partition));
                     crowding.last()
                 });
                 for crowded in found {
-                    assert_eq!((crowded.overlapping, crowded.at_floor), (1, at_floor));
+                    assert_eq!((crowded.overlapping, crowded.at_minimum_gap), (1, at_minimum_gap));
                     assert!((crowded.depth - 0.25).abs() < 1e-14);
                 }
             }
@@ -209,10 +209,10 @@ mod tests {
         for (id, z) in [0.95, 5.0, 11.0 - 5e-7].into_iter().enumerate() {
             particles.push(id as u64, Vector::new(1.0 + 4.0 * id as f64, 2.0, z), 1.0, 0);
         }
-        let mut crowding = Crowding::new(&model, 1.0, &partition);
+        let mut crowding = OverlapMonitor::new(&model, 1.0, &partition);
         crowding.look(&particles, (&cell, &partition));
-        let Crowded { overlapping, at_floor, depth } = crowding.last();
-        assert_eq!((overlapping, at_floor), (1, 2));
+        let OverlapCounts { overlapping, at_minimum_gap, depth } = crowding.last();
+        assert_eq!((overlapping, at_minimum_gap), (1, 2));
         assert!((depth - 0.05).abs() < 1e-14);
     }
 
@@ -242,11 +242,11 @@ mod tests {
     #[test]
     fn steps_without_such_pairs_are_not_worth_a_word() {
         let remedies = Remedies { repels: true, is_midpoint: true, may_be_direct: true };
-        let mut steps = CrowdedSteps::default();
-        steps.see(Crowded::default());
+        let mut steps = OverlappedSteps::default();
+        steps.see(OverlapCounts::default());
         assert_eq!(steps.warning(remedies, 1.0), None);
-        steps.see(Crowded { overlapping: 0, at_floor: 1, depth: 0.0 });
-        steps.see(Crowded { overlapping: 2, at_floor: 3, depth: 0.01 });
+        steps.see(OverlapCounts { overlapping: 0, at_minimum_gap: 1, depth: 0.0 });
+        steps.see(OverlapCounts { overlapping: 2, at_minimum_gap: 3, depth: 0.01 });
         let said = steps.warning(remedies, 0.5).unwrap();
         assert_eq!(
             said,

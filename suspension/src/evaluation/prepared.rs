@@ -1,7 +1,7 @@
 //! Prepared scenes: the data from which an evaluation starts.
 
 use crate::error::gap::Gap;
-use crate::flow::periodic_cell::MovingBox;
+use crate::flow::periodic_cell::PeriodicCell;
 use crate::model::Model;
 use crate::model::radii::Radii;
 use crate::neighbourhood::smallest_gap;
@@ -30,7 +30,7 @@ pub struct Setup {
     /// Partition of space among ranks.
     pub partition: Partition,
     /// The box and the background flow.
-    pub moving: MovingBox,
+    pub moving: PeriodicCell,
     /// Upper bound of the displacement by which overlapping spheres were moved apart, if any overlapped.
     pub farthest: Option<Gap>,
     /// New plan for a box that follows the spheres.

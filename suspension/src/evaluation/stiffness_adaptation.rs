@@ -1,17 +1,17 @@
 //! Adaptation of the contact stiffness during a run.
 
 use super::Dynamics;
-use crate::forces::contacts::{Contacts, Settling};
+use crate::forces::contacts::{Contacts, StiffnessAdaptation};
 use domain::Particles;
 
 impl Dynamics {
     /// State of the stiffness adaptation, if the stiffness adapts.
-    pub fn settling(&self) -> Option<Settling> {
+    pub fn settling(&self) -> Option<StiffnessAdaptation> {
         self.contacts.as_ref().and_then(Contacts::how_it_settles)
     }
 
     /// Returns to an earlier state of the adaptation.
-    pub fn settle_at(&mut self, settling: Option<Settling>) {
+    pub fn settle_at(&mut self, settling: Option<StiffnessAdaptation>) {
         self.contacts.iter_mut().for_each(|contacts| contacts.settle_at(settling));
     }
 

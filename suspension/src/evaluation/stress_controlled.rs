@@ -1,11 +1,11 @@
 //! Evaluations under stress control.
 
-use super::{Dynamics, Moment, Outcome};
+use super::{Dynamics, Outcome, StageTime};
 use crate::columns::EXPECTED;
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
-use crate::forces::{Ahead, Surface};
+use crate::forces::{Prediction, Surface};
 use domain::{Particles, Tensor, Traceless};
 use fcm::Motion;
 use hydrodynamics::Guess;
@@ -16,7 +16,7 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         (mut search, mut guess, before): (Search, Guess, &Motion),
-        moment: &Moment,
+        moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         loop {
             self.moving.set_rate(search.rate());
@@ -34,7 +34,7 @@ impl Dynamics {
 
     /// Shear stress of the whole suspension, with implicit short-range forces at their predicted values; `of_contacts`
     /// is this rank's contribution of contacts. Collective.
-    fn stress_at(&self, particles: &mut Particles, of_contacts: f64, moment: &Moment) -> f64 {
+    fn stress_at(&self, particles: &mut Particles, of_contacts: f64, moment: &StageTime) -> f64 {
         let beyond = moment.implicit.map(|time| {
             let expected = particles.vectors(EXPECTED).to_vec();
             (
@@ -43,7 +43,7 @@ impl Dynamics {
             )
         });
         let strain_rate = self.moving.expected_besides() * -1.0;
-        let beyond = beyond.as_ref().map(|(time, velocities)| Ahead { time: *time, velocities, strain_rate });
+        let beyond = beyond.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
         let place = (self.moving.cell(), &self.partition);
         let shear = |which, beyond| {
             let moments = self.forces.moments(which, particles, place, beyond);

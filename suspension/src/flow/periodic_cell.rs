@@ -4,7 +4,7 @@ use crate::columns::VELOCITY_COLUMNS;
 use crate::flow::constant_flux::PressureFlow;
 use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
-use crate::flow::stress_control::{Driven, Search};
+use crate::flow::stress_control::{Search, StressControl};
 use crate::model::{Extension, ShearRates};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use hydrodynamics::Poiseuille;
@@ -26,10 +26,10 @@ const LONGEST_STRAIN: f64 = 0.005;
 /// strain of the box have the same past. In extensions, which separate particles exponentially, this is always done, by
 /// `x -> D x` with the stretch `D`; also in open fluid, where no box stretches with the flow.
 #[derive(Clone)]
-pub struct MovingBox {
+pub struct PeriodicCell {
     start: PeriodicBox,
     rates: ShearRates,
-    driven: Option<Driven>,
+    driven: Option<StressControl>,
     /// Pressure-driven flow without particles, and the state of the constant-flux constraint, if there are any.
     profile: Option<Poiseuille>,
     flux: Option<PressureFlow>,
@@ -61,7 +61,7 @@ enum Vectors {
     Stretched(Named),
 }
 
-impl MovingBox {
+impl PeriodicCell {
     /// The box after the last step of a clock, if it is `start` at time zero; it shears with the flow of the given
     /// rates if `shears` is set.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
@@ -147,8 +147,8 @@ impl MovingBox {
     /// This box under stress control, with `stress` the shear stress, the viscosity and the tolerance of solves; the
     /// state is restored from the particles of the first rank, if they store it. Collective.
     #[must_use]
-    pub fn driven_by(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
-        let driven = Driven::start(stress, self.rate).recalled(particles, comm);
+    pub fn under_stress(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
+        let driven = StressControl::start(stress, self.rate).recalled(particles, comm);
         self.driven = Some(driven);
         self.set_rate(driven.rate());
         (self.cell, self.vectors) = self.shape_at(self.time);
@@ -156,13 +156,13 @@ impl MovingBox {
     }
 
     /// State of the stress control, if the stress is given.
-    pub fn driven(&mut self) -> Option<&mut Driven> {
+    pub fn driven(&mut self) -> Option<&mut StressControl> {
         self.driven.as_mut()
     }
 
     /// A search for the rate at the given stress, if the stress is given.
     pub fn search(&self) -> Option<Search> {
-        self.driven.as_ref().map(Driven::search)
+        self.driven.as_ref().map(StressControl::search)
     }
 
     /// Continues with another rate.
@@ -188,7 +188,7 @@ impl MovingBox {
 
     /// Whether the flow has almost stopped under its stress.
     pub fn is_jammed(&self) -> bool {
-        self.driven.as_ref().is_some_and(Driven::is_jammed)
+        self.driven.as_ref().is_some_and(StressControl::is_jammed)
     }
 
     /// Longest substep allowed by the flow.
@@ -244,7 +244,7 @@ impl MovingBox {
 
     /// Strain of the flow at a time.
     pub fn strain(&self, time: f64) -> f64 {
-        self.driven.as_ref().map_or_else(|| self.rates.strain(time), Driven::strain)
+        self.driven.as_ref().map_or_else(|| self.rates.strain(time), StressControl::strain)
     }
 
     /// Present box.
@@ -366,8 +366,8 @@ mod tests {
     use crate::integrators::adams_bashforth::{AdamsBashforth, advance};
     use crate::model::Protocol;
 
-    fn at_rate(step: u64, start: PeriodicBox, rate: f64) -> MovingBox {
-        MovingBox::at(&Clock::at(step, 0.1), start, ShearRates::new(rate, Protocol::STEADY, 0.1), true)
+    fn at_rate(step: u64, start: PeriodicBox, rate: f64) -> PeriodicCell {
+        PeriodicCell::at(&Clock::at(step, 0.1), start, ShearRates::new(rate, Protocol::STEADY, 0.1), true)
     }
 
     /// The unwrapped position of a particle that drifts in the flow is known, `x0 + rate y0 t + drift t`, and the
@@ -414,7 +414,7 @@ mod tests {
         let (end, from) = (2.0, Vector::new(1.0, 1.5, 0.2));
         let error = |drift: Vector, dt: f64| {
             let rates = ShearRates::new(rate, Protocol::Oscillation { frequency: w }, dt);
-            let mut moving = MovingBox::at(&Clock::at(0, dt), start, rates, true);
+            let mut moving = PeriodicCell::at(&Clock::at(0, dt), start, rates, true);
             let mut particles = Particles::default();
             particles.push(0, from, 0.1, 0);
             particles.vectors(VELOCITY).fill(drift);

@@ -31,7 +31,7 @@ const JAMMED: f64 = 1e5;
 /// and the rate is extrapolated from the last two. In time integration, rate and strain are treated like one more
 /// velocity and position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Driven {
+pub struct StressControl {
     stress: f64,
     viscosity: f64,
     tolerance: f64,
@@ -45,7 +45,7 @@ pub struct Driven {
     slope: f64,
 }
 
-impl Driven {
+impl StressControl {
     /// A flow under a shear stress in a fluid of a viscosity, with a first guess of the rate and the tolerance of the
     /// solve.
     pub fn start((stress, viscosity, tolerance): (f64, f64, f64), rate: f64) -> Self {
@@ -146,7 +146,7 @@ impl Driven {
 /// Search for the rate at one instant.
 #[derive(Debug)]
 pub struct Search {
-    driven: Driven,
+    driven: StressControl,
     rate: f64,
     /// Rate and stress of the last solve.
     last: Option<[f64; 2]>,
@@ -161,7 +161,7 @@ impl Search {
 
     /// Takes the stress of a solve. Returns whether another solve is needed, with a new rate.
     pub fn goes_on(&mut self, stress: f64) -> bool {
-        let Driven { stress: wanted, viscosity, tolerance, .. } = self.driven;
+        let StressControl { stress: wanted, viscosity, tolerance, .. } = self.driven;
         self.solves += 1;
         if let Some([rate, before]) = self.last.replace([self.rate, stress])
             && (self.rate - rate).abs() > APART * rate.abs()
@@ -185,7 +185,7 @@ mod tests {
     #[test]
     fn a_linear_stress_is_met() {
         let stress = |rate: f64| 0.7 + 9.0 * rate;
-        let mut driven = Driven::start((2.0, 1.0, 1e-3), 0.9);
+        let mut driven = StressControl::start((2.0, 1.0, 1e-3), 0.9);
         for most in [3, 1] {
             let mut search = driven.search();
             let mut solves = 1;
@@ -205,7 +205,7 @@ mod tests {
     fn strain_follows_the_rate() {
         let error = |steps: u32| {
             let (h, mut time) = (1.0 / f64::from(steps), 0.0_f64);
-            let mut driven = Driven::start((1.0, 1.0, 1e-3), 1.0);
+            let mut driven = StressControl::start((1.0, 1.0, 1e-3), 1.0);
             for k in 0..steps {
                 let share = if k == 0 { 1.0 } else { 2.0 / 3.0 };
                 let now_and_past = if k == 0 { [1.0, 0.0] } else { [2.0, -1.0] };
@@ -219,7 +219,7 @@ mod tests {
                 let mut particles = Particles::default();
                 particles.push(0, domain::Vector::ZERO, 1.0, 0);
                 driven.note(&mut particles);
-                let again = Driven::start((1.0, 1.0, 1e-3), 5.0).recalled(&particles, &Comm::alone());
+                let again = StressControl::start((1.0, 1.0, 1e-3), 5.0).recalled(&particles, &Comm::alone());
                 assert_eq!((again.strain, again.rates), (driven.strain, driven.rates));
             }
             (driven.strain() - 1.0_f64.sin()).abs()
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn what_stands_still_is_jammed() {
-        let mut driven = Driven::start((1.0, 1.0, 1e-3), 1e-6);
+        let mut driven = StressControl::start((1.0, 1.0, 1e-3), 1e-6);
         assert!(!{
             driven.rates[1] = 0.1;
             driven.is_jammed()

@@ -8,7 +8,7 @@ use crate::model::{Attraction, Model, Repulsion, Species};
 use crate::neighbourhood::{Near, NearLists};
 use domain::{Particles, Partition, PeriodicBox, Tensor, ToWall, Traceless, Vector};
 use fcm::Loads;
-use lubrication::{Barrier, BarrierError, SurfaceForce, Surfaces};
+use lubrication::{Barrier, BarrierError, PairKind, SurfaceForce};
 use std::ops::AddAssign;
 
 /// Steady forces and torques of the species, weight, repulsion and attraction.
@@ -69,23 +69,23 @@ impl SurfaceForces {
 
     /// Decrease of the repulsion of two spheres, or of a sphere and a wall, over a time in which they separate with
     /// unit velocity.
-    pub fn resistance(&self, time: f64, distance: f64, between: impl Into<Surfaces>) -> f64 {
+    pub fn resistance(&self, time: f64, distance: f64, between: impl Into<PairKind>) -> f64 {
         let between = between.into();
         let gap = match between {
-            Surfaces::Spheres(radii) => distance - radii[0] - radii[1],
-            Surfaces::Wall(radius) => distance - radius,
+            PairKind::Spheres(radii) => distance - radii[0] - radii[1],
+            PairKind::Wall(radius) => distance - radius,
         };
         self.repulsion.map_or(0.0, |repulsion| time * repulsion.stiffness(gap, between))
     }
 
-    fn force(&self, separation: Vector, between: impl Into<Surfaces>) -> Vector {
+    fn force(&self, separation: Vector, between: impl Into<PairKind>) -> Vector {
         let between = between.into();
         self.all().map(|force| force.force(separation, between)).reduce(|sum, force| sum + force).unwrap_or_default()
     }
 }
 
 /// Predicted motion of the particles over a time, for forces at its end.
-pub struct Ahead<'a> {
+pub struct Prediction<'a> {
     /// Length of time.
     pub time: f64,
     /// Predicted velocities relative to the background flow.
@@ -120,7 +120,7 @@ impl Forces {
         &self,
         particles: &Particles,
         (cell, partition): (&PeriodicBox, &Partition),
-        ahead: Option<&Ahead>,
+        ahead: Option<&Prediction>,
     ) -> Loads {
         let mut forces = self.steady_forces(particles);
         if let Some(near) = &self.near {
@@ -135,7 +135,7 @@ impl Forces {
             forces.iter_mut().zip(repulsion).for_each(|(force, repulsion)| *force += repulsion);
             if cell.boundaries().walls() > 0 {
                 let at_wall = |row, to: ToWall, radius| {
-                    self.surface.force(to.axis * to.distance, Surfaces::Wall(radius))
+                    self.surface.force(to.axis * to.distance, PairKind::Wall(radius))
                         + ahead.map_or(Vector::ZERO, |ahead| self.expected_at_wall(ahead, row, (to, radius)))
                 };
                 add_at_walls(&mut forces, (particles, cell), at_wall);
@@ -146,7 +146,7 @@ impl Forces {
 
     /// For each pair, minus the change of the force on the first sphere by [`SurfaceForces::resistance`] at the
     /// predicted velocities. Collective.
-    fn expected(&self, near: &Near, ahead: &Ahead) -> Vec<Vector> {
+    fn expected(&self, near: &Near, ahead: &Prediction) -> Vec<Vector> {
         let (relative, strain_rate) = (near.differences(ahead.velocities), ahead.strain_rate.tensor());
         let of_pair = |((separation, radii, _), velocity): ((Vector, [f64; 2], _), Vector)| {
             let distance = separation.length();
@@ -158,8 +158,8 @@ impl Forces {
     }
 
     /// [`Self::expected`] for a sphere and a wall; no flow has a velocity normal to the wall at the wall.
-    fn expected_at_wall(&self, ahead: &Ahead, row: usize, (to, radius): (ToWall, f64)) -> Vector {
-        let resistance = self.surface.resistance(ahead.time, to.distance, Surfaces::Wall(radius));
+    fn expected_at_wall(&self, ahead: &Prediction, row: usize, (to, radius): (ToWall, f64)) -> Vector {
+        let resistance = self.surface.resistance(ahead.time, to.distance, PairKind::Wall(radius));
         let velocity = ahead.velocities[row] - ahead.strain_rate.tensor() * (to.axis * to.distance);
         to.axis * (resistance * to.axis.dot(velocity))
     }
@@ -188,7 +188,7 @@ impl Forces {
         which: Surface,
         particles: &Particles,
         (cell, partition): (&PeriodicBox, &Partition),
-        beyond: Option<&Ahead>,
+        beyond: Option<&Prediction>,
     ) -> Vec<Tensor> {
         let force = match which {
             Surface::Repulsion => self.surface.repulsion,
@@ -205,7 +205,7 @@ impl Forces {
         let mut moments = near.summed(near.pairs().enumerate().map(of_pair));
         let at_wall = |row, to: ToWall, radius| {
             let taken_back = beyond.map_or(Vector::ZERO, |ahead| self.expected_at_wall(ahead, row, (to, radius)));
-            let force = force.force(to.axis * to.distance, Surfaces::Wall(radius)) - taken_back;
+            let force = force.force(to.axis * to.distance, PairKind::Wall(radius)) - taken_back;
             let arm = to.axis * to.distance;
             Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z)
         };

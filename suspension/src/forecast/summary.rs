@@ -9,7 +9,7 @@ use crate::model::radii::Radii;
 use crate::model::{Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
-use domain::{Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, Turn, readable_bytes};
+use domain::{AxisRotation, Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, readable_bytes};
 use fcm::{Method, Plan, Precision, Problem};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
@@ -184,7 +184,7 @@ fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
 }
 
 /// Adds the cost of an evaluation and the fastest alternative plans.
-fn with_cost(outline: Outline, (plan, turn): (&Plan, Turn), others: &[Plan]) -> Outline {
+fn with_cost(outline: Outline, (plan, turn): (&Plan, AxisRotation), others: &[Plan]) -> Outline {
     let seconds = plan.predicted_seconds;
     let text = format!("about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several");
     let mut outline = outline.line("cost", text).value("seconds_per_evaluation", seconds);
@@ -197,7 +197,7 @@ fn with_cost(outline: Outline, (plan, turn): (&Plan, Turn), others: &[Plan]) -> 
 }
 
 /// A plan as named values; `turn` is the rotation from the reader's axes to those of the box.
-pub fn plan_values(plan: &Plan, turn: Turn) -> Value {
+pub fn plan_values(plan: &Plan, turn: AxisRotation) -> Value {
     let (method, width, cutoff) = match plan.method {
         Method::Direct => ("direct", None, None),
         Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),

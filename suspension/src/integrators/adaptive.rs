@@ -3,7 +3,7 @@
 use crate::error::step::StepError;
 use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::orders::{Estimate, USED, Weights, of_displacements, weights};
-use crate::evaluation::{Dynamics, Moment, Outcome};
+use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::adams_bashforth::remember;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, grow_oldest, moved_apart, share};
 use crate::model::Adaptive;
@@ -68,7 +68,7 @@ pub fn advance(
         particles.displace_by(USED, weights);
         particles.positions.iter_mut().zip(&apart).for_each(|(position, &apart)| *position += apart);
         remember(particles, PAST_VELOCITIES);
-        let moment = Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };
+        let moment = StageTime { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };
         outcome = dynamics.evaluate(particles, &moment)?;
         grow_older(particles, &ages, step);
         grow_oldest(particles, &ages, step);
@@ -137,7 +137,7 @@ impl Substep<'_> {
     ) -> Known {
         let comm = dynamics.partition().comm();
         let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.closest(), self.control.tolerance]);
-        let carry = dynamics.moving_box().carry(step, [0.0; 3]);
+        let carry = dynamics.periodic_cell().carry(step, [0.0; 3]);
         let gaps = approach.carried_by(carry).after_orders(*orders, least, comm);
         let of_gaps = Estimate { error: gaps.error, roughness: gaps.roughness };
         let of_places = of_displacements(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);

@@ -4,7 +4,7 @@ use crate::columns::PAST;
 use crate::columns::VELOCITY;
 use crate::error::step::StepError;
 use crate::evaluation::fluctuating::Noise;
-use crate::evaluation::{Dynamics, Moment, Outcome};
+use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::model::BrownianScheme;
 use domain::Particles;
 use fcm::Stream;
@@ -13,14 +13,14 @@ use simulation::Clock;
 
 /// Thermal fluctuations of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Heat {
+pub struct ThermalNoise {
     /// The thermal energy `kT`.
     pub energy: f64,
     /// Seed of the random numbers.
     pub seed: u64,
 }
 
-impl Heat {
+impl ThermalNoise {
     /// Noise of the step that begins.
     fn of_step(&self, clock: &Clock) -> Noise {
         let stream = Stream::new(self.seed, clock.step());
@@ -61,7 +61,7 @@ const PART: f64 = 0.02;
 pub fn advance(
     particles: &mut Particles,
     (clock, is_seen): (&Clock, bool),
-    (heat, scheme): (&Heat, BrownianScheme),
+    (heat, scheme): (&ThermalNoise, BrownianScheme),
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let noise = heat.of_step(clock);
@@ -71,7 +71,7 @@ pub fn advance(
             let outcome = two_evaluations(particles, clock, noise, dynamics)?;
             if is_seen {
                 dynamics.remember(particles, 0);
-                dynamics.evaluate(particles, &Moment::in_step(clock, 1.0, 0))?;
+                dynamics.evaluate(particles, &StageTime::in_step(clock, 1.0, 0))?;
             }
             Ok(outcome)
         }
@@ -88,10 +88,10 @@ fn midpoint(
     dynamics.fluctuate(particles, noise);
     dynamics.carry(particles);
     particles.displace_by([PAST[0]], [half]);
-    let middle = Moment::in_step(clock, 0.5, 0);
+    let middle = StageTime::in_step(clock, 0.5, 0);
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
     particles.displace_by([VELOCITY, PAST[0]], [2.0 * half, -half]);
-    dynamics.place(particles, &Moment::in_step(clock, 1.0, 0))?;
+    dynamics.place(particles, &StageTime::in_step(clock, 1.0, 0))?;
     brownian::forget(particles);
     Ok(outcome)
 }
@@ -102,7 +102,7 @@ fn two_evaluations(
     noise: Noise,
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
-    let start = Moment::in_step(clock, 0.0, 0);
+    let start = StageTime::in_step(clock, 0.0, 0);
     dynamics.fluctuate(particles, noise);
     brownian::displace(particles, PART * 0.5 * clock.dt());
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
@@ -112,7 +112,7 @@ fn two_evaluations(
     brownian::limit_drift(particles, clock.dt());
     particles.displace_by([DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
     brownian::forget(particles);
-    dynamics.place(particles, &Moment::in_step(clock, 1.0, 0))?;
+    dynamics.place(particles, &StageTime::in_step(clock, 1.0, 0))?;
     Ok(outcome)
 }
 

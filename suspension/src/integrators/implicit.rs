@@ -6,7 +6,7 @@ use crate::columns::{EXPECTED, MEAN, PAST};
 use crate::error::step::StepError;
 use crate::evaluation::extrapolation;
 use crate::evaluation::gap_control::RelativeMotion;
-use crate::evaluation::{Dynamics, Moment, Outcome};
+use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::forces::contacts;
 use crate::integrators::adams_bashforth::{PAST_OF_ANY_LENGTH, remember};
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
@@ -122,15 +122,15 @@ impl Substep<'_> {
         dynamics.remember(particles, 0);
         let (ages, rest) = (ages(particles, &comm), (1.0 - fraction) * clock.dt());
         let mut longest =
-            proposed(particles, &ages, control, &comm).min(dynamics.moving_box().longest_substep()).min(rest);
-        let before = (particles.clone(), dynamics.moving_box().clone());
+            proposed(particles, &ages, control, &comm).min(dynamics.periodic_cell().longest_substep()).min(rest);
+        let before = (particles.clone(), dynamics.periodic_cell().clone());
         loop {
             let mut approach = dynamics.approach(particles, USED);
             let length = choose((&mut approach, &ages), (rest, longest), (control, clock), dynamics)?;
             let step = length.step;
             let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
             let implicit = Some(length.implicit() * step);
-            let moment = Moment { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit };
+            let moment = StageTime { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit };
             expect(particles, &length, approach, dynamics);
             let mut outcome = dynamics.evaluate(particles, &moment)?;
             let mut error = correct(particles, &length, control, dynamics);
@@ -178,7 +178,7 @@ fn choose(
         let is_smooth = control.tolerance.is_finite();
         let length = Length { ages: ages.to_vec(), step: share(rest, longest), is_smooth };
         let least = dynamics.least_gaps(control.tolerance);
-        let sheared = approach.carried_by(dynamics.moving_box().carry(length.step, length.expected()));
+        let sheared = approach.carried_by(dynamics.periodic_cell().carry(length.step, length.expected()));
         let change = sheared.after([length.expected(), [0.0; 3]], least, comm);
         if length.step < SHORTEST * clock.dt() {
             return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
@@ -195,7 +195,7 @@ fn choose(
 fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
     let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
     particles.vectors(EXPECTED).copy_from_slice(&expected);
-    let sheared = approach.carried_by(dynamics.moving_box().carry(length.step, length.expected()));
+    let sheared = approach.carried_by(dynamics.periodic_cell().carry(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     particles.displace_by(USED, length.expected());
     displace(particles, &apart);
@@ -214,7 +214,7 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let difference = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
     let error = share * largest_displacement(particles, difference, comm) / control.tolerance;
     let mut approach = dynamics.approach(particles, columns);
-    let sheared = approach.carried_by(dynamics.moving_box().deformation(missing));
+    let sheared = approach.carried_by(dynamics.periodic_cell().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
     particles.displace_by(columns, weights);

@@ -2,14 +2,14 @@
 
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::Parameters;
-use domain::{Particles, PeriodicBox, Tensor, Traceless, Turn, Vector};
+use domain::{AxisRotation, Particles, PeriodicBox, Tensor, Traceless, Vector};
 use simulation::{ContactForces, VelocityField};
 
 /// Rotation from the axes of the box to the user's axes and back; the identity without a [`Parameters::turn`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct UserAxes {
     /// Rotation from the user's axes to those of the box.
-    turn: Turn,
+    turn: AxisRotation,
     /// Edges of the box in its own axes and in the user's. They change only along axes with the same direction in both.
     edges: [Vector; 2],
 }
@@ -22,7 +22,7 @@ impl UserAxes {
     }
 
     /// Rotation from the user's axes to those of the box.
-    pub fn turn(&self) -> Turn {
+    pub fn turn(&self) -> AxisRotation {
         self.turn
     }
 

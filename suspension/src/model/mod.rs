@@ -27,7 +27,7 @@ pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
 pub(crate) use cubic_field::CubicField;
-use domain::{Boundaries, ParameterError, PeriodicBox, Tensor, Turn, Vector};
+use domain::{AxisRotation, Boundaries, ParameterError, PeriodicBox, Tensor, Vector};
 pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
@@ -50,7 +50,7 @@ pub struct Parameters {
     pub cell: PeriodicBox,
     /// Rotation from the user's axes, in which parameters are given and results are shown, to the axes of the box, in
     /// which all vectors of this struct are; see [`Parameters::turned`].
-    pub turn: Turn,
+    pub turn: AxisRotation,
     /// Viscosity of the fluid.
     pub viscosity: f64,
     /// Thermal energy `kT`; `None` for no Brownian motion.
@@ -98,7 +98,7 @@ impl Parameters {
         Self {
             seed: 0,
             cell,
-            turn: Turn::default(),
+            turn: AxisRotation::default(),
             viscosity,
             thermal_energy: None,
             gravity: Vector::ZERO,

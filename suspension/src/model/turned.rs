@@ -1,7 +1,7 @@
 //! Suspensions in boxes whose special axis is not the user's z axis.
 
 use super::{Axis, Centres, Parameters, Start};
-use domain::{Turn, Vector};
+use domain::{AxisRotation, Vector};
 
 impl Parameters {
     /// The same suspension with all vectors, positions and per-axis parameters rotated from the user's axes to those of
@@ -9,7 +9,7 @@ impl Parameters {
     ///
     /// Shear flows and pressure-driven flows are along the axis that becomes x.
     #[must_use]
-    pub fn turned(mut self, turn: Turn) -> Self {
+    pub fn turned(mut self, turn: AxisRotation) -> Self {
         if turn.is_none() {
             return self;
         }

@@ -97,14 +97,14 @@ impl Averages {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Repulsion, Species, Start};
-    use domain::{Boundaries, PeriodicBox, Turn, Vector};
+    use domain::{AxisRotation, Boundaries, PeriodicBox, Vector};
     use simulation::Table;
 
     /// Spheres in a box: the user's axes are those of the box, or with walls, these are across the user's x axis.
     fn model(count: u64, boundaries: Boundaries) -> Model {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(boundaries).unwrap();
         let species = vec![Species::new("one", 1.0, count)];
-        let turn = if boundaries == Boundaries::Walls { Turn::to_last(0) } else { Turn::default() };
+        let turn = if boundaries == Boundaries::Walls { AxisRotation::to_last(0) } else { AxisRotation::default() };
         let statistics = Some(Wanted::ALL);
         Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
     }

@@ -7,7 +7,7 @@ pub mod rheology;
 
 use crate::columns::VELOCITY;
 use crate::error::gap::Gap;
-use crate::evaluation::overlap_monitor::{Crowded, CrowdedSteps, Remedies};
+use crate::evaluation::overlap_monitor::{OverlapCounts, OverlappedSteps, Remedies};
 use crate::evaluation::stress::ParticleStress;
 use crate::model::Model;
 use crate::model::box_axes::UserAxes;
@@ -28,7 +28,7 @@ pub struct Observer {
     last: (u64, Instant),
     overlaps: Overlaps,
     repels: bool,
-    crowded: CrowdedSteps,
+    crowded: OverlappedSteps,
     remedies: Remedies,
     boundaries: Boundaries,
     /// Whether a pressure gradient keeps the flux.
@@ -112,7 +112,7 @@ impl Observer {
             last,
             overlaps: Overlaps::default(),
             repels,
-            crowded: CrowdedSteps::default(),
+            crowded: OverlappedSteps::default(),
             remedies: Remedies::of(model),
             boundaries: model.cell.boundaries(),
             keeps_flux: model.flow.keeps_flux(),
@@ -266,8 +266,8 @@ impl Observer {
         if let (Some(pressure), Some(stress)) = (self.ideal_pressure, &stress) {
             row.push(vec![pressure * count(suspension) + ParticleStress::pressure(&ParticleStress::sum(stress))]);
         }
-        if let Some(Crowded { overlapping, at_floor, depth }) = suspension.crowded() {
-            row.extend([overlapping as f64, at_floor as f64, depth].map(|number| vec![number]));
+        if let Some(OverlapCounts { overlapping, at_minimum_gap, depth }) = suspension.crowded() {
+            row.extend([overlapping as f64, at_minimum_gap as f64, depth].map(|number| vec![number]));
         }
         if let Some((columns, edges)) = &self.columns {
             let mut counted = counted((columns, *edges), (suspension.cell(), suspension.particles()));

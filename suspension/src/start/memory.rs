@@ -26,7 +26,7 @@ use domain::{
 use fcm::{Footprint, Plan};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
-use lubrication::Range;
+use lubrication::LubricationRange;
 use simulation::Frame;
 
 /// Numbers in each column of a frame of the trajectory.
@@ -156,18 +156,18 @@ impl Share<'_> {
         far.then(again).then(tables)
     }
 
-    fn range(&self) -> Option<Range> {
+    fn range(&self) -> Option<LubricationRange> {
         let chosen = &self.model.hydrodynamics;
-        let cutoff = chosen.lubrication_cutoff.unwrap_or(Range::WIDE);
-        chosen.lubrication.then(|| Range::new(cutoff, Range::CLOSEST).ok()).flatten()
+        let cutoff = chosen.lubrication_cutoff.unwrap_or(LubricationRange::WIDE);
+        chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::CLOSEST).ok()).flatten()
     }
 
     /// Gaps at which forces between near spheres are part of the solve: lubrication, or implicit repulsion.
-    fn near_field(&self) -> Option<Range> {
+    fn near_field(&self) -> Option<LubricationRange> {
         let springs = || {
             let repulsion = SurfaceForces::of(self.model).ok()?.repulsion.filter(|_| self.is_implicit())?;
             let largest = self.expected.largest_radius();
-            Range::new(repulsion.reach([largest; 2]) / largest - 2.0, Range::CLOSEST).ok()
+            LubricationRange::new(repulsion.reach([largest; 2]) / largest - 2.0, LubricationRange::CLOSEST).ok()
         };
         self.range().or_else(springs)
     }

@@ -6,7 +6,7 @@ use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::prepared::{Planned, Setup, partition};
 use crate::flow::constant_flux::PressureFlow;
 use crate::flow::open_cell;
-use crate::flow::periodic_cell::MovingBox;
+use crate::flow::periodic_cell::PeriodicCell;
 use crate::forces::tethers;
 use crate::model::radii::Radii;
 use crate::model::{Flow, Model};
@@ -106,7 +106,7 @@ impl Setup {
         let shears = model.cell.boundaries() == Boundaries::Periodic && !is_straight;
         let rates = model.shear_rates();
         let stress = rates.stress();
-        let moving = MovingBox::at(&Clock::at(step, model.time_step), cell, rates, shears);
+        let moving = PeriodicCell::at(&Clock::at(step, model.time_step), cell, rates, shears);
         let flux = model.flow.keeps_flux().then(|| PressureFlow::recalled(&particles, comm));
         let moving = moving.with_profile(model.poiseuille()).at_constant_flux(flux);
         let moving = match model.flow.extension() {
@@ -115,7 +115,7 @@ impl Setup {
         };
         let moving = match stress {
             Some(stress) => {
-                moving.driven_by((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)
+                moving.under_stress((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)
             }
             None => moving,
         };

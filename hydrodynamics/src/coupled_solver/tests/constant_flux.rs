@@ -6,7 +6,7 @@ use crate::ambient::StrainRate;
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::springs::TetherResistance;
 use domain::Boundaries;
-use lubrication::Surfaces;
+use lubrication::PairKind;
 
 const HEIGHT: f64 = 9.0;
 
@@ -45,7 +45,7 @@ fn is_positive(matrix: &[Vec<f64>]) -> bool {
 /// definite, and smaller by a matrix of rank one than the mobility at a given pressure gradient.
 #[test]
 fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
-    for lubrication in [None, Some(Range::default())] {
+    for lubrication in [None, Some(LubricationRange::default())] {
         let (plan, particles) = between_walls(1.0);
         let mut fluid = fluid(&plan, lubricated_at(lubrication));
         let mut matrix = |constant_flux: bool| -> Vec<Vec<f64>> {
@@ -82,13 +82,15 @@ fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
 /// motions, so their loads change by their resistance to the flow. In any units.
 #[test]
 fn a_curvature_that_is_given_moves_spheres_alike() {
-    for (unit, lubrication) in [(1.0, None), (1.0, Some(Range::default())), (1e-5, Some(Range::default()))] {
+    for (unit, lubrication) in
+        [(1.0, None), (1.0, Some(LubricationRange::default())), (1e-5, Some(LubricationRange::default()))]
+    {
         let (plan, particles) = between_walls(unit);
         let reach = 3.5 * unit;
         let mut fluid = fluid(&plan, ShortRange { lubrication, springs: Some(reach) });
-        let stiffness = |distance: f64, between: Surfaces| match between {
-            Surfaces::Spheres(_) => unit * 40.0 * (1.0 - distance / reach).max(0.0),
-            Surfaces::Wall(radius) => unit * 30.0 * (1.0 - distance / (1.2 * radius)).max(0.0),
+        let stiffness = |distance: f64, between: PairKind| match between {
+            PairKind::Spheres(_) => unit * 40.0 * (1.0 - distance / reach).max(0.0),
+            PairKind::Wall(radius) => unit * 30.0 * (1.0 - distance / (1.2 * radius)).max(0.0),
         };
         let tethers = TetherResistance::default();
         let springs = Springs { resistance: &stiffness, contacts: &[], tethers: &tethers };

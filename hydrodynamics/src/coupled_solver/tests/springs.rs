@@ -3,7 +3,7 @@
 use super::*;
 use crate::ambient::StrainRate;
 use crate::springs::{ContactSprings, TetherResistance};
-use lubrication::Surfaces;
+use lubrication::PairKind;
 
 /// The motions with contacts equal those without, under the forces and torques that the contact springs exert in these
 /// motions: along the line of centres, against slip at the point of contact, and against rolling. In any units.
@@ -32,7 +32,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let of_one = |i: usize| (0..count).filter(|&j| touch(i, j).is_some()).map(|j| springs(i, j)).collect();
         let contacts: Vec<Vec<ContactSprings>> = (0..count).map(of_one).collect();
         assert!(contacts.iter().map(Vec::len).sum::<usize>() >= 4, "some touch");
-        let lubrication = Some(Range::new(2.5, 1e-6).unwrap());
+        let lubrication = Some(LubricationRange::new(2.5, 1e-6).unwrap());
         let mut fluid =
             CoupledSolver::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
@@ -79,7 +79,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
 #[test]
 fn springs_push_as_the_motions_say() {
     for (unit, lubrication) in [(1.0, None), (1.0, Some(0.5)), (1e-6, Some(0.5))] {
-        let lubrication = lubrication.map(|cutoff| Range::new(cutoff, 1e-6).unwrap());
+        let lubrication = lubrication.map(|cutoff| LubricationRange::new(cutoff, 1e-6).unwrap());
         let (_, mut particles) = cluster();
         particles.positions.iter_mut().for_each(|x| *x *= unit);
         particles.radii.iter_mut().for_each(|a| *a *= unit);
@@ -105,9 +105,9 @@ fn springs_push_as_the_motions_say() {
             };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
-        let between = |distance: f64, between: Surfaces| match between {
-            Surfaces::Spheres(radii) => resistance(distance, radii),
-            Surfaces::Wall(_) => 0.0,
+        let between = |distance: f64, between: PairKind| match between {
+            PairKind::Spheres(radii) => resistance(distance, radii),
+            PairKind::Wall(_) => 0.0,
         };
         let tethers = TetherResistance::default();
         let sprung = solve(&forces, Some(&Springs { resistance: &between, contacts: &[], tethers: &tethers }));

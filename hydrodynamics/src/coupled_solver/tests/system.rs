@@ -44,7 +44,7 @@ impl Setting {
     fn new() -> Self {
         let (plan, particles) = suspension();
         let (cell, partition) = (plan.cell(), Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
-        let force = PairForce::new(&plan.radii, 1.0, Range::default()).unwrap();
+        let force = PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
         let alone: Vec<SixVector> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
         let (reach, radii) = (force.reach(), plan.radii.clone());
         let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));

@@ -29,7 +29,7 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     })
     .unwrap();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
+    let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
     let (forces, torques) = (given(1, force), given(2, force * length));
     let rate = force / (viscosity * length * length);
     let strain = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]) * rate;

@@ -16,7 +16,7 @@ fn between(radii: &[f64], edge: f64) -> Plan {
 /// Motions of spheres under forces and torques in a linear flow with a strain rate.
 fn moved(plan: &Plan, particles: &Particles, [forces, torques]: [&[Vector]; 2], strain: Traceless) -> Solution {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut fluid = CoupledSolver::new(plan, &partition, lubricated_at(Some(Range::default()))).unwrap();
+    let mut fluid = CoupledSolver::new(plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
     let loads = Loads { forces: forces.to_vec(), torques: torques.to_vec(), ..Loads::default() };
     fluid.solve(&plan.cell(), particles, &acting(&loads, strain), &Guess::default()).unwrap()
 }

@@ -5,14 +5,14 @@ use super::{Fault, flow};
 use crate::CaseBoundary;
 use crate::case::boundaries_of;
 use crate::scene::checks::positive;
-use domain::{Boundaries, Number, PeriodicBox, Turn, Vector};
+use domain::{AxisRotation, Boundaries, Number, PeriodicBox, Vector};
 
 /// Room around spheres whose positions the scene does not determine, in radii of the largest sphere.
 const SOMEWHERE: f64 = 10.0;
 
 /// The box, with its non-periodic axis last, and the rotation of axes to it. For an extension it is another periodic
 /// box with the same volume; in unbounded fluid it is a box around the initial positions.
-pub fn cell(raw: &Raw) -> Result<(PeriodicBox, Turn), Fault> {
+pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), Fault> {
     let (boundaries, turn) = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
     let edges = Vector::from_array(turn.list(edges(raw, boundaries)?));
     let extension = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind));
@@ -104,7 +104,7 @@ fn largest(species: &raw::Species) -> f64 {
     species.radius.or(species.distribution.as_ref().map(of_list)).unwrap_or(0.0)
 }
 
-fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, Turn), Fault> {
+fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, AxisRotation), Fault> {
     boundaries_of(axes.map(CaseBoundary::from)).map_err(|_| {
         let message = "is none that is possible: \"periodic\" along all axes; \"open\" along all axes; or along one axis \"walls\", \
                        one at 0 and one at the edge, \"wall\", one at 0 with open fluid above, or \"open\", and \"periodic\" along \

@@ -14,7 +14,7 @@ use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
 use crate::StartSource;
 use crate::document::NumberOr;
-use domain::{Boundaries, PeriodicBox, Turn, Vector};
+use domain::{AxisRotation, Boundaries, PeriodicBox, Vector};
 pub(super) use raw::Raw;
 use simulation::Schedule;
 use std::f64::consts::PI;
@@ -60,7 +60,7 @@ impl SuspensionScene {
         let parameters = Parameters {
             seed: raw.seed,
             cell,
-            turn: Turn::default(),
+            turn: AxisRotation::default(),
             viscosity: raw.fluid.viscosity,
             thermal_energy: raw.fluid.thermal_energy,
             gravity: raw.gravity.as_ref().map_or(Vector::ZERO, |g| g.acceleration.into()),

@@ -2,7 +2,7 @@
 
 use super::touching::{AllTouching, Touching};
 use domain::{Comm, Particles, Tensor};
-use lubrication::{Contact, Surfaces};
+use lubrication::{Contact, PairKind};
 
 /// Averages and totals over contacts.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ impl Measured {
             sums.sliding += f64::from(u8::from(contact.memory.shares[0] < 1.0));
             let across = [contact.memory.force, contact.memory.rolling];
             // A contact of two spheres is in the sum twice.
-            let share = if let Surfaces::Wall(_) = contact.between { 1.0 } else { 0.5 };
+            let share = if let PairKind::Wall(_) = contact.between { 1.0 } else { 0.5 };
             sums.energy += share * law.energy(contact.overlap, contact.between, across);
         }
         sums.overlap = largest_overlap(law, touching);

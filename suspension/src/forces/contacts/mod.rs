@@ -3,10 +3,10 @@
 mod forces;
 mod history;
 mod measured;
-mod settling;
+mod stiffness_adaptation;
 mod touching;
 
-use crate::flow::periodic_cell::MovingBox;
+use crate::flow::periodic_cell::PeriodicCell;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
@@ -14,9 +14,9 @@ pub use history::{CONTACT_NUMBERS, keep, most_contacts};
 use history::{FOUND, Memory, note};
 use hydrodynamics::ContactSprings;
 use hydrodynamics::StrainRate;
-use lubrication::{Contact, Surfaces};
+use lubrication::{Contact, PairKind};
 pub use measured::Measured;
-pub use settling::{SETTLING_NUMBERS, Settling};
+pub use stiffness_adaptation::{SETTLING_NUMBERS, StiffnessAdaptation};
 use touching::{AllTouching, Touching, across};
 
 /// The contacts of a suspension.
@@ -27,13 +27,13 @@ pub struct Contacts {
     /// Largest number of contacts stored per particle.
     slots: usize,
     /// Stiffness adaptation, if the stiffness adapts.
-    settling: Option<Settling>,
+    settling: Option<StiffnessAdaptation>,
 }
 
 /// Times over which contact forces are predicted: from the positions of the evaluation for springs along the line of
 /// centres, and from the start of the substep for tangential springs.
 #[derive(Debug, Clone, Copy)]
-pub struct Ahead {
+pub struct PredictionTimes {
     pub along: f64,
     pub across: f64,
 }
@@ -55,10 +55,10 @@ pub struct Ahead {
 /// thus keeps its force in any direction of sliding, and a change of direction is followed within some substeps: the
 /// derivative of the limited force is `s h k_t` across the slip and zero along it, and half of `s h k_t` makes both
 /// converge about equally fast.
-pub struct Acting {
+pub struct ContactForcing {
     law: Contact,
     slots: usize,
-    ahead: Ahead,
+    ahead: PredictionTimes,
     touching: AllTouching,
     /// Expected motion of each contact in `touching`.
     expected: Vec<Expected>,
@@ -77,7 +77,7 @@ pub struct Flow {
 
 impl Flow {
     /// The flow of a box, and the expected change of its strain rate.
-    pub fn of(moving: &MovingBox, besides: Traceless) -> Self {
+    pub fn of(moving: &PeriodicCell, besides: Traceless) -> Self {
         Self { strain_rate: moving.strain_rate(), turning: moving.angular_velocity_at(Vector::ZERO), besides }
     }
 
@@ -89,7 +89,7 @@ impl Flow {
 
     /// Rolling velocity, over a wall at rest, of a sphere that rotates with the fluid.
     fn rolled(&self, contact: &Touching) -> Vector {
-        let Surfaces::Wall(_) = contact.between else { return Vector::ZERO };
+        let PairKind::Wall(_) = contact.between else { return Vector::ZERO };
         let turning = self.turning + self.strain_rate.turning((contact.place - contact.separation).z);
         -contact.between.harmonic_radius() * turning.cross(contact.axis)
     }
@@ -119,25 +119,25 @@ impl Contacts {
 
     /// These contacts with stiffness adaptation, or without it if `None`.
     #[must_use]
-    pub fn settling(mut self, settling: Option<Settling>) -> Self {
+    pub fn settling(mut self, settling: Option<StiffnessAdaptation>) -> Self {
         self.settle_at(settling);
         self
     }
 
     /// Stiffness adaptation, if the stiffness adapts.
-    pub fn how_it_settles(&self) -> Option<Settling> {
+    pub fn how_it_settles(&self) -> Option<StiffnessAdaptation> {
         self.settling
     }
 
     /// Sets the stiffness adaptation, and the stiffness from it.
-    pub fn settle_at(&mut self, settling: Option<Settling>) {
+    pub fn settle_at(&mut self, settling: Option<StiffnessAdaptation>) {
         self.settling = settling;
         self.law.stiffness = settling.map_or(self.law.stiffness, |settling| settling.stiffness());
     }
 
     /// Ends the adaptation: the stiffness stays at its present value.
     pub fn end_settling(&mut self) {
-        self.settling.iter_mut().for_each(Settling::end);
+        self.settling.iter_mut().for_each(StiffnessAdaptation::end);
     }
 
     /// Present stiffness.
@@ -161,9 +161,9 @@ impl Contacts {
         &self,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
-        (ahead, expected, flow): (Ahead, &[Vector], Flow),
+        (ahead, expected, flow): (PredictionTimes, &[Vector], Flow),
         before: &Motion,
-    ) -> Acting {
+    ) -> ContactForcing {
         let touching = AllTouching::find(&self.law, particles, place, self.reach);
         let parting = touching.present(expected);
         let velocities = touching.present(&before.velocities);
@@ -174,7 +174,7 @@ impl Contacts {
             rolling: contact.rolling(&angular) + flow.rolled(contact),
         };
         let expected = touching.list.iter().map(of_one).collect();
-        Acting { law: self.law, slots: self.slots, ahead, touching, expected, flow }
+        ContactForcing { law: self.law, slots: self.slots, ahead, touching, expected, flow }
     }
 
     /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
@@ -191,7 +191,7 @@ impl Contacts {
     }
 }
 
-impl Acting {
+impl ContactForcing {
     /// Adds the known part of contact forces and torques to the loads on this rank's particles.
     pub fn add_to(&self, loads: &mut Loads) {
         let owned = self.touching.halo.owned();

@@ -3,7 +3,7 @@
 use super::history::{CONTACTS, Memory, recall};
 use domain::{Halo, Neighbours, Particles, Partition, PeriodicBox, Vector};
 use hydrodynamics::ContactSprings;
-use lubrication::{Contact, Surfaces};
+use lubrication::{Contact, PairKind};
 
 /// A contact as seen by one of its two particles. The other, on this rank or another, sees the same with axis and force
 /// reversed, bit for bit.
@@ -20,7 +20,7 @@ pub struct Touching {
     /// Point of contact.
     pub place: Vector,
     /// The surfaces in contact, and the distances of both centres from the point of contact (0 for a wall).
-    pub between: Surfaces,
+    pub between: PairKind,
     pub arms: [f64; 2],
     pub overlap: f64,
     /// State of the contact, with its forces rotated into the present tangential plane.
@@ -71,14 +71,14 @@ impl AllTouching {
                     separation,
                     axis,
                     place: positions[row] + separation * (pair[0] / sum),
-                    between: Surfaces::Spheres(pair),
+                    between: PairKind::Spheres(pair),
                     arms: pair.map(|a| distance * a / sum),
                     overlap,
                     memory: turned(memory, axis),
                 });
             }
             for to in cell.to_walls(particles.positions[row]) {
-                let between = Surfaces::Wall(radii[row]);
+                let between = PairKind::Wall(radii[row]);
                 let (overlap, other) = (law.overlap(to.distance, between), ContactSprings::wall(to.wall));
                 if overlap <= 0.0 {
                     continue;
@@ -170,7 +170,7 @@ mod tests {
         let rolling = across(Vector::new(-0.2, 0.1, 0.4), axis);
         let memory = Memory { force, rolling, ..Memory::default() };
         let arms = radii.map(|a| distance * a / 2.5);
-        let between = Surfaces::Spheres(radii);
+        let between = PairKind::Spheres(radii);
         let one = Touching {
             rows: [0, 1],
             other: 1,
@@ -184,7 +184,7 @@ mod tests {
         };
         let reversed = Memory { force: -force, ..memory };
         let swap = |[a, b]: [f64; 2]| [b, a];
-        let (between, arms) = (Surfaces::Spheres(swap(radii)), swap(arms));
+        let (between, arms) = (PairKind::Spheres(swap(radii)), swap(arms));
         let other = Touching {
             rows: [1, 0],
             other: 0,

@@ -1,7 +1,7 @@
 //! Bonds between listed spheres.
 
 use crate::columns::{BOND_NUMBERS, BONDS};
-use crate::forces::Ahead;
+use crate::forces::Prediction;
 use crate::model::Model;
 use domain::{Comm, Failure, Halo, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
@@ -57,7 +57,7 @@ impl Bond {
     }
 
     /// Rate at which the centres separate.
-    fn parting(&self, velocities: &[Vector], ahead: &Ahead) -> f64 {
+    fn parting(&self, velocities: &[Vector], ahead: &Prediction) -> f64 {
         let [own, other] = self.rows;
         let relative = velocities[other] - velocities[own] + ahead.strain_rate.tensor() * self.separation;
         self.separation.dot(relative) / self.distance()
@@ -189,7 +189,7 @@ impl Bonds {
 
     /// Adds the known part of the tension. With `w` the rate at which the centres separate and `w*` its expected value,
     /// the tension after a time `t` is `F(x*) + t k (w - w*)`.
-    pub(super) fn add_to(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Ahead>) {
+    pub(super) fn add_to(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Prediction>) {
         loads.forces.resize(tied.halo.owned(), Vector::ZERO);
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, ahead.map(|ahead| (ahead, -1.0)))) {
             loads.forces[bond.rows[0]] += bond.separation * (pull / bond.distance());
@@ -198,7 +198,7 @@ impl Bonds {
 
     /// Tension of each bond, changed by `times` the implicit resistance times the expected rate of separation.
     /// Collective.
-    fn pulls(&self, tied: &Tied, ahead: Option<(&Ahead, f64)>) -> Vec<f64> {
+    fn pulls(&self, tied: &Tied, ahead: Option<(&Prediction, f64)>) -> Vec<f64> {
         let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
         let mut velocities = ahead.velocities.to_vec();
         tied.halo.extend(&mut velocities);
@@ -223,7 +223,7 @@ impl Bonds {
 
     /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
     /// `-(x_i - x_j) F / 2` to each. Collective.
-    pub(super) fn moments(&self, tied: &Tied, beyond: Option<&Ahead>) -> Vec<Tensor> {
+    pub(super) fn moments(&self, tied: &Tied, beyond: Option<&Prediction>) -> Vec<Tensor> {
         let mut moments = vec![Tensor::ZERO; tied.halo.owned()];
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
             let (r, force) = (bond.separation, bond.separation * (pull / bond.distance()));

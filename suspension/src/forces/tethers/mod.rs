@@ -9,7 +9,7 @@ use bonds::Tied;
 pub use start::{check, tie};
 pub use traps::{TRAP_NUMBERS, Traps};
 
-use crate::forces::Ahead;
+use crate::forces::Prediction;
 use crate::model::Model;
 use domain::{Comm, Failure, Particles, Partition, PeriodicBox, Tensor};
 use fcm::Loads;
@@ -44,7 +44,7 @@ impl Tethers {
         loads: &mut Loads,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
-        ahead: Option<&Ahead>,
+        ahead: Option<&Prediction>,
     ) -> Result<TetherResistance, Failure> {
         let mut resisting = TetherResistance::default();
         if let Some(bonds) = &self.bonds {
@@ -70,7 +70,7 @@ impl Tethers {
         &self,
         particles: &Particles,
         place: (&PeriodicBox, &Partition),
-        beyond: Option<&Ahead>,
+        beyond: Option<&Prediction>,
     ) -> Vec<Tensor> {
         self.tied(particles, place).map(|(bonds, tied)| bonds.moments(&tied, beyond)).unwrap_or_default()
     }

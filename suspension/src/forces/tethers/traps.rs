@@ -1,6 +1,6 @@
 //! Harmonic traps.
 
-use crate::forces::Ahead;
+use crate::forces::Prediction;
 use crate::model::Model;
 use domain::{Particles, PeriodicBox, Vector};
 use fcm::Loads;
@@ -36,7 +36,13 @@ impl Traps {
 
     /// Adds the known part of the trap force. With `x*` and `u*` the expected positions and velocities after a time
     /// `t`, the force is `-k (x* - c) - t k (u - u*)`.
-    pub(super) fn add_to(&self, loads: &mut Loads, particles: &Particles, cell: &PeriodicBox, ahead: Option<&Ahead>) {
+    pub(super) fn add_to(
+        &self,
+        loads: &mut Loads,
+        particles: &Particles,
+        cell: &PeriodicBox,
+        ahead: Option<&Prediction>,
+    ) {
         loads.forces.resize(particles.len(), Vector::ZERO);
         for (row, (stiffness, away)) in self.each(particles, cell).into_iter().enumerate() {
             let expected = ahead.map_or(Vector::ZERO, |ahead| ahead.time * ahead.velocities[row]);

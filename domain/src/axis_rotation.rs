@@ -5,21 +5,21 @@ use crate::{Tensor, Traceless, Vector};
 /// Rotation to axes each of which is parallel or antiparallel to one of the old axes, so that a box whose special
 /// axis is x or y has it along z. Right-handed systems remain right-handed, and the x axis is kept where possible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Turn {
+pub struct AxisRotation {
     /// Old axis that becomes each new axis.
     axes: [usize; 3],
     /// Whether the new axis points against the old one.
     against: [bool; 3],
 }
 
-impl Default for Turn {
+impl Default for AxisRotation {
     /// Identity.
     fn default() -> Self {
         Self { axes: [0, 1, 2], against: [false; 3] }
     }
 }
 
-impl Turn {
+impl AxisRotation {
     /// Rotation that makes an axis, 0, 1 or 2, the last: `(x, y, z)` becomes `(y, z, x)`, `(x, -z, y)` or
     /// `(x, y, z)`.
     pub fn to_last(axis: usize) -> Self {
@@ -101,7 +101,7 @@ mod tests {
     fn a_turn_is_a_rotation_that_can_be_undone() {
         let tensor = Tensor::from_cols_array(&[1.0, 2.0, 3.0, 4.0, -3.0, 6.0, 7.0, 8.0, 2.0]);
         for axis in 0..3 {
-            let turn = Turn::to_last(axis);
+            let turn = AxisRotation::to_last(axis);
             assert_eq!(turn.vector(V).z.to_bits(), V[axis].to_bits());
             assert_eq!(turn.inverse().vector(turn.vector(V)), V);
             assert_eq!(turn.inverse().inverse(), turn);
@@ -117,13 +117,13 @@ mod tests {
             assert!(back.0.iter().zip(strain.0).all(|(a, b)| (a - b).abs() < 1e-15));
             assert_eq!(turn.inverse().list(turn.list(['x', 'y', 'z'])), ['x', 'y', 'z']);
         }
-        assert!(Turn::to_last(2).is_none() && !Turn::to_last(1).is_none());
+        assert!(AxisRotation::to_last(2).is_none() && !AxisRotation::to_last(1).is_none());
     }
 
     #[test]
     fn what_is_along_x_stays_so_unless_x_is_the_axis() {
-        assert_eq!(Turn::to_last(1).vector(V), Vector::new(1.0, -3.0, 2.0));
-        assert_eq!(Turn::to_last(0).vector(V), Vector::new(2.0, 3.0, 1.0));
+        assert_eq!(AxisRotation::to_last(1).vector(V), Vector::new(1.0, -3.0, 2.0));
+        assert_eq!(AxisRotation::to_last(0).vector(V), Vector::new(2.0, 3.0, 1.0));
     }
 
     /// Positions in the box remain inside, with the same separations, and so do positions without periodicity.
@@ -131,7 +131,7 @@ mod tests {
     fn a_box_becomes_a_box() {
         let before = Vector::new(4.0, 5.0, 6.0);
         for axis in 0..3 {
-            let turn = Turn::to_last(axis);
+            let turn = AxisRotation::to_last(axis);
             let after = Vector::from_array(turn.list(before.to_array()));
             let place = turn.place(V, after);
             assert!(place.cmpge(Vector::ZERO).all() && place.cmple(after).all());
@@ -147,7 +147,7 @@ mod tests {
     /// No zero becomes a negative zero.
     #[test]
     fn zero_stays_zero() {
-        let turned = Turn::to_last(1).vector(Vector::ZERO);
+        let turned = AxisRotation::to_last(1).vector(Vector::ZERO);
         assert!(turned.to_array().iter().all(|x| x.is_sign_positive()));
     }
 }

@@ -35,7 +35,7 @@ const WIDEST: f64 = 10.0;
 /// some thousandths, while the stiffness changes by some per cent. All ranks find bitwise the same stiffness, since it
 /// depends only on the largest overlap of all contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settling {
+pub struct StiffnessAdaptation {
     stiffness: f64,
     strain: f64,
     is_over: bool,
@@ -52,7 +52,7 @@ pub struct Settling {
     later: f64,
 }
 
-impl Settling {
+impl StiffnessAdaptation {
     /// The adaptation of a model, restored from the particles if they store it. `None` if the scene gives the
     /// stiffness. Collective.
     pub fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
@@ -131,9 +131,9 @@ mod tests {
     use super::*;
 
     /// Adaptation to the overlaps of a law under a fluctuating load, in steps of a given strain.
-    fn settled(power: f64, estimate: f64, later: f64, step: f64) -> Settling {
+    fn settled(power: f64, estimate: f64, later: f64, step: f64) -> StiffnessAdaptation {
         let (load, until) = (30.0, 2.0);
-        let start = Settling {
+        let start = StiffnessAdaptation {
             stiffness: estimate,
             strain: 0.0,
             is_over: false,
