@@ -7,7 +7,7 @@ use crate::signals::{Signals, StopArgs};
 use crate::streams::{self, json};
 use anyhow::{bail, ensure};
 use domain::{Comm, Number};
-use io::{AnswerChange, Convergence, ExistingRun, FamilyFolder};
+use io::{AnswerChange, ChangeVerdict, Convergence, ExistingRun, FamilyFolder};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -80,7 +80,8 @@ fn answer(args: &Args, wanted: &Convergence, folder: &FamilyFolder) -> anyhow::R
     let found = folder.changes(&wanted.family, (&quantity, &species))?;
     let names = std::iter::once("as it is").chain(wanted.changes.iter().copied());
     let rows: Vec<(&str, Option<AnswerChange>)> = names.zip(found).collect();
-    Ok(if args.json { values(&quantity, &species, &rows) } else { words(&quantity, &species, &rows) })
+    let verdicts = folder.first_verdicts(&wanted.family, (&quantity, &species))?;
+    Ok(if args.json { values(&quantity, &species, &rows) } else { words((&quantity, &species), &verdicts, &rows) })
 }
 
 /// The quantity of that name, or the only one with it as a part.
@@ -103,26 +104,52 @@ fn quantity(name: &str, known: &BTreeSet<(String, String)>) -> anyhow::Result<(S
     )
 }
 
-fn words(quantity: &str, species: &str, rows: &[(&str, Option<AnswerChange>)]) -> String {
+fn words((quantity, species): (&str, &str), verdicts: &str, rows: &[(&str, Option<AnswerChange>)]) -> String {
     let of = if species.is_empty() || species == "all" { String::new() } else { format!(" of {species}") };
-    let mut text = format!("{quantity}{of}\n");
+    let mut text = format!("{quantity}{of}, over the second half of each run\n");
     let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (place, (name, found)) in rows.iter().enumerate() {
         let Some(found) = found else {
-            writeln!(text, "{name:<width$}  no value: see the verdicts of its runs").expect("text grows");
+            writeln!(text, "{name:<width$}  no value").expect("text grows");
             continue;
         };
-        let [mean, error, change, change_error] =
-            [found.mean, found.error, found.change, found.change_error].map(Number);
+        let [mean, error] = [found.mean, found.error].map(Number);
         write!(text, "{name:<width$}  {mean:.5} +- {error:.2}").expect("text grows");
-        let verdict = if found.matters() { "matters" } else { "within two errors" };
         match place {
-            0 => writeln!(text, "  ({} seeds)", found.seeds),
-            _ => writeln!(text, "  changed by {change:.3} +- {change_error:.2}: {verdict}"),
+            0 => writeln!(text, "  ({} seeds; by themselves {verdicts})", found.seeds),
+            _ => writeln!(text, "  {}: {}", change(found), found.verdict().name()),
         }
         .expect("text grows");
     }
-    text
+    text + &conclusion(&rows[1..])
+}
+
+/// A change with its error: over the quantity, if that is larger than its own error, else as it is.
+fn change(found: &AnswerChange) -> String {
+    if (found.mean - found.change).abs() > found.error {
+        let [change, error] = found.relative().map(|part| 100.0 * part);
+        return format!("{} +- {:.2} %", signed(change), Number(error));
+    }
+    format!("{} +- {:.2}", signed(found.change), Number(found.change_error))
+}
+
+fn signed(number: f64) -> String {
+    format!("{}{:.2}", if number > 0.0 { "+" } else { "" }, Number(number))
+}
+
+/// What matters, and what is known of all else.
+fn conclusion(rows: &[(&str, Option<AnswerChange>)]) -> String {
+    let with = |wanted: ChangeVerdict| {
+        let names = rows.iter().filter(|(_, found)| found.is_some_and(|found| found.verdict() == wanted));
+        names.map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
+    };
+    let words = [
+        (ChangeVerdict::Matters, "matters: "),
+        (ChangeVerdict::Small, "changes it by less than its error: "),
+        (ChangeVerdict::NotSeen, "makes no difference that these seeds show: "),
+    ];
+    let lines = words.into_iter().map(|(verdict, words)| (words, with(verdict))).filter(|(_, names)| !names.is_empty());
+    lines.fold(String::new(), |text, (words, names)| text + words + &names + "\n")
 }
 
 fn values(quantity: &str, species: &str, rows: &[(&str, Option<AnswerChange>)]) -> String {
@@ -134,7 +161,7 @@ fn values(quantity: &str, species: &str, rows: &[(&str, Option<AnswerChange>)]) 
             "seeds": found.map(|found| found.seeds),
             "change": found.map(|found| found.change),
             "change_error": found.map(|found| found.change_error),
-            "matters": found.map(|found| found.matters()),
+            "verdict": found.map(|found| found.verdict().name()),
         })
     };
     json(&json!({ "quantity": quantity, "species": species, "runs": rows.iter().map(row).collect::<Vec<_>>() }))
@@ -169,12 +196,20 @@ mod tests {
             ("half the step", Some(AnswerChange { change: 0.01, change_error: 0.02, ..base })),
             ("twice the edges", Some(AnswerChange { mean: 3.0, change: 1.0, change_error: 0.2, ..base })),
             ("a tenth of the tolerance", None),
+            ("four times the stiffness", Some(AnswerChange { change: -0.02, change_error: 0.002, ..base })),
         ];
-        let text = words("relative_viscosity", "all", &rows);
-        assert!(
-            text.contains("half the step             2 +- 0.1  changed by 0.01 +- 0.02: within two errors"),
-            "{text}"
-        );
-        assert!(text.contains("changed by 1 +- 0.2: matters") && text.contains("no value"), "{text}");
+        let text = words(("relative_viscosity", "all"), "2 converged, 1 too short", &rows);
+        for expected in [
+            "relative_viscosity, over the second half of each run\n",
+            "as it is                  2 +- 0.1  (3 seeds; by themselves 2 converged, 1 too short)\n",
+            "half the step             2 +- 0.1  +0.5 +- 1 %: not seen\n",
+            "twice the edges           3 +- 0.1  +50 +- 10 %: matters\n",
+            "a tenth of the tolerance  no value\n",
+            "four times the stiffness  2 +- 0.1  -0.99 +- 0.099 %: small\n",
+            "matters: twice the edges\nchanges it by less than its error: four times the stiffness\n\
+             makes no difference that these seeds show: half the step\n",
+        ] {
+            assert!(text.contains(expected), "{expected}{text}");
+        }
     }
 }

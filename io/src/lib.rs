@@ -75,9 +75,10 @@ pub use positions::{FileBox, StartFile, StartSource, TakenFrame};
 pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
-    AnswerChange, ExistingRun, FamilyFolder, Listener, MemberState, Recorder, Resumption, RunError, RunFolder, Trial,
-    WholeScene, check_memory, check_ranks, keep_costs, kept_costs, on_this_machine, outline, predicted_memory,
-    provenance, resume, start, start_positions, time_in_words, trial, with_least_repulsion, with_start_file,
+    AnswerChange, ChangeVerdict, ExistingRun, FamilyFolder, Listener, MemberState, Recorder, Resumption, RunError,
+    RunFolder, Trial, WholeScene, check_memory, check_ranks, keep_costs, kept_costs, on_this_machine, outline,
+    predicted_memory, provenance, resume, start, start_positions, time_in_words, trial, with_least_repulsion,
+    with_start_file,
 };
 pub use scene::{
     ContinuumScene, Convergence, Difference, Family, GranularDisksScene, Kind, Member, Output, Scene, SceneChange,

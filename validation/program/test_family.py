@@ -209,22 +209,25 @@ class Families(unittest.TestCase):
     def test_converge_says_what_changes_an_answer(self):
         scene = self.scene(SCENE, steps=2)
         words = ["converge", scene, "--of", "viscosity", "--seeds", 2, "--out", self.out]
-        # Whatever the answers of such short runs are, these are in their place below.
+        # Whatever the series of such short runs are, these are in their place below.
         subprocess.run([PROGRAM, *map(str, words)], capture_output=True, timeout=120)
         self.assertEqual(set(states(self.out).values()), {"finished"})
-        columns = "quantity,species,value,error,samples,transient,verdict,longer,unit\n"
         for point, values in enumerate(((2.0, 2.2), (2.01, 2.22), (3.0, 3.2), (2.0, 2.2)), 1):
             for seed, value in zip((4, 5), values):
-                summary = self.out / f"point-{point:04}" / f"seed-{seed:04}" / "summary.csv"
-                summary.write_text(f"{columns}relative_viscosity,all,{value},0.1,9.0,0.0,converged,,\n")
+                member = self.out / f"point-{point:04}" / f"seed-{seed:04}"
+                (member / "observables.h5").unlink()
+                # The first half is left out.
+                (member / "observables.csv").write_text(f"step,time,relative_viscosity\n0,0,9\n1,1,{value}\n2,2,{value}\n")
         said = run(words)
         self.assertIn("left out: the stiffness: the scene has neither contacts nor repulsion", said)
         self.assertIn("8 finished before", said)
-        self.assertRegex(said, r"relative_viscosity\nas it is +2\.1 \+- 0\.18  \(2 seeds\)\nhalf the step ")
-        self.assertRegex(said, r"half the step +2\.115 \+- \S+  changed by 0\.015 \+- 0\.0092: within two errors")
-        self.assertRegex(said, r"twice the edges +3\.1 \+- \S+  changed by 1 \+- \S+: matters")
+        self.assertIn("relative_viscosity, over the second half of each run\n", said)
+        self.assertRegex(said, r"as it is +2\.1 \+- 0\.18  \(2 seeds; by themselves 2 meaningless\)\nhalf the step ")
+        self.assertRegex(said, r"half the step +2\.115 \+- \S+  \+0\.71 \+- 0\.44 %: not seen\n")
+        self.assertRegex(said, r"twice the edges +3\.1 \+- \S+  \+48 \+- \S+ %: matters\n")
+        self.assertIn("\nmatters: twice the edges\n", said)
         answer = json.loads(subprocess.run([PROGRAM, *map(str, words), "--json"], capture_output=True, text=True).stdout)
-        self.assertEqual([row["matters"] for row in answer["runs"]], [False, False, True, False])
+        self.assertEqual([row["verdict"] for row in answer["runs"]], ["not seen", "not seen", "matters", "not seen"])
         said = run(["converge", scene, "--of", "colour", "--seeds", 2, "--out", self.out], expect=1)
         self.assertIn("--of colour: no answer of the runs has that name; there are relative_viscosity", said)
         # The larger box has eight times the spheres.

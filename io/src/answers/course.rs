@@ -27,6 +27,17 @@ enum Result {
     Inverse(f64),
 }
 
+/// The plain mean of a quantity in a run.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PlainMean {
+    /// The quantity, as answers name it.
+    pub(crate) quantity: String,
+    /// Of which species.
+    pub(crate) species: String,
+    /// The mean.
+    pub(crate) value: f64,
+}
+
 /// All particles, as a species.
 pub(super) const ALL: &str = "all";
 
@@ -75,6 +86,24 @@ impl Course {
     /// Also over a scale, under a name of its own, without unit.
     pub(super) fn also_over(self, name: &'static str, scale: f64) -> Self {
         Self { reduced: (scale.is_finite() && scale > 0.0).then_some((name, 1.0 / scale)), ..self }
+    }
+
+    /// Names and values by the plain mean from a time on, whatever is known of its error.
+    pub(super) fn plain_means(&self, times: &[f64], from: f64) -> Vec<PlainMean> {
+        let late = || times.iter().zip(&self.values).filter(|(time, value)| **time >= from && value.is_finite());
+        let mean = late().map(|(_, value)| value).sum::<f64>() / late().count() as f64;
+        let value = match self.result {
+            Result::Mean => mean,
+            Result::Root => mean.sqrt(),
+            Result::Inverse(of) => of / mean,
+        };
+        let named = |quantity: &str, value: f64| PlainMean {
+            quantity: quantity.to_owned(),
+            species: self.species.clone(),
+            value,
+        };
+        let reduced = self.reduced.map(|(name, factor)| named(name, value * factor));
+        std::iter::once(named(self.quantity, value)).chain(reduced).collect()
     }
 
     fn answers(self, mean: SteadyMean) -> impl Iterator<Item = RunAnswer> {

@@ -12,6 +12,7 @@ mod text;
 
 use crate::observables::Observables;
 use crate::{FileError, Kind, Scene};
+pub(crate) use course::PlainMean;
 use course::{ALL, Course, means};
 use sampled::Summary;
 use std::path::Path;
@@ -38,22 +39,47 @@ impl AnswerRange {
 
 /// The answers of the run in a folder, of a scene; none where it has no time series.
 pub fn run_answers(folder: &Path, scene: &Scene, range: &AnswerRange) -> Result<Vec<RunAnswer>, FileError> {
+    let series = series(folder)?;
+    let (courses, begins) = courses(scene, &series);
+    let mut answers = means(courses, &series.times, range, begins);
+    answers.extend(diffusivities(folder, scene)?);
+    Ok(answers)
+}
+
+/// The mean of each quantity over the second half of a run, whatever its verdict: to be compared with runs of the same length,
+/// where the spread over seeds tells the error. Diffusivities are those of the answers.
+pub(crate) fn second_half(folder: &Path, scene: &Scene) -> Result<Vec<PlainMean>, FileError> {
+    let series = series(folder)?;
+    let (courses, begins) = courses(scene, &series);
+    let from = begins.max(0.5 * series.times.last().copied().unwrap_or(0.0));
+    let means = courses.iter().flat_map(|course| course.plain_means(&series.times, from));
+    let sampled = diffusivities(folder, scene)?.into_iter().map(|answer| PlainMean {
+        quantity: answer.quantity,
+        species: answer.species,
+        value: answer.mean.value,
+    });
+    Ok(means.chain(sampled).collect())
+}
+
+fn series(folder: &Path) -> Result<Observables, FileError> {
     let is_wanted = |name: &str| suspension::Run::COLUMNS.contains(&name) || grains::COLUMNS.contains(&name);
-    let series = Observables::of_folder(folder, &is_wanted)?.unwrap_or_default();
-    let (courses, begins): (Vec<Course>, f64) = match scene.kind() {
+    Ok(Observables::of_folder(folder, &is_wanted)?.unwrap_or_default())
+}
+
+/// The quantities of a series, and the time from which they may be steady.
+fn courses(scene: &Scene, series: &Observables) -> (Vec<Course>, f64) {
+    match scene.kind() {
         Kind::Suspension(scene) => {
-            let run = suspension::Run { model: &scene.model, series: &series };
+            let run = suspension::Run { model: &scene.model, series };
             (run.courses(), run.begins())
         }
-        Kind::GranularDisks(_) => (grains::of_disks(&series), 0.0),
-        Kind::ShearCell(scene) => (grains::of_shear_cell(&series), grains::measured_from(scene)),
+        Kind::GranularDisks(_) => (grains::of_disks(series), 0.0),
+        Kind::ShearCell(scene) => (grains::of_shear_cell(series), grains::measured_from(scene)),
         Kind::Continuum(_) => (Vec::new(), 0.0),
-    };
-    let mut answers = means(courses, &series.times, range, begins);
-    if let Kind::Suspension(scene) = scene.kind()
-        && let Some(summary) = Summary::read(folder)?
-    {
-        answers.extend(summary.diffusivities(&scene.model));
     }
-    Ok(answers)
+}
+
+fn diffusivities(folder: &Path, scene: &Scene) -> Result<Vec<RunAnswer>, FileError> {
+    let Kind::Suspension(scene) = scene.kind() else { return Ok(Vec::new()) };
+    Ok(Summary::read(folder)?.map(|summary| summary.diffusivities(&scene.model)).unwrap_or_default())
 }

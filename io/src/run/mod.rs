@@ -21,7 +21,7 @@ mod whole_scene;
 
 pub use calibration::with_least_repulsion;
 pub use error::RunError;
-pub use family::{AnswerChange, FamilyFolder, MemberState};
+pub use family::{AnswerChange, ChangeVerdict, FamilyFolder, MemberState};
 pub use folder::{ExistingRun, RunFolder};
 pub use listener::Listener;
 pub use machine::{keep_costs, kept_costs, on_this_machine};

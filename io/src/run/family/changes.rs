@@ -1,8 +1,8 @@
-//! Changes of an answer from the first point of a family to each of the others.
+//! Changes of a quantity from the first point of a family to each of the others.
 
-use super::answers;
 use super::folder::FamilyFolder;
 use super::spread::Spread;
+use crate::answers::{PlainMean, second_half};
 use crate::run::RunError;
 use crate::{Family, FileError, Member};
 use std::collections::BTreeSet;
@@ -22,58 +22,101 @@ pub struct AnswerChange {
     pub change_error: f64,
 }
 
-/// Number of errors beyond which a change is significant.
+/// What a change means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChangeVerdict {
+    /// Too few seeds have values to tell.
+    Unknown,
+    /// It is within two of its errors.
+    NotSeen,
+    /// It is beyond two of its errors, and below the error of the quantity itself.
+    Small,
+    /// It is beyond both.
+    Matters,
+}
+
+/// Errors beyond which a change is seen.
 const ERRORS: f64 = 2.0;
 
 impl AnswerChange {
-    /// Whether the change is larger than two errors.
-    pub fn matters(&self) -> bool {
-        self.change.abs() > ERRORS * self.change_error
+    /// What the change means.
+    pub fn verdict(&self) -> ChangeVerdict {
+        match self.change.abs() {
+            _ if !self.change_error.is_finite() => ChangeVerdict::Unknown,
+            change if change <= ERRORS * self.change_error => ChangeVerdict::NotSeen,
+            change if change <= self.error => ChangeVerdict::Small,
+            _ => ChangeVerdict::Matters,
+        }
+    }
+
+    /// The change, and its error, over the quantity at the first point.
+    pub fn relative(&self) -> [f64; 2] {
+        let first = self.mean - self.change;
+        [self.change, self.change_error].map(|number| number / first.abs())
+    }
+}
+
+impl ChangeVerdict {
+    /// In words.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unknown => "unknown: fewer than two seeds have a value",
+            Self::NotSeen => "not seen",
+            Self::Small => "small",
+            Self::Matters => "matters",
+        }
     }
 }
 
 impl FamilyFolder {
-    /// The quantities for which some member has an answer, with their species.
+    /// The quantities that some member has, with their species.
     pub fn quantities(&self, family: &Family) -> Result<BTreeSet<(String, String)>, RunError> {
         let mut all = BTreeSet::new();
         for member in family.members() {
-            all.extend(self.answers(family, member)?.into_iter().map(|answer| (answer.quantity, answer.species)));
+            all.extend(self.means(family, member)?.into_iter().map(|mean| (mean.quantity, mean.species)));
         }
         Ok(all)
     }
 
-    /// A quantity at each point; `None` where no seed has a value.
+    /// The verdicts of the runs of the first point on a quantity: `2 converged, 1 too short`.
+    pub fn first_verdicts(&self, family: &Family, of: (&str, &str)) -> Result<String, RunError> {
+        let table = self.table(family)?;
+        let is_it = |words: &[String]| words[0] == family.members()[0].point_name() && (&*words[2], &*words[3]) == of;
+        Ok(table.rows.iter().find(|(words, _)| is_it(words)).map(|(words, _)| words[4].clone()).unwrap_or_default())
+    }
+
+    /// A quantity at each point, as the mean over the second half of each run; nothing where no seed has a value.
     pub fn changes(&self, family: &Family, of: (&str, &str)) -> Result<Vec<Option<AnswerChange>>, RunError> {
         let mut points = Vec::new();
         for members in family.points() {
             let mut values = Vec::new();
             for member in members {
-                let answers = self.answers(family, member)?.into_iter();
-                let found = answers.filter(|a| (a.quantity.as_str(), a.species.as_str()) == of && a.value.is_finite());
-                values.extend(found.map(|answer| (member.seed, answer.value, answer.error)));
+                let means = self.means(family, member)?.into_iter();
+                let found = means.filter(|m| (m.quantity.as_str(), m.species.as_str()) == of && m.value.is_finite());
+                values.extend(found.map(|mean| (member.seed, mean.value)));
             }
             points.push(values);
         }
         Ok(points.iter().map(|values| changed(&points[0], values)).collect())
     }
 
-    fn answers(&self, family: &Family, member: &Member) -> Result<Vec<answers::Answer>, RunError> {
+    fn means(&self, family: &Family, member: &Member) -> Result<Vec<PlainMean>, RunError> {
         let scene = family.scene(member).map_err(|e| FileError::read(self.path(), &e))?;
-        Ok(answers::of(&self.member(member), &scene)?)
+        Ok(second_half(&self.member(member), &scene)?)
     }
 }
 
-type Values = [(Option<u64>, f64, f64)];
+type Values = [(Option<u64>, f64)];
 
 fn changed(first: &Values, values: &Values) -> Option<AnswerChange> {
-    let here: Vec<(f64, f64)> = values.iter().map(|&(_, value, error)| (value, error)).collect();
-    let at_first = |seed: Option<u64>| first.iter().find(|(other, ..)| *other == seed).map(|(_, value, _)| value);
-    let differences: Vec<(f64, f64)> =
-        values.iter().filter_map(|&(seed, value, _)| Some((value - at_first(seed)?, f64::NAN))).collect();
-    if differences.is_empty() {
+    let at_first = |seed: Option<u64>| first.iter().find(|(other, _)| *other == seed).map(|(_, value)| *value);
+    let pairs: Vec<[f64; 2]> = values.iter().filter_map(|&(seed, value)| Some([value, at_first(seed)?])).collect();
+    if pairs.is_empty() {
         return None;
     }
-    let (found, difference) = (Spread::of(&here), Spread::of(&differences));
+    let spread =
+        |of: &dyn Fn(&[f64; 2]) -> f64| Spread::of(&pairs.iter().map(|pair| (of(pair), f64::NAN)).collect::<Vec<_>>());
+    let (found, difference) = (spread(&|[here, _]| *here), spread(&|[here, there]| here - there));
     Some(AnswerChange {
         mean: found.mean,
         error: found.error,
@@ -89,14 +132,21 @@ mod tests {
 
     #[test]
     fn a_change_is_that_of_each_seed() {
-        let first = [(Some(1), 10.0, 1.0), (Some(2), 20.0, 1.0), (Some(3), 30.0, 1.0)];
-        let same = [(Some(1), 10.1, 1.0), (Some(2), 20.0, 1.0), (Some(3), 29.9, 1.0)];
+        let first = [(Some(1), 10.0), (Some(2), 20.0), (Some(3), 30.0)];
+        let same = [(Some(1), 10.1), (Some(2), 20.0), (Some(3), 29.9)];
         let found = changed(&first, &same).unwrap();
-        assert!(found.seeds == 3 && found.change.abs() < 1e-12 && found.change_error < 0.1 && !found.matters());
-        let other = [(Some(1), 12.1, 1.0), (Some(2), 22.0, 1.0), (Some(4), 1.0, 1.0)];
+        assert!(found.seeds == 3 && found.change.abs() < 1e-12 && found.change_error < 0.1);
+        assert_eq!(found.verdict(), ChangeVerdict::NotSeen);
+        // Seeds are 8 from their mean, by which a change of 2 is small, however well it is known.
+        let other = [(Some(1), 12.1), (Some(2), 22.0), (Some(4), 1.0)];
         let found = changed(&first, &other).unwrap();
-        assert!(found.seeds == 2 && (found.change - 2.05).abs() < 1e-12 && found.matters(), "{found:?}");
-        assert!(changed(&first, &[(Some(9), 1.0, 1.0)]).is_none());
-        assert!(!changed(&first[..1], &[(Some(1), 11.0, 1.0)]).unwrap().matters(), "one seed has no spread");
+        assert!(found.seeds == 2 && (found.change - 2.05).abs() < 1e-12 && (found.mean - 17.05).abs() < 1e-12);
+        assert_eq!(found.verdict(), ChangeVerdict::Small);
+        let far = [(Some(1), 50.0), (Some(2), 60.1), (Some(3), 70.0)];
+        let found = changed(&first, &far).unwrap();
+        assert_eq!(found.verdict(), ChangeVerdict::Matters);
+        assert!((found.relative()[0] - 40.03 / 20.0).abs() < 2e-3, "{:?}", found.relative());
+        assert!(changed(&first, &[(Some(9), 1.0)]).is_none());
+        assert_eq!(changed(&first[..1], &[(Some(1), 11.0)]).unwrap().verdict(), ChangeVerdict::Unknown);
     }
 }

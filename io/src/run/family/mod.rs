@@ -10,6 +10,6 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use changes::AnswerChange;
+pub use changes::{AnswerChange, ChangeVerdict};
 pub use folder::FamilyFolder;
 pub use state::MemberState;

@@ -1,0 +1,62 @@
+"""What the answers of three scenes depend on: `fcm-solve converge` of the scenes that come with the program, at sizes of some minutes each.
+
+    scripts/validate converge
+
+Runs are kept in results/converge, or where FCM_SOLVE_RUNS says, and made once."""
+
+import os
+import pathlib
+import resource
+import subprocess
+
+from support.page import write_section
+from support.program import PROGRAM, ROOT
+
+RUNS = pathlib.Path(os.environ.get("FCM_SOLVE_RUNS", ROOT / "results")) / "converge"
+# The scene, the answer that it is run for, and what makes it small.
+CASES = [
+    ("settling", "hindered", ["box.edges=[14.0, 14.0, 14.0]", "species[0].count=80", "time.steps=2000"]),
+    ("shear", "relative_viscosity", ["box.edges=[12.0, 12.0, 12.0]", "time.duration=8.0"]),
+    ("dense", "relative_viscosity", ["box.edges=[9.1, 9.1, 9.1]"]),
+]
+
+
+def words(setting):
+    """A setting as it is typed."""
+    key, value = setting.split("=", 1)
+    return f'--set {key}="{value}"' if " " in value else f"--set {setting}"
+
+
+def seconds():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def made(name, quantity, settings):
+    """The lines of a scene: its commands, and what they print."""
+    folder, scene = RUNS / name, RUNS / f"{name}.toml"
+    scene.write_text(subprocess.run([PROGRAM, "new", name], check=True, capture_output=True, text=True).stdout)
+    sets = [word for setting in settings for word in ("--set", setting)]
+    before = seconds()
+    command = [PROGRAM, "converge", scene, "--of", quantity, "--out", folder, *sets]
+    ended = subprocess.run(command, stdout=subprocess.PIPE, text=True)
+    if ended.returncode:
+        raise SystemExit(f"{name} ended with {ended.returncode}: the same command goes on")
+    noted, taken = folder.with_suffix(".seconds"), seconds() - before
+    # A command that finds all runs made takes next to nothing.
+    if not noted.exists() or taken > float(noted.read_text()):
+        noted.write_text(f"{taken:.0f}")
+    typed = " ".join([f"fcm-solve converge {name}.toml --of {quantity}", *map(words, settings)])
+    print(ended.stdout, flush=True)
+    return ["```console", f"$ fcm-solve new {name} > {name}.toml", f"$ {typed}", *ended.stdout.splitlines(), "```", "",
+            f"{float(noted.read_text()) / 60:.1f} minutes of a core in all.", ""]
+
+
+def main():
+    RUNS.mkdir(parents=True, exist_ok=True)
+    lines = [line for case in CASES for line in made(*case)]
+    write_section("convergence.md", "converge", "Three scenes", lines)
+
+
+if __name__ == "__main__":
+    main()
