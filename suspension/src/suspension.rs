@@ -1,15 +1,14 @@
 //! A suspension of spheres in Stokes flow.
 
+mod measurements;
+
 use crate::columns::VELOCITY;
 use crate::error::StartError;
 use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::OverlapCounts;
 use crate::evaluation::prepared::Setup;
-use crate::evaluation::stress::ParticleStress;
 use crate::evaluation::velocity_field::FluidVelocity;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
-use crate::forces::Surface;
-use crate::forces::contacts::{Measured, contact_force};
 use crate::forces::tethers;
 use crate::forces::user;
 use crate::integrators::adams_bashforth::{self, AdamsBashforth};
@@ -18,9 +17,9 @@ use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::neighbourhood;
 use crate::start::{given_positions, placement};
-use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
-use simulation::{Clock, ContactForces, LoadFunction, State};
+use simulation::{Clock, LoadFunction, State};
 
 /// Particles, their dynamics, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -296,95 +295,6 @@ impl Suspension {
     /// Pairs that overlapped, or almost, in the last Brownian solve; `None` without Brownian motion.
     pub(crate) fn crowded(&self) -> Option<OverlapCounts> {
         self.dynamics.crowded()
-    }
-
-    /// Shear stress along x and y on the wall at `z = 0` and, if there is one, on the wall at `z = Lz`, for a given
-    /// particle stress; empty without walls. With `F` and `T` the steady forces and torques of the species,
-    ///
-    /// ```text
-    /// upper wall: mu du/dz + s_xz - sum (z F_x + T_y / 2) / V,      lower wall: the same + sum F_x / A
-    /// ```
-    ///
-    /// and likewise along y, by the first moments of all loads on the fluid. On a single wall below unbounded fluid,
-    /// only forces and the flow act. Collective.
-    pub fn wall_stress(&self, stress: &Tensor) -> Vec<[f64; 2]> {
-        self.dynamics.wall_stress(&self.particles, stress)
-    }
-
-    /// Pressure drop per length along x that keeps the mean velocity of a [`crate::Flow::ConstantFlux`], from the last
-    /// solve; `None` for other flows.
-    ///
-    /// With the non-hydrodynamic forces and torques `F`, `T`, the total stresslets `S`, `q = z (H - z) / 2` and the
-    /// area `A` of a wall,
-    ///
-    /// ```text
-    /// 12 mu U / H^2 - 12 / (A H^3) sum [F_x (q - a^2/6) - (S_xz - T_y / 2) dq/dz]
-    /// ```
-    ///
-    /// at the centres; stresslets of lubrication between two spheres are taken at their midpoint.
-    pub fn pressure_gradient(&self) -> Option<f64> {
-        self.dynamics.pressure_gradient()
-    }
-
-    /// Stress of the particles of each species. Collective.
-    pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
-        let (volume, pairs) = (self.cell().volume(), self.pair_moments_by_origin());
-        ParticleStress::by_species(&self.particles, pairs.each_ref().map(Vec::as_slice), (species, volume), &self.comm)
-    }
-
-    /// Contribution of each particle to the symmetric first moments of all forces between spheres, and to the moments
-    /// of walls. Collective.
-    pub fn pair_moments(&self) -> Vec<Tensor> {
-        let by_origin = self.pair_moments_by_origin();
-        let of_row = |row: usize| {
-            by_origin.iter().filter_map(|list| list.get(row).copied()).fold(Tensor::ZERO, |sum, m| sum + m)
-        };
-        (0..self.particles.len()).map(of_row).collect()
-    }
-
-    /// Contributions to the moments of repulsion, attraction, contacts and bonds; each is empty without such forces.
-    /// Collective.
-    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 4] {
-        let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
-            .map(|which| self.dynamics.surface_moments(which, &self.particles));
-        let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles)]
-    }
-
-    /// Mean number of contacts per particle, fractions of frictional and of sliding contacts, largest overlap over the
-    /// roughness, and elastic energy; `None` for spheres without contacts. Collective.
-    pub fn contact_numbers(&self) -> Option<[f64; 5]> {
-        self.contacts().map(|measured| measured.numbers(&self.comm))
-    }
-
-    /// Stiffness of contacts, and whether it is constant from now on; `None` for spheres without contacts.
-    pub fn contact_stiffness(&self) -> Option<(f64, bool)> {
-        let stays = self.dynamics.settling().is_none_or(|settling| settling.is_over());
-        self.dynamics.contact_stiffness().map(|stiffness| (stiffness, stays))
-    }
-
-    /// Elastic energy of the bonds and number of broken bonds; `None` without bonds. Collective.
-    pub fn bond_numbers(&self) -> Option<[f64; 2]> {
-        self.dynamics.bond_numbers(&self.particles)
-    }
-
-    /// Energy of the trapped spheres; `None` without traps. Collective.
-    pub fn trap_energy(&self) -> Option<f64> {
-        self.dynamics.trap_energy(&self.particles)
-    }
-
-    /// Forces of contacts and bonds, on the first rank; `None` without either. Collective.
-    pub fn contact_forces(&self) -> Option<ContactForces> {
-        let own = self.dynamics.contact_forces(&self.particles)?;
-        let mut list: Vec<_> = self.comm.gather(&own).iter().map(contact_force).collect();
-        list.sort_unstable_by_key(|contact| (contact.ids, contact.state.number()));
-        let lattice = self.cell().lattice_vectors();
-        Some(ContactForces { step: self.clock.step(), time: self.clock.time(), lattice, list })
-    }
-
-    /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
-    fn contacts(&self) -> Option<Measured> {
-        self.dynamics.measured_contacts(&self.particles)
     }
 
     /// Summary of the last step. Collective.

@@ -1,27 +1,29 @@
 //! Mobility of spheres at given positions, from loads to motions.
 
+mod columns;
 mod drift;
+mod error;
 pub mod memory;
 pub mod overlaps;
 mod square_root;
 
+use columns::{column, fill, motions, moved, record, record_motion, traceless};
 pub use drift::Drift;
+pub use error::MobilityError;
 
 use crate::ambient::StrainRate;
-use crate::ambient::{FlowRefused, check_linear, check_pressure, poiseuille};
+use crate::ambient::{check_linear, check_pressure, poiseuille};
 use crate::coupled_solver::{CoupledSolver, ShortRange};
 use crate::lengths::{check_box_of_noise, check_radius};
 use crate::mobility::memory::SingleEvaluation;
 use crate::mobility::overlaps::Overlaps;
 use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
-use domain::{
-    AxisRotation, Bytes, Comm, Failure, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector,
-};
+use domain::{AxisRotation, Bytes, Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
-    Costs, Drawn, Evaluation, Fixed, Loading, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, PlanError,
-    Problem, SolveError, Stream, check_inside,
+    Costs, Drawn, Evaluation, Fixed, Loading, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, Problem,
+    SolveError, Stream, check_inside,
 };
-use lubrication::{LubricationRange, PairForceError};
+use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 
 /// Parameters of a mobility: spheres, fluid and accuracy.
@@ -67,51 +69,6 @@ pub struct Mobility {
     pressure_gradient: Vector,
 }
 
-/// Error of a mobility.
-#[derive(Debug, thiserror::Error)]
-pub enum MobilityError {
-    /// No plan fits the problem.
-    #[error("this case can't be evaluated")]
-    Plan(#[source] PlanError),
-    /// A radius out of its range.
-    #[error("radii has a sphere whose radius {0}")]
-    Radius(String),
-    /// A box too elongated for random motions.
-    #[error("box {0}")]
-    Box(String),
-    /// No lubrication functions for these radii.
-    #[error(transparent)]
-    Lubrication(#[from] PairForceError),
-    /// Overlapping spheres with lubrication.
-    #[error("{0}; lubrication acts between spheres that are apart: move these apart, or leave out lubrication")]
-    Overlap(Overlaps),
-    /// A sphere outside of a box with walls or open faces.
-    #[error(transparent)]
-    Outside(#[from] OutsideError),
-    /// A background flow that is incompatible with the walls.
-    #[error(transparent)]
-    Flow(#[from] FlowRefused),
-    /// The square root did not converge.
-    #[error(
-        "the square root of the mobility still changed by {change:.1e} after {applications} applications, where {tolerance:e} was \
-         asked for: move spheres that nearly touch apart, or take a larger tolerance"
-    )]
-    Root {
-        /// Number of applications of the mobility.
-        applications: usize,
-        /// Last change, relative to the root.
-        change: f64,
-        /// Allowed change.
-        tolerance: f64,
-    },
-    /// The solve failed.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-    /// An error that may be known to some ranks only.
-    #[error(transparent)]
-    Failed(#[from] Failure),
-}
-
 /// Motions of the spheres, with stresslets and convergence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motions {
@@ -126,17 +83,6 @@ pub struct Motions {
     pub iterations: usize,
     /// Estimated error, relative to the solution.
     pub residual: f64,
-}
-
-/// Names of the columns that carry loads and motions with their particles.
-mod column {
-    pub const FORCE: &str = "force";
-    pub const TORQUE: &str = "torque";
-    pub const VELOCITY: &str = "velocity";
-    pub const ANGULAR_VELOCITY: &str = "angular_velocity";
-    pub const STRAIN_RATE: &str = "strain_rate";
-    pub const STRESSLET: &str = "stresslet";
-    pub const STRESSLET_FAR: &str = "far stresslet";
 }
 
 impl Mobility {
@@ -421,47 +367,4 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         costs: parameters.costs,
         fixed: Fixed { method: parameters.method, ..Fixed::default() },
     }
-}
-
-/// Writes a solution into the particles' columns; gathering sorts them by id.
-fn record(particles: &mut Particles, solved: &Solution) {
-    record_motion(particles, &solved.motion);
-    for (name, list) in [(column::STRESSLET, &solved.stresslets), (column::STRESSLET_FAR, &solved.far.stresslets)] {
-        fill(traceless(particles, name), list);
-    }
-}
-
-fn record_motion(particles: &mut Particles, motion: &Motion) {
-    let Motion { velocities, angular_velocities, strain_rates } = motion;
-    fill(particles.vectors(column::VELOCITY), velocities);
-    fill(particles.vectors(column::ANGULAR_VELOCITY), angular_velocities);
-    fill(traceless(particles, column::STRAIN_RATE), strain_rates);
-}
-
-/// The motions in the columns of gathered particles.
-fn moved(all: &mut Particles) -> Motion {
-    Motion {
-        velocities: all.vectors(column::VELOCITY).to_vec(),
-        angular_velocities: all.vectors(column::ANGULAR_VELOCITY).to_vec(),
-        strain_rates: traceless(all, column::STRAIN_RATE).to_vec(),
-    }
-}
-
-fn motions(mut all: Particles, solved: &Solution) -> Motions {
-    Motions {
-        motion: moved(&mut all),
-        stresslets: traceless(&mut all, column::STRESSLET).to_vec(),
-        stresslets_far: traceless(&mut all, column::STRESSLET_FAR).to_vec(),
-        iterations: solved.iterations,
-        residual: solved.residual,
-    }
-}
-
-/// Copies known values; the rest is unchanged.
-fn fill<T: Copy>(values: &mut [T], known: &[T]) {
-    values.iter_mut().zip(known).for_each(|(value, &known)| *value = known);
-}
-
-fn traceless<'a>(particles: &'a mut Particles, name: &str) -> &'a mut [Traceless] {
-    bytemuck::cast_slice_mut(&mut particles.column(name, 5).values)
 }

@@ -1,5 +1,6 @@
 //! Evaluation of the particles' velocities at given positions.
 
+mod checks;
 pub mod extrapolation;
 pub mod fluctuating;
 mod following;
@@ -8,6 +9,8 @@ pub mod initial_guess;
 pub mod orders;
 pub mod overlap_monitor;
 pub mod prepared;
+mod queries;
+pub mod stage_time;
 mod stiffness_adaptation;
 pub mod stress;
 mod stress_controlled;
@@ -24,71 +27,22 @@ use crate::evaluation::gap_control::{RelativeMotion, WATCHED};
 use crate::evaluation::initial_guess::WarmStart;
 use crate::evaluation::overlap_monitor::OverlapMonitor;
 use crate::evaluation::prepared::Setup;
-use crate::evaluation::velocity_field::FluidVelocity;
+pub use crate::evaluation::stage_time::{Outcome, StageTime};
 use crate::flow::periodic_cell::PeriodicCell;
-use crate::forces::contacts::{self, Contacts, Measured, StiffnessAdaptation};
+use crate::forces::contacts::{self, Contacts, StiffnessAdaptation};
 use crate::forces::tethers::Tethers;
-use crate::forces::user::{self, AppliedForces};
-use crate::forces::{Forces, Prediction, Surface};
+use crate::forces::user::AppliedForces;
+use crate::forces::{Forces, Prediction};
 use crate::model::box_axes::UserAxes;
 use crate::model::{self, Integrator, Model, Multipoles};
 use crate::neighbourhood::NearLists;
-use domain::{Boundaries, Interrupt, Interrupted, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
-use fcm::{Loads, Motion, PlanError, SolveError};
+use domain::{Interrupt, Interrupted, Particles, Partition, Vector};
+use fcm::{Loads, Motion, SolveError};
 use following::Following;
 use hydrodynamics::TetherResistance;
 use hydrodynamics::{ContactSprings, CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput, Springs};
 use lubrication::{LubricationRange, PairKind};
 use simulation::Clock;
-use solver::BackgroundFlow;
-
-/// Largest distance of a particle from the box at the end of a step, in edges: limited by the counting of periodic
-/// images.
-const FARTHEST: f64 = 1e9;
-
-/// Distance of a sphere's centre from a wall, in radii, below which the step is refused: at 0.8 the mobility of the
-/// envelopes is no longer positive.
-const SUNK: f64 = 0.85;
-
-/// Statistics of the solve of one evaluation.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Outcome {
-    /// Number of iterations for the stresslets.
-    pub iterations: usize,
-    /// Relative residual of the stresslets.
-    pub residual: f64,
-}
-
-impl Outcome {
-    fn of(solved: &Solution) -> Self {
-        Self { iterations: solved.iterations, residual: solved.residual }
-    }
-}
-
-/// Instant of an evaluation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StageTime {
-    /// The clock at the start of its step.
-    pub clock: Clock,
-    /// Elapsed fraction of the step.
-    pub fraction: f64,
-    /// Ages of the stored solutions relative to the last of them, whose age of 0 comes first.
-    pub ages: Vec<f64>,
-    /// Time since the last stored solution.
-    pub ahead: f64,
-    /// Time over which forces between near spheres are implicit, if they are: they are taken at the velocities of the
-    /// solve instead of those in the column [`EXPECTED`].
-    pub implicit: Option<f64>,
-}
-
-impl StageTime {
-    /// The instant after a fraction of a step, with solutions stored at the start of each of the `steps` previous
-    /// steps.
-    pub fn in_step(clock: &Clock, fraction: f64, steps: u64) -> Self {
-        let ages = (0..=steps.min(2)).map(|k| k as f64 * clock.dt()).collect();
-        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt(), implicit: None }
-    }
-}
 
 /// Right-hand side of the equation of motion: forces, hydrodynamics and the moving box.
 pub struct Dynamics {
@@ -380,44 +334,6 @@ impl Dynamics {
         Gap { length, radius: self.smallest_radius }
     }
 
-    fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
-        let edges = self.cell().edges();
-        let is_somewhere = |p: &Vector| (*p / edges).abs().max_element() < FARTHEST;
-        let lost = particles.positions.iter().position(|p| !is_somewhere(p));
-        let message = |row: usize| {
-            format!(
-                "step {}: particle {} is at {}, which is no place; the time step is probably too large for the forces \
-                 between particles: try a smaller time.step",
-                clock.step(),
-                particles.ids[row],
-                self.axes.place(particles.positions[row])
-            )
-        };
-        self.partition.comm().agree(lost.map_or(Ok(()), |row| Err(message(row)))).map_err(StepError::NotFinite)?;
-        self.check_walls(particles, clock)
-    }
-
-    /// Refuses spheres whose centres are too near a wall for the mobility of their envelopes to be positive.
-    fn check_walls(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
-        let sunk = |row: &usize| {
-            let walls = self.cell().to_walls(particles.positions[*row]);
-            walls.into_iter().any(|to| to.distance < SUNK * particles.radii[*row])
-        };
-        let message = |row: usize| {
-            format!(
-                "step {}: particle {} of radius {} was driven into a wall: its centre is at {} = {}; give the scene a \
-                 [repulsion], or a larger repulsion.strength, hydrodynamics.lubrication = true, or a smaller time.step",
-                clock.step(),
-                particles.ids[row],
-                Number(particles.radii[row]),
-                self.axes.name(2),
-                Number(particles.positions[row].z)
-            )
-        };
-        let found = (0..particles.len()).find(sunk).map_or(Ok(()), |row| Err(message(row)));
-        self.partition.comm().agree(found).map_err(StepError::IntoWall)
-    }
-
     /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
     /// include it unless they are relative to it while particles move.
     fn record(&self, particles: &mut Particles, solved: &Solution) {
@@ -445,106 +361,6 @@ impl Dynamics {
         let near = self.watched.find(particles, (self.moving.cell(), &self.partition));
         RelativeMotion::new(near, particles, &self.moving, columns)
     }
-
-    /// Gaps at which lubrication acts, if it does.
-    pub fn lubrication(&self) -> Option<LubricationRange> {
-        self.lubrication
-    }
-
-    /// Lower bounds of gaps, over the mean radius, in the relative loss and in the relative error of a gap: with
-    /// lubrication its minimum gap and the tolerance, otherwise the range of the repulsion.
-    pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
-        self.lubrication.map_or([self.forces.range(); 2], |range| [range.closest(), tolerance])
-    }
-
-    /// Present box.
-    pub fn cell(&self) -> &PeriodicBox {
-        self.moving.cell()
-    }
-
-    /// Partition of space among ranks.
-    pub fn partition(&self) -> &Partition {
-        &self.partition
-    }
-
-    /// Contribution of each particle to the first moments of repulsion or attraction; empty without such a force.
-    /// Collective.
-    pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
-        self.forces.moments(which, particles, (self.cell(), &self.partition), None)
-    }
-
-    /// Shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
-    pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
-        let cell = self.cell();
-        let mut sums = self.forces.sums_along_walls(particles);
-        self.partition.comm().sum(&mut sums);
-        let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
-        let flow = [self.viscosity * self.moving.rate(), 0.0];
-        let height = cell.edges().z;
-        let driven =
-            self.moving.by_pressure().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
-        let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
-        let forces = [fx * height + driven[0] - driven[1], fy * height];
-        match cell.boundaries() {
-            Boundaries::Walls => vec![[upper[0] + forces[0], upper[1] + forces[1]], upper],
-            Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],
-            _ => Vec::new(),
-        }
-    }
-
-    /// Pressure gradient at constant flux; `None` if the flux is not kept.
-    pub fn pressure_gradient(&self) -> Option<f64> {
-        let flow = self.moving.by_pressure().filter(|_| self.moving.keeps_flux())?;
-        Some(self.viscosity * flow.curvature)
-    }
-
-    /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
-    pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
-        self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
-    }
-
-    /// Background flow.
-    pub fn flow(&self) -> &BackgroundFlow {
-        self.moving.flow()
-    }
-
-    /// Largest weight of the negative eigenvalues that were left out of random motions so far, relative to the total.
-    pub fn clipped(&self) -> f64 {
-        self.clipped
-    }
-
-    /// Description of the numerical method.
-    pub fn plan(&mut self) -> String {
-        let turn = self.axes.turn();
-        self.hydrodynamics.mobility().plan().describe_for(turn)
-    }
-
-    /// Number of evaluations of the mobility since the start.
-    pub fn evaluations(&mut self) -> u64 {
-        let before = self.following.as_ref().map_or(0, Following::evaluations);
-        before + self.hydrodynamics.mobility().work().evaluations
-    }
-
-    /// Largest `|k . u| / (|k| |u|)` over all wavevectors of the last computed flow; `None` unless the box is fully
-    /// periodic. Collective.
-    pub fn divergence(&mut self) -> Option<f64> {
-        let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
-        is_periodic.then(|| self.hydrodynamics.mobility().divergence())
-    }
-
-    /// Velocity of the fluid relative to the background flow at the present positions. Fails if no grid can resolve it.
-    /// Collective.
-    pub fn velocity_field(&mut self, particles: &Particles) -> Result<FluidVelocity, PlanError> {
-        let place = (self.moving.cell(), &self.partition);
-        let mut loads = self.forces.on(particles, place, None);
-        self.tethers.add_known(&mut loads, particles, place);
-        user::add_last(&mut loads, particles);
-        let loads = self.warm_start.felt(loads, particles);
-        // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
-        let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
-        let flow = (self.moving.cell(), self.moving.by_particles());
-        Ok(velocity_field::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
-    }
 }
 
 #[cfg(test)]
@@ -552,6 +368,7 @@ mod tests {
     use super::*;
     use crate::model::{Parameters, Species, Start};
     use domain::Comm;
+    use domain::PeriodicBox;
     use std::error::Error;
 
     /// A failed solve is explained by an overlap, or by another reason.

@@ -5,6 +5,7 @@ mod channel;
 mod kept;
 mod memory;
 mod paths;
+mod species_columns;
 mod tables;
 mod vectors;
 
@@ -18,6 +19,8 @@ pub use memory::OfRank;
 use paths::Paths;
 use rayon::prelude::*;
 use solver::BackgroundFlow;
+use species_columns::columns_of_user;
+pub use species_columns::{column_bytes, columns, counted, has_columns};
 use statistics::{Angle, Blocks, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -96,9 +99,6 @@ struct About {
 
 /// Default of the largest pair distance, over the largest radius, unless the box is smaller.
 const DISTANCE: f64 = 8.0;
-/// Width of the columns for segregation, over the largest radius.
-const COLUMN_WIDTH: f64 = 4.0;
-
 impl Statistics {
     /// Statistics without samples, for a model and each rank's own particles. Collective.
     pub fn new(model: &Model, wanted: Wanted, particles: &Particles, comm: &Comm) -> Self {
@@ -306,31 +306,6 @@ fn channel_bins(model: &Model) -> Option<usize> {
     model.statistics.and_then(|wanted| channel::bins(model, wanted))
 }
 
-/// Whether segregation is defined: with several species, in a box that does not move.
-pub fn has_columns(model: &Model) -> bool {
-    let stays = !matches!(model.cell.boundaries(), Boundaries::Open | Boundaries::OpenAlongZ);
-    model.species.len() > 1 && stays
-}
-
-/// Columns for the segregation of a model's species, along the axis of its statistics.
-pub fn columns(model: &Model) -> SpeciesColumns {
-    let (axis, width) = axis_and_width(model);
-    SpeciesColumns::new(&model.cell, axis, width, model.species.len())
-}
-
-/// These columns in the user's axes.
-fn columns_of_user(model: &Model) -> SpeciesColumns {
-    let ((axis, width), axes) = (axis_and_width(model), model.user_axes());
-    SpeciesColumns::new(&axes.cell(&model.cell), axes.axis(axis), width, model.species.len())
-}
-
-/// Memory of such columns, and of a copy for counting.
-pub fn column_bytes(model: &Model) -> Bytes {
-    let (axis, width) = axis_and_width(model);
-    let columns = SpeciesColumns::bytes(&model.cell, axis, width, model.species.len());
-    columns.then(columns.freed())
-}
-
 /// Gradient axis of a shear flow.
 const GRADIENT: usize = 1;
 
@@ -353,12 +328,6 @@ fn angle(flow: &BackgroundFlow, kind: Flow, axis: usize) -> Angle {
     }
 }
 
-/// Axis of the columns, by default that of the forces or the gradient, and their width.
-fn axis_and_width(model: &Model) -> (usize, f64) {
-    let axis = axis(model, model.statistics.and_then(|wanted| wanted.axis));
-    (axis, COLUMN_WIDTH * model.species.iter().map(|s| s.radius).fold(0.0, f64::max))
-}
-
 /// Positions mapped from the lattice of the box to one with orthogonal edges, at the same lattice coordinates;
 /// unchanged for a box along x, y and z.
 fn in_lattice<'a>(cell: &PeriodicBox, edges: Vector, particles: &'a Particles) -> Cow<'a, [Vector]> {
@@ -367,18 +336,6 @@ fn in_lattice<'a>(cell: &PeriodicBox, edges: Vector, particles: &'a Particles) -
     }
     let over = edges / cell.edges();
     particles.positions.iter().map(|&position| cell.lattice_coordinates(position) * over).collect()
-}
-
-/// Counts this rank's particles in a copy of empty columns, which were made for a box with the given edges.
-pub fn counted(
-    (empty, edges): (&SpeciesColumns, Vector),
-    (cell, particles): (&PeriodicBox, &Particles),
-) -> SpeciesColumns {
-    let mut columns = empty.clone();
-    for (&position, &species) in in_lattice(cell, edges, particles).iter().zip(&particles.species) {
-        columns.add(position, species);
-    }
-    columns
 }
 
 /// Estimated speed of the spheres relative to the flow: the largest due to a force, the repulsion of a pair, or the

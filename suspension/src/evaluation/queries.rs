@@ -1,0 +1,113 @@
+//! Queries of the present state of the dynamics.
+
+use super::Dynamics;
+use super::following::Following;
+use crate::evaluation::velocity_field::{self, FluidVelocity};
+use crate::forces::contacts::Measured;
+use crate::forces::{Surface, user};
+use domain::{Boundaries, Particles, Partition, PeriodicBox, Tensor};
+use fcm::PlanError;
+use lubrication::LubricationRange;
+use solver::BackgroundFlow;
+
+impl Dynamics {
+    /// Gaps at which lubrication acts, if it does.
+    pub fn lubrication(&self) -> Option<LubricationRange> {
+        self.lubrication
+    }
+
+    /// Lower bounds of gaps, over the mean radius, in the relative loss and in the relative error of a gap: with
+    /// lubrication its minimum gap and the tolerance, otherwise the range of the repulsion.
+    pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
+        self.lubrication.map_or([self.forces.range(); 2], |range| [range.closest(), tolerance])
+    }
+
+    /// Present box.
+    pub fn cell(&self) -> &PeriodicBox {
+        self.moving.cell()
+    }
+
+    /// Partition of space among ranks.
+    pub fn partition(&self) -> &Partition {
+        &self.partition
+    }
+
+    /// Contribution of each particle to the first moments of repulsion or attraction; empty without such a force.
+    /// Collective.
+    pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
+        self.forces.moments(which, particles, (self.cell(), &self.partition), None)
+    }
+
+    /// Shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
+    pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
+        let cell = self.cell();
+        let mut sums = self.forces.sums_along_walls(particles);
+        self.partition.comm().sum(&mut sums);
+        let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
+        let flow = [self.viscosity * self.moving.rate(), 0.0];
+        let height = cell.edges().z;
+        let driven =
+            self.moving.by_pressure().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
+        let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
+        let forces = [fx * height + driven[0] - driven[1], fy * height];
+        match cell.boundaries() {
+            Boundaries::Walls => vec![[upper[0] + forces[0], upper[1] + forces[1]], upper],
+            Boundaries::Wall => vec![[flow[0] + forces[0], flow[1] + forces[1]]],
+            _ => Vec::new(),
+        }
+    }
+
+    /// Pressure gradient at constant flux; `None` if the flux is not kept.
+    pub fn pressure_gradient(&self) -> Option<f64> {
+        let flow = self.moving.by_pressure().filter(|_| self.moving.keeps_flux())?;
+        Some(self.viscosity * flow.curvature)
+    }
+
+    /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
+    pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
+        self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
+    }
+
+    /// Background flow.
+    pub fn flow(&self) -> &BackgroundFlow {
+        self.moving.flow()
+    }
+
+    /// Largest weight of the negative eigenvalues that were left out of random motions so far, relative to the total.
+    pub fn clipped(&self) -> f64 {
+        self.clipped
+    }
+
+    /// Description of the numerical method.
+    pub fn plan(&mut self) -> String {
+        let turn = self.axes.turn();
+        self.hydrodynamics.mobility().plan().describe_for(turn)
+    }
+
+    /// Number of evaluations of the mobility since the start.
+    pub fn evaluations(&mut self) -> u64 {
+        let before = self.following.as_ref().map_or(0, Following::evaluations);
+        before + self.hydrodynamics.mobility().work().evaluations
+    }
+
+    /// Largest `|k . u| / (|k| |u|)` over all wavevectors of the last computed flow; `None` unless the box is fully
+    /// periodic. Collective.
+    pub fn divergence(&mut self) -> Option<f64> {
+        let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
+        is_periodic.then(|| self.hydrodynamics.mobility().divergence())
+    }
+
+    /// Velocity of the fluid relative to the background flow at the present positions. Fails if no grid can resolve it.
+    /// Collective.
+    pub fn velocity_field(&mut self, particles: &Particles) -> Result<FluidVelocity, PlanError> {
+        let place = (self.moving.cell(), &self.partition);
+        let mut loads = self.forces.on(particles, place, None);
+        self.tethers.add_known(&mut loads, particles, place);
+        user::add_last(&mut loads, particles);
+        let loads = self.warm_start.felt(loads, particles);
+        // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
+        let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
+        let flow = (self.moving.cell(), self.moving.by_particles());
+        Ok(velocity_field::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
+    }
+}
