@@ -13,7 +13,7 @@ use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY}
 use crate::model::{Axis, Extension, Flow, Model, Multipoles, Parameters, ShearRates, Species, Statistics as Wanted};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
-use domain::{Boundaries, Bytes, Comm, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
+use domain::{Boundaries, Comm, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
 use kept::{Kept, Moving};
 pub use memory::OfRank;
 use paths::Paths;

@@ -6,7 +6,7 @@ use domain::{Boundaries, Bytes, Particles, PeriodicBox, Vector};
 use statistics::SpeciesColumns;
 
 /// Width of the columns for segregation, over the largest radius.
-const COLUMN_WIDTH: f64 = 4.0;
+pub const COLUMN_WIDTH: f64 = 4.0;
 
 /// Whether segregation is defined: with several species, in a box that does not move.
 pub fn has_columns(model: &Model) -> bool {
@@ -34,7 +34,7 @@ pub fn column_bytes(model: &Model) -> Bytes {
 }
 
 /// Axis of the columns, by default that of the forces or the gradient, and their width.
-fn axis_and_width(model: &Model) -> (usize, f64) {
+pub fn axis_and_width(model: &Model) -> (usize, f64) {
     let axis = axis(model, model.statistics.and_then(|wanted| wanted.axis));
     (axis, COLUMN_WIDTH * model.species.iter().map(|s| s.radius).fold(0.0, f64::max))
 }

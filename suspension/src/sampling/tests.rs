@@ -1,3 +1,4 @@
+use super::species_columns::{COLUMN_WIDTH, axis_and_width};
 use super::*;
 use crate::model::Flow;
 use crate::model::{Axis, Parameters};
