@@ -39,6 +39,11 @@ impl SceneHistory {
         Some(Self { first: Provenance::read(&file).ok()?.scene, changes })
     }
 
+    /// The history in the time series, or in the trajectory, of a folder.
+    pub fn of_folder(folder: &Path) -> Option<Self> {
+        ["observables.h5", "trajectory.h5"].into_iter().find_map(|name| Self::of(&folder.join(name)))
+    }
+
     /// Drops what came after a step, and adds what makes the scene that of `now`, from that step on. `Err` if it is no scene of
     /// this run: keys differ that can't change.
     pub fn bring_to(&mut self, now: &str, step: u64) -> Result<(), String> {
@@ -67,7 +72,7 @@ impl SceneHistory {
     }
 
     /// The latest change of a key.
-    fn latest(&self, key: &str) -> Option<&SceneChange> {
+    pub fn latest(&self, key: &str) -> Option<&SceneChange> {
         self.changes.iter().rev().find(|change| change.key == key)
     }
 

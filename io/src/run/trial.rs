@@ -21,11 +21,13 @@ pub struct Trial {
     /// Bytes of all files at its end.
     pub bytes: f64,
     /// The end by a strain, of a run that has one.
-    strain: Option<StrainEnd>,
+    pub(super) strain: Option<StrainEnd>,
+    /// Steps that the run takes.
+    pub(super) steps: f64,
     /// Steps that were taken.
-    tried: u64,
+    pub(super) tried: u64,
     /// Particles of the copy that took them, if it was not the scene itself.
-    copy: Option<usize>,
+    pub(super) copy: Option<usize>,
 }
 
 /// How long steps are tried at least, if the run has as many, the part of the run that is tried, and how long at most.
@@ -147,7 +149,7 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
     let start = LAUNCH_TIME + trying.costs * start;
     let run = start + trying.costs * warm_time + steps + written.seconds;
-    Ok(Some(Trial { start, step, run, bytes: written.bytes, strain, tried, copy }))
+    Ok(Some(Trial { start, step, run, bytes: written.bytes, strain, steps: all, tried, copy }))
 }
 
 /// Seconds a step, by steps and times at the ends of some: the mean, in which those that took many times as long as the median,
@@ -296,20 +298,28 @@ impl Trial {
     /// Adds what it says to an outline.
     #[must_use]
     pub fn add_to(&self, outline: Outline) -> Outline {
+        self.add_output_to(self.add_time_to(outline, ""))
+    }
+
+    /// Adds the time, `on` ranks if they are not those of the trial.
+    pub(super) fn add_time_to(&self, outline: Outline, on: &str) -> Outline {
         let of = match self.copy {
             Some(count) => format!("{} steps of {count} like them", self.tried),
             None => format!("its first {} steps", self.tried),
         };
-        let text =
-            format!("about {} a step and {} for the run, by {of}", time_in_words(self.step), time_in_words(self.run));
-        let outline = outline.line("time", text);
+        let [step, run] = [self.step, self.run].map(time_in_words);
+        let outline = outline.line("time", format_args!("about {step} a step and {run} for the run{on}, by {of}"));
         let outline = if let Some(end) = self.strain { end.add_to(outline, self.tried) } else { outline };
         outline
-            .line("output", format_args!("about {}", readable_bytes(self.bytes)))
             .value("seconds_to_start", self.start)
             .value("seconds_per_step", self.step)
             .value("seconds_of_run", self.run)
-            .value("output_bytes", self.bytes)
+    }
+
+    /// Adds what the run writes.
+    #[must_use]
+    pub fn add_output_to(&self, outline: Outline) -> Outline {
+        outline.line("output", format_args!("about {}", readable_bytes(self.bytes))).value("output_bytes", self.bytes)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Scenes: the files that say what to compute.
 
+mod answers;
 mod changes;
 mod checks;
 mod differences;
@@ -195,6 +196,16 @@ impl Kind {
         match self {
             Self::Continuum(scene) => scene.folder.as_deref(),
             _ => self.output().and_then(|output| output.folder.as_deref()),
+        }
+    }
+
+    /// The time from which the answers take their means, if the scene says it.
+    pub fn answers_from(&self) -> Option<f64> {
+        match self {
+            Self::Suspension(scene) => scene.answers_from,
+            Self::GranularDisks(scene) => scene.answers_from,
+            Self::ShearCell(scene) => scene.answers_from,
+            Self::Continuum(_) => None,
         }
     }
 
