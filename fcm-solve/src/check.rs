@@ -1,12 +1,12 @@
 //! `fcm-solve check`: the plan, memory and cost of a scene.
 
 use crate::family;
-use crate::outlined::outlined;
+use crate::outlined::{Outlined, outlined};
 use crate::scene_file::read_any;
 use crate::streams::{self, json};
 use anyhow::{bail, ensure};
 use domain::Comm;
-use io::SceneFile;
+use io::{ScaledTrial, SceneFile};
 use std::path::PathBuf;
 use suspension::{Asked, Ranks};
 
@@ -18,7 +18,7 @@ pub struct Args {
     /// Set a key of the scene, as in --set time.step=0.01; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Predict the memory of so many ranks, which are not started [default: those that are present]
+    /// Predict memory and time of so many ranks, which are not started [default: those that are present]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     ranks: Option<u32>,
     /// Ranks that share a machine [default: all of them]
@@ -44,15 +44,23 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
             return streams::print(comm, &family::check(&family, !args.no_trial, args.json)?);
         }
     };
-    // Of ranks that are not present no time is known.
-    let is_tried = !args.no_trial && args.ranks.is_none();
-    let (outline, trial) = outlined(scene, asked(args, comm), is_tried, comm)?;
-    let outline = trial.iter().fold(outline, |outline, trial| trial.add_to(outline));
+    // The time on ranks that are not present follows from that of one.
+    let is_tried = !args.no_trial && (args.ranks.is_none() || comm.size() == 1);
+    let asked = asked(args, comm);
+    let Outlined { scene, outline, trial } = outlined(scene, asked, is_tried, comm)?;
+    let outline = match trial {
+        None => outline,
+        Some(trial) if asked.are_present => trial.add_to(outline),
+        Some(trial) => match ScaledTrial::of(&trial, &scene, rayon::current_num_threads(), asked.ranks) {
+            Some(scaled) => scaled.add_to(outline),
+            None => trial.add_output_to(outline),
+        },
+    };
     streams::print(comm, &if args.json { json(&outline.to_json()) } else { outline.to_string() })?;
     outline.refused().map_or(Ok(()), |reason| bail!("{reason}"))
 }
 
-/// The ranks to predict memory for; those that are not present have the threads that this machine would give them.
+/// The ranks to predict memory and time for; absent ones have the threads that this machine would give them.
 fn asked(args: &Args, comm: &Comm) -> Asked {
     let threads = rayon::current_num_threads();
     let Some(count) = args.ranks.map(|ranks| ranks as usize) else { return Asked::present(comm) };

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 pub struct Args {
     /// The folder of a run, or of a family
     folder: PathBuf,
-    /// Leave out what was before this time [default of the answers: the transient that is found]
+    /// Leave out what was before this time [default: answers.from of the scene, or the transient found]
     #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     from: Option<f64>,
     /// Leave out what was after this time
@@ -45,7 +45,11 @@ impl Args {
         }
         let scene = self.scene()?;
         let until = self.until.unwrap_or(f64::INFINITY);
-        let answers = run_answers(&self.folder, &scene, &AnswerRange { from: self.from, until })?;
+        let range = match self.from {
+            Some(from) => AnswerRange { from: Some(from), until },
+            None => AnswerRange { until, ..AnswerRange::of_run(&self.folder, &scene) },
+        };
+        let answers = run_answers(&self.folder, &scene, &range)?;
         let (statistics, why_not) = match self.statistics(&scene, until)? {
             Ok(statistics) => (Some(statistics), None),
             Err(reason) if answers.is_empty() => bail!(reason),

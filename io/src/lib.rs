@@ -76,8 +76,8 @@ pub use provenance::Provenance;
 pub use report::{ReportError, write_report};
 pub use run::{
     AnswerChange, ChangeVerdict, ExistingRun, FamilyFolder, Listener, MemberState, Recorder, Resumption, RunError,
-    RunFolder, Trial, WholeScene, check_memory, check_ranks, keep_costs, kept_costs, on_this_machine, outline,
-    predicted_memory, provenance, resume, start, start_positions, time_in_words, trial, with_least_repulsion,
+    RunFolder, ScaledTrial, Trial, WholeScene, check_memory, check_ranks, keep_costs, kept_costs, on_this_machine,
+    outline, predicted_memory, provenance, resume, start, start_positions, time_in_words, trial, with_least_repulsion,
     with_start_file,
 };
 pub use scene::{

@@ -39,8 +39,13 @@ impl SceneHistory {
         Some(Self { first: Provenance::read(&file).ok()?.scene, changes })
     }
 
-    /// Drops changes after a step, and adds those that make the scene equal to `now` from that step on. `Err` if it
-    /// is not a scene of this run, i.e. if fixed keys differ.
+    /// The history in the time series, or in the trajectory, of a folder.
+    pub fn of_folder(folder: &Path) -> Option<Self> {
+        ["observables.h5", "trajectory.h5"].into_iter().find_map(|name| Self::of(&folder.join(name)))
+    }
+
+    /// Drops what came after a step, and adds what makes the scene that of `now`, from that step on. `Err` if it is no scene of
+    /// this run: keys differ that can't change.
     pub fn bring_to(&mut self, now: &str, step: u64) -> Result<(), String> {
         self.changes.retain(|change| change.step <= step);
         let all = differences_of(now, &self.first).map_err(|e| format!("its scene is no TOML: {e}"))?;
@@ -66,8 +71,8 @@ impl SceneHistory {
         Ok(())
     }
 
-    /// Latest change of a key.
-    fn latest(&self, key: &str) -> Option<&SceneChange> {
+    /// The latest change of a key.
+    pub fn latest(&self, key: &str) -> Option<&SceneChange> {
         self.changes.iter().rev().find(|change| change.key == key)
     }
 

@@ -35,7 +35,16 @@ mod neighbourhood;
 mod observables;
 mod run;
 mod sampling;
-mod start;
+mod scaling;
+mod setup;
+mod single_evaluation;
+mod steadiness;
+mod step_error;
+mod step_lengths;
+mod strain_rate;
+mod stress;
+mod stretching;
+mod substeps;
 mod suspension;
 
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
@@ -62,4 +71,9 @@ pub use model::{
 };
 pub use run::Observed;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
+pub use scaling::{BANDWIDTH, LATENCY, Scaling, StepAlone};
+pub use single_evaluation::SingleEvaluation;
+pub use steadiness::longest_step;
+pub use step_error::StepError;
+pub use stress::ParticleStress;
 pub use suspension::{StepReport, Suspension};

@@ -170,6 +170,23 @@ class Check(unittest.TestCase):
             said = run(["check", ROOT / "scenes" / f"{name}.toml", "--ranks", 2], expect=1)
             self.assertIn("scenes of grains run in one process", said)
 
+    def test_time_is_told_of_ranks_that_are_absent(self):
+        """The part of the time that is work does not depend on how long the steps of the trial took."""
+        words = ["check", ROOT / "scenes" / "settling.toml", "--json"]
+        told = {ranks: json.loads(run([*words, "--ranks", ranks, "--ranks-per-machine", 1])) for ranks in (1, 2, 8, 64)}
+        parts = [values["efficiency"] for values in told.values()]
+        self.assertEqual(parts[0], 1.0)
+        self.assertEqual(parts, sorted(parts, reverse=True))
+        worth = {values["ranks_worth"] for values in told.values()}
+        self.assertEqual(len(worth), 1)
+        self.assertEqual([part >= 0.5 for part in parts], [ranks <= min(worth) for ranks in told])
+        self.assertLess(told[8]["seconds_per_step"], 8 * told[1]["seconds_per_step"])
+        self.assertNotIn("seconds_per_step", json.loads(run([*words, "--ranks", 2, "--no-trial"])))
+        # The grid of an open box follows its spheres.
+        open_fluid = json.loads(run(["check", ROOT / "scenes" / "cloud.toml", "--json", "--ranks", 2]))
+        self.assertNotIn("seconds_per_step", open_fluid)
+        self.assertIn("output_bytes", open_fluid)
+
     def compare(self, scene, sets, name, ranks=None):
         """The exit code of `check`, which is that of `run`, as are the errors."""
         words = [word for item in sets for word in ("--set", item)]

@@ -1,5 +1,7 @@
 """Runs that go on with a scene that has changed, and kept scenes that are run again."""
 
+import csv
+import json
 import pathlib
 import re
 import shutil
@@ -60,6 +62,31 @@ class SceneChanges(unittest.TestCase):
 
     def files(self):
         return {path: path.read_bytes() for path in self.out.rglob("*") if path.is_file()}
+
+    def test_the_start_of_means_may_change(self):
+        sets = SETS | {"time.steps": 40, "output.observables_every": 1, "answers.from": 0.2}
+        shutil.rmtree(self.out)
+        run(["run", SCENE, "--out", self.out, *words(sets)])
+
+        def transients(*words):
+            answers = json.loads(run(["stats", self.out, "--json", *words]))["answers"]
+            return {round(answer["transient"], 6) for answer in answers if not answer["quantity"].startswith("diffusivity")}
+
+        def summary():
+            with open(self.out / "summary.csv", newline="") as file:
+                return {round(float(row["transient"]), 6) for row in csv.DictReader(file)}
+
+        self.assertEqual((transients(), summary()), ({0.2}, {0.2}))
+        self.edit((r"from = .*", "from = 0.5"))
+        said = run(["resume", self.out, "--steps", 60])
+        self.assertIn("answers.from is 0.5 from step 40 on, and was 0.2", said)
+        self.assertEqual((transients(), summary()), ({0.5}, {0.5}))
+        self.assertEqual(transients("--from", 0.75), {0.75})
+        page = self.out / "report.html"
+        run(["report", self.out])
+        self.assertTrue(page.is_file())
+        self.edit((r"from = .*", "from = 9.0"))
+        self.assertIn("answers.from is 9; means need a time from 0 on", run(["resume", self.out, "--steps", 80], expect=1))
 
     def test_an_edited_scene_is_refused_by_its_keys(self):
         for key, before, after, values in (

@@ -11,6 +11,7 @@ mod tests;
 mod text;
 
 use crate::observables::Observables;
+use crate::scene_history::SceneHistory;
 use crate::{FileError, Kind, Scene};
 pub(crate) use course::PlainMean;
 use course::{ALL, Course, means};
@@ -33,8 +34,20 @@ pub struct AnswerRange {
 }
 
 impl AnswerRange {
-    /// All times but the transient.
-    pub const STEADY: Self = Self { from: None, until: f64::INFINITY };
+    /// All times from the one on that a scene names, or but the transient.
+    pub fn of_scene(scene: &Scene) -> Self {
+        Self { from: scene.kind().answers_from(), until: f64::INFINITY }
+    }
+
+    /// The same of the run in a folder, which may have gone on with another time than that of the scene at its start.
+    pub fn of_run(folder: &Path, scene: &Scene) -> Self {
+        let of_scene = Self::of_scene(scene);
+        let history = SceneHistory::of_folder(folder);
+        match history.as_ref().and_then(|history| history.latest("answers.from")) {
+            Some(change) => Self { from: change.after.as_ref().and_then(|from| from.parse().ok()), ..of_scene },
+            None => of_scene,
+        }
+    }
 }
 
 /// The answers of the run in a folder, of a scene; none where it has no time series.

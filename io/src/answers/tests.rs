@@ -28,7 +28,7 @@ fn noise(time: f64, name: u64) -> f64 {
 fn answers(name: &str, sets: &[&str], folder: &TempDir) -> Vec<RunAnswer> {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
     let scene = Scene::parse(Template::named(name).unwrap().text, "scene.toml", &sets).unwrap();
-    run_answers(folder.path(), &scene, &AnswerRange::STEADY).unwrap()
+    run_answers(folder.path(), &scene, &AnswerRange::of_scene(&scene)).unwrap()
 }
 
 fn get<'a>(answers: &'a [RunAnswer], quantity: &str, species: &str) -> &'a RunAnswer {
@@ -87,6 +87,41 @@ fn means_are_taken_in_the_range_that_is_asked_for() {
 }
 
 #[test]
+fn a_scene_says_from_when_means_are_taken() {
+    let folder = series(0.1, 400, &[("relative_viscosity", &|time| time.floor() + 0.01 * noise(time, 0))]);
+    let longer = ["time.duration=40.0"];
+    let found = answers("shear", &longer, &folder);
+    assert!(found[0].mean.transient < 39.0, "{found:#?}");
+    let found = answers("shear", &[longer[0], "answers.from=39.0"], &folder);
+    is_near(&found[0], 39.0);
+    assert!((found[0].mean.transient - 39.0).abs() < 1e-9);
+    // A time that is asked for goes before that of the scene.
+    let sets = [longer[0], "answers.from=39.0"].map(str::to_owned);
+    let scene = Scene::parse(Template::named("shear").unwrap().text, "scene.toml", &sets).unwrap();
+    assert_eq!(AnswerRange::of_run(folder.path(), &scene), AnswerRange { from: Some(39.0), until: f64::INFINITY });
+    let found = run_answers(folder.path(), &scene, &AnswerRange { from: Some(20.0), until: 20.95 }).unwrap();
+    is_near(&found[0], 20.0);
+}
+
+#[test]
+fn grains_take_means_from_the_time_of_the_scene() {
+    for (name, column, quantity) in
+        [("granular-disks", "segregation", "segregation"), ("shear-cell", "temperature", "granular_temperature")]
+    {
+        let scene = |sets: &[String]| Scene::parse(Template::named(name).unwrap().text, "scene.toml", sets).unwrap();
+        let end = match scene(&[]).kind() {
+            Kind::GranularDisks(scene) => scene.time.end(),
+            Kind::ShearCell(scene) => scene.time.end(),
+            _ => panic!("grains"),
+        };
+        let folder = series(end / 400.0, 400, &[(column, &|time| (8.0 * time / end).floor() + 0.01 * noise(time, 0))]);
+        let scene = scene(&[format!("answers.from={:?}", 0.875 * end)]);
+        let found = run_answers(folder.path(), &scene, &AnswerRange::of_scene(&scene)).unwrap();
+        is_near(get(&found, quantity, "all"), 7.0);
+    }
+}
+
+#[test]
 fn a_reversed_flow_is_answered_after_its_reversal() {
     let of_time = |time: f64| if time <= 4.0 { 50.0 } else { 20.0 + noise(time, 0) };
     let folder = series(0.005, 1400, &[("relative_viscosity", &of_time)]);
@@ -125,7 +160,7 @@ fn oscillations_are_answered_by_moduli() {
     let stress = |time: f64| 0.5 * (3.0 * (2.0 * time).sin() + 7.0 * (2.0 * time).cos()) + 0.01 * noise(time, 0);
     let folder =
         series(0.031_415_926_535_897_934, 2000, &[("shear_stress", &stress), ("relative_viscosity", &|_| 1.0)]);
-    let found = run_answers(folder.path(), &scene, &AnswerRange::STEADY).unwrap();
+    let found = run_answers(folder.path(), &scene, &AnswerRange::of_scene(&scene)).unwrap();
     is_near(get(&found, "storage_modulus", "all"), 3.0);
     is_near(get(&found, "loss_modulus", "all"), 7.0);
     assert!(found.iter().all(|answer| answer.quantity != "relative_viscosity"));

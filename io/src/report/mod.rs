@@ -48,7 +48,8 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
     let series = Observables::read(&folder.join("observables.h5"))?.unwrap_or_default();
     let stored = stored_tables(folder)?;
     let course = Course { trajectory: trajectory.as_ref().zip(playback.as_ref()), series: &series };
-    let found = about.scene().map(|scene| run_answers(folder, scene, &AnswerRange::STEADY)).transpose()?;
+    let answers_of = |scene| run_answers(folder, scene, &AnswerRange::of_run(folder, scene));
+    let found = about.scene().map(answers_of).transpose()?;
     let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));
     let page = Page {
         title: about.title().unwrap_or(name.as_deref().unwrap_or("A run")),

@@ -234,7 +234,8 @@ impl Recorder {
 
     fn find_answers(&self) -> (Vec<RunAnswer>, Option<String>) {
         let scene = Scene::parse(self.scene.text(), "the scene of the run", &[]).map_err(|e| in_full(&e));
-        let of_scene = |scene: Scene| run_answers(self.folder(), &scene, &AnswerRange::STEADY).map_err(|e| in_full(&e));
+        let of_scene =
+            |scene: Scene| run_answers(self.folder(), &scene, &AnswerRange::of_scene(&scene)).map_err(|e| in_full(&e));
         match scene.and_then(of_scene) {
             Err(reason) => (Vec::new(), Some(format!("there are no answers: {reason}"))),
             Ok(answers) if answers.is_empty() => (answers, None),

@@ -20,12 +20,14 @@ pub struct Trial {
     pub run: f64,
     /// Bytes of all files at the end.
     pub bytes: f64,
-    /// Forecast of the end by a strain, for a run that has one.
-    strain: Option<StrainEnd>,
-    /// Number of steps taken in the trial.
-    tried: u64,
-    /// Number of particles of the reduced copy that took them, if it was not the scene itself.
-    copy: Option<usize>,
+    /// The end by a strain, of a run that has one.
+    pub(super) strain: Option<StrainEnd>,
+    /// Steps that the run takes.
+    pub(super) steps: f64,
+    /// Steps that were taken.
+    pub(super) tried: u64,
+    /// Particles of the copy that took them, if it was not the scene itself.
+    pub(super) copy: Option<usize>,
 }
 
 /// Smallest duration of the trial, if the run has as many steps; smallest fraction of the run that is
@@ -148,7 +150,7 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
     let start = LAUNCH_TIME + trying.costs * start;
     let run = start + trying.costs * warm_time + steps + written.seconds;
-    Ok(Some(Trial { start, step, run, bytes: written.bytes, strain, tried, copy }))
+    Ok(Some(Trial { start, step, run, bytes: written.bytes, strain, steps: all, tried, copy }))
 }
 
 /// Mean seconds per step, from the steps and times at the ends of intervals. An interval with a time per step many
@@ -297,20 +299,28 @@ impl Trial {
     /// Adds the forecast to an outline.
     #[must_use]
     pub fn add_to(&self, outline: Outline) -> Outline {
+        self.add_output_to(self.add_time_to(outline, ""))
+    }
+
+    /// Adds the time, `on` ranks if they are not those of the trial.
+    pub(super) fn add_time_to(&self, outline: Outline, on: &str) -> Outline {
         let of = match self.copy {
             Some(count) => format!("{} steps of {count} like them", self.tried),
             None => format!("its first {} steps", self.tried),
         };
-        let text =
-            format!("about {} a step and {} for the run, by {of}", time_in_words(self.step), time_in_words(self.run));
-        let outline = outline.line("time", text);
+        let [step, run] = [self.step, self.run].map(time_in_words);
+        let outline = outline.line("time", format_args!("about {step} a step and {run} for the run{on}, by {of}"));
         let outline = if let Some(end) = self.strain { end.add_to(outline, self.tried) } else { outline };
         outline
-            .line("output", format_args!("about {}", readable_bytes(self.bytes)))
             .value("seconds_to_start", self.start)
             .value("seconds_per_step", self.step)
             .value("seconds_of_run", self.run)
-            .value("output_bytes", self.bytes)
+    }
+
+    /// Adds what the run writes.
+    #[must_use]
+    pub fn add_output_to(&self, outline: Outline) -> Outline {
+        outline.line("output", format_args!("about {}", readable_bytes(self.bytes))).value("output_bytes", self.bytes)
     }
 }
 

@@ -33,11 +33,12 @@ pub(crate) enum Rule {
 }
 
 /// Keys that may change in any run: they do not change what is computed.
-const TAKEN: [&str; 10] = [
+const TAKEN: [&str; 11] = [
     "title",
     "time.steps",
     "time.duration",
     "time.strain",
+    "answers.from",
     "output.folder",
     "output.trajectory_every",
     "output.observables_every",
@@ -243,6 +244,11 @@ count = 25
             ("every = 5", "every = 2", vec!["output.trajectory_every is 2 from step 7 on, and was 5"]),
             ("box.edges", "title = \"b\"\nbox.edges", vec!["title is \"b\" from step 7 on"]),
             ("[[species]]", "[statistics]\nevery = 2\n[[species]]", vec!["statistics.every is 2"]),
+            (
+                "[[species]]",
+                "[answers]\nfrom = 0.2\n[[species]]",
+                vec!["answers.from is 0.2 from step 7 on, and was absent"],
+            ),
             ("1.0", "1.0", vec![]),
             (
                 "[[species]]",

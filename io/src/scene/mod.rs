@@ -1,5 +1,6 @@
 //! Scenes: the input files of runs.
 
+mod answers;
 mod changes;
 mod checks;
 mod differences;
@@ -198,7 +199,17 @@ impl Kind {
         }
     }
 
-    /// Seed of the random numbers.
+    /// The time from which the answers take their means, if the scene says it.
+    pub fn answers_from(&self) -> Option<f64> {
+        match self {
+            Self::Suspension(scene) => scene.answers_from,
+            Self::GranularDisks(scene) => scene.answers_from,
+            Self::ShearCell(scene) => scene.answers_from,
+            Self::Continuum(_) => None,
+        }
+    }
+
+    /// Where random numbers start.
     pub fn seed(&self) -> u64 {
         match self {
             Self::Suspension(scene) => scene.model.seed,

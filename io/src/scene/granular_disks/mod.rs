@@ -2,6 +2,7 @@
 
 mod raw;
 
+use super::answers::RawAnswers;
 use super::checks::rows;
 use super::error::Fault;
 use super::time_and_output::{Output, Time, steps_in};
@@ -27,7 +28,9 @@ pub struct GranularDisksScene {
     pub profile_strips: usize,
     /// Time step and number of steps.
     pub time: Time,
-    /// Output schedules and folder.
+    /// The time from which the answers take their means; the transient is left out that is found where there is none.
+    pub answers_from: Option<f64>,
+    /// What is written, where and when.
     pub output: Output,
 }
 
@@ -53,6 +56,7 @@ impl GranularDisksScene {
             strain: strain(raw)?,
             model,
             profile_strips,
+            answers_from: RawAnswers::start(raw.answers, &time)?,
             time,
             output,
         })

@@ -1,5 +1,6 @@
 //! Keys of the file as serde reads them.
 
+use crate::scene::answers::RawAnswers;
 use crate::scene::time_and_output::RawOutput;
 use drivers::disks::{Gear, LengthUnit};
 use schemars::JsonSchema;
@@ -39,6 +40,8 @@ pub(in crate::scene) struct Raw {
     /// Output.
     #[serde(default)]
     pub(super) output: Output,
+    /// Means over the run.
+    pub(super) answers: Option<RawAnswers>,
 }
 
 #[derive(Deserialize, JsonSchema)]

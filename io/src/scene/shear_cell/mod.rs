@@ -2,6 +2,7 @@
 
 mod raw;
 
+use super::answers::RawAnswers;
 use super::checks::{few_enough, rows};
 use super::error::Fault;
 use super::time_and_output::{Output, Time};
@@ -20,7 +21,9 @@ pub struct ShearCellScene {
     pub experiment: Experiment,
     /// Interval of observation, and number of these.
     pub time: Time,
-    /// Output schedules and folder.
+    /// The time from which the answers take their means; the transient is left out that is found where there is none.
+    pub answers_from: Option<f64>,
+    /// What is written, where and when.
     pub output: Output,
 }
 
@@ -42,7 +45,8 @@ impl ShearCellScene {
         let settle = whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?;
         let (seed, time_step, steps) = (raw.seed, time.step, time.steps);
         let experiment = Experiment { model, seed, count, agitation, collisions, sampling, settle, time_step, steps };
-        Ok(Self { title: raw.title.unwrap_or_default(), experiment, time, output })
+        let answers_from = RawAnswers::start(raw.answers, &time)?;
+        Ok(Self { title: raw.title.unwrap_or_default(), experiment, time, answers_from, output })
     }
 }
 

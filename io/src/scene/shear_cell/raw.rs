@@ -1,5 +1,6 @@
 //! Keys of the file as serde reads them.
 
+use crate::scene::answers::RawAnswers;
 use crate::scene::time_and_output::RawOutput;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -34,6 +35,8 @@ pub(in crate::scene) struct Raw {
     /// Output.
     #[serde(default)]
     pub(super) output: RawOutput,
+    /// Means over the run.
+    pub(super) answers: Option<RawAnswers>,
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]

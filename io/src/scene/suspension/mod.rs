@@ -9,6 +9,7 @@ mod raw;
 mod species;
 mod tethers;
 
+use super::answers::RawAnswers;
 use super::checks::positive;
 use super::error::Fault;
 use super::time_and_output::{Output, Time, share};
@@ -38,7 +39,9 @@ pub struct SuspensionScene {
     pub strain: Option<f64>,
     /// Time step and number of steps.
     pub time: Time,
-    /// Output schedules and folder.
+    /// The time from which the answers take their means; the transient is left out that is found where there is none.
+    pub answers_from: Option<f64>,
+    /// What is written, where and when.
     pub output: Output,
 }
 
@@ -87,6 +90,7 @@ impl SuspensionScene {
             model: Model::new(if gap_is_given { parameters } else { parameters.apart_by_roughness() })?,
             start: source,
             strain: raw.cell.strain,
+            answers_from: RawAnswers::start(raw.answers, &time)?,
             time,
             output,
         })

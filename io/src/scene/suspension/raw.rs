@@ -1,6 +1,7 @@
 //! Keys of the file as serde reads them.
 
 use crate::document::{Alternative, NumberOr};
+use crate::scene::answers::RawAnswers;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -52,6 +53,8 @@ pub(in crate::scene) struct Raw {
     pub(super) output: Output,
     /// Averages over the run; none without this section.
     pub(super) statistics: Option<Statistics>,
+    /// Means over the run.
+    pub(super) answers: Option<RawAnswers>,
 }
 
 #[derive(Deserialize, JsonSchema)]

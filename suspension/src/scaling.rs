@@ -1,0 +1,197 @@
+//! The time of a step by the number of ranks.
+
+use crate::model::Model;
+use crate::open_box::follows;
+use crate::setup::Planned;
+use domain::{ExpectedCounts, Place};
+use fcm::Precision;
+
+/// Bytes a second that a rank sends through the network that is assumed.
+pub const BANDWIDTH: f64 = 5e9;
+
+/// Seconds that a message takes besides.
+pub const LATENCY: f64 = 2e-6;
+
+/// Messages of a rank to each other rank in an evaluation, as counted, and two sums over all ranks.
+const MESSAGES: f64 = 13.0;
+
+/// Bytes in an evaluation for an image of a sphere on another rank, as counted: lists, loads and motions.
+const IMAGE: f64 = 300.0;
+
+/// The efficiency from which a number of ranks is worth it.
+const WORTH: f64 = 0.5;
+
+/// Ranks that are thought of at most.
+const MOST: usize = 1_000_000;
+
+/// A step of a suspension as ranks share it.
+pub struct Scaling {
+    planned: Planned,
+    /// The part of an evaluation that goes with the grid.
+    of_grid: f64,
+}
+
+/// A step on one rank.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepAlone {
+    /// Its seconds.
+    pub seconds: f64,
+    /// The rank's threads.
+    pub threads: usize,
+}
+
+impl Scaling {
+    /// Of a model that counts its spheres itself, in a box whose grid stays as it is; nothing is known of others.
+    pub fn of(model: &Model) -> Option<Self> {
+        if follows(model.cell.boundaries()) {
+            return None;
+        }
+        let planned = Planned::of_model(model).ok()??;
+        let parts = planned.plan.parts(planned.radii.count());
+        let of_grid = parts.transforms / (parts.transforms + parts.stencils + parts.pairs);
+        Some(Self { planned, of_grid })
+    }
+
+    /// Seconds of a step on ranks with so many threads as the one that takes it alone: the largest share of the work,
+    /// and what is sent. A step sends as much as the evaluations would in whose time it is done.
+    ///
+    /// ```text
+    /// t(N) = t(1) [g G(N) + (1 - g) P(N)] + n [bytes(N) / bandwidth + messages(N) latency]
+    /// ```
+    ///
+    /// with the part `g` of the grid, the largest shares `G` of its lines and `P` of the spheres, and `n` evaluations.
+    pub fn seconds(&self, alone: StepAlone, ranks: usize) -> f64 {
+        alone.seconds * self.share(ranks) + self.evaluations(alone) * self.exchange(ranks)
+    }
+
+    /// The part of the time of all ranks in which one alone would have done the work.
+    pub fn efficiency(&self, alone: StepAlone, ranks: usize) -> f64 {
+        alone.seconds / (ranks as f64 * self.seconds(alone, ranks))
+    }
+
+    /// The largest number of ranks whose efficiency is a half or more.
+    pub fn ranks_worth(&self, alone: StepAlone) -> usize {
+        // Beyond these, messages alone take half of the time.
+        let of_message = MESSAGES * LATENCY * self.evaluations(alone);
+        let most = 2.0 + (alone.seconds / (WORTH * of_message)).sqrt();
+        let candidates = 1..=(most as usize).min(MOST);
+        candidates.rev().find(|&ranks| self.efficiency(alone, ranks) >= WORTH).unwrap_or(1)
+    }
+
+    /// Evaluations that take as long as the step.
+    fn evaluations(&self, alone: StepAlone) -> f64 {
+        (alone.seconds * alone.threads as f64 / self.planned.plan.predicted_seconds).max(1.0)
+    }
+
+    /// The largest share of the work that a rank has.
+    fn share(&self, ranks: usize) -> f64 {
+        if ranks == 1 {
+            return 1.0;
+        }
+        let lines = self.largest_share(ranks);
+        let count = self.planned.radii.count() as f64;
+        let expected = count * lines;
+        // The largest of so many numbers of spheres, each about the expected one give or take its root.
+        let most = expected + (2.0 * (ranks as f64).ln() * expected).sqrt();
+        self.of_grid * lines + (1.0 - self.of_grid) * (most.max(1.0) / count).min(1.0)
+    }
+
+    /// Seconds in which a rank sends what belongs to an evaluation.
+    fn exchange(&self, ranks: usize) -> f64 {
+        if ranks == 1 { 0.0 } else { self.bytes(ranks) / BANDWIDTH + Self::messages(ranks) * LATENCY }
+    }
+
+    /// Messages that a rank sends in an evaluation.
+    fn messages(ranks: usize) -> f64 {
+        MESSAGES * (ranks - 1) as f64
+    }
+
+    /// Bytes that a rank sends in an evaluation: of the grid, to and fro along each axis that is shared out, and of
+    /// images.
+    fn bytes(&self, ranks: usize) -> f64 {
+        let plan = &self.planned.plan;
+        let place = self.place(ranks);
+        let others = place.table().map(|parts| 1.0 - 1.0 / parts as f64).iter().sum::<f64>();
+        let point = if plan.precision == Precision::Single { 12.0 } else { 24.0 };
+        let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
+        let expected = ExpectedCounts::new(plan.edges, self.planned.radii.kinds(), &place);
+        let images = expected.present(plan.method.cutoff().max(plan.support.reach)) - expected.owned();
+        2.0 * point * points * self.largest_share(ranks) * others + IMAGE * images
+    }
+
+    /// The largest part of the grid's lines that a rank owns.
+    fn largest_share(&self, ranks: usize) -> f64 {
+        let place = self.place(ranks);
+        let largest = |d: usize| place.lines()[d].div_ceil(place.table()[d]) as f64 / place.lines()[d] as f64;
+        largest(0) * largest(1)
+    }
+
+    fn place(&self, ranks: usize) -> Place {
+        Place::of(ranks, 0, [self.planned.plan.grid[1], self.planned.plan.grid[2]])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species};
+    use domain::{PeriodicBox, Vector};
+
+    fn scaling(count: u64, edge: f64) -> Scaling {
+        let force = Vector::new(0.0, 0.0, -1.0);
+        let spheres = Species { force, ..Species::new("spheres", 1.0, count) };
+        let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
+        Scaling::of(&Model::new(Parameters::new(cell, 1.0, vec![spheres], (0.1, 10))).unwrap()).unwrap()
+    }
+
+    /// 20,000 spheres at 12%, of which `docs/src/scale.md` has bytes and messages as the program counted them.
+    fn counted() -> Scaling {
+        scaling(20_000, 88.70)
+    }
+
+    #[test]
+    fn one_rank_takes_the_time_that_it_takes() {
+        for threads in [1, 2, 16] {
+            let alone = StepAlone { seconds: 0.07, threads };
+            let found = [counted().seconds(alone, 1), counted().efficiency(alone, 1)];
+            assert_eq!(found.map(f64::to_bits), [0.07_f64, 1.0].map(f64::to_bits));
+        }
+    }
+
+    /// Within 35% of those counted, without the two sums: on few ranks each sends a few messages more.
+    #[test]
+    fn bytes_and_messages_are_those_counted() {
+        let scaling = counted();
+        for (ranks, megabytes, messages) in
+            [(2, 8.33, 19.0), (4, 6.41, 46.0), (8, 4.13, 82.0), (16, 1.95, 168.0), (32, 1.58, 340.0), (64, 1.28, 604.0)]
+        {
+            let bytes = scaling.bytes(ranks) / 1e6;
+            assert!((bytes / megabytes - 1.0).abs() < 0.35, "{bytes} for {megabytes} MB on {ranks} ranks");
+            let found = Scaling::messages(ranks) * (MESSAGES - 2.0) / MESSAGES;
+            assert!(ranks < 8 || (found / messages - 1.0).abs() < 0.3, "{found} for {messages} on {ranks} ranks");
+        }
+    }
+
+    /// While ranks are worth it each doubling makes a step shorter, and never by more than half.
+    #[test]
+    fn a_step_gets_shorter_with_the_ranks_while_they_are_worth_it() {
+        for (scaling, seconds) in [(counted(), 0.07), (scaling(200_000, 191.0), 0.8), (scaling(300, 21.9), 1e-3)] {
+            let alone = StepAlone { seconds, threads: 1 };
+            let worth = scaling.ranks_worth(alone);
+            assert!(scaling.efficiency(alone, worth) >= WORTH);
+            assert!((worth + 1..4 * worth + 8).all(|ranks| scaling.efficiency(alone, ranks) < WORTH), "{worth}");
+            let powers: Vec<usize> = (0..20).map(|power| 1 << power).take_while(|&ranks| ranks <= worth).collect();
+            for pair in powers.windows(2) {
+                let [few, many] = [pair[0], pair[1]].map(|ranks| scaling.seconds(alone, ranks));
+                assert!(many < few && many >= 0.5 * few, "{few} on {pair:?} ranks becomes {many}");
+            }
+        }
+    }
+
+    #[test]
+    fn more_spheres_are_worth_more_ranks() {
+        let worth = |count, edge, seconds| scaling(count, edge).ranks_worth(StepAlone { seconds, threads: 1 });
+        let found = [worth(300, 21.9, 1e-3), worth(20_000, 88.7, 0.07), worth(200_000, 191.0, 0.8)];
+        assert!(found.is_sorted_by(|few, many| 2 * few <= *many), "{found:?}");
+    }
+}
