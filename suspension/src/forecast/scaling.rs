@@ -1,8 +1,8 @@
 //! The time of a step by the number of ranks.
 
+use crate::evaluation::prepared::Planned;
+use crate::flow::open_cell::follows;
 use crate::model::Model;
-use crate::open_box::follows;
-use crate::setup::Planned;
 use domain::{ExpectedCounts, Place};
 use fcm::Precision;
 
