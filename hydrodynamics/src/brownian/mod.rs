@@ -40,13 +40,15 @@ pub const CHANGE: f64 = 0.03;
 /// the ambient motions for which it is exact. Collective; fails on every rank or on none.
 pub fn solve(
     hydrodynamics: &mut CoupledSolver,
-    (cell, particles): (&PeriodicBox, &mut Particles),
-    (loads, fluid): (&Loads, &Motion),
+    cell: &PeriodicBox,
+    particles: &mut Particles,
+    loads: &Loads,
+    fluid: &Motion,
 ) -> Result<Solution, SolveError> {
     let acting =
         SolveInput { loads, strain_rate: StrainRate::default(), springs: None, ambient: fluid, constant_flux: false };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
-    note_solved(hydrodynamics, (cell, particles), (loads, &solved))?;
+    note_solved(hydrodynamics, cell, particles, loads, &solved)?;
     Ok(solved)
 }
 
@@ -54,8 +56,10 @@ pub fn solve(
 /// none.
 pub fn note_solved(
     hydrodynamics: &mut CoupledSolver,
-    (cell, particles): (&PeriodicBox, &mut Particles),
-    (loads, solved): (&Loads, &Solution),
+    cell: &PeriodicBox,
+    particles: &mut Particles,
+    loads: &Loads,
+    solved: &Solution,
 ) -> Result<(), SolveError> {
     let (exact, found) = hydrodynamics.fluid_around((cell, particles), loads, solved)?;
     set_ambient(particles, &exact, 1.0);
@@ -85,11 +89,12 @@ pub struct Change {
 /// the fluid.
 pub fn note_drift(
     hydrodynamics: &mut CoupledSolver,
-    (cell, particles): (&PeriodicBox, &mut Particles),
+    cell: &PeriodicBox,
+    particles: &mut Particles,
     Change { over, energy, tolerance }: Change,
 ) -> Result<(), SolveError> {
     let (mut fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
-    hydrodynamics.add_divergence((cell, particles), over * energy, &mut fluid);
+    hydrodynamics.add_divergence(cell, particles, over * energy, &mut fluid);
     let Found { mut motion, stresslets, .. } =
         hydrodynamics.changed((cell, particles), (&loads, &fluid), &found, tolerance)?;
     motion.add(-1.0, &found.motion);
@@ -103,13 +108,9 @@ pub fn note_drift(
 
 /// Stores the Brownian drift of particles without resistance to strain: the thermal energy times the divergence of the
 /// method's mobility.
-pub fn note_divergence(
-    hydrodynamics: &mut CoupledSolver,
-    (cell, particles): (&PeriodicBox, &mut Particles),
-    energy: f64,
-) {
+pub fn note_divergence(hydrodynamics: &mut CoupledSolver, cell: &PeriodicBox, particles: &mut Particles, energy: f64) {
     let mut motion = Motion { velocities: vec![Vector::ZERO; particles.len()], ..Motion::default() };
-    hydrodynamics.add_divergence((cell, particles), energy, &mut motion);
+    hydrodynamics.add_divergence(cell, particles, energy, &mut motion);
     particles.vectors(DRIFT_VELOCITY).copy_from_slice(&motion.velocities);
 }
 

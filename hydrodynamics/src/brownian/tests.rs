@@ -116,19 +116,19 @@ fn divergence(
         forces[sphere][axis] = 1.0;
         hydrodynamics.mobility().arrange(cell, &particles);
         let fluid = hydrodynamics.mobility().apply(&Loads { forces, ..Loads::default() }, Evaluation::All);
-        solve(hydrodynamics, (cell, &mut particles), (&Loads::default(), &fluid)).unwrap();
+        solve(hydrodynamics, cell, &mut particles, &Loads::default(), &fluid).unwrap();
         for length in [1e-3, -1e-3] {
             let mut moved = particles.clone();
             moved.positions[sphere][axis] += length;
             let change = Change { over: length, energy: 0.0, tolerance };
-            note_drift(hydrodynamics, (cell, &mut moved), change).unwrap();
+            note_drift(hydrodynamics, cell, &mut moved, change).unwrap();
             add(0.5, drift(&mut moved));
         }
     }
     let (mut particles, zeros) = (particles.clone(), vec![Vector::ZERO; 3]);
     let rest = Motion { velocities: zeros.clone(), angular_velocities: zeros, strain_rates: vec![Traceless::ZERO; 3] };
-    solve(hydrodynamics, (cell, &mut particles), (&Loads::default(), &rest)).unwrap();
-    note_drift(hydrodynamics, (cell, &mut particles), Change { over: 1.0, energy: 1.0, tolerance }).unwrap();
+    solve(hydrodynamics, cell, &mut particles, &Loads::default(), &rest).unwrap();
+    note_drift(hydrodynamics, cell, &mut particles, Change { over: 1.0, energy: 1.0, tolerance }).unwrap();
     add(1.0, drift(&mut particles));
     (sums, stresslets)
 }

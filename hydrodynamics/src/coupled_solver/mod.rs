@@ -181,7 +181,7 @@ impl CoupledSolver {
     }
 
     /// Adds `times` the divergence of the mobility, which is nonzero only near walls, to motions of particles.
-    pub fn add_divergence(&mut self, (cell, particles): (&PeriodicBox, &Particles), times: f64, motion: &mut Motion) {
+    pub fn add_divergence(&mut self, cell: &PeriodicBox, particles: &Particles, times: f64, motion: &mut Motion) {
         if let Some(divergence) = self.far.mobility().divergence_at_walls(cell, particles) {
             motion.add(times, &divergence);
         }

@@ -46,14 +46,14 @@ impl Mobility {
                 let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
                 brownian::set_ambient(&mut particles, &fluid, 1.0);
                 brownian::displace(&mut particles, step);
-                brownian::solve(&mut self.hydrodynamics, (&cell, &mut particles), (&loads, &fluid))?;
+                brownian::solve(&mut self.hydrodynamics, &cell, &mut particles, &loads, &fluid)?;
                 particles.displace_by([DISPLACEMENT], [1.0]);
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
                 let change = Change { over: step, energy: 1.0, tolerance: CHANGE };
-                brownian::note_drift(&mut self.hydrodynamics, (&cell, &mut particles), change)?;
+                brownian::note_drift(&mut self.hydrodynamics, &cell, &mut particles, change)?;
             } else {
-                brownian::note_divergence(&mut self.hydrodynamics, (&cell, &mut particles), 1.0);
+                brownian::note_divergence(&mut self.hydrodynamics, &cell, &mut particles, 1.0);
             }
             let (mut motion, mut stresslets) = brownian::drift(&mut particles.gathered(&self.partition));
             turn_motion(&mut motion, self.turn.inverse());

@@ -72,7 +72,7 @@ impl Dynamics {
         }
         let mut ambient = ambient(particles);
         if energy > 0.0 {
-            self.hydrodynamics.add_divergence((self.moving.cell(), particles), energy, &mut ambient);
+            self.hydrodynamics.add_divergence(self.moving.cell(), particles, energy, &mut ambient);
         }
         let solved =
             self.solved(particles, (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)?;
@@ -92,7 +92,7 @@ impl Dynamics {
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
         if self.rigid {
             let cell = *self.moving.cell();
-            let noted = brownian::note_solved(&mut self.hydrodynamics, (&cell, particles), (&loads, &solved));
+            let noted = brownian::note_solved(&mut self.hydrodynamics, &cell, particles, &loads, &solved);
             noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         }
         Ok(Outcome::of(&solved))
@@ -109,11 +109,11 @@ impl Dynamics {
     ) -> Result<(), StepError> {
         let cell = *self.moving.cell();
         if !self.rigid {
-            brownian::note_divergence(&mut self.hydrodynamics, (&cell, particles), energy);
+            brownian::note_divergence(&mut self.hydrodynamics, &cell, particles, energy);
             return Ok(());
         }
         let change = Change { over, energy, tolerance: CHANGE };
-        let noted = brownian::note_drift(&mut self.hydrodynamics, (&cell, particles), change);
+        let noted = brownian::note_drift(&mut self.hydrodynamics, &cell, particles, change);
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
 
