@@ -1,7 +1,8 @@
 //! The trait of simulations that are advanced in time steps.
 
 use crate::{
-    Clock, ContactForces, Found, Frame, LoadFunction, NoLoads, Quantity, Rearrangement, State, TableSet, VelocityField,
+    Clock, ContactForces, CutoffError, Found, Frame, NeighbourList, NoLoads, OwnLoads, Quantity, Rearrangement, State,
+    TableSet, VelocityField,
 };
 use domain::{Comm, Interrupt};
 use std::error::Error;
@@ -35,7 +36,7 @@ pub trait Simulation {
 
     /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every rank
     /// or on none, and nothing is added then.
-    fn add_loads(&mut self, _loads: LoadFunction) -> Result<(), SimulationError> {
+    fn add_loads(&mut self, _loads: OwnLoads) -> Result<(), SimulationError> {
         Err(SimulationError::new(NoLoads))
     }
 
@@ -49,6 +50,13 @@ pub trait Simulation {
     /// The same without a rank that has all: each with its own particles, in any order.
     fn frame_share(&self) -> Frame {
         self.frame()
+    }
+
+    /// The pairs of particles whose centres are nearer than a cutoff, on the first rank. `Err` on every rank or on
+    /// none.
+    fn neighbours(&self, cutoff: f64) -> Result<NeighbourList, CutoffError> {
+        let Frame { particles, cell, periodic } = self.frame();
+        NeighbourList::find(&particles, &cell, periodic, cutoff)
     }
 
     /// The quantities of the time series.

@@ -1,6 +1,6 @@
 //! Particles as a state brings them.
 
-use crate::applied::APPLIED;
+use crate::applied::{APPLIED, APPLIED_MOMENT};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::driven::{DRIVEN, DRIVEN_NUMBERS};
 use crate::integrator::VELOCITY_COLUMNS;
@@ -31,7 +31,7 @@ fn widths(coupled: bool) -> Vec<(String, usize)> {
     let of_steps = [(AGES, 2), (OLDEST_AGE, 1), (AHEAD, 1)];
     let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (DRIVEN, DRIVEN_NUMBERS), (CURVATURE, 1)].into_iter();
     let others = others.chain(of_steps).map(|(name, width)| (name.to_owned(), width));
-    let applied = APPLIED.map(|name| (name.to_owned(), 3));
+    let applied = APPLIED.map(|name| (name.to_owned(), 3)).into_iter().chain([(APPLIED_MOMENT.to_owned(), 9)]);
     velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(coupled).kept()).collect()
 }
 

@@ -16,7 +16,7 @@ use crate::user_axes::UserAxes;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
 use fcm::Drawn;
 use simulation::{
-    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Rearrangement, Simulation, SimulationError, State,
+    Clock, ContactForces, Found, Frame, OwnLoads, Quantity, Rearrangement, Simulation, SimulationError, State,
     TableSet, VelocityField,
 };
 
@@ -53,7 +53,8 @@ impl Observed {
 
     fn of(model: &Model, suspension: Suspension) -> Self {
         let radii = Radii::shared(suspension.particles(), suspension.comm());
-        let observer = Observer::new(model, suspension.clock().step(), radii.smallest());
+        let mut observer = Observer::new(model, suspension.clock().step(), radii.smallest());
+        observer.see_loads(&suspension);
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension));
@@ -99,8 +100,10 @@ impl Simulation for Observed {
         self.suspension.listen(interrupt);
     }
 
-    fn add_loads(&mut self, loads: LoadFunction) -> Result<(), SimulationError> {
-        self.suspension.add_loads(loads).map_err(SimulationError::new)
+    fn add_loads(&mut self, loads: OwnLoads) -> Result<(), SimulationError> {
+        self.suspension.add_own_loads(loads).map_err(SimulationError::new)?;
+        self.observer.see_loads(&self.suspension);
+        Ok(())
     }
 
     fn advance(&mut self, last: u64) -> Result<(), SimulationError> {

@@ -1,6 +1,6 @@
 //! States in which a user has put spheres elsewhere.
 
-use crate::applied::APPLIED;
+use crate::applied::{APPLIED, APPLIED_MOMENT};
 use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET};
 use crate::integrator::VELOCITY_COLUMNS;
 use crate::substeps;
@@ -23,7 +23,7 @@ pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> 
     Rearrangement::put(&change.radii, &particles.ids, &mut particles.radii);
     WarmStart::forget_all(particles);
     substeps::forget(particles);
-    let motion = [ANGULAR_VELOCITY, STRESSLET, BROWNIAN];
+    let motion = [ANGULAR_VELOCITY, STRESSLET, BROWNIAN, APPLIED_MOMENT];
     let computed = |name: &str| [&VELOCITY_COLUMNS[..], &motion, &APPLIED].concat().contains(&name);
     particles.columns.retain(|column| !computed(&column.name));
     Ok(state)

@@ -23,6 +23,9 @@ pub struct Rheology {
 /// Where a part of the stress comes from.
 type Origin = (&'static str, fn(&ParticleStress) -> Tensor);
 
+/// The stress of the user's forces.
+const APPLIED: &str = "stress_applied";
+
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 
 impl Rheology {
@@ -54,6 +57,13 @@ impl Rheology {
             origins,
             axes: model.user_axes(),
         })
+    }
+
+    /// Tells of the stress of the user's forces too.
+    pub fn tell_of_applied(&mut self) {
+        if !self.origins.iter().any(|(name, _)| *name == APPLIED) {
+            self.origins.push((APPLIED, |s| s.applied));
+        }
     }
 
     /// The stress by origin and species, and what it amounts to: with `s` the sum of all of it,

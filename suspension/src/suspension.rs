@@ -17,7 +17,7 @@ use crate::stress::ParticleStress;
 use crate::{adaptive, given_positions, implicit, initial, near, tethers};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::PlanError;
-use simulation::{Clock, ContactForces, LoadFunction, State};
+use simulation::{Clock, ContactForces, LoadFunction, OwnLoads, State};
 
 /// Particles, what moves them, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -143,11 +143,11 @@ impl Suspension {
         self.or_as_before(|suspension| suspension.take_step(is_seen))
     }
 
-    /// Adds loads to those of the model: from now on every evaluation of the mobility has the function's loads at its own
-    /// positions and time. The velocities of now are computed again, with them; but if the suspension was resumed from
-    /// a state with loads of this kind, its velocities have them until the next step, and the function is only taken up.
-    /// The stresses of [`Self::stress`] have no part of these forces. If the function fails, nothing is added.
-    /// Collective: each rank brings the function, and the first one calls it.
+    /// Adds loads to those of the model: from now on every evaluation of the mobility has the function's loads at its
+    /// own positions and time. The velocities of now are computed again, with them; but if the suspension was resumed
+    /// from a state with loads of this kind, its velocities have them until the next step, and the function is only
+    /// taken up. The stresses of [`Self::stress`] have the part of these forces that their moments are. If the function
+    /// fails, nothing is added. Collective: each rank brings the function, and the first one calls it.
     ///
     /// A sphere on a spring:
     /// ```
@@ -163,7 +163,7 @@ impl Suspension {
     /// let anchor = place + Vector::X;
     /// suspension.add_loads(Box::new(move |positions: &[Vector], _time| {
     ///     let forces = positions.iter().map(|&position| 5.0 * (anchor - position)).collect();
-    ///     Ok(AppliedLoads { forces, torques: Vec::new() })
+    ///     Ok(AppliedLoads { forces, ..AppliedLoads::default() })
     /// }))?;
     /// suspension.step()?;
     /// let moved = suspension.particles().positions[0] - place;
@@ -171,6 +171,11 @@ impl Suspension {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn add_loads(&mut self, loads: LoadFunction) -> Result<(), StepError> {
+        self.add_own_loads(OwnLoads::OfPositions(loads))
+    }
+
+    /// As [`Self::add_loads`], of any kind. Collective.
+    pub fn add_own_loads(&mut self, loads: OwnLoads) -> Result<(), StepError> {
         self.dynamics.applied().add(loads);
         if self.has_applied_loads {
             return Ok(());
@@ -337,12 +342,19 @@ impl Suspension {
         (0..self.particles.len()).map(of_row).collect()
     }
 
-    /// Those of repulsion, attraction, contacts and bonds, each none where there are no such forces. Collective.
-    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 4] {
+    /// Shares by repulsion, attraction, contacts, bonds and the user's forces, each none where there are no such forces.
+    /// Collective.
+    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 5] {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
             .map(|which| self.dynamics.surface_moments(which, &self.particles));
         let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles)]
+        let own = applied::moments(&self.particles).to_vec();
+        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles), own]
+    }
+
+    /// Whether forces of the user's own have a part in the stress, by the last evaluation.
+    pub fn has_applied_stress(&self) -> bool {
+        applied::have_moments(&self.particles)
     }
 
     /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
