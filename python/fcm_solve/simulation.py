@@ -8,22 +8,19 @@ from pathlib import Path
 from typing import Any
 from warnings import warn
 
-import numpy as np
-
 from . import _arrays, _core
 from ._communicator import handle
 from ._errors import Caution, Error
 from ._steps import StepCount
 from ._whole_scene import NO_STEPS, WholeScene
 from .actions import Action, ActionList
+from .forces import OwnForces
 from .scene import Scene, scene_of
 from .snapshots import Snapshot
 from .state import State
 
-LoadFunction = Callable[[np.ndarray, float], Any]
 
-
-class Simulation(State):
+class Simulation(State, OwnForces):
     """A scene that is run, and its results in a folder.
 
     scene    a `Scene`, a dict, or the path of a scene file; of any kind
@@ -228,29 +225,6 @@ class Simulation(State):
         """
         self._check_open()
         self._core.restore(*snapshot._changes())
-
-    # Forces.
-
-    def force(self, function: LoadFunction) -> LoadFunction:
-        """Adds a force of your own to the others, as a decorator or by a call.
-
-        `function(positions, time)` is given positions (N, 3) in the order of the ids, which go on beyond the box as if
-        there were no periodicity, and returns the forces (N, 3). It is called at each evaluation of the mobility, of
-        which a step takes one or several, each with its own positions and time. What it raises ends the step, which is
-        not taken, and reaches the caller. For suspensions.
-        """
-        return self._add("force", function, False)
-
-    def torque(self, function: LoadFunction) -> LoadFunction:
-        """The same of torques (N, 3)."""
-        return self._add("torque", function, True)
-
-    def _add(self, name, function, torques):
-        def loads(positions, time):
-            return _arrays.rows(f"the {name} of {function.__name__}", function(positions, time), len(positions))
-
-        self._core.add_loads(loads, torques)
-        return function
 
 
 def _positive(name, value):

@@ -9,6 +9,7 @@ mod confined;
 mod error;
 mod family;
 mod mobility;
+mod neighbours;
 mod own_loads;
 mod report;
 mod run;
@@ -30,6 +31,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<mobility::Mobility>()?;
     module.add_class::<simulation::Simulation>()?;
     module.add_class::<snapshot::Snapshot>()?;
+    module.add_class::<neighbours::Neighbours>()?;
     module.add_function(wrap_pyfunction!(arrays::is_finite, module)?)?;
     module.add_function(wrap_pyfunction!(threads::start_threads, module)?)?;
     module.add_function(wrap_pyfunction!(scene::template, module)?)?;

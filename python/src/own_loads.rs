@@ -1,19 +1,52 @@
 //! Functions of Python that give forces or torques.
 
 use crate::arrays::{list_of, rows_of};
-use domain::Vector;
+use crate::neighbours::Neighbours;
+use domain::{Tensor, Vector};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use simulation::{AppliedLoads, LoadFunction};
+use simulation::{AppliedLoads, NeighbourList};
 use std::cell::RefCell;
 use std::error::Error;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A function of Python `(positions, time) -> (N, 3)` that gives forces, or torques.
+/// A function of Python, and what it gives.
 #[derive(Clone)]
-pub struct OwnLoads {
+pub struct OwnFunction {
     pub function: Arc<Py<PyAny>>,
-    pub torques: bool,
+    pub gives: Gives,
+}
+
+/// Loads that a function of Python gives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gives {
+    /// `(positions, time) -> (N, 3)`.
+    Forces,
+    /// `(positions, time) -> (N, 3)`.
+    Torques,
+    /// `(positions, time) -> (N, 3), (N, 6)`: forces and shares of their first moments.
+    ForcesAndMoments,
+    /// `(neighbours, time) -> (P, 3)`, of the pairs nearer than a cutoff.
+    PairForces(f64),
+}
+
+impl Gives {
+    /// The kind of a name, with the cutoff of forces between pairs.
+    pub fn of(name: &str, cutoff: Option<f64>) -> PyResult<Self> {
+        match (name, cutoff) {
+            ("forces", None) => Ok(Self::Forces),
+            ("torques", None) => Ok(Self::Torques),
+            ("moments", None) => Ok(Self::ForcesAndMoments),
+            ("pairs", Some(cutoff)) => Ok(Self::PairForces(cutoff)),
+            _ => Err(PyValueError::new_err(format!("no loads are called {name}"))),
+        }
+    }
+
+    /// Whether they have a part in the stress.
+    pub fn have_stress(self) -> bool {
+        matches!(self, Self::ForcesAndMoments | Self::PairForces(_))
+    }
 }
 
 /// What such functions have raised, until somebody takes it.
@@ -31,17 +64,22 @@ impl Raised {
         self.0.borrow().is_some()
     }
 
-    /// Loads by a function whose array is checked when it comes: a load, or an error that says what was raised.
-    pub fn loads(&self, own: OwnLoads) -> LoadFunction {
+    /// Loads by a function whose arrays are checked when they come: a load, or an error that says what was raised.
+    pub fn loads(&self, own: OwnFunction) -> simulation::OwnLoads {
         let raised = self.clone();
-        Box::new(move |positions, time| {
-            let called = Python::attach(|py| called(py, &own.function, (positions, time)));
-            match called {
-                Ok(list) if own.torques => Ok(AppliedLoads { torques: list, ..AppliedLoads::default() }),
-                Ok(list) => Ok(AppliedLoads { forces: list, ..AppliedLoads::default() }),
-                Err(error) => Err(raised.keep(error)),
-            }
-        })
+        match own.gives {
+            Gives::PairForces(cutoff) => simulation::OwnLoads::OfPairs {
+                cutoff,
+                function: Box::new(move |near, time| {
+                    let called = Python::attach(|py| of_pairs(py, &own.function, near, time));
+                    called.map_err(|error| raised.keep(error))
+                }),
+            },
+            _ => simulation::OwnLoads::OfPositions(Box::new(move |positions, time| {
+                let called = Python::attach(|py| of_positions(py, &own, positions, time));
+                called.map_err(|error| raised.keep(error))
+            })),
+        }
     }
 
     fn keep(&self, error: PyErr) -> Box<dyn Error> {
@@ -51,7 +89,27 @@ impl Raised {
     }
 }
 
-fn called(py: Python<'_>, function: &Py<PyAny>, (positions, time): (&[Vector], f64)) -> PyResult<Vec<Vector>> {
-    let rows = function.bind(py).call1((rows_of::<_, f64>(py, positions.to_vec())?, time))?;
-    list_of(Some(rows.extract()?))
+fn of_positions(py: Python<'_>, own: &OwnFunction, positions: &[Vector], time: f64) -> PyResult<AppliedLoads> {
+    let given = own.function.bind(py).call1((rows_of::<_, f64>(py, positions.to_vec())?, time))?;
+    let mut loads = AppliedLoads::default();
+    match own.gives {
+        Gives::Torques => loads.torques = list_of(Some(given.extract()?))?,
+        Gives::ForcesAndMoments => {
+            let (forces, moments) = given.extract()?;
+            loads.forces = list_of(Some(forces))?;
+            loads.moments = list_of(Some(moments))?.into_iter().map(tensor).collect();
+        }
+        _ => loads.forces = list_of(Some(given.extract()?))?,
+    }
+    Ok(loads)
+}
+
+fn of_pairs(py: Python<'_>, function: &Py<PyAny>, near: &NeighbourList, time: f64) -> PyResult<Vec<Vector>> {
+    let near = Bound::new(py, Neighbours::of(near.clone()))?;
+    list_of(Some(function.bind(py).call1((near, time))?.extract()?))
+}
+
+/// A symmetric tensor of its components.
+fn tensor([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Tensor {
+    Tensor::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
 }

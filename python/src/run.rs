@@ -1,12 +1,12 @@
 //! A simulation, and the folder that its results go to.
 
-use crate::own_loads::{OwnLoads, Raised};
+use crate::own_loads::{OwnFunction, Raised};
 use crate::signals::Signals;
 use crate::snapshot::{Snapshot, count, shared};
 use domain::Comm;
 use io::{ExistingRun, Recorder, Resumption, RunError, RunFolder, Scene};
 use pyo3::prelude::*;
-use simulation::{Rearrangement, Simulation, SimulationError};
+use simulation::{Rearrangement, Simulation};
 use std::path::Path;
 
 /// A simulation, with what it writes.
@@ -14,7 +14,7 @@ pub struct Run {
     pub simulation: Box<dyn Simulation>,
     pub raised: Raised,
     /// The user's functions of loads, in the order in which they were added.
-    own_loads: Vec<OwnLoads>,
+    own_loads: Vec<OwnFunction>,
     scene: Scene,
     output: Output,
     signals: Signals,
@@ -32,6 +32,9 @@ enum Output {
     Folder(RunFolder),
     Files(Recorder),
 }
+
+const NO_COLUMN: &str = "the time series in this folder has begun without a column for the stress of your own forces; add \
+                         forces that have one before the first step, or let them have none";
 
 /// How an advance ended.
 pub enum Ended {
@@ -73,8 +76,14 @@ impl Run {
         Self { simulation, raised, own_loads, scene, output, signals, room, has_failed: false }
     }
 
-    /// Adds a function of loads. Collective.
-    pub fn add_loads(&mut self, loads: OwnLoads) -> Result<(), SimulationError> {
+    /// Adds a function of loads. Refuses a stress that has no column in the time series, whose file has begun.
+    /// Collective.
+    pub fn add_loads(&mut self, loads: OwnFunction) -> Result<(), RunError> {
+        let names: Vec<&str> = self.simulation.quantities().iter().map(|quantity| quantity.name).collect();
+        let lacks = names.contains(&"relative_viscosity") && !names.contains(&"stress_applied");
+        if loads.gives.have_stress() && lacks && matches!(self.output, Output::Files(_)) {
+            return Err(RunError::Refused(NO_COLUMN.to_owned()));
+        }
         self.simulation.add_loads(self.raised.loads(loads.clone()))?;
         self.own_loads.push(loads);
         Ok(())

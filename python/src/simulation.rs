@@ -4,7 +4,8 @@ use crate::arrays::{rows_of, table_of};
 use crate::communicator::ranks;
 use crate::confined::{Confined, without_lock};
 use crate::error::{explained, of_run, refused};
-use crate::own_loads::OwnLoads;
+use crate::neighbours::Neighbours;
+use crate::own_loads::{Gives, OwnFunction};
 use crate::run::{Ended, Run};
 use crate::scene::parsed;
 use crate::snapshot::{Moved, Snapshot, rearrangement};
@@ -12,7 +13,7 @@ use io::{ExistingRun, RunError};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use simulation::{Frame, SimulationError};
+use simulation::Frame;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -71,14 +72,22 @@ impl Simulation {
         }
     }
 
-    /// Adds a function `(positions, time) -> (N, 3)` of forces, or of torques.
-    fn add_loads(&self, py: Python<'_>, function: Py<PyAny>, torques: bool) -> PyResult<()> {
-        let loads = OwnLoads { function: Arc::new(function), torques };
+    /// Adds a function that gives loads: "forces", "torques", forces and "moments", or forces of "pairs" nearer than a
+    /// cutoff.
+    #[pyo3(signature = (function, gives, cutoff))]
+    fn add_loads(&self, py: Python<'_>, function: Py<PyAny>, gives: &str, cutoff: Option<f64>) -> PyResult<()> {
+        let loads = OwnFunction { function: Arc::new(function), gives: Gives::of(gives, cutoff)? };
         let added = self.run.with(py, |run| run.add_loads(loads))?;
         match self.raised(py)? {
             Some(raised) => Err(raised),
-            None => added.map_err(|cause: SimulationError| explained(&cause)),
+            None => added.map_err(|cause| of_run(&cause)),
         }
+    }
+
+    /// The pairs of particles whose centres are nearer than a cutoff, on the first rank.
+    fn neighbours(&self, py: Python<'_>, cutoff: f64) -> PyResult<Neighbours> {
+        let found = self.run.with(py, |run| run.simulation.neighbours(cutoff))?;
+        Ok(Neighbours::of(found.map_err(|cause| refused(&cause))?))
     }
 
     /// The state now.

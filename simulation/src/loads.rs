@@ -1,6 +1,7 @@
 //! Forces and torques that a user adds to those of a simulation.
 
-use domain::Vector;
+use crate::NeighbourList;
+use domain::{Tensor, Vector};
 use std::error::Error;
 
 /// Loads on all particles in the order of their ids. An empty list stands for no force, or no torque, on any
@@ -11,13 +12,34 @@ pub struct AppliedLoads {
     pub forces: Vec<Vector>,
     /// Torque on each particle.
     pub torques: Vec<Vector>,
+    /// Each particle's share of the symmetric first moments of the forces between particles, which the stress has a
+    /// part of over the volume: `-sym((x_i - x_j) F_ij)` of each pair. None where the forces have no part in the
+    /// stress.
+    pub moments: Vec<Tensor>,
 }
 
 /// Loads as a function of the positions of all particles, in the order of their ids and without periodicity, and of
 /// the time. It is called on the first rank alone.
 pub type LoadFunction = Box<dyn FnMut(&[Vector], f64) -> Result<AppliedLoads, Box<dyn Error>>>;
 
-/// Error of simulations whose particles accept no user-defined loads.
+/// The force on the first of each pair of a list of neighbours, at a time; the second feels the opposite one. It is
+/// called on the first rank alone.
+pub type PairForceFunction = Box<dyn FnMut(&NeighbourList, f64) -> Result<Vec<Vector>, Box<dyn Error>>>;
+
+/// Loads of a user's own.
+pub enum OwnLoads {
+    /// A function of positions. Where its forces are between particles, it may give their part of the stress.
+    OfPositions(LoadFunction),
+    /// A force between particles whose centres are nearer than a cutoff. Its part of the stress follows from the pairs.
+    OfPairs {
+        /// The cutoff.
+        cutoff: f64,
+        /// The force.
+        function: PairForceFunction,
+    },
+}
+
+/// The error of simulations whose particles take no applied loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("forces of one's own act on the spheres of suspensions; scenes of this kind take none")]
 pub struct NoLoads;

@@ -1,7 +1,8 @@
 //! Trait of simulations that are advanced in time steps.
 
 use crate::{
-    Clock, ContactForces, Found, Frame, LoadFunction, NoLoads, Quantity, Rearrangement, State, TableSet, VelocityField,
+    Clock, ContactForces, CutoffError, Found, Frame, NeighbourList, NoLoads, OwnLoads, Quantity, Rearrangement, State,
+    TableSet, VelocityField,
 };
 use domain::{Comm, Interrupt};
 use std::error::Error;
@@ -34,9 +35,9 @@ pub trait Simulation {
     /// a step; [`Self::advance`] then returns with the state at the start of that step.
     fn listen(&mut self, _interrupt: Interrupt) {}
 
-    /// Adds loads to those that act on the particles, from now on; fails with [`NoLoads`] if the particles accept
-    /// none. `Err` on every rank or on none, and without effect then.
-    fn add_loads(&mut self, _loads: LoadFunction) -> Result<(), SimulationError> {
+    /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every rank
+    /// or on none, and nothing is added then.
+    fn add_loads(&mut self, _loads: OwnLoads) -> Result<(), SimulationError> {
         Err(SimulationError::new(NoLoads))
     }
 
@@ -52,7 +53,14 @@ pub trait Simulation {
         self.frame()
     }
 
-    /// Quantities of the time series.
+    /// The pairs of particles whose centres are nearer than a cutoff, on the first rank. `Err` on every rank or on
+    /// none.
+    fn neighbours(&self, cutoff: f64) -> Result<NeighbourList, CutoffError> {
+        let Frame { particles, cell, periodic } = self.frame();
+        NeighbourList::find(&particles, &cell, periodic, cutoff)
+    }
+
+    /// The quantities of the time series.
     fn quantities(&self) -> Vec<Quantity>;
 
     /// A row of the time series: the numbers of each quantity in turn.

@@ -16,7 +16,7 @@ use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
 use fcm::Drawn;
 use simulation::{
-    Clock, ContactForces, Found, Frame, LoadFunction, Quantity, Rearrangement, Simulation, SimulationError, State,
+    Clock, ContactForces, Found, Frame, OwnLoads, Quantity, Rearrangement, Simulation, SimulationError, State,
     TableSet, VelocityField,
 };
 
@@ -55,7 +55,8 @@ impl Observed {
 
     fn of(model: &Model, suspension: Suspension) -> Self {
         let radii = Radii::shared(suspension.particles(), suspension.comm());
-        let observer = Observer::new(model, suspension.clock().step(), radii.smallest());
+        let mut observer = Observer::new(model, suspension.clock().step(), radii.smallest());
+        observer.see_loads(&suspension);
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension));
@@ -101,8 +102,10 @@ impl Simulation for Observed {
         self.suspension.listen(interrupt);
     }
 
-    fn add_loads(&mut self, loads: LoadFunction) -> Result<(), SimulationError> {
-        self.suspension.add_loads(loads).map_err(SimulationError::new)
+    fn add_loads(&mut self, loads: OwnLoads) -> Result<(), SimulationError> {
+        self.suspension.add_own_loads(loads).map_err(SimulationError::new)?;
+        self.observer.see_loads(&self.suspension);
+        Ok(())
     }
 
     fn advance(&mut self, last: u64) -> Result<(), SimulationError> {

@@ -1,8 +1,8 @@
 //! User-defined forces and torques, in addition to those of the model.
 
 use crate::support::model_of;
-use domain::{Comm, Particles, Vector};
-use simulation::{AppliedLoads, LoadFunction};
+use domain::{Comm, Particles, Tensor, Vector};
+use simulation::{AppliedLoads, LoadFunction, NeighbourList, OwnLoads};
 use std::cell::RefCell;
 use std::error::Error;
 use std::rc::Rc;
@@ -24,7 +24,8 @@ const TORQUE: Vector = Vector::new(0.0, 2.0, 1.0);
 /// The same force and torque on all particles.
 fn constant(force: Vector, torque: Vector) -> LoadFunction {
     Box::new(move |positions, _| {
-        Ok(AppliedLoads { forces: vec![force; positions.len()], torques: vec![torque; positions.len()] })
+        let (forces, torques) = (vec![force; positions.len()], vec![torque; positions.len()]);
+        Ok(AppliedLoads { forces, torques, ..AppliedLoads::default() })
     })
 }
 
@@ -32,7 +33,7 @@ fn constant(force: Vector, torque: Vector) -> LoadFunction {
 fn springs(places: Vec<Vector>) -> LoadFunction {
     Box::new(move |positions, time| {
         let forces = positions.iter().zip(&places).map(|(x, x0)| (3.0 + time) * (*x0 - *x)).collect();
-        Ok(AppliedLoads { forces, torques: Vec::new() })
+        Ok(AppliedLoads { forces, ..AppliedLoads::default() })
     })
 }
 
@@ -180,4 +181,50 @@ fn loads_that_are_none_leave_everything_as_it_was() {
             });
         }
     }
+}
+
+/// Springs between near spheres.
+fn pair_springs(cutoff: f64) -> OwnLoads {
+    let function = |near: &NeighbourList, _: f64| Ok(near.separations.iter().map(|d| 0.5 * *d).collect());
+    OwnLoads::OfPairs { cutoff, function: Box::new(function) }
+}
+
+/// Forces of pairs and their moments are the same on any number of ranks, and add up to those of all pairs.
+#[test]
+fn forces_of_pairs_have_their_stress() {
+    let model = model_of(SCENE, &["time.steps=2"]);
+    let found = [1, 3].map(|ranks| {
+        let all = Comm::threads(ranks, |comm| {
+            let mut suspension = Suspension::start(&model, &comm).unwrap();
+            assert!(!suspension.has_applied_stress());
+            suspension.add_own_loads(pair_springs(4.0)).unwrap();
+            take_steps(&mut suspension, 2);
+            let (stress, all) = (suspension.stress(1)[0].applied, suspension.gathered(Some(&["velocity"])));
+            let near = comm.is_first().then(|| NeighbourList::find(&all, suspension.cell(), [true; 3], 4.0).unwrap());
+            let of_pair =
+                |d: &Vector| Tensor::from_cols(*d * d.x, *d * d.y, *d * d.z) * (0.5 / suspension.cell().volume());
+            let expected = near.map(|near| near.separations.iter().map(of_pair).fold(Tensor::ZERO, |sum, m| sum + m));
+            (stress, expected, all)
+        });
+        all.into_iter().next().unwrap()
+    });
+    let [(one, expected, particles), (three, _, others)] = found;
+    let size = one.to_cols_array().map(f64::abs).into_iter().fold(0.0, f64::max);
+    assert!(size > 1e-3 && (one - expected.unwrap()).to_cols_array().iter().all(|left| left.abs() < 1e-12 * size));
+    assert!((one - three).to_cols_array().iter().all(|left| left.abs() < 1e-6 * size));
+    assert!(largest_difference(&particles, &others) < 1e-6);
+}
+
+#[test]
+fn forces_of_pairs_go_on_bit_for_bit() {
+    let model = model_of(SCENE, &["time.steps=4"]);
+    let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
+    whole.add_own_loads(pair_springs(4.0)).unwrap();
+    take_steps(&mut whole, 2);
+    let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
+    assert!(resumed.has_applied_stress());
+    resumed.add_own_loads(pair_springs(4.0)).unwrap();
+    take_steps(&mut whole, 2);
+    take_steps(&mut resumed, 2);
+    assert_eq!(whole.state(), resumed.state());
 }

@@ -138,7 +138,7 @@ fn a_particle_that_is_nowhere_is_named() {
     let messages = Comm::threads(3, |comm| {
         let mut suspension = Suspension::start(&model, &comm).unwrap();
         let far = |positions: &[Vector], _: f64| {
-            Ok(AppliedLoads { forces: vec![Vector::X * 1e30; positions.len()], torques: Vec::new() })
+            Ok(AppliedLoads { forces: vec![Vector::X * 1e30; positions.len()], ..AppliedLoads::default() })
         };
         suspension.add_loads(Box::new(far)).unwrap();
         (0..5).find_map(|_| suspension.step().err()).unwrap().to_string()

@@ -16,8 +16,9 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// Attraction and bonds contribute like repulsion. Contacts contribute the symmetric part, with friction, divided
-/// between the spheres of a pair in proportion to their radii. The Brownian stress is a sum of stresslets.
+/// that of attraction and bonds like that, and that of contacts like that of repulsion, its symmetric part, with
+/// friction; each sphere of a pair has a share in proportion to its radius. That of heat is like that of stresslets,
+/// and that of a user's own forces is like that of repulsion, as far as the user says so.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
 /// Stresslets are traceless: only the non-hydrodynamic part of the particle pressure is defined. External forces such
@@ -38,13 +39,15 @@ pub struct ParticleStress {
     pub bond: Tensor,
     /// Brownian stress, the mean of the stresslets caused by random motions, if it is separated from these.
     pub brownian: Tensor,
+    /// Of the user's own forces between particles.
+    pub applied: Tensor,
 }
 
 impl ParticleStress {
     /// Sum of all contributions.
     pub fn total(&self) -> Tensor {
         let of_surfaces = self.stresslet + self.lubrication + self.repulsion + self.attraction;
-        of_surfaces + self.contact + self.bond + self.brownian
+        of_surfaces + self.contact + self.bond + self.brownian + self.applied
     }
 
     /// Sum of all species and contributions.
@@ -57,12 +60,12 @@ impl ParticleStress {
         -(stress.x_axis.x + stress.y_axis.y + stress.z_axis.z) / 3.0
     }
 
-    /// Stress of each species, from the stresslets in the particles' columns, in a box of a volume. `pairs` has each
-    /// particle's contribution to the first moments of repulsion, attraction, contacts and bonds; empty lists are
-    /// allowed. Collective.
+    /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume; `pairs`
+    /// has each particle's shares of the first moments of repulsion, attraction, contacts, bonds and the user's forces,
+    /// or nothing. Collective.
     pub fn by_species(
         particles: &Particles,
-        pairs: [&[Tensor]; 4],
+        pairs: [&[Tensor]; 5],
         (species, volume): (usize, f64),
         comm: &Comm,
     ) -> Vec<Self> {
@@ -70,7 +73,7 @@ impl ParticleStress {
         let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
         let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
         let by_heat: &[Traceless] = column(BROWNIAN).unwrap_or_default();
-        let mut sums = vec![[Tensor::ZERO; 7]; species];
+        let mut sums = vec![[Tensor::ZERO; 8]; species];
         for (row, &kind) in particles.species.iter().enumerate() {
             let [stresslet, lubrication, brownian, of_pairs @ ..] = &mut sums[kind as usize];
             *brownian += by_heat.get(row).map_or(Tensor::ZERO, |s| s.tensor());
@@ -83,7 +86,8 @@ impl ParticleStress {
             }
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
-        let stress = |[stresslet, lubrication, brownian, repulsion, attraction, contact, bond]: [Tensor; 7]| Self {
+        let stress = |[stresslet, lubrication, brownian, repulsion, attraction, contact, bond, applied]: [Tensor;
+                          8]| Self {
             stresslet,
             lubrication,
             repulsion,
@@ -91,6 +95,7 @@ impl ParticleStress {
             contact,
             bond,
             brownian,
+            applied,
         };
         sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()
     }

@@ -1,17 +1,27 @@
 //! User-defined loads, in addition to those of the model.
 
-use crate::model::box_axes::UserAxes;
-use domain::{Failure, Particles, Partition, PeriodicBox, Vector};
+use crate::user_axes::UserAxes;
+use domain::{Failure, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
-use simulation::{AppliedLoads, LoadFunction};
+use simulation::{AppliedLoads, NeighbourList, OwnLoads, PairForceFunction};
 
 /// Columns of the last user-defined loads: forces and torques.
 pub const APPLIED: [&str; 2] = ["applied force", "applied torque"];
 
-/// User-defined load functions, whose loads are summed, in the user's axes.
+/// The column of the shares of the first moments of those forces, where they have a part in the stress.
+pub const APPLIED_MOMENT: &str = "applied moment";
+
+/// Functions whose loads are added up, in the axes of the user.
 pub struct AppliedForces {
-    functions: Vec<LoadFunction>,
+    functions: Vec<OwnLoads>,
     axes: UserAxes,
+}
+
+/// The sums of forces, torques and moments of all particles; moments are empty where no function gives any.
+#[derive(Default)]
+struct LoadSums {
+    loads: [Vec<Vector>; 2],
+    moments: Vec<Tensor>,
 }
 
 impl AppliedForces {
@@ -21,7 +31,7 @@ impl AppliedForces {
     }
 
     /// Adds a function.
-    pub fn add(&mut self, loads: LoadFunction) {
+    pub fn add(&mut self, loads: OwnLoads) {
         self.functions.push(loads);
     }
 
@@ -39,14 +49,15 @@ impl AppliedForces {
         (cell, partition): (&PeriodicBox, &Partition),
         time: f64,
     ) -> Result<(), Failure> {
+        particles.columns.retain(|column| column.name != APPLIED_MOMENT);
         if self.functions.is_empty() {
             particles.columns.retain(|column| !APPLIED.contains(&column.name.as_str()));
             return Ok(());
         }
         let comm = partition.comm();
         let mut all = particles.gathered_with(partition, |_| false);
-        let sums = if comm.is_first() { self.sums(unwrapped(&all, cell), time) } else { Ok([Vec::new(), Vec::new()]) };
-        let sums = comm.agree(sums)?;
+        let sums = if comm.is_first() { self.sums(&all, cell, time) } else { Ok(LoadSums::default()) };
+        let LoadSums { loads: sums, mut moments } = comm.agree(sums)?;
         comm.broadcast(&mut all.ids);
         let rows: Vec<usize> =
             particles.ids.iter().map(|id| all.ids.binary_search(id).expect("every particle was gathered")).collect();
@@ -55,29 +66,78 @@ impl AppliedForces {
             let values = particles.vectors(name);
             values.iter_mut().zip(&rows).for_each(|(value, &row)| *value = sums[row]);
         }
+        comm.broadcast(&mut moments);
+        if !moments.is_empty() {
+            let values: &mut [Tensor] = bytemuck::cast_slice_mut(&mut particles.column(APPLIED_MOMENT, 9).values);
+            values.iter_mut().zip(&rows).for_each(|(value, &row)| *value = moments[row]);
+        }
         add_last(loads, particles);
         Ok(())
     }
 
-    /// Sums of forces and torques on all particles.
-    fn sums(&mut self, mut positions: Vec<Vector>, time: f64) -> Result<[Vec<Vector>; 2], String> {
-        let axes = self.axes;
-        for position in &mut positions {
-            *position = axes.place(*position);
-        }
-        let mut sums = [(); 2].map(|()| vec![Vector::ZERO; positions.len()]);
+    /// The sums over all functions for all particles.
+    fn sums(&mut self, all: &Particles, cell: &PeriodicBox, time: f64) -> Result<LoadSums, String> {
+        let (axes, count) = (self.axes, all.len());
+        let positions: Vec<Vector> = unwrapped(all, cell).into_iter().map(|position| axes.place(position)).collect();
+        let mut sums = LoadSums { loads: [(); 2].map(|()| vec![Vector::ZERO; count]), moments: Vec::new() };
         for function in &mut self.functions {
-            let AppliedLoads { forces, torques } = function(&positions, time).map_err(|error| error.to_string())?;
-            for (sum, (what, list)) in sums.iter_mut().zip([("forces", forces), ("torques", torques)]) {
-                check(what, &list, positions.len())?;
+            let AppliedLoads { forces, torques, moments } = match function {
+                OwnLoads::OfPositions(function) => function(&positions, time).map_err(|error| error.to_string())?,
+                OwnLoads::OfPairs { cutoff, function } => of_pairs(all, cell, *cutoff, function, &axes, time)?,
+            };
+            for (sum, (what, list)) in sums.loads.iter_mut().zip([("forces", forces), ("torques", torques)]) {
+                check(what, &list, count)?;
                 sum.iter_mut().zip(list).for_each(|(sum, load)| *sum += axes.vector_in(load));
+            }
+            check_moments(&moments, count)?;
+            if !moments.is_empty() {
+                sums.moments.resize(count, Tensor::ZERO);
+                sums.moments.iter_mut().zip(&moments).for_each(|(sum, moment)| *sum += axes.tensor_in(moment));
             }
         }
         Ok(sums)
     }
 }
 
-/// Adds the last user-defined loads, as stored in the columns, to those of this rank's particles.
+/// The loads of a force between particles, and their moments, shared by the two of each pair in proportion to their
+/// radii.
+fn of_pairs(
+    all: &Particles,
+    cell: &PeriodicBox,
+    cutoff: f64,
+    function: &mut PairForceFunction,
+    axes: &UserAxes,
+    time: f64,
+) -> Result<AppliedLoads, String> {
+    let periodic = [0, 1, 2].map(|axis| cell.is_periodic(axis));
+    let near = NeighbourList::find(all, cell, periodic, cutoff).map_err(|error| error.to_string())?;
+    let near = near.turned(|separation| axes.vector(separation));
+    let on_first = function(&near, time).map_err(|error| error.to_string())?;
+    if on_first.len() != near.pairs.len() {
+        let (found, pairs) = (on_first.len(), near.pairs.len());
+        return Err(format!("it gave {found} forces for {pairs} pairs; it needs to give one for each"));
+    }
+    let mut loads = AppliedLoads { forces: vec![Vector::ZERO; all.len()], ..AppliedLoads::default() };
+    loads.moments = vec![Tensor::ZERO; all.len()];
+    for ((&[i, j], &separation), force) in near.pairs.iter().zip(&near.separations).zip(on_first) {
+        let (i, j) = (i as usize, j as usize);
+        loads.forces[i] += force;
+        loads.forces[j] -= force;
+        let moment = symmetric(separation, force);
+        let share = all.radii[i] / (all.radii[i] + all.radii[j]);
+        loads.moments[i] += moment * share;
+        loads.moments[j] += moment * (1.0 - share);
+    }
+    Ok(loads)
+}
+
+/// The symmetric part of `a b`.
+fn symmetric(a: Vector, b: Vector) -> Tensor {
+    let outer = Tensor::from_cols(a * b.x, a * b.y, a * b.z);
+    (outer + outer.transpose()) * 0.5
+}
+
+/// Adds to the loads of this rank's particles what their columns have of the last loads of this kind.
 pub fn add_last(loads: &mut Loads, particles: &Particles) {
     for (list, name) in [&mut loads.forces, &mut loads.torques].into_iter().zip(APPLIED) {
         let Some(column) = particles.columns.iter().find(|column| column.name == name) else { continue };
@@ -87,7 +147,19 @@ pub fn add_last(loads: &mut Loads, particles: &Particles) {
     }
 }
 
-/// Whether the particles store user-defined loads of their last evaluation.
+/// The shares of this rank's particles in the first moments of the user's forces; none where these have no part in the
+/// stress.
+pub fn moments(particles: &Particles) -> &[Tensor] {
+    let column = particles.columns.iter().find(|column| column.name == APPLIED_MOMENT);
+    column.map_or(&[], |column| bytemuck::cast_slice(&column.values))
+}
+
+/// Whether particles have such moments from their last evaluation.
+pub fn have_moments(particles: &Particles) -> bool {
+    particles.columns.iter().any(|column| column.name == APPLIED_MOMENT)
+}
+
+/// Whether particles have such loads from their last evaluation.
 pub fn is_among(particles: &Particles) -> bool {
     particles.columns.iter().any(|column| column.name == APPLIED[0])
 }
@@ -97,7 +169,18 @@ fn unwrapped(all: &Particles, cell: &PeriodicBox) -> Vec<Vector> {
     all.positions.iter().zip(&all.steps).map(|(&position, &steps)| position + cell.lattice(steps)).collect()
 }
 
-/// Refuses lists of the wrong length and loads that are not finite.
+/// Refuses moments that are not one for each particle, or no numbers.
+fn check_moments(moments: &[Tensor], count: usize) -> Result<(), String> {
+    if ![0, count].contains(&moments.len()) {
+        return Err(format!("it gave {} moments for {count} particles; it needs to give one for each", moments.len()));
+    }
+    match moments.iter().position(|moment| !moment.is_finite()) {
+        Some(row) => Err(format!("its moments have a number that is not finite, of particle {row}")),
+        None => Ok(()),
+    }
+}
+
+/// Refuses loads that are not one for each particle, or no numbers.
 fn check(what: &str, list: &[Vector], count: usize) -> Result<(), String> {
     if ![0, count].contains(&list.len()) {
         return Err(format!("it gave {} {what} for {count} particles; it needs to give one for each", list.len()));

@@ -144,9 +144,9 @@ mod tests {
             Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();
         let pull = move |places: &[Vector], _: f64| {
             let forces = if places.len() == 1 { vec![axis] } else { vec![-axis, axis] };
-            Ok(simulation::AppliedLoads { forces, torques: Vec::new() })
+            Ok(simulation::AppliedLoads { forces, ..simulation::AppliedLoads::default() })
         };
-        dynamics.applied().add(Box::new(pull));
+        dynamics.applied().add(simulation::OwnLoads::OfPositions(Box::new(pull)));
         dynamics.evaluate_now(&mut particles, &Clock::at(0, 1e-4)).unwrap();
         let velocities = particles.vectors(VELOCITY);
         if velocities.len() == 1 { velocities[0].dot(axis) } else { (velocities[1] - velocities[0]).dot(axis) }

@@ -56,7 +56,12 @@ impl UserAxes {
         self.turn.inverse().tensor(of_box)
     }
 
-    /// A position in the user's coordinates.
+    /// A tensor of the user's in the axes of the box.
+    pub fn tensor_in(&self, of_user: &Tensor) -> Tensor {
+        self.turn.tensor(of_user)
+    }
+
+    /// A place.
     pub fn place(&self, in_box: Vector) -> Vector {
         self.turn.inverse().place(in_box, self.edges[1])
     }

@@ -150,7 +150,14 @@ impl Observer {
         self.remedies
     }
 
-    /// Counts a step.
+    /// Tells of the stress of the user's forces from now on, if they have any.
+    pub fn see_loads(&mut self, suspension: &Suspension) {
+        if suspension.has_applied_stress() {
+            self.rheology.iter_mut().for_each(Rheology::tell_of_applied);
+        }
+    }
+
+    /// Counts a step that was taken.
     pub fn see_step(&mut self, suspension: &Suspension) {
         suspension.crowded().into_iter().for_each(|crowded| self.crowded.see(crowded));
     }

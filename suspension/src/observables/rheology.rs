@@ -22,6 +22,9 @@ pub struct Rheology {
 /// Name of a contribution to the stress, and its tensor.
 type Origin = (&'static str, fn(&ParticleStress) -> Tensor);
 
+/// The stress of the user's forces.
+const APPLIED: &str = "stress_applied";
+
 const COMPONENTS: [&str; 6] = ["xx", "xy", "xz", "yy", "yz", "zz"];
 
 impl Rheology {
@@ -55,7 +58,14 @@ impl Rheology {
         })
     }
 
-    /// Stress by contribution and species, and material functions: with `s` the total particle stress,
+    /// Tells of the stress of the user's forces too.
+    pub fn tell_of_applied(&mut self) {
+        if !self.origins.iter().any(|(name, _)| *name == APPLIED) {
+            self.origins.push((APPLIED, |s| s.applied));
+        }
+    }
+
+    /// The stress by origin and species, and what it amounts to: with `s` the sum of all of it,
     ///
     /// ```text
     /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),

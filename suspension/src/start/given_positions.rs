@@ -1,7 +1,6 @@
 //! Checks of particles restored from a saved state.
 
-use crate::columns::VELOCITY_COLUMNS;
-use crate::columns::{AGES, AHEAD, OLDEST_AGE};
+use crate::applied::{APPLIED, APPLIED_MOMENT};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::constant_flux::CURVATURE;
@@ -30,7 +29,7 @@ fn widths(coupled: bool) -> Vec<(String, usize)> {
     let of_steps = [(AGES, 2), (OLDEST_AGE, 1), (AHEAD, 1)];
     let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (DRIVEN, DRIVEN_NUMBERS), (CURVATURE, 1)].into_iter();
     let others = others.chain(of_steps).map(|(name, width)| (name.to_owned(), width));
-    let applied = APPLIED.map(|name| (name.to_owned(), 3));
+    let applied = APPLIED.map(|name| (name.to_owned(), 3)).into_iter().chain([(APPLIED_MOMENT.to_owned(), 9)]);
     velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(coupled).kept()).collect()
 }
 

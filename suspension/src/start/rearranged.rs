@@ -1,9 +1,11 @@
 //! States with positions or radii changed by the user.
 
-use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET, VELOCITY, clear_history};
-use crate::evaluation::initial_guess::WarmStart;
-use crate::forces::user::APPLIED;
-use crate::model::box_axes::UserAxes;
+use crate::applied::{APPLIED, APPLIED_MOMENT};
+use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET};
+use crate::integrator::VELOCITY_COLUMNS;
+use crate::substeps;
+use crate::user_axes::UserAxes;
+use crate::warm_start::WarmStart;
 use domain::Vector;
 use simulation::{Rearrangement, RearrangementError, State};
 
@@ -20,9 +22,9 @@ pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> 
     Rearrangement::put(&places, &particles.ids, &mut particles.positions);
     Rearrangement::put(&change.radii, &particles.ids, &mut particles.radii);
     WarmStart::forget_all(particles);
-    clear_history(particles);
-    let motion = [VELOCITY, ANGULAR_VELOCITY, STRESSLET, BROWNIAN];
-    let computed = |name: &str| [&motion[..], &APPLIED].concat().contains(&name);
+    substeps::forget(particles);
+    let motion = [ANGULAR_VELOCITY, STRESSLET, BROWNIAN, APPLIED_MOMENT];
+    let computed = |name: &str| [&VELOCITY_COLUMNS[..], &motion, &APPLIED].concat().contains(&name);
     particles.columns.retain(|column| !computed(&column.name));
     Ok(state)
 }
