@@ -1,23 +1,6 @@
 //! A suspension of spheres in Stokes flow.
 
-use crate::applied;
-use crate::brownian::{self, Heat};
-use crate::columns::VELOCITY;
-use crate::contacts::{Measured, contact_force};
-use crate::crowding::Crowded;
-use crate::dynamics::{Dynamics, Moment, Outcome};
-use crate::error::StartError;
-use crate::fluid::FluidVelocity;
-use crate::forces::Surface;
-use crate::integrator::{self, AdamsBashforth};
-use crate::model::{Integrator, Model};
-use crate::setup::Setup;
-use crate::step_error::StepError;
-use crate::stress::ParticleStress;
-use crate::{adaptive, given_positions, implicit, initial, near, tethers};
-use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Tensor, Vector};
-use fcm::PlanError;
-use simulation::{Clock, ContactForces, LoadFunction, OwnLoads, State};
+mod measurements;
 
 use crate::columns::VELOCITY;
 use crate::error::StartError;
@@ -36,7 +19,7 @@ use crate::neighbourhood;
 use crate::start::{given_positions, placement};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
-use simulation::{Clock, LoadFunction, State};
+use simulation::{Clock, LoadFunction, OwnLoads, State};
 
 /// Particles, their dynamics, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -162,11 +145,11 @@ impl Suspension {
         self.or_as_before(|suspension| suspension.take_step(is_seen))
     }
 
-    /// Adds loads to those of the model: from now on every evaluation of the mobility has the function's loads at its
-    /// own positions and time. The velocities of now are computed again, with them; but if the suspension was resumed
-    /// from a state with loads of this kind, its velocities have them until the next step, and the function is only
-    /// taken up. The stresses of [`Self::stress`] have the part of these forces that their moments are. If the function
-    /// fails, nothing is added. Collective: each rank brings the function, and the first one calls it.
+    /// Adds loads to those of the model: every later evaluation of the mobility includes the loads of the function at
+    /// its own positions and time. The present velocities are evaluated again with them; only if the suspension was
+    /// resumed from a state with user-defined loads, which its velocities already include, the function takes effect
+    /// with the next step. The stresses of [`Self::stress`] include the moments that the function returns. If the function fails, nothing
+    /// is added. Collective: each rank provides the function, and the first one calls it.
     ///
     /// A sphere on a spring:
     /// ```
@@ -193,7 +176,7 @@ impl Suspension {
         self.add_own_loads(OwnLoads::OfPositions(loads))
     }
 
-    /// As [`Self::add_loads`], of any kind. Collective.
+    /// [`Self::add_loads`] for any kind of user-defined loads. Collective.
     pub fn add_own_loads(&mut self, loads: OwnLoads) -> Result<(), StepError> {
         self.dynamics.applied().add(loads);
         if self.has_applied_loads {
@@ -319,100 +302,7 @@ impl Suspension {
         self.dynamics.crowded()
     }
 
-    /// The shear stress, along x and y, on the wall at `z = 0` and, if there is one, on that at `z = Lz`, as the fluid and the
-    /// particles of a stress bring it there; nothing without walls. With `F` and `T` the steady forces and torques of the species,
-    ///
-    /// ```text
-    /// on the upper one: mu du/dz + s_xz - sum (z F_x + T_y / 2) / V,      on the lower one: + sum F_x / A besides
-    /// ```
-    ///
-    /// and likewise along y: the first moments of all that acts on the fluid. Below unbounded fluid nothing but forces and the flow
-    /// act on a wall. Collective.
-    pub fn wall_stress(&self, stress: &Tensor) -> Vec<[f64; 2]> {
-        self.dynamics.wall_stress(&self.particles, stress)
-    }
-
-    /// By how much the pressure falls per length along x where it keeps the mean velocity of a [`crate::Flow::ConstantFlux`], as
-    /// of the last solve; nothing in other flows.
-    ///
-    /// With forces and torques `F`, `T` that are not the fluid's, whole stresslets `S`, `q = z (H - z) / 2` and the area `A` of a wall,
-    ///
-    /// ```text
-    /// 12 mu U / H^2 - 12 / (A H^3) sum [F_x (q - a^2/6) - (S_xz - T_y / 2) dq/dz]
-    /// ```
-    ///
-    /// at the centres; stresslets of lubrication between two spheres count in the middle between them.
-    pub fn pressure_gradient(&self) -> Option<f64> {
-        self.dynamics.pressure_gradient()
-    }
-
-    /// The stress of the particles of each of so many species. Collective.
-    pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
-        let (volume, pairs) = (self.cell().volume(), self.pair_moments_by_origin());
-        ParticleStress::by_species(&self.particles, pairs.each_ref().map(Vec::as_slice), (species, volume), &self.comm)
-    }
-
-    /// Each particle's share of the symmetric first moments of all forces between spheres, and of those of walls. Collective.
-    pub fn pair_moments(&self) -> Vec<Tensor> {
-        let by_origin = self.pair_moments_by_origin();
-        let of_row = |row: usize| {
-            by_origin.iter().filter_map(|list| list.get(row).copied()).fold(Tensor::ZERO, |sum, m| sum + m)
-        };
-        (0..self.particles.len()).map(of_row).collect()
-    }
-
-    /// Shares by repulsion, attraction, contacts, bonds and the user's forces, each none where there are no such forces.
-    /// Collective.
-    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 5] {
-        let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
-            .map(|which| self.dynamics.surface_moments(which, &self.particles));
-        let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        let own = applied::moments(&self.particles).to_vec();
-        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles), own]
-    }
-
-    /// Whether forces of the user's own have a part in the stress, by the last evaluation.
-    pub fn has_applied_stress(&self) -> bool {
-        applied::have_moments(&self.particles)
-    }
-
-    /// Contacts of a particle in the mean, the shares of contacts with friction and of those that slide, the largest overlap
-    /// over the roughness, and the elastic energy; nothing if spheres can't touch. Collective.
-    pub fn contact_numbers(&self) -> Option<[f64; 5]> {
-        self.contacts().map(|measured| measured.numbers(&self.comm))
-    }
-
-    /// The stiffness of contacts as it is, and whether it stays so; nothing if spheres can't touch.
-    pub fn contact_stiffness(&self) -> Option<(f64, bool)> {
-        let stays = self.dynamics.settling().is_none_or(|settling| settling.is_over());
-        self.dynamics.contact_stiffness().map(|stiffness| (stiffness, stays))
-    }
-
-    /// The elastic energy of bonds and how many of them are broken; nothing without bonds. Collective.
-    pub fn bond_numbers(&self) -> Option<[f64; 2]> {
-        self.dynamics.bond_numbers(&self.particles)
-    }
-
-    /// The energy of spheres in traps; nothing without traps. Collective.
-    pub fn trap_energy(&self) -> Option<f64> {
-        self.dynamics.trap_energy(&self.particles)
-    }
-
-    /// Forces of contacts and bonds, on the first rank, if there can be any. Collective.
-    pub fn contact_forces(&self) -> Option<ContactForces> {
-        let own = self.dynamics.contact_forces(&self.particles)?;
-        let mut list: Vec<_> = self.comm.gather(&own).iter().map(contact_force).collect();
-        list.sort_unstable_by_key(|contact| (contact.ids, contact.state.number()));
-        let lattice = self.cell().lattice_vectors();
-        Some(ContactForces { step: self.clock.step(), time: self.clock.time(), lattice, list })
-    }
-
-    /// What contacts amount to, if there can be any. Collective.
-    fn contacts(&self) -> Option<Measured> {
-        self.dynamics.measured_contacts(&self.particles)
-    }
-
-    /// What is worth knowing of the suspension as it is. Collective.
+    /// Summary of the last step. Collective.
     pub fn report(&mut self) -> StepReport {
         StepReport {
             iterations: self.outcome.iterations,

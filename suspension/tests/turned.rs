@@ -1,7 +1,7 @@
 //! Runs with walls across x or y equal rotated runs with walls across z, in all results.
 
 use crate::support::model_of;
-use domain::{Comm, Tensor, Traceless, Turn, Vector};
+use domain::{AxisRotation, Comm, Tensor, Traceless, Vector};
 use simulation::{AppliedLoads, Frame, OwnLoads, Simulation};
 use std::collections::HashMap;
 use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, VELOCITY};

@@ -1,10 +1,11 @@
 //! Evaluations under stress control.
 
-use super::{Dynamics, Moment, Outcome};
-use crate::applied;
+use super::{Dynamics, Outcome, StageTime};
+use crate::columns::EXPECTED;
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
+use crate::forces::user;
 use crate::forces::{Prediction, Surface};
 use domain::{Particles, Tensor, Traceless};
 use fcm::Motion;
@@ -54,7 +55,7 @@ impl Dynamics {
         let of_bonds: f64 = bonds.iter().map(|moment| moment.y_axis.x).sum();
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
-        let of_user: f64 = applied::moments(particles).iter().map(|moment| moment.y_axis.x).sum();
+        let of_user: f64 = user::moments(particles).iter().map(|moment| moment.y_axis.x).sum();
         let mut sum = [of_surfaces + of_fluid + of_contacts + of_bonds + of_user];
         self.partition.comm().sum(&mut sum);
         self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()

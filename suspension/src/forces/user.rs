@@ -1,6 +1,6 @@
 //! User-defined loads, in addition to those of the model.
 
-use crate::user_axes::UserAxes;
+use crate::model::box_axes::UserAxes;
 use domain::{Failure, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
 use simulation::{AppliedLoads, NeighbourList, OwnLoads, PairForceFunction};

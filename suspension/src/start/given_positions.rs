@@ -1,11 +1,11 @@
 //! Checks of particles restored from a saved state.
 
-use crate::applied::{APPLIED, APPLIED_MOMENT};
+use crate::columns::{AGES, AHEAD, OLDEST_AGE, VELOCITY_COLUMNS};
 use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::constant_flux::CURVATURE;
 use crate::flow::stress_control::{DRIVEN, DRIVEN_NUMBERS};
-use crate::forces::user::APPLIED;
+use crate::forces::user::{APPLIED, APPLIED_MOMENT};
 use domain::Particles;
 
 /// Refuses particles of an unknown species, and columns whose width differs from that of a run.

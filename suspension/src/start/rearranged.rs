@@ -1,11 +1,9 @@
 //! States with positions or radii changed by the user.
 
-use crate::applied::{APPLIED, APPLIED_MOMENT};
-use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET};
-use crate::integrator::VELOCITY_COLUMNS;
-use crate::substeps;
-use crate::user_axes::UserAxes;
-use crate::warm_start::WarmStart;
+use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET, VELOCITY, clear_history};
+use crate::evaluation::initial_guess::WarmStart;
+use crate::forces::user::{APPLIED, APPLIED_MOMENT};
+use crate::model::box_axes::UserAxes;
 use domain::Vector;
 use simulation::{Rearrangement, RearrangementError, State};
 
@@ -22,9 +20,9 @@ pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> 
     Rearrangement::put(&places, &particles.ids, &mut particles.positions);
     Rearrangement::put(&change.radii, &particles.ids, &mut particles.radii);
     WarmStart::forget_all(particles);
-    substeps::forget(particles);
-    let motion = [ANGULAR_VELOCITY, STRESSLET, BROWNIAN, APPLIED_MOMENT];
-    let computed = |name: &str| [&VELOCITY_COLUMNS[..], &motion, &APPLIED].concat().contains(&name);
+    clear_history(particles);
+    let motion = [VELOCITY, ANGULAR_VELOCITY, STRESSLET, BROWNIAN, APPLIED_MOMENT];
+    let computed = |name: &str| [&motion[..], &APPLIED].concat().contains(&name);
     particles.columns.retain(|column| !computed(&column.name));
     Ok(state)
 }

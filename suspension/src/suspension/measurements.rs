@@ -4,6 +4,7 @@ use super::Suspension;
 use crate::evaluation::stress::ParticleStress;
 use crate::forces::Surface;
 use crate::forces::contacts::{Measured, contact_force};
+use crate::forces::user;
 use domain::Tensor;
 use simulation::ContactForces;
 
@@ -52,13 +53,19 @@ impl Suspension {
         (0..self.particles.len()).map(of_row).collect()
     }
 
-    /// Contributions to the moments of repulsion, attraction, contacts and bonds; each is empty without such forces.
-    /// Collective.
-    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 4] {
+    /// Contributions to the moments of repulsion, attraction, contacts, bonds and user-defined forces; each is empty
+    /// without such forces. Collective.
+    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 5] {
         let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
             .map(|which| self.dynamics.surface_moments(which, &self.particles));
         let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles)]
+        let applied = user::moments(&self.particles).to_vec();
+        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles), applied]
+    }
+
+    /// Whether user-defined forces contribute to the stress, by the last evaluation.
+    pub fn has_applied_stress(&self) -> bool {
+        user::have_moments(&self.particles)
     }
 
     /// Mean number of contacts per particle, fractions of frictional and of sliding contacts, largest overlap over the
