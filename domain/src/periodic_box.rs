@@ -18,8 +18,8 @@ pub enum BoxError {
     Strain(f64),
     /// The lattice vectors span no volume, or are in left-handed order.
     #[error(
-        "the box's lattice vectors span a volume of {}; they need to be finite and in right-handed order, so that it is \
-         positive",
+        "the box's lattice vectors span a volume of {}; they need to be finite and in right-handed order, so that it \
+         is positive",
         Number(*.0)
     )]
     Lattice(f64),

@@ -49,7 +49,8 @@ impl StartError {
 pub enum PackingError {
     /// The grains jam, or do not fit at all.
     #[error(
-        "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a larger cell"
+        "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a \
+         larger cell"
     )]
     Jammed {
         /// Solid fraction asked for.

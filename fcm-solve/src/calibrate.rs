@@ -14,8 +14,8 @@ pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
     let path = comm.agree(kept.map_err(|e| io::in_full(&e)))?;
     let Costs { stencils, transforms, pairs } = costs;
     let text = format!(
-        "stencils   {stencils:.2}\ntransforms {transforms:.2}\npairs      {pairs:.2}\ntimes those of the machine that the \
-         planner was made on; kept in {}\n",
+        "stencils   {stencils:.2}\ntransforms {transforms:.2}\npairs      {pairs:.2}\ntimes those of the machine that \
+         the planner was made on; kept in {}\n",
         path.display()
     );
     streams::print(comm, &text)

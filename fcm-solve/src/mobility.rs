@@ -91,8 +91,8 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
         noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&c| c > Drawn::NEGLIGIBLE && comm.is_first())
     {
         streams::log(format_args!(
-            "warning: {clipped:.1e} of the near field's weight is negative, which it is where spheres overlap; random motions \
-             are without it"
+            "warning: {clipped:.1e} of the near field's weight is negative, which it is where spheres overlap; random \
+             motions are without it"
         ));
     }
     let mut answer = comm.is_first().then(|| answer(&motions, case, (mobility.plan(), mobility.turn()), seconds));

@@ -69,8 +69,8 @@ pub fn run_to_end(
 fn stopped(stop: Stop, [first, now, last]: [u64; 3], progress: &Progress, command: &str) -> anyhow::Result<ExitCode> {
     if stop == Stop::TimeIsUp && now == first {
         bail!(
-            "the run's time is too short for a single step and its checkpoint: it stands at step {now}; give it more time \
-             (--walltime, or the job's limit), or a smaller time.step"
+            "the run's time is too short for a single step and its checkpoint: it stands at step {now}; give it more \
+             time (--walltime, or the job's limit), or a smaller time.step"
         );
     }
     progress.say(&format!("stopped after step {now} of {last} by {stop}; go on with: {command}"));

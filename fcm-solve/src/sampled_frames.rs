@@ -28,7 +28,8 @@ impl SampledFrames {
         if !missing.is_empty() {
             let count = missing.count();
             streams::log(format_args!(
-                "warning: {}: {count} frames that the run was to write are missing, of {missing}; the statistics are without them",
+                "warning: {}: {count} frames that the run was to write are missing, of {missing}; the statistics are \
+                 without them",
                 path.display()
             ));
         }

@@ -32,8 +32,8 @@ fn read_here(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<S
     if let SceneFile::Family(family) = &file {
         ensure!(
             comm.size() == 1,
-            "{} is a family of {} runs, which one process makes side by side on its cores: start it without mpirun, or as one \
-             task with many cores; on several machines start a --part K/N on each",
+            "{} is a family of {} runs, which one process makes side by side on its cores: start it without mpirun, \
+             or as one task with many cores; on several machines start a --part K/N on each",
             path.display(),
             family.members().len()
         );

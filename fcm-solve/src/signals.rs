@@ -28,8 +28,8 @@ pub struct StopArgs {
 }
 
 /// The message of a program whose time is up before it has written anything new.
-const VAIN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more time (--walltime, or \
-                    the job's limit)";
+const VAIN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more \
+    time (--walltime, or the job's limit)";
 
 /// The handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at
 /// once; a run stops after its next checkpoint. A second Ctrl-C ends either at once; a second request to terminate does

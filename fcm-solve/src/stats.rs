@@ -69,7 +69,8 @@ impl Args {
             Some(recorded) => Ok(Scene::parse(&recorded.scene, "the scene of the run", &[])?),
             None if table.is_file() => Ok(Scene::read(&kept, &[])?),
             None => bail!(
-                "{}: no results of a run: neither trajectory.h5 nor observables.csv; name the folder of a run that has begun",
+                "{}: no results of a run: neither trajectory.h5 nor observables.csv; name the folder of a run that \
+                 has begun",
                 self.folder.display()
             ),
         }

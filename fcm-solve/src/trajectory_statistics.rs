@@ -139,7 +139,10 @@ fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<(
     let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));
     let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
     Comm::check_memory_of(&[need]).with_context(|| {
-        format!("{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from and --until",
-            model.species.len())
+        format!(
+            "{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from \
+            and --until",
+            model.species.len()
+        )
     })
 }

@@ -27,8 +27,8 @@ pub fn parse(text: &str) -> Result<Walltime, String> {
         return Ok(Walltime::Unlimited);
     }
     let seconds = seconds(text).ok_or(
-        "write it as hours:minutes:seconds, days-hours:minutes:seconds, minutes, or UNLIMITED, as Slurm does: 23:50:00 is \
-         ten minutes less than a day",
+        "write it as hours:minutes:seconds, days-hours:minutes:seconds, minutes, or UNLIMITED, as Slurm does: \
+         23:50:00 is ten minutes less than a day",
     )?;
     if seconds == 0 { Err("needs to be above 0".to_owned()) } else { Ok(Walltime::For(Duration::from_secs(seconds))) }
 }

@@ -13,8 +13,8 @@ pub const NEAREST_WALL: f64 = 0.85;
 /// Error for a sphere that is too near a wall, or outside of the box.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "sphere {id} of radius {} is at {axis} = {}; the box is {} long there with {what}, and its centre needs to be from {} to \
-     {}",
+    "sphere {id} of radius {} is at {axis} = {}; the box is {} long there with {what}, and its centre needs to be \
+     from {} to {}",
     Number(*radius), Number(*place), Number(*edge), Number(allowed[0]), Number(allowed[1])
 )]
 pub struct OutsideError {

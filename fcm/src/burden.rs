@@ -80,9 +80,9 @@ impl Plan {
         let neighbours = Number(density * 4.19 * self.method.cutoff().powi(3));
         let (smallest, largest) = self.extremes();
         format!(
-            "{particles} particles with {neighbours:.2} others each within the cutoff, since the common Gaussian is at \
-             least as wide as that of the largest radius, {:.2} times the smallest; take fewer particles, or radii that \
-             are nearer to each other",
+            "{particles} particles with {neighbours:.2} others each within the cutoff, since the common Gaussian is \
+             at least as wide as that of the largest radius, {:.2} times the smallest; take fewer particles, or radii \
+             that are nearer to each other",
             Number(largest / smallest)
         )
     }

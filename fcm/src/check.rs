@@ -51,8 +51,8 @@ impl Problem {
     pub(crate) fn no_plan(&self) -> PlanError {
         if let Some(grid) = self.fixed.grid {
             return PlanError::Fixed(format!(
-                "hydrodynamics.grid {grid:?} is too coarse for a box of {}; leave it out, or take more points along its \
-                 longer edges",
+                "hydrodynamics.grid {grid:?} is too coarse for a box of {}; leave it out, or take more points along \
+                 its longer edges",
                 in_short(self.edges)
             ));
         }
@@ -108,8 +108,8 @@ impl Problem {
         }
         if self.leans() && self.fixed.method == Some(MethodName::Direct) {
             return Err(PlanError::Fixed(
-                "hydrodynamics.method is \"direct\", which is for boxes with a lattice vector at right angles to the other two; \
-                 leave it out"
+                "hydrodynamics.method is \"direct\", which is for boxes with a lattice vector at right angles to the \
+                 other two; leave it out"
                     .to_owned(),
             ));
         }

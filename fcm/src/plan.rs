@@ -266,8 +266,8 @@ impl Plan {
         };
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
         format!(
-            "method     {method}\ngrid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} points a \
-             particle\ntolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the stresslets\n",
+            "method     {method}\ngrid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} \
+             points a particle\ntolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the stresslets\n",
             self.tolerance, self.predicted_error, self.iteration_tolerance
         )
     }

@@ -36,7 +36,8 @@ fn particles_larger_than_the_box() {
         let edges_of = Problem { edges, shortest_vector, ..problem() };
         let message = refusal(&edges_of);
         let expected = format!(
-            "a particle of radius 1.5 does not fit the box, whose shortest lattice vector is {shortest_vector} long; it needs more than 3"
+            "a particle of radius 1.5 does not fit the box, whose shortest lattice vector is {shortest_vector} long; \
+             it needs more than 3"
         );
         assert_eq!(message, expected);
     }
@@ -179,8 +180,8 @@ fn loads_that_are_not_numbers_are_an_error_on_all_ranks() {
             assert_eq!(outcomes, vec![Err(SolveError::NotFinite); 4], "{method:?}");
         }
     }
-    let expected = "the motion of the particles is not finite; look for forces beyond the range of numbers (species.force, \
-                    repulsion.strength, ...), or for particles at one point";
+    let expected = "the motion of the particles is not finite; look for forces beyond the range of numbers \
+        (species.force, repulsion.strength, ...), or for particles at one point";
     assert_eq!(SolveError::NotFinite.to_string(), expected);
 }
 

@@ -22,8 +22,8 @@ pub fn check_radius(radius: f64, cell: &PeriodicBox) -> Result<(), String> {
     }
     if radius < LEAST_RADIUS * longest {
         return Err(format!(
-            "is {found}, less than {LEAST_RADIUS:e} of the longest edge of the box, {}: places are not known as exactly; take a \
-             smaller box, or larger spheres",
+            "is {found}, less than {LEAST_RADIUS:e} of the longest edge of the box, {}: places are not known as \
+             exactly; take a smaller box, or larger spheres",
             Number(longest)
         ));
     }
@@ -37,8 +37,8 @@ pub fn check_lubricated(smallest: f64, largest: f64) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "is true, but the radii {} and {} differ by a factor of {:.4}; lubrication is known up to {}: leave it out, or take radii \
-         nearer to each other",
+        "is true, but the radii {} and {} differ by a factor of {:.4}; lubrication is known up to {}: leave it out, \
+         or take radii nearer to each other",
         Number(smallest),
         Number(largest),
         Number(ratio),
@@ -53,8 +53,8 @@ pub fn check_box_of_noise(cell: &PeriodicBox) -> Result<(), String> {
         return Ok(());
     }
     Err(format!(
-        "has an edge of {}, {:.3} times the shortest; random motions need one of at most {} times the shortest, since they are \
-         drawn of all waves that fit into the box: take a shorter box",
+        "has an edge of {}, {:.3} times the shortest; random motions need one of at most {} times the shortest, since \
+         they are drawn of all waves that fit into the box: take a shorter box",
         Number(longest),
         Number(longest / shortest),
         Number(LONGEST_OF_NOISE)

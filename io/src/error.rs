@@ -15,8 +15,8 @@ pub enum FileError {
     },
     /// A file was renamed, removed or cut while the run was writing to it.
     #[error(
-        "{} {what} while the run was writing to it; what is gone of it is missing, and the run goes on from its last checkpoint \
-         by resume",
+        "{} {what} while the run was writing to it; what is gone of it is missing, and the run goes on from its last \
+         checkpoint by resume",
         path.display()
     )]
     Lost {

@@ -23,12 +23,14 @@ pub struct LubricationRange {
 pub enum RangeError {
     /// The cutoff is outside of the tables.
     #[error(
-        "lubrication cutoff is {0}; it is a gap over the larger radius: give a number above 0.001, at most 8 (2.5 is accurate, 0.2 is customary)"
+        "lubrication cutoff is {0}; it is a gap over the larger radius: give a number above 0.001, at most 8 (2.5 is \
+         accurate, 0.2 is customary)"
     )]
     Cutoff(f64),
     /// The smallest gap is outside of the tables, or too large for the cutoff.
     #[error(
-        "closest gap of lubrication is {0}; it is a gap over the mean radius: give a number from 1e-6 to a tenth of the cutoff"
+        "closest gap of lubrication is {0}; it is a gap over the mean radius: give a number from 1e-6 to a tenth of \
+         the cutoff"
     )]
     Closest(f64),
 }

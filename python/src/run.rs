@@ -33,8 +33,8 @@ enum Output {
     Files(Recorder),
 }
 
-const NO_COLUMN: &str = "the time series in this folder has begun without a column for the stress of your own forces; add \
-                         forces that have one before the first step, or let them have none";
+const NO_COLUMN: &str = "the time series in this folder has begun without a column for the stress of your own forces; \
+    add forces that have one before the first step, or let them have none";
 
 /// How an advance ended.
 pub enum Ended {

@@ -30,8 +30,8 @@ pub fn start_threads(threads: Option<usize>) -> PyResult<usize> {
     let pool = POOL.get().expect("started above");
     match threads.filter(|&asked| asked != pool.threads) {
         Some(asked) => Err(input_error(format!(
-            "threads is {asked}, but {} compute already; their number is that of the first use, and needs a new process \
-             to be another",
+            "threads is {asked}, but {} compute already; their number is that of the first use, and needs a new \
+             process to be another",
             pool.threads
         ))),
         None => Ok(pool.threads),
@@ -57,8 +57,8 @@ pub fn check_this_thread() -> PyResult<()> {
     }
     if std::thread::current().id() != pool.home {
         return Err(error(
-            "fcm_solve computes in the thread of Python that used it first, on as many threads as threads= says; call it \
-             there, or use processes",
+            "fcm_solve computes in the thread of Python that used it first, on as many threads as threads= says; call \
+             it there, or use processes",
         ));
     }
     Ok(())

@@ -106,7 +106,11 @@ fn a_rough_pair_is_left_with_the_exact_offset() {
 /// Two spheres pressed together come to rest at the overlap at which the spring balances the force.
 #[test]
 fn a_pressed_pair_rests_on_its_spring() {
-    let squeezed = PAIR.replace("count = 2", "count = 1\nforce = [30.0, 0.0, 0.0]\n[[species]]\nname = \"other\"\nradius = 1.5\ncount = 1\nforce = [-30.0, 0.0, 0.0]");
+    let squeezed = PAIR.replace(
+        "count = 2",
+        "count = 1\nforce = [30.0, 0.0, 0.0]\n[[species]]\nname = \
+        \"other\"\nradius = 1.5\ncount = 1\nforce = [-30.0, 0.0, 0.0]",
+    );
     for (law, stiffness, overlap) in
         [("linear", 1e4, 30.0 / 1.25e4), ("hertz", 3e5, (1e-4 / 1.2_f64.sqrt()).powf(2.0 / 3.0))]
     {

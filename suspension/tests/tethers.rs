@@ -104,7 +104,8 @@ fn a_stiff_trap_holds_a_sphere_against_a_force() {
 fn a_pulled_pair_rests_on_its_bond() {
     let scene = TRAPPED.replace("[[6.0, 6.0, 0.1]]", "[[11.5, 6.0, 0.1], [1.7, 6.0, 0.1]]").replace(
         "count = 1",
-        "name = \"a\"\ncount = 1\nforce = [-3.0, 0.0, 0.0]\n[[species]]\nname = \"b\"\nradius = 1.0\ncount = 1\nforce = [3.0, 0.0, 0.0]",
+        "name = \"a\"\ncount = 1\nforce = [-3.0, 0.0, 0.0]\n[[species]]\nname = \"b\"\nradius = 1.0\ncount = 1\nforce \
+         = [3.0, 0.0, 0.0]",
     );
     let scene =
         scene.split("[[traps]]").next().unwrap().to_owned() + "[[bonds]]\npairs = [[0, 1]]\nstiffness = 200.0\n";

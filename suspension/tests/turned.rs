@@ -30,8 +30,8 @@ fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
             "flow = { kind = \"poiseuille\", mean_velocity = 0.6 }\nhydrodynamics.lubrication = true\n".to_owned()
         }
         "sediment" => format!(
-            "gravity.acceleration = {}\nhydrodynamics.lubrication = true\ncontacts = {{ friction = 0.4, roughness = 0.05, \
-             stiffness = 300.0 }}\n",
+            "gravity.acceleration = {}\nhydrodynamics.lubrication = true\ncontacts = {{ friction = 0.4, roughness = \
+             0.05, stiffness = 300.0 }}\n",
             vector([0.3, -0.2, -1.0])
         ),
         _ => format!("gravity.acceleration = {}\n", vector([0.0, 0.0, -1.0])),

@@ -100,8 +100,8 @@ mod tests {
         Launcher::of(&find)
     }
 
-    const STEP: &str = "SLURM_JOB_ID=5 SLURM_STEP_ID=0 SLURM_STEP_NUM_TASKS=4 SLURM_NTASKS=4 SLURM_PROCID=3 SLURM_NODEID=1 \
-        SLURM_STEP_TASKS_PER_NODE=3,1 SLURM_CPUS_ON_NODE=8";
+    const STEP: &str = "SLURM_JOB_ID=5 SLURM_STEP_ID=0 SLURM_STEP_NUM_TASKS=4 SLURM_NTASKS=4 SLURM_PROCID=3 \
+        SLURM_NODEID=1 SLURM_STEP_TASKS_PER_NODE=3,1 SLURM_CPUS_ON_NODE=8";
 
     #[test]
     fn every_launcher_says_how_many_it_started() {

@@ -46,10 +46,10 @@ pub enum CommError {
     },
     /// Slurm started several processes that cannot find each other.
     #[error(
-        "srun started {launched} processes that can't find each other, and every one of them would run the whole scene; \
-         start them by `srun --mpi=pmix` if the program was built with Open MPI, `srun --mpi=pmi2` with MPICH or Intel \
-         MPI (`srun --mpi=list` names what this Slurm has), or by mpirun in the job; or say by --alone that each is a run \
-         of its own"
+        "srun started {launched} processes that can't find each other, and every one of them would run the whole \
+         scene; start them by `srun --mpi=pmix` if the program was built with Open MPI, `srun --mpi=pmi2` with MPICH \
+         or Intel MPI (`srun --mpi=list` names what this Slurm has), or by mpirun in the job; or say by --alone that \
+         each is a run of its own"
     )]
     Unconnected {
         /// Processes that Slurm announced.
@@ -69,8 +69,8 @@ pub enum CommError {
     },
     /// A communicator of another MPI library.
     #[error(
-        "the communicator is of {theirs:?}, but this program was built with {ours:?}; build both with the same mpicc, and \
-         start MPI before"
+        "the communicator is of {theirs:?}, but this program was built with {ours:?}; build both with the same mpicc, \
+         and start MPI before"
     )]
     OtherLibrary {
         /// Library with which this program was built.

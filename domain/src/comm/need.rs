@@ -18,7 +18,8 @@ pub struct Need {
 /// More memory is needed than is available.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "{ranks} rank(s) on one machine would take {} of memory at their peak, {} of it still to come, but {limit} leaves {}",
+    "{ranks} rank(s) on one machine would take {} of memory at their peak, {} of it still to come, but {limit} leaves \
+     {}",
     readable_bytes(*needed), readable_bytes(*to_come), readable_bytes(*left)
 )]
 pub struct NotEnoughMemory {

@@ -29,8 +29,8 @@ pub enum PackingError {
     },
     /// A volume fraction above that of random packings.
     #[error(
-        "spheres with the gap would fill {fraction:.3} of the box; random packings reach {limit}: take fewer or smaller \
-         spheres, or a smaller gap"
+        "spheres with the gap would fill {fraction:.3} of the box; random packings reach {limit}: take fewer or \
+         smaller spheres, or a smaller gap"
     )]
     TooDense {
         /// Volume fraction of the spheres with half the gap added to their radii.
@@ -40,8 +40,8 @@ pub enum PackingError {
     },
     /// A cloud without enough room.
     #[error(
-        "spheres with the gap would fill {fraction:.3} of the ball of radius {radius}; a cloud at random has up to {limit}: take a \
-         larger ball, fewer or smaller spheres, or a smaller gap"
+        "spheres with the gap would fill {fraction:.3} of the ball of radius {radius}; a cloud at random has up to \
+         {limit}: take a larger ball, fewer or smaller spheres, or a smaller gap"
     )]
     DenseCloud {
         /// Volume of the spheres with half the gap added to their radii over that of the ball.

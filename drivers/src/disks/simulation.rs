@@ -68,8 +68,8 @@ impl Disks {
     pub fn check(&self) -> Result<(), ParameterError> {
         let key = if self.stage == Stage::Flow { "time.step" } else { "preparation.time_step" };
         let allowed = format!(
-            "to be shorter, an integrator that bears it (\"gear-four\"), or a start without deep overlaps: disks flew off \
-             at step {}",
+            "to be shorter, an integrator that bears it (\"gear-four\"), or a start without deep overlaps: disks flew \
+             off at step {}",
             self.step
         );
         require(!self.lost, key, &self.law.dt, allowed)

@@ -59,8 +59,8 @@ impl Experiment {
         let [end, from] = [self.steps, self.settle].map(|steps| Number(steps as f64 * self.time_step));
         (self.settle > 0 && self.settle >= self.steps).then(|| {
             format!(
-                "time.settle = {from:.6}, but the run ends at time {end:.6}: nothing is measured, and there will be no profiles \
-                 unless the run goes on for longer"
+                "time.settle = {from:.6}, but the run ends at time {end:.6}: nothing is measured, and there will be \
+                 no profiles unless the run goes on for longer"
             )
         })
     }

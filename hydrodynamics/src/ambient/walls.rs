@@ -9,8 +9,8 @@ use solver::BackgroundFlow;
 pub enum FlowRefused {
     /// A linear flow through a wall, or one that stretches a wall.
     #[error(
-        "the background flow moves fluid through a wall or stretches one; with walls across {0} a velocity gradient can have \
-         du/d{0} of velocities along the walls alone, a shear between walls that move"
+        "the background flow moves fluid through a wall or stretches one; with walls across {0} a velocity gradient \
+         can have du/d{0} of velocities along the walls alone, a shear between walls that move"
     )]
     Linear(char),
     /// A pressure gradient in a box without two walls.

@@ -32,8 +32,8 @@ pub enum MobilityError {
     Flow(#[from] FlowRefused),
     /// The square root did not converge.
     #[error(
-        "the square root of the mobility still changed by {change:.1e} after {applications} applications, where {tolerance:e} was \
-         asked for: move spheres that nearly touch apart, or take a larger tolerance"
+        "the square root of the mobility still changed by {change:.1e} after {applications} applications, where \
+         {tolerance:e} was asked for: move spheres that nearly touch apart, or take a larger tolerance"
     )]
     Root {
         /// Number of applications of the mobility.

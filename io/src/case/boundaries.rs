@@ -32,8 +32,8 @@ impl CaseBoundary {
 /// An impossible combination of boundary conditions.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "boundaries are {0:?}; possible are \"periodic\" along all axes, \"walls\", \"wall\" or \"open\" along one and \"periodic\" \
-     along the others, or \"open\" along all"
+    "boundaries are {0:?}; possible are \"periodic\" along all axes, \"walls\", \"wall\" or \"open\" along one and \
+     \"periodic\" along the others, or \"open\" along all"
 )]
 pub struct BoundariesError([CaseBoundary; 3]);
 

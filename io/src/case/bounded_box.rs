@@ -26,9 +26,10 @@ impl TryFrom<[NumberOr<[f64; 3]>; 3]> for CaseBox {
         match given {
             [NumberOr::Number(x), NumberOr::Number(y), NumberOr::Number(z)] => Ok(Self::Edges([x, y, z])),
             [NumberOr::Other(a), NumberOr::Other(b), NumberOr::Other(c)] => Ok(Self::Vectors([a, b, c])),
-            _ => Err(
-                "has edges beside lattice vectors; it needs to be three edges, or three lattice vectors of three numbers each",
-            ),
+            _ => {
+                Err("has edges beside lattice vectors; it needs to be three edges, or three lattice vectors of three \
+                 numbers each")
+            }
         }
     }
 }

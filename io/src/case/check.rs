@@ -47,8 +47,8 @@ impl Case {
         }
         if let Some(cutoff) = self.lubrication_cutoff.filter(|c| !(self.lubrication && *c > 1e-3 && *c <= 8.0)) {
             return Err(format!(
-                "lubrication_cutoff is {}; it needs 0.001 < lubrication_cutoff <= 8, in radii of a pair's larger sphere, and \
-                 lubrication true",
+                "lubrication_cutoff is {}; it needs 0.001 < lubrication_cutoff <= 8, in radii of a pair's larger \
+                 sphere, and lubrication true",
                 Number(cutoff)
             ));
         }
@@ -57,8 +57,8 @@ impl Case {
         }
         let is_rigid = self.rigid && self.multipoles == Terms::Dipole;
         if self.noise.is_some_and(|noise| noise.drift) && !is_rigid {
-            return Err("noise.drift is true, but only rigid particles drift; set rigid to true and multipoles to \"dipole\", or \
-                        noise.drift to false"
+            return Err("noise.drift is true, but only rigid particles drift; set rigid to true and multipoles to \
+                \"dipole\", or noise.drift to false"
                 .to_owned());
         }
         if self.multipoles == Terms::Monopole {

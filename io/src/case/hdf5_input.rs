@@ -39,8 +39,8 @@ pub(super) fn in_words(misfit: &Misfit, file: &Group) -> String {
     match shape.as_deref() {
         None | Some([]) => words,
         Some(&[width @ (3 | 5), count]) if count != 3 && count != 5 => format!(
-            "{words}; the dataset has the shape ({width}, {count}), which is likely that of Julia, MATLAB or Fortran, where the first \
-             index runs fastest: transpose it"
+            "{words}; the dataset has the shape ({width}, {count}), which is likely that of Julia, MATLAB or Fortran, \
+             where the first index runs fastest: transpose it"
         ),
         Some(shape) => {
             let shape: Vec<String> = shape.iter().map(usize::to_string).collect();

@@ -112,8 +112,8 @@ impl<'a> Checkpoints<'a> {
         Err(damaged.into_iter().next().unwrap_or_else(|| {
             FileError::read(
                 self.0,
-                &"there is no checkpoint in this folder: its run was stopped before the first; start it by `fcm-solve run SCENE \
-                   --continue`",
+                &"there is no checkpoint in this folder: its run was stopped before the first; start it by `fcm-solve \
+                    run SCENE --continue`",
             )
         }))
     }

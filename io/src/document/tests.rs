@@ -83,11 +83,13 @@ fn nothing_is_dropped_or_converted() {
         ("word = 'ne'", "word is \"ne\"; did you mean \"one\"? Known here: one, two"),
         (
             "\"a b c d\" = 1",
-            "\"a b c d\" is not a key of a scene; known here: a, b, rows, section, list, word, rate, flag, small, signed, name",
+            "\"a b c d\" is not a key of a scene; known here: a, b, rows, section, list, word, rate, flag, small, \
+             signed, name",
         ),
         (
             "rate = 'x'",
-            "rate has the wrong type: found \"x\", expected a number or a table of times and rates, as [[0.0, 1.0], [5.0, -1.0]]",
+            "rate has the wrong type: found \"x\", expected a number or a table of times and rates, as [[0.0, 1.0], \
+             [5.0, -1.0]]",
         ),
     ] {
         assert_eq!(read(text).unwrap_err(), message);

@@ -77,7 +77,8 @@ impl Frame {
     fn straight(&self) -> String {
         let numbers = |[z, y, x]: [f64; 3]| {
             format!(
-                "<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{z:?} {y:?} {x:?}</DataItem>"
+                "<DataItem Format=\"XML\" NumberType=\"Float\" Precision=\"8\" Dimensions=\"3\">{z:?} {y:?} \
+                 {x:?}</DataItem>"
             )
         };
         let of_box = || [[0.0; 3], [0, 1, 2].map(|axis| self.edges[axis] / self.points[axis] as f64)];

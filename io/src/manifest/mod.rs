@@ -360,7 +360,8 @@ fn found(path: &Path) -> Option<Metadata> {
 
 fn in_the_way(path: &Path) -> FileError {
     let reason = format!(
-        "something of this name is there that no run is known to have made, for {MANIFEST} does not list it; move it away"
+        "something of this name is there that no run is known to have made, for {MANIFEST} does not list it; move it \
+         away"
     );
     FileError::write(path, &reason)
 }

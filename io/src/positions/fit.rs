@@ -85,7 +85,8 @@ fn check_strain(cell: &FileBox, scene: &SceneBox, expected: f64) -> Result<(), S
     let found = cell.strain_in(scene)?;
     match scene.shape {
         Shape::Sheared(edges, _) if !is_same_strain(found, expected, edges) => Err(format!(
-            "its box has a strain of {}, but box.strain of the scene is {}; leave box.strain out to take that of the file",
+            "its box has a strain of {}, but box.strain of the scene is {}; leave box.strain out to take that of the \
+             file",
             Number(found),
             Number(expected)
         )),

@@ -96,7 +96,10 @@ impl Page<'_> {
     fn stage(&self) -> String {
         let counts = self.playback.map(|(playback, _)| (playback.shown(), playback.recorded));
         let part = counts.filter(|(shown, recorded)| shown < recorded).map_or_else(String::new, |(shown, recorded)| {
-            format!("Of the {recorded} frames of the trajectory this page has {shown}, evenly apart, so that it stays small. ")
+            format!(
+                "Of the {recorded} frames of the trajectory this page has {shown}, evenly apart, so that it stays \
+                small. "
+            )
         });
         let has_chains = self.playback.is_some_and(|(playback, _)| playback.has_chains());
         let stage = STAGE.replace("{CHOICE}", if has_chains { CHOICE } else { "" });

@@ -81,8 +81,8 @@ impl RunFolder {
         match known_files(path)? {
             Some(manifest) => Ok(Self { path: path.to_owned(), manifest, _lock: Some(lock(path)?) }),
             None => Err(RunError::Refused(format!(
-                "{name} holds no run to go on with: it has a {SCENE}, but neither {MANIFEST} nor any other file that a run \
-                 has written; start one in another folder by `fcm-solve run {name}/{SCENE} --out DIR`"
+                "{name} holds no run to go on with: it has a {SCENE}, but neither {MANIFEST} nor any other file that \
+                 a run has written; start one in another folder by `fcm-solve run {name}/{SCENE} --out DIR`"
             ))),
         }
     }
@@ -163,7 +163,8 @@ fn kept(path: &Path) -> String {
         format!("its {SCENE} is gone: put it back to go on with it by --continue")
     };
     format!(
-        "{name} already holds the results of a run: {continued}, name another folder with --out, or replace it with --force"
+        "{name} already holds the results of a run: {continued}, name another folder with --out, or replace it with \
+         --force"
     )
 }
 
@@ -177,14 +178,14 @@ fn refuse_obstacles(path: &Path, manifest: Option<&Manifest>) -> Result<(), RunE
     let has_manifest = path.join(MANIFEST).exists();
     if !has_manifest && path.join(SCENE).exists() && Manifest::of_older_version(path)?.is_some() {
         return Err(RunError::Refused(format!(
-            "{name} already holds the results of a run of an older version, which wrote no {MANIFEST} to tell its files from \
-             others ({obstacles}): go on with it by --continue, name another folder with --out, or move or delete the folder by \
-             hand; --force removes only what a manifest lists"
+            "{name} already holds the results of a run of an older version, which wrote no {MANIFEST} to tell its \
+             files from others ({obstacles}): go on with it by --continue, name another folder with --out, or move or \
+             delete the folder by hand; --force removes only what a manifest lists"
         )));
     }
     Err(RunError::Refused(format!(
-        "{name} has files that no run is known to have made, under names that a run uses: {obstacles}; name another folder with \
-         --out, or move them away; --force removes only what {MANIFEST} lists, which a run writes"
+        "{name} has files that no run is known to have made, under names that a run uses: {obstacles}; name another \
+         folder with --out, or move them away; --force removes only what {MANIFEST} lists, which a run writes"
     )))
 }
 

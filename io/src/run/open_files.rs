@@ -166,8 +166,8 @@ impl Open<'_> {
             };
             (!missing.is_empty()).then(|| {
                 format!(
-                    "{} {found}: {count} {things} are missing, of {missing}, which the run has written before its checkpoint of \
-                     step {last}; it goes on without them",
+                    "{} {found}: {count} {things} are missing, of {missing}, which the run has written before its \
+                     checkpoint of step {last}; it goes on without them",
                     path.display()
                 )
             })

@@ -42,12 +42,14 @@ impl StrainEnd {
                 format!("reached after about {steps} steps at the rate of the first {tried}, which may change")
             }
             Self::Missed(part) => format!(
-                "{:.2}% of it reached at time.duration, at the rate of the first {tried} steps; a longer one lets it be reached",
+                "{:.2}% of it reached at time.duration, at the rate of the first {tried} steps; a longer one lets it \
+                 be reached",
                 Number(100.0 * part)
             ),
             Self::Unknown => {
                 format!(
-                    "unknown when it is reached: the first {tried} steps have sheared nothing; the time is that of all steps"
+                    "unknown when it is reached: the first {tried} steps have sheared nothing; the time is that of \
+                     all steps"
                 )
             }
         };

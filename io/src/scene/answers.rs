@@ -23,8 +23,8 @@ impl RawAnswers {
             return Ok(Some(from));
         }
         let message = format!(
-            "is {:.6}; means need a time from 0 on and before the end of the run, which is {:.6}: take an earlier one, or \
-             a longer run",
+            "is {:.6}; means need a time from 0 on and before the end of the run, which is {:.6}: take an earlier \
+             one, or a longer run",
             Number(from),
             Number(end)
         );

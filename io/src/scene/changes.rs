@@ -193,7 +193,8 @@ fn comes_or_goes(all: &[Difference], now: &str, then: &str) -> Option<String> {
     let has_section = |text: &str| toml::from_str::<Table>(text).is_ok_and(|table| table.contains_key("repulsion"));
     let is_changed = all.iter().any(|difference| difference.key.starts_with("repulsion."));
     (is_changed && has_section(now) != has_section(then)).then(|| {
-        "[repulsion] can change, but can't be added to a run or taken from it, since the time series would have other columns"
+        "[repulsion] can change, but can't be added to a run or taken from it, since the time series would have other \
+         columns"
             .to_owned()
     })
 }

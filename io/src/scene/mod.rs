@@ -139,7 +139,8 @@ impl Reading<'_> {
     /// The scene with this text.
     fn scene(&self, text: &str) -> Result<Scene, SceneError> {
         if let Some(section) = family::section_of(self.document, text) {
-            let message = "makes a family of many runs, which `fcm-solve run`, `check` and `resume` take, but which is no scene of one";
+            let message = "makes a family of many runs, which `fcm-solve run`, `check` and `resume` take, but which \
+                is no scene of one";
             return Err(self.explain.fault(&Fault::new(section, message)));
         }
         let kind = match self.document.get("kind").and_then(Node::text).unwrap_or(KINDS[0]) {

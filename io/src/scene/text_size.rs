@@ -16,8 +16,8 @@ pub(super) fn read(mut from: impl Read, name: &str) -> Result<String, SceneError
     from.by_ref().take(MOST + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > MOST {
         let message = format!(
-            "is longer than {} MB, the most that a scene may have; bring places of particles by particles.path, and leave out \
-             what is no scene",
+            "is longer than {} MB, the most that a scene may have; bring places of particles by particles.path, and \
+             leave out what is no scene",
             MOST >> 20
         );
         return Err(SceneError::TooLong { name: name.to_owned(), message });

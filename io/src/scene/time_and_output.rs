@@ -55,7 +55,8 @@ impl Time {
         let time = Self { step, steps };
         if steps > MOST_STEPS {
             let message = format!(
-                "makes {:.3} steps up to the end of the run; there can be {MOST_STEPS}: take a longer time.step, or end earlier",
+                "makes {:.3} steps up to the end of the run; there can be {MOST_STEPS}: take a longer time.step, or \
+                 end earlier",
                 Number(steps as f64)
             );
             return Err(Fault::new(key, message));
@@ -84,8 +85,8 @@ impl Output {
         let is_due = |schedule: Schedule| schedule.count_until(steps) > 0;
         if is_due(self.trajectory) && frame > f64::from(u32::MAX) {
             let message = format!(
-                "lets {particles:.1e} particles be written, but a frame of the trajectory holds {:.1e} at most; set it to 0, \
-                 which is never",
+                "lets {particles:.1e} particles be written, but a frame of the trajectory holds {:.1e} at most; set \
+                 it to 0, which is never",
                 f64::from(u32::MAX) / 8.0 / 5.0
             );
             return Err(Fault::new("output.trajectory_every", message));
@@ -100,8 +101,8 @@ impl Output {
             let count = schedule.count_until(steps) as f64;
             let message = || {
                 format!(
-                    "makes {count:.1e} {things}, more than a file can hold: take fewer time.steps, or more of them from one \
-                     to the next"
+                    "makes {count:.1e} {things}, more than a file can hold: take fewer time.steps, or more of them \
+                     from one to the next"
                 )
             };
             if count * bytes < LONGEST { Ok(()) } else { Err(Fault::new(key, message())) }

@@ -93,15 +93,16 @@ impl OverlappedSteps {
         let Self { steps, with_overlap, at_minimum_gap, most } = self;
         let overlapped = (*with_overlap > 0).then(|| {
             format!(
-                "spheres overlapped in {with_overlap} of {steps} steps where their motions were solved for, up to {} at a time \
-                 and by {} at most",
+                "spheres overlapped in {with_overlap} of {steps} steps where their motions were solved for, up to {} \
+                 at a time and by {} at most",
                 pairs(most.overlapping),
                 Gap { length: most.depth, radius: smallest_radius }
             )
         });
         let near = (*at_minimum_gap > 0).then(|| {
             format!(
-                "in {at_minimum_gap} of {steps} steps up to {} had a gap below {} mean radii, where lubrication grows no more",
+                "in {at_minimum_gap} of {steps} steps up to {} had a gap below {} mean radii, where lubrication grows \
+                 no more",
                 pairs(most.at_minimum_gap),
                 Number(LubricationRange::CLOSEST)
             )
@@ -142,8 +143,8 @@ impl Remedies {
         let direct =
             if self.may_be_direct { "hydrodynamics.method = \"direct\", which leaves nothing out, " } else { "" };
         format!(
-            "up to {share:.1e} of the weight of random motions was left out, as happens where spheres overlap much; try \
-             {direct}{self}"
+            "up to {share:.1e} of the weight of random motions was left out, as happens where spheres overlap much; \
+             try {direct}{self}"
         )
     }
 }
@@ -250,10 +251,10 @@ mod tests {
         let said = steps.warning(remedies, 0.5).unwrap();
         assert_eq!(
             said,
-            "spheres overlapped in 1 of 3 steps where their motions were solved for, up to 2 pairs at a time and by 0.01 (0.02 \
-             of the smallest radius) at most; in 2 of 3 steps up to 3 pairs had a gap below 1e-6 mean radii, where lubrication \
-             grows no more; stresses and motions of these are not those of spheres: try a shorter time.step, a larger \
-             repulsion.strength or repulsion.range, or time.brownian = \"two-evaluations\""
+            "spheres overlapped in 1 of 3 steps where their motions were solved for, up to 2 pairs at a time and by \
+             0.01 (0.02 of the smallest radius) at most; in 2 of 3 steps up to 3 pairs had a gap below 1e-6 mean \
+             radii, where lubrication grows no more; stresses and motions of these are not those of spheres: try a \
+             shorter time.step, a larger repulsion.strength or repulsion.range, or time.brownian = \"two-evaluations\""
         );
         let without = Remedies { repels: false, is_midpoint: false, may_be_direct: true };
         assert!(steps.warning(without, 0.5).unwrap().ends_with("try a shorter time.step, a [repulsion]"));

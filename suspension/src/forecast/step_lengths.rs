@@ -41,8 +41,9 @@ fn noise(model: &Model, radii: &Radii) -> Option<String> {
     (moved > LONGEST_NOISE * reach).then(|| {
         let longest = model.time_step * (LONGEST_NOISE * reach / moved).powi(2);
         format!(
-            "time.step = {} lets the smallest sphere diffuse by {:.3} in a step, and {key} is {:.3}: spheres jump into each other, \
-             and forces may then throw them anywhere; take {longest:.2} or less, or a repulsion that reaches farther",
+            "time.step = {} lets the smallest sphere diffuse by {:.3} in a step, and {key} is {:.3}: spheres jump \
+             into each other, and forces may then throw them anywhere; take {longest:.2} or less, or a repulsion that \
+             reaches farther",
             Number(model.time_step),
             Number(moved),
             Number(reach),
@@ -61,9 +62,9 @@ fn shear(model: &Model, radii: &Radii) -> Option<String> {
     (moved > LONGEST_SHEAR * reach).then(|| {
         let longest = model.time_step * LONGEST_SHEAR * reach / moved;
         format!(
-            "time.step = {} lets the flow move neighbours by {:.3} against each other in a step, and {key} is {:.3}: spheres jump \
-             into each other, and forces may then throw them anywhere; take {longest:.2} or less, or a repulsion that reaches \
-             farther",
+            "time.step = {} lets the flow move neighbours by {:.3} against each other in a step, and {key} is {:.3}: \
+             spheres jump into each other, and forces may then throw them anywhere; take {longest:.2} or less, or a \
+             repulsion that reaches farther",
             Number(model.time_step),
             Number(moved),
             Number(reach),
@@ -86,8 +87,8 @@ fn forces(model: &Model, radii: &Radii) -> Option<String> {
     };
     (travel > least).then(|| {
         format!(
-            "time.step = {} lets the steady forces on a sphere of species \"{}\" move it by {:.3} in a step where it is alone, \
-             more than {than}, {:.3}: {remedy}; take {:.2} or less",
+            "time.step = {} lets the steady forces on a sphere of species \"{}\" move it by {:.3} in a step where it \
+             is alone, more than {than}, {:.3}: {remedy}; take {:.2} or less",
             Number(model.time_step),
             fastest.name,
             Number(travel),

@@ -170,7 +170,8 @@ fn beside_periodic(
     );
     let outline = outline.line(if boundaries.walls() > 0 { "walls" } else { "open fluid" }, text);
     let outline = outline.value("time_over_periodic", times).value("memory_over_periodic", room);
-    let near = "spheres that lie in layers on one may err by up to two and a half times the tolerance, in stresslets above all";
+    let near = "spheres that lie in layers on one may err by up to two and a half times the tolerance, in stresslets \
+        above all";
     let outline = if boundaries.walls() > 0 { outline.line("", near) } else { outline };
     let follows_them = "the box follows the spheres: time and memory go with the room that they take";
     if follows(boundaries) { outline.line("", follows_them) } else { outline }

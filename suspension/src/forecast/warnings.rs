@@ -49,7 +49,8 @@ fn long_steps(model: &Model) -> Option<String> {
     let is_given = model.shear_rates().stress().is_none();
     (is_given && model.contacts.is_some() && strain > LONGEST_STRAIN * 1.001).then(|| {
         format!(
-            "time.step = {step} is a strain of {:.3}, and contacts stick or slide for a whole step; take {limit:.3} or less",
+            "time.step = {step} is a strain of {:.3}, and contacts stick or slide for a whole step; take {limit:.3} \
+             or less",
             Number(strain)
         )
     })
@@ -65,9 +66,9 @@ fn stiff_contacts(model: &Model, radii: &Radii) -> Option<String> {
     let is_dense = radii.volume() / model.cell.volume() > DENSE;
     (rates.stress().is_none() && is_dense && excess > STIFF && model.time_step > limit * 1.001).then(|| {
         format!(
-            "contacts.stiffness = {} is {:.2} times what keeps overlaps at contacts.overlap here, and steps have to be as much \
-             shorter: viscosities may come out tens of percent too high with time.step = {}; take {:.3} or less, or a \
-             smaller stiffness",
+            "contacts.stiffness = {} is {:.2} times what keeps overlaps at contacts.overlap here, and steps have to \
+             be as much shorter: viscosities may come out tens of percent too high with time.step = {}; take {:.3} or \
+             less, or a smaller stiffness",
             Number(stiffness),
             Number(excess),
             Number(model.time_step),
@@ -121,8 +122,8 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
     let rate = (trap + ends * bond) / (6.0 * PI * model.viscosity * radii.smallest());
     (rate * model.time_step > limit * 1.001).then(|| {
         format!(
-            "time.step = {} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {:.3}; take {:.3} or \
-             less{remedy}",
+            "time.step = {} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {:.3}; take \
+             {:.3} or less{remedy}",
             Number(model.time_step),
             Number(1.0 / rate),
             Number(limit / rate)
@@ -135,9 +136,9 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
 /// there are no such faces.
 fn straight_box(model: &Model) -> Option<String> {
     let Flow::Shear { rate, lees_edwards: false } = model.flow else { return None };
-    let message = "flow.lees_edwards = false: the box stays straight, so that spheres near its faces along y meet images \
-                   that do not move with the flow; relative_viscosity and stresses in the time series are not those of a \
-                   sheared suspension. Leave the key out unless this is what you want";
+    let message = "flow.lees_edwards = false: the box stays straight, so that spheres near its faces along y meet \
+        images that do not move with the flow; relative_viscosity and stresses in the time series are not those of a \
+        sheared suspension. Leave the key out unless this is what you want";
     (rate != 0.0 && model.cell.boundaries() == Boundaries::Periodic).then(|| message.to_owned())
 }
 

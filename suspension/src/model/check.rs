@@ -55,13 +55,14 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
         return Err(ParameterError::new("contacts", message));
     }
     if p.shear_rates().stress().is_some() {
-        let message = "is \"stress\", which can't be with fluid.thermal_energy: random stresses would drive the flow; give flow.rate";
+        let message = "is \"stress\", which can't be with fluid.thermal_energy: random stresses would drive the flow; \
+            give flow.rate";
         return Err(ParameterError::new("flow.control", message));
     }
     let is_periodic = p.cell.boundaries() == Boundaries::Periodic;
     if let (Flow::Shear { lees_edwards: false, .. }, true) = (p.flow, is_periodic) {
-        let message = "is false, but heat moves spheres across the faces of the box, beyond which images that do not move \
-                       with the flow are no places of equilibrium; leave it out";
+        let message = "is false, but heat moves spheres across the faces of the box, beyond which images that do not \
+            move with the flow are no places of equilibrium; leave it out";
         return Err(ParameterError::new("flow.lees_edwards", message));
     }
     Ok(())
@@ -82,12 +83,13 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
         return refused("flow.lees_edwards", message);
     }
     if let Protocol::Stress(_) = p.protocol {
-        let message = "is \"stress\", which only a periodic box can follow; give flow.rate, between walls the speed of the \
-                       upper one over its height";
+        let message = "is \"stress\", which only a periodic box can follow; give flow.rate, between walls the speed \
+            of the upper one over its height";
         return refused("flow.control", message);
     }
     if p.thermal_energy.is_some() && p.flow.keeps_flux() {
-        let message = "is set with fluid.thermal_energy, but heat has no part in what keeps the flux; give flow.pressure_gradient";
+        let message = "is set with fluid.thermal_energy, but heat has no part in what keeps the flux; give \
+            flow.pressure_gradient";
         return refused("flow.mean_velocity", message);
     }
     if p.statistics.is_some() && boundaries == Boundaries::Open {
@@ -101,8 +103,8 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
 /// motion due to forces along the layer, could be relative.
 fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
     if p.thermal_energy.is_some() {
-        let message = "can't be in a layer in fluid that is open on both sides: heat moves spheres along it, and all fluid with them; \
-                       make box.boundaries periodic, open along all axes, or with walls";
+        let message = "can't be in a layer in fluid that is open on both sides: heat moves spheres along it, and all \
+            fluid with them; make box.boundaries periodic, open along all axes, or with walls";
         return Err(ParameterError::new("fluid.thermal_energy", message));
     }
     if !matches!(p.flow, Flow::None) {
@@ -110,8 +112,8 @@ fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
         return Err(ParameterError::new("flow.kind", message));
     }
     if !p.traps.is_empty() {
-        let message = "hold spheres of a layer in fluid that is open on both sides, all of which forces along it move; leave \
-                       them out";
+        let message = "hold spheres of a layer in fluid that is open on both sides, all of which forces along it \
+            move; leave them out";
         return Err(ParameterError::new("traps", message));
     }
     let is_along = |s: &Species| {
@@ -120,8 +122,8 @@ fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
     };
     match p.species.iter().position(is_along) {
         Some(index) => {
-            let message = "has a force along a layer in fluid that is open on both sides, all of which it would move; only \
-                           forces across the layer, along its open axis, are possible";
+            let message = "has a force along a layer in fluid that is open on both sides, all of which it would move; \
+                only forces across the layer, along its open axis, are possible";
             Err(ParameterError::new(format!("species[{index}]"), message))
         }
         None => Ok(()),
@@ -180,11 +182,13 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
         return Err(ParameterError::new(key, message));
     }
     if rates.stress().is_some() && p.hydrodynamics.multipoles == Multipoles::Monopole {
-        let message = "is \"stress\", of which spheres without stresslets have no part; set hydrodynamics.multipoles = \"dipole\"";
+        let message = "is \"stress\", of which spheres without stresslets have no part; set hydrodynamics.multipoles \
+            = \"dipole\"";
         return Err(ParameterError::new("flow.control", message));
     }
     if rates.stress().is_some() && !matches!(p.integrator, Integrator::Implicit(_)) {
-        let message = "can't follow a rate that is solved for; flow.control = \"stress\" needs \"implicit\", which is its default";
+        let message = "can't follow a rate that is solved for; flow.control = \"stress\" needs \"implicit\", which is \
+            its default";
         return Err(ParameterError::new("time.integrator", message));
     }
     if let (Some(frequency), Some(wanted)) = (rates.frequency(), p.statistics) {
@@ -193,15 +197,16 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
         if samples < FEWEST_SAMPLES * (1.0 - 1e-9) {
             let (samples, fewest) = (Number(samples), Number(FEWEST_SAMPLES));
             let message = format!(
-                "leaves {samples:.3} samples in a period of flow.oscillation; moduli and harmonics need {fewest} or more"
+                "leaves {samples:.3} samples in a period of flow.oscillation; moduli and harmonics need {fewest} or \
+                 more"
             );
             return Err(ParameterError::new("statistics.every", message));
         }
     }
     if p.hydrodynamics.lubrication && is_straight {
-        let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side of \
-                       its y boundary would rub against images that do not move with the flow; set \
-                       flow.lees_edwards = true, or lubrication = false";
+        let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side \
+            of its y boundary would rub against images that do not move with the flow; set flow.lees_edwards = true, \
+            or lubrication = false";
         return Err(ParameterError::new("hydrodynamics.lubrication", message));
     }
     Ok(())
@@ -228,8 +233,8 @@ fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError
     }
     if p.hydrodynamics.method == Evaluation::Direct && kind != Extension::Planar {
         let message = format!(
-            "is \"direct\", which is for boxes with a lattice vector at right angles to the other two; that of {} has none: \
-             leave it out",
+            "is \"direct\", which is for boxes with a lattice vector at right angles to the other two; that of {} has \
+             none: leave it out",
             kind.name()
         );
         return Err(ParameterError::new("hydrodynamics.method", message));
@@ -273,8 +278,8 @@ fn check_repulsion(repulsion: &Repulsion, p: &Parameters) -> Result<(), Paramete
         let shortest = p.shortest_vector();
         if length > shortest && p.cell.boundaries() != Boundaries::Open {
             let message = format!(
-                "is {}; it needs to be at most the box's shortest edge, {}: spheres would repel many images of each other; take a \
-                 larger box, or a shorter length",
+                "is {}; it needs to be at most the box's shortest edge, {}: spheres would repel many images of each \
+                 other; take a larger box, or a shorter length",
                 Number(length),
                 Number(shortest)
             );
@@ -288,8 +293,8 @@ fn check_repulsion(repulsion: &Repulsion, p: &Parameters) -> Result<(), Paramete
     }
     if radius_power > 2 {
         let message = format!(
-            "is {radius_power}; the force at contact grows with the 0th (the same for all, the default), 1st or 2nd power \
-             of the harmonic mean radius of the two spheres"
+            "is {radius_power}; the force at contact grows with the 0th (the same for all, the default), 1st or 2nd \
+             power of the harmonic mean radius of the two spheres"
         );
         return Err(ParameterError::new("repulsion.radius_power", message));
     }

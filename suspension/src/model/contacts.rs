@@ -123,8 +123,8 @@ impl Contacts {
     pub(super) fn check(&self, p: &Parameters) -> Result<(), ParameterError> {
         let error = |key: &str, message: String| Err(ParameterError::new(key, message));
         if !p.hydrodynamics.lubrication {
-            let message = "need hydrodynamics.lubrication = true and multipoles = \"dipole\": spheres in contact roll and \
-                           slide by torques, and lubrication is what their springs are damped by";
+            let message = "need hydrodynamics.lubrication = true and multipoles = \"dipole\": spheres in contact roll \
+                and slide by torques, and lubrication is what their springs are damped by";
             return error("contacts", message.to_owned());
         }
         if !matches!(p.integrator, Integrator::Implicit(_)) {
@@ -150,8 +150,8 @@ impl Contacts {
     fn check_settling(&self, p: &Parameters) -> Result<(), ParameterError> {
         let keys = [("contacts.settling", self.settling), ("contacts.settled_stiffness", self.settled)];
         if let Some((key, _)) = keys.into_iter().find(|(_, given)| given.is_some() && self.stiffness.is_some()) {
-            let message = "is set, but contacts.stiffness is a number, which stays what it is; set that to \"auto\", or leave one of \
-                           them out";
+            let message = "is set, but contacts.stiffness is a number, which stays what it is; set that to \"auto\", \
+                or leave one of them out";
             return Err(ParameterError::new(key, message));
         }
         if let Some(settled) = self.settled {
@@ -164,8 +164,8 @@ impl Contacts {
                 Number(settling)
             )
         } else if settling > 0.0 && !goes_on(p) {
-            "is set, but the stiffness settles only in a shear flow or an extension that goes on at its rate or by a stress, and is \
-             an estimate without; leave it out"
+            "is set, but the stiffness settles only in a shear flow or an extension that goes on at its rate or by a \
+             stress, and is an estimate without; leave it out"
                 .to_owned()
         } else {
             return Ok(());

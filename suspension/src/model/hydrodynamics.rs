@@ -103,7 +103,8 @@ impl Hydrodynamics {
             }
             Some(cutoff) if !(cutoff > 1e-3 && cutoff <= 8.0) => {
                 let message = format!(
-                    "is {}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in radii of a pair's larger sphere",
+                    "is {}; the gap where lubrication ends needs 0.001 < cutoff <= 8, in radii of a pair's larger \
+                     sphere",
                     Number(cutoff)
                 );
                 Err(ParameterError::new("hydrodynamics.lubrication_cutoff", message))

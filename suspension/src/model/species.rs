@@ -131,8 +131,8 @@ fn check_filling(species: &[Species], cell: &PeriodicBox) -> Result<(), Paramete
 
 fn too_many(count: f64) -> String {
     format!(
-        "the scene has {count:.1e} spheres, but they are numbered in 32 bits, {MAX_SPHERES:.1e} at most; take fewer, or a \
-         smaller box"
+        "the scene has {count:.1e} spheres, but they are numbered in 32 bits, {MAX_SPHERES:.1e} at most; take fewer, \
+         or a smaller box"
     )
 }
 

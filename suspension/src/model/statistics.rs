@@ -81,13 +81,13 @@ impl Statistics {
         }
         let (from, end) = (Number(self.from), Number(steps as f64 * time_step));
         Some(match self.samples.next_after(0) {
-            None => "statistics.every = 0 takes no sample, so that there will be no statistics; set it to 1 or more, or leave \
-                     out [statistics]"
+            None => "statistics.every = 0 takes no sample, so that there will be no statistics; set it to 1 or more, \
+                or leave out [statistics]"
                 .to_owned(),
             Some(every) => format!(
-                "[statistics] take no sample: the run ends at time {end:.6}, after step {steps}, before the first of them is due, \
-                 by statistics.from = {from:.6} and statistics.every = {every}; there will be no statistics unless the run goes \
-                 on for longer"
+                "[statistics] take no sample: the run ends at time {end:.6}, after step {steps}, before the first of \
+                 them is due, by statistics.from = {from:.6} and statistics.every = {every}; there will be no \
+                 statistics unless the run goes on for longer"
             ),
         })
     }

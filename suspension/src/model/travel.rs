@@ -34,8 +34,8 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
         let (step, longest) = (Number(p.time_step), Number(p.time_step * most / travel));
         let (travel, edge) = (Number(travel), Number(p.cell.edges().max_element()));
         let message = format!(
-            "is {step}, too large for {force}: in a step a sphere of species \"{}\" alone would move by {travel:.2}, with a longest \
-             edge of the box of {edge:.3}; take {longest:.2} or much less, or a smaller force",
+            "is {step}, too large for {force}: in a step a sphere of species \"{}\" alone would move by {travel:.2}, \
+             with a longest edge of the box of {edge:.3}; take {longest:.2} or much less, or a smaller force",
             species.name
         );
         return Err(ParameterError::new("time.step", message));

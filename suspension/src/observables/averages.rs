@@ -80,10 +80,9 @@ impl Averages {
         if !self.comm.any(!state.is_empty()) || self.statistics.restore(state) {
             return Ok(());
         }
-        Err(
-            "the checkpoint's statistics do not fit the scene: leave [statistics] as it was when the run started; those of more than \
-             65,536 spheres that a version before this one has written are not taken up: finish the run with that version",
-        )
+        Err("the checkpoint's statistics do not fit the scene: leave [statistics] as it was when the run started; \
+             those of more than 65,536 spheres that a version before this one has written are not taken up: finish \
+             the run with that version")
     }
 
     /// Tables of the statistics, on the first rank; `None` before the first sample. Collective.

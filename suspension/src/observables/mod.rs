@@ -312,8 +312,8 @@ impl GivenStress {
         let found = self.sum / self.rows / self.stress;
         ((found - 1.0).abs() > OFF).then(|| {
             format!(
-                "the stress was {:.3} times flow.stress in the mean: contacts bounce where steps are too long for their stiffness; \
-                 try a shorter time.step, a smaller contacts.stiffness, or contacts.settling = 0.0",
+                "the stress was {:.3} times flow.stress in the mean: contacts bounce where steps are too long for \
+                 their stiffness; try a shorter time.step, a smaller contacts.stiffness, or contacts.settling = 0.0",
                 Number(found)
             )
         })

@@ -18,8 +18,8 @@ impl Observer {
             if is_chosen { (sum / rows, SOFT_IN_THE_MEAN, "in the mean") } else { (deepest, SOFT, "at most") };
         (overlap > most * aim).then(|| {
             format!(
-                "the largest overlap of contacts is {:.2} of the roughness {words}, where {:.2} was aimed at; near jamming that is \
-                 what the stress depends on: look whether a larger contacts.stiffness changes it",
+                "the largest overlap of contacts is {:.2} of the roughness {words}, where {:.2} was aimed at; near \
+                 jamming that is what the stress depends on: look whether a larger contacts.stiffness changes it",
                 Number(overlap),
                 Number(aim)
             )

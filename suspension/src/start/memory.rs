@@ -67,8 +67,8 @@ pub fn remedy(model: &Model, radii: &Radii) -> String {
         String::new()
     };
     format!(
-        "the scene has {} spheres: take {far}fewer of them (species.count, species.volume_fraction, or smaller box.edges), \
-         {grid}{near}{samples}{species}, or more machines with ranks on each",
+        "the scene has {} spheres: take {far}fewer of them (species.count, species.volume_fraction, or smaller \
+         box.edges), {grid}{near}{samples}{species}, or more machines with ranks on each",
         radii.count()
     )
 }

@@ -94,8 +94,8 @@ impl EventDriven {
         crate::parameter::require(deepest < 1e-9, "overlap", &format!("{deepest:.2e} diameters"), apart)?;
         let (contact, horizon) = (model.parameters().contact_time, horizon(model));
         let longest = format!(
-            "at most {:.3}: in a longer time gravity, the curved path or the load of the top move a grain by a hundredth of \
-             its diameter; take a shorter one, or less of those",
+            "at most {:.3}: in a longer time gravity, the curved path or the load of the top move a grain by a \
+             hundredth of its diameter; take a shorter one, or less of those",
             Number(horizon)
         );
         crate::parameter::require(contact <= horizon, "grains.contact_time", &contact, longest)?;

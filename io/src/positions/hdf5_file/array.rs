@@ -71,7 +71,8 @@ impl Array {
         let found = format!("{} has the shape {}, but positions need (N, 3)", self.name(), shape_in_words(shape));
         let advice = match shape {
             [3, n] => format!(
-                ": it is likely (3, N), as Julia, MATLAB and Fortran write arrays of {n} x 3; transpose it before it is written"
+                ": it is likely (3, N), as Julia, MATLAB and Fortran write arrays of {n} x 3; transpose it before it \
+                 is written"
             ),
             [2, _] | [_, 2] => ": it has two coordinates; add a third".to_owned(),
             [n] if n % 3 == 0 => ": it is a flat list; write it with a row for each particle".to_owned(),

@@ -59,8 +59,8 @@ fn row(line: usize, text: &str, width: usize) -> Result<Row<'_>, String> {
         return Ok(Row { line, cells });
     }
     Err(format!(
-        "line {line} has {} cells, but the line of keys has Properties of {width}; without these a line has a name, x, y \
-         and z",
+        "line {line} has {} cells, but the line of keys has Properties of {width}; without these a line has a name, \
+         x, y and z",
         cells.len()
     ))
 }

@@ -115,12 +115,22 @@ impl Area {
         let mut svg = String::new();
         for (part, label) in self.x.ticks() {
             let (x, end, words) = (across(part), bottom + 5.0, bottom + 19.0);
-            write!(svg, "<path class=\"grid\" d=\"M{x:.1} {top:.1}V{bottom:.1}\"/><path class=\"axis\" d=\"M{x:.1} {bottom:.1}V{end:.1}\"/>").expect("text grows");
+            write!(
+                svg,
+                "<path class=\"grid\" d=\"M{x:.1} {top:.1}V{bottom:.1}\"/><path class=\"axis\" d=\"M{x:.1} \
+                {bottom:.1}V{end:.1}\"/>"
+            )
+            .expect("text grows");
             writeln!(svg, "<text class=\"x\" x=\"{x:.1}\" y=\"{words:.1}\">{label}</text>").expect("text grows");
         }
         for (part, label) in self.y.ticks() {
             let (y, end, words) = (self.up(part), left - 5.0, left - 8.0);
-            write!(svg, "<path class=\"grid\" d=\"M{left:.1} {y:.1}H{right:.1}\"/><path class=\"axis\" d=\"M{end:.1} {y:.1}H{left:.1}\"/>").expect("text grows");
+            write!(
+                svg,
+                "<path class=\"grid\" d=\"M{left:.1} {y:.1}H{right:.1}\"/><path class=\"axis\" d=\"M{end:.1} \
+                {y:.1}H{left:.1}\"/>"
+            )
+            .expect("text grows");
             writeln!(svg, "<text class=\"y\" x=\"{words:.1}\" y=\"{:.1}\">{label}</text>", y + 4.0)
                 .expect("text grows");
         }

@@ -79,8 +79,8 @@ fn check(former: &str, list: &Value, table: &Table) -> Result<(), Fault> {
     if former != "rates" || is_one || has_strain {
         return Ok(());
     }
-    let message = "is the former name of \"flow.rate\", whose runs end at the same strain by time.strain only; set that in place of \
-                   time.steps or time.duration";
+    let message = "is the former name of \"flow.rate\", whose runs end at the same strain by time.strain only; set \
+        that in place of time.steps or time.duration";
     Err(Fault::new("sweep.rates", message))
 }
 

@@ -48,7 +48,8 @@ impl Lists {
             Some(Value::Array(points)) if points.iter().all(Value::is_table) => listed(points, text)?,
             Some(other) => {
                 let message = format!(
-                    "is {}; write a section of keys with lists of values, or [[sweep]] sections with a value for each key",
+                    "is {}; write a section of keys with lists of values, or [[sweep]] sections with a value for each \
+                     key",
                     shown(&other)
                 );
                 return Err(Fault::new("sweep", message));

@@ -19,8 +19,8 @@ pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<
         Protocol::Stress(_) if has_other => Ok((Time::until(raw.step, raw.steps, raw.duration)?, Some(strain))),
         Protocol::Stress(_) => Err(Fault::new(
             KEY,
-            "is set in a flow under a given stress, whose rate nobody knows before: set time.duration too, the longest time that the \
-             strain may take",
+            "is set in a flow under a given stress, whose rate nobody knows before: set time.duration too, the \
+             longest time that the strain may take",
         )),
         _ if has_other => Err(Fault::new(KEY, "is set, and steps or duration too; leave all but one of them out")),
         Protocol::Oscillation { .. } => {

@@ -142,7 +142,8 @@ fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol
         ("flow.rate", is_table),
     ];
     if let Some((key, _)) = keys.into_iter().find(|(_, is_set)| *is_set) {
-        let message = "can't be with flow.control = \"stress\", where the rate is what the stress makes it; leave one of them out";
+        let message = "can't be with flow.control = \"stress\", where the rate is what the stress makes it; leave one \
+            of them out";
         return Err(Fault::new(key, message));
     }
     if !stress.is_finite() {

@@ -223,7 +223,8 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
     if let raw::Integrator::AdamsBashforth | raw::Integrator::Brownian = integrator {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {
             if given.is_some() {
-                let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", or leave it out";
+                let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", \
+                    or leave it out";
                 return Err(Fault::new(key, message));
             }
         }

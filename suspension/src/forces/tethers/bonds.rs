@@ -147,7 +147,8 @@ impl Bonds {
 
     fn too_long(&self, bond: &Bond, particles: &Particles) -> String {
         format!(
-            "the bond of spheres {} and {} is {:.4} long; it needs to be shorter than half of the box's shortest edge, {:.4}",
+            "the bond of spheres {} and {} is {:.4} long; it needs to be shorter than half of the box's shortest \
+             edge, {:.4}",
             particles.ids[bond.rows[0]],
             bond.other,
             domain::Number(bond.distance()),

@@ -86,8 +86,8 @@ fn bonds(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Vec<f64>,
             let distance = cell.nearest_image(all.positions[j] - all.positions[i]).length();
             if distance >= half {
                 return Err(format!(
-                    "bonds[{kind}].pairs[{row}] bonds spheres {first} and {second}, which are {:.4} apart at the start; a bond \
-                     needs to be shorter than half of the box's shortest edge, {half:.4}",
+                    "bonds[{kind}].pairs[{row}] bonds spheres {first} and {second}, which are {:.4} apart at the \
+                     start; a bond needs to be shorter than half of the box's shortest edge, {half:.4}",
                     Number(distance)
                 ));
             }
