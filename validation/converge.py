@@ -17,7 +17,7 @@ RUNS = pathlib.Path(os.environ.get("FCM_SOLVE_RUNS", ROOT / "results")) / "conve
 CASES = [
     ("settling", "hindered", ["box.edges=[14.0, 14.0, 14.0]", "species[0].count=80", "time.steps=2000"]),
     ("shear", "relative_viscosity", ["box.edges=[12.0, 12.0, 12.0]", "time.duration=8.0"]),
-    ("dense", "relative_viscosity", ["box.edges=[7.2, 7.2, 7.2]", "time.duration=4.0"]),
+    ("dense", "relative_viscosity", ["box.edges=[9.1, 9.1, 9.1]"]),
 ]
 
 

@@ -4,7 +4,7 @@ friction, and for each stress of a paste that thickens. Errors are those of the 
     scripts/validate dense              the first points, of 40 and 45%
     scripts/validate dense --full       all points, up to 56%, with thickening: a night on four cores
     scripts/validate dense --part 1/8   the first of eight parts, for arrays of jobs; the page is written by the command without it
-    scripts/validate dense --walltime 1:00:00   as far as that goes; --page writes the page from what there is
+    scripts/validate dense --minutes 60   as far as that goes; --page writes the page from what there is
 
 Runs are kept in results/dense, or where FCM_SOLVE_RUNS says, gone on with where they were left, and never made twice."""
 
@@ -13,6 +13,7 @@ import csv
 import os
 import pathlib
 import subprocess
+import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,8 +38,12 @@ THICKENING, FRICTION, CRITICAL_LOAD = 0.50, 1.0, 1.0
 # With the viscosities of LF_DEM, likewise (bands of 25%).
 STRESSES = {0.05: 14.3, 0.2: 14.2, 0.5: 13.3, 1.0: 18.1, 2.0: 25.0, 5.0: 45.0, 20.0: 58.0}
 UNIT = CRITICAL_LOAD / (6 * np.pi)
-# A number is refused with a larger error than this part of it, or where the two boxes are more than so many errors apart.
-LARGEST_ERROR, APART = 0.15, 3.0
+# Means are from this strain on.
+SETTLED = 3.0
+OVER_STRESS = ("second_normal_stress_difference", "particle_pressure")
+QUANTITIES = ("relative_viscosity", *OVER_STRESS, "contacts_per_particle")
+# A number is refused with a larger error than this part of it.
+LARGEST_ERROR = 0.1
 
 
 def fit(fraction, friction):
@@ -98,67 +103,76 @@ time = {{ step = 1.0, strain = {STRAIN}, duration = 1.0 }}
 
 @dataclass
 class Found:
-    """A quantity at a point: its mean over the seeds, the error from their spread, how many have a value, and the verdicts of the runs."""
+    """A quantity at a point: its mean over the seeds, and the error from their spread."""
 
     mean: float
     error: float
-    seeds: int
-    verdicts: str
 
-    def words(self, digits=2):
+    def words(self):
+        """With two digits of the error."""
+        digits = max(0, 1 - int(np.floor(np.log10(self.error)))) if self.error > 0 else 2
         return f"{self.mean:.{digits}f} ± {self.error:.{digits}f}"
 
 
-def table_of(name):
-    """For each point of a family the quantities that its table has, of points whose runs have all ended."""
-    path = RUNS / name / "family.csv"
+def found_of(values):
+    """Of a value for each seed, with the factor of Student's distribution, as families have it."""
+    student = (np.pi / 2 * 0.6826895) if len(values) == 2 else 1 + sum(part / (len(values) - 1) ** k for k, part in ((1, 0.5), (2, 0.25), (3, 0.0625)))
+    return Found(np.mean(values), student * np.std(values, ddof=1) / np.sqrt(len(values)))
+
+
+def means(folder):
+    """The means of a run from the strain on at which it has settled; stresses are over that of the shear. At a given rate, 1, strain and time are one."""
+    with open(folder / "observables.csv") as file:
+        rows = [row for row in csv.DictReader(file) if float(row.get("strain", row["time"])) >= SETTLED]
+    mean = {name: np.mean([float(row[name]) for row in rows]) for name in QUANTITIES}
+    stress = mean["relative_viscosity"]
+    if "shear_stress" in rows[0]:
+        stress = np.mean([float(row["shear_stress"]) for row in rows])
+        # Under a given stress the mean viscosity is that over the mean rate.
+        strain, duration = (float(rows[-1][name]) - float(rows[0][name]) for name in ("strain", "time"))
+        mean["relative_viscosity"] = stress * duration / strain
+    return {name: value / stress if name in OVER_STRESS else value for name, value in mean.items()}
+
+
+def table_of(name, count):
+    """For each of so many points of a family its quantities, if all of its runs have ended."""
     found = {}
-    if path.exists():
-        with open(path) as file:
-            for row in csv.DictReader(file):
-                values = Found(float(row["mean"]), float(row["error"]), int(float(row["seeds"])), row["verdicts"])
-                found.setdefault(int(row["point"].removeprefix("point-")) - 1, {})[row["quantity"]] = values
-    ended = {point: len(list((RUNS / name).glob(f"point-{point + 1:04}/seed-*/summary.csv"))) for point in found}
-    return {point: values for point, values in found.items() if ended[point] == SEEDS}
+    for point in range(count):
+        folders = [done.parent for done in sorted((RUNS / name).glob(f"point-{point + 1:04}/seed-*/summary.csv"))]
+        if len(folders) == SEEDS:
+            runs = [means(folder) for folder in folders]
+            found[point] = {quantity: found_of([run[quantity] for run in runs]) for quantity in QUANTITIES}
+    return found
 
 
-def run(name, text, options):
-    """Makes what is missing of a family; whether nothing is left."""
+def run(name, text, options, end):
+    """Makes what is missing of a family until a time; whether nothing is left."""
     RUNS.mkdir(parents=True, exist_ok=True)
     scene = RUNS / f"{name}.toml"
     scene.write_text(text)
+    left = end - time.monotonic()
+    if left <= 0:
+        return False
+    options = [*options, "--walltime", f"0:{left:.0f}" if left < np.inf else "unlimited"]
     ended = subprocess.run([PROGRAM, "run", scene, "--out", RUNS / name, "--continue", *options])
     return ended.returncode == 0
 
 
 def judged(sizes):
-    """The viscosity of a suspension, from the two boxes if they agree, or why there is none."""
+    """The viscosity of a suspension: the mean of both boxes, in whose error is half of their difference; or why there is none."""
     found = [values["relative_viscosity"] for values in sizes if values]
     if len(found) < len(SIZES):
         return None, "one box only"
-    if any(one.seeds < SEEDS for one in found):
-        return None, "runs without a value"
     small, large = found
-    apart = abs(small.mean - large.mean) / np.hypot(small.error, large.error)
-    if max(one.error / one.mean for one in found) > LARGEST_ERROR:
-        return None, "seeds differ too much"
-    if apart > APART:
-        return None, f"boxes {apart:.1f} errors apart"
-    weights = np.array([one.error**-2 for one in found])
-    mean, error = np.dot(weights, [one.mean for one in found]) / weights.sum(), weights.sum() ** -0.5
-    return Found(mean, error, 2 * SEEDS, ""), f"{apart:.1f}"
+    mean = (small.mean + large.mean) / 2
+    error = np.sqrt((small.error**2 + large.error**2) / 4 + ((small.mean - large.mean) / 2) ** 2)
+    if error > LARGEST_ERROR * mean:
+        return None, f"±{error / mean:.0%}"
+    return Found(mean, error), ""
 
 
-def cell(values, quantity, digits=2):
-    return values[quantity].words(digits) if values and quantity in values and values[quantity].seeds else ""
-
-
-def over_stress(values, quantity):
-    """A stress over that of the shear: both are over that of the fluid alone."""
-    viscosity = values["relative_viscosity"]
-    if quantity not in values or not values[quantity].seeds or not viscosity.seeds:
-        return ""
-    return f"{values[quantity].mean / viscosity.mean:.2f} ± {values[quantity].error / viscosity.mean:.2f}"
+def cell(values, quantity):
+    return values[quantity].words() if values else ""
 
 
 def friction_rows(points, tables):
@@ -170,27 +184,26 @@ def friction_rows(points, tables):
         number, why = judged(sizes)
         best = sizes[-1] or sizes[0]
         alone = PAIRS_ALONE.get(case)
-        verdicts = "; ".join(values["relative_viscosity"].verdicts for values in sizes if values)
         measured = f"{experiments(case[0]):.1f}" if case[1] == 0.5 and case[0] < 0.58 else ""
         rows.append([
-            f"{case[0]:.0%}", f"{case[1]:g}", number.words(2) if number else f"none: {why}",
-            *(cell(values, "relative_viscosity") for values in sizes), why if number else "", f"{alone:g}" if alone else "",
-            f"{fit(*case):.1f}", measured, over_stress(best, "reduced_second_normal_stress_difference"),
-            over_stress(best, "reduced_particle_pressure"),
-            cell(best, "contacts_per_particle"), verdicts])
+            f"{case[0]:.0%}", f"{case[1]:g}", number.words() if number else f"none: {why}",
+            *(cell(values, "relative_viscosity") for values in sizes), f"{alone:g}" if alone else "",
+            f"{fit(*case):.1f}", measured, cell(best, "second_normal_stress_difference"),
+            cell(best, "particle_pressure"),
+            cell(best, "contacts_per_particle")])
     return rows
 
 
 def write_friction(points):
-    tables = {spheres: table_of(f"friction-{spheres}") for spheres in SIZES}
+    tables = {spheres: table_of(f"friction-{spheres}", len(points)) for spheres in SIZES}
     rows = friction_rows(points, tables)
     sizes = " and ".join(map(str, SIZES))
-    header = ["φ", "μ", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "errors apart", "pairs alone", "fit", "experiments", "N₂ / stress",
-              "pressure / stress", "contacts", "verdicts of the runs"]
+    header = ["φ", "μ", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "pairs alone", "fit", "experiments", "N₂ / stress",
+              "pressure / stress", "contacts"]
     lines = [
-        f"Families of {SEEDS} seeds of {sizes} spheres of radii 1 and {RATIO}, half the volume each, roughness {ROUGHNESS}, tolerance 1e-2, steps of {STEP} in strain, to a",
-        f"strain of {STRAIN:g}; transients are found by each run. Errors are from the spread over the seeds. The viscosity is the mean over both boxes, weighted by their errors, where these",
-        f"are at most {APART:g} errors apart and below {LARGEST_ERROR:.0%} each; otherwise none is given. Stresses are over the whole shear stress, contacts are those of a sphere in the mean, both in the",
+        f"Families of {SEEDS} seeds of {sizes} spheres of radii 1 and {RATIO}, half the volume each, roughness {ROUGHNESS}, tolerance 1e-2, steps of {STEP} in strain, means over strains from",
+        f"{SETTLED:g} to {STRAIN:g}. Errors are from the spread over the seeds. The viscosity is the mean of both boxes, with half of their difference",
+        f"in its error; where that is more than {LARGEST_ERROR:.0%} of it, none is given. Stresses are over the whole shear stress, contacts are those of a sphere in the mean, both in the",
         "larger box. Beside them: pair lubrication and contacts without a far field (LF_DEM, 100 spheres, one run); \\\\((1 - \\phi/\\phi_m(\\mu))^{-2}\\\\) of Lobry et al. (2019), which has",
         "a prefactor of 0.7 to 1; and the fit of Boyer et al. (2011) to experiments with spheres of one size, beside the friction of 0.5.",
         "",
@@ -228,13 +241,13 @@ def differences(points, tables):
 
 
 def write_thickening():
-    tables = {spheres: table_of(f"stress-{spheres}") for spheres in SIZES}
+    tables = {spheres: table_of(f"stress-{spheres}", len(STRESSES)) for spheres in SIZES}
     rows = []
     for place, over in enumerate(STRESSES):
         sizes = [tables[spheres].get(place) for spheres in SIZES]
         if any(sizes):
             number, why = judged(sizes)
-            rows.append([f"{over:g}", number.words(2) if number else f"none: {why}", *(cell(values, "relative_viscosity") for values in sizes),
+            rows.append([f"{over:g}", number.words() if number else f"none: {why}", *(cell(values, "relative_viscosity") for values in sizes),
                          f"{STRESSES[over]:g}"])
     lines = [
         f"The same at {THICKENING:.0%} with friction {FRICTION:g} where a contact bears more than the critical load \\\\(F_c\\\\), under stresses in units of \\\\(F_c / (6 \\pi a^2)\\\\).",
@@ -267,15 +280,15 @@ def main():
     parser.add_argument("--full", action="store_true")
     parser.add_argument("--page", action="store_true")
     parser.add_argument("--part")
-    parser.add_argument("--walltime")
+    parser.add_argument("--minutes", type=float, default=np.inf)
     args = parser.parse_args()
-    options = [word for name in ("part", "walltime") if getattr(args, name) for word in (f"--{name}", getattr(args, name))]
+    options, end = ["--part", args.part] if args.part else [], time.monotonic() + 60 * args.minutes
     points = FULL_POINTS if args.full else POINTS
     # Point by point, so that there are both sizes of the first ones when time is up.
     families = [(f"friction-{spheres}", by_friction(spheres, points[:count])) for count in range(1, len(points) + 1) for spheres in SIZES]
     if args.full:
         families += [(f"stress-{spheres}", by_stress(spheres)) for spheres in SIZES]
-    whole = args.page or all(run(name, text, options) for name, text in families)
+    whole = args.page or all(run(name, text, options, end) for name, text in families)
     if not args.part:
         write_friction(FULL_POINTS)
         write_thickening()
