@@ -68,16 +68,16 @@ def main():
         least[friction] = viscosity[lowest]
         soon = contact[np.argmin(abs(time - BEFORE - 0.05))] / steady
         pairs = PAIRS_ALONE[friction]
-        rows.append([f"{friction:g}", f"{steady:.1f}", f"{pairs[0]:g}", f"{least[friction]:.2f}", f"{pairs[1]:g}",
+        rows.append([f"{friction:g}", f"{least[friction] / steady:.2f}", f"{pairs[1] / pairs[0]:.2f}",
                      f"{time[lowest] - BEFORE:.2f}", f"{pairs[2]:g}", f"{soon:.3f}"])
         print(*rows[-1], flush=True)
     ratio = least[0.5] / least[0.0]
     lines = [
-        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, means over {len(SEEDS)} starts, reversed at a strain of {BEFORE:g}. Beside the numbers",
-        "are those of pair lubrication and contacts without a far field. The last column has the contacts' stress at a strain of",
+        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, means over {len(SEEDS)} starts, reversed at a strain of {BEFORE:g}: the least viscosity over that before, and the strain at which",
+        "it is. Beside the numbers are those of pair lubrication and contacts without a far field. The last column has the contacts' stress at a strain of",
         "0.05 after the reversal, over the whole before.",
         "",
-        *table(["μ", "before", "pairs alone", "least", "pairs alone", "at a strain of", "pairs alone", "of contacts"], rows),
+        *table(["μ", "least over before", "pairs alone", "at a strain of", "pairs alone", "of contacts"], rows),
         "",
         f"The least viscosities have a ratio of {ratio:.3f}; {1 - ALLOWED:g} to {1 + ALLOWED:g} are allowed.",
         "",
