@@ -15,11 +15,17 @@ use std::process::ExitCode;
 #[derive(Parser)]
 #[command(version, after_help = EXAMPLES, max_term_width = 100)]
 pub struct Args {
-    /// What to do.
+    /// Command to carry out.
     #[command(subcommand)]
     pub command: Command,
     /// Threads of each rank [default: the cores that it is bound to, shared out among the ranks bound to the same]
-    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "N",
+        value_parser = clap::value_parser!(u16).range(1..),
+        allow_hyphen_values = true
+    )]
     pub threads: Option<u16>,
     /// Run as one rank, whatever launcher started this process: for many runs side by side under srun
     #[arg(long, global = true)]
@@ -41,7 +47,7 @@ Examples:
   fcm-solve mobility case.json            how given particles move, once
   fcm-solve info results/my/trajectory.h5 see what a result file holds";
 
-/// What to do.
+/// Commands of the program.
 #[derive(Subcommand)]
 pub enum Command {
     /// Run a scene from its start.
@@ -50,7 +56,8 @@ pub enum Command {
     Resume(resume::Args),
     /// Check a scene and print how it would be computed, without running it.
     Check(check::Args),
-    /// Run a scene with half the step, twice the box, a tenth of the tolerance, four times the stiffness, and say which matters.
+    /// Run a scene with half the step, twice the box, a tenth of the tolerance, four times the stiffness, and say which
+    /// matters.
     Converge(converge::Args),
     /// Average over a run's trajectory: fluctuations, correlations, diffusivities, pair distributions.
     Stats(stats::Args),
@@ -58,7 +65,7 @@ pub enum Command {
     Export(export::Args),
     /// Write a page about a run: what was run, its charts, and a player of its trajectory.
     Report(report::Args),
-    /// Evaluate velocities and stresslets once, for positions that you bring.
+    /// Evaluate velocities and stresslets once, for given positions.
     Mobility(mobility::Args),
     /// Time the mobility and measure its error.
     Bench(bench::Args),
@@ -68,11 +75,12 @@ pub enum Command {
     TwoSphere(two_sphere::Args),
     /// Print a commented scene to start from.
     New(new::Args),
-    /// Say what an HDF5 file of a run holds.
+    /// Describe the contents of an HDF5 file of a run.
     Info(info::Args),
-    /// Print the JSON Schema of scenes, by which editors complete and check keys.
+    /// Print the JSON Schema of scenes, with which editors complete and check keys.
     ///
-    /// fcm-solve schema > fcm-solve.schema.json, beside scenes that `fcm-solve new` printed: their first line names it.
+    /// fcm-solve schema > fcm-solve.schema.json, in the folder of scenes printed by `fcm-solve new`: their first line
+    /// names it.
     Schema,
     /// Print the manual page.
     ///
@@ -88,7 +96,7 @@ pub enum Command {
 }
 
 impl Args {
-    /// Reads the command line; help and mistakes come back as what to print.
+    /// Parses the command line. Help texts and errors of usage are returned as `Err`, to be printed.
     pub fn read() -> Result<Self, clap::Error> {
         Self::try_parse().map_err(|error| match error.kind() {
             ErrorKind::InvalidUtf8 => not_text(error),
@@ -97,7 +105,7 @@ impl Args {
     }
 }
 
-/// The same error with the word that it is about.
+/// The error of an argument that is not UTF-8, with that argument named.
 fn not_text(error: clap::Error) -> clap::Error {
     let word = std::env::args_os().find(|word| word.to_str().is_none());
     let message = |word: OsString| format!("the word '{}' is not text in UTF-8", word.to_string_lossy());
@@ -105,7 +113,7 @@ fn not_text(error: clap::Error) -> clap::Error {
 }
 
 impl Command {
-    /// Does it. Every rank comes here, and all fail or none.
+    /// Carries out the command. Collective: it fails on all ranks or on none.
     pub fn carry_out(&self, comm: &Comm) -> anyhow::Result<ExitCode> {
         match self {
             Self::Run(args) => return run::run(args, comm),

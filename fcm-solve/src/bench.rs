@@ -8,14 +8,20 @@ use fcm::{Costs, Fixed, MethodName};
 use serde::Serialize;
 use suspension::benchmark::{Case, Kind, Measurement, Spheres, Task};
 
-/// Which cases: every combination of the lists, one JSON line each.
+/// Cases of a benchmark: every combination of the lists, one JSON line each.
 #[derive(clap::Args)]
 #[command(after_help = LINE)]
 pub struct Args {
     /// Numbers of spheres
-    #[arg(long, value_delimiter = ',', default_value = "3200", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "3200",
+        value_parser = clap::value_parser!(u32).range(1..),
+        allow_hyphen_values = true
+    )]
     particles: Vec<u32>,
-    /// Their volume fractions
+    /// Volume fractions of the spheres
     #[arg(long, value_delimiter = ',', default_value = "0.12", value_parser = fraction, allow_hyphen_values = true)]
     volume_fraction: Vec<f64>,
     /// Radius of every second sphere; the others have the radius 1
@@ -24,22 +30,28 @@ pub struct Args {
     /// Relative errors allowed
     #[arg(long, value_delimiter = ',', default_value = "1e-3", value_parser = tolerance, allow_hyphen_values = true)]
     tolerance: Vec<f64>,
-    /// How envelopes are evaluated
+    /// Evaluation method of the envelopes
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     method: Choice,
-    /// Grid points along each edge [default: what the tolerance needs]
+    /// Grid points along each edge [default: as many as the tolerance needs]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     grid: Option<usize>,
-    /// Forces alone: no torque, no stresslet
+    /// Forces alone: no torques, no stresslets
     #[arg(long)]
     monopoles: bool,
-    /// Stresslets alone, and rates of strain for them, as in an iteration for rigid spheres
+    /// Stresslets alone, and the rates of strain they cause, as in an iteration for rigid spheres
     #[arg(long, conflicts_with = "monopoles")]
     stresslets: bool,
     /// Evaluations, each at new positions, after one that is not counted
-    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 5,
+        value_parser = clap::value_parser!(u32).range(1..),
+        allow_hyphen_values = true
+    )]
     repeats: u32,
-    /// Do not evaluate a second time, much tighter, to measure the error
+    /// Do not measure the error by a second, much tighter evaluation
     #[arg(long)]
     no_error: bool,
 }
@@ -65,7 +77,7 @@ enum Choice {
     Split,
 }
 
-/// A line of the output.
+/// One line of the output.
 #[derive(Serialize)]
 struct Line {
     #[serde(flatten)]

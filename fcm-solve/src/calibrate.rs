@@ -1,4 +1,4 @@
-//! `fcm-solve calibrate`: what evaluations cost on this machine.
+//! `fcm-solve calibrate`: costs of evaluations on this machine.
 
 use crate::streams;
 use domain::Comm;
@@ -6,9 +6,9 @@ use fcm::Costs;
 use std::path::PathBuf;
 use suspension::benchmark::measured_costs;
 
-/// Measures the costs, for a fraction of a second, and keeps them. Collective.
+/// Measures the costs, which takes a fraction of a second, and stores them. Collective.
 pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
-    // Each rank by itself, as its share of a machine.
+    // Each rank measures by itself, with its share of the machine.
     let costs = measured_costs(&Comm::alone())?;
     let kept = if comm.is_first() { io::keep_costs(costs) } else { Ok(PathBuf::new()) };
     let path = comm.agree(kept.map_err(|e| io::in_full(&e)))?;

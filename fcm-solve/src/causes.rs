@@ -1,6 +1,6 @@
 //! Errors with their causes.
 
-/// An error with all its causes in a line, for the other ranks.
+/// An error with all its causes in one line, in the form that is sent to the other ranks.
 pub fn in_full(error: &anyhow::Error) -> String {
     format!("{error:#}")
 }

@@ -1,4 +1,4 @@
-//! `fcm-solve check`: the plan, memory and cost of a scene.
+//! `fcm-solve check`: plan, memory and cost of a scene.
 
 use crate::family;
 use crate::outlined::{Outlined, outlined};
@@ -10,7 +10,7 @@ use io::{ScaledTrial, SceneFile};
 use std::path::PathBuf;
 use suspension::{Asked, Ranks};
 
-/// Which scene.
+/// Scene to check, and the ranks to predict its cost for.
 #[derive(clap::Args)]
 pub struct Args {
     /// The scene file; - reads it from the standard input
@@ -18,13 +18,13 @@ pub struct Args {
     /// Set a key of the scene, as in --set time.step=0.01; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Predict memory and time of so many ranks, which are not started [default: those that are present]
+    /// Predict memory and time on this number of ranks, which are not started [default: those that are present]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     ranks: Option<u32>,
     /// Ranks that share a machine [default: all of them]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), requires = "ranks")]
     ranks_per_machine: Option<u32>,
-    /// Do not try the first steps to say what time the run takes
+    /// Do not try the first steps to predict the time of the run
     #[arg(long)]
     no_trial: bool,
     /// Print JSON
@@ -32,7 +32,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Checks the scene and prints how it would be computed. Collective.
+/// Checks the scene and prints its plan, memory and cost. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let scene = match read_any(&args.scene, &args.overrides, comm)? {
         SceneFile::Scene(scene) => *scene,
@@ -44,7 +44,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
             return streams::print(comm, &family::check(&family, !args.no_trial, args.json)?);
         }
     };
-    // The time on ranks that are not present follows from that of one.
+    // The time on ranks that are not present is extrapolated from that on one rank.
     let is_tried = !args.no_trial && (args.ranks.is_none() || comm.size() == 1);
     let asked = asked(args, comm);
     let Outlined { scene, outline, trial } = outlined(scene, asked, is_tried, comm)?;
@@ -60,7 +60,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     outline.refused().map_or(Ok(()), |reason| bail!("{reason}"))
 }
 
-/// The ranks to predict memory and time for; absent ones have the threads that this machine would give them.
+/// Ranks to predict memory and time for; ranks that are not present have the threads that this machine would give them.
 fn asked(args: &Args, comm: &Comm) -> Asked {
     let threads = rayon::current_num_threads();
     let Some(count) = args.ranks.map(|ranks| ranks as usize) else { return Asked::present(comm) };

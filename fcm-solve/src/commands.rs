@@ -1,15 +1,15 @@
-//! Commands that the user is told to type.
+//! Command lines suggested to the user.
 
 use std::path::Path;
 
-/// The command that goes on with the run of a folder.
+/// Command line that continues the run in a folder.
 pub fn resume_command(folder: &Path, steps: Option<u64>) -> String {
     let folder = quoted(&folder.display().to_string());
     let steps = steps.map_or_else(String::new, |steps| format!(" --steps {steps}"));
     format!("fcm-solve resume {folder}{steps}")
 }
 
-/// A word as a shell takes it.
+/// A word quoted for a shell where it needs quotes.
 pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "_./=+-:,@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {

@@ -9,7 +9,7 @@ use domain::Comm;
 use io::{Resumption, RunFolder, Scene};
 use std::process::ExitCode;
 
-/// Goes on to the end of the scene, and says what is damaged and what has changed. Collective.
+/// Continues a run to the end of its scene, and logs damaged checkpoints and changed keys. Collective.
 pub fn go_on(mut resumption: Resumption, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     for damaged in resumption.damaged().iter().filter(|_| comm.is_first()) {
         streams::log(format_args!("warning: {damaged}"));
@@ -25,7 +25,7 @@ pub fn go_on(mut resumption: Resumption, comm: &Comm, signals: &Signals) -> anyh
     run_to_end(&mut *resumed, &mut recorder, scene.kind().steps(), signals)
 }
 
-/// The scene of a folder, perhaps with another end. Collective.
+/// The scene of a folder, with `steps` as its last step if given. Collective.
 pub fn kept_scene(folder: &RunFolder, steps: Option<u64>, comm: &Comm) -> anyhow::Result<Scene> {
     let overrides: Vec<String> = steps.iter().map(|n| format!("time.steps={n}")).collect();
     read(&folder.scene(), &overrides, comm)

@@ -1,4 +1,4 @@
-//! `fcm-solve converge`: how an answer changes with the step, the box, the tolerance and the stiffness of contacts.
+//! `fcm-solve converge`: change of an answer with the step, the box, the tolerance and the stiffness of contacts.
 
 use crate::commands::quoted;
 use crate::family::{self, Part, Work};
@@ -31,7 +31,7 @@ pub struct Args {
     /// Set a key of the scene, as in --set time.step=0.01; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Replace the runs in that folder; otherwise those that are missing are made
+    /// Replace the runs in that folder; otherwise the missing ones are made
     #[arg(long)]
     force: bool,
     /// Print JSON
@@ -41,7 +41,7 @@ pub struct Args {
     stops: StopArgs,
 }
 
-/// Makes the runs that are missing, and prints what changes the quantity.
+/// Makes the missing runs, and prints the change of the quantity at each point.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     ensure!(comm.size() == 1, "the runs are made by one process, side by side on its cores: start it without mpirun");
     let scene = read(&args.scene, &args.overrides, comm)?;
@@ -66,7 +66,7 @@ impl Args {
         self.out.clone().unwrap_or_else(|| Path::new("results").join(format!("{name}-converge")))
     }
 
-    /// The command that goes on.
+    /// Command line that makes the remaining runs.
     fn command(&self, folder: &Path) -> String {
         let sets: String = self.overrides.iter().fold(String::new(), |sets, set| sets + " --set " + &quoted(set));
         let [scene, folder] = [&self.scene, folder].map(|path| quoted(&path.display().to_string()));
@@ -84,7 +84,7 @@ fn answer(args: &Args, wanted: &Convergence, folder: &FamilyFolder) -> anyhow::R
     Ok(if args.json { values(&quantity, &species, &rows) } else { words((&quantity, &species), &verdicts, &rows) })
 }
 
-/// The quantity of that name, or the only one with it as a part.
+/// The quantity of that name, or the only one whose name contains it.
 fn quantity(name: &str, known: &BTreeSet<(String, String)>) -> anyhow::Result<(String, String)> {
     let full = |(quantity, species): &(String, String)| {
         if species.is_empty() || species == "all" { quantity.clone() } else { format!("{quantity}[{species}]") }
@@ -124,7 +124,8 @@ fn words((quantity, species): (&str, &str), verdicts: &str, rows: &[(&str, Optio
     text + &conclusion(&rows[1..])
 }
 
-/// A change with its error: over the quantity, if that is larger than its own error, else as it is.
+/// A change with its error: in per cent of the quantity, if the quantity is larger than its own error, else in its
+/// units.
 fn change(found: &AnswerChange) -> String {
     if (found.mean - found.change).abs() > found.error {
         let [change, error] = found.relative().map(|part| 100.0 * part);
@@ -137,7 +138,7 @@ fn signed(number: f64) -> String {
     format!("{}{:.2}", if number > 0.0 { "+" } else { "" }, Number(number))
 }
 
-/// What matters, and what is known of all else.
+/// Lines that list the changes by verdict: those that matter, those below the error, and those not seen.
 fn conclusion(rows: &[(&str, Option<AnswerChange>)]) -> String {
     let with = |wanted: ChangeVerdict| {
         let names = rows.iter().filter(|(_, found)| found.is_some_and(|found| found.verdict() == wanted));

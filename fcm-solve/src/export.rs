@@ -1,4 +1,4 @@
-//! `fcm-solve export`: a run's trajectory, or its force chains, for other programs.
+//! `fcm-solve export`: a run's trajectory, or its force chains, in formats of other programs.
 
 use crate::causes::in_full;
 use crate::number::finite;
@@ -9,7 +9,7 @@ use domain::Comm;
 use io::{ContactFormat, FileError, Format, FrameRange, Manifest, RecordedContacts, TrajectoryReader};
 use std::path::PathBuf;
 
-/// Which run, and what of it.
+/// Run, frames, format and file of an export.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder of a run
@@ -17,16 +17,17 @@ pub struct Args {
     /// The format
     #[arg(long, value_name = "FORMAT")]
     to: Target,
-    /// Leave out what was before this time
+    /// Leave out the part before this time
     #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     from: Option<f64>,
-    /// Leave out what was after this time
+    /// Leave out the part after this time
     #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     until: Option<f64>,
-    /// Frames by their numbers, as slices of Python name them: 0 is the first, -1 the last
+    /// Frames by number, as a slice of Python: 0 is the first, -1 the last
     #[arg(long, value_name = "START:STOP:STEP", allow_hyphen_values = true)]
     frames: Option<FrameRange>,
-    /// The file [default: trajectory.xyz, trajectory.gsd, trajectory.pvd, contacts.csv or force-chains.pvd in the folder of the run]
+    /// The file [default: trajectory.xyz, trajectory.gsd, trajectory.pvd, contacts.csv or force-chains.pvd in the
+    /// folder of the run]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
 }
@@ -45,7 +46,7 @@ enum Target {
     ContactsVtp,
 }
 
-/// What is written: frames of the trajectory, or contacts.
+/// Content of an export: frames of the trajectory, or contacts.
 enum Wanted {
     Frames(Format),
     Contacts(ContactFormat),
@@ -63,7 +64,7 @@ impl Target {
     }
 }
 
-/// Reads frame by frame and writes, on the first rank. Collective.
+/// Reads and writes frame by frame, on the first rank. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let done = if comm.is_first() { write(args) } else { Ok(()) };
     Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
@@ -117,7 +118,7 @@ fn write_contacts(args: &Args, format: ContactFormat) -> anyhow::Result<()> {
     streams::print_here(&format!("{count} steps in {}\n", out.display()))
 }
 
-/// The numbers of the frames that are asked for, of those at some times.
+/// Indices of the frames asked for, among frames at `times`.
 fn meant(args: &Args, times: &[f64]) -> Vec<usize> {
     let span = args.from.unwrap_or(f64::NEG_INFINITY)..=args.until.unwrap_or(f64::INFINITY);
     let numbers: Vec<usize> =
@@ -125,7 +126,7 @@ fn meant(args: &Args, times: &[f64]) -> Vec<usize> {
     numbers.into_iter().filter(|&frame| span.contains(&times[frame])).collect()
 }
 
-/// What was read, unless it is damaged.
+/// The result of a read; `None`, with a warning, if it is damaged.
 fn whole<T>(read: Result<T, FileError>) -> Option<T> {
     read.map_err(|error| streams::log(format_args!("warning: {error}; it is left out of what is exported"))).ok()
 }

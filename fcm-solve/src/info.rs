@@ -8,10 +8,10 @@ use domain::Comm;
 use io::{Contents, FamilyFolder, FolderContents};
 use std::path::{Path, PathBuf};
 
-/// Which file.
+/// File or folder to describe, and the form of the output.
 #[derive(clap::Args)]
 pub struct Args {
-    /// An HDF5 file of a run, or its folder, or that of a family
+    /// An HDF5 file of a run, or the folder of a run or a family
     #[arg(value_name = "FILE|DIR")]
     file: PathBuf,
     /// Print the scene that the file comes from
@@ -22,7 +22,7 @@ pub struct Args {
     json: bool,
 }
 
-/// Describes the file, or the folder.
+/// Prints the description of the file or folder, and fails if it is damaged. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let described = if comm.is_first() { describe(args) } else { Ok(Described::default()) };
     let described = comm.agree(described.map_err(|e| in_full(&e)))?;
@@ -36,7 +36,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The description of a file or a folder, and its damage.
+/// Description of a file or a folder, and the damage found.
 #[derive(Default)]
 struct Described {
     text: String,

@@ -1,42 +1,42 @@
-//! Starting the program: ranks, threads, and messages about what went wrong.
+//! Start of the program: ranks, threads, stack and memory, and messages about failures.
 
 use crate::streams;
 use anyhow::Context;
 use domain::{Comm, CommError, Launcher};
 use std::process::ExitCode;
 
-/// Lets others read the HDF5 files of a run while it goes on. Must come first of all.
+/// Allows other processes to read the HDF5 files of a run while they are written. To be called first of all.
 pub fn leave_files_unlocked() {
     // SAFETY: no other thread of the program runs yet.
     unsafe { std::env::set_var("HDF5_USE_FILE_LOCKING", "FALSE") };
 }
 
-/// Keeps freed memory for the next step, which needs as much: returned to the system, it would have to be mapped and
-/// zeroed again page by page. Only blocks of 32 MB and more go back, such as copies of large grids, which are rare: they would
-/// leave holes that smaller blocks then break up.
+/// Keeps freed memory for the next step, which needs as much: memory returned to the system would have to be mapped and
+/// zeroed again page by page. Only blocks of 32 MB and more are returned, such as copies of large grids, which are
+/// rare: if kept, they would leave holes that smaller blocks then fragment.
 pub fn keep_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    // SAFETY: two numbers are set, of which any value is allowed.
+    // SAFETY: the calls set two numbers, for which any value is allowed.
     unsafe {
         libc::mallopt(libc::M_MMAP_THRESHOLD, 32 << 20);
         libc::mallopt(libc::M_TRIM_THRESHOLD, i32::MAX);
     }
 }
 
-/// Has a file that would become longer than the limit (`ulimit -f`) be an error of the write, in place of the end of the
-/// program without a word.
+/// Makes a write beyond the limit on file sizes (`ulimit -f`) an error, where the program would otherwise be killed
+/// without a message.
 pub fn survive_long_files() {
-    // SAFETY: a signal that is ignored calls nothing.
+    // SAFETY: an ignored signal calls no handler.
     unsafe {
         libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
     }
 }
 
-/// Stack that the program may need: parsers of deep texts and kernels with blocks of values take some of it.
+/// Stack that the program may need, for parsers of deeply nested texts and kernels with blocks of values; bytes.
 const STACK: usize = 8 << 20;
 
-/// Calls a function on a stack that is large enough: in a thread of its own where that of the process is limited to less
-/// (`ulimit -s`).
+/// Calls a function on a stack that is large enough: in a thread of its own if the stack of the process is limited to
+/// less (`ulimit -s`).
 pub fn with_stack(work: fn() -> ExitCode) -> ExitCode {
     if stack_limit().is_none_or(|limit| limit >= STACK) {
         return work();
@@ -50,20 +50,20 @@ pub fn with_stack(work: fn() -> ExitCode) -> ExitCode {
     }
 }
 
-/// Bytes that the stack of the process may take; nothing if there is no limit.
+/// Limit on the stack of the process in bytes; `None` if it is unlimited.
 fn stack_limit() -> Option<usize> {
     let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
-    // SAFETY: the call writes one limit to where it is told.
+    // SAFETY: the call writes one limit to the given address.
     let is_known = unsafe { libc::getrlimit(libc::RLIMIT_STACK, &raw mut limit) } == 0;
     (is_known && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur as usize)
 }
 
-/// Says why the ranks could not be reached; once, where the launcher tells which process this is.
+/// Reports that the ranks could not be reached; once, if the launcher tells which process this is.
 pub fn refused(error: &CommError) -> ExitCode {
     failed(Launcher::of_this_process().is_first(), error)
 }
 
-/// Says why the program fails, on the first rank.
+/// Reports the failure of the program, on the first rank.
 pub fn failed(is_first: bool, error: &dyn std::fmt::Display) -> ExitCode {
     if is_first {
         streams::log(format_args!("error: {}", in_one_line(&format!("{error:#}"))));
@@ -72,19 +72,19 @@ pub fn failed(is_first: bool, error: &dyn std::fmt::Display) -> ExitCode {
     ExitCode::FAILURE
 }
 
-/// A message in one line whatever names it quotes: control characters of theirs as in source code.
+/// A message in one line, with control characters in quoted names escaped as in source code.
 pub fn in_one_line(message: &str) -> String {
     let plain = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
     message.chars().map(plain).collect()
 }
 
-/// Prints help, or a mistake in the command line, once.
+/// Prints help, or an error of usage, once.
 pub fn explain(comm: &Comm, message: &clap::Error) -> ExitCode {
     if comm.is_first() && !message.use_stderr() && streams::is_output_closed() {
         return failed(true, &format_args!("can't write what was asked for: the standard output is closed"));
     }
     match if comm.is_first() { message.print() } else { Ok(()) } {
-        // Nobody listens to a closed pipe, as in `fcm-solve --help | head`.
+        // A closed pipe has no reader, as in `fcm-solve --help | head`.
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             failed(true, &format_args!("can't write what was asked for: {error}"))
         }
@@ -92,7 +92,7 @@ pub fn explain(comm: &Comm, message: &clap::Error) -> ExitCode {
     }
 }
 
-/// Starts the threads of this rank: as many as asked for, or as there are cores for it. Collective.
+/// Starts the threads of this rank: as many as asked for, or as it has cores. Collective.
 pub fn start_threads(asked: Option<u16>, comm: &Comm) -> anyhow::Result<()> {
     let cores = comm.cores();
     let threads = asked.map_or(cores, usize::from);

@@ -1,6 +1,6 @@
-//! Particles in viscous flow by the force-coupling method: the program.
+//! Command-line program for particles in viscous flow by the force-coupling method.
 
-// These panic where a stream is full or closed; `streams` does not.
+// `print!` and the like panic if a stream is full or closed; `streams` does not.
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;

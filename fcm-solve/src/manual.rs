@@ -1,4 +1,4 @@
-//! Manual pages and completions, from the command line itself.
+//! Manual pages and shell completions, generated from the definition of the command line.
 
 use crate::streams;
 use anyhow::Context;
@@ -7,7 +7,7 @@ use clap_complete::Shell;
 use domain::Comm;
 use std::path::{Path, PathBuf};
 
-/// Which pages.
+/// Manual pages to write.
 #[derive(clap::Args)]
 pub struct Pages {
     /// Write the pages of all commands into this folder, instead of the first one to the standard output
@@ -35,7 +35,7 @@ fn write(program: Command, folder: &Path) -> anyhow::Result<()> {
 pub fn completions(shell: Shell, program: &mut Command, comm: &Comm) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(shell, program, "fcm-solve", &mut script);
-    // For bash clap_complete names a command's state in two ways if the name of the program has a hyphen.
+    // For bash, clap_complete is inconsistent in the name of a command's state if the program's name has a hyphen.
     let script = String::from_utf8_lossy(&script).replace("fcm__subcmd__solve", "fcm__solve");
     streams::print(comm, &script)
 }

@@ -1,4 +1,4 @@
-//! `fcm-solve mobility`: one evaluation for positions that the user brings.
+//! `fcm-solve mobility`: one evaluation at positions given by the user.
 
 use crate::causes::in_full;
 use crate::number::tolerance;
@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use suspension::{Drift, Mobility, MobilityParameters, Motions, Overlaps};
 
-/// What to evaluate.
+/// Case to evaluate, file of the answer, and tolerance.
 #[derive(clap::Args)]
 #[command(after_help = NAMES)]
 pub struct Args {
     /// The case: JSON, or HDF5 with the same names if it ends in .h5 or .hdf5; - reads JSON from the standard input
     case: PathBuf,
-    /// Where the answer goes, HDF5 if it ends in .h5 or .hdf5, else JSON [default: the standard output]
+    /// File of the answer, HDF5 if it ends in .h5 or .hdf5, else JSON [default: the standard output]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Relative error allowed, from 1e-12 to 0.5
@@ -68,7 +68,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     Ok(comm.agree(written.map_err(|e| in_full(&e)))?)
 }
 
-/// Evaluates a case that was read; the first rank has the answer. Collective.
+/// Evaluates a case; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
     let (parameters, turn) = parameters(case, (tolerance, io::kept_costs(comm)?))?;
     case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
@@ -115,14 +115,14 @@ fn read(path: &Path) -> Result<Case, io::FileError> {
     Case::parse(&std::io::read_to_string(std::io::stdin()).map_err(unreadable)?, name)
 }
 
-/// What to say of a case that can be evaluated but had better not.
+/// Warnings about a case that can be evaluated but whose answer is questionable.
 fn cautions(overlaps: Option<Overlaps>, mobility: &Mobility) -> Vec<String> {
     let caution = |overlaps| format!("{overlaps}; the answer is that of the method, but spheres can't be there");
     overlaps.map(caution).into_iter().chain(mobility.burden()).collect()
 }
 
-/// Bytes of the numbers of the case and of the answer, 32 of a particle and those of random motions, as they are and as
-/// text of about 20 characters each.
+/// Memory for the numbers of the case and the answer, 32 for each particle and those of random motions, in binary form
+/// and as text of about 20 characters each.
 fn text_bytes(case: &Case) -> Bytes {
     let kinds = |noise: Noise| if noise.drift { 2.0 } else { 1.0 };
     let noise = case.noise.map_or(0.0, |noise| kinds(noise) * noise.draws as f64) * NOISE_NUMBERS as f64;
@@ -195,7 +195,7 @@ fn add_drift(answer: &mut Answer, drift: &[Drift]) {
     answer.drift_stresslets = Some(drift.iter().map(stresslets).collect());
 }
 
-/// Refuses an answer that is beyond the numbers of the machine.
+/// Refuses an answer with numbers that are not finite.
 fn finite(answer: &Answer) -> anyhow::Result<()> {
     let vectors =
         [Some(&answer.velocities), answer.angular_velocities.as_ref()].into_iter().flatten().flatten().flatten();

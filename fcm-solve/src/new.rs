@@ -5,10 +5,10 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use domain::Comm;
 use io::{TEMPLATES, Template};
 
-/// What to print.
+/// Scene to print.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Which scene.
+    /// Name of the scene
     #[arg(value_parser = template())]
     kind: Template,
 }
@@ -18,7 +18,7 @@ fn template() -> impl TypedValueParser<Value = Template> {
     PossibleValuesParser::new(names).map(|name| Template::named(&name).expect("one of the names"))
 }
 
-/// What tells editors where the names of keys are; `fcm-solve schema` makes that file.
+/// First line of a scene, which refers editors to the JSON Schema of its keys; `fcm-solve schema` writes that file.
 const SCHEMA: &str = "#:schema fcm-solve.schema.json\n";
 
 /// Prints the scene.

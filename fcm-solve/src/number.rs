@@ -2,27 +2,27 @@
 
 use std::ops::RangeInclusive;
 
-/// A relative error that evaluations can be asked for.
+/// Parses a relative tolerance of evaluations, from 1e-12 to 0.5.
 pub fn tolerance(text: &str) -> Result<f64, String> {
     within(text, 1e-12..=0.5).ok_or_else(|| "needs to be between 1e-12 and 0.5".to_owned())
 }
 
-/// A volume fraction at which spheres can be put at random.
+/// Parses a volume fraction at which spheres can be placed at random, above 0 and up to 0.5.
 pub fn fraction(text: &str) -> Result<f64, String> {
     within(text, f64::MIN_POSITIVE..=0.5).ok_or_else(|| "needs to be above 0 and at most 0.5".to_owned())
 }
 
-/// The radius of a sphere over that of another.
+/// Parses a ratio of sphere radii, from 0.05 to 20.
 pub fn ratio(text: &str) -> Result<f64, String> {
     within(text, 0.05..=20.0).ok_or_else(|| "needs to be between 0.05 and 20".to_owned())
 }
 
-/// A length, a time or the like.
+/// Parses a finite number above 0, such as a length or a time.
 pub fn positive(text: &str) -> Result<f64, String> {
     within(text, f64::MIN_POSITIVE..=f64::MAX).ok_or_else(|| "needs to be a finite number above 0".to_owned())
 }
 
-/// A time, or anything else that may be negative.
+/// Parses a finite number of any sign, such as a time.
 pub fn finite(text: &str) -> Result<f64, String> {
     within(text, f64::MIN..=f64::MAX).ok_or_else(|| "needs to be a finite number".to_owned())
 }

@@ -1,4 +1,4 @@
-//! A scene in numbers before it is run, by the decisions of a run.
+//! Outline of a scene: its numbers as a run would determine them, without running it.
 
 use crate::part_progress::PartProgress;
 use crate::prepared_scene::{Prepared, prepared};
@@ -7,16 +7,16 @@ use io::{RunError, Scene, Trial};
 use simulation::Outline;
 use suspension::Asked;
 
-/// A scene as a run of it would begin, its outline, and the trial of its first steps where one was made.
+/// A scene as a run would begin with it, its outline, and the trial of its first steps if one was made.
 pub struct Outlined {
     pub scene: Scene,
     pub outline: Outline,
     pub trial: Option<Trial>,
 }
 
-/// The outline of a scene and, if it `is_tried`, the trial of its first steps, where one is possible. A scene that `run` would
-/// refuse at its start is an error; one that has too little memory, or whose first steps fail, has an outline with that refusal.
-/// Collective.
+/// Outlines a scene and, if it `is_tried`, tries its first steps where the scene has steps. A scene that `run` would
+/// refuse at its start is an error; a scene that needs too much memory, or whose first steps fail, has an outline that
+/// contains the refusal. Collective.
 pub fn outlined(scene: Scene, asked: Asked, is_tried: bool, comm: &Comm) -> anyhow::Result<Outlined> {
     let Prepared { scene, notes } = prepared(scene, is_tried, comm)?;
     let placing = PartProgress::start(comm, "the particles are placed");

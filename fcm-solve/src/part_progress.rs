@@ -1,4 +1,4 @@
-//! The progress of work without time steps: the preparation of a start, or many runs.
+//! Progress of work without time steps: the preparation of a start, or many runs.
 
 use crate::streams;
 use domain::Comm;
@@ -10,11 +10,12 @@ use std::time::{Duration, Instant};
 /// Time between two lines where there is no terminal.
 const PAUSE: Duration = Duration::from_secs(5);
 
-/// Time for which work is silent before it is named, and that of work which usually takes about a second.
+/// Time before work is named in the log, and the same for work that usually takes about a second.
 const SILENCE: Duration = Duration::from_secs(1);
 const LONG_SILENCE: Duration = Duration::from_secs(4);
 
-/// A bar on a terminal, which is removed at the end; elsewhere a line now and then. Only the first rank shows it.
+/// Progress as a fraction: a bar on a terminal, removed at the end; elsewhere a line now and then. Shown by the first
+/// rank alone.
 pub struct PartProgress {
     display: Display,
     what: &'static str,
@@ -26,18 +27,18 @@ enum Display {
         said: Instant,
         naming: Option<Naming>,
     },
-    /// No progress, but what is said beside it.
+    /// No progress, but other messages.
     Quiet,
     Nothing,
 }
 
 impl PartProgress {
-    /// Starts to show work, described in a few words.
+    /// Starts to show work that is described in a few words.
     pub fn start(comm: &Comm, what: &'static str) -> Self {
         Self::start_after(SILENCE, comm, what)
     }
 
-    /// The same for work that usually ends soon: it is named when it has taken some seconds.
+    /// Like [`start`](Self::start), for work that usually ends soon: it is named only after some seconds.
     pub fn start_late(comm: &Comm, what: &'static str) -> Self {
         Self::start_after(LONG_SILENCE, comm, what)
     }
@@ -52,7 +53,7 @@ impl PartProgress {
         Self { display, what }
     }
 
-    /// Shows which part is done, from 0 to 1.
+    /// Shows the fraction that is done, from 0 to 1.
     pub fn show(&mut self, part: f64) {
         let percent = (100.0 * part.clamp(0.0, 1.0)) as u64;
         if let Display::Lines { naming, .. } = &mut self.display {
@@ -68,7 +69,7 @@ impl PartProgress {
         }
     }
 
-    /// Says something beside the progress.
+    /// Shows a message together with the progress.
     pub fn say(&self, message: &str) {
         match &self.display {
             Display::Bar(bar) => bar.suspend(|| streams::log(message)),
@@ -93,14 +94,14 @@ fn bar(what: &'static str, silence: Duration) -> ProgressBar {
     bar
 }
 
-/// Names work of which no part is known to be done for longer than a silence, and how long it has taken, less and less often.
+/// Thread that names work whose progress is unknown, and the time that it has taken, at growing intervals.
 struct Naming {
-    /// Its end ends the thread.
+    /// Dropping the sender ends the thread.
     _end: Sender<()>,
 }
 
 impl Naming {
-    /// Names work from now on; where there can be no thread it is not named.
+    /// Starts to name work; does nothing if no thread can be started.
     fn start(what: &'static str, silence: Duration) -> Option<Self> {
         let (end, ended) = channel::<()>();
         let (began, mut pause) = (Instant::now(), silence);

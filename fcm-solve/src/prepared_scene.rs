@@ -1,19 +1,20 @@
-//! Scenes with the values that are determined when they are run.
+//! Values of a scene that are determined when it is run.
 
 use crate::part_progress::PartProgress;
 use domain::{Comm, Number};
 use io::Scene;
 
-/// A scene that is ready to be run, and what was found for it: labels of at most ten letters with a text, on the first rank.
+/// A scene that is ready to be run, and the values determined for it: labels of at most ten letters, each with a text,
+/// on the first rank.
 pub struct Prepared {
     /// The scene.
     pub scene: Scene,
-    /// What was found.
+    /// Values determined for the scene, as labels and texts.
     pub notes: Vec<(&'static str, String)>,
 }
 
-/// The scene with the strain of the box in the file that it starts from, the costs of this machine, and with a calibrated
-/// repulsion if it asks for that and it `is_calibrated`. Collective.
+/// Completes a scene with the box strain of its start file, the measured costs of this machine and, if it asks for that
+/// and `is_calibrated`, a calibrated repulsion. Collective.
 pub fn prepared(scene: Scene, is_calibrated: bool, comm: &Comm) -> anyhow::Result<Prepared> {
     let (scene, notes) = io::with_start_file(scene, comm)?;
     let scene = io::on_this_machine(scene, comm)?;

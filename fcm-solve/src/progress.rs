@@ -7,16 +7,16 @@ use simulation::Simulation;
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
-/// Time between two lines where there is no terminal, and the share of the time so far that it is at least.
+/// Shortest time between two lines where there is no terminal, and the shortest as a fraction of the time so far.
 const PAUSE: Duration = Duration::from_secs(5);
 const PAUSE_SHARE: f64 = 0.05;
 
-/// A bar on a terminal, elsewhere a line now and then. Only the first rank shows it.
+/// Progress of a run: a bar on a terminal, elsewhere a line now and then. Shown by the first rank alone.
 pub struct Progress {
     display: Display,
     first: u64,
     last: u64,
-    /// The part that was done at the start of what may end the run before its last step.
+    /// Fraction done at the start, of a limit that may end the run before its last step.
     first_part: Option<f64>,
     began: Instant,
 }
@@ -26,13 +26,13 @@ enum Display {
     Lines {
         said: Instant,
     },
-    /// No progress, but what is said beside it.
+    /// No progress, but other messages.
     Quiet,
     Nothing,
 }
 
 impl Progress {
-    /// The progress from where a simulation is to step `last`.
+    /// Starts the progress from the present step of a simulation to step `last`.
     pub fn start(simulation: &dyn Simulation, last: u64) -> Self {
         let (comm, clock) = (simulation.comm(), simulation.clock());
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
@@ -44,7 +44,7 @@ impl Progress {
         Self { display, first: clock.step(), last, first_part: simulation.part_done(), began: Instant::now() }
     }
 
-    /// Shows where the simulation is.
+    /// Shows the present step of the simulation.
     pub fn show(&mut self, simulation: &dyn Simulation) {
         let (clock, pace) = (simulation.clock(), self.pace(simulation));
         let pause = PAUSE.max(self.began.elapsed().mul_f64(PAUSE_SHARE));
@@ -62,7 +62,7 @@ impl Progress {
         }
     }
 
-    /// Steps a second, and what is left of the run at that pace.
+    /// Steps per second, and the remaining time of the run at that pace.
     fn pace(&self, simulation: &dyn Simulation) -> String {
         let clock = simulation.clock();
         let (taken, left) = (clock.step() - self.first, self.last.saturating_sub(clock.step()));
@@ -78,14 +78,14 @@ impl Progress {
         format!("{:.3} steps/s, {} left", Number(rate), indicatif::HumanDuration(left))
     }
 
-    /// Says something that is no warning beside the progress.
+    /// Shows a message that is not a warning, unless the program is to be quiet.
     pub fn inform(&self, message: &str) {
         if !streams::is_quiet() {
             self.say(message);
         }
     }
 
-    /// Says something beside the progress.
+    /// Shows a message together with the progress.
     pub fn say(&self, message: &str) {
         match &self.display {
             Display::Bar(bar) => bar.suspend(|| streams::log(message)),

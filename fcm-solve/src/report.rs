@@ -1,11 +1,11 @@
-//! `fcm-solve report`: a page about a run.
+//! `fcm-solve report`: writes an HTML page about a run.
 
 use crate::causes::in_full;
 use crate::streams;
 use domain::Comm;
 use std::path::PathBuf;
 
-/// Which run, and where the page goes.
+/// Run to report on, and the file of the page.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder of a run, or of a family

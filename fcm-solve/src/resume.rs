@@ -1,4 +1,4 @@
-//! `fcm-solve resume`: a run from its last checkpoint.
+//! `fcm-solve resume`: continues a run from its last checkpoint.
 
 use crate::causes::in_full;
 use crate::commands::resume_command;
@@ -13,7 +13,7 @@ use io::{ExistingRun, FamilyFolder, Resumption, RunFolder, SceneFile, WholeScene
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Which run to go on with.
+/// Run to continue, and its new end.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder of the run, or of a family
@@ -28,7 +28,7 @@ pub struct Args {
     stops: StopArgs,
 }
 
-/// Goes on with the run. Collective.
+/// Continues the run. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
     let signals = comm.agree(Signals::watch(comm, command, &args.stops))?;
@@ -46,7 +46,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     go_on(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
 }
 
-/// Goes on with the members of a family that are missing. Collective.
+/// Makes the missing members of a family. Collective.
 fn resume_family(args: &Args, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     ensure!(args.steps.is_none(), "--steps goes with single runs; change the end in the scene of the family");
     match read_any(&args.folder.join("scene.toml"), &[], comm)? {

@@ -20,7 +20,7 @@ use io::{
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What to run, and where the results go.
+/// Scene to run, and the folder of its results.
 #[derive(clap::Args)]
 pub struct Args {
     /// The scene file; - reads it from the standard input
@@ -31,7 +31,7 @@ pub struct Args {
     /// Set a key of the scene, as in --set time.step=0.01 or --set `species[0].count=10`; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Replace the results of a former run in that folder
+    /// Replace the results of an earlier run in that folder
     #[arg(long)]
     force: bool,
     /// Go on with the run in that folder, if there is one and it is not finished
@@ -40,7 +40,7 @@ pub struct Args {
     /// Go on with another value of this key, fluid.viscosity or one of the section repulsion; may be repeated
     #[arg(long, value_name = "KEY", requires = "goes_on")]
     accept: Vec<String>,
-    /// Make the part K of N of a family's runs, beside programs that make the others in the same folder
+    /// Make part K of N of a family's runs, while other programs make the other parts in the same folder
     #[arg(long, value_name = "K/N", conflicts_with = "force", allow_hyphen_values = true)]
     part: Option<Part>,
     #[command(flatten)]
@@ -66,18 +66,18 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     start(scene, folder, comm, &signals)
 }
 
-/// The members of a family that are missing.
+/// Makes the missing members of a family.
 fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitCode> {
     io::check_accepted(&args.accept).map_err(anyhow::Error::msg)?;
     let path = args.folder(family.output_folder().as_deref());
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
     let work = Work { family, part: args.part.unwrap_or(Part::WHOLE), accepted: &args.accept };
-    // Each part comes to a folder that others may have made.
+    // Programs for other parts may have made the folder already.
     let former = if args.part.is_some() { ExistingRun::Continue } else { args.former() };
     family::run(&work, (&path, former), &signals)
 }
 
-/// A run from its start. Collective.
+/// Starts a run from the beginning. Collective.
 fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     let Prepared { scene, notes } = prepared(scene, true, comm)?;
     for (label, note) in notes {
@@ -136,7 +136,7 @@ fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Refuses to continue the run of another scene, which differs in some keys.
+/// Refuses to continue the run of another scene, given the keys in which it differs.
 fn refuse_another(differences: impl Iterator<Item = Difference>, folder: &Path) -> anyhow::Result<()> {
     let lines: Vec<String> = differences.map(|difference| difference.to_string()).collect();
     ensure!(
@@ -162,7 +162,7 @@ impl Args {
         }
     }
 
-    /// The command that starts this run again, or continues it.
+    /// Command line that starts this run again, or continues it.
     fn command(&self, folder: &Path) -> String {
         let how = if self.force { "force" } else { "continue" };
         let part = self.part.map_or_else(String::new, |part| format!(" --part {part}"));

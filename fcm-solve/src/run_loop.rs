@@ -1,4 +1,4 @@
-//! The run loop.
+//! The time-stepping loop of a run.
 
 use crate::commands::resume_command;
 use crate::progress::Progress;
@@ -9,7 +9,7 @@ use io::Recorder;
 use simulation::Simulation;
 use std::process::ExitCode;
 
-/// Steps until step `last` or a request to stop, and records what is due. Collective.
+/// Advances to step `last` or until a request to stop, and records what is due. Collective.
 pub fn run_to_end(
     simulation: &mut dyn Simulation,
     recorder: &mut Recorder,
@@ -64,8 +64,8 @@ pub fn run_to_end(
     Ok(ExitCode::SUCCESS)
 }
 
-/// Ends a run that stops after step `now`. It is an error if the time was too short for a single step: such a job would
-/// be started again and again in vain.
+/// Ends a run that stops after step `now`. It is an error if the time limit was too short for a single step: such a job
+/// would be started again and again in vain.
 fn stopped(stop: Stop, [first, now, last]: [u64; 3], progress: &Progress, command: &str) -> anyhow::Result<ExitCode> {
     if stop == Stop::TimeIsUp && now == first {
         bail!(

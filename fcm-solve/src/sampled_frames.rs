@@ -1,24 +1,24 @@
-//! The frames of a trajectory of which statistics are made, and those that are missing.
+//! Choice of the frames of a trajectory for statistics, and the missing ones among them.
 
 use crate::streams;
 use io::{MissingSteps, TrajectoryReader};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// Frames in the order of time, at steps that are multiples of an interval apart.
+/// Frames in order of time, at steps that differ by multiples of an interval.
 pub struct SampledFrames {
     pub frames: Vec<usize>,
-    /// Steps.
+    /// Interval in steps.
     pub interval: u64,
-    /// Intervals from the first frame to the last, and one.
+    /// Number of intervals from the first frame to the last, plus one.
     pub samples: u64,
-    /// Frames between the first and the last that the run was to write and that are not there.
+    /// Frames between the first and the last that the run should have written but that are absent.
     pub missing: MissingSteps,
 }
 
 impl SampledFrames {
-    /// Those of a span of time whose step and time are known, each at a later step than the one before. What is missing, and
-    /// frames that are left out, are named in warnings.
+    /// Chooses the frames in a span of time whose step and time are intact, each at a later step than the one before.
+    /// Missing frames, and frames that are left out, are named in warnings.
     pub fn of(recorded: &TrajectoryReader, span: &RangeInclusive<f64>, path: &Path) -> Self {
         let frames = in_order(recorded, span, path);
         let interval = recorded.common_interval(&frames).max(1);

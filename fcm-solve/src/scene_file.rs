@@ -1,4 +1,4 @@
-//! Scenes that are read on the first rank.
+//! Reading scene files on the first rank.
 
 use crate::causes::in_full;
 use crate::streams;
@@ -15,7 +15,8 @@ pub fn read(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<Sc
     }
 }
 
-/// Reads a file on the first rank: a scene, which is shared, or a family of scenes, which a single rank makes. Collective.
+/// Reads a scene file on the first rank. A scene is sent to the other ranks; a family of scenes stays on the first rank
+/// and needs a run on a single rank. Collective.
 pub fn read_any(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<SceneFile> {
     let read = if comm.is_first() { read_here(path, overrides, comm).map(Some) } else { Ok(None) };
     let read = comm.agree(read.map_err(|e| in_full(&e)))?;

@@ -1,4 +1,4 @@
-//! Requests to stop: Ctrl-C, the signals of queueing systems, and the end of the time that a run has.
+//! Requests to stop: Ctrl-C, the signals of queueing systems, and the time limit of a run.
 
 use crate::stop::Stop;
 use crate::streams;
@@ -13,49 +13,49 @@ use std::time::{Duration, Instant};
 /// The signals that stop a run.
 const SIGNALS: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU];
 
-/// Time that the end of a program takes besides its last checkpoint.
+/// Time reserved for ending the program, in addition to the last checkpoint.
 const ENDING: Duration = Duration::from_secs(1);
 
-/// When a run stops before its end, and who is told.
+/// Time limit of a run, and a file for the number of steps that it has taken.
 #[derive(clap::Args)]
 pub struct StopArgs {
-    /// Stop in time before so long has passed, as 23:50:00 or 1-12:00:00 [default: the end of the job, if Slurm says]
+    /// Stop before this time has passed, as 23:50:00 or 1-12:00:00 [default: the end of the job, if Slurm says]
     #[arg(long, value_name = "TIME", value_parser = walltime::parse)]
     walltime: Option<Walltime>,
-    /// Write into this file, if the run stops before its end, how many steps it has taken: for job scripts
+    /// Write into this file the number of steps taken, if the run stops before its end: for job scripts
     #[arg(long, value_name = "FILE")]
     steps_taken: Option<PathBuf>,
 }
 
-/// The message of a program whose time is up before it has written anything new.
+/// Error of a program whose time limit is reached before it has written any new result.
 const VAIN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more \
     time (--walltime, or the job's limit)";
 
-/// The handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at
-/// once; a run stops after its next checkpoint. A second Ctrl-C ends either at once; a second request to terminate does
-/// not, since launchers often send several.
+/// Handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at once; a
+/// run stops after its next checkpoint. A second Ctrl-C ends the program at once in either case; a second request to
+/// terminate does not, since launchers often send several.
 pub struct Signals {
     requests: Arc<Requests>,
     comm: Comm,
 }
 
-/// The requests that this process has received.
+/// Requests to stop that this process has received.
 struct Requests {
-    /// The number of the first [`Stop`]; 0 is none.
+    /// Number of the first [`Stop`] requested; 0 for none.
     stop: AtomicU8,
-    /// Whether Ctrl-C was pressed before.
+    /// Whether Ctrl-C has been pressed already.
     pressed: AtomicBool,
-    /// Whether there is a run, which looks here and saves its state.
+    /// Whether a run is going on that checks for requests and saves its state.
     has_run: AtomicBool,
-    /// Results that were stored and need not be computed again.
+    /// Number of stored results, which need not be computed again.
     results: Arc<AtomicU64>,
-    /// When the run has to be over, and what it is known to take.
+    /// Instant by which the run has to be over, and the measured times that it needs to stop.
     end: Option<Instant>,
     pace: Mutex<Pace>,
     is_first: bool,
-    /// The command that continues the run.
+    /// Command line that continues the run.
     command: Mutex<String>,
-    /// The file that tells how many steps were taken.
+    /// File for the number of steps taken.
     steps_taken: Option<PathBuf>,
 }
 
@@ -63,14 +63,14 @@ struct Requests {
 #[derive(Default)]
 struct Pace {
     looked: Option<Instant>,
-    /// The longest time between two checks for requests: an evaluation, or writing output.
+    /// Longest time between two checks for requests: an evaluation, or writing output.
     pause: Duration,
-    /// The longest time for a checkpoint.
+    /// Longest time that a checkpoint took.
     checkpoint: Duration,
 }
 
 impl Signals {
-    /// Starts to handle signals, and the end of the run's time. `command` continues the run.
+    /// Starts to handle signals and the time limit of the run. `command` is the command line that continues the run.
     pub fn watch(comm: &Comm, command: String, stops: &StopArgs) -> std::io::Result<Self> {
         let end = walltime::end(stops.walltime);
         let requests = Arc::new(Requests {
@@ -99,24 +99,24 @@ impl Signals {
         Ok(Self { requests, comm: comm.clone() })
     }
 
-    /// Notes that there is now a run to save, which checks for requests, and the command that continues it.
+    /// Announces a run that checks for requests and saves its state, and the command line that continues it.
     pub fn run_begins(&self, command: String) {
         self.go_on_with(command);
         self.requests.has_run.store(true, Ordering::SeqCst);
         self.requests.pace().looked = None;
     }
 
-    /// The number of results that need not be computed again, for those that store them on any thread.
+    /// Counter of results that need not be computed again, to be incremented by whoever stores them, on any thread.
     pub fn stored_results(&self) -> Arc<AtomicU64> {
         self.requests.results.clone()
     }
 
-    /// Tells how many steps were taken until the run stops, where that is asked for.
+    /// Writes the number of steps taken into the file asked for, if any, when the run stops.
     pub fn tell_steps_taken(&self, steps: u64) {
         self.requests.tell_steps_taken(steps);
     }
 
-    /// The request of any rank. Collective.
+    /// A request to stop received on any rank. Collective.
     pub fn received(&self) -> Option<Stop> {
         let mut number = [f64::from(self.requests.look())];
         self.comm.max(&mut number);
@@ -125,42 +125,42 @@ impl Signals {
         Some(stop)
     }
 
-    /// The flag for computations: whether this rank is asked to stop.
+    /// Interrupt flag for computations: whether this rank is asked to stop.
     pub fn interrupt(&self) -> Interrupt {
         let requests = self.requests.clone();
         Interrupt::when(move || requests.look() != 0)
     }
 
-    /// Notes how long a checkpoint took, so that there will be time for the last one.
+    /// Records the duration of a checkpoint, so that enough time is reserved for the last one.
     pub fn checkpoint_took(&self, time: Duration) {
         let mut pace = self.requests.pace();
         pace.checkpoint = pace.checkpoint.max(time);
     }
 
-    /// Stops for a reason that was seen elsewhere.
+    /// Requests a stop for a reason detected elsewhere.
     pub fn stop(&self, stop: Stop) {
         self.requests.ask(stop);
     }
 
-    /// The time until the run has to be over, if it has an end.
+    /// Time until the run has to be over, if it has a time limit.
     pub fn time_left(&self) -> Option<Duration> {
         self.requests.end.map(|end| end.saturating_duration_since(Instant::now()))
     }
 
-    /// Sets the command that continues the run.
+    /// Sets the command line that continues the run.
     pub fn go_on_with(&self, command: String) {
         *self.requests.command() = command;
     }
 
-    /// The command that continues the run.
+    /// Command line that continues the run.
     pub fn command(&self) -> String {
         self.requests.command().clone()
     }
 }
 
 impl Requests {
-    /// The number of the request, 0 for none. It is a request to stop, too, when only the time that a stop needs is
-    /// left.
+    /// Number of the request, 0 for none. The time limit is a request to stop as soon as the remaining time is no more
+    /// than a stop takes.
     fn look(&self) -> u8 {
         if let Some(end) = self.end {
             let now = Instant::now();
@@ -171,7 +171,7 @@ impl Requests {
         self.stop.load(Ordering::SeqCst)
     }
 
-    /// The first request counts.
+    /// Records a request to stop; only the first one counts.
     fn ask(&self, stop: Stop) {
         let _ = self.stop.compare_exchange(0, stop.number(), Ordering::SeqCst, Ordering::SeqCst);
     }
@@ -184,8 +184,8 @@ impl Requests {
         }
     }
 
-    /// Ends the program as it is; its files are whole at any time. It is an error if time is up and there is nothing new: such
-    /// a job would be started again and again in vain.
+    /// Ends the program at once; its files are complete at any time. It is an error if the time limit is reached and
+    /// nothing new was written: such a job would be started again and again in vain.
     fn leave(&self, stop: Stop) -> ! {
         let results = self.results.load(Ordering::SeqCst);
         let is_vain = stop == Stop::TimeIsUp && results == 0;
@@ -218,8 +218,8 @@ impl Requests {
 }
 
 impl Pace {
-    /// Notes the time of this check and returns how long a stop can take from now: until the next check, and two
-    /// checkpoints, since a file system may be busy when many jobs end.
+    /// Records the time of this check and returns the time that a stop can take from now: the time until the next
+    /// check, and twice that of a checkpoint, since a file system may be busy when many jobs end.
     fn look(&mut self, now: Instant) -> Duration {
         if let Some(before) = self.looked.replace(now) {
             self.pause = self.pause.max(now - before);
@@ -228,7 +228,8 @@ impl Pace {
     }
 }
 
-/// The signals that are not ignored from the start, as `nohup` ignores SIGHUP, and shells SIGINT for background jobs.
+/// Signals to handle: all but those ignored since the start of the process, as `nohup` ignores SIGHUP, and shells
+/// SIGINT for background jobs.
 fn heeded() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
@@ -240,7 +241,7 @@ fn heeded() -> Vec<i32> {
 mod tests {
     use super::*;
 
-    /// A run looks every 3 s and takes 2 s for a checkpoint.
+    /// The run checks for requests every 3 s, and a checkpoint takes 2 s.
     #[test]
     fn a_stop_is_given_the_time_that_it_takes() {
         let (start, mut pace) = (Instant::now(), Pace::default());

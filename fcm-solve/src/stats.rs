@@ -14,15 +14,15 @@ use serde_json::{Value, json};
 use simulation::Table;
 use std::path::PathBuf;
 
-/// Which run, and what of it.
+/// Run, time span and tables of `fcm-solve stats`.
 #[derive(clap::Args)]
 pub struct Args {
     /// The folder of a run, or of a family
     folder: PathBuf,
-    /// Leave out what was before this time [default: answers.from of the scene, or the transient found]
+    /// Leave out the part before this time [default: answers.from of the scene, or the transient found]
     #[arg(long, value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     from: Option<f64>,
-    /// Leave out what was after this time
+    /// Leave out the part after this time
     #[arg(long, alias = "to", value_name = "T", value_parser = finite, allow_hyphen_values = true)]
     until: Option<f64>,
     #[command(flatten)]
@@ -62,7 +62,7 @@ impl Args {
         streams::print_here(&printed)
     }
 
-    /// The scene that is recorded with the results, or kept beside them.
+    /// The scene recorded in the provenance of the results; for a run without it, the scene.toml of the folder.
     fn scene(&self) -> anyhow::Result<Scene> {
         let (kept, table) = (self.folder.join("scene.toml"), self.folder.join("observables.csv"));
         match Provenance::of_folder(&self.folder)? {
@@ -76,7 +76,7 @@ impl Args {
         }
     }
 
-    /// The statistics of the trajectory, or why there can be none.
+    /// The statistics of the trajectory; the inner `Err` is the reason why there are none.
     fn statistics(&self, scene: &Scene, until: f64) -> anyhow::Result<Result<TrajectoryStatistics, String>> {
         let trajectory = self.folder.join("trajectory.h5");
         let Kind::Suspension(suspension) = scene.kind() else {
@@ -118,7 +118,7 @@ fn in_lines(answers: &[RunAnswer], statistics: Option<TrajectoryStatistics>) -> 
     answers + gap + &of_motions
 }
 
-/// The summary for reading: quantity, species, value and error.
+/// The summary as text: quantity, species, value and error in columns.
 fn in_columns(summary: &Table) -> String {
     let line = |(words, numbers): &(Vec<String>, Vec<f64>)| {
         let error = match (numbers[1], numbers[2]) {

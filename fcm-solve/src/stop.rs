@@ -1,26 +1,26 @@
-//! Why a run stops before its end, and the exit code that says so.
+//! Reasons for which a run stops before its end, and their exit codes.
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use std::fmt::{Display, Formatter};
 use std::process::ExitCode;
 
-/// Why a run stops.
+/// Reason for which a run stops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
     /// A signal.
     Signal(u8),
-    /// The time that it was given is over.
+    /// The time limit is reached.
     TimeIsUp,
 }
 
-/// The exit code of a run that stopped and can be resumed: `EX_TEMPFAIL` of sysexits.h, "try again later".
+/// Exit code of a run that stopped and can be resumed: `EX_TEMPFAIL` of sysexits.h, "try again later".
 const RESUME_ME: u8 = 75;
 
-/// No signal has this number.
+/// Number of [`Stop::TimeIsUp`]; no signal has it.
 const TIME_IS_UP: u8 = u8::MAX;
 
 impl Stop {
-    /// As a number above 0, by which ranks tell each other.
+    /// Number of the reason, above 0, by which ranks communicate it.
     pub fn number(self) -> u8 {
         match self {
             Self::Signal(signal) => signal,
@@ -28,7 +28,7 @@ impl Stop {
         }
     }
 
-    /// What a number stands for; 0 is none.
+    /// Reason with this number; `None` for 0.
     pub fn of_number(number: u8) -> Option<Self> {
         match number {
             0 => None,
@@ -37,7 +37,7 @@ impl Stop {
         }
     }
 
-    /// 130 after Ctrl-C and 143 after SIGTERM, as shells expect; else 75.
+    /// Exit code: 130 after Ctrl-C and 143 after SIGTERM, as shells expect; otherwise 75.
     pub fn exit_code(self) -> u8 {
         match self {
             Self::Signal(signal) if [SIGINT, SIGTERM].contains(&i32::from(signal)) => 128 + signal,

@@ -10,18 +10,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::time::Duration;
 
-/// Lines of the log that wait for a slow reader; more are lost.
+/// Largest number of log lines that wait for a slow reader; further lines are lost.
 const WAITING: usize = 1000;
-/// How long the program waits at its end for whoever reads the log.
+/// Longest wait at the end of the program for the reader of the log.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Prints a result of the first rank. Fails on all ranks if it can't be written. Collective.
+/// Prints a result on the first rank. Fails on all ranks if it can't be written. Collective.
 pub fn print(comm: &Comm, text: &str) -> anyhow::Result<()> {
     let printed = if comm.is_first() { print_here(text) } else { Ok(()) };
     Ok(comm.agree(printed.map_err(|e| format!("{e:#}")))?)
 }
 
-/// The same for one rank alone.
+/// Prints a result on this rank, independently of the others.
 pub fn print_here(text: &str) -> anyhow::Result<()> {
     ensure!(!is_output_closed(), "can't write to the standard output: it is closed");
     let mut out = std::io::stdout().lock();
@@ -35,44 +35,44 @@ pub fn is_output_closed() -> bool {
 
 static IS_CLOSED: AtomicBool = AtomicBool::new(false);
 
-/// Looks for the standard output before the program begins: the runtime of the language puts `/dev/null` in its place,
-/// where results would be lost without an error.
+/// Checks for a standard output before the program begins: the Rust runtime replaces a closed one by `/dev/null`, where
+/// results would be lost without an error.
 extern "C" fn look_for_output() {
-    // SAFETY: the call asks for the flags of a descriptor, which need not be open.
+    // SAFETY: the call queries the flags of a descriptor, which need not be open.
     let is_closed = unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_GETFD) } == -1;
     IS_CLOSED.store(is_closed, Ordering::Relaxed);
 }
 
 #[used]
-// SAFETY: the section has pointers to functions that are called before `main`; this one needs nothing of the runtime.
+// SAFETY: the section holds pointers to functions that are called before `main`; this one needs nothing of the runtime.
 #[cfg_attr(target_os = "linux", unsafe(link_section = ".init_array"))]
 static BEFORE_MAIN: extern "C" fn() = look_for_output;
 
-/// A value as JSON for reading, with the end of its last line.
+/// A value as indented JSON, with a final line break.
 pub fn json(value: &Value) -> String {
     format!("{value:#}\n")
 }
 
-/// From now on, no lines that only inform.
+/// Suppresses informational lines from now on.
 pub fn be_quiet() {
     IS_QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether only warnings and errors are wanted in the log.
+/// Whether the log is limited to warnings, answers and errors.
 pub fn is_quiet() -> bool {
     IS_QUIET.load(Ordering::Relaxed)
 }
 
 static IS_QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Adds a line to the log that only informs.
+/// Adds an informational line to the log.
 pub fn inform(line: impl Display) {
     if !is_quiet() {
         log(line);
     }
 }
 
-/// Adds a line to the log. A reader that is slow, or has gone, does not hold up the program.
+/// Adds a line to the log. A reader that is slow or gone does not block the program.
 pub fn log(line: impl Display) {
     let line = format!("{line}\n");
     match LOG.get_or_init(start) {
@@ -83,7 +83,7 @@ pub fn log(line: impl Display) {
     }
 }
 
-/// Waits until the log is written, but not for ever.
+/// Waits until the log is written, for a limited time.
 pub fn finish_log() {
     let (done, written) = sync_channel(1);
     if let Some(Some(log)) = LOG.get()
@@ -93,14 +93,14 @@ pub fn finish_log() {
     }
 }
 
-/// What goes to the thread that writes the log.
+/// Message to the thread that writes the log.
 enum Entry {
     Line(String),
-    /// Asks for a notice when everything before it is written.
+    /// Request for a notice when all earlier lines are written.
     End(SyncSender<()>),
 }
 
-/// The channel to that thread; `None` on a terminal, where lines are written at once.
+/// Channel to the thread that writes the log; `None` on a terminal, where lines are written at once.
 static LOG: OnceLock<Option<SyncSender<Entry>>> = OnceLock::new();
 
 fn start() -> Option<SyncSender<Entry>> {
@@ -121,7 +121,7 @@ fn write_all(entries: &Receiver<Entry>) {
     }
 }
 
-/// An error here can't be reported to anybody.
+/// Writes to the standard error; a failure can't be reported anywhere.
 fn write(line: &str) {
     let _ = std::io::stderr().write_all(line.as_bytes());
 }

@@ -12,10 +12,10 @@ use suspension::{
     Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsOfRank, StatisticsWanted, column_bytes,
 };
 
-/// Options of statistics that are made of a trajectory.
+/// Options of the statistics of a trajectory.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Time lag from which motion is diffusive [default: a quarter of the time taken in]
+    /// Time lag from which motion is diffusive [default: a quarter of the time span]
     #[arg(long, value_name = "T", value_parser = positive, allow_hyphen_values = true)]
     diffusive_from: Option<f64>,
     /// Largest distance of pairs [default: 8 of the largest radius]
@@ -28,18 +28,18 @@ pub struct Options {
 
 /// The statistics of a run's trajectory.
 pub struct TrajectoryStatistics {
-    /// The table that sums up.
+    /// Summary table.
     pub summary: Table,
-    /// The folder of all tables.
+    /// Folder of all tables.
     pub folder: PathBuf,
-    /// Frames that were to be written and are not there.
+    /// Number of frames that the run should have written but that are absent.
     pub missing: u64,
-    /// Frames that are not as they were written.
+    /// Number of damaged frames.
     pub damaged: u64,
 }
 
 impl Options {
-    /// Reads the trajectory of a run between two times frame by frame, and writes the tables of its statistics.
+    /// Reads the frames of a run's trajectory between two times one by one, and writes the tables of their statistics.
     pub fn statistics_of(
         &self,
         folder: &Path,
@@ -70,7 +70,7 @@ impl Options {
         Ok(TrajectoryStatistics { summary, folder: out, missing: chosen.missing.count(), damaged })
     }
 
-    /// The scene's choice, with what the options say.
+    /// The scene's choice of statistics, overridden by the options.
     fn wanted(&self, model: &Model, from: f64) -> anyhow::Result<StatisticsWanted> {
         let mut wanted = model.statistics.unwrap_or(StatisticsWanted::ALL);
         wanted.from = from;
@@ -83,7 +83,8 @@ impl Options {
     }
 }
 
-/// The statistics of frames, none if none is whole, and how many are damaged; each of these is named in a warning.
+/// Statistics of frames, and the number of damaged frames, each of which is named in a warning; no statistics if no
+/// frame is whole.
 fn sampled(
     recorded: &TrajectoryReader,
     chosen: &SampledFrames,
@@ -117,7 +118,7 @@ fn sampled(
     Ok((statistics, damaged))
 }
 
-/// Refuses particles of which no statistics can be made: without velocities, or of another scene.
+/// Refuses particles without the columns that statistics need, or with species that the scene does not have.
 fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
     let needed =
         if model.hydrodynamics.multipoles == Multipoles::Dipole { &SAMPLE_COLUMNS[..] } else { &SAMPLE_COLUMNS[..1] };
@@ -131,7 +132,7 @@ fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses samples of so many particles of a model that there is no memory for.
+/// Refuses a number of samples of `particles` particles that does not fit into memory.
 fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
     let share = StatisticsOfRank::alone(particles);
     let kept = share.bytes(model, (samples, rayon::current_num_threads()));

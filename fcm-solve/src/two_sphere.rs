@@ -6,7 +6,7 @@ use domain::Comm;
 use lubrication::two_sphere::{TwoSphere, named};
 use serde_json::{Map, Value};
 
-/// Which two spheres.
+/// Geometry of two spheres, and the form of the output.
 #[derive(clap::Args)]
 pub struct Args {
     /// Radius of sphere 2 over that of sphere 1, from 0.05 to 20
@@ -20,8 +20,8 @@ pub struct Args {
     json: bool,
 }
 
-/// Prints the functions: `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey (1992).
-/// Collective.
+/// Prints the resistance functions `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey
+/// (1992). Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let functions = TwoSphere::with_ratio(args.ratio).and_then(|table| table.resistance(args.gap));
     let values = named(&comm.agree(functions).with_context(|| format!("--ratio {} --gap {}", args.ratio, args.gap))?);

@@ -3,19 +3,19 @@
 use std::sync::OnceLock;
 use std::time::{Duration, Instant, SystemTime};
 
-/// A time as it is written on the command line.
+/// Time limit as given on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Walltime {
-    /// So long from the program's start.
+    /// Time from the start of the program.
     For(Duration),
     /// No limit.
     Unlimited,
 }
 
-/// When the program started.
+/// Instant at which the program started.
 static START: OnceLock<Instant> = OnceLock::new();
 
-/// Starts the time from which limits count.
+/// Records the present instant as the start of the program, from which time limits count.
 pub fn starts_now() {
     START.get_or_init(Instant::now);
 }
@@ -49,7 +49,7 @@ fn seconds(text: &str) -> Option<u64> {
     }
 }
 
-/// When the run has to be over: after its time limit, or at the end of its Slurm job.
+/// Instant by which the run has to be over: its time limit, or the end of its Slurm job.
 pub fn end(given: Option<Walltime>) -> Option<Instant> {
     match given {
         Some(Walltime::Unlimited) => None,
@@ -58,7 +58,8 @@ pub fn end(given: Option<Walltime>) -> Option<Instant> {
     }
 }
 
-/// An end in seconds since 1970. One that is over is not this job's, and one in ten years is none.
+/// Instant of the end of a job, given in seconds since 1970. An end in the past belongs to another job, and an end more
+/// than ten years ahead means no limit.
 fn end_of_job(seconds: &str, now: SystemTime) -> Option<Instant> {
     let end = SystemTime::UNIX_EPOCH.checked_add(Duration::from_secs(seconds.parse().ok()?))?;
     let left = end.duration_since(now).ok()?;

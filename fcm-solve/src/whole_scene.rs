@@ -6,7 +6,7 @@ use domain::Comm;
 use io::{Listener, RunFolder, Scene, WholeScene};
 use std::process::ExitCode;
 
-/// Shows messages beside the progress.
+/// Listener that shows messages together with the progress.
 struct Shown(PartProgress);
 
 impl Listener for Shown {

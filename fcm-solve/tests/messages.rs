@@ -1,15 +1,15 @@
-//! What the program says: once, in numbers that can be read, and with what would do.
+//! Messages of the program: printed once, with readable numbers and advice.
 
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
 
-/// What comes of a command that reads a text from its standard input.
+/// Output of the program for a text on its standard input.
 fn given(input: &str, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fcm-solve"));
     command.args(arguments).env("XDG_CACHE_HOME", "/nowhere");
     let mut child =
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("it starts");
-    // A command that fails early does not read it.
+    // A command that fails early does not read its input.
     let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
     child.wait_with_output().expect("it ends")
 }
@@ -70,7 +70,7 @@ fn scene(unit: f64, rest: &str) -> String {
     )
 }
 
-/// 0.15000000000000002 is what 3 times 0.05 makes.
+/// 3 times 0.05 is 0.15000000000000002 in floating point.
 #[test]
 fn lengths_and_times_can_be_read_in_any_unit() {
     let steps = "[time]\nstep = 0.05\nsteps = 3\n";
@@ -99,8 +99,8 @@ fn runs_without_an_end_are_refused() {
     }
 }
 
-/// Of the scenes that come with the program: 502 grains of 0.787 mm in 8 mm x 4 mm x 8 mm, and steps by the disks' or
-/// grains' number over the speed of a core.
+/// Numbers of the scenes that come with the program: 502 grains of 0.787 mm in 8 mm x 4 mm x 8 mm; the cost is the
+/// number of steps times that of disks or grains, over the speed of a core.
 #[test]
 fn outlines_of_grains_are_those_of_their_scenes() {
     let [cell, disks] =

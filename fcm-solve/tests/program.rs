@@ -1,4 +1,4 @@
-//! The program as a user meets it.
+//! The program as users run it.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -23,7 +23,7 @@ force = [0.0, 0.0, -18.85]
 
 fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_fcm-solve"));
-    // Not with the costs that this machine's user may have measured.
+    // Ignores costs that the user of this machine may have measured.
     command.args(arguments).stdin(Stdio::null()).env("XDG_CACHE_HOME", "/nowhere");
     command
 }
@@ -59,7 +59,7 @@ fn place() -> (tempfile::TempDir, String, String) {
     (folder, scene.display().to_string(), out.display().to_string())
 }
 
-/// A checkpoint without its scene, whose end may have been moved, and without the checksum of the whole.
+/// A checkpoint without its scene, whose end may have been moved, and without the checksum of the whole file.
 fn state_of(checkpoint: &[u8]) -> Vec<u8> {
     let start = b"fcm-solve checkpoint 1\n".len() + 8;
     let length = u64::from_le_bytes(checkpoint[start - 8..start].try_into().unwrap()) as usize;
@@ -69,8 +69,8 @@ fn state_of(checkpoint: &[u8]) -> Vec<u8> {
     [header.to_string().as_bytes(), arrays].concat()
 }
 
-/// Everything in a result folder that a run determines: the last checkpoint, the trajectory, the time series but for
-/// the seconds that steps took, and the statistics.
+/// Everything in a result folder that is determined by the run: the last checkpoint, the trajectory, the time series
+/// except the seconds that steps took, and the statistics.
 fn results(out: &str) -> (Vec<u8>, Vec<f64>, String) {
     let checkpoint = state_of(&std::fs::read(Path::new(out).join("checkpoint-0000000030.bin")).unwrap());
     let trajectory = hdf5::File::open(Path::new(out).join("trajectory.h5")).unwrap();
@@ -120,7 +120,7 @@ fn a_run_leaves_what_its_scene_says() {
     assert!(std::fs::read_to_string(format!("{out}/fields.xdmf")).unwrap().contains("velocity-0000000010.h5"));
 }
 
-/// Samples of the run are frames of its trajectory here, so that both ways come to the same.
+/// Samples of the run are frames of its trajectory here, so both ways give the same statistics.
 #[test]
 fn statistics_in_a_run_are_those_of_its_trajectory() {
     let (_folder, scene, out) = place();
@@ -157,7 +157,7 @@ fn a_resumed_run_is_an_uninterrupted_one_bit_for_bit() {
     let (folder, scene, out) = place();
     succeeds(&["run", &scene, "--out", &out, "--threads", "1"]);
     let parts = folder.path().join("parts").display().to_string();
-    // The first part ends among the Runge-Kutta steps, the second beyond them.
+    // The first part ends during the Runge-Kutta steps, the second after them.
     succeeds(&["run", &scene, "--out", &parts, "--set", "time.steps=2"]);
     succeeds(&["resume", &parts, "--steps", "17", "--threads", "2"]);
     succeeds(&["resume", &parts, "--steps", "30"]);
@@ -217,7 +217,7 @@ fn a_damaged_checkpoint_is_passed_over_and_a_damaged_trajectory_is_named() {
     assert!(fails(&["resume", &out]).contains("trajectory.h5 is damaged"));
 }
 
-/// A limit on the size of files stands for a full disk.
+/// A limit on the size of files simulates a full disk.
 #[test]
 fn a_file_that_cannot_grow_ends_the_run_with_its_name() {
     let (_folder, scene, out) = place();
@@ -267,7 +267,7 @@ fn help_and_completions_are_there() {
     assert!(text(&unknown.stderr).contains("tip: a similar subcommand exists"), "{}", text(&unknown.stderr));
 }
 
-/// A launcher announces several processes to a program that can be one only.
+/// A launcher announces several processes to a program that was built for a single one.
 #[test]
 fn ranks_without_mpi_are_refused() {
     if cfg!(feature = "mpi") {
@@ -283,7 +283,7 @@ fn ranks_without_mpi_are_refused() {
     assert_eq!(run("1"), "");
 }
 
-/// What a machine was found to cost goes into the scenes that are run on it, and so decides their resumption too.
+/// The measured costs of a machine become part of the scenes that are run on it, so they hold for resumed runs, too.
 #[test]
 fn the_costs_of_a_machine_stay_with_a_run() {
     let (folder, scene, out) = place();
@@ -307,7 +307,7 @@ fn the_costs_of_a_machine_stay_with_a_run() {
 fn two_sphere_functions_are_those_of_the_literature() {
     let text = succeeds(&["two-sphere", "--ratio", "2", "--gap", "1e-4", "--json"]);
     let functions: serde_json::Value = serde_json::from_str(&text).unwrap();
-    // By multipole collocation.
+    // Values by multipole collocation.
     for (name, exact) in [("XA11", 4447.95949244901), ("XA12", -2965.06317868803)] {
         assert!((functions[name].as_f64().unwrap() / exact - 1.0).abs() < 1e-7, "{name}: {}", functions[name]);
     }
@@ -334,7 +334,7 @@ fn a_lubricated_case_is_the_same_on_any_threads() {
     assert!(xy("stresslets") > 1.05 * xy("stresslets_far"), "{} of {}", xy("stresslets_far"), xy("stresslets"));
 }
 
-/// Dense enough for every sphere to have near ones, among them images beyond the sheared faces.
+/// Dense enough for every sphere to have near neighbours, among them images beyond the sheared faces.
 #[test]
 fn a_lubricated_run_has_the_same_bits_on_any_threads_and_in_parts() {
     let (folder, scene, _) = place();

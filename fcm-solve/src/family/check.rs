@@ -1,4 +1,4 @@
-//! `fcm-solve check` of a family: every member, how many runs, and how long in all.
+//! `fcm-solve check` of a family: the outline of each point, the number of runs, and the time in all.
 
 use super::at_once;
 use crate::outlined::{Outlined, outlined};
@@ -11,7 +11,7 @@ use simulation::Outline;
 use std::fmt::Write as _;
 use suspension::Asked;
 
-/// A point of a family, by its first member.
+/// A point of a family, represented by its first member.
 struct Checked<'a> {
     member: &'a Member,
     runs: usize,
@@ -19,8 +19,8 @@ struct Checked<'a> {
     trial: Option<Trial>,
 }
 
-/// The outline of a family, in words or as JSON. Every member has been read, and the first of each point is planned, placed and,
-/// unless `is_tried` is not set, tried on one core.
+/// The outline of a family, in words or as JSON. Every member has been read; the first member of each point is planned,
+/// placed and, if `is_tried`, tried on one core.
 pub fn check(family: &Family, is_tried: bool, as_json: bool) -> anyhow::Result<String> {
     let (mut points, mut refused) = (Vec::new(), Vec::new());
     for members in family.points() {

@@ -1,4 +1,5 @@
-//! Families of runs: each member is a process of this program, a core each where there are as many.
+//! Families of runs: each member is run by a child process of this program, on a core of its own if there are at least
+//! as many members as cores.
 
 mod check;
 mod child;
@@ -22,20 +23,20 @@ pub use stats::stats;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The members of a family that this program makes, and how.
+/// Family to make, the part of it that this program makes, and the changes that are accepted.
 pub struct Work<'a> {
-    /// The family.
+    /// Family to make.
     pub family: &'a Family,
-    /// The part of it.
+    /// Part of the family that this program makes.
     pub part: Part,
-    /// Keys of which members go on with other values.
+    /// Keys whose values may have changed when members are continued.
     pub accepted: &'a [String],
 }
 
-/// Failures that are named at the end.
+/// Largest number of failures that are named at the end.
 const NAMED: usize = 10;
 
-/// Makes the runs of a family that are missing, and the table of their answers.
+/// Makes the missing runs of a family, and the table of their answers.
 pub fn run(work: &Work, (path, former): (&Path, ExistingRun), signals: &Signals) -> anyhow::Result<ExitCode> {
     let family = work.family;
     let folder = FamilyFolder::claim(path, family, former)?;
@@ -58,7 +59,7 @@ pub fn run(work: &Work, (path, former): (&Path, ExistingRun), signals: &Signals)
     end(&pool, &folder, (members.len(), signals))
 }
 
-/// A line on the members to make.
+/// A line that describes the members to make.
 fn described(work: &Work, (all, missing): (usize, usize), at_once: usize) -> String {
     let Work { family, part, .. } = work;
     let points = family.points().count();
@@ -67,7 +68,7 @@ fn described(work: &Work, (all, missing): (usize, usize), at_once: usize) -> Str
     format!("family     {all} runs{part}, {points} points{finished}; {at_once} at a time")
 }
 
-/// Runs that go on at a time: one a core, as many as there is memory for. Every member is planned first.
+/// Number of runs at a time: one per core, as far as memory allows. Every point is planned first.
 fn at_once(family: &Family, missing: &[&Member]) -> anyhow::Result<usize> {
     let cores = rayon::current_num_threads();
     let mut most = 0.0_f64;
@@ -81,7 +82,7 @@ fn at_once(family: &Family, missing: &[&Member]) -> anyhow::Result<usize> {
     Ok(if most > 0.0 { cores.min((room / most) as usize) } else { cores }.max(1))
 }
 
-/// Says what failed, or how to go on.
+/// Reports failures, or the command that continues the family, and returns the exit code.
 fn end(pool: &Pool, folder: &FamilyFolder, (all, signals): (usize, &Signals)) -> anyhow::Result<ExitCode> {
     signals.tell_steps_taken(pool.steps_taken());
     if let Some(stop) = signals.received() {

@@ -1,29 +1,29 @@
-//! The outcome of a member's process.
+//! Outcome of the process of a member.
 
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
 
-/// The end of a process.
+/// Outcome of a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
     /// The member is finished.
     Finished,
-    /// It stopped after so many steps and can go on.
+    /// The member stopped after this number of steps and can be continued.
     Stopped(u64),
-    /// It ended with an error.
+    /// The process ended with this error.
     Failed(String),
 }
 
-/// Exit codes of a run that stopped and can go on: by its time, Ctrl-C, and the request to terminate.
+/// Exit codes of a run that stopped and can be continued: by its time limit, Ctrl-C, and a request to terminate.
 const STOPPED: [i32; 3] = [75, 130, 143];
 
 impl Outcome {
-    /// By the exit status, the steps that a run tells if it stops before its end, and the error in its log.
+    /// Outcome from the exit status, the steps that a run reports if it stops before its end, and the error in its log.
     pub fn of(status: ExitStatus, steps: Option<u64>, error: impl FnOnce() -> Option<String>) -> Self {
         match (status.code(), steps) {
             (Some(0), _) => Self::Finished,
             (Some(code), steps) if STOPPED.contains(&code) => Self::Stopped(steps.unwrap_or_default()),
-            // Its time was too short for a single step.
+            // The time limit was too short for a single step.
             (Some(_), Some(0)) => Self::Stopped(0),
             (Some(code), _) => Self::Failed(error().unwrap_or_else(|| format!("its process ended with code {code}"))),
             (None, _) => {

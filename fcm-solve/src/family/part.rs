@@ -1,10 +1,10 @@
-//! Parts of a family, for arrays of jobs.
+//! Parts of a family, for job arrays.
 
 use io::Member;
 use std::fmt::{Display, Formatter};
 use std::str::FromStr;
 
-/// The part `number` of `count`, from 1.
+/// Part `number` of `count` parts, counted from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Part {
     number: usize,
@@ -12,15 +12,15 @@ pub struct Part {
 }
 
 impl Part {
-    /// All of a family.
+    /// The whole family as one part.
     pub const WHOLE: Self = Self { number: 1, count: 1 };
 
-    /// The members of this part, which are dealt out one after another.
+    /// Members of this part; members are dealt out to the parts in turn.
     pub fn of(self, members: &[Member]) -> Vec<&Member> {
         members.iter().skip(self.number - 1).step_by(self.count).collect()
     }
 
-    /// Behind the number of runs, where they are not all.
+    /// Text behind the number of runs of a part; empty for the whole family.
     pub fn described(self, all: usize) -> String {
         if self == Self::WHOLE { String::new() } else { format!(" of {all} (part {self})") }
     }

@@ -1,4 +1,4 @@
-//! The members that are run side by side.
+//! Pool of the processes of members that run side by side.
 
 use super::Work;
 use super::child::{Launch, Running};
@@ -12,16 +12,16 @@ use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// Time between two looks at the processes.
+/// Time between two polls of the processes.
 const PAUSE: Duration = Duration::from_millis(3);
-/// The table is written so many times less often than it takes to write.
+/// Shortest time between two writes of the table, in units of the time that a write takes.
 const RARELY: u32 = 50;
-/// The longest wait for a member that another program is working on, once nothing else is left to start.
+/// Longest wait for a member that another program is working on, once nothing else is left to start.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Time with which it is worth to start a member.
+/// Shortest remaining time with which a member is started.
 const LEAST_TIME: Duration = Duration::from_secs(2);
 
-/// Processes of members, on the cores of this one.
+/// Processes of members, on the cores of this process.
 pub struct Pool<'a> {
     work: &'a Work<'a>,
     folder: &'a FamilyFolder,
@@ -36,7 +36,7 @@ pub struct Pool<'a> {
 }
 
 impl<'a> Pool<'a> {
-    /// A pool of so many processes at a time.
+    /// A pool of at most `at_once` processes at a time.
     pub fn new(
         work: &'a Work<'a>,
         folder: &'a FamilyFolder,
@@ -47,7 +47,7 @@ impl<'a> Pool<'a> {
         Self { work, folder, signals, progress, at_once, running, written: None, failures, finished: 0, steps: 0 }
     }
 
-    /// Runs members, one after another where there are more than at a time; `done` of `all` are finished before.
+    /// Runs members, at most `at_once` at a time; `done` of `all` members are finished already.
     pub fn make(&mut self, members: &[&'a Member], (done, all): (usize, usize)) -> anyhow::Result<()> {
         self.signals.run_begins(self.signals.command());
         let mut waiting: VecDeque<&Member> = members.iter().copied().collect();
@@ -72,7 +72,8 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// Starts as many as there are cores for. Those that another program works on are passed over, unless `anyway`.
+    /// Starts members until `at_once` of them are running. A member that another program works on is skipped, unless
+    /// `anyway`.
     fn start(&mut self, waiting: &mut VecDeque<&'a Member>, anyway: bool) -> anyhow::Result<()> {
         while self.running.len() < self.at_once {
             let is_free = |member: &&Member| anyway || !self.folder.is_running(member);
@@ -98,7 +99,7 @@ impl<'a> Pool<'a> {
         Ok(())
     }
 
-    /// Notes which have ended.
+    /// Records the members that have ended, and writes the table now and then.
     fn collect(&mut self, (done, all): (usize, usize)) -> anyhow::Result<()> {
         let mut place = 0;
         while place < self.running.len() {
@@ -131,7 +132,7 @@ impl<'a> Pool<'a> {
             }
             Outcome::Stopped(steps) => {
                 self.steps += steps;
-                // By its time, if nobody asked: that of all is over, too.
+                // Without a request it stopped by its time limit, which is that of the whole family.
                 self.signals.stop(Stop::TimeIsUp);
             }
             Outcome::Failed(why) => {
@@ -142,17 +143,17 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// The members that failed, with reasons.
+    /// Messages about the members that failed.
     pub fn failures(&self) -> &[String] {
         &self.failures
     }
 
-    /// Steps that were taken by runs that stopped, and runs that are finished.
+    /// Number of steps taken by runs that stopped, plus the number of finished runs.
     pub fn steps_taken(&self) -> u64 {
         self.steps + self.finished
     }
 
-    /// Whether time was up before anything new was reached.
+    /// Whether the time limit was reached before anything new was computed.
     pub fn is_in_vain(&self, stop: Stop) -> bool {
         stop == Stop::TimeIsUp && self.steps_taken() == 0
     }

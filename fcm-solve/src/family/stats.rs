@@ -1,4 +1,4 @@
-//! `fcm-solve stats` of the folder of a family: the means over the seeds.
+//! `fcm-solve stats` of the folder of a family: means over the seeds.
 
 use crate::streams::json;
 use anyhow::bail;
@@ -7,7 +7,7 @@ use io::{FamilyFolder, SceneFile};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// The table of a family, which is written anew, in words or as JSON.
+/// Writes the table of a family anew, and returns it in words or as JSON.
 pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
     let SceneFile::Family(family) = SceneFile::read(&path.join("scene.toml"), &[])? else {
         bail!("{} holds no family", path.display());
