@@ -1,4 +1,5 @@
-"""What the answers of three scenes depend on: `fcm-solve converge` of the scenes that come with the program, at sizes of some minutes each.
+"""Dependence of the answers of three scenes on step, box, tolerance and stiffness: `fcm-solve converge` of the scenes that
+come with the program, at sizes of some minutes each.
 
     scripts/validate converge
 

@@ -25,7 +25,7 @@ RUNS = {
 
 
 def said(*words):
-    """What a command prints."""
+    """Standard output of a command."""
     return subprocess.run([PROGRAM, *map(str, words)], check=True, capture_output=True, text=True).stdout
 
 

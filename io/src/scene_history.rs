@@ -44,8 +44,8 @@ impl SceneHistory {
         ["observables.h5", "trajectory.h5"].into_iter().find_map(|name| Self::of(&folder.join(name)))
     }
 
-    /// Drops what came after a step, and adds what makes the scene that of `now`, from that step on. `Err` if it is no scene of
-    /// this run: keys differ that can't change.
+    /// Drops the changes after a step, and adds those that make the scene that of `now` from that step on. `Err` if it
+    /// is no scene of this run: keys differ that can't change.
     pub fn bring_to(&mut self, now: &str, step: u64) -> Result<(), String> {
         self.changes.retain(|change| change.step <= step);
         let all = differences_of(now, &self.first).map_err(|e| format!("its scene is no TOML: {e}"))?;

@@ -48,17 +48,17 @@ impl Course {
         Self { quantity, species, unit, values, precision, is_of_stress: false, result: Result::Mean, reduced: None }
     }
 
-    /// That of one species.
+    /// The same course, of one species.
     pub(super) fn of_species(self, species: &str) -> Self {
         Self { species: species.to_owned(), ..self }
     }
 
-    /// One of the stress.
+    /// The same course, marked as a stress.
     pub(super) fn of_stress(self) -> Self {
         Self { is_of_stress: true, ..self }
     }
 
-    /// One whose mean may vanish: errors are compared with a scale, if that is larger.
+    /// The same course, whose mean may vanish: errors are compared with `scale` if that is larger than the mean.
     pub(super) fn beside(self, scale: f64) -> Self {
         Self { precision: Precision { scale, ..self.precision }, ..self }
     }

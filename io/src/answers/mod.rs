@@ -59,8 +59,8 @@ pub fn run_answers(folder: &Path, scene: &Scene, range: &AnswerRange) -> Result<
     Ok(answers)
 }
 
-/// The mean of each quantity over the second half of a run, whatever its verdict: to be compared with runs of the same length,
-/// where the spread over seeds tells the error. Diffusivities are those of the answers.
+/// The mean of each quantity over the second half of a run, whatever its verdict: to be compared with runs of the same
+/// length, where the spread over seeds gives the error. Diffusivities are those of the answers.
 pub(crate) fn second_half(folder: &Path, scene: &Scene) -> Result<Vec<PlainMean>, FileError> {
     let series = series(folder)?;
     let (courses, begins) = courses(scene, &series);

@@ -31,7 +31,7 @@ struct Row {
 }
 
 impl Summary {
-    /// That of the folder of a run; nothing if it has taken none.
+    /// Reads the summary of the statistics in the folder of a run; `None` if the run has taken none.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, FileError> {
         let path = folder.join("statistics/summary.csv");
         if !path.is_file() {

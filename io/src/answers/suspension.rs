@@ -121,7 +121,8 @@ impl Run<'_> {
         self.number("osmotic_pressure").map(course).into_iter().collect()
     }
 
-    /// How fast spheres settle along the forces on them, in a box without a bottom, and how their velocities vary.
+    /// Settling velocities of the spheres along the forces on them, in a box without a bottom, and the variances of
+    /// their velocities.
     fn settling(&self) -> Vec<Course> {
         let total: Vector = self.forces().iter().sum();
         if self.is_stopped(total) {
@@ -167,7 +168,7 @@ impl Run<'_> {
             .into()
     }
 
-    /// Where spheres are above a bottom, towards which they settle.
+    /// Heights of the spheres above a bottom towards which they settle.
     fn heights(&self) -> Vec<Course> {
         let total: Vector = self.forces().iter().sum();
         let is_settled = self.is_stopped(total);
@@ -218,7 +219,7 @@ impl Run<'_> {
         courses
     }
 
-    /// How spheres touch, are mixed, or are bound.
+    /// Contacts per sphere, segregation, and energy of bonds.
     fn structure(&self) -> Vec<Course> {
         let columns =
             [(("contacts_per_particle", ""), 1.0), (("segregation", ""), 1.0), (("bond_energy", "force*length"), 0.0)];

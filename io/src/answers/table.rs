@@ -21,7 +21,7 @@ pub(crate) fn is_answers(path: &Path) -> bool {
     read.is_ok() && found == expected
 }
 
-/// What a run has found for a quantity.
+/// Answer of a run for one quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunAnswer {
     /// The quantity.

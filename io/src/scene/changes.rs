@@ -56,8 +56,8 @@ const WITH_CONSENT: [&str; 5] = [
     "repulsion.radius_power",
 ];
 
-/// Keys that a run adds to its scene: the measured costs of the machine where it started, what the stiffness of contacts has
-/// settled at, and the strain of the box that its particles come from.
+/// Keys that a run adds to its scene: the measured costs of the machine where it started, the stiffness of contacts
+/// found by the adaptation, and the strain of the box that its particles come from.
 const OWN: [&str; 3] = ["hydrodynamics.costs", "contacts.settled_stiffness", "box.strain"];
 
 /// Keys that a run sets in its scene where that asks for a calibrated repulsion.
@@ -118,8 +118,8 @@ impl SceneChange {
 }
 
 impl Scene {
-    /// The changes with which a run goes on from a step, of which `then` is the text of the scene. `Err` says which keys stand in
-    /// the way, with both values.
+    /// The changes with which a run goes on from a step, of which `then` is the text of the scene. `Err` names the keys
+    /// that may not change, with both values.
     pub(crate) fn changes_since(&self, then: &str, accepted: &[String], step: u64) -> Result<Vec<SceneChange>, String> {
         check_accepted(accepted)?;
         let all =
@@ -167,7 +167,8 @@ impl Scene {
         self.differences(kept).into_iter().filter(move |d| !is_none(d) && !is_added(d) && !is_found(&d.key))
     }
 
-    /// The scene with which the run of a folder goes on: this one, with what the run has added to the one that is kept there.
+    /// The scene with which the run of a folder goes on: this one, with the keys that the run has added to `kept`, the
+    /// scene in the folder.
     pub fn with_own_keys_of(self, kept: &Self) -> Result<Self, super::SceneError> {
         let calibrates = self.calibrates();
         let is_own = |key: &str| OWN.iter().any(|own| key.starts_with(own)) || calibrates && FOUND.contains(&key);

@@ -45,7 +45,8 @@ pub enum SceneError {
 }
 
 impl SceneError {
-    /// The same about a member of the family in the file `name`, whose lines are those of the text that was read, or not.
+    /// The same error about a member of the family in the file `name`; `has_lines` says whether its line numbers are
+    /// those of the text that was read.
     pub(super) fn of_member(self, name: &str, member: &Member, has_lines: bool) -> Self {
         let with = format!(", {member}");
         match self {

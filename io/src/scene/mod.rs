@@ -210,7 +210,7 @@ impl Kind {
         }
     }
 
-    /// Where random numbers start.
+    /// Seed of the random numbers.
     pub fn seed(&self) -> u64 {
         match self {
             Self::Suspension(scene) => scene.model.seed,

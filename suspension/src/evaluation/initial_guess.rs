@@ -96,7 +96,8 @@ impl WarmStart {
         }
     }
 
-    /// What a solution keeps for later, besides what its users see.
+    /// Stores with the particles the parts of a solution that later solutions start from and that are not outputs: the
+    /// loads on the fluid, the far-field stresslets and the induced motion.
     pub fn record(&self, particles: &mut Particles, solved: &Solution) {
         if !self.coupled {
             return;

@@ -22,7 +22,7 @@ pub struct AnswerChange {
     pub change_error: f64,
 }
 
-/// What a change means.
+/// Significance of a change of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChangeVerdict {
     /// Too few seeds have values to tell.
@@ -39,7 +39,7 @@ pub enum ChangeVerdict {
 const ERRORS: f64 = 2.0;
 
 impl AnswerChange {
-    /// What the change means.
+    /// Significance of the change.
     pub fn verdict(&self) -> ChangeVerdict {
         match self.change.abs() {
             _ if !self.change_error.is_finite() => ChangeVerdict::Unknown,

@@ -1,4 +1,4 @@
-//! Tables of a family of sheared disks: the time series of each point as a mean over the seeds, and what it comes to.
+//! Tables of a family of sheared disks: the time series of each point as a mean over the seeds, and its final values.
 
 use super::folder::FamilyFolder;
 use super::spread::Spread;
@@ -11,7 +11,7 @@ use simulation::Table;
 const WORDS: [&str; 2] = ["point", "values"];
 const OF: [(&str, &str); 3] = [("viscosity", "force*time/length^2"), ("rate", "1/time"), ("area_fraction", "")];
 
-/// What a branch has besides: the lengths of its disks, and the segregation in the last tenth of its runs.
+/// Further columns of a branch: the lengths of its disks, and the segregation in the last tenth of its runs.
 const BRANCH: [(&str, &str); 4] = [
     ("viscous_length", "length"),
     ("estimated_free_path", "length"),

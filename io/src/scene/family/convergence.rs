@@ -11,9 +11,9 @@ use toml::{Table, Value};
 pub struct Convergence {
     /// The runs; the first point is the scene as it is.
     pub family: Family,
-    /// What is changed at each further point.
+    /// Description of the change at each further point.
     pub changes: Vec<&'static str>,
-    /// What can't be changed, and why.
+    /// Changes that can't be made, with the reasons.
     pub left_out: Vec<String>,
 }
 
@@ -152,8 +152,8 @@ fn tolerance(root: &Value, scene: &Scene) -> Result<Change, String> {
     Ok(Change { name: "a tenth of the tolerance", keys })
 }
 
-/// Four times the stiffness of contacts: where it adapts to an overlap that is aimed at, a quarter of that. Without contacts,
-/// four times the repulsion.
+/// Four times the stiffness of contacts; where the stiffness adapts to a target overlap, a quarter of that overlap.
+/// Without contacts, four times the repulsion.
 fn stiffness(root: &Value, scene: &Scene) -> Result<Change, String> {
     let Kind::Suspension(suspension) = scene.kind() else {
         return Err("the stiffness: suspensions with contacts or repulsion have one".to_owned());

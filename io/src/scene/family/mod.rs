@@ -92,8 +92,8 @@ pub(super) fn section_of(document: &Node, text: &str) -> Option<&'static str> {
 }
 
 impl Family {
-    /// Checks the text of a family, and each of its members. `name` is the file's, for messages and as the place that paths
-    /// start from.
+    /// Checks the text of a family, and each of its members. `name` is that of the file, for messages and as the base
+    /// of relative paths.
     fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let explain = Explain { text, written: None, name, overrides };
         let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
@@ -162,7 +162,7 @@ impl Family {
         &self.keys
     }
 
-    /// What the user should know of the way in which it is written.
+    /// Warnings about the way in which the family is written.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

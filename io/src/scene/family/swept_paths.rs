@@ -3,8 +3,8 @@
 use std::path::Path;
 use toml::{Table, Value};
 
-/// The text with the swept values of `particles.path`, which are relative to a folder, made absolute where there is something; the
-/// text itself if there is nothing to change, else without comments.
+/// The text with the swept values of `particles.path`, which are relative to a folder, made absolute where such a file
+/// exists; the text itself if there is nothing to change, else without comments.
 pub(super) fn with_absolute_paths(text: String, folder: &Path) -> String {
     let Ok(mut table) = toml::from_str::<Table>(&text) else { return text };
     let changes = table.get_mut("sweep").is_some_and(|sweep| make_absolute(sweep, "", folder));

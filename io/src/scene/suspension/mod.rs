@@ -41,7 +41,7 @@ pub struct SuspensionScene {
     pub time: Time,
     /// The time from which the answers take their means; the transient is left out that is found where there is none.
     pub answers_from: Option<f64>,
-    /// What is written, where and when.
+    /// Schedules and files of the output.
     pub output: Output,
 }
 
