@@ -1,4 +1,4 @@
-//! The ranks: this process alone, or the processes of a communicator of mpi4py.
+//! The ranks: this process alone, or the processes of an mpi4py communicator.
 
 #[cfg(feature = "mpi")]
 use crate::error::explained;
@@ -7,7 +7,7 @@ use crate::error::input_error;
 use domain::Comm;
 use pyo3::prelude::*;
 
-/// The ranks of a communicator of mpi4py, given as its handle `comm.py2f()` and the name of its library; without one
+/// The ranks of an mpi4py communicator, given by its handle `comm.py2f()` and the name of its library; without one,
 /// this process alone.
 pub fn ranks(comm: Option<(i32, String)>) -> PyResult<Comm> {
     match comm {

@@ -1,4 +1,4 @@
-//! Values that only the thread which made them may touch.
+//! Values that may be used only on the thread that made them.
 
 use crate::error::error;
 use crate::threads;
@@ -6,22 +6,23 @@ use pyo3::prelude::*;
 use std::cell::RefCell;
 use std::thread::ThreadId;
 
-/// A value that stays on the thread which made it: MPI allows calls from one thread alone, and communicators are counted
-/// without locks. Others are refused.
+/// A value that is confined to the thread that made it, since MPI allows calls from one thread alone, and communicators
+/// are counted without locks. Other threads are refused.
 pub struct Confined<T> {
     value: Option<RefCell<T>>,
     home: ThreadId,
 }
 
-// SAFETY: the value is reached through `with` alone, which refuses all threads but its home, and dropped there alone.
+// SAFETY: the value is accessed through `with` alone, which refuses all threads but its home thread, and is dropped
+// there alone.
 unsafe impl<T> Send for Confined<T> {}
-// SAFETY: as above; on its home thread the cell refuses a second use while one goes on.
+// SAFETY: as above; on the home thread, the cell refuses a second use during the first.
 unsafe impl<T> Sync for Confined<T> {}
 
-/// A closure that crosses to where Python's lock is released, which is on the same thread.
+/// A closure that is called without Python's lock, on the same thread.
 struct SameThread<F>(F);
 
-// SAFETY: `Python::detach` calls it at once, on the thread that it is called from.
+// SAFETY: `Python::detach` calls the closure at once, on the calling thread.
 unsafe impl<F> Send for SameThread<F> {}
 
 impl<F: FnOnce() -> R, R> SameThread<F> {
@@ -30,19 +31,19 @@ impl<F: FnOnce() -> R, R> SameThread<F> {
     }
 }
 
-/// Runs a computation on this thread without Python's lock, so that other threads of Python go on.
+/// Runs a computation on this thread without Python's lock, so that other Python threads go on.
 pub fn without_lock<R>(py: Python<'_>, compute: impl FnOnce() -> R) -> R {
     let here = SameThread(compute);
     py.detach(move || here.call()).0
 }
 
 impl<T> Confined<T> {
-    /// A value of this thread.
+    /// Confines a value to this thread.
     pub fn new(value: T) -> Self {
         Self { value: Some(RefCell::new(value)), home: std::thread::current().id() }
     }
 
-    /// Uses the value without Python's lock.
+    /// Calls a function with the value, without Python's lock.
     pub fn with<R>(&self, py: Python<'_>, using: impl FnOnce(&mut T) -> R) -> PyResult<R> {
         threads::check_this_thread()?;
         if std::thread::current().id() != self.home {

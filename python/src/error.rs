@@ -1,16 +1,16 @@
-//! Errors of the libraries as exceptions of Python.
+//! Errors of the libraries as Python exceptions.
 
 use io::{RunError, SceneError};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
 use std::error::Error;
 
-/// An `Error` with this message.
+/// An exception `Error` with this message.
 pub fn error(message: impl Into<String>) -> PyErr {
     raised("Error", message.into())
 }
 
-/// An `InputError` with this message.
+/// An exception `InputError` with this message.
 pub fn input_error(message: impl Into<String>) -> PyErr {
     raised("InputError", message.into())
 }
@@ -23,22 +23,22 @@ fn raised(kind: &str, message: String) -> PyErr {
     Python::attach(of_kind).unwrap_or_else(|not_found: PyErr| not_found)
 }
 
-/// An error of a library, with all its causes.
+/// The exception `Error` for an error of a library, with all its causes.
 pub fn explained(cause: &dyn Error) -> PyErr {
     error(io::in_full(cause))
 }
 
-/// The same of what is wrong with an argument.
+/// The exception `InputError` for an error about an argument, with all its causes.
 pub fn refused(cause: &dyn Error) -> PyErr {
     input_error(io::in_full(cause))
 }
 
-/// An error of a run, which may be one of its scene.
+/// The exception for an error of a run: `InputError` if it is about the scene, else `Error`.
 pub fn of_run(cause: &RunError) -> PyErr {
     if matches!(cause, RunError::Scene(_)) { refused(cause) } else { explained(cause) }
 }
 
-/// An error of a scene.
+/// The exception `InputError` for an error of a scene.
 pub fn of_scene(cause: &SceneError) -> PyErr {
     refused(cause)
 }

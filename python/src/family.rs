@@ -1,4 +1,4 @@
-//! Families of runs, whose members are run in processes of Python.
+//! Families of runs, whose members are run in Python processes.
 
 use crate::error::{explained, input_error, of_scene};
 use io::{ExistingRun, Family, FamilyFolder, MemberState, SceneFile};
@@ -14,8 +14,8 @@ fn family(text: &str, name: &str) -> PyResult<Family> {
     }
 }
 
-/// Makes a folder ready for a family, or goes on with the one there. Returns name, folder and scene of each member that is not
-/// finished.
+/// Prepares a folder for a family, or continues the family in it. Returns name, folder and scene of each member that is
+/// not finished.
 #[pyfunction]
 pub fn claim_family(text: &str, name: &str, out: PathBuf, force: bool) -> PyResult<Vec<(String, PathBuf, String)>> {
     let family = family(text, name)?;

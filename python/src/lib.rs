@@ -1,5 +1,5 @@
-//! The compiled part of the Python package: arrays and errors of Python at the doors of the libraries. What a user sees
-//! of it is in `fcm_solve`, beside this crate.
+//! The compiled part of the Python package: converts arrays and errors between Python and the libraries. The interface
+//! for users is the package `fcm_solve` in the folder of this crate.
 
 #![allow(clippy::needless_pass_by_value, reason = "arguments of Python come as values")]
 

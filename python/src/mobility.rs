@@ -15,7 +15,7 @@ use solver::BackgroundFlow;
 use std::time::Instant;
 use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
 
-/// A mobility that was planned.
+/// A planned mobility.
 #[pyclass(frozen, module = "fcm_solve._core")]
 pub struct Mobility {
     planned: Confined<suspension::Mobility>,
@@ -29,16 +29,16 @@ type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'
 /// Velocities, angular velocities, strain rates or stresslets.
 type Random<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>);
 
-/// Edges in one row or lattice vectors in three, and what the box is along each axis.
+/// Edges in one row or lattice vectors in three, and the boundary condition along each axis.
 type GivenBox = (Vec<[f64; 3]>, [String; 3]);
 
 type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 #[pymethods]
 impl Mobility {
-    /// Plans the mobility; `spheres` is the box, edges in one row or lattice vectors in three, with its strain, the radii and whether they are rigid, `fluid` the
-    /// viscosity and the relative error, `terms` whether there are dipoles, the gap where lubrication ends, and the method; the box
-    /// comes with what it is along each axis.
+    /// Plans the mobility. `spheres`: the box (edges in one row or lattice vectors in three, and the boundary condition
+    /// along each axis), its strain, the radii, and whether the spheres are rigid. `fluid`: viscosity and relative
+    /// tolerance. `terms`: whether there are dipoles, the gap where lubrication ends, and the method.
     #[new]
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
@@ -70,20 +70,21 @@ impl Mobility {
         Self::planned(py, (parameters, turn), (count, &comm))
     }
 
-    /// Puts the spheres into places `(N, 3)`; what to say of spheres that overlap.
+    /// Sets the positions `(N, 3)` of the spheres; returns a warning if spheres overlap.
     fn place(&self, py: Python<'_>, positions: Rows<'_>) -> PyResult<Option<String>> {
         let positions: Vec<Vector> = list_of(Some(positions))?;
         let overlaps = self.planned.with(py, |mobility| mobility.place(&positions))?.map_err(|cause| failed(&cause))?;
         Ok(overlaps.map(|overlaps| overlaps.to_string()))
     }
 
-    /// Drives the fluid between walls by a pressure gradient from now on.
+    /// Sets the pressure gradient that drives the fluid between walls in later evaluations.
     fn drive(&self, py: Python<'_>, pressure_gradient: [f64; 3]) -> PyResult<()> {
         let gradient = Vector::from_array(pressure_gradient);
         self.planned.with(py, |mobility| mobility.drive(gradient))?.map_err(|cause| failed(&cause))
     }
 
-    /// The motions, and the seconds that they took, under loads `(N, 3)`, `(N, 3)`, `(N, 5)` and a velocity gradient `G[i][j] = du_i/dx_j`.
+    /// The motions under forces `(N, 3)`, torques `(N, 3)`, stresslets `(N, 5)` and a velocity gradient `G[i][j] =
+    /// du_i/dx_j`, and the seconds that the evaluation took.
     #[pyo3(signature = (forces, torques, stresslets, gradient))]
     fn apply<'py>(
         &self,
@@ -107,8 +108,8 @@ impl Mobility {
         Ok((answer(py, applied.map_err(|cause| failed(&cause))?)?, seconds))
     }
 
-    /// Random motions of so many draws from a number on, whose covariance is the mobility: velocities, angular velocities and
-    /// rates of strain, draw after draw, and the weight that was left out since it is negative.
+    /// Random motions whose covariance is the mobility, for `draws` draws from number `first` on: velocities, angular
+    /// velocities and rates of strain, draw after draw, and the negative weight that was clipped.
     #[pyo3(signature = (draws, seed, first))]
     fn noise<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<(Random<'py>, f64)> {
         let drawn = self.planned.with(py, |mobility| mobility.noise(seed, first..first + draws))?;
@@ -127,7 +128,8 @@ impl Mobility {
         Ok((random, drawn.clipped))
     }
 
-    /// Random parts of the drift of so many draws from a number on: velocities, angular velocities and stresslets, draw after draw.
+    /// Random contributions to the drift, for `draws` draws from number `first` on: velocities, angular velocities and
+    /// stresslets, draw after draw.
     #[pyo3(signature = (draws, seed, first))]
     fn drift<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<Random<'py>> {
         let drawn = self.planned.with(py, |mobility| mobility.drift(seed, first..first + draws))?;
@@ -143,8 +145,8 @@ impl Mobility {
         Ok((rows_of(py, velocities)?, rows_of(py, angular_velocities)?, rows_of(py, stresslets)?))
     }
 
-    /// A square root of the mobility, or its transpose, times six numbers a sphere, and the weight that was left out since it is
-    /// negative.
+    /// Product of a square root of the mobility, or its transpose, with six numbers a sphere, and the negative weight
+    /// that was clipped.
     #[pyo3(signature = (numbers, transposed))]
     fn root<'py>(&self, py: Python<'py>, numbers: Rows<'py>, transposed: bool) -> PyResult<(Matrix<'py>, f64)> {
         let numbers: Vec<[f64; 6]> = list_of(Some(numbers))?;
@@ -156,18 +158,18 @@ impl Mobility {
         Ok((rows_of(py, root)?, drawn.clipped))
     }
 
-    /// Whether this is the first rank, which has all arrays.
+    /// Whether this is the first rank, which holds all arrays.
     #[getter]
     fn is_first(&self) -> bool {
         self.is_first
     }
 
-    /// What makes the plan hopeless, if it is.
+    /// Reason why the plan is infeasible, if it is.
     fn burden(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.planned.with(py, |mobility| mobility.burden())
     }
 
-    /// The plan as JSON, and in words.
+    /// The plan as JSON and as text.
     fn plan(&self, py: Python<'_>) -> PyResult<(String, String)> {
         self.planned.with(py, |mobility| {
             let (plan, turn) = (mobility.plan(), mobility.turn());
@@ -190,12 +192,12 @@ impl Mobility {
     }
 }
 
-/// Bytes of a call's arrays, 32 numbers of a sphere, as the library and as Python have them.
+/// Memory for the arrays of a call, 32 numbers a sphere, once in the library and once in Python.
 fn array_bytes(count: usize) -> Bytes {
     Bytes::keep((2 * 8 * 32 * count) as f64)
 }
 
-/// What was given can't be evaluated, or something failed.
+/// The exception for an error: `InputError` if the arguments can't be evaluated, else `Error`.
 fn failed(cause: &MobilityError) -> PyErr {
     match cause {
         MobilityError::Plan(_)
@@ -221,7 +223,7 @@ fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
     ))
 }
 
-/// What the box is along each axis.
+/// The boundary condition along each axis, from its name.
 fn boundaries(axes: &[String; 3]) -> PyResult<[CaseBoundary; 3]> {
     let word = |word: &String| CaseBoundary::of_word(word).map_err(|cause| refused(&cause));
     Ok([word(&axes[0])?, word(&axes[1])?, word(&axes[2])?])

@@ -1,18 +1,18 @@
-//! Lists of neighbours, whose arrays are views of what the library has found.
+//! Neighbour lists whose arrays are views of the library's list.
 
 use numpy::ndarray::{ArrayView1, ArrayView2, Dimension};
 use numpy::{Element, PyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use simulation::NeighbourList;
 
-/// Pairs of particles whose centres are nearer than a cutoff. Nothing of it ever changes.
+/// Pairs of particles whose centres are nearer than a cutoff. Immutable.
 #[pyclass(frozen, module = "fcm_solve._core")]
 pub struct Neighbours {
     list: NeighbourList,
 }
 
 impl Neighbours {
-    /// The pairs of a list.
+    /// The pairs of a neighbour list.
     pub fn of(list: NeighbourList) -> Self {
         Self { list }
     }
@@ -25,19 +25,19 @@ impl Neighbours {
         self.list.pairs.len()
     }
 
-    /// `(P, 2)`: rows of both among the particles.
+    /// `(P, 2)`: indices of both particles.
     #[getter]
     fn pairs<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         table(slf, slf.get().list.pairs.as_flattened(), 2)
     }
 
-    /// `(P, 3)`: from the centre of the first to that of the second.
+    /// `(P, 3)`: vectors from the centre of the first particle to that of the second.
     #[getter]
     fn separations<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         table(slf, bytemuck::cast_slice(&slf.get().list.separations), 3)
     }
 
-    /// `(P,)`: between the surfaces.
+    /// `(P,)`: gaps between the surfaces.
     #[getter]
     fn gaps<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let view = ArrayView1::from(&slf.get().list.gaps[..]);
@@ -47,7 +47,7 @@ impl Neighbours {
     }
 }
 
-/// A view of numbers of an object as rows of a width.
+/// A view of the owner's numbers as rows of a width.
 fn table<'py, T: Element>(
     owner: &Bound<'py, Neighbours>,
     numbers: &[T],

@@ -1,4 +1,4 @@
-//! Functions of Python that give forces or torques.
+//! Python functions that return forces or torques.
 
 use crate::arrays::{list_of, rows_of};
 use crate::neighbours::Neighbours;
@@ -11,28 +11,28 @@ use std::error::Error;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A function of Python, and what it gives.
+/// A Python function, and the loads that it returns.
 #[derive(Clone)]
 pub struct OwnFunction {
     pub function: Arc<Py<PyAny>>,
     pub gives: Gives,
 }
 
-/// Loads that a function of Python gives.
+/// Kinds of loads that a Python function returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gives {
     /// `(positions, time) -> (N, 3)`.
     Forces,
     /// `(positions, time) -> (N, 3)`.
     Torques,
-    /// `(positions, time) -> (N, 3), (N, 6)`: forces and shares of their first moments.
+    /// `(positions, time) -> (N, 3), (N, 6)`: forces and the contributions of the particles to their first moments.
     ForcesAndMoments,
-    /// `(neighbours, time) -> (P, 3)`, of the pairs nearer than a cutoff.
+    /// `(neighbours, time) -> (P, 3)`, for the pairs nearer than this cutoff.
     PairForces(f64),
 }
 
 impl Gives {
-    /// The kind of a name, with the cutoff of forces between pairs.
+    /// The kind with a name, with the cutoff of pair forces.
     pub fn of(name: &str, cutoff: Option<f64>) -> PyResult<Self> {
         match (name, cutoff) {
             ("forces", None) => Ok(Self::Forces),
@@ -43,28 +43,29 @@ impl Gives {
         }
     }
 
-    /// Whether they have a part in the stress.
+    /// Whether these loads contribute to the stress.
     pub fn have_stress(self) -> bool {
         matches!(self, Self::ForcesAndMoments | Self::PairForces(_))
     }
 }
 
-/// What such functions have raised, until somebody takes it.
+/// Exception raised by such a function, kept until it is taken.
 #[derive(Clone, Default)]
 pub struct Raised(Rc<RefCell<Option<PyErr>>>);
 
 impl Raised {
-    /// What was raised; it is forgotten here.
+    /// Takes the exception that was raised, if any.
     pub fn take(&self) -> Option<PyErr> {
         self.0.borrow_mut().take()
     }
 
-    /// Whether anything was raised.
+    /// Whether an exception was raised.
     pub fn is_any(&self) -> bool {
         self.0.borrow().is_some()
     }
 
-    /// Loads by a function whose arrays are checked when they come: a load, or an error that says what was raised.
+    /// Loads from a Python function. Its arrays are checked, and an exception is kept here and returned as an error
+    /// with the same message.
     pub fn loads(&self, own: OwnFunction) -> simulation::OwnLoads {
         let raised = self.clone();
         match own.gives {
@@ -109,7 +110,7 @@ fn of_pairs(py: Python<'_>, function: &Py<PyAny>, near: &NeighbourList, time: f6
     list_of(Some(function.bind(py).call1((near, time))?.extract()?))
 }
 
-/// A symmetric tensor of its components.
+/// A symmetric tensor from its components.
 fn tensor([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Tensor {
     Tensor::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
 }

@@ -1,11 +1,11 @@
-//! Pages about runs.
+//! HTML pages about runs.
 
 use crate::confined::without_lock;
 use crate::error::explained;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// Writes a page about the run in a folder.
+/// Writes an HTML page about the run in a folder.
 #[pyfunction]
 pub fn write_report(py: Python<'_>, folder: PathBuf, out: PathBuf) -> PyResult<()> {
     without_lock(py, || io::write_report(&folder, &out)).map_err(|cause| explained(&cause))

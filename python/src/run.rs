@@ -1,4 +1,4 @@
-//! A simulation, and the folder that its results go to.
+//! A simulation, and the folder of its results.
 
 use crate::own_loads::{OwnFunction, Raised};
 use crate::signals::Signals;
@@ -9,26 +9,26 @@ use pyo3::prelude::*;
 use simulation::{Rearrangement, Simulation};
 use std::path::Path;
 
-/// A simulation, with what it writes.
+/// A simulation, with the recorder of its output.
 pub struct Run {
     pub simulation: Box<dyn Simulation>,
     pub raised: Raised,
-    /// The user's functions of loads, in the order in which they were added.
+    /// The user's load functions, in the order in which they were added.
     own_loads: Vec<OwnFunction>,
     scene: Scene,
     output: Output,
     signals: Signals,
-    /// The step until which files have room.
+    /// Last step for which the files have room.
     room: u64,
-    /// What stands in its checkpoint would not be a state to go on from.
+    /// Whether a step has failed, so that the present state must not be written as a checkpoint.
     has_failed: bool,
 }
 
-/// Where results go.
+/// Destination of the results.
 #[expect(clippy::large_enum_variant, reason = "there is one")]
 enum Output {
     Nowhere,
-    /// Nothing is written before the first step.
+    /// A folder in which nothing is written before the first step.
     Folder(RunFolder),
     Files(Recorder),
 }
@@ -36,14 +36,14 @@ enum Output {
 const NO_COLUMN: &str = "the time series in this folder has begun without a column for the stress of your own forces; \
     add forces that have one before the first step, or let them have none";
 
-/// How an advance ended.
+/// Outcome of an advance.
 pub enum Ended {
     AtItsStep,
     Interrupted,
 }
 
 impl Run {
-    /// A scene at its start. Collective.
+    /// Starts a scene. Collective.
     pub fn start(scene: Scene, folder: Option<(&Path, ExistingRun)>, comm: &Comm) -> Result<Self, RunError> {
         let claim = |(path, former)| RunFolder::claim(path, comm, former);
         let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| io::in_full(&cause)))?;
@@ -53,8 +53,8 @@ impl Run {
         Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))
     }
 
-    /// The run of a folder, from its last checkpoint; with what is to be said of damaged checkpoints and changed keys.
-    /// Collective.
+    /// Resumes the run of a folder from its last checkpoint; returns notes on damaged checkpoints and changed keys,
+    /// too. Collective.
     pub fn resume(path: &Path, accepted: &[String], comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
         let folder = comm.agree(RunFolder::reopen(path, comm).map_err(|cause| io::in_full(&cause)))?;
         let read = if comm.is_first() { Scene::read(&folder.scene(), &[]).map(Some) } else { Ok(None) };
@@ -76,8 +76,8 @@ impl Run {
         Self { simulation, raised, own_loads, scene, output, signals, room, has_failed: false }
     }
 
-    /// Adds a function of loads. Refuses a stress that has no column in the time series, whose file has begun.
-    /// Collective.
+    /// Adds a load function. Refuses one with a stress if the file of the time series has been started without a column
+    /// for it. Collective.
     pub fn add_loads(&mut self, loads: OwnFunction) -> Result<(), RunError> {
         let names: Vec<&str> = self.simulation.quantities().iter().map(|quantity| quantity.name).collect();
         let lacks = names.contains(&"relative_viscosity") && !names.contains(&"stress_applied");
@@ -89,14 +89,14 @@ impl Run {
         Ok(())
     }
 
-    /// The state now. Collective.
+    /// The present state. Collective.
     pub fn snapshot(&mut self) -> Snapshot {
         let state = self.simulation.state();
         Snapshot::of(state, &self.scene, self.simulation.comm())
     }
 
-    /// Goes back to a state, of which the first rank's user has changed some values: what was recorded after its step
-    /// is dropped. A state that is refused leaves all as it is. Collective.
+    /// Goes back to a state, with the changes that the user of the first rank has made to it. Records after its step
+    /// are dropped. If the state is refused, nothing changes. Collective.
     pub fn restore(&mut self, snapshot: &Snapshot, change: Rearrangement) -> Result<(), RunError> {
         let comm = self.simulation.comm().clone();
         let now = self.simulation.state();
@@ -119,13 +119,13 @@ impl Run {
         self.scene.kind().steps()
     }
 
-    /// What the user should know: of the start, and of files.
+    /// Warnings about the start and the files.
     pub fn cautions(&self) -> Vec<String> {
         let files = if let Output::Files(recorder) = &self.output { recorder.warnings() } else { &[] };
         self.simulation.cautions().iter().chain(files).cloned().collect()
     }
 
-    /// Steps until a step, and records what is due. Collective.
+    /// Advances to step `target`, and records what is due. Collective.
     pub fn run_to(&mut self, target: u64) -> Result<Ended, RunError> {
         self.prepare_files(target)?;
         self.record()?;
@@ -149,7 +149,7 @@ impl Run {
         Ok(Ended::AtItsStep)
     }
 
-    /// Makes the files at the first step, with room until a step, or more room in files that have too little.
+    /// Creates the files at the first step, with room until step `target`, or extends files that have too little room.
     fn prepare_files(&mut self, target: u64) -> Result<(), RunError> {
         if let Output::Nowhere = self.output {
             return Ok(());
@@ -182,7 +182,7 @@ impl Run {
         }
     }
 
-    /// Writes a checkpoint of now, if there are files. Collective.
+    /// Writes a checkpoint of the present state, if there are files. Collective.
     pub fn checkpoint(&mut self) -> Result<(), RunError> {
         match &mut self.output {
             Output::Files(recorder) if !self.has_failed => recorder.checkpoint(&mut *self.simulation),
@@ -190,7 +190,7 @@ impl Run {
         }
     }
 
-    /// Writes the answers and the checkpoint of a run that has come to its end before its last step. Collective.
+    /// Writes the answers and the checkpoint of a run that ended before its last step. Collective.
     fn finish(&mut self) -> Result<(), RunError> {
         match &mut self.output {
             Output::Files(recorder) => recorder.finish(&mut *self.simulation).map(drop),
@@ -198,14 +198,14 @@ impl Run {
         }
     }
 
-    /// Writes a last checkpoint and leaves the folder to others. Collective.
+    /// Writes a last checkpoint and releases the folder. Collective.
     pub fn close(&mut self) -> Result<(), RunError> {
         let saved = self.checkpoint();
         self.output = Output::Nowhere;
         saved
     }
 
-    /// What a handler of signals has raised, to be raised again; on ranks that heard none a `KeyboardInterrupt`.
+    /// Takes the exception of a signal handler, to be raised again; on ranks without one, a `KeyboardInterrupt`.
     pub fn interruption(&self) -> PyErr {
         self.signals.take().unwrap_or_else(|| pyo3::exceptions::PyKeyboardInterrupt::new_err("on another rank"))
     }

@@ -1,4 +1,4 @@
-//! Scenes, checked as the program checks them.
+//! Reading and checking scenes, as the program does.
 
 use crate::error::{input_error, of_scene};
 use io::{Scene, TEMPLATES, Template, WholeScene};
@@ -21,14 +21,15 @@ pub fn read(path: &str) -> PyResult<String> {
     Ok(Scene::read(Path::new(path), &[]).map_err(|cause| of_scene(&cause))?.text().to_owned())
 }
 
-/// Checks the text of a scene with some keys set, each `key=value`. Returns it, and whether it is carried out as a whole.
+/// Checks the text of a scene with some keys set, each `key=value`. Returns the new text, and whether the scene is
+/// carried out as a whole.
 #[pyfunction]
 pub fn check(text: &str, name: &str, overrides: Vec<String>) -> PyResult<(String, bool)> {
     let scene = parsed(text, name, &overrides)?;
     Ok((scene.text().to_owned(), WholeScene::of(&scene).is_some()))
 }
 
-/// A scene from its text.
+/// Parses the text of a scene.
 pub fn parsed(text: &str, name: &str, overrides: &[String]) -> PyResult<Scene> {
     Scene::parse(text, name, overrides).map_err(|cause| of_scene(&cause))
 }

@@ -1,14 +1,14 @@
-//! Ctrl-C and other signals of Python, as computations ask for them.
+//! Ctrl-C and other signals handled by Python, as an interrupt flag for computations.
 
 use domain::Interrupt;
 use pyo3::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Time between two looks: computations ask often.
+/// Shortest time between two checks of Python's signals: computations ask often.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// What the handlers of signals have raised, if anything.
+/// Exception raised by a signal handler, if any.
 #[derive(Clone, Default)]
 pub struct Signals(Arc<Mutex<Heard>>);
 
@@ -19,13 +19,13 @@ struct Heard {
 }
 
 impl Signals {
-    /// For computations to look at.
+    /// Interrupt flag for computations.
     pub fn interrupt(&self) -> Interrupt {
         let signals = self.clone();
         Interrupt::when(move || signals.look())
     }
 
-    /// Whether a handler has raised anything.
+    /// Whether a signal handler has raised an exception.
     fn look(&self) -> bool {
         let mut heard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if heard.raised.is_some() {
@@ -38,13 +38,13 @@ impl Signals {
         heard.raised.is_some()
     }
 
-    /// What was raised; it is forgotten here.
+    /// Takes the exception that was raised, if any.
     pub fn take(&self) -> Option<PyErr> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).raised.take()
     }
 }
 
-/// Runs the handlers of signals that have come; what they raise.
+/// Runs the handlers of pending signals, and returns the exception that they raise.
 fn handled(py: Python<'_>) -> Option<PyErr> {
     py.check_signals().err()
 }

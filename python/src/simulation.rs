@@ -24,14 +24,14 @@ pub struct Simulation {
     notes: Vec<String>,
 }
 
-/// A row of the time series: name and unit of each quantity, names of its rows and columns if it is a table, and its
-/// numbers.
+/// A row of the time series: for each quantity its name and unit, the names of rows and columns if it is a table, and
+/// its numbers.
 type Observables = Vec<(&'static str, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
 
 #[pymethods]
 impl Simulation {
-    /// A scene at its start; `scene` is its text and name, `out` the folder of the results and whether a run that it
-    /// holds is replaced.
+    /// Starts a scene, given by its text and name. `out` is the folder of the results and whether a run in it is
+    /// replaced.
     #[staticmethod]
     #[pyo3(signature = (scene, out, comm))]
     fn start(
@@ -50,7 +50,8 @@ impl Simulation {
         Ok(Self { run: Confined::new(run), notes: Vec::new() })
     }
 
-    /// The run of a folder, from its last checkpoint; with the keys of the scene whose change is accepted.
+    /// Resumes the run of a folder from its last checkpoint; `accepted` has the keys of the scene whose change is
+    /// accepted.
     #[staticmethod]
     #[pyo3(signature = (folder, accepted, comm))]
     fn resume(py: Python<'_>, folder: PathBuf, accepted: Vec<String>, comm: Option<(i32, String)>) -> PyResult<Self> {
@@ -60,7 +61,7 @@ impl Simulation {
         Ok(Self { run: Confined::new(run), notes })
     }
 
-    /// Steps until a step.
+    /// Advances to a step.
     fn run_to(&self, py: Python<'_>, step: u64) -> PyResult<()> {
         let ended = self.run.with(py, |run| run.run_to(step))?;
         if let Some(raised) = self.raised(py)? {
@@ -72,8 +73,8 @@ impl Simulation {
         }
     }
 
-    /// Adds a function that gives loads: "forces", "torques", forces and "moments", or forces of "pairs" nearer than a
-    /// cutoff.
+    /// Adds a load function, which returns "forces", "torques", forces and "moments", or forces of "pairs" nearer than
+    /// a cutoff.
     #[pyo3(signature = (function, gives, cutoff))]
     fn add_loads(&self, py: Python<'_>, function: Py<PyAny>, gives: &str, cutoff: Option<f64>) -> PyResult<()> {
         let loads = OwnFunction { function: Arc::new(function), gives: Gives::of(gives, cutoff)? };
@@ -90,13 +91,13 @@ impl Simulation {
         Ok(Neighbours::of(found.map_err(|cause| refused(&cause))?))
     }
 
-    /// The state now.
+    /// The present state.
     fn snapshot(&self, py: Python<'_>) -> PyResult<Snapshot> {
         self.run.with(py, Run::snapshot)
     }
 
-    /// Goes back to a state; `moved` has what was changed of it: ids and values of positions, velocities and angular
-    /// velocities, and of `radii`.
+    /// Goes back to a state with changes: `moved` has ids and values of changed positions, velocities and angular
+    /// velocities, `radii` those of changed radii.
     fn restore(
         &self,
         py: Python<'_>,
@@ -120,7 +121,7 @@ impl Simulation {
         self.run.with(py, Run::checkpoint)?.map_err(|cause: RunError| of_run(&cause))
     }
 
-    /// Writes a last checkpoint and leaves the folder.
+    /// Writes a last checkpoint and releases the folder.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.run.with(py, Run::close)?.map_err(|cause: RunError| of_run(&cause))
     }
@@ -135,34 +136,34 @@ impl Simulation {
         self.run.with(py, |run| run.end())
     }
 
-    /// The time of a step.
+    /// The time step.
     fn time_step(&self, py: Python<'_>) -> PyResult<f64> {
         self.run.with(py, |run| run.simulation.clock().dt())
     }
 
-    /// How it is computed, in words.
+    /// The plan of the computation, as text.
     fn plan(&self, py: Python<'_>) -> PyResult<String> {
         self.run.with(py, |run| run.simulation.plan())
     }
 
-    /// What the user should know at the start.
+    /// Warnings at the start.
     fn cautions(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         let cautions = self.run.with(py, |run| run.cautions())?;
         Ok(self.notes.iter().cloned().chain(cautions).collect())
     }
 
-    /// What the user should know at the end.
+    /// Warnings at the end.
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
         self.run.with(py, |run| run.simulation.warnings())
     }
 
-    /// The particles now, by name, on the first rank.
+    /// The present particles on the first rank, as a dict of arrays.
     fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let frame = self.run.with(py, |run| run.simulation.frame())?;
         by_name(py, frame)
     }
 
-    /// The time series' numbers of now.
+    /// The present values of the time series.
     fn observables(&self, py: Python<'_>) -> PyResult<Observables> {
         self.run.with(py, |run| {
             let numbers = run.simulation.look();

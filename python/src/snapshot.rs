@@ -1,4 +1,4 @@
-//! States of simulations that are taken, and gone back to.
+//! Snapshots of the states of simulations, and changes to them.
 
 use crate::arrays::{Rows, list_of};
 use domain::{Comm, Vector};
@@ -12,20 +12,20 @@ use std::mem::{Discriminant, discriminant};
 pub struct Snapshot {
     state: State,
     kind: Discriminant<Kind>,
-    /// Particles of all ranks.
+    /// Number of particles on all ranks.
     count: u64,
     has_inertia: bool,
 }
 
 impl Snapshot {
-    /// A state of a scene. Collective.
+    /// Snapshot of a state of a scene. Collective.
     pub fn of(state: State, scene: &Scene, comm: &Comm) -> Self {
         let count = count(&state, comm);
         let has_inertia = !matches!(scene.kind(), Kind::Suspension(_));
         Self { state, kind: discriminant(scene.kind()), count, has_inertia }
     }
 
-    /// The state, if it may be one of a scene with so many particles.
+    /// The state, if it fits a scene of its kind with `count` particles.
     pub fn state_for(&self, scene: &Scene, count: u64) -> Result<State, String> {
         if self.kind != discriminant(scene.kind()) {
             return Err("the snapshot is of a scene of another kind; take one of this simulation".to_owned());
@@ -37,7 +37,7 @@ impl Snapshot {
     }
 }
 
-/// Particles of a state on all ranks. Collective.
+/// Number of particles of a state on all ranks. Collective.
 pub fn count(state: &State, comm: &Comm) -> u64 {
     let mut count = [state.particles.len() as f64];
     comm.sum(&mut count);
@@ -46,18 +46,17 @@ pub fn count(state: &State, comm: &Comm) -> u64 {
 
 #[pymethods]
 impl Snapshot {
-    /// Whether velocities are a part of it, and not a consequence of the rest.
+    /// Whether velocities are a part of the state, and not a consequence of the positions.
     #[getter]
     fn has_inertia(&self) -> bool {
         self.has_inertia
     }
 }
 
-/// Ids and new values of vectors.
+/// Ids of particles, and new values of a vector.
 pub type Moved<'py> = (Vec<u64>, Rows<'py>);
 
-/// Changes by a user on the first rank: of positions, velocities and angular velocities, and of radii, each with its
-/// ids.
+/// Changes by the user of the first rank: of positions, velocities and angular velocities, and of radii, each with ids.
 pub fn rearrangement(moved: (Moved<'_>, Moved<'_>, Moved<'_>), radii: (Vec<u64>, Vec<f64>)) -> PyResult<Rearrangement> {
     let (positions, velocities, angular_velocities) = moved;
     let vectors = |(ids, rows): Moved<'_>| -> PyResult<Vec<(u64, Vector)>> {
@@ -71,7 +70,7 @@ pub fn rearrangement(moved: (Moved<'_>, Moved<'_>, Moved<'_>), radii: (Vec<u64>,
     })
 }
 
-/// The same on all ranks. Collective.
+/// The changes of the first rank, on all ranks. Collective.
 pub fn shared(change: Rearrangement, comm: &Comm) -> Rearrangement {
     let Rearrangement { positions, radii, velocities, angular_velocities } = change;
     Rearrangement {

@@ -1,4 +1,4 @@
-//! The threads that compute.
+//! The thread pool of the computations.
 
 use crate::error::{error, input_error};
 use domain::Comm;
@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use std::sync::OnceLock;
 use std::thread::ThreadId;
 
-/// The pool of threads, started once.
+/// The thread pool, which is started once.
 struct Pool {
     threads: usize,
     process: u32,
@@ -15,8 +15,8 @@ struct Pool {
 
 static POOL: OnceLock<Pool> = OnceLock::new();
 
-/// Starts the threads that compute, this one among them: as many as asked for, or as there are cores. Once they are
-/// started their number stays. Returns it.
+/// Starts the thread pool, of which this thread is one: with as many threads as asked for, or as there are cores. Their
+/// number can't be changed afterwards. Returns it.
 #[pyfunction]
 #[pyo3(signature = (threads=None))]
 pub fn start_threads(threads: Option<usize>) -> PyResult<usize> {
@@ -46,7 +46,7 @@ fn start(threads: usize) -> PyResult<()> {
     Ok(())
 }
 
-/// Refuses threads and processes that the pool does not work for: it would never answer.
+/// Refuses threads and processes that the pool does not serve, where a computation would never return.
 pub fn check_this_thread() -> PyResult<()> {
     let Some(pool) = POOL.get() else { return Ok(()) };
     if std::process::id() != pool.process {

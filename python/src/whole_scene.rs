@@ -1,4 +1,4 @@
-//! Scenes that are carried out as a whole.
+//! Scenes without time steps, carried out as a whole.
 
 use crate::confined::without_lock;
 use crate::error::{error, of_run};
@@ -9,18 +9,18 @@ use io::{ExistingRun, Listener, RunError, RunFolder, Scene, WholeScene};
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Passes lines on to a function of Python.
+/// Listener that passes lines on to a Python function.
 struct Told(Py<PyAny>);
 
 impl Listener for Told {
     fn line(&self, text: &str) {
-        // What hears of it has no say in the run.
+        // Exceptions of the listener do not affect the run.
         let _ = Python::attach(|py| self.0.call1(py, (text,)).map(drop));
     }
 }
 
-/// Carries out a scene, given as text and name; `out` is the folder, if the scene does not name one, and whether a run
-/// that it holds is replaced; `goes_on` says that it goes on.
+/// Carries out a scene, given as text and name. `out` is the folder, unless the scene names one, and whether a run in
+/// it is replaced; `goes_on` continues that run.
 #[pyfunction]
 #[pyo3(signature = (scene, out, goes_on, tell))]
 pub fn carry_out(
