@@ -1,4 +1,4 @@
-"""What a call of a mobility costs besides the evaluation: arguments are checked and converted, arrays made.
+"""Overhead of a call of a mobility over the evaluation itself: checks, conversions and new arrays.
 
     python python/benchmarks/overhead.py
 """
@@ -13,7 +13,7 @@ REPEATS = 2000
 
 
 def overhead(mobility, loads):
-    """Seconds of a call less those of its evaluation."""
+    """Overhead of a call and wall time of its evaluation, in seconds."""
     start = perf_counter()
     motion = mobility(**loads)
     return perf_counter() - start - motion.seconds, motion.seconds

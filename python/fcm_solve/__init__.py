@@ -1,17 +1,17 @@
 """Particles in viscous flow by the force-coupling method.
 
 Mobility    the mobility of spheres at given positions, planned once
-Scene       what to compute, as in a scene file
-Simulation  a scene that is run, with callbacks and forces of one's own
-Logger, Writer, Action  what is done in the course of a simulation, at the steps of a trigger
-run_family  many runs: seeds and values of keys, and the means over the seeds
+Scene       a checked scene file: the description of a computation
+Simulation  a running scene, with callbacks and user-defined forces
+Logger, Writer, Action  actions carried out during a simulation, at the steps of a trigger
+run_family  many runs over seeds and values of keys, and the means over the seeds
 open        the results of a run, for pandas and xarray
-report      a page about a run; show, the same in a notebook
+report      an HTML page about a run; show displays it in a notebook
 """
 
 import os
 
-# Other programs may read the files of a run while it goes on. HDF5 looks here when it is loaded.
+# Allows other programs to read the files of a run while they are written. HDF5 reads this variable when it is loaded.
 os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 from ._core import __version__  # noqa: E402

@@ -8,7 +8,7 @@ USAGE = "usage: python -m fcm_solve plot FOLDER [PICTURE] [--by WHAT] [--only QU
 
 
 def main(words):
-    """Carries a command out and returns its exit status."""
+    """Carries out a command and returns its exit status."""
     if words[:1] == ["plot"]:
         return command.main(words[1:], "python -m fcm_solve plot")
     is_help = words[:1] in (["-h"], ["--help"])

@@ -1,4 +1,4 @@
-"""Arguments as arrays: any array-like of real numbers, in the shape that is asked for."""
+"""Conversion of arguments to arrays: any array-like of real numbers, of a required shape."""
 
 from collections.abc import Iterable
 
@@ -18,7 +18,7 @@ _FOUND = {
     "U": "text",
     "V": "records",
 }
-# Whole numbers beyond are rounded as float64.
+# Larger whole numbers are rounded as float64.
 _EXACT = 2**53
 
 
@@ -31,7 +31,7 @@ def rows(name, value, count, width=3):
 
 
 def row_each(name, value, count):
-    """`value` as a float64 array of its own of shape (count,), from one number for all or one for each."""
+    """A new float64 array of shape (count,), from one number for all or one for each."""
     array = numbers(name, value)
     if array.shape not in ((), (count,)):
         raise InputError(f"{name} has the shape {array.shape}; it needs to be a number or ({count},)")
@@ -55,7 +55,7 @@ def finite(name, array):
 
 
 def numbers(name, value):
-    """`value` as a float64 array. What would lose something of its own by that is refused."""
+    """`value` as a float64 array. Values that would lose information, such as a mask or a unit, are refused."""
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
     _refuse_more_than_numbers(name, value)
@@ -79,7 +79,7 @@ def number(name, value):
 
 
 def whole(name, value, least):
-    """`value` as an int, if it is a whole number from `least` on."""
+    """`value` as an int, if it is a whole number of at least `least`."""
     is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not (is_whole and least <= value < 2**63):
         raise InputError(f"{name} is {_shown(value)}; it needs to be a whole number from {least} on")
@@ -94,7 +94,7 @@ def flag(name, value):
 
 
 def words(name, value, count):
-    """`value` as a list of so many words."""
+    """`value` as a list of `count` words."""
     is_list = isinstance(value, Iterable) and not isinstance(value, str)
     items = list(value) if is_list else [value]
     if len(items) != count or not all(isinstance(item, str) for item in items):
@@ -103,7 +103,7 @@ def words(name, value, count):
 
 
 def _refuse_more_than_numbers(name, value):
-    """Masks, units and booleans among numbers would be dropped by numpy."""
+    """Refuses masks, units and booleans among numbers, which numpy would drop silently."""
     if isinstance(value, np.ma.MaskedArray):
         raise InputError(f"{name} is a masked array; fill its masked values first")
     if isinstance(value, (list, tuple)):
@@ -116,6 +116,6 @@ def _refuse_more_than_numbers(name, value):
 
 
 def _shown(value):
-    """A value in a message, at most a line."""
+    """A value as shown in a message, cut to one line."""
     shown = repr(value)
     return shown if len(shown) <= 80 else shown[:80] + "..."

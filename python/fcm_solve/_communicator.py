@@ -1,8 +1,8 @@
-"""Communicators of mpi4py, as the compiled part takes them."""
+"""Communicators of mpi4py, in the form that the compiled part takes."""
 
 
 def handle(comm):
-    """The handle of an mpi4py communicator and the name of its MPI library; nothing for no communicator."""
+    """The handle of an mpi4py communicator and the name of its MPI library; None without a communicator."""
     if comm is None:
         return None
     try:

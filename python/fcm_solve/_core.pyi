@@ -1,4 +1,4 @@
-"""The compiled part of fcm_solve: what the modules beside it call. Arrays are C-contiguous float64."""
+"""The compiled part of fcm_solve, called by the modules of this package. Arrays are C-contiguous float64."""
 
 from collections.abc import Callable
 from typing import Any

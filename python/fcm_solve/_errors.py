@@ -1,8 +1,8 @@
-"""Errors and warnings, in the words of the program."""
+"""Errors and warnings, with the messages of the program."""
 
 
 class Error(Exception):
-    """What went wrong. The base class of all errors of fcm_solve."""
+    """Base class of all errors of fcm_solve."""
 
 
 class InputError(Error, ValueError):
@@ -10,4 +10,4 @@ class InputError(Error, ValueError):
 
 
 class Caution(UserWarning):
-    """What had better be otherwise. Not an error: results are those of the method."""
+    """Warning about questionable parameters or results. Not an error: results are those of the method."""

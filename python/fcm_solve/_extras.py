@@ -1,10 +1,10 @@
-"""Packages that only some functions need."""
+"""Optional packages, which only some functions need."""
 
 from importlib import import_module
 
 
 def needed(module, what):
-    """The module, or an error that says how to install it."""
+    """Imports a module, or raises an error that says how to install it."""
     try:
         return import_module(module)
     except ImportError as error:

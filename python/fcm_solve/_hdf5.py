@@ -1,4 +1,4 @@
-"""HDF5 files of a run, opened to be read while they may still grow."""
+"""HDF5 files of a run, which may be read while they still grow."""
 
 from ._errors import Error
 from ._extras import needed

@@ -11,7 +11,7 @@ from ._extras import needed
 
 
 def opened(path, names, units, goes_on):
-    """The file at a path, by its suffix: a new one, or that of former rows, which have to be of these names."""
+    """Opens a file of the kind of its suffix: a new one, or an existing one, whose quantities have to be those named."""
     kind = {".csv": CsvRows, ".h5": Hdf5Rows, ".hdf5": Hdf5Rows}[path.suffix.lower()]
     try:
         return kind(path, names, units, goes_on)
@@ -20,7 +20,7 @@ def opened(path, names, units, goes_on):
 
 
 def columns(name, shape):
-    """Names of the numbers of a quantity, as columns of a table: `name`, or `name[0]`, `name[0][1]`."""
+    """Column names of a quantity of a shape: `name`, or `name[0]`, `name[0][1]`."""
     return [name + "".join(f"[{index}]" for index in indices) for indices in product(*map(range, shape))]
 
 
@@ -29,7 +29,7 @@ def _of_other_names(path, found, names):
 
 
 class CsvRows:
-    """A table with a line for each row."""
+    """CSV file with a line for each row."""
 
     def __init__(self, path, names, units, goes_on):
         self._path, self._names = path, names
@@ -39,7 +39,7 @@ class CsvRows:
         self._file = path.open("a" if goes_on else "w", newline="", encoding="utf-8")
 
     def _take_up(self):
-        """The header and the last step of what was written; a line that was cut short is dropped."""
+        """Reads the header and the last step of an existing file, and drops an incomplete last line."""
         lines = self._path.read_text(encoding="utf-8").splitlines(keepends=True)
         whole = [line for line in lines if line.endswith("\n")]
         if len(whole) < len(lines):
@@ -58,14 +58,14 @@ class CsvRows:
         os.replace(beside, self._path)
 
     def cut(self, step):
-        """Drops the rows from a step on."""
+        """Drops the rows from `step` on."""
         self._file.close()
         header, *lines = self._path.read_text(encoding="utf-8").splitlines(keepends=True)
         self._replace([header, *(line for line in lines if int(line.split(",")[0]) < step)])
         self._file = self._path.open("a", newline="", encoding="utf-8")
 
     def append(self, step, time, row):
-        """Adds a row, and hands it to the machine."""
+        """Appends a row, and flushes the file."""
         header = ["step", "time", *(column for name, array in row.items() for column in columns(name, array.shape))]
         writer = csv.writer(self._file, lineterminator="\n")
         if self._header is None:
@@ -82,7 +82,7 @@ class CsvRows:
 
 
 class Hdf5Rows:
-    """A dataset for each quantity, whose first index is the row, with its unit as the attribute `dimensions`."""
+    """HDF5 file with a dataset for each quantity, whose first index is the row, with its unit as the attribute `dimensions`."""
 
     def __init__(self, path, names, units, goes_on):
         h5py = needed("h5py", "a file of HDF5")
@@ -97,18 +97,18 @@ class Hdf5Rows:
             self._level(min(len(self._file[name]) for name in ("step", "time", *names)))
 
     def _level(self, count):
-        """Leaves so many rows of each dataset."""
+        """Truncates each dataset to `count` rows."""
         for name in ("step", "time", *self._names):
             self._file[name].resize(count, axis=0)
         self.last_step = int(self._file["step"][-1]) if count else None
         self._file.flush()
 
     def cut(self, step):
-        """Drops the rows from a step on."""
+        """Drops the rows from `step` on."""
         self._level(int(np.searchsorted(self._file["step"][:], step)))
 
     def append(self, step, time, row):
-        """Adds a row, and hands it to the machine."""
+        """Appends a row, and flushes the file."""
         row = {"step": np.int64(step), "time": np.float64(time), **row}
         if "step" not in self._file:
             self._file.attrs["quantities"] = list(self._names)

@@ -1,8 +1,8 @@
-"""The number of steps taken, which takes more when it is called."""
+"""Step counter that advances the simulation when it is called."""
 
 
 class StepCount(int):
-    """The number of steps taken. Called, it takes more: `sim.step()`, `sim.step(10)`."""
+    """Number of steps taken. A call takes further steps: `sim.step()`, `sim.step(10)`."""
 
     def __new__(cls, number, simulation):
         count = super().__new__(cls, number)

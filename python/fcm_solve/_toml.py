@@ -8,7 +8,7 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def value(item):
-    """A value on one line, as it stands after `key =`. What would lose something of its own is refused."""
+    """A value on one line, as written after `key =`. Values that would lose information, such as a mask or a unit, are refused."""
     if hasattr(item, "mask") or hasattr(item, "unit") or hasattr(item, "units"):
         raise TypeError(f"a scene has no masks and no units such as those of {_shown(item)}; give the numbers alone")
     if getattr(getattr(item, "dtype", None), "kind", None) in ("m", "M"):
@@ -30,7 +30,7 @@ def value(item):
 
 
 def _shown(item):
-    """A value in a message, at most a line."""
+    """A value as shown in a message, cut to one line."""
     shown = " ".join(repr(item).split())
     return shown if len(shown) <= 80 else shown[:80] + "..."
 

@@ -5,7 +5,7 @@ import math
 from . import _arrays
 from ._errors import InputError
 
-# Part of a step by which a time may be off the one that is meant: round-off of times and intervals.
+# Tolerance for round-off of times and intervals, as a fraction of a step.
 _ROUND_OFF = 1e-9
 
 
@@ -40,7 +40,7 @@ class EveryTime:
 
 
 class AtSteps:
-    """Steps that are given."""
+    """A list of steps."""
 
     def __init__(self, steps):
         listed = [steps] if isinstance(steps, int) or not hasattr(steps, "__iter__") else steps
@@ -74,7 +74,7 @@ _KINDS = {"every": EveryStep, "every_time": EveryTime, "at": AtSteps, "when": Wh
 
 
 def of(given):
-    """The trigger of the one keyword that is given."""
+    """The trigger for the one keyword that is given."""
     named = {name: value for name, value in given.items() if value is not None}
     if len(named) != 1:
         found = " and ".join(named) or "none"

@@ -1,4 +1,4 @@
-"""Scenes that are carried out as a whole: those of the continuum model."""
+"""Scenes without time steps, which are carried out as a whole: those of the continuum model."""
 
 import logging
 
@@ -10,13 +10,13 @@ NO_STEPS = "scenes of this kind have no steps"
 
 
 class WholeScene:
-    """Such a scene in the place of a simulation, of which it has nothing but `run`."""
+    """Stands for the simulation of a scene without time steps; supports `run` alone."""
 
     def __init__(self, scene, folder, goes_on):
         self._scene, self._folder, self._goes_on = scene, folder, goes_on
 
     def run(self, steps, time):
-        """Carries it out; its lines go to the logger `fcm_solve`."""
+        """Carries out the scene; its messages go to the logger `fcm_solve`."""
         if steps is not None or time is not None:
             raise Error(f"{NO_STEPS}: run() carries them out as a whole")
         scene = (self._scene.to_toml(), self._scene._name)
@@ -28,7 +28,7 @@ class WholeScene:
     warnings = cautions
 
     def close(self):
-        """Its results are whole at any time."""
+        """Does nothing: the results are complete at any time."""
 
     def __getattr__(self, name):
         raise Error(f"{NO_STEPS}: run() carries them out as a whole")

@@ -1,4 +1,4 @@
-"""Actions: what is done in the course of a simulation, at the steps of a trigger."""
+"""Actions, carried out during a simulation at the steps of a trigger."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
 
 class Action:
-    """An action with a state of its own. A class of yours has `act`, and the others where it needs them.
+    """Base class of actions with a state. Subclasses define `act`, and the other methods if they need them.
 
-    A simulation takes it by `simulation.add(action, every=100)`, and plain functions of the simulation alike.
+    Actions are added by `simulation.add(action, every=100)`, as are plain functions of the simulation.
     """
 
     def attach(self, simulation: Simulation) -> None:
-        """Called when the simulation takes the action, before anything else."""
+        """Called when the action is added to a simulation, before anything else."""
 
     def act(self, simulation: Simulation) -> None:
-        """Called at each step of the trigger, once."""
+        """Called once at each step of the trigger."""
         raise NotImplementedError
 
     def detach(self, simulation: Simulation) -> None:
@@ -36,7 +36,7 @@ class ActionList:
         self._entries = []
 
     def add(self, action, triggers, simulation):
-        """Takes an action up, or leaves all as it was if the action refuses."""
+        """Adds an action; changes nothing if its `attach` raises an exception."""
         if not callable(getattr(action, "act", None)) and not callable(action):
             raise InputError(f"{action!r} is no action; it needs to be a function of the simulation, or to have act()")
         entry = _Entry(action, _triggers.of(triggers))
@@ -45,7 +45,7 @@ class ActionList:
         self._entries.append(entry)
 
     def remove(self, action, simulation):
-        """Gives an action back, with all of its triggers."""
+        """Removes an action, with all of its triggers."""
         if not self._has(action):
             raise Error(f"{action!r} is no action of this simulation")
         self._entries = [entry for entry in self._entries if not _are_same(entry.action, action)]
@@ -53,7 +53,7 @@ class ActionList:
             action.detach(simulation)
 
     def remove_all(self, simulation):
-        """Gives all actions back, and raises the first error that one of them has raised."""
+        """Removes all actions, and raises the first error that one of them has raised."""
         errors = []
         for action in self.listed():
             try:
@@ -71,11 +71,11 @@ class ActionList:
         return any(_are_same(entry.action, action) for entry in self._entries[:among])
 
     def next_after(self, step, time_step):
-        """The first step after this one at which any is due, infinity for none."""
+        """The first step after `step` at which any action is due; infinity if there is none."""
         return min((entry.trigger.next_after(step, time_step) for entry in self._entries), default=float("inf"))
 
     def act(self, simulation):
-        """Carries out what is due at the present step and was not yet. Actions may add and remove actions."""
+        """Carries out the actions that are due at the present step, each once. Actions may add and remove actions."""
         done = []
         while waiting := [entry for entry in self._entries if not any(entry is other for other in done)]:
             done.append(waiting[0])
@@ -83,7 +83,7 @@ class ActionList:
 
 
 def _are_same(one, other):
-    """Whether these are one action: methods are made anew whenever they are asked for."""
+    """Whether both are the same action: bound methods are created anew at each access, so they are compared by value."""
     return one is other or (isinstance(one, MethodType) and one == other)
 
 

@@ -13,7 +13,7 @@ from ._errors import Error
 
 @dataclass(frozen=True, repr=False)
 class Answer:
-    """What a run has found for a quantity. Where there is no number, as of one whose verdict is "meaningless", it is NaN."""
+    """Answer of a run for one quantity. Missing numbers, as of an answer whose verdict is "meaningless", are NaN."""
 
     quantity: str
     species: str
@@ -39,7 +39,7 @@ class Answer:
 
 
 class Answers(Sequence):
-    """The answers of a run, in their order; by name too, as `answers["relative_viscosity"]` or, of one species,
+    """The answers of a run, as a sequence and by name: `answers["relative_viscosity"]` or, for one species,
     `answers["settling_velocity", "heavy"]`."""
 
     def __init__(self, answers):
@@ -73,7 +73,7 @@ def is_table(path: Path) -> bool:
 
 
 def read(path: Path) -> Answers:
-    """Those of a file."""
+    """Reads the answers in a file."""
     with path.open(newline="") as file:
         return Answers(Answer(**{name: _cell(name, cell) for name, cell in row.items()}) for row in csv.DictReader(file))
 

@@ -1,4 +1,4 @@
-"""Forces of contacts and bonds, one by one, by step."""
+"""Forces of individual contacts and bonds, by step."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ import numpy as np
 from ._hdf5 import opened
 
 STATES = ("frictionless", "sticking", "sliding", "bond")
-"""What holds two spheres, by its number in `state`."""
+"""Kinds of contacts, in the order of their numbers in `state`."""
 
 
 @dataclass(frozen=True)
 class Contacts:
-    """The C contacts and bonds at a time, in the order of their pairs of ids."""
+    """The C contacts and bonds at one time, ordered by their pairs of ids."""
 
     step: int
     """Steps taken."""
@@ -25,15 +25,15 @@ class Contacts:
     pairs: np.ndarray
     """(C, 2), ids of both spheres, the lower first"""
     positions: np.ndarray
-    """(C, 3), the centre of the first; length"""
+    """(C, 3), centre of the first sphere; length"""
     separations: np.ndarray
-    """(C, 3), from there to the centre of the second, as near as it is; length"""
+    """(C, 3), from the centre of the first sphere to that of the nearest image of the second; length"""
     normal_forces: np.ndarray
-    """(C,), pushes them apart along that line, below 0 where it pulls; force"""
+    """(C,), force along the line of centres, positive if repulsive, negative if attractive; force"""
     tangential_forces: np.ndarray
-    """(C, 3), on the first, across that line; force"""
+    """(C, 3), on the first sphere, perpendicular to the line of centres; force"""
     state: np.ndarray
-    """(C,), a place in `STATES`"""
+    """(C,), index in `STATES`"""
 
     def __len__(self):
         return len(self.pairs)
@@ -45,7 +45,7 @@ class Contacts:
 
     @property
     def forces(self):
-        """(C, 3), the whole force on the first sphere; that on the second is opposite; force"""
+        """(C, 3), total force on the first sphere; that on the second is opposite; force"""
         return self.tangential_forces - self.normal_forces[:, None] * self.normals
 
     @property

@@ -1,4 +1,4 @@
-"""Families of runs: many seeds, and many values of keys."""
+"""Families of runs over seeds and values of keys."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ def run_family(
     cores: int | None = None,
     force: bool = False,
 ) -> list[dict[str, Any]]:
-    """Makes the runs of a family that are missing, and returns the table of means over the seeds.
+    """Makes the missing runs of a family, and returns the table of means over the seeds.
 
     scene    the path of a scene file with `[ensemble]` or `[sweep]`, or a dict with these keys
-    out      the folder of the results, as `fcm-solve run` makes it: either goes on with what the other has made
-    cores    runs that go on at a time, each in a process of its own; as many as there are cores if left out
-    force    replace the results of a former family in that folder
+    out      the folder of the results, as `fcm-solve run` makes it: each continues a family that the other has begun
+    cores    number of runs at a time, each in a process of its own; the number of cores by default
+    force    replace the results of an earlier family in that folder
 
-    Rows are dicts with the columns of `family.csv`: `pandas.DataFrame(rows)` is a table of them. A run that fails does
-    not end the others; `Error` names it at the end. In a script, call it below `if __name__ == "__main__":`, since
-    the processes read the script again.
+    Rows are dicts with the columns of `family.csv`: `pandas.DataFrame(rows)` makes a table of them. A failed run does
+    not end the others; an `Error` at the end names it. In a script, call this function below
+    `if __name__ == "__main__":`, since the processes import the script again.
     """
     text, name = _text_of(scene)
     folder, force = fspath(out), _arrays.flag("force", force)
@@ -64,7 +64,7 @@ def _text_of(scene):
 
 
 def _run_member(folder, text):
-    """Runs a member, or goes on with it, on one core."""
+    """Runs or continues a member, on one core."""
     has_checkpoint = any(Path(folder).glob("checkpoint-*.bin"))
     if has_checkpoint:
         simulation = Simulation.resume(folder, threads=1)

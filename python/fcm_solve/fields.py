@@ -1,4 +1,4 @@
-"""The velocity of the fluid at points of the box, by step."""
+"""Velocity of the fluid at grid points of the box, by step."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from ._hdf5 import opened
 
 @dataclass(frozen=True)
 class Field:
-    """The velocity of the fluid at a time, relative to the background flow."""
+    """Velocity of the fluid at one time, relative to the background flow."""
 
     step: int
     """Steps taken."""
@@ -21,16 +21,16 @@ class Field:
     velocity: np.ndarray
     """(nz, ny, nx, 3), length/time"""
     edges: np.ndarray
-    """(3,), of the box; length"""
+    """(3,), edges of the box; length"""
     strain: float
     """The box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)."""
     origin: np.ndarray
-    """(3,), the place of the first point; length"""
+    """(3,), position of the first grid point; length"""
     spacing: np.ndarray
-    """(3,), distances of the points along the edges; length"""
+    """(3,), distances of grid points along the edges; length"""
 
     def to_xarray(self):
-        """A DataArray with the places of the grid's points along the edges of the box."""
+        """A DataArray whose coordinates are the positions of the grid points along the edges of the box."""
         xarray = needed("xarray", "field.to_xarray()")
         counts = self.velocity.shape[2::-1]
         places = {
@@ -57,7 +57,7 @@ class Fields(Mapping):
             velocity, attributes = file["velocity"][:], dict(file.attrs)
         time, strain = float(attributes["time"]), float(attributes["strain"])
         edges = np.array(attributes["edges"])
-        # Files of boxes that repeat along all axes do not say where points are: from 0 on, around the box.
+        # Files of fully periodic boxes do not have the positions of the grid points: they start at 0 and cover the box.
         origin = np.array(attributes.get("origin", np.zeros(3)))
         spacing = np.array(attributes.get("spacing", edges / velocity.shape[2::-1]))
         return Field(int(attributes["step"]), time, velocity, edges, strain, origin, spacing)

@@ -1,4 +1,4 @@
-"""Forces and torques of one's own in a simulation, and their part in the stress."""
+"""User-defined forces and torques in a simulation, and their contribution to the stress."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from .neighbours import Neighbours
 LoadFunction = Callable[[np.ndarray, float], Any]
 PairFunction = Callable[[Neighbours, float], Any]
 
-# Part of the forces' size that their sum may be, where they are between particles: round-off of many.
+# Tolerance for the sum of forces between particles, as a fraction of their total magnitude: round-off of many.
 _UNBALANCED = 1e-8
 _STRESSES = (None, "moments", "positions")
 
 
 class OwnForces:
-    """Functions of forces and torques, added to those of the scene."""
+    """Adds functions of forces and torques to the loads of a scene."""
 
     _core: Any
 
     def force(self, function: LoadFunction | None = None, *, stress: str | None = None) -> Any:
-        """Adds a force of your own to the others, as a decorator or by a call.
+        """Adds a user-defined force to the others, as a decorator or by a call.
 
-        `function(positions, time)` is given positions (N, 3) in the order of the ids, which go on beyond the box as if
-        there were no periodicity, and returns the forces (N, 3). It is called at each evaluation of the mobility, of
-        which a step takes one or several, each with its own positions and time. What it raises ends the step, which is
-        not taken, and reaches the caller. For suspensions.
+        `function(positions, time)` takes the unwrapped positions (N, 3), in the order of the ids, and returns the forces
+        (N, 3). It is called at each evaluation of the mobility, of which a step takes one or several, each with its own
+        positions and time. An exception that it raises ends the step, which is not taken, and is passed on to the caller.
+        For suspensions.
 
-        stress  what part the forces have in the stress:
-                None         none, as forces from outside
+        stress  contribution of the forces to the stress:
+                None         none, as of external forces
                 "moments"    the function returns `(forces, moments)`, with each particle's share (N, 6) of the symmetric first
                              moments -sym((x_i - x_j) F_ij) of forces between particles: xx, xy, xz, yy, yz, zz
-                "positions"  the moments are -sym(x F) by the positions that the function is given; the forces have to add
-                             up to zero, and those of a pair have to be by those positions, not by images
+                "positions"  the moments are -sym(x F) with the positions passed to the function; the forces have to add
+                             up to zero, and the force of a pair has to follow from these positions, not from images
 
-        Stress over the volume is in the time series as `stress_applied`, and in all that is made of the stress.
+        The stress, divided by the volume, is `stress_applied` in the time series, and part of all results on the stress.
         """
         if stress not in _STRESSES:
             raise InputError(f'stress is {stress!r}; it needs to be None, "moments" or "positions"')
@@ -66,7 +66,7 @@ class OwnForces:
         return function
 
     def torque(self, function: LoadFunction) -> LoadFunction:
-        """Adds a torque of your own, as `force` does: the function returns torques (N, 3)."""
+        """Adds a user-defined torque, as `force` adds a force: the function returns torques (N, 3)."""
         name = _named("torque", function)
 
         def torques(positions, time):
@@ -76,11 +76,12 @@ class OwnForces:
         return function
 
     def pair_force(self, function: PairFunction | None = None, *, cutoff: float) -> Any:
-        """Adds a force between near particles, as a decorator, `@sim.pair_force(cutoff=3.0)`, or by a call.
+        """Adds a pair force between near particles, as a decorator, `@sim.pair_force(cutoff=3.0)`, or by a call.
 
-        `function(neighbours, time)` is given the `Neighbours` whose centres are nearer than `cutoff`, images included, and
-        returns the force (P, 3) on the first of each pair; the second feels the opposite one. Its stress is in the time series
-        as `stress_applied`, and in all that is made of the stress. It is called as those of `force` are. For suspensions.
+        `function(neighbours, time)` takes the `Neighbours` whose centres are nearer than `cutoff`, images included, and
+        returns the force (P, 3) on the first particle of each pair; the opposite force acts on the second. Its stress is
+        `stress_applied` in the time series, and part of all results on the stress. The function is called at the same times
+        as those of `force`. For suspensions.
         """
         cutoff = _positive("cutoff", cutoff)
         if function is None:
@@ -94,13 +95,13 @@ class OwnForces:
         return function
 
     def neighbours(self, cutoff: float) -> Neighbours:
-        """The pairs of particles whose centres are nearer than `cutoff` now, each once over all images."""
+        """The present pairs of particles whose centres are nearer than `cutoff`, each once over all images."""
         cutoff = _positive("cutoff", cutoff)
         return Neighbours(self._core.neighbours(cutoff), cutoff)
 
 
 def _with_moments(name, forces, positions):
-    """Forces between particles, and the moments -sym(x F) of them."""
+    """Forces between particles, and their moments -sym(x F)."""
     size = np.abs(forces).sum(axis=0)
     left = np.abs(forces.sum(axis=0))
     if np.any(left > _UNBALANCED * max(size.max(initial=0.0), np.finfo(float).tiny)):

@@ -1,10 +1,10 @@
-"""Datasets of HDF5 as arrays of xarray that are read when they are used."""
+"""HDF5 datasets as xarray variables that are read on access."""
 
 from ._extras import needed
 
 
 class Dataset:
-    """The first frames of a dataset. A key has an integer or a slice for each axis."""
+    """The first `frames` frames of a dataset. A key has an integer or a slice for each axis."""
 
     def __init__(self, dataset, frames):
         self._dataset = dataset
@@ -16,7 +16,7 @@ class Dataset:
 
 
 class Unwrapped:
-    """Positions as if there were no periodicity: position + image . lattice vectors."""
+    """Unwrapped positions: position + image . lattice vectors."""
 
     def __init__(self, positions, images, edges):
         self._positions, self._images, self._edges = positions, images, edges
@@ -35,12 +35,12 @@ def _span(key):
 
 
 def _within(key, shape):
-    """Slices that end where the frames end: a file may have grown since."""
+    """The key with slices cut to `shape`, since the file may have grown after it was opened."""
     return tuple(slice(*k.indices(length)) if isinstance(k, slice) else k for k, length in zip(key, shape))
 
 
 def variable(dimensions, array, attributes):
-    """A variable of xarray that reads from `array` what is used of it."""
+    """An xarray variable that reads the parts of `array` that are used."""
     xarray = needed("xarray", "to_xarray()")
     from xarray.backends import BackendArray
     from xarray.core import indexing

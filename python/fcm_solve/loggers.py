@@ -1,4 +1,4 @@
-"""Quantities of one's own in the course of a simulation: kept as arrays, or written to files."""
+"""User-defined time series of a simulation: kept as arrays, or written to files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SUFFIXES = (".csv", ".h5", ".hdf5")
 
 
 class Quantities(Action):
-    """Named quantities of a simulation, of which an action makes a row: step, time, and a number or an array of each."""
+    """Action that makes a row of named quantities: step, time, and a number or an array for each."""
 
     def __init__(self) -> None:
         self._functions: dict[str, Callable | None] = {}
@@ -31,11 +31,11 @@ class Quantities(Action):
         self._shapes: dict[str, tuple[int, ...]] = {}
 
     def add(self, name: str, function: Callable[[Simulation], Any] | None = None, unit: str = "") -> Quantities:
-        """Adds a quantity and returns itself, so that calls can follow each other.
+        """Adds a quantity and returns the logger, so that calls can be chained.
 
-        function  gives a number, or an array of the same shape each time, of the simulation; without it the quantity is
-                  that of the time series, `simulation.observables[name]`
-        unit      in terms of length, time and force; that of the time series is known
+        function  function of the simulation that returns a number, or an array of the same shape each time; without it the
+                  quantity is that of the time series, `simulation.observables[name]`
+        unit      in terms of length, time and force; known for quantities of the time series
         """
         if not isinstance(name, str) or not name or name in ("step", "time") or set(name) & set("/[],\n"):
             raise InputError(
@@ -52,16 +52,16 @@ class Quantities(Action):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The quantities, in their order."""
+        """Names of the quantities, in the order in which they were added."""
         return tuple(self._functions)
 
     @property
     def units(self) -> dict[str, str]:
-        """Units by name."""
+        """Units of the quantities, by name."""
         return dict(self._units)
 
     def attach(self, simulation: Simulation) -> None:
-        """Looks up quantities of the time series, and refuses names that it does not have."""
+        """Looks up the units of quantities of the time series, and refuses names that it does not have."""
         of_series = [name for name, function in self._functions.items() if function is None]
         listed = {name: unit for name, unit, _, _ in simulation._core.observables()} if of_series else {}
         for name in of_series:
@@ -70,7 +70,7 @@ class Quantities(Action):
             self._units[name] = listed[name]
 
     def act(self, simulation: Simulation) -> None:
-        """Makes a row of the present step. With ranks all call the functions, and the first one's row counts."""
+        """Makes a row for the present step. On several ranks, all call the functions, and the first rank keeps its row."""
         error = None
         try:
             row = self._row(simulation)
@@ -104,7 +104,7 @@ class Logger(Quantities):
         log = fcm.Logger().add("smallest_gap").add("height", lambda s: s.positions[:, 2].mean(), "length")
         simulation.add(log, every=10)
 
-    A step that comes again, as after `set_snapshot`, takes the place of its row and of those after it.
+    A repeated step, as after `set_snapshot`, replaces its row and drops those after it.
     """
 
     def __init__(self) -> None:
@@ -121,22 +121,22 @@ class Logger(Quantities):
 
     @property
     def steps(self) -> np.ndarray:
-        """(rows,)"""
+        """(rows,), steps"""
         return np.array([step for step, _, _ in self._rows], dtype=np.int64)
 
     @property
     def times(self) -> np.ndarray:
-        """(rows,)"""
+        """(rows,), times"""
         return np.array([time for _, time, _ in self._rows], dtype=np.float64)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """(rows, ...), a number or an array of each row"""
+        """(rows, ...), the values of a quantity, a number or an array for each row"""
         if name not in self._functions:
             raise KeyError(f"there is no quantity {name}; there are {', '.join(self._functions)}")
         return np.array([row[name] for _, _, row in self._rows])
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame with a row for each time, which is its index, and a column for each number, and `step`."""
+        """A DataFrame with a row for each time, which is the index, and columns for `step` and each number."""
         pandas = needed("pandas", "to_pandas()")
         table = {"step": self.steps}
         for name in self._shapes:
@@ -151,9 +151,9 @@ class Writer(Quantities):
         out = fcm.Writer("own.csv").add("smallest_gap").add("height", lambda s: s.positions[:, 2].mean(), "length")
         simulation.add(out, every_time=0.5)
 
-    path   the file; one that exists is refused, unless a resumed simulation goes on with it: then the rows from its step
+    path   the file. An existing file is refused, unless a resumed simulation continues it: then the rows from its step
            on are written anew
-    force  replace a file that exists
+    force  replace an existing file
     """
 
     def __init__(self, path: str | PathLike, force: bool = False) -> None:

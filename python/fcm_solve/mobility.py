@@ -38,17 +38,17 @@ class Motion:
     angular_velocities: np.ndarray
     """(N, 3), 1/time; zero for point forces"""
     stresslets: np.ndarray
-    """(N, 5): xx, xy, xz, yy, yz, force*length; with lubrication the whole hydrodynamic ones"""
+    """(N, 5): xx, xy, xz, yy, yz, force*length; with lubrication the total hydrodynamic stresslets"""
     stresslets_far: np.ndarray
-    """(N, 5): the part of the stresslets that the far field sees"""
+    """(N, 5): the part of the stresslets that acts in the far field"""
     strain_rates: np.ndarray
     """(N, 5): xx, xy, xz, yy, yz of the disturbance flow, 1/time; near zero for rigid spheres"""
     iterations: int
-    """Iterations for the stresslets and for lubrication."""
+    """Number of iterations for the stresslets and for lubrication."""
     residual: float
-    """The relative residual that they left."""
+    """Relative residual after these iterations."""
     seconds: float
-    """The time that the evaluation took."""
+    """Wall time of the evaluation."""
 
 
 @dataclass(frozen=True)
@@ -59,79 +59,79 @@ class Noise:
     """
 
     velocities: np.ndarray
-    """(draws, N, 3), root of length/(force*time)"""
+    """(draws, N, 3), square root of length/(force*time)"""
     angular_velocities: np.ndarray
     """(draws, N, 3); zero for point forces"""
     strain_rates: np.ndarray
-    """(draws, N, 5): xx, xy, xz, yy, yz of the fluid, of spheres that are not rigid; else zero"""
+    """(draws, N, 5): xx, xy, xz, yy, yz of the fluid at spheres that are not rigid; else zero"""
 
 
 @dataclass(frozen=True)
 class Drift:
-    """Random parts of what heat does to N rigid spheres in the mean, at kT = 1: the mean over many draws is the drift.
+    """Random contributions to the Brownian drift of N rigid spheres at kT = 1; the mean over many draws is the drift.
 
     With a communicator the first rank has them; the arrays of the others are empty.
     """
 
     velocities: np.ndarray
-    """(draws, N, 3): their mean is the divergence of the mobility from forces to velocities"""
+    """(draws, N, 3): the mean is the divergence of the mobility from forces to velocities"""
     angular_velocities: np.ndarray
-    """(draws, N, 3): that of the mobility from forces to angular velocities"""
+    """(draws, N, 3): the mean is the divergence of the mobility from forces to angular velocities"""
     stresslets: np.ndarray
-    """(draws, N, 5): xx, xy, xz, yy, yz; the Brownian stresslets, those of the divergence of what forces cause"""
+    """(draws, N, 5): xx, xy, xz, yy, yz; the mean is the Brownian stresslets, the divergence of the stresslets due to forces"""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How a mobility is computed."""
+    """The plan of a mobility: method, grid, expected error and cost."""
 
     method: str
-    """"direct": every envelope on the grid; "split": a common wider Gaussian, and pairs near by"""
+    """"direct": every envelope on the grid; "split": a common wider Gaussian on the grid, and near pairs"""
     grid: list[int]
-    """Points along x, y and z."""
+    """Grid points along x, y and z."""
     support: list[int]
-    """Points of a sphere's stencil along x, y and z."""
+    """Grid points of a sphere's stencil along x, y and z."""
     precision: str
-    """Of the grid's values: "f32" or "f64"."""
+    """Floating-point type of the grid: "f32" or "f64"."""
     tolerance: float
-    """The relative error asked for."""
+    """The relative error allowed."""
     expected_error: float
     """The relative error expected."""
     iteration_tolerance: float
-    """The relative error left in the stresslets."""
+    """The relative tolerance of the iteration for the stresslets."""
     expected_seconds: float
-    """Seconds expected for one evaluation by one thread; a solve takes one or two, and one for each iteration."""
+    """Seconds expected for one evaluation on one thread; a solve takes one or two evaluations, and one for each iteration."""
     width: float | None
-    """The width of the common Gaussian, if there is one."""
+    """The width of the common Gaussian; None without one."""
     cutoff: float | None
-    """The distance within which pairs count, if there are any."""
+    """The cutoff distance of near pairs; None without them."""
     text: str
-    """The plan as the program prints it."""
+    """The plan as printed by the program."""
 
     def __str__(self):
         return f"{self.text}cost       {self.expected_seconds:.2g} s an evaluation, on one thread\n"
 
 
 class Mobility:
-    """The mobility of N spheres in a periodic box: loads to motions. Planned once, for any positions.
+    """The mobility of N spheres in a box, which maps loads to motions. Planned once, for any positions.
 
     box         edges (Lx, Ly, Lz), or three lattice vectors as rows, in right-handed order; length
     radii       (N,), or a number for all of `count` spheres; length
     viscosity   of the fluid; force*time/length^2
     tolerance   relative error allowed, from 1e-12 to 0.5
-    lubrication whether near pairs of rigid spheres feel lubrication; or the gap where it ends, in radii of the pair's
-                larger sphere (2.5 if it is True)
+    lubrication whether lubrication acts between near pairs of rigid spheres; or the gap where it ends, in radii of the
+                pair's larger sphere (2.5 if True)
     rigid       whether to solve for the stresslets that keep the spheres rigid
     multipoles  "dipole": forces, torques and stresslets; "monopole": forces alone
-    method      "direct": the envelopes themselves on the grid; "split": wider ones on a coarser grid, and the difference
-                pair by pair; "auto": the one that takes less time
+    method      "direct": the envelopes themselves on the grid; "split": wider envelopes on a coarser grid, and a pair
+                correction; "auto": the faster method
     strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
-    boundaries  what the box is along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
-                "open", the others "periodic"; or all are "open": then the edges are to be longer than the spheres'
-                centres are apart
-    threads     threads that compute; the same for all that a process computes. As many as there are cores if left out
-    comm        an mpi4py communicator whose ranks work together: every call is then collective, and arrays that are
-                given and returned are those of the first rank
+    boundaries  boundary conditions along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
+                "open", the others "periodic"; or all are "open": then the edges need to be longer than the extent of the
+                spheres' centres
+    threads     number of threads, the same for all computations of a process; the number of cores by default
+    comm        an mpi4py communicator whose ranks compute together: every call is then collective, and arguments and
+                results are arrays of the first rank
     """
 
     def __init__(
@@ -175,13 +175,13 @@ class Mobility:
 
     @property
     def plan(self) -> Plan:
-        """How it is computed: method, grid, expected error and cost."""
+        """The plan: method, grid, expected error and cost."""
         values, text = self._core.plan()
         return Plan(**json.loads(values), text=text)
 
     @property
     def positions(self) -> np.ndarray | None:
-        """(N, 3), length; inside the box or not. A copy is taken: set them anew to move the spheres."""
+        """(N, 3), length; inside the box or not. They are copied: assign them again to move the spheres."""
         return self._positions
 
     @positions.setter
@@ -203,12 +203,12 @@ class Mobility:
 
         forces      (N, 3), force
         torques     (N, 3), force*length
-        stresslets  (N, 5): xx, xy, xz, yy, yz, force*length; of spheres that are not rigid
+        stresslets  (N, 5): xx, xy, xz, yy, yz, force*length; for spheres that are not rigid
         background  (3, 3), 1/time: the velocity gradient of the background flow, G[i, j] = du_i/dx_j, without trace;
-                    between walls a shear of both
+                    between two walls, a shear of both walls
         pressure_gradient  (3,), force/length^3: dp/dx_i, which drives a flow between two walls
 
-        What is left out is zero. Raises `Error` if no solution is found.
+        Arguments that are left out are zero. Raises `Error` if no solution is found.
         """
         if self._positions is None:
             raise InputError("the spheres have no positions yet: set .positions")
@@ -229,14 +229,14 @@ class Mobility:
         return Motion(velocities, angular, stresslets, far, strain_rates, iterations, residual, seconds)
 
     def noise(self, draws: int, seed: int, first: int = 0) -> Noise:
-        """Random motions whose covariance is the mobility: what heat does to the spheres in a time dt at kT = dt/2.
+        """Random motions whose covariance is the mobility: Brownian displacements over a time dt at kT = dt/2.
 
-        draws  how many
-        seed   where random numbers start, from 0 on
-        first  the number of the first draw: the same seed and number give the same motion, on any ranks
+        draws  number of draws
+        seed   seed of the random numbers, at least 0
+        first  number of the first draw: the same seed and number give the same motion, on any number of ranks
 
-        Times sqrt(2 kT/dt) they are velocities whose displacements over dt have the variance 2 kT M dt; the mean drift,
-        kT div M, is not in them.
+        Multiplied by sqrt(2 kT/dt), they are velocities whose displacements over dt have the variance 2 kT M dt; the mean
+        drift, kT div M, is not included.
         """
         draws, seed, first = self._draws(draws, seed, first)
         motions, clipped = self._core.noise(draws, seed, first)
@@ -246,7 +246,7 @@ class Mobility:
         return Noise(*(np.reshape(motion, (draws, count, motion.shape[-1])) for motion in motions))
 
     def drift(self, draws: int, seed: int, first: int = 0) -> Drift:
-        """Random parts of the drift kT div M that goes with `noise` of the same arguments, at kT = 1. Of rigid spheres."""
+        """Random contributions to the drift kT div M for `noise` of the same arguments, at kT = 1. For rigid spheres."""
         draws, seed, first = self._draws(draws, seed, first)
         if not (self._rigid and self._dipoles):
             raise InputError("only rigid spheres drift: leave out rigid=False and multipoles=\"monopole\"")
@@ -262,11 +262,11 @@ class Mobility:
     def linear_operator(self, loads: str, motions: str) -> LinearOperator:
         """The part of the mobility from `loads` to `motions` as a scipy LinearOperator.
 
-        loads    "forces", "torques" or, of spheres that are not rigid, "stresslets"
+        loads    "forces", "torques" or, for spheres that are not rigid, "stresslets"
         motions  "velocities", "angular_velocities", "stresslets" of rigid spheres, or "strain_rates" of others
 
-        Its vectors are the arrays of a call, row after row: 3N numbers, 5N for tensors. It is that of the positions at
-        each time. Forces to velocities and torques to angular velocities are symmetric to the tolerance.
+        Its vectors are the flattened arrays of a call: 3N numbers, 5N for tensors. The operator always uses the present
+        positions. Forces to velocities and torques to angular velocities are symmetric to the tolerance.
         """
         from .operators import operator
 
@@ -275,16 +275,16 @@ class Mobility:
     def square_root(self) -> LinearOperator:
         """A square root `B B^T = M` of the mobility as a scipy LinearOperator of 6N numbers, or 3N for point forces.
 
-        `B @ z` has the velocities, row after row, and behind them the angular velocities; of normal numbers `z` its covariance
-        is the mobility from forces and torques to these. It is that of the positions at each time, to the tolerance; each
-        product takes as many solves as Lanczos's iteration takes, 5 to 40.
+        `B @ z` has the flattened velocities, followed by the angular velocities; for standard normal numbers `z`, its covariance
+        is the mobility from forces and torques to velocities and angular velocities, to the tolerance. The operator always uses
+        the present positions; each product takes as many solves as the Lanczos iteration has steps, 5 to 40.
         """
         from .operators import square_root
 
         return square_root(self)
 
     def _root(self, numbers, transposed):
-        """Six numbers a sphere, (N, 6), to six."""
+        """Applies the square root or its transpose to six numbers a sphere, (N, 6)."""
         if self._positions is None:
             raise InputError("the spheres have no positions yet: set .positions")
         root, clipped = self._core.root(np.ascontiguousarray(numbers), transposed)

@@ -1,4 +1,4 @@
-"""Parts of the mobility as linear operators of scipy."""
+"""Parts of the mobility as scipy linear operators."""
 
 import numpy as np
 
@@ -10,13 +10,13 @@ _LOADS = {"forces": 3, "torques": 3, "stresslets": 5}
 _MOTIONS = {"velocities": 3, "angular_velocities": 3, "stresslets": 5, "strain_rates": 5}
 _CONJUGATE = {"forces": "velocities", "torques": "angular_velocities", "stresslets": "strain_rates"}
 
-# E : S of two symmetric tensors without trace, as a form of their numbers xx, xy, xz, yy, yz.
+# E : S of two symmetric traceless tensors, as a bilinear form in their components xx, xy, xz, yy, yz.
 _PRODUCT = np.array([[2, 0, 0, 1, 0], [0, 2, 0, 0, 0], [0, 0, 2, 0, 0], [1, 0, 0, 2, 0], [0, 0, 0, 0, 2]], float)
 
 
 def operator(mobility, loads, motions):
-    """The operator from loads to motions. Its transpose follows from the symmetry of the mobility: from the loads that
-    are conjugate to `motions` to the motions that are conjugate to `loads`."""
+    """The operator from loads to motions. By the symmetry of the mobility, its transpose maps the loads conjugate to
+    `motions` to the motions conjugate to `loads`."""
     linalg = needed("scipy.sparse.linalg", "linear_operator")
     _check(loads, motions)
     count = len(mobility.radii)
@@ -25,7 +25,7 @@ def operator(mobility, loads, motions):
     def matvec(x):
         return getattr(mobility(**{loads: np.reshape(_numbers(loads, x), (count, -1))}), motions).ravel()
 
-    # A stresslet is that of the fluid on the sphere: against a force it counts with the other sign.
+    # A stresslet is exerted by the fluid on the sphere, a force on the fluid, so their signs differ.
     sign = -1 if (loads == "stresslets") != (motions == "strain_rates") else 1
     conjugate = {motion: load for load, motion in _CONJUGATE.items()}.get(motions)
 

@@ -1,4 +1,4 @@
-"""Pages about runs: files to keep, and frames in a notebook."""
+"""HTML pages about runs, as files and in notebooks."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from .results import Run
 def report(run: Run | str | PathLike, path: str | PathLike | None = None) -> Path:
     """Writes a page about a run: one HTML file with charts and a player of the trajectory, which needs no network.
 
-    run   a `Run`, or the folder of one
-    path  the file; report.html in the folder of the run if it is left out
+    run   a `Run`, or its folder
+    path  the file; by default report.html in the folder of the run
 
-    Returns the file, as `fcm-solve report` writes it.
+    Returns the path of the file, which is the same as `fcm-solve report` writes.
     """
     folder = _folder(run)
     path = folder / "report.html" if path is None else Path(path)
@@ -26,17 +26,17 @@ def report(run: Run | str | PathLike, path: str | PathLike | None = None) -> Pat
 
 
 def show(run: Run | str | PathLike, height: int = 700) -> Page:
-    """The page about a run in a notebook, in a frame of so many pixels: the last value of a cell."""
+    """The page about a run, to be shown as the last value of a notebook cell in a frame of `height` pixels."""
     with TemporaryDirectory() as folder:
         return Page(report(run, Path(folder) / "report.html").read_text(), height)
 
 
 class Page:
-    """A page that notebooks show."""
+    """An HTML page with a notebook representation."""
 
     def __init__(self, html: str, height: int) -> None:
         self.html = html
-        """The whole page."""
+        """The HTML text of the page."""
         self._height = int(height)
 
     def _repr_html_(self) -> str:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 def open(folder: str | PathLike) -> Run:
-    """The results of the run in a folder, as far as they are written. Nothing is read before it is asked for."""
+    """The results of the run in a folder, as far as they are written. Files are read on first access."""
     folder = Path(folder)
     if not (folder / "scene.toml").is_file():
         raise Error(f"{folder} holds no run: it has no scene.toml")
@@ -32,7 +32,7 @@ def open(folder: str | PathLike) -> Run:
 
 
 class Run:
-    """The results of a run. What a file has when it is first asked for is what there is: open the run anew for more."""
+    """The results of a run. Each file is read on first access; to see later results, open the run again."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -49,7 +49,7 @@ class Run:
 
     @cached_property
     def answers(self) -> Answers:
-        """What the run was made for: means in the steady state, with errors and verdicts."""
+        """The answers: means in the steady state, with errors and verdicts."""
         path = self.folder / "summary.csv"
         if not path.is_file() or not is_table(path):
             raise Error(f"{self.folder} has no answers yet; a run writes them at its end, before that `fcm-solve stats` has them")
@@ -62,17 +62,17 @@ class Run:
 
     @cached_property
     def fields(self) -> Fields:
-        """The velocity of the fluid at points of the box, by step."""
+        """Velocity of the fluid at grid points of the box, by step."""
         return Fields(self.folder / "fields")
 
     @cached_property
     def contacts(self) -> ContactSteps:
-        """The forces of contacts and bonds, by step; there are none without `output.contacts_every`."""
+        """The forces of contacts and bonds, by step; empty without `output.contacts_every`."""
         return ContactSteps(self.folder / "contacts")
 
     @cached_property
     def statistics(self) -> dict[str, pandas.DataFrame]:
-        """Tables of averages by name, as DataFrames: of `[statistics]` or `fcm-solve stats`, and of grains."""
+        """Tables of averages as DataFrames, by name: from `[statistics]` or `fcm-solve stats`, and from runs of grains."""
         pandas = needed("pandas", "statistics")
         folders = [self.folder / name for name in ("statistics", "stats") if (self.folder / name).is_dir()]
         paths = [path for folder in [self.folder, *folders[:1]] for path in sorted(folder.glob("*.csv"))]
@@ -82,12 +82,12 @@ class Run:
     def plot(
         self, path: str | PathLike | None = None, by: str = "excess", only: str | None = None
     ) -> matplotlib.figure.Figure:
-        """A picture to judge the run by, as `python -m fcm_solve plot` draws it: spheres, the series and statistics that a
-        scene of its kind is run for, and the answers.
+        """Draws an overview figure of the run, as `python -m fcm_solve plot` does: spheres, the time series and statistics of
+        interest for its kind of scene, and the answers.
 
-        path  where it is written too, by its suffix as PNG, SVG or PDF
-        by    what colours, or the gray of disks, say: "excess" velocity over the fluid's, "speed", or "species"
-        only  a quantity of the answers, such as "relative_viscosity", of which alone the panel is drawn
+        path  file to save the figure to, with the suffix of PNG, SVG or PDF; not saved if left out
+        by    quantity shown by colours, or the gray of disks: "excess" velocity over the fluid's, "speed", or "species"
+        only  a quantity of the answers, such as "relative_viscosity", whose panel alone is drawn
         """
         needed("matplotlib", "plot()")
         from . import plots
@@ -117,10 +117,10 @@ class Observables:
         self._path = path
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A DataFrame with a row for each time, which is its index, and a column for each number, and `step`."""
+        """A DataFrame with a row for each time, which is the index, and columns for `step` and each number."""
         pandas = needed("pandas", "observables.to_pandas()")
         names, *lines = self._path.read_text().splitlines(keepends=True)
-        # A run that goes on may be in the midst of a row.
+        # The last row of a running simulation may be incomplete.
         whole = [line for line in lines if line.endswith("\n")]
         columns = next(csv.reader([names]))
         numbers = np.loadtxt(whole, delimiter=",", ndmin=2) if whole else np.empty((0, len(columns)))

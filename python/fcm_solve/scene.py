@@ -1,4 +1,4 @@
-"""Scenes: what to compute, in the words of the program's scene files."""
+"""Scenes: descriptions of computations, as in the program's scene files."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Scene:
     """
 
     def __init__(self, text: str, name: str = "scene.toml") -> None:
-        """From the text of a scene file. Paths in it are relative to the folder of `name`."""
+        """Checks the text of a scene file. Paths in it are relative to the folder of `name`."""
         self._name = name
         self._take(text, [])
 
@@ -32,13 +32,13 @@ class Scene:
 
     @classmethod
     def from_dict(cls, items: dict[str, Any]) -> Scene:
-        """From a dict of dicts with the keys of a scene file; `None` stands for a key that is left out."""
+        """A scene from a dict of dicts with the keys of a scene file; keys with the value `None` are left out."""
         return cls(_toml.document(items), "dict.toml")
 
     def set(self, key: str | dict[str, Any], value: Any = None) -> Scene:
         """Sets a key, such as `"time.step"` or `"species[0].count"`, or all keys of a dict at once.
 
-        Returns the scene, so that calls chain. If the scene would not be allowed it stays as it is.
+        Returns the scene, so that calls can be chained. If the new values are not allowed, the scene stays unchanged.
         """
         items = key if isinstance(key, dict) else {key: value}
         self._take(self._text, [f"{name}={_toml.value(item)}" for name, item in items.items()])
@@ -50,7 +50,7 @@ class Scene:
 
     @property
     def is_whole(self) -> bool:
-        """Whether it is carried out as a whole (the continuum model) and not in steps."""
+        """Whether the scene is carried out as a whole (the continuum model) and not in time steps."""
         return self._is_whole
 
     def _take(self, text, overrides):

@@ -21,17 +21,17 @@ from .state import State
 
 
 class Simulation(State, OwnForces):
-    """A scene that is run, and its results in a folder.
+    """A running scene, and its results in a folder.
 
     scene    a `Scene`, a dict, or the path of a scene file; of any kind
-    out      the folder of the results. If it is left out, that of the scene; if it names none, nothing is written
-    force    replace the results of a former run in that folder
-    threads  threads that compute; the same for all that a process computes. As many as there are cores if left out
-    comm     an mpi4py communicator whose ranks work together: every call is then collective, functions of forces are
+    out      the folder of the results; by default that of the scene. If the scene names none, nothing is written
+    force    replace the results of an earlier run in that folder
+    threads  number of threads, the same for all computations of a process; the number of cores by default
+    comm     an mpi4py communicator whose ranks compute together: every call is then collective, functions of forces are
              called on the first rank alone, and arrays are those of the first rank, empty on the others
 
-    Use it in a `with` block: the folder is held until its end, and a checkpoint is written when it is left, also by
-    Ctrl-C or another exception. Arrays are copies of the state at the time.
+    Use it in a `with` block: the folder is locked until the end of the block, and a checkpoint is written on exit, also
+    after Ctrl-C or another exception. Arrays are copies of the present state.
     """
 
     def __init__(
@@ -55,9 +55,9 @@ class Simulation(State, OwnForces):
     def resume(
         cls, folder: str | PathLike, threads: int | None = None, comm: Any = None, accept: Sequence[str] = ()
     ) -> Simulation:
-        """The run of a folder, from its last checkpoint. Functions of forces are to be added again.
+        """Resumes the run of a folder from its last checkpoint. Functions of forces have to be added again.
 
-        Other values of `fluid.viscosity` and of keys of `[repulsion]` in the folder's scene are taken if `accept` names them.
+        Changed values of `fluid.viscosity` and of keys of `[repulsion]` in the folder's scene are accepted if `accept` names them.
         """
         _core.start_threads(None if threads is None else _arrays.whole("threads", threads, 1))
         simulation = cls.__new__(cls)
@@ -76,11 +76,11 @@ class Simulation(State, OwnForces):
         for caution in self._core.cautions():
             warn(caution, Caution, stacklevel=3)
 
-    # How far it is.
+    # Progress and plan.
 
     @property
     def step(self) -> StepCount:
-        """Steps taken, a number; `sim.step()` takes one more, `sim.step(10)` ten."""
+        """Number of steps taken; `sim.step()` takes one more, `sim.step(10)` ten."""
         return StepCount(self._core.clock()[0], self)
 
     @property
@@ -95,16 +95,16 @@ class Simulation(State, OwnForces):
 
     @property
     def plan(self) -> str:
-        """How it is computed, in words."""
+        """The plan of the computation, as text."""
         return self._core.plan()
 
     # Running.
 
     def run(self, steps: int | None = None, time: float | None = None) -> None:
-        """Takes so many steps more, or steps until so much more time has passed, or goes on to the scene's end.
+        """Advances by a number of steps or by a time or, with neither, to the scene's end.
 
         A run that goes beyond the scene's end moves that end. Scenes of the continuum model are carried out as a
-        whole, without `steps` and `time`. Ctrl-C ends the run between two evaluations; the checkpoint is written
+        whole, without `steps` and `time`. Ctrl-C ends the run between two evaluations; a checkpoint is written
         before `KeyboardInterrupt` is raised.
         """
         self._check_open()
@@ -142,14 +142,14 @@ class Simulation(State, OwnForces):
     ) -> Any:
         """Adds an action, and returns it: a function of the simulation, or an object such as an `Action`, `Logger` or `Writer`.
 
-        One trigger says when it is carried out, once at each of these steps, from the present one on:
+        Exactly one trigger sets the steps at which it is carried out, from the present one on:
 
         every       the steps 0, n, 2n, ...
         every_time  the first steps at or after the times 0, t, 2t, ...
         at          a step, or several
         when        the steps after which this function of the simulation is true; it is called after each step
 
-        Actions may be added and removed at any time, also by actions. What an action raises ends `run` after the step.
+        Actions may be added and removed at any time, also by actions. An exception in an action ends `run` after the step.
         """
         if isinstance(self._core, WholeScene):
             raise Error(NO_STEPS)
@@ -167,16 +167,16 @@ class Simulation(State, OwnForces):
         return self._actions.listed()
 
     def every(self, steps: int) -> Callable[[Callable], Callable]:
-        """Decorates a function of the simulation that is called at the steps 0, `steps`, 2 `steps`, ..."""
+        """Decorator for a function of the simulation, which is called at the steps 0, `steps`, 2 `steps`, ..."""
         steps = _arrays.whole("steps of every()", steps, 1)
         return lambda function: self.add(function, every=steps)
 
     def checkpoint(self) -> None:
-        """Writes a checkpoint of the state now."""
+        """Writes a checkpoint of the present state."""
         self._core.checkpoint()
 
     def close(self) -> None:
-        """Writes a checkpoint, leaves the folder to others and gives all actions back. The state stays readable."""
+        """Writes a checkpoint, releases the folder and removes all actions. The state stays readable."""
         if not self._is_closed:
             self._is_closed = True
             try:
@@ -192,7 +192,7 @@ class Simulation(State, OwnForces):
 
     @property
     def _is_first(self):
-        """Whether this is the first rank, which has all arrays."""
+        """Whether this is the first rank, which holds all arrays."""
         return self._comm is None or self._comm.rank == 0
 
     def _agree(self, error):
@@ -212,16 +212,16 @@ class Simulation(State, OwnForces):
     # Snapshots.
 
     def get_snapshot(self) -> Snapshot:
-        """The state now, with all that the run needs to go on from it bit for bit. Its arrays can be changed."""
+        """The present state, complete enough to continue the run from it bit for bit. Its arrays can be changed."""
         return Snapshot(self._core)
 
     def set_snapshot(self, snapshot: Snapshot) -> None:
-        """Goes back, or on, to the state of a snapshot, at its step and time.
+        """Sets the state to that of a snapshot, at its step and time.
 
-        Unchanged, the run goes on from it as it did, to the last bit. Where arrays of the snapshot were changed, particles are where
-        and as these say, and nothing is left of how they moved before: velocities are computed again. What was recorded in the
-        folder after that step is dropped. The snapshot stays what it is, and may be one of another simulation of the same kind with
-        as many particles. A state that is refused leaves all as it was.
+        From an unchanged snapshot the run continues exactly as before, to the last bit. If arrays of the snapshot were changed, the
+        particles take these values, and their history is dropped: velocities are computed anew. Records in the folder after that
+        step are dropped. The snapshot itself is not changed, and may come from another simulation of the same kind with the same
+        number of particles. If the state is refused, the simulation is unchanged.
         """
         self._check_open()
         self._core.restore(*snapshot._changes())

@@ -1,4 +1,4 @@
-"""The state of a simulation, taken to be changed and set."""
+"""Snapshots of the state of a simulation, which can be changed and set."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ _NO_INERTIA = (
 
 
 class Snapshot:
-    """A simulation's whole state at a step, by `simulation.get_snapshot()`, for `simulation.set_snapshot(snapshot)`.
+    """The complete state of a simulation at a step, by `simulation.get_snapshot()`, for `simulation.set_snapshot(snapshot)`.
 
-    Arrays are in the order of the ids, on the first rank. They can be changed in place or assigned. What is not changed is kept
-    to the last bit.
+    Arrays are in the order of the ids, on the first rank. They can be changed in place or assigned. Unchanged values are kept to
+    the last bit.
     """
 
     def __init__(self, core):
@@ -38,7 +38,7 @@ class Snapshot:
 
     @property
     def positions(self) -> np.ndarray:
-        """(N, 3), inside the box; where they are changed, inside or not; length"""
+        """(N, 3), inside the box; new values may be outside; length"""
         return self._arrays["positions"]
 
     @positions.setter
@@ -47,7 +47,7 @@ class Snapshot:
 
     @property
     def radii(self) -> np.ndarray:
-        """(N,), of spheres in Stokes flow to be changed, of grains those of the scene; length"""
+        """(N,); can be changed for spheres in Stokes flow, fixed by the scene for grains; length"""
         return self._arrays["radii"]
 
     @radii.setter
@@ -56,7 +56,7 @@ class Snapshot:
 
     @property
     def velocities(self) -> np.ndarray:
-        """(N, 3), of grains, which have inertia; length/time"""
+        """(N, 3), for grains, which have inertia; length/time"""
         return self._of_inertia("velocity", "velocities")
 
     @velocities.setter
@@ -66,7 +66,7 @@ class Snapshot:
 
     @property
     def angular_velocities(self) -> np.ndarray:
-        """(N, 3), of grains that turn; 1/time"""
+        """(N, 3), for grains that rotate; 1/time"""
         return self._of_inertia("angular_velocity", "angular_velocities")
 
     @angular_velocities.setter
@@ -76,7 +76,7 @@ class Snapshot:
 
     @property
     def ids(self) -> np.ndarray:
-        """(N,)"""
+        """(N,), ids of the particles"""
         return self._taken["ids"]
 
     @property
@@ -101,7 +101,7 @@ class Snapshot:
         self._arrays[name] = np.array(_arrays.exactly(name, value, before.shape), order="C")
 
     def _changes(self):
-        """The state, and the rows that were changed of each array, as the compiled part takes them."""
+        """The state, and the changed rows of each array, in the form that the compiled part takes."""
         moved = [self._changed(name) for name in ("positions", "velocity", "angular_velocity")]
         ids, radii = self._changed("radii")
         return self._state, tuple(moved), (ids, radii.tolist())

@@ -1,4 +1,4 @@
-"""The state of a simulation, as arrays."""
+"""The present state of a simulation, as arrays."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ._errors import Error
 
 
 class State:
-    """Particles in the order of their ids, and what is observed of them now. Arrays are copies."""
+    """Present particles, in the order of their ids, and observables of them. Arrays are copies."""
 
     _core: Any
 
@@ -21,7 +21,7 @@ class State:
 
     @property
     def unwrapped_positions(self) -> np.ndarray:
-        """(N, 3), as if there were no periodicity, as functions of forces are given them; length"""
+        """(N, 3), without wrapping into the periodic box, as passed to functions of forces; length"""
         frame = self._core.frame()
         return frame["positions"] + frame["images"] @ frame["lattice"]
 
@@ -57,7 +57,7 @@ class State:
 
     @property
     def observables(self) -> dict[str, float | np.ndarray]:
-        """The time series' quantities now: numbers, or arrays by species and component, by name."""
+        """Present quantities of the time series by name: numbers, or arrays over species and components."""
         return {name: _quantity(table, numbers) for name, _, table, numbers in self._core.observables()}
 
     @property

@@ -1,4 +1,4 @@
-"""The trajectory of a run: frames that are read when they are asked for."""
+"""The trajectory of a run, whose frames are read on access."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class Frame:
-    """The particles at a time, in the order of their ids."""
+    """The particles at one time, in the order of their ids."""
 
     step: int
     """Steps taken."""
@@ -36,15 +36,15 @@ class Frame:
     positions: np.ndarray
     """(N, 3), inside the box; length"""
     images: np.ndarray
-    """(N, 3), lattice vectors that wrapping has taken out"""
+    """(N, 3), numbers of lattice vectors removed by wrapping"""
     lattice: np.ndarray
     """(3, 3), the vectors of the box as rows; length"""
     columns: dict = field(repr=False)
-    """What else the run has written: velocity and angular_velocity (N, 3), stresslet (N, 5)"""
+    """Further columns that the run has written: velocity and angular_velocity (N, 3), stresslet (N, 5)"""
 
     @property
     def unwrapped_positions(self):
-        """(N, 3), as if there were no periodicity; length"""
+        """(N, 3), without wrapping into the periodic box; length"""
         return self.positions + self.images @ self.lattice
 
     @property
@@ -64,7 +64,7 @@ class Frame:
 
 
 class Trajectory:
-    """Frames of N particles. `len(trajectory)` counts them, `trajectory[-1]` is the last."""
+    """Frames of N particles: `len(trajectory)` is their number, `trajectory[-1]` the last one."""
 
     def __init__(self, path):
         self._file = opened(path, "trajectory")
@@ -83,17 +83,17 @@ class Trajectory:
 
     @cached_property
     def steps(self):
-        """(frames,)"""
+        """(frames,), steps"""
         return self._particles["position/step"][: self._count]
 
     @cached_property
     def times(self):
-        """(frames,)"""
+        """(frames,), times"""
         return self._particles["position/time"][: self._count]
 
     @cached_property
     def ids(self):
-        """(N,)"""
+        """(N,), ids of the particles"""
         return self._particles["id"][:]
 
     @cached_property
@@ -111,9 +111,9 @@ class Trajectory:
         return [name for name in _UNITS if name in self._particles]
 
     def to_xarray(self, unwrapped: bool = False) -> xarray.Dataset:
-        """An xarray Dataset over time and particles, whose numbers are read when they are used.
+        """An xarray Dataset over time and particles, whose values are read on access.
 
-        unwrapped  positions as if there were no periodicity, instead of those inside the box
+        unwrapped  positions without wrapping, instead of those inside the periodic box
         """
         images, edges = self._dataset("image"), self._dataset("box/edges")
         variables = {name: self._variable(name, self._dataset(name)) for name in self._columns}
@@ -133,7 +133,7 @@ class Trajectory:
         return variable(("time", "particle", dimension), array, {"units": _UNITS[name]})
 
     def close(self):
-        """Closes the file; what was not read can't be read from then on."""
+        """Closes the file; values that were not read yet are no longer available."""
         self._file.close()
 
 

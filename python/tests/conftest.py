@@ -1,4 +1,4 @@
-"""What the tests share."""
+"""Fixtures shared by the tests."""
 
 import os
 import subprocess
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-# Not with the costs that this machine's user may have measured.
+# Ignores costs that the user of this machine may have measured.
 os.environ["XDG_CACHE_HOME"] = "/nowhere"
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -15,7 +15,7 @@ TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 
 @pytest.fixture(scope="session")
 def program():
-    """Runs `fcm-solve` with arguments and returns what it prints; built first where it is missing."""
+    """Runs `fcm-solve` with arguments and returns its output; builds the program first if it is missing."""
     path = TARGET / "release" / "fcm-solve"
     if not path.exists():
         subprocess.run(["cargo", "build", "--quiet", "--release"], cwd=ROOT, check=True)

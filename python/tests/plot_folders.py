@@ -1,4 +1,4 @@
-"""Folders of results that are made up for the tests of plots."""
+"""Synthetic folders of results for the tests of plots."""
 
 import csv
 
@@ -28,7 +28,7 @@ def write_csv(path, columns, rows):
 
 
 def series(time, **columns):
-    """Names and rows of a time series, with the means and variances of a species that settles at half its velocity."""
+    """Names and rows of a time series, with means and variances of a species that settles at half its Stokes velocity."""
     moving = {f"mean_velocity_{axis}[heavy]": 0 * time for axis in "xyz"} | {"mean_velocity_z[heavy]": 0 * time - 0.5}
     moving |= {f"velocity_variance_{axis}[heavy]": 0 * time + 0.04 for axis in "xyz"}
     all_columns = {"step": np.arange(len(time)), "time": time, **moving, "smallest_gap": 0 * time + 0.1, **columns}

@@ -186,7 +186,7 @@ def writer(path, **more):
 
 
 def rows_of(path):
-    """Steps, times, distances and heights in a file of `writer`."""
+    """Steps, times, distances and heights in a file written by `writer`."""
     if path.suffix == ".csv":
         with path.open(newline="") as file:
             header, *rows = csv.reader(file)
@@ -231,7 +231,7 @@ def test_resumed_runs_go_on_with_their_file(pair, tmp_path, suffix):
         simulation.add(out, every=1)
         simulation.checkpoint()
         simulation.run(steps=2)
-    # As if it had been killed after the checkpoint of step 5, in the midst of a line.
+    # As if the run had been killed after the checkpoint of step 5, in the middle of a line.
     (tmp_path / "run" / "checkpoint-0000000007.bin").unlink()
     if suffix == ".csv":
         path.write_text(path.read_text() + "8,0.8,3")

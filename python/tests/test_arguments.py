@@ -1,4 +1,4 @@
-"""Arguments are taken as they are meant, or refused by name."""
+"""Arguments: any array-like is accepted, and unsuitable ones are refused by name."""
 
 import datetime
 
@@ -12,7 +12,7 @@ FORCES = np.array([[0.0, 0.0, -1.0], [0.0, 0.0, -1.0]])
 
 
 class Measured(np.ndarray):
-    """An array with a unit, as of packages for units."""
+    """An array with a unit, like those of packages for units."""
 
     unit = "um"
 

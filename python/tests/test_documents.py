@@ -1,4 +1,4 @@
-"""What the documentation shows runs as it stands."""
+"""Python examples of the documentation run unchanged."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Families of runs: the same as by the command, gone on with, and with members that fail."""
+"""Families of runs: agreement with the command, continuation, and failing members."""
 
 import fcm_solve as fcm
 import pytest

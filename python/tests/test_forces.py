@@ -1,4 +1,4 @@
-"""Forces of one's own: their stress, forces between near spheres, and lists of neighbours."""
+"""User-defined forces: their stress, pair forces between near spheres, and neighbour lists."""
 
 import gc
 
@@ -14,7 +14,7 @@ STIFFNESS, LENGTH = 5.0, 2.9
 
 @pytest.fixture
 def sheared():
-    """Four spheres in shear: two beside each other, and two across a side of the box."""
+    """Four spheres in shear: a pair inside the box, and a pair across a face of the box."""
     return {
         "box": {"edges": [16.0, 16.0, 16.0]},
         "fluid": {"viscosity": 1.0},
@@ -33,7 +33,7 @@ def pulled(near, time):
 
 
 def moments_of(pairs, separations, forces):
-    """The first moments of forces on the first of each pair: xx, xy, xz, yy, yz, zz."""
+    """First moments of the forces on the first particle of each pair: xx, xy, xz, yy, yz, zz."""
     outer = np.einsum("pi,pj->ij", separations, forces)
     return (0.5 * (outer + outer.T))[np.triu_indices(3)]
 
@@ -122,7 +122,7 @@ def test_a_given_stress_is_that_with_one_s_own_forces(sheared):
         simulation.pair_force(lambda near, time: -40 * near.separations / near.distances[:, None], cutoff=4.0)
         simulation.run(steps=1)
         observables = simulation.observables
-        # The driving counts it: without it the stress would be off by that of the springs.
+        # The stress control includes it: otherwise the stress would be off by that of the springs.
         assert abs(observables["stress_applied"][:, 1].sum()) > 0.01 * 0.6
         assert observables["shear_stress"] == pytest.approx(0.6, rel=2e-3)
 
@@ -192,7 +192,7 @@ def test_what_is_no_force_is_refused_by_name(sheared):
 
 
 def all_pairs(positions, lattice, cutoff):
-    """Pairs within a cutoff, at most the shortest edge, with what parts them, by trying all images."""
+    """Pairs within a cutoff, at most the shortest edge, with their separations, by a search over all images."""
     images = np.stack(np.meshgrid(*3 * [np.arange(-2, 3)], indexing="ij"), -1).reshape(-1, 3) @ lattice
     found = []
     for i, one in enumerate(positions):

@@ -1,4 +1,4 @@
-"""The mobility, against the program's own answers and what mobilities have to be."""
+"""The mobility, compared with the answers of the program and with general properties of mobilities."""
 
 import json
 
@@ -64,7 +64,7 @@ def test_a_pressure_gradient_drives_spheres_between_walls(program, tmp_path):
     between = mobility(boundaries=boundaries)
     driven = between(pressure_gradient=gradient)
     assert np.array_equal(driven.velocities, answer["velocities"])
-    # The next call is without.
+    # The next call has no pressure gradient.
     assert not np.any(between().velocities)
     with pytest.raises(ValueError, match="between two walls"):
         mobility(boundaries=("periodic", "periodic", "wall"))(pressure_gradient=gradient)

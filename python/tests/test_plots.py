@@ -1,4 +1,4 @@
-"""Pictures of results: what is in them, what is left out, and errors of one line."""
+"""Figures of results: their contents, omitted parts, and errors of one line."""
 
 import sys
 import warnings
@@ -18,14 +18,14 @@ from fcm_solve.plots.units import Units, with_error
 
 @pytest.fixture(autouse=True)
 def no_warnings():
-    """A picture is drawn without a warning."""
+    """Checks that a figure is drawn without a warning."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         yield
 
 
 def panel(figure, label):
-    """The axes whose upright label begins so."""
+    """The axes whose vertical label begins with `label`."""
     found = [axes for axes in figure.axes if axes.get_ylabel().startswith(label)]
     assert len(found) == 1, [axes.get_ylabel() for axes in figure.axes]
     return found[0]

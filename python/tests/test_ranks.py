@@ -1,4 +1,4 @@
-"""Ranks of mpi4py, where the package is built with MPI; else the message that says how."""
+"""Ranks of mpi4py, if the package is built with MPI; else the message that says how to build it."""
 
 import subprocess
 import sys

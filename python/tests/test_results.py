@@ -11,7 +11,7 @@ import xarray
 
 @pytest.fixture(scope="module")
 def sheared(tmp_path_factory, pair):
-    """The folder of a short run in shear, with fields and statistics, whose spheres cross the sides of the box."""
+    """The folder of a short run in shear, with fields and statistics, in which spheres cross the faces of the box."""
     folder = tmp_path_factory.mktemp("results") / "sheared"
     scene = fcm.Scene.from_dict(pair).set(
         {
@@ -149,7 +149,7 @@ def test_fields_say_where_their_points_are(sheared, pair, tmp_path):
 
 
 def test_contacts_are_those_of_their_steps(pair, tmp_path):
-    """A heavy sphere pressed against one that is held, by a force along x across a side of the box."""
+    """Two spheres pressed against each other by forces along x, across a face of the box."""
     pressed = (("left", -2.0), ("right", 2.0))
     species = [{"name": name, "radius": 1.0, "count": 1, "force": [force, 0.0, 0.0]} for name, force in pressed]
     scene = fcm.Scene.from_dict(
@@ -171,7 +171,7 @@ def test_contacts_are_those_of_their_steps(pair, tmp_path):
         assert np.array_equal(found.normal_forces, file["normal_force"])
         assert np.array_equal(found.tangential_forces, file["tangential_force"])
     assert (found.step, found.time, len(found), found.pairs.tolist()) == (8, 0.8, 1, [[0, 1]])
-    # Forces of 2 each are borne by the contact when the pair is at rest.
+    # At rest, the contact bears the forces of 2.
     assert found.forces[0] == pytest.approx([2.0, 0.0, 0.0], abs=0.1) and not found.sliding[0]
     assert found.normals[0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-6)
     assert found.lattice.tolist() == (16.0 * np.eye(3)).tolist()

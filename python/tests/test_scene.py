@@ -1,4 +1,4 @@
-"""Scenes: the same checks and messages as the program's."""
+"""Scenes: the same checks and messages as in the program."""
 
 import fcm_solve as fcm
 import numpy as np

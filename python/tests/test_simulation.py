@@ -1,4 +1,4 @@
-"""Simulations: the program's own results, callbacks, forces, and folders."""
+"""Simulations: agreement with results of the program, callbacks, forces, and folders."""
 
 import subprocess
 import sys
@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
-# Seconds are not the same twice.
+# Wall times differ from run to run.
 TIMES = {"observables/seconds_per_step"}
 
 

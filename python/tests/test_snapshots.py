@@ -1,4 +1,4 @@
-"""Snapshots: taken, changed and set."""
+"""Snapshots: taking, changing and setting them."""
 
 import fcm_solve as fcm
 import h5py
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 SHEAR = {"flow": {"kind": "shear", "rate": 0.5}}
-# Scenes of spheres that go on from their past in different ways.
+# Scenes of spheres whose steps depend on their history in different ways.
 KINDS = {
     "two-steps": {},
     "four-steps": {"time": {"step": 0.1, "steps": 8, "order": 4}},
@@ -62,7 +62,7 @@ def test_spheres_go_on_from_where_they_are_put_as_from_a_start_there(pair, kind)
         put = simulation.velocities
         simulation.run(steps=3)
         assert np.isfinite(simulation.positions).all() and np.abs(simulation.positions - moved).max() > 1e-3
-        # At the start there is no past that could tell one from the other.
+        # At the start there is no history that could differ.
         before.positions[:] = moved
         simulation.set_snapshot(before)
         first = simulation.velocities
@@ -70,7 +70,7 @@ def test_spheres_go_on_from_where_they_are_put_as_from_a_start_there(pair, kind)
         end = state_of(simulation)
     scene = scene | {"particles": {"initial": "positions", "positions": moved.tolist()}}
     with fcm.Simulation(scene) as expected:
-        # A search for the rate under a stress begins with that of before, and ends within the tolerance.
+        # The search for the rate under a given stress starts from the previous rate, and ends within the tolerance.
         tolerance = 2e-3 if kind == "stress" else 0.0
         assert np.allclose(first, expected.velocities, rtol=tolerance, atol=0)
         if kind in ("two-steps", "four-steps"):
@@ -82,7 +82,7 @@ def test_spheres_go_on_from_where_they_are_put_as_from_a_start_there(pair, kind)
 
 @pytest.mark.parametrize("order", [2, 3, 4])
 def test_what_came_before_a_change_has_no_part_in_what_comes_after(pair, order):
-    """A single sphere falls at one speed: any trace of its past, or of none, would show."""
+    """A single sphere settles at a constant velocity, so any trace of a dropped or missing history would show."""
     alone = pair | {"species": [{"radius": 1.0, "count": 1, "force": [0.0, 0.0, -18.85]}]}
     alone |= {"particles": {"initial": "positions", "positions": [[8.0, 8.0, 8.0]]}, "hydrodynamics": {"tolerance": 1e-9}}
     scene = fcm.Scene.from_dict(alone).set("time.order", order)

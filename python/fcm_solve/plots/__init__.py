@@ -14,11 +14,11 @@ __all__ = ["PlotError", "animate", "draw", "save"]
 def draw(folder, by="excess", only=None, notes=None):
     """The picture of the results in a folder, as a figure of matplotlib.
 
-    folder  that of a run or of a family of runs
-    by      what colours, or the gray of disks, say: "excess" velocity over the fluid's or along the force, "speed", or
-            "species"
-    only    a quantity of the answers of a suspension, of which alone the panel is drawn
-    notes   a list to which what is left out is added, and why
+    folder  folder of a run or of a family of runs
+    by      quantity shown by colours, or the gray of disks: "excess" velocity over the fluid's or along the force, "speed",
+            or "species"
+    only    a quantity of the answers of a suspension, whose panel alone is drawn
+    notes   a list to which notes on omitted parts, with reasons, are added
     """
     from . import family, grains, page, run, scene, style
 
@@ -38,7 +38,7 @@ def draw(folder, by="excess", only=None, notes=None):
             figure = page.draw(results, by, only)
             if notes is not None:
                 notes += dict.fromkeys(results.notes)
-        # Ticks and their places are made here, in the sizes of this style.
+        # Ticks and their positions are computed here, with the sizes of this style.
         figure.draw_without_rendering()
         figure.set_layout_engine("none")
     return figure
@@ -58,7 +58,7 @@ def animate(folder, picture, by="excess"):
 
 
 def save(figure, picture):
-    """Writes a figure as PNG, SVG or PDF, as the name of the file says."""
+    """Writes a figure as PNG, SVG or PDF, by the suffix of the file."""
     from . import output
 
     output.save(figure, picture)

@@ -1,4 +1,4 @@
-"""The answers of a run: quantities in the steady state with their errors and verdicts, of summary.csv."""
+"""The answers of a run in summary.csv: quantities in the steady state, with errors and verdicts."""
 
 import math
 from dataclasses import dataclass
@@ -8,14 +8,14 @@ from .text import shown, words
 from .units import labelled, with_error
 
 COLUMNS = ("quantity", "species", "value", "error", "samples", "transient", "verdict", "longer", "unit")
-# Rows of the table in a picture.
+# Largest number of rows of the table in a figure.
 MOST = 12
 ALL = ("", "all")
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A quantity, of a species or of all."""
+    """The answer for one quantity, of a species or of all."""
 
     quantity: str
     species: str
@@ -28,18 +28,18 @@ class Answer:
 
     @property
     def judged(self):
-        """The verdict, and how much longer the run would need to be."""
+        """The verdict, and the factor by which the run would need to be longer."""
         needs = f": {self.longer:.2g} times as long" if self.verdict == "too short" and self.longer > 1 else ""
         return shown(self.verdict) + needs
 
     @property
     def has_value(self):
-        """Whether there is a value that means something."""
+        """Whether there is a meaningful value."""
         return math.isfinite(self.value) and self.verdict != "meaningless"
 
 
 def read_answers(folder):
-    """The answers in a folder; none where there is no such file, or where it is the table of a continuum."""
+    """The answers in a folder; none without the file, or if it is the table of a continuum model."""
     path = folder / "summary.csv"
     table = read_table(path)
     if table is None or "verdict" not in table:
@@ -55,7 +55,7 @@ def _numbers(column):
 
 
 def find(answers, quantities, species):
-    """The answer to the first of these quantities, of a species or, for None, of all; None if there is none."""
+    """The answer for the first of these quantities that has one, of a species or, for None, of all; None without an answer."""
     names = ALL if species is None else (species,)
     for quantity in quantities:
         for answer in answers:
@@ -65,7 +65,7 @@ def find(answers, quantities, species):
 
 
 def rows(answers, units):
-    """Rows of a table of words: the quantity, its value with its error, and the verdict."""
+    """Rows of the table as text: quantity, value with its error, and verdict."""
     several = len({answer.species for answer in answers} - set(ALL)) > 0
     table = []
     for answer in answers[:MOST]:
@@ -81,7 +81,7 @@ def rows(answers, units):
 
 
 def draw_table(axes, answers, units):
-    """The table of the answers."""
+    """Draws the table of the answers."""
     axes.set_axis_off()
     heads = ["quantity", "value", "verdict"]
     options = {"loc": "upper left", "cellLoc": "left", "edges": "B", "colWidths": [0.48, 0.24, 0.28]}
@@ -96,7 +96,7 @@ def draw_table(axes, answers, units):
 
 
 def band(axes, span, value_and_error, colour):
-    """The value with its error over a part of an axis."""
+    """Draws a value with its error as a band over a part of the axis."""
     value, error = value_and_error
     error = abs(error) if math.isfinite(error) else 0.0
     axes.fill_between(span, value - error, value + error, color=colour, alpha=0.25, linewidth=0)
@@ -104,11 +104,11 @@ def band(axes, span, value_and_error, colour):
 
 
 def shade(axes, start, end):
-    """Shades the transient, which is left out."""
+    """Shades the transient, which answers leave out."""
     if end > start:
         axes.axvspan(start, end, color="0.93", zorder=-1, linewidth=0)
 
 
 def height_of_table(answers):
-    """Inches that the table takes."""
+    """Height of the table in inches."""
     return 0.17 * (1 + min(len(answers), MOST + 1)) if answers else 0.0

@@ -7,7 +7,7 @@ from .units import labelled, upright
 
 
 class Bars:
-    """Bars for each of some categories."""
+    """Bars with errors, grouped by category."""
 
     def __init__(self, run, categories, y):
         self.run, self.categories, self.y = run, categories, y
@@ -23,7 +23,7 @@ class Bars:
         return bool(self.groups)
 
     def draw(self, axes):
-        """Draws it."""
+        """Draws the panel."""
         factor, unit = self.run.units.axis(self.y[1], *(values for values, *_ in self.groups))
         width = 0.8 / len(self.groups)
         for number, (values, errors, label, colour) in enumerate(self.groups):

@@ -20,7 +20,7 @@ EXAMPLES = """examples:
 
 
 def parser(program):
-    """The arguments."""
+    """The parser of the command line."""
     options = {"description": DESCRIPTION, "epilog": EXAMPLES, "formatter_class": argparse.RawDescriptionHelpFormatter}
     parser = argparse.ArgumentParser(prog=program, **options)
     parser.add_argument("folder", type=pathlib.Path, help="the results of a run, or of a family of runs")
@@ -36,7 +36,7 @@ def parser(program):
 
 
 def picture_of(arguments):
-    """The path of the picture."""
+    """The path of the output file."""
     formats, picture = ("gif",) if arguments.animate else FORMATS, arguments.picture
     if picture is None:
         return arguments.folder / f"picture.{formats[0] if arguments.animate else arguments.format or formats[0]}"
@@ -46,7 +46,7 @@ def picture_of(arguments):
 
 
 def carry_out(arguments):
-    """Draws, and says where the picture is and what is not in it."""
+    """Draws the figure, and prints its path and the parts left out of it."""
     picture, notes = picture_of(arguments), []
     if arguments.animate:
         animate(arguments.folder, picture, arguments.by)
@@ -60,8 +60,8 @@ def carry_out(arguments):
 
 
 def main(words=None, program="plot"):
-    """Runs the command; the exit status is 1 after an error, which takes one line."""
-    # Remarks of matplotlib on its folders and fonts are no concern of who draws a run.
+    """Runs the command; returns the exit status, 1 after an error, which is printed in one line."""
+    # Suppresses messages of matplotlib about its folders and fonts.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     arguments = parser(program).parse_args(words)
     try:

@@ -1,4 +1,4 @@
-"""Tables in CSV, as a run writes them."""
+"""CSV tables as written by runs."""
 
 import csv
 
@@ -7,7 +7,7 @@ import numpy as np
 from .error import PlotError, damage
 
 
-# Columns of words, among which names of species may look like numbers.
+# Columns of text, where names of species may look like numbers.
 WORDS = {"point", "values", "quantity", "species", "first", "second", "verdict", "verdicts", "unit", "wall", "axis"}
 
 
@@ -27,23 +27,23 @@ class CsvTable:
         return len(next(iter(self.columns.values()), ()))
 
     def get(self, name):
-        """A column; None if there is none, or if it has no finite number."""
+        """A column; None if it is absent or has no finite number."""
         column = self.columns.get(name)
         return column if column is not None and column.dtype.kind == "f" and np.isfinite(column).any() else None
 
     def has(self, *names):
-        """Whether it has all of these columns, those of numbers with at least one that is finite."""
+        """Whether the table has all of these columns, and each column of numbers a finite value."""
         return all(name in self.columns if name in WORDS else self.get(name) is not None for name in names)
 
     def where(self, **values):
-        """The rows that have these values."""
+        """The rows with these values in the named columns."""
         chosen = np.ones(len(self), dtype=bool)
         for name, value in values.items():
             chosen &= self.columns[name] == value
         return self.at(chosen)
 
     def at(self, chosen):
-        """The rows of a mask."""
+        """The rows selected by a mask."""
         return CsvTable({name: column[chosen] for name, column in self.columns.items()})
 
     def needs(self, path, *names):
@@ -63,7 +63,7 @@ class CsvTable:
 
 
 def read_table(path):
-    """The table in a file; None if there is no file. A last row that is not yet whole is left out."""
+    """Reads the table in a file; None if there is no file. An incomplete last row is left out."""
     if not path.is_file():
         return None
     with damage(path):
@@ -83,7 +83,7 @@ def read_table(path):
 
 
 def needed_table(path, advice):
-    """The table in a file, which has rows; without it the advice says what to do."""
+    """Reads the table in a file, which needs to have rows; the error otherwise includes the advice."""
     table = read_table(path)
     if table is None:
         raise PlotError(f"there is no {path}; {advice}")

@@ -1,15 +1,15 @@
-"""Failures of plots, each said in one line."""
+"""Errors of plots, each with a message of one line."""
 
 from contextlib import contextmanager
 
 
 class PlotError(Exception):
-    """Nothing can be drawn; the message names the file and says what to do."""
+    """Error if nothing can be drawn; the message names the file and says what to do."""
 
 
 @contextmanager
 def damage(path):
-    """Turns whatever goes wrong while a file is read into an error that names it."""
+    """Converts any exception while a file is read into an error that names the file."""
     try:
         yield
     except PlotError:

@@ -1,4 +1,4 @@
-"""The picture of a family of runs: each quantity over the first swept key, with errors from the spread of the seeds."""
+"""The figure of a family of runs: each quantity over the first swept key, with errors from the spread over seeds."""
 
 from dataclasses import dataclass
 
@@ -16,15 +16,15 @@ from .units import Units, labelled, upright
 TABLE = "family.csv"
 FIRST = ("point", "values", "quantity", "species", "verdicts", "unit")
 NUMBERS = ("mean", "error", "seeds", "spread", "claimed_error", "calibration")
-# Panels of a page, and curves of a panel.
+# Largest numbers of panels of a page, and of curves of a panel.
 MOST, MOST_CURVES = 8, 8
-# An axis over more than such a ratio is logarithmic.
+# Ratio of the largest to the smallest value above which an axis is logarithmic.
 WIDE = 30.0
 
 
 @dataclass
 class Family:
-    """The table of a family, and the key that its curves go over: None where no swept key has numbers."""
+    """The table of a family, and the key on the horizontal axis; None if no swept key has numbers."""
 
     table: object
     keys: list
@@ -32,7 +32,7 @@ class Family:
 
     @property
     def key(self):
-        """The first key that has several values."""
+        """The first key with several values."""
         several = [key for key in self.keys if len(np.unique(self.table[key])) > 1]
         return (several or self.keys or [None])[0]
 
@@ -67,7 +67,7 @@ def draw(folder, scene, only=None):
 
 
 def _quantities(table):
-    """The quantities that have a mean."""
+    """The quantities with a mean."""
     quantities = dict.fromkeys(table["quantity"].tolist())
     return [q for q in quantities if np.isfinite(table["mean"][table["quantity"] == q]).any()]
 
@@ -102,13 +102,13 @@ def _name(family, rows, number):
 
 
 def _places(chosen, rows):
-    """Places of points that no number orders: as they come in the table."""
+    """Positions on the axis of points that have no number: their order in the table."""
     order = list(dict.fromkeys(rows["values"].tolist()))
     return np.array([order.index(value) for value in chosen["values"].tolist()], dtype=float)
 
 
 def _values(text):
-    """The values of a point without their keys, of which a panel has one or a few."""
+    """The values of a point without their keys."""
     return shown(", ".join(part.split(" = ")[-1].strip('"') for part in text.split(", ")), 20)
 
 

@@ -1,4 +1,4 @@
-"""Frames of a trajectory, read while it may still grow."""
+"""Frames of a trajectory, which may be read while it still grows."""
 
 import os
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 
 
 class Frames:
-    """The particles of a run by frame."""
+    """The particles of a run, by frame."""
 
     def __init__(self, path):
         self.path = path

@@ -1,4 +1,4 @@
-"""The picture of a family that has no means yet: the series of its runs, coloured by their point."""
+"""The figure of a family without means yet: the time series of its runs, coloured by point."""
 
 from . import suspension
 from .error import PlotError
@@ -8,12 +8,12 @@ from .scene import read_scene
 from .sheet import in_rows, sheet
 from .style import PAGE, colours
 
-# Panels of a page.
+# Largest number of panels of a page.
 MOST = 4
 
 
 def draw(folder, scene, why):
-    """The figure of the runs that have a time series; without one it says why there are no means."""
+    """The figure of the runs with time series; raises an error that says why there are no means if no run has one."""
     points = sorted(path for path in folder.glob("point-*") if path.is_dir())
     panels = {}
     for number, point in enumerate(points):

@@ -1,4 +1,4 @@
-"""Files of pictures."""
+"""Output files of figures."""
 
 import os
 from pathlib import Path
@@ -9,7 +9,7 @@ FORMATS = ("png", "svg", "pdf")
 
 
 def checked(picture, formats):
-    """A path that a picture can be written to."""
+    """The path, if its suffix is that of an allowed format and its folder exists."""
     picture = Path(picture)
     if picture.suffix.lower().lstrip(".") not in formats:
         raise PlotError(f"{picture} is to end in one of " + ", ".join(f".{name}" for name in formats))
@@ -21,12 +21,12 @@ def checked(picture, formats):
 
 
 def save(figure, picture):
-    """Writes a figure in the format that the name of the file says."""
+    """Writes a figure in the format of the file's suffix."""
     write(checked(picture, FORMATS), figure.savefig)
 
 
 def write(picture, store):
-    """Writes a picture by a function of its path, whole or not at all."""
+    """Calls a function that writes a file to a path, such that the file is complete or absent."""
     from . import style
 
     part = picture.with_name(f".{picture.stem}.part{picture.suffix}")

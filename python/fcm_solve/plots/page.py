@@ -10,7 +10,7 @@ ROW = 2.1
 
 
 def draw(run, by, only=None):
-    """The figure of a run, or the panels of one quantity alone."""
+    """The figure of a run, or of the panels of one quantity alone."""
     if only is not None:
         return _put_together(run, None, panels_of(run, only))
     snapshot = Snapshot(run, by) if run.frames is not None else None
@@ -32,7 +32,7 @@ def _put_together(run, snapshot, shown):
 
 
 def _cells(has_snapshot, count):
-    """The cell of each part. Spheres, which come first, take the left of two or three rows."""
+    """The grid cell of each part. Spheres, which come first, take the left side of two or three rows."""
     if not has_snapshot:
         return in_rows(count)
     if count < 2:

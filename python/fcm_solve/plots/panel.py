@@ -1,4 +1,4 @@
-"""A panel of a picture: curves over a common axis, with their answers as bands."""
+"""A panel of a figure: curves over a common axis, with their answers as bands."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ from .units import labelled, upright
 
 @dataclass
 class Curve:
-    """A curve, and the answer that belongs to it: quantities by one of these names, of a species or of all."""
+    """A curve, and its answer: a quantity of one of these names, of a species or of all."""
 
     x: np.ndarray
     y: np.ndarray
@@ -23,13 +23,13 @@ class Curve:
     species: str | None = None
     # Whether the answer is a value of this curve.
     answered: bool = True
-    # Factor for a value of the answer that has a unit.
+    # Factor for the value of an answer with a unit.
     factor: float = 1.0
 
 
 @dataclass
 class Panel:
-    """Curves of one dimension over another."""
+    """Curves of the same dimension over a common axis."""
 
     run: object
     x: tuple
@@ -39,20 +39,20 @@ class Panel:
     level: float | None = None
 
     def add(self, x, y, label="", **options):
-        """Adds a curve, if it has a number."""
+        """Adds a curve, if it has a finite number."""
         if x is not None and y is not None and (np.isfinite(x) & np.isfinite(y)).any():
             self.curves.append(Curve(x, y, label, **options))
 
     @property
     def quantities(self):
-        """The quantities of answers that it is about."""
+        """The quantities of the answers of this panel."""
         return {name for curve in self.curves for name in curve.quantities}
 
     def __bool__(self):
         return bool(self.curves)
 
     def draw(self, axes):
-        """Draws it."""
+        """Draws the panel."""
         x_factor, x_unit = self.run.units.axis(self.x[1], *(curve.x for curve in self.curves))
         y_factor, y_unit = self.run.units.axis(self.y[1], *(curve.y for curve in self.curves))
         for curve in self.curves:
@@ -79,8 +79,8 @@ class Panel:
                 axes.set(**{f"{which}scale": "log"})
 
     def _draw_answers(self, axes, factors):
-        """The value of each answer with its error as a band from the end of its transient on; the transient that
-        all of them leave out is shaded."""
+        """Draws the value of each answer with its error as a band from the end of its transient on, and shades the transient
+        that all of them leave out."""
         ends = []
         for curve in self.curves:
             answer = find(self.run.answers, curve.quantities, curve.species)

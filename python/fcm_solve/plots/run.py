@@ -1,4 +1,4 @@
-"""A run of a suspension: its scene, and what its files hold. What a file says is taken from inside it, never from its
+"""A run of a suspension: its scene, and the contents of its files. A file is identified by its contents, never by its
 name."""
 
 from functools import cached_property
@@ -13,7 +13,7 @@ from .units import Units
 
 
 class Run:
-    """The results in a folder. `notes` collects what is left out of a picture, and why."""
+    """The results in a folder. `notes` collects the parts left out of a figure, with reasons."""
 
     def __init__(self, folder, scene):
         self.folder, self.scene = folder, scene
@@ -21,7 +21,7 @@ class Run:
         self.notes = []
 
     def _read(self, what, read):
-        """The table or trajectory that a function reads; None, with a note, where the file is damaged."""
+        """The result of a function that reads a table or trajectory; None, with a note, if the file is damaged."""
         try:
             return read()
         except PlotError as error:
@@ -32,7 +32,7 @@ class Run:
 
     @cached_property
     def series(self):
-        """The time series; None where there is none."""
+        """The time series; None if it is absent."""
         path = self.folder / "observables.csv"
         table = self._read("time series", lambda: read_table(path))
         if table is not None and table.get("time") is not None:
@@ -44,7 +44,7 @@ class Run:
 
     @cached_property
     def frames(self):
-        """The trajectory; None where there is none."""
+        """The trajectory; None if it is absent."""
         path = self.folder / "trajectory.h5"
         if not path.is_file():
             self.notes.append(f"spheres: no {path}; a run writes it if output.trajectory_every is set")
@@ -53,7 +53,7 @@ class Run:
 
     @cached_property
     def statistics(self):
-        """The tables of statistics by name, made during the run or afterwards."""
+        """The tables of statistics by name, written during the run or afterwards."""
         for name in ("statistics", "stats"):
             paths = sorted((self.folder / name).glob("*.csv"))
             tables = {path.stem: self._read("statistics", lambda path=path: read_table(path)) for path in paths}
@@ -68,19 +68,19 @@ class Run:
         return self._read("answers", lambda: read_answers(self.folder)) or []
 
     def get(self, name):
-        """A column of the time series; None if there is none with numbers."""
+        """A column of the time series; None if it is absent or has no numbers."""
         return self.series.get(name) if self.series is not None else None
 
     @cached_property
     def names(self):
-        """The names of the species as tables have them; a distribution of radii is a species for each class."""
+        """The names of the species as in tables; a distribution of radii has a species for each class."""
         start, columns = "mean_velocity_x[", self.series.columns if self.series is not None else {}
         found = [name[len(start) : -1] for name in columns if name.startswith(start)]
         return found or [str(kind.get("name", number)) for number, kind in enumerate(self.scene.species, start=1)]
 
     @cached_property
     def kinds(self):
-        """The place in the scene of each species."""
+        """The index in the scene's list of each species."""
         places, names = [], self.names
         for place, kind in enumerate(self.scene.species):
             start = f"{kind.get('name', place + 1)} "
@@ -93,7 +93,7 @@ class Run:
 
     @cached_property
     def radii(self):
-        """The radius of each species; not a number where it is not known without a trajectory."""
+        """The radius of each species; NaN if it is unknown without a trajectory."""
         radii = []
         for number, place in enumerate(self.kinds):
             own = self.frames.radii[self.frames.species == number] if self.frames is not None else []
@@ -101,7 +101,7 @@ class Run:
         return radii
 
     def stokes_velocities(self):
-        """Of each species that forces move, whose radius is known: its number, and its Stokes velocity (3,)."""
+        """Number and Stokes velocity (3,) of each species that is moved by forces and whose radius is known."""
         found = []
         for number, (place, radius) in enumerate(zip(self.kinds, self.radii)):
             velocity = self.scene.stokes_velocity(place, radius)
@@ -110,15 +110,14 @@ class Run:
         return found
 
     def vector(self, quantity, number):
-        """The three components of a species' quantity in time, (rows, 3); None if there are none."""
+        """Time series of the three components of a species' quantity, (rows, 3); None if they are absent."""
         columns = [self.get(f"{quantity}_{axis}[{self.names[number]}]") for axis in "xyz"]
         return np.stack(columns, axis=1) if all(column is not None for column in columns) else None
 
     @cached_property
     def progress(self):
-        """The values that series are shown over, their label and their dimension: the time, or the strain of a flow
-        that goes on, whose parts add up where it is reversed.
-        """
+        """The values on the horizontal axis of time series, their label and their dimension: the strain of a flow that does
+        not oscillate, accumulated over reversals; else the time."""
         strain, rate, time = self.get("strain"), self.scene.steady_rate, self.get("time")
         if strain is not None and not self.scene.oscillates:
             added = np.cumsum(np.abs(np.diff(strain, prepend=strain[0])))
@@ -129,5 +128,5 @@ class Run:
         return time, "time", "time"
 
     def progress_at(self, time):
-        """The strain or time of the series at a time."""
+        """The value of `progress` at a time, by interpolation."""
         return float(np.interp(time, self.get("time"), self.progress[0]))

@@ -1,4 +1,4 @@
-"""The scene of a run: what was computed."""
+"""The scene of a run, as far as plots need it."""
 
 from importlib import import_module
 from importlib.util import find_spec
@@ -12,7 +12,7 @@ AXES = ("x", "y", "z")
 
 
 class Scene:
-    """A scene as a dictionary, and what plots ask of it."""
+    """A scene as a dictionary, with derived values for plots."""
 
     def __init__(self, keys, folder):
         self.keys = keys
@@ -20,7 +20,7 @@ class Scene:
         self.title = shown(keys.get("title") or folder.resolve().name, 90)
 
     def check(self):
-        """Raises an error where a key has a value of another type than in scenes."""
+        """Raises an error if the value of a key has a wrong type."""
         if len(self.boundaries) != 3 or not isinstance(self.kind, str):
             raise ValueError("box.boundaries are not three, or kind is no word")
         numbers = [self.viscosity, self.thermal_energy, self.steady_rate or 0.0]
@@ -29,7 +29,7 @@ class Scene:
             raise ValueError("it has values that no scene has")
 
     def section(self, name):
-        """A section, empty where the scene has none."""
+        """A section of the scene; empty if it is absent."""
         section = self.keys.get(name, {})
         if not isinstance(section, dict):
             raise ValueError(f"{name} is no section")
@@ -42,7 +42,7 @@ class Scene:
 
     @property
     def steady_rate(self):
-        """The rate of a shear that never changes; None otherwise."""
+        """The rate of a steady shear flow; None otherwise."""
         flow = self.section("flow")
         rate = flow.get("rate")
         changes = {"control", "reversal_at", "oscillation", "stress"} & flow.keys()
@@ -60,17 +60,17 @@ class Scene:
 
     @property
     def thermal_energy(self):
-        """kT; 0 where nothing diffuses."""
+        """kT; 0 without Brownian motion."""
         return float(self.section("fluid").get("thermal_energy", 0.0))
 
     @property
     def boundaries(self):
-        """The boundary of each axis."""
+        """The boundary condition along each axis."""
         return list(self.section("box").get("boundaries", ["periodic"] * 3))
 
     @property
     def height_axis(self):
-        """The axis across walls or a layer, 0 to 2; None if there is none, or if the fluid is open on all sides."""
+        """The axis normal to walls or to an open layer, 0 to 2; None for periodic boxes and for fluid open on all sides."""
         bounded = [axis for axis, boundary in enumerate(self.boundaries) if boundary != "periodic"]
         return bounded[0] if len(bounded) == 1 else None
 
@@ -80,21 +80,20 @@ class Scene:
         return list(self.keys.get("species", []))
 
     def force(self, index, radius):
-        """Force and weight of a sphere of a species, (3,)."""
+        """Sum of the force on a sphere of a species and its weight, (3,)."""
         kind = self.species[index]
         gravity = np.array(self.section("gravity").get("acceleration", [0.0] * 3), dtype=float)
         weight = 4 / 3 * np.pi * radius**3 * kind.get("density_difference", 0.0) * gravity
         return np.array(kind.get("force", [0.0] * 3), dtype=float) + weight
 
     def stokes_velocity(self, index, radius):
-        """Velocity of a sphere of a species, alone in unbounded fluid, under its force and weight, (3,)."""
+        """Stokes velocity of a sphere of a species: alone in unbounded fluid, under its force and weight, (3,)."""
         return self.force(index, radius) / (6 * np.pi * self.viscosity * radius)
 
     @property
     def is_si(self):
-        """Whether numbers show that units are those of the SI: Earth's gravity or a thermal energy at room
-        temperature with
-        spheres below a centimetre, or a cell for grains of millimetres."""
+        """Whether the numbers suggest SI units: Earth's gravity or a thermal energy at room temperature with spheres below a
+        centimetre, or a shear cell for grains of millimetres."""
         if self.kind.startswith("shear-cell"):
             return 0 < float(self.section("grains").get("diameter", 1.0)) < 0.05
         gravity = np.linalg.norm(self.section("gravity").get("acceleration", [0.0] * 3))

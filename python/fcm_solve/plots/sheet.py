@@ -1,16 +1,16 @@
-"""The sheet of a picture: panels in rows, and the table of answers below."""
+"""The layout of a figure: panels in rows, and the table of answers below."""
 
 from matplotlib.figure import Figure
 
 from .answers import draw_table, height_of_table
 from .style import PAGE
 
-# Inches: of the title, and between panels and table.
+# Heights in inches: of the title, and between panels and table.
 TITLE, PAD = 0.3, 0.12
 
 
 def sheet(cells, row_height, answers=(), units=None, width=PAGE):
-    """A figure and the axes of its cells, each a pair of a row and a column, or of slices of them."""
+    """A figure and the axes of its cells. Each cell is a pair of row and column, or of slices of them."""
     rows, columns = (max(_end(cell[side]) for cell in cells) for side in (0, 1))
     table = height_of_table(answers) + PAD if answers else 0.0
     figure = Figure(figsize=(width, rows * row_height + table + TITLE), layout="constrained")

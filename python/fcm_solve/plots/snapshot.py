@@ -1,4 +1,4 @@
-"""The spheres of a run at its end, coloured by velocity or species."""
+"""Image of the spheres at the end of a run, coloured by velocity or species."""
 
 import matplotlib
 import numpy as np
@@ -14,10 +14,10 @@ PIXELS = 900
 
 
 class Snapshot:
-    """The particles of a frame, and how they are coloured."""
+    """Image of the particles of a frame, with colours by velocity or species."""
 
     def __init__(self, run, by, pixels=PIXELS):
-        # Velocities of Brownian motion are of the step of time, and say nothing.
+        # Velocities of Brownian motion depend on the time step and are not meaningful.
         self.run, self.by, self.pixels = run, "species" if run.scene.thermal_energy > 0 else by, pixels
         self.frames = run.frames
 
@@ -40,7 +40,7 @@ class Snapshot:
         axes.set_title(f"time {self.frames.times[frame] * factor:.4g} {unit}".rstrip())
 
     def _origin(self, positions, lattice):
-        """The corner of the box: the origin, but along open axes such that these positions are in the middle."""
+        """The corner of the box: the origin, except along open axes, where the positions are centred in the box."""
         middle = 0.5 * (positions.min(axis=0) + positions.max(axis=0) - np.diagonal(lattice))
         return np.where([boundary == "open" for boundary in self.run.scene.boundaries], middle, 0.0)
 
@@ -52,14 +52,14 @@ class Snapshot:
         values, self.label, dimension = self._values(velocities)
         factor, unit = self.run.units.scale(dimension, values)
         values, self.label = values * factor, labelled(self.label, unit)
-        # The fastest and slowest hundredth would leave all others one colour.
+        # The colour scale leaves out the slowest and fastest 1 %, since outliers would give all others one colour.
         low, high = np.percentile(values, [1, 99])
         margin = 0.0 if high - low > 1e-6 * max(abs(low), abs(high)) else 0.5 * max(abs(high), 1e-300)
         self.norm = matplotlib.colors.Normalize(low - margin, high + margin, clip=True)
         return matplotlib.colormaps["viridis"](self.norm(values))
 
     def _values(self, velocities):
-        """The values that colours show, their label and their dimension."""
+        """The values shown by colours, their label and their dimension."""
         moving = self.run.stokes_velocities()
         if self.by == "speed":
             return np.linalg.norm(velocities, axis=1), "speed", "length/time"

@@ -1,16 +1,16 @@
-"""Pictures of shaded spheres, seen from far away."""
+"""Images of shaded spheres in orthographic projection."""
 
 import numpy as np
 
 AZIMUTH, ELEVATION = np.radians(-60.0), np.radians(18.0)
 LIGHT = np.array([-0.45, 0.65, 0.62])
 AMBIENT = 0.35
-# Of more spheres than this only the foremost of each column are drawn, so many of them.
+# For more than MANY spheres, only the DEPTH foremost spheres of each column are drawn.
 MANY, DEPTH = 20_000, 10
 
 
 def view():
-    """Rows: the directions right, up and towards the viewer; z is up."""
+    """Directions right, up and towards the viewer as rows; z is up."""
     cos_a, sin_a, cos_e, sin_e = np.cos(AZIMUTH), np.sin(AZIMUTH), np.cos(ELEVATION), np.sin(ELEVATION)
     towards = np.array([cos_e * cos_a, cos_e * sin_a, sin_e])
     right = np.array([-sin_a, cos_a, 0.0])
@@ -18,14 +18,14 @@ def view():
 
 
 def corners(lattice):
-    """The twelve edges of the box, whose lattice vectors are rows, as pairs of points on the picture, (12, 2, 2)."""
+    """The twelve edges of a box with lattice vectors as rows, as pairs of points in the image plane, (12, 2, 2)."""
     points = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     pairs = [(a, b) for i, a in enumerate(points) for b in points[i + 1 :] if np.abs(a - b).sum() == 1]
     return np.array(pairs) @ lattice @ view().T[:, :2]
 
 
 def nearest_to_viewer(places, radii):
-    """The numbers of the spheres that may be seen: of many, the nearest ones in each column as wide as the largest."""
+    """Indices of the spheres that may be visible: for many, the nearest ones in each column as wide as the largest sphere."""
     if len(places) <= MANY:
         return np.arange(len(places))
     columns = np.floor(places[:, :2] / (2 * radii.max())).astype(int)
@@ -36,9 +36,8 @@ def nearest_to_viewer(places, radii):
 
 
 def render(positions, radii, colours, lattice, pixels):
-    """An image (height, width, 4) of the spheres, transparent where there are none, and its extent (left, right,
-    bottom,
-    top) on the picture. Each pixel shows the sphere nearest to the viewer, lit from the upper left."""
+    """An image (height, width, 4) of the spheres on a transparent background, and its extent (left, right, bottom, top) in the
+    image plane. Each pixel shows the sphere nearest to the viewer, lit from the upper left."""
     places = positions @ view().T
     chosen = nearest_to_viewer(places, radii)
     places, radii, colours = places[chosen], radii[chosen], colours[chosen]

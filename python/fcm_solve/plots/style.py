@@ -1,5 +1,5 @@
-"""The look of pictures: as wide as a journal's page, with letters that can be read there, in colours that all tell
-apart."""
+"""Style of figures: as wide as a journal page, with letters legible at that size, in colours that are distinguishable
+with colour blindness."""
 
 import logging
 import warnings
@@ -10,30 +10,30 @@ import numpy as np
 from cycler import cycler
 from matplotlib import font_manager
 
-# Inches: the width of a page with two columns.
+# Width of a page with two columns, in inches.
 PAGE = 7.0
-# Okabe & Ito.
+# Palette of Okabe & Ito.
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#555555"]
 GRAY, LIGHT = "0.35", "0.75"
-# Letters that the usual font lacks are taken from the first of these that is installed.
+# Fallback fonts for letters that the default font lacks; the first one that is installed is used.
 OTHER_FONTS = ["Noto Sans CJK JP", "Noto Sans CJK SC", "WenQuanYi Zen Hei", "Droid Sans Fallback", "Noto Sans"]
 
 
 def colours(count):
-    """As many colours that can be told apart: of a list if there are few, of a scale if there are many."""
+    """`count` distinguishable colours: from a palette for few, from a colour map for many."""
     if count <= len(COLOURS):
         return COLOURS[:count]
     return [matplotlib.colors.to_hex(colour) for colour in matplotlib.colormaps["viridis"](np.linspace(0, 0.92, count))]
 
 
 def fonts():
-    """The fonts of letters, the first one that has a letter."""
+    """The fonts to take letters from, in order of preference."""
     installed = {font.name for font in font_manager.fontManager.ttflist}
     return ["DejaVu Sans", *(name for name in OTHER_FONTS if name in installed)]
 
 
 def settings():
-    """The parameters of matplotlib."""
+    """The parameters for matplotlib."""
     return {
         "axes.prop_cycle": cycler(color=COLOURS),
         "axes.spines.top": False,
@@ -60,7 +60,7 @@ def settings():
 
 @contextmanager
 def applied():
-    """Draws in this style, and silently: a letter without a glyph or a panel without room is no fault of a run."""
+    """Context manager for drawing in this style, without warnings of matplotlib about missing glyphs or small panels."""
     logger = logging.getLogger("matplotlib")
     level = logger.level
     with matplotlib.rc_context(settings()), warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -73,13 +73,13 @@ def applied():
 
 
 def _width(labels, columns):
-    """Letters of a line of a legend, whose columns are filled one after another, with the lines beside the labels."""
+    """Width of a legend's rows in letters, including line samples; its columns are filled one after another."""
     rows = -(-len(labels) // columns)
     return sum(5 + max(map(len, labels[start : start + rows])) for start in range(0, len(labels), rows))
 
 
 def legend_above(axes, room=46):
-    """A legend above the axes, where it covers no data, in lines of so many letters; none for fewer than two
+    """Draws a legend above the axes, where it covers no data, with a limit on the letters per row; none for fewer than two
     entries."""
     handles, labels = axes.get_legend_handles_labels()
     if len(handles) > 1:

@@ -1,4 +1,4 @@
-"""Text of users, such as names of species, as matplotlib shows it."""
+"""Text of users, such as names of species, made safe for matplotlib."""
 
 from functools import lru_cache
 
@@ -7,13 +7,13 @@ from matplotlib import font_manager
 from .style import fonts
 
 LONGEST = 32
-# In the place of a letter of which no font has a picture.
+# Replacement for a letter that no font has.
 MISSING = "\u25a1"
 
 
 def shown(text, longest=LONGEST):
-    """A name without mathematics, line breaks, excess length, and letters that no font has. Labels that begin with `_`
-    would be left out of legends."""
+    """A name without mathematical markup, line breaks, excess length, leading `_` (which hides a label from legends), and
+    letters that no font has."""
     text = " ".join("".join(c if c.isprintable() else " " for c in str(text)).split())
     text = text if len(text) <= longest else text[: longest - 1].rstrip() + "\u2026"
     text = "".join(c if ord(c) in _letters() else MISSING for c in text)
@@ -22,7 +22,7 @@ def shown(text, longest=LONGEST):
 
 
 def words(name):
-    """The name of a quantity of a table in words: `storage_modulus` is a storage modulus."""
+    """The name of a table's quantity in words: "storage modulus" for `storage_modulus`."""
     return shown(name.replace("_", " "), 48)
 
 

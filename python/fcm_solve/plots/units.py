@@ -1,13 +1,12 @@
-"""Units on axes: by name where a scene is in SI units, none where units are the user's choice."""
+"""Units on axes: named for scenes in SI units, omitted for other systems of units."""
 
 import math
 import textwrap
 
 import numpy as np
 
-# Expressions in terms of length, time and force, as files of results have them: the name in the SI, and the power of
-# its
-# first unit, by which a prefix counts.
+# Units in terms of length, time and force, as in files of results: their SI names, and the power of the first unit, to
+# which a prefix is raised.
 NAMES = {
     "length": ("m", 1),
     "time": ("s", 1),
@@ -23,7 +22,7 @@ NAMES = {
     "force/length^3": ("Pa/m", 1),
 }
 PREFIXES = {-12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
-# Letters of a label on one line.
+# Largest number of letters of a label on one line.
 LONGEST_LINE = 26
 
 
@@ -34,8 +33,7 @@ class Units:
         self.is_si = is_si
 
     def scale(self, dimension, *arrays):
-        """The factor for values of a dimension, and the name of their unit after it: `(1e6, "\u00b5m")`, or `(1,
-        "")`."""
+        """The factor that converts values of a dimension, and the name of the resulting unit: `(1e6, "\u00b5m")`, or `(1, "")`."""
         if not self.is_si or dimension not in NAMES:
             return 1.0, ""
         name, power = NAMES[dimension]
@@ -47,7 +45,7 @@ class Units:
         return 10.0 ** (-exponent * power), PREFIXES[exponent] + name
 
     def axis(self, dimension, *arrays):
-        """The same for an axis, with a power of ten in the unit where numbers are large or small."""
+        """Factor and unit of an axis, with a power of ten in the unit if numbers are large or small."""
         factor, unit = self.scale(dimension, *arrays)
         largest = factor * _largest(arrays)
         exponent = math.floor(math.log10(largest)) if largest > 0 else 0
@@ -67,12 +65,12 @@ def _finite(values):
 
 
 def labelled(label, unit):
-    """The label of an axis with its unit, if that has a name."""
+    """The label of an axis with its unit, if the unit has a name."""
     return f"{label} ({unit})" if unit else label
 
 
 def upright(label):
-    """The label of an upright axis, on two lines where it is long."""
+    """The label of a vertical axis, on two lines if it is long."""
     if len(label) <= LONGEST_LINE:
         return label
     first, slash, second = label.partition(" / ")

@@ -1,5 +1,4 @@
-"""Pictures of grains: disks as the paper shows them, the averages of a shear cell, and profiles of its kinetic
-theory."""
+"""Figures of grains: disks, the averages of a shear cell, and profiles of its kinetic theory."""
 
 from . import cell, continuum, disks, sweep
 

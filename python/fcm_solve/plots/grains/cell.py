@@ -1,4 +1,4 @@
-"""The shear cell: wall stresses in the course of time, profiles across the gap, and the map of the solid fraction."""
+"""The shear cell: wall stresses over time, profiles across the gap, and the map of the solid fraction."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ PROFILE = ("y", "solid_fraction", "velocity_x", "temperature")
 
 
 def draw(folder, scene):
-    """The panels for which there are tables."""
+    """Draws the panels for which there are tables."""
     units = Units(scene.is_si)
     series, profile, cells = (read_table(folder / name) for name in ("observables.csv", "profile.csv", "map.csv"))
     parts = []

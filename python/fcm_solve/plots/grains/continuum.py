@@ -1,4 +1,4 @@
-"""The kinetic theory of a shear cell: profiles of every case."""
+"""Kinetic theory of a shear cell: profiles of every case."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,12 +12,12 @@ PROFILES = (
     ("velocity", 1, "velocity / U"),
     ("temperature", 2, "temperature / U\u00b2"),
 )
-# Cases that can still be told apart.
+# Largest number of cases that can be distinguished.
 MOST = 12
 
 
 def draw(folder, scene):
-    """Solid fraction, velocity and temperature by height."""
+    """Draws solid fraction, velocity and temperature over the height."""
     path, units = folder / "profile.csv", Units(scene.is_si)
     profile = needed_table(path, "run the scene anew, which takes seconds")
     profile.needs_numbers(path, "speed", "pressure", "y", *(name for name, _, _ in PROFILES))

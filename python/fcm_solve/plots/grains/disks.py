@@ -1,4 +1,4 @@
-"""Disks: where they are, and how they segregate."""
+"""Disks: their positions, and their segregation over the strain."""
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
@@ -25,7 +25,7 @@ class Disks:
         self.edges = [float(edge) for edge in scene.section("box")["edges"]]
 
     def draw(self, axes, frame):
-        """Draws a frame. Disks that reach over an edge along x are shown on both sides."""
+        """Draws a frame. Disks that cross an edge along x are shown on both sides."""
         axes.clear()
         length, height = self.edges
         positions, velocities = self.frames.read(frame)
@@ -40,7 +40,7 @@ class Disks:
         axes.set_title(f"time {self.frames.times[frame]:.6g}")
 
     def _shades(self, positions, velocities):
-        """A gray for each disk: dark is fast, or of a large species."""
+        """A gray for each disk: dark for fast disks, or for large species."""
         if self.by == "species":
             return np.where(self.frames.species > 0, 0.25, 0.8)
         value = np.linalg.norm(velocities[:, :2], axis=1)
@@ -58,7 +58,7 @@ class Disks:
 
 
 def draw(folder, scene, by):
-    """The last frame, and the segregation in the course of time; one of both where the other was not written."""
+    """Draws the last frame, and the segregation over the strain; one of both if the other was not written."""
     series = read_table(folder / "observables.csv")
     has_series = series is not None and series.get("segregation") is not None and series.get("strain") is not None
     disks = Disks(folder, scene, by) if (folder / "trajectory.h5").is_file() else None

@@ -1,4 +1,4 @@
-"""A family of disks: the segregation at each of its points over the strain."""
+"""A family of disks: segregation at each point over the strain."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,17 +8,17 @@ from ..style import PAGE, colours, legend_above
 from ..text import shown
 
 TABLE = "averages.csv"
-# Points that can still be told apart.
+# Largest number of points that can be distinguished.
 MOST = 12
 
 
 def is_one(folder, scene):
-    """Whether a folder, which holds a family, is of disks that have been recorded."""
+    """Whether the folder of a family has records of disks."""
     return scene.kind == "granular-disks" and (folder / TABLE).is_file()
 
 
 def draw(folder, scene):
-    """Mean segregation over the seeds of each point."""
+    """Draws the mean segregation over the seeds of each point."""
     path = folder / TABLE
     averages = needed_table(path, "the family writes it as its runs end: go on with fcm-solve resume")
     averages.needs(path, "values").needs_numbers(path, "strain", "segregation", "segregation_error")

@@ -1,9 +1,9 @@
-"""Panels of suspensions: each is about one quantity, and there is none where a run has nothing of it."""
+"""Panels of suspensions: each shows one quantity, and is left out if the run has no data for it."""
 
 from ..error import PlotError
 from . import boundaries, brownian, clouds, contacts, motion, oscillation, pairs, stress
 
-# In the order in which they are shown.
+# Functions that make panels, in the order in which they are shown.
 PANELS = (
     stress.viscosity,
     oscillation.stress_against_strain,
@@ -30,12 +30,12 @@ PANELS = (
     motion.fluctuation_tensor,
     pairs.distribution,
 )
-# Panels of a page.
+# Largest number of panels of a page.
 MOST = 8
 
 
 def panels(run):
-    """The panels of a run, the most telling ones first."""
+    """The panels of a run, the most informative first."""
     return _made(run)[:MOST]
 
 

@@ -10,13 +10,13 @@ from . import motion
 from .double import DoubleProfile
 
 AXES = "xyz"
-# Slabs of a profile that is made of frames.
+# Number of slabs of a profile from frames.
 SLABS = 24
 
 
 def profile(run):
-    """Volume fraction across, and the velocity along the flow: of the statistics, or of the frames of the later
-    half."""
+    """Profiles of volume fraction and streamwise velocity across the channel or layer, from the statistics or from the
+    frames of the second half of the run."""
     axis = run.scene.height_axis
     if axis is None:
         return None
@@ -77,14 +77,14 @@ def heights(run):
 
 
 def flux(run):
-    """The volume of spheres through a cross-section, over area and time."""
+    """Volume of spheres through a cross-section, per area and time."""
     return _by_species(
         run, [f"particle_flux_{axis}" for axis in AXES], ("particle flux", "length/time"), "particle_flux"
     )
 
 
 def slip(run):
-    """The mean velocity of the spheres relative to the flow of the fluid alone, along walls."""
+    """Mean velocity of the spheres along walls, relative to the flow of the fluid without spheres."""
     if run.scene.flow == "none" or run.scene.boundaries.count("walls") != 1:
         return None
     axis = "x" if run.scene.boundaries[0] == "periodic" else "y"
@@ -92,7 +92,7 @@ def slip(run):
 
 
 def wall_stress(run):
-    """The stress along each wall, in the direction of the flow."""
+    """Shear stress on each wall, in the direction of the flow."""
     if not motion.has_series(run) or run.scene.flow == "none":
         return None
     axis = "x" if run.scene.boundaries[0] == "periodic" else "y"
@@ -104,12 +104,12 @@ def wall_stress(run):
 
 
 def migration(run):
-    """The migration of spheres to the middle: 1 where they are spread evenly."""
+    """Migration of spheres towards the middle: 1 for a uniform distribution."""
     return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""), "migration")
 
 
 def pressure_gradient(run):
-    """The gradient of the pressure that keeps the flux."""
+    """Pressure gradient that maintains the constant flux."""
     if not motion.has_series(run):
         return None
     panel = Panel(run, run.progress[1:], ("pressure gradient", "force/length^3"))

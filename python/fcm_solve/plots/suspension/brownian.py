@@ -8,13 +8,13 @@ from ..text import shown
 from . import motion
 
 
-# Answers that are slopes of the mean square displacement.
+# Answers from slopes of the mean square displacement.
 DIRECTIONS = ("along_gradient", "along_vorticity", "along_walls", "across_walls", "parallel", "perpendicular")
 DIFFUSIVITIES = ("diffusivity", *(f"diffusivity_{direction}" for direction in DIRECTIONS))
 
 
 def displacements(run):
-    """The mean square displacement by lag, a component, and that of a single sphere in unbounded fluid."""
+    """Mean square displacement of a component over the lag time, and that of a single sphere in unbounded fluid."""
     heat, lags = run.scene.thermal_energy, run.statistics.get("lags")
     if heat <= 0 or lags is None or not lags.has("species", "time"):
         return None
@@ -33,7 +33,7 @@ def displacements(run):
 
 
 def _with_reference(panel, run, heat):
-    """2 D t of the first species, alone in unbounded fluid."""
+    """2 D t of a single sphere of the first species in unbounded fluid."""
     radius = run.radii[0] if run.radii else np.nan
     if panel and np.isfinite(radius):
         lags = panel.curves[0].x

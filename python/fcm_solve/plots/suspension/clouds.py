@@ -1,4 +1,4 @@
-"""Panels of spheres in open fluid: how fast a cloud settles and how it spreads, and the energy of bonds."""
+"""Panels of spheres in unbounded fluid: settling velocity and spreading of a cloud, and the energy of bonds."""
 
 import numpy as np
 
@@ -17,7 +17,7 @@ ENERGIES = (("bond_energy", "of bonds"), ("trap_energy", "of traps"))
 
 
 def extent(run):
-    """The radius of gyration of each species and its parts along its principal axes."""
+    """Radius of gyration of each species, and its components along the principal axes."""
     if not motion.has_series(run):
         return None
     panel = Panel(run, run.progress[1:], ("extent of the spheres", "length"))
@@ -29,7 +29,7 @@ def extent(run):
 
 
 def settling(run):
-    """The velocity of a cloud along its force, over the Stokes velocity of one of its spheres."""
+    """Velocity of a cloud along its force, over the Stokes velocity of one of its spheres."""
     if not motion.has_series(run) or set(run.scene.boundaries) != {"open"}:
         return None
     panel = Panel(run, run.progress[1:], ("velocity of the cloud / Stokes velocity", ""), level=0)
@@ -47,7 +47,7 @@ def settling(run):
 
 
 def bonds(run):
-    """The elastic energy of bonds and traps."""
+    """Elastic energy of bonds and traps."""
     if not motion.has_series(run):
         return None
     panel = Panel(run, run.progress[1:], ("elastic energy", "force*length"), level=0)

@@ -1,4 +1,4 @@
-"""Panels of rough spheres that touch."""
+"""Panels on contacts of rough spheres."""
 
 from ..panel import Panel
 from ..style import colours
@@ -12,7 +12,7 @@ SHARES = (
 
 
 def numbers(run):
-    """Contacts of a sphere, and the shares of contacts with friction and of those that slide."""
+    """Number of contacts per sphere, and the fractions of frictional and of sliding contacts."""
     if not motion.has_series(run):
         return None
     panel = Panel(run, run.progress[1:], ("contacts", ""), level=0)

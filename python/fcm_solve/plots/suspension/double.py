@@ -1,4 +1,4 @@
-"""A profile of two quantities over the same heights, which stand on the axis upwards."""
+"""Profiles of two quantities over a common vertical axis of heights."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from ..units import labelled, upright
 
 
 class DoubleProfile:
-    """The volume fraction, with its error, and a velocity along the flow."""
+    """Profiles of the volume fraction, with its error, and of a streamwise velocity."""
 
     quantities = frozenset()
 
@@ -16,7 +16,7 @@ class DoubleProfile:
         self.error = self.velocity = self.along = None
 
     def draw(self, axes):
-        """Draws it."""
+        """Draws the panel."""
         factor, unit = self.run.units.axis("length", self.heights)
         heights, (first, second) = self.heights * factor, colours(2)
         if self.error is not None:

@@ -12,7 +12,7 @@ ROUND_OFF = 1e-6
 
 
 def settling(run):
-    """The mean velocity of each species along its Stokes velocity, in units of that."""
+    """Mean velocity of each species along its Stokes velocity, in units of the Stokes velocity."""
     is_diffusing = run.scene.thermal_energy > 0 and run.scene.height_axis is not None
     if not has_series(run) or is_diffusing or set(run.scene.boundaries) == {"open"}:
         return None
@@ -29,8 +29,8 @@ def settling(run):
 
 
 def fluctuations(run):
-    """The standard deviations of the velocity: of what settles along and across, else as a whole. Those of
-    Brownian motion are of the step of time, and no property of a suspension."""
+    """Standard deviations of the velocity: along and across the direction of settling, or in total without settling. They
+    are left out for Brownian motion, where they depend on the time step."""
     if not has_series(run) or run.scene.thermal_energy > 0:
         return None
     found = list(_along_stokes(run))
@@ -46,12 +46,12 @@ def fluctuations(run):
             spread = np.sqrt(np.maximum(values, 0)) / speed
             options = {"quantities": (quantity,), "species": run.names[number], "factor": 1 / speed}
             panel.add(run.progress[0], spread, text, colour=colour, line=line, **options)
-    # In a pair that settles side by side there is round-off alone.
+    # A pair that settles side by side fluctuates by round-off alone.
     return panel if any(np.nanmax(curve.y) > ROUND_OFF for curve in panel.curves) else None
 
 
 def _label_of_part(run, number, part):
-    """The label of a part along or across: both of each species where they are few, else the species or the line."""
+    """The label of a component along or across: with the species if they are few, else the species or the line style."""
     if len(run.names) == 1:
         return part
     if len(run.names) == 2:
@@ -71,8 +71,8 @@ def _total_fluctuations(run):
 
 
 def _along_stokes(run):
-    """Of each species that settles: its number, its mean velocity along its Stokes velocity, the size of that, and
-    the variance."""
+    """For each settling species: its number, its mean velocity along its Stokes velocity, the magnitude of the Stokes
+    velocity, and the variance."""
     for number, stokes in run.stokes_velocities():
         mean, variance = run.vector("mean_velocity", number), run.vector("velocity_variance", number)
         if mean is not None and variance is not None:
@@ -95,7 +95,7 @@ def smallest_gap(run):
 
 
 def segregation(run):
-    """The segregation of the species: 0 where they are mixed."""
+    """Segregation of the species: 0 if they are mixed."""
     if not has_series(run):
         return None
     panel = Panel(run, run.progress[1:], ("segregation of the species", ""), level=0)
@@ -104,7 +104,7 @@ def segregation(run):
 
 
 def fluctuation_tensor(run):
-    """The components of the fluctuation tensor of each species, of the statistics."""
+    """Components of the fluctuation tensor of each species, from the statistics."""
     summary = run.statistics.get("summary")
     columns = ("quantity", "species", "value", "error")
     if run.scene.thermal_energy > 0 or summary is None or not summary.has(*columns):
@@ -125,5 +125,5 @@ def has_series(run):
 
 
 def label(run, number):
-    """The label of a species; none where there is one alone."""
+    """The label of a species; None if there is only one."""
     return shown(run.names[number]) if len(run.names) > 1 else ""

@@ -1,4 +1,4 @@
-"""Panels of a flow that oscillates: stress against strain, and the moduli."""
+"""Panels of oscillatory flow: stress against strain, and the moduli."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ MODULI = ("storage_modulus", "loss_modulus")
 
 
 class Loops:
-    """The stress of the suspension against the strain, the last period the darkest."""
+    """Stress of the suspension against the strain; the last period is the darkest."""
 
     quantities = frozenset(MODULI)
 
@@ -19,7 +19,7 @@ class Loops:
         self.run, self.strain, self.stress = run, strain, stress
 
     def draw(self, axes):
-        """Draws it."""
+        """Draws the panel."""
         factor, unit = self.run.units.axis("force/length^2", self.stress)
         axes.plot(self.strain, self.stress * factor, color="0.8", linewidth=0.8)
         last = self.run.get("time") >= self._start_of_last_period()
@@ -34,13 +34,13 @@ class Loops:
 
 
 def stress_against_strain(run):
-    """The loop of Lissajous."""
+    """The Lissajous curve of stress and strain."""
     strain, stress = run.get("strain"), run.get("shear_stress")
     return Loops(run, strain, stress) if run.scene.oscillates and strain is not None and stress is not None else None
 
 
 def moduli(run):
-    """Storage and loss modulus of the harmonics, of the statistics."""
+    """Storage and loss moduli of the harmonics, from the statistics."""
     table = run.statistics.get("harmonics")
     columns = ("harmonic", *MODULI)
     if table is None or not table.has(*columns):

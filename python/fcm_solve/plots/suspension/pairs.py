@@ -4,12 +4,12 @@ from ..panel import Panel
 from ..style import colours
 from ..text import shown
 
-# Pairs of species that can still be told apart.
+# Largest number of pairs of species that can be distinguished.
 MOST = 6
 
 
 def distribution(run):
-    """The pair distribution of each pair of species, of the statistics."""
+    """Pair distribution function of each pair of species, from the statistics."""
     table = run.statistics.get("pairs")
     if table is None or not table.has("first", "second", "distance", "g"):
         return None

@@ -1,4 +1,4 @@
-"""Panels on stresses: viscosity, differences of normal stresses and particle pressure, rates under a given stress."""
+"""Panels on stresses: viscosity, normal stress differences and particle pressure, rates under a given stress."""
 
 import numpy as np
 
@@ -14,7 +14,7 @@ NORMAL = (
 
 
 def viscosity(run):
-    """The viscosity relative to the fluid's, in shear or extension."""
+    """Viscosity relative to that of the fluid, in shear or extension."""
     if not has_series(run) or run.scene.oscillates:
         return None
     name = "relative extensional viscosity" if "extension" in run.scene.flow else "relative viscosity"
@@ -25,8 +25,7 @@ def viscosity(run):
 
 
 def normal_stresses(run):
-    """Differences of normal stresses and particle pressure: over viscosity and rate where the rate is the same all
-    the time."""
+    """Normal stress differences and particle pressure, divided by viscosity and rate if the rate is constant."""
     if not has_series(run):
         return None
     rate = run.scene.steady_rate or _constant(run.get("extension_rate")) or _constant(run.get("shear_rate"))
@@ -41,7 +40,7 @@ def normal_stresses(run):
 
 
 def driven_rate(run):
-    """The rate of shear that a given stress makes, or that a table gives."""
+    """Shear rate under a given stress, or from a table."""
     if not has_series(run) or run.scene.oscillates:
         return None
     panel = Panel(run, run.progress[1:], ("rate of shear", "1/time"), level=0)
@@ -50,7 +49,7 @@ def driven_rate(run):
 
 
 def _constant(values):
-    """The size that all values have but for zeros; None if they differ."""
+    """The common magnitude of all nonzero values; None if they differ."""
     if values is None:
         return None
     values = np.abs(values[np.isfinite(values) & (values != 0)])
