@@ -205,7 +205,7 @@ class Mobility:
         torques     (N, 3), force*length
         stresslets  (N, 5): xx, xy, xz, yy, yz, force*length; for spheres that are not rigid
         background  (3, 3), 1/time: the velocity gradient of the background flow, G[i, j] = du_i/dx_j, without trace;
-                    between two walls, a shear of both walls
+                    between two walls, a shear flow of moving walls
         pressure_gradient  (3,), force/length^3: dp/dx_i, which drives a flow between two walls
 
         Arguments that are left out are zero. Raises `Error` if no solution is found.
