@@ -59,7 +59,7 @@ def experiments(fraction):
 
 
 def counts(spheres):
-    """How many of each radius are half of the volume each."""
+    """Number of spheres of each radius, such that each radius makes up half of the volume."""
     small = spheres / (1 + RATIO**-3)
     return {1.0: round(small), RATIO: round(small / RATIO**3)}
 

@@ -5,7 +5,7 @@ use lubrication::two_sphere::LARGEST_RATIO;
 
 /// Smallest radius over the longest edge of the box: positions have 16 digits, and gaps need some of them.
 const LEAST_RADIUS: f64 = 1e-12;
-/// LubricationRange of radii whose volumes, and products of volumes, are representable.
+/// Range of radii whose volumes, and products of volumes, are representable.
 const RADII: [f64; 2] = [1e-50, 1e50];
 /// Largest ratio of the box's edges with random motions.
 const LONGEST_OF_NOISE: f64 = 1e4;

@@ -1,5 +1,5 @@
-//! Hydrodynamics of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved together.
-//! It needs no scene and no model: positions and loads go in, motions and stresslets come out.
+//! Hydrodynamics of rigid spheres: the far field of the force-coupling method and the resistance of near pairs, solved
+//! together. Independent of scenes and models: from positions and loads to motions and stresslets.
 
 pub mod ambient;
 pub mod brownian;

@@ -12,7 +12,7 @@ use std::ops::{AddAssign, Neg};
 pub struct SixVector(pub [f64; 6]);
 
 impl SixVector {
-    /// A screw from its two vectors.
+    /// A six-vector from its two vectors.
     pub fn new(linear: Vector, angular: Vector) -> Self {
         Self([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
     }
@@ -41,12 +41,12 @@ impl Neg for SixVector {
     }
 }
 
-/// One screw for each particle of a rank.
+/// One six-vector for each particle of a rank.
 #[derive(Debug, Clone, Default)]
 pub struct SixVectors(pub Vec<SixVector>);
 
 impl SixVectors {
-    /// SixVectors from lists of vectors; an empty list stands for zeros.
+    /// Six-vectors from lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
         let screw = |i: usize| SixVector::new(at(linear, i), at(angular, i));
@@ -64,11 +64,11 @@ impl SixVectors {
     }
 }
 
-/// Number of screws that one thread processes at a time; the sums of these batches are added in their order.
+/// Number of six-vectors that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 1024;
 
 impl SixVectors {
-    /// `count` zero screws.
+    /// `count` zero six-vectors.
     pub fn zero(count: usize) -> Self {
         Self(vec![SixVector::default(); count])
     }
@@ -80,7 +80,7 @@ impl SixVectors {
         sums.iter().sum()
     }
 
-    /// The negative of all screws.
+    /// The negative of all six-vectors.
     pub fn negative(&self) -> Self {
         Self(self.0.par_iter().with_min_len(BATCH).map(|&screw| -screw).collect())
     }

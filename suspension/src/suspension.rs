@@ -87,8 +87,9 @@ impl Suspension {
         })
     }
 
-    /// A model in a state, of which each rank brings some particles; the first brings the state in any case, and with none
-    /// of its own a rank may bring nothing. Velocities that the state does not have are computed. Collective.
+    /// A suspension in a saved state, in which each rank provides some of the particles; the first rank provides the
+    /// state in any case, and ranks without particles may provide nothing. Velocities that are missing in the state are
+    /// computed. Collective.
     pub fn resume(model: &Model, state: Option<State>, comm: &Comm) -> Result<Self, StartError> {
         let mut step = state.iter().map(|state| state.step).collect();
         comm.broadcast(&mut step);
@@ -148,8 +149,8 @@ impl Suspension {
     /// Adds loads to those of the model: every later evaluation of the mobility includes the loads of the function at
     /// its own positions and time. The present velocities are evaluated again with them; only if the suspension was
     /// resumed from a state with user-defined loads, which its velocities already include, the function takes effect
-    /// with the next step. The stresses of [`Self::stress`] include the moments that the function returns. If the function fails, nothing
-    /// is added. Collective: each rank provides the function, and the first one calls it.
+    /// with the next step. The stresses of [`Self::stress`] include the moments that the function returns. If the
+    /// function fails, nothing is added. Collective: each rank provides the function, and the first one calls it.
     ///
     /// A sphere on a spring:
     /// ```

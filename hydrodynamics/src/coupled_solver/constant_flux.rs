@@ -22,10 +22,10 @@ use fcm::{Constraint, Evaluation, Linear, Loads, Mobility, Motion, Multipoles};
 /// c = -kappa m . (F, S),        kappa = 12 / (mu A H^3)
 /// ```
 ///
-/// keeps the flux. Lubrication, with the resistance `R`, acts on motions relative to the actual flow, that is on
-/// `(U, Omega, -E)` minus `c n`, where `n = (U, Omega, E)` of `m`. Spheres at rest in the unit flow feel the loads
-/// `w = R n`; with the mobility `M`, the flow of curvature `c` moves spheres by `c m'`, `m' = m + M w`. With the
-/// far-field loads `f` without `c w`,
+/// keeps the flux. Lubrication, with the resistance `R`, acts on motions relative to the actual flow, that is on `(U,
+/// Omega, -E)` minus `c n`, where `n = (U, Omega, E)` of `m`. The loads on spheres at rest in the unit flow are `w = R
+/// n`; with the mobility `M`, the flow of curvature `c` moves spheres by `c m'`, `m' = m + M w`. With the far-field
+/// loads `f` without `c w`,
 ///
 /// ```text
 /// c = (w_E : E_inf - m' . f) / alpha,        alpha = 1/kappa + 2 m . w + w . M w - n . w

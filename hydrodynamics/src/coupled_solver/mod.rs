@@ -75,7 +75,7 @@ impl CoupledSolver {
         Ok(Self { far, near, units, preconditioned: true, partition })
     }
 
-    /// Turns the preconditioner of the solve with lubrication on (the default) or off, for comparison.
+    /// Switches the preconditioner of the solve with lubrication on (the default) or off, for comparison.
     #[must_use]
     pub fn preconditioned(self, preconditioned: bool) -> Self {
         Self { preconditioned, ..self }

@@ -1,11 +1,11 @@
-//! Loads and motions in columns of the particles, which carry them between ranks.
+//! Loads and motions in columns of the particles, which migrate with them between ranks.
 
 use super::Motions;
 use crate::solution::Solution;
 use domain::{Particles, Traceless};
 use fcm::Motion;
 
-/// Names of the columns that carry loads and motions with their particles.
+/// Names of the columns with the particles' loads and motions.
 pub mod column {
     pub const FORCE: &str = "force";
     pub const TORQUE: &str = "torque";

@@ -179,7 +179,7 @@ impl Listed {
         Self { pairs: Vec::with_capacity(pairs), springs: Vec::new(), ends: Vec::with_capacity(rows) }
     }
 
-    /// LubricationRange of a row in `pairs`.
+    /// Range of a row in `pairs`.
     #[inline(always)]
     fn of(&self, row: u32) -> std::ops::Range<usize> {
         let row = row as usize;

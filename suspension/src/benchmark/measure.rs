@@ -128,7 +128,7 @@ impl Task {
         Ok(plan)
     }
 
-    /// Evaluates the mobility at the displaced positions of each turn. Returns the times in seconds, the largest
+    /// Evaluates the mobility at the displaced positions of each repetition. Returns the times in seconds, the largest
     /// numbers of bytes and messages that a rank sends in the last evaluation, and its motions, on the first rank.
     fn evaluate(
         &self,

@@ -66,8 +66,8 @@ impl WarmStart {
             .chain(learnt)
     }
 
-    /// Makes the values of now, at the start of a step after so many, the last past ones; and all past ones, where
-    /// there are none of those steps.
+    /// Stores the present values, at the start of a step after `steps` previous ones, as the latest past values; if
+    /// there are no past values of previous steps, as all past values.
     pub fn remember(&self, particles: &mut Particles, steps: u64) {
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1));
         let times = if steps > 0 && !is_known { PAST } else { 1 };
@@ -86,7 +86,7 @@ impl WarmStart {
         particles.columns.retain(|column| !past.contains(&column.name));
     }
 
-    /// Forgets all solutions, of particles with forces between near ones in the solve or without.
+    /// Removes all solutions, with or without forces between near spheres in the solve.
     pub fn forget_all(particles: &mut Particles) {
         for coupled in [false, true] {
             let known = Self::new(coupled);

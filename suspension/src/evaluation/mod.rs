@@ -114,8 +114,8 @@ impl Dynamics {
         Ok((dynamics, setup.particles))
     }
 
-    /// Makes the state at the start of a step part of the past, after so many steps; where nothing is known of those,
-    /// all of it.
+    /// Adds the solution at the start of a step to the history, after `steps` previous steps; if there is no history of
+    /// these, it fills the whole history.
     pub fn remember(&self, particles: &mut Particles, steps: u64) {
         if self.rigid {
             self.warm_start.remember(particles, steps);

@@ -16,9 +16,10 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
-/// that of attraction and bonds like that, and that of contacts like that of repulsion, its symmetric part, with
-/// friction; each sphere of a pair has a share in proportion to its radius. That of heat is like that of stresslets,
-/// and that of a user's own forces is like that of repulsion, as far as the user says so.
+/// The stresses of attraction and bonds are defined like that of repulsion, and so is that of contacts, friction
+/// included, by its symmetric part; each sphere of a pair has a share in proportion to its radius. The Brownian stress
+/// is defined like that of stresslets, and the stress of user-defined forces like that of repulsion, as far as the user
+/// provides their moments.
 ///
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
 /// Stresslets are traceless: only the non-hydrodynamic part of the particle pressure is defined. External forces such
@@ -39,7 +40,7 @@ pub struct ParticleStress {
     pub bond: Tensor,
     /// Brownian stress, the mean of the stresslets caused by random motions, if it is separated from these.
     pub brownian: Tensor,
-    /// Of the user's own forces between particles.
+    /// User-defined forces between particles.
     pub applied: Tensor,
 }
 

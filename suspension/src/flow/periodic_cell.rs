@@ -20,11 +20,11 @@ const LONGEST_STRAIN: f64 = 0.005;
 /// leaves the box on one side and enters on the other changes its frame of reference, and its past velocities change
 /// with it.
 ///
-/// If the rate of the flow varies continuously, by an oscillation or under stress control, velocities are relative to
-/// the flow while particles move, past velocities included, and the box carries both positions and velocities along as
-/// it shears, by `x += strain y`. So a multistep method keeps its order, and images that are displaced by exactly the
-/// strain of the box have the same past. In extensions, which separate particles exponentially, this is always done, by
-/// `x -> D x` with the stretch `D`; also in open fluid, where no box stretches with the flow.
+/// If the rate of the flow varies continuously, by an oscillation or under stress control, velocities, past ones
+/// included, are relative to the flow while particles move, and the box advects both positions and velocities as it
+/// shears, by `x += strain y`. So a multistep method keeps its order, and images that are displaced by exactly the
+/// strain of the box have the same history. In extensions, which separate particles exponentially, this is always done,
+/// by `x -> D x` with the stretch `D`; also in open fluid, where no box stretches with the flow.
 #[derive(Clone)]
 pub struct PeriodicCell {
     start: PeriodicBox,
@@ -203,8 +203,8 @@ impl PeriodicCell {
             || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
     }
 
-    /// Deformation of the box that carries the particles along, over a coming time; under stress control, `weights` are
-    /// those of the present and past rates and of the mean over the last substep.
+    /// Deformation of the box that advects the particles, over a coming time; under stress control, `weights` are those
+    /// of the present and past rates and of the mean over the last substep.
     pub fn carry(&self, duration: f64, weights: [f64; 3]) -> Deformation {
         self.deformation(match &self.driven {
             Some(driven) => driven.carry(weights),
@@ -288,7 +288,7 @@ impl PeriodicCell {
         (cell, Vectors::Sheared(((strain - cell.strain()) / period).round() as i32))
     }
 
-    /// Advances the box to a time, carries the particles along, and wraps them.
+    /// Advances the box to a time, and advects and wraps the particles.
     pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
         if let Some(driven) = &mut self.driven {
             let (strain, rate) = (driven.go(), driven.expected());
@@ -352,7 +352,7 @@ fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
     if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
 }
 
-/// Carries particles along with a flow, together with their velocities relative to it.
+/// Advects particles with a flow, together with their velocities relative to it.
 fn carry_by(deformation: Deformation, particles: &mut Particles) {
     let carry = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| *vector = deformation.of(*vector));
     carry(&mut particles.positions);

@@ -8,16 +8,16 @@ use simulation::{AppliedLoads, NeighbourList, OwnLoads, PairForceFunction};
 /// Columns of the last user-defined loads: forces and torques.
 pub const APPLIED: [&str; 2] = ["applied force", "applied torque"];
 
-/// The column of the shares of the first moments of those forces, where they have a part in the stress.
+/// Column of each particle's share of the first moments of these forces, if they contribute to the stress.
 pub const APPLIED_MOMENT: &str = "applied moment";
 
-/// Functions whose loads are added up, in the axes of the user.
+/// User functions whose loads are summed, in the user's axes.
 pub struct AppliedForces {
     functions: Vec<OwnLoads>,
     axes: UserAxes,
 }
 
-/// The sums of forces, torques and moments of all particles; moments are empty where no function gives any.
+/// Sums of the forces, torques and moments of all particles; moments are empty if no function returns any.
 #[derive(Default)]
 struct LoadSums {
     loads: [Vec<Vector>; 2],
@@ -75,7 +75,7 @@ impl AppliedForces {
         Ok(())
     }
 
-    /// The sums over all functions for all particles.
+    /// Loads of all particles, summed over all functions.
     fn sums(&mut self, all: &Particles, cell: &PeriodicBox, time: f64) -> Result<LoadSums, String> {
         let (axes, count) = (self.axes, all.len());
         let positions: Vec<Vector> = unwrapped(all, cell).into_iter().map(|position| axes.place(position)).collect();
@@ -99,8 +99,7 @@ impl AppliedForces {
     }
 }
 
-/// The loads of a force between particles, and their moments, shared by the two of each pair in proportion to their
-/// radii.
+/// Loads of a pair force, and its moments, divided between the two particles in proportion to their radii.
 fn of_pairs(
     all: &Particles,
     cell: &PeriodicBox,
@@ -137,7 +136,7 @@ fn symmetric(a: Vector, b: Vector) -> Tensor {
     (outer + outer.transpose()) * 0.5
 }
 
-/// Adds to the loads of this rank's particles what their columns have of the last loads of this kind.
+/// Adds the last user-defined loads, as stored in the columns, to the loads of this rank's particles.
 pub fn add_last(loads: &mut Loads, particles: &Particles) {
     for (list, name) in [&mut loads.forces, &mut loads.torques].into_iter().zip(APPLIED) {
         let Some(column) = particles.columns.iter().find(|column| column.name == name) else { continue };
@@ -147,19 +146,19 @@ pub fn add_last(loads: &mut Loads, particles: &Particles) {
     }
 }
 
-/// The shares of this rank's particles in the first moments of the user's forces; none where these have no part in the
-/// stress.
+/// Contributions of this rank's particles to the first moments of the user's forces; empty if these do not contribute
+/// to the stress.
 pub fn moments(particles: &Particles) -> &[Tensor] {
     let column = particles.columns.iter().find(|column| column.name == APPLIED_MOMENT);
     column.map_or(&[], |column| bytemuck::cast_slice(&column.values))
 }
 
-/// Whether particles have such moments from their last evaluation.
+/// Whether the particles' columns have moments of user-defined forces from the last evaluation.
 pub fn have_moments(particles: &Particles) -> bool {
     particles.columns.iter().any(|column| column.name == APPLIED_MOMENT)
 }
 
-/// Whether particles have such loads from their last evaluation.
+/// Whether the particles' columns have user-defined loads from the last evaluation.
 pub fn is_among(particles: &Particles) -> bool {
     particles.columns.iter().any(|column| column.name == APPLIED[0])
 }
@@ -169,7 +168,7 @@ fn unwrapped(all: &Particles, cell: &PeriodicBox) -> Vec<Vector> {
     all.positions.iter().zip(&all.steps).map(|(&position, &steps)| position + cell.lattice(steps)).collect()
 }
 
-/// Refuses moments that are not one for each particle, or no numbers.
+/// Refuses moments whose number is neither zero nor that of the particles, or that are not finite.
 fn check_moments(moments: &[Tensor], count: usize) -> Result<(), String> {
     if ![0, count].contains(&moments.len()) {
         return Err(format!("it gave {} moments for {count} particles; it needs to give one for each", moments.len()));
@@ -180,7 +179,7 @@ fn check_moments(moments: &[Tensor], count: usize) -> Result<(), String> {
     }
 }
 
-/// Refuses loads that are not one for each particle, or no numbers.
+/// Refuses loads whose number is neither zero nor that of the particles, or that are not finite.
 fn check(what: &str, list: &[Vector], count: usize) -> Result<(), String> {
     if ![0, count].contains(&list.len()) {
         return Err(format!("it gave {} {what} for {count} particles; it needs to give one for each", list.len()));

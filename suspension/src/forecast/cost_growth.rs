@@ -1,4 +1,4 @@
-//! Growth of the cost of a step in the course of a run.
+//! Growth of the cost of a step during a run.
 
 use crate::model::{Model, Start};
 use domain::{Boundaries, Vector};

@@ -1,4 +1,4 @@
-//! The time of a step by the number of ranks.
+//! Scaling of the time of a step with the number of ranks.
 
 use crate::evaluation::prepared::Planned;
 use crate::flow::open_cell::follows;
@@ -6,42 +6,43 @@ use crate::model::Model;
 use domain::{ExpectedCounts, Place};
 use fcm::Precision;
 
-/// Bytes a second that a rank sends through the network that is assumed.
+/// Assumed bandwidth of the network per rank, in bytes per second.
 pub const BANDWIDTH: f64 = 5e9;
 
-/// Seconds that a message takes besides.
+/// Assumed latency of a message in seconds.
 pub const LATENCY: f64 = 2e-6;
 
-/// Messages of a rank to each other rank in an evaluation, as counted, and two sums over all ranks.
+/// Messages from a rank to each other rank in an evaluation, as counted, including two sums over all ranks.
 const MESSAGES: f64 = 13.0;
 
-/// Bytes in an evaluation for an image of a sphere on another rank, as counted: lists, loads and motions.
+/// Bytes sent in an evaluation for each image of a sphere on another rank, as counted: lists, loads and motions.
 const IMAGE: f64 = 300.0;
 
-/// The efficiency from which a number of ranks is worth it.
+/// Parallel efficiency from which a number of ranks is worthwhile.
 const WORTH: f64 = 0.5;
 
-/// Ranks that are thought of at most.
+/// Largest number of ranks considered.
 const MOST: usize = 1_000_000;
 
-/// A step of a suspension as ranks share it.
+/// Model of the time of a step on any number of ranks.
 pub struct Scaling {
     planned: Planned,
-    /// The part of an evaluation that goes with the grid.
+    /// Fraction of the time of an evaluation that is spent on the grid.
     of_grid: f64,
 }
 
-/// A step on one rank.
+/// Measured step on one rank.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepAlone {
-    /// Its seconds.
+    /// Time in seconds.
     pub seconds: f64,
-    /// The rank's threads.
+    /// Number of threads of the rank.
     pub threads: usize,
 }
 
 impl Scaling {
-    /// Of a model that counts its spheres itself, in a box whose grid stays as it is; nothing is known of others.
+    /// The scaling for a model that gives its number of spheres, in a box whose grid does not change; `None` for
+    /// others.
     pub fn of(model: &Model) -> Option<Self> {
         if follows(model.cell.boundaries()) {
             return None;
@@ -52,38 +53,39 @@ impl Scaling {
         Some(Self { planned, of_grid })
     }
 
-    /// Seconds of a step on ranks with so many threads as the one that takes it alone: the largest share of the work,
-    /// and what is sent. A step sends as much as the evaluations would in whose time it is done.
+    /// Seconds of a step on ranks with as many threads each as in the measured step: the largest share of the work,
+    /// plus communication. The communication is that of the number of evaluations that take as long as the step.
     ///
     /// ```text
     /// t(N) = t(1) [g G(N) + (1 - g) P(N)] + n [bytes(N) / bandwidth + messages(N) latency]
     /// ```
     ///
-    /// with the part `g` of the grid, the largest shares `G` of its lines and `P` of the spheres, and `n` evaluations.
+    /// with the fraction `g` of work on the grid, the largest shares `G` of its lines and `P` of the spheres, and `n`
+    /// evaluations.
     pub fn seconds(&self, alone: StepAlone, ranks: usize) -> f64 {
         alone.seconds * self.share(ranks) + self.evaluations(alone) * self.exchange(ranks)
     }
 
-    /// The part of the time of all ranks in which one alone would have done the work.
+    /// Parallel efficiency: time on one rank over the time of all ranks together.
     pub fn efficiency(&self, alone: StepAlone, ranks: usize) -> f64 {
         alone.seconds / (ranks as f64 * self.seconds(alone, ranks))
     }
 
-    /// The largest number of ranks whose efficiency is a half or more.
+    /// Largest number of ranks with an efficiency of at least a half.
     pub fn ranks_worth(&self, alone: StepAlone) -> usize {
-        // Beyond these, messages alone take half of the time.
+        // On more ranks, messages alone take half of the time.
         let of_message = MESSAGES * LATENCY * self.evaluations(alone);
         let most = 2.0 + (alone.seconds / (WORTH * of_message)).sqrt();
         let candidates = 1..=(most as usize).min(MOST);
         candidates.rev().find(|&ranks| self.efficiency(alone, ranks) >= WORTH).unwrap_or(1)
     }
 
-    /// Evaluations that take as long as the step.
+    /// Number of evaluations that take as long as the step.
     fn evaluations(&self, alone: StepAlone) -> f64 {
         (alone.seconds * alone.threads as f64 / self.planned.plan.predicted_seconds).max(1.0)
     }
 
-    /// The largest share of the work that a rank has.
+    /// Largest share of the work of any rank.
     fn share(&self, ranks: usize) -> f64 {
         if ranks == 1 {
             return 1.0;
@@ -91,23 +93,24 @@ impl Scaling {
         let lines = self.largest_share(ranks);
         let count = self.planned.radii.count() as f64;
         let expected = count * lines;
-        // The largest of so many numbers of spheres, each about the expected one give or take its root.
+        // Expected maximum over the ranks of the number of spheres, whose standard deviation is the square root of its
+        // mean.
         let most = expected + (2.0 * (ranks as f64).ln() * expected).sqrt();
         self.of_grid * lines + (1.0 - self.of_grid) * (most.max(1.0) / count).min(1.0)
     }
 
-    /// Seconds in which a rank sends what belongs to an evaluation.
+    /// Seconds of communication of a rank in an evaluation.
     fn exchange(&self, ranks: usize) -> f64 {
         if ranks == 1 { 0.0 } else { self.bytes(ranks) / BANDWIDTH + Self::messages(ranks) * LATENCY }
     }
 
-    /// Messages that a rank sends in an evaluation.
+    /// Number of messages that a rank sends in an evaluation.
     fn messages(ranks: usize) -> f64 {
         MESSAGES * (ranks - 1) as f64
     }
 
-    /// Bytes that a rank sends in an evaluation: of the grid, to and fro along each axis that is shared out, and of
-    /// images.
+    /// Bytes that a rank sends in an evaluation: the grid, in both directions along each axis that is divided among
+    /// ranks, and images.
     fn bytes(&self, ranks: usize) -> f64 {
         let plan = &self.planned.plan;
         let place = self.place(ranks);
@@ -119,7 +122,7 @@ impl Scaling {
         2.0 * point * points * self.largest_share(ranks) * others + IMAGE * images
     }
 
-    /// The largest part of the grid's lines that a rank owns.
+    /// Largest fraction of the grid's lines that a rank owns.
     fn largest_share(&self, ranks: usize) -> f64 {
         let place = self.place(ranks);
         let largest = |d: usize| place.lines()[d].div_ceil(place.table()[d]) as f64 / place.lines()[d] as f64;
@@ -144,7 +147,7 @@ mod tests {
         Scaling::of(&Model::new(Parameters::new(cell, 1.0, vec![spheres], (0.1, 10))).unwrap()).unwrap()
     }
 
-    /// 20,000 spheres at 12%, of which `docs/src/scale.md` has bytes and messages as the program counted them.
+    /// 20,000 spheres at 12%, for which `docs/src/scale.md` has the bytes and messages counted by the program.
     fn counted() -> Scaling {
         scaling(20_000, 88.70)
     }
@@ -158,7 +161,7 @@ mod tests {
         }
     }
 
-    /// Within 35% of those counted, without the two sums: on few ranks each sends a few messages more.
+    /// Within 35% of the counts, without the two sums: on few ranks each rank sends a few messages more.
     #[test]
     fn bytes_and_messages_are_those_counted() {
         let scaling = counted();
@@ -172,7 +175,7 @@ mod tests {
         }
     }
 
-    /// While ranks are worth it each doubling makes a step shorter, and never by more than half.
+    /// Up to the worthwhile number of ranks, each doubling shortens a step, and never by more than half.
     #[test]
     fn a_step_gets_shorter_with_the_ranks_while_they_are_worth_it() {
         for (scaling, seconds) in [(counted(), 0.07), (scaling(200_000, 191.0), 0.8), (scaling(300, 21.9), 1e-3)] {

@@ -83,8 +83,9 @@ impl AdamsBashforth {
 ///
 /// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
 /// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
-/// column must hold the velocities of now when this is called, and holds those of the step's end afterwards. Where
-/// those of the steps before are missing, as after the particles were put elsewhere, they count as those of now.
+/// column must hold the present velocities when this is called, and holds those at the end of the step afterwards. If
+/// velocities of previous steps are missing, for example after a change of positions, the present ones are used in
+/// their place.
 pub fn advance<E>(
     particles: &mut Particles,
     (dt, steps): (f64, u64),

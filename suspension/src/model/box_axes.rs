@@ -61,12 +61,12 @@ impl UserAxes {
         self.turn.tensor(of_user)
     }
 
-    /// A place.
+    /// A position in the user's axes.
     pub fn place(&self, in_box: Vector) -> Vector {
         self.turn.inverse().place(in_box, self.edges[1])
     }
 
-    /// A position in the coordinates of the box.
+    /// A position in the axes of the box.
     pub fn place_in(&self, of_user: Vector) -> Vector {
         self.turn.place(of_user, self.edges[0])
     }

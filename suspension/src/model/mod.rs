@@ -63,7 +63,7 @@ pub struct Parameters {
     pub start: Start,
     /// Background flow.
     pub flow: Flow,
-    /// Course of the flow rate in time.
+    /// Rate of the flow as a function of time.
     pub protocol: Protocol,
     /// Repulsion between spheres.
     pub repulsion: Option<Repulsion>,

@@ -1,4 +1,4 @@
-//! Shear rates that change in the course of a run.
+//! Shear rates that change during a run.
 
 use domain::{Number, ParameterError};
 use std::f64::consts::FRAC_PI_2;
@@ -12,7 +12,7 @@ pub struct RateChange {
     pub rate: f64,
 }
 
-/// Course of the shear rate during a run.
+/// Shear rate as a function of time.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Protocol {
     /// The rate of the flow at first, then these rates in their order.

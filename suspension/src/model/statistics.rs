@@ -1,9 +1,9 @@
-//! Statistics that are accumulated in the course of a run.
+//! Statistics that are accumulated during a run.
 
 use domain::{Boundaries, Number, ParameterError, PeriodicBox};
 use simulation::Schedule;
 
-/// Statistics that are accumulated in the course of a run, and the times of their samples.
+/// Statistics that are accumulated during a run, and the times of their samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Statistics {
     /// Times of the samples.

@@ -1,4 +1,4 @@
-//! Statistics accumulated in the course of a run.
+//! Statistics accumulated during a run.
 
 use crate::Suspension;
 use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};

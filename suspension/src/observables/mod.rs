@@ -145,7 +145,7 @@ impl Observer {
         self.remedies
     }
 
-    /// Tells of the stress of the user's forces from now on, if they have any.
+    /// Includes the stress of the user's forces in rows from now on, if they contribute to the stress.
     pub fn see_loads(&mut self, suspension: &Suspension) {
         if suspension.has_applied_stress() {
             self.rheology.iter_mut().for_each(Rheology::tell_of_applied);

@@ -58,14 +58,14 @@ impl Rheology {
         })
     }
 
-    /// Tells of the stress of the user's forces too.
+    /// Includes the stress of the user's forces.
     pub fn tell_of_applied(&mut self) {
         if !self.origins.iter().any(|(name, _)| *name == APPLIED) {
             self.origins.push((APPLIED, |s| s.applied));
         }
     }
 
-    /// The stress by origin and species, and what it amounts to: with `s` the sum of all of it,
+    /// Stress by contribution and species, and the quantities derived from it: with `s` the sum of all contributions,
     ///
     /// ```text
     /// shear stress = mu rate + s_xy,  relative viscosity = 1 + s_xy / (mu rate),

@@ -1,4 +1,4 @@
-//! Statistics of a suspension, in the course of a run or from its trajectory.
+//! Statistics of a suspension, during a run or from its trajectory.
 
 mod background;
 mod channel;

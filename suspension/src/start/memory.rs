@@ -138,7 +138,7 @@ impl Share<'_> {
         placed.or(own.then(self.near(self.gap_search())).freed())
     }
 
-    /// Memory of a rank that places its own share and knows the spheres around it.
+    /// Memory of a rank that places its own spheres and stores those around them.
     fn shared_placing(&self, gap: f64) -> Bytes {
         let present = self.expected.present(2.0 * self.expected.largest_radius() + gap);
         let listed = Bytes::list::<(u64, Vector)>(domain::GROWING * self.expected.owned());

@@ -14,7 +14,7 @@ impl Block {
     /// Stored numbers: a whole SIMD vector can be read from the start of the last row.
     pub const NUMBERS: usize = 5 * 6 + LANES;
 
-    /// Product of the matrix and a screw.
+    /// Product of the matrix and a six-vector.
     #[cfg(test)]
     pub fn times(&self, screw: &SixVector) -> SixVector {
         let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * screw.0[k]).sum();
@@ -28,7 +28,7 @@ impl Default for Block {
     }
 }
 
-/// Products of blocks with one screw each.
+/// Products of blocks with one six-vector each.
 pub struct Products<'a> {
     pub blocks: &'a [Block],
     pub screws: &'a [SixVector],

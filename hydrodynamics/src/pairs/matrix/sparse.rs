@@ -53,10 +53,10 @@ pub struct Slice {
 pub struct Group<T> {
     pub axis: [[T; LANES]; 3],
     pub across: [T; LANES],
-    /// `along - across`
+    /// Translation along the axis minus translation across it: `along - across`.
     pub along: [T; LANES],
     pub roll: [T; LANES],
-    /// `spin - roll`
+    /// Rotation about the axis minus rotation across it: `spin - roll`.
     pub spin: [T; LANES],
     /// Coefficients of the force due to the other's angular velocity, and of the torque due to its velocity.
     pub coupling: [[T; LANES]; 2],

@@ -3,7 +3,7 @@ use crate::model::{Evaluation, Hydrodynamics, Parameters, Statistics};
 use crate::start::plan::plan;
 use domain::PeriodicBox;
 
-/// StiffnessAdaptation spheres of radius 1 at a volume fraction.
+/// Sedimenting spheres of radius 1 at a volume fraction.
 fn settling(count: u64, fraction: f64) -> Parameters {
     let edge = (count as f64 * 4.0 / 3.0 * std::f64::consts::PI / fraction).cbrt();
     let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
