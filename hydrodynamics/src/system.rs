@@ -224,9 +224,9 @@ impl System for CoupledSystem<'_> {
     }
 
     /// Squared norm of the error estimate: the motions of single spheres under the loads of a preconditioned residual,
-    /// and its moments. Motions without resistance follow from the others in [`CoupledSystem::finish`], and the energy norm
-    /// would overweight stiff pairs, whose large resistance hardly moves them. Loads of stiff and of soft pairs count
-    /// separately: their sum may vanish in some directions of a symmetric arrangement, since each step leaves a
+    /// and its moments. Motions without resistance follow from the others in [`CoupledSystem::finish`], and the energy
+    /// norm would overweight stiff pairs, whose large resistance hardly moves them. Loads of stiff and of soft pairs
+    /// count separately: their sum may vanish in some directions of a symmetric arrangement, since each step leaves a
     /// residual orthogonal to the last direction. Separately they vanish only at the solution.
     fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
         let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);

@@ -82,7 +82,7 @@ impl PairForce {
         &self.radii
     }
 
-    /// LubricationRange of gaps of the correction.
+    /// Range of gaps of the correction.
     pub fn range(&self) -> LubricationRange {
         self.range
     }

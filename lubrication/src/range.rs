@@ -1,11 +1,11 @@
-//! LubricationRange of gaps in which lubrication acts.
+//! Range of gaps in which lubrication acts.
 
 use thiserror::Error;
 
 use crate::root_table::{CLOSEST, FARTHEST};
 use crate::wall_table;
 
-/// LubricationRange of gaps of the lubrication correction: its cutoff over the larger radius of a pair, with which the errors of
+/// Range of gaps of the lubrication correction: its cutoff over the larger radius of a pair, with which the errors of
 /// the far field scale, and the gap below which the correction is constant, over the mean radius.
 ///
 /// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two
@@ -81,7 +81,7 @@ impl LubricationRange {
         gap.max(closest)
     }
 
-    /// LubricationRange for a sphere and a wall, with gaps over its radius: the errors of the far field extend less far than
+    /// Range for a sphere and a wall, with gaps over its radius: the errors of the far field extend less far than
     /// between spheres.
     #[must_use]
     pub fn at_wall(self) -> Self {

@@ -1,7 +1,7 @@
 //! Pair of surfaces: two spheres, or a sphere and a wall.
 
-/// PairKind of two spheres with given radii, or of a sphere and a plane wall. At a wall, quantities that depend on
-/// the harmonic mean radius have the limit of a large second sphere; the arithmetic mean radius, which has none, is
+/// Pair of two spheres with given radii, or of a sphere and a plane wall. At a wall, quantities that depend on the
+/// harmonic mean radius have the limit of a large second sphere; the arithmetic mean radius, which has none, is
 /// replaced by the sphere's radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PairKind {

@@ -28,7 +28,7 @@ impl WallForce {
         Self { viscosity, range: range.at_wall(), table: WallTable::get() }
     }
 
-    /// LubricationRange of gaps of the correction, over the radius.
+    /// Range of gaps of the correction, over the radius.
     pub fn range(&self) -> LubricationRange {
         self.range
     }

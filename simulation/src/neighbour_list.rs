@@ -2,8 +2,8 @@
 
 use domain::{Number, Pairs, Particles, PeriodicBox, Vector};
 
-/// All pairs of particles whose centres are nearer than a cutoff, each once over all images; a particle and its own image
-/// are a pair too. Ordered by the first particle.
+/// All pairs of particles whose centres are nearer than a cutoff, each once over all images; a particle and its own
+/// image are a pair too. Ordered by the first particle.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NeighbourList {
     /// Rows of both among the particles in the order of their ids.

@@ -35,8 +35,8 @@ pub trait Simulation {
     /// a step; [`Self::advance`] then returns with the state at the start of that step.
     fn listen(&mut self, _interrupt: Interrupt) {}
 
-    /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every rank
-    /// or on none, and nothing is added then.
+    /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every
+    /// rank or on none, and nothing is added then.
     fn add_loads(&mut self, _loads: OwnLoads) -> Result<(), SimulationError> {
         Err(SimulationError::new(NoLoads))
     }

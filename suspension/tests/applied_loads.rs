@@ -110,7 +110,7 @@ fn functions_hear_the_time_of_each_evaluation() {
     assert_eq!(*times.borrow(), steps.map(|step| step * 0.05));
 }
 
-/// A sphere that is driven through the side of the box has a continuous position.
+/// A sphere that is pulled through a face of the box has a continuous position.
 #[test]
 fn positions_know_no_periodicity() {
     let fast = "species=[{ radius = 1.0, count = 1, force = [0.0, 0.0, -2000.0] }]";

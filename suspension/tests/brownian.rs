@@ -93,7 +93,7 @@ fn a_resumed_run_has_the_same_bits() {
     }
 }
 
-/// Steps whose motions are not looked at lead to the same positions, bit for bit.
+/// Steps whose motions are not evaluated for output lead to the same positions, bit for bit.
 #[test]
 fn steps_are_the_same_unseen() {
     let places = |scheme: &str, is_seen: bool| {

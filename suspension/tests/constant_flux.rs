@@ -312,7 +312,7 @@ fn any_ranks_find_the_same() {
     }
 }
 
-/// A run resumed half-way continues bit for bit, and knows its pressure gradient from the start.
+/// A run resumed half-way continues bit for bit, with its pressure gradient from the start.
 #[test]
 fn a_run_resumes_bit_for_bit() {
     for method in ["time.integrator=\"implicit\"", "time.integrator=\"adams-bashforth\""] {

@@ -1,4 +1,4 @@
-//! Shear rates that change in the course of a run.
+//! Shear rates that change during a run.
 
 use crate::support::ended::ended;
 use crate::support::model_of;

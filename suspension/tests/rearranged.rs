@@ -1,4 +1,4 @@
-//! Spheres that a user puts elsewhere in the course of a run.
+//! Spheres that a user moves during a run.
 
 use crate::support::model_of;
 use domain::{Comm, Vector};
@@ -14,7 +14,7 @@ time = { step = 0.05, steps = 3 }
 species = [{ radius = 1.0, count = 12, force = [1.0, 0.5, -6.0] }]
 ";
 
-/// A state after two steps in which spheres 3 and 7 are elsewhere, the former beyond the box.
+/// A state after two steps, with new positions of spheres 3 and 7, the former outside the box.
 fn moved(model: &Model, comm: &Comm, change: &Rearrangement) -> (Observed, State) {
     let mut run = Observed::start(model, None, comm).unwrap();
     run.advance(1).unwrap();

@@ -1,7 +1,7 @@
 //! Check that the rows of a table have the cells that its first line names.
 
-/// Refuses a table whose rows have other numbers of cells, or of which no column is named after a species and no row of a
-/// column `species` is of it. Cells may be quoted.
+/// Refuses a table whose rows have other numbers of cells, or of which no column is named after a species and no row of
+/// a column `species` is of it. Cells may be quoted.
 pub fn of_cells(text: &str, species: &str) -> Result<(), String> {
     let rows: Vec<Vec<String>> = rows(text);
     let Some(names) = rows.first() else { return Ok(()) };

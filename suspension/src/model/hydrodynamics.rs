@@ -23,7 +23,8 @@ pub struct Hydrodynamics {
     pub costs: Option<[f64; 3]>,
     /// Whether lubrication acts between near spheres.
     pub lubrication: bool,
-    /// Gap at which lubrication ends, over the larger radius of a pair; by default [`lubrication::LubricationRange::WIDE`].
+    /// Gap at which lubrication ends, over the larger radius of a pair; by default
+    /// [`lubrication::LubricationRange::WIDE`].
     pub lubrication_cutoff: Option<f64>,
     /// Whether the solve with lubrication is preconditioned.
     pub preconditioner: bool,
