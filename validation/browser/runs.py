@@ -40,6 +40,7 @@ SCENES = {
             "output.contacts_every": 5,
         },
     ),
+    "chain": ("chain", {"time.duration": 0.2}),
     "disks": ("granular-disks", {"box.edges": "[40.0, 40.0]", "time.strain": 0.4, "output.trajectory_every": 40}),
     "cell": (
         "shear-cell",

@@ -105,7 +105,7 @@ def wall_stress(run):
 
 def migration(run):
     """The migration of spheres to the middle: 1 where they are spread evenly."""
-    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""), "migration")
+    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("migration", ""), "migration")
 
 
 def pressure_gradient(run):
