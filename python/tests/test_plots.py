@@ -1,5 +1,6 @@
 """Pictures of results: what is in them, what is left out, and errors of one line."""
 
+import math
 import sys
 import warnings
 
@@ -10,6 +11,7 @@ import plot_folders as folders
 import pytest
 from fcm_solve import __main__ as program
 from fcm_solve import plots
+from fcm_solve.plots import answers
 from fcm_solve.plots.csv_table import read_table
 from fcm_solve.plots.slabs import slab_means, volume_fractions
 from fcm_solve.plots.spheres import nearest_to_viewer, render

@@ -40,7 +40,6 @@ SCENES = {
             "output.contacts_every": 5,
         },
     ),
-    "chain": ("chain", {"time.duration": 0.2}),
     "disks": ("granular-disks", {"box.edges": "[40.0, 40.0]", "time.strain": 0.4, "output.trajectory_every": 40}),
     "cell": (
         "shear-cell",
@@ -49,10 +48,14 @@ SCENES = {
 }
 
 
+# A box that is much longer than wide, with few spheres in it.
+LONG = {"chain": ("chain", {"time.duration": 0.2})}
+
+
 @functools.cache
 def report(name):
     """The page about a run."""
-    scene, sets = SCENES[name]
+    scene, sets = (SCENES | LONG)[name]
     out = pathlib.Path(PLACE.name) / name
     words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
     run(["run", ROOT / "scenes" / f"{scene}.toml", "--out", out, *words])

@@ -52,7 +52,7 @@ fn dilute(table: &StoredTable) -> Option<String> {
 /// A family in which no quantity has a mean, so that there is no chart.
 fn without_means(tables: &[StoredTable]) -> Option<String> {
     let mut means = tables.iter().filter_map(|table| table.numbers("mean")).flat_map(|(means, _)| means);
-    let is_without = !tables.is_empty() && !means.any(f64::is_finite);
+    let is_without = !tables.is_empty() && !means.any(|mean| mean.is_finite());
     is_without.then(|| "No quantity has a mean: its runs are too short for any value, see their verdicts.".to_owned())
 }
 
