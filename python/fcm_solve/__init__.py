@@ -21,6 +21,7 @@ from .answers import Answer, Answers  # noqa: E402
 from .families import run_family  # noqa: E402
 from .loggers import Logger, Writer  # noqa: E402
 from .mobility import Drift, Mobility, Motion, Noise, Plan  # noqa: E402
+from .neighbours import Neighbours  # noqa: E402
 from .pages import report, show  # noqa: E402
 from .results import Run, open  # noqa: A004, E402
 from .scene import Scene  # noqa: E402
@@ -38,6 +39,7 @@ __all__ = [
     "Logger",
     "Mobility",
     "Motion",
+    "Neighbours",
     "Noise",
     "Plan",
     "Run",

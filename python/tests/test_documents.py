@@ -48,6 +48,13 @@ def test_the_twenty_lines_run(tmp_path, monkeypatch, capsys, pair):
     assert names["A"].shape == (192, 192) and names["ds"]["position"].shape == (3, 2, 3)
 
 
+def test_the_block_with_libmobility_s_names_runs():
+    page = PACKAGE.parent / "docs" / "src" / "python.md"
+    names = {}
+    exec(next(block for block in blocks(page) if "fcm_solve.libmobility" in block), names)
+    assert names["linear"].shape == names["angular"].shape == (2, 3)
+
+
 def test_the_blocks_about_simulations_run(tmp_path, monkeypatch, pair):
     page = PACKAGE.parent / "docs" / "src" / "python.md"
     monkeypatch.chdir(tmp_path)

@@ -1,5 +1,6 @@
 """Figures of results: their contents, omitted parts, and errors of one line."""
 
+import math
 import sys
 import warnings
 
@@ -10,6 +11,7 @@ import plot_folders as folders
 import pytest
 from fcm_solve import __main__ as program
 from fcm_solve import plots
+from fcm_solve.plots import answers
 from fcm_solve.plots.csv_table import read_table
 from fcm_solve.plots.slabs import slab_means, volume_fractions
 from fcm_solve.plots.spheres import nearest_to_viewer, render
@@ -80,8 +82,17 @@ def test_answers_are_bands_over_their_series_and_a_table(tmp_path):
     np.testing.assert_allclose([shade.x0, shade.x1], [0.0, 0.6])
     cells = figure.axes[-1].tables[0].get_celld()
     texts = [cells[1, column].get_text().get_text() for column in range(3)]
-    assert texts == ["relative viscosity", "2.50 \u00b1 0.25", "too short: 4.2 times as long"]
-    assert cells[2, 1].get_text().get_text() == "\u2013"
+    assert texts == ["relative viscosity", "2.50 \u00b1 0.25", "too short: 4.2 times longer"]
+    assert [cells[2, column].get_text().get_text() for column in (1, 2)] == ["\u2013", "too short for any value"]
+
+
+def test_verdicts_are_in_the_words_of_the_program():
+    def judged(verdict, longer=math.nan):
+        return answers.Answer("a", "all", 1.0, 0.1, 0.0, longer, verdict, "").judged
+
+    assert judged("too short", 229.7) == "too short: 230 times longer"
+    assert judged("too short", 1.01) == "too short: 1.1 times longer"
+    assert [judged("converged"), judged("drifting")] == ["converged", "still drifting"]
 
 
 def test_one_quantity_is_drawn_alone(tmp_path, capsys):
@@ -112,7 +123,7 @@ def test_every_answer_of_a_channel_has_a_panel(tmp_path):
     for quantity in answers.split():
         assert len(plots.draw(folder, only=quantity).axes) == 1, quantity
     labels = [axes.get_ylabel() for axes in plots.draw(folder).axes]
-    assert {"spread across the channel", "particle flux", "slip velocity", "pressure gradient"} <= set(labels)
+    assert {"migration", "particle flux", "slip velocity", "pressure gradient"} <= set(labels)
 
 
 def test_units_of_scenes_in_si_units_have_names(tmp_path):

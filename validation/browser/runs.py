@@ -48,10 +48,14 @@ SCENES = {
 }
 
 
+# A box that is much longer than wide, with few spheres in it.
+LONG = {"chain": ("chain", {"time.duration": 0.2})}
+
+
 @functools.cache
 def report(name):
     """The page about a run."""
-    scene, sets = SCENES[name]
+    scene, sets = (SCENES | LONG)[name]
     out = pathlib.Path(PLACE.name) / name
     words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
     run(["run", ROOT / "scenes" / f"{scene}.toml", "--out", out, *words])

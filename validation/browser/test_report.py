@@ -69,6 +69,14 @@ class Reports(unittest.TestCase):
                 others = [url for url in self.browser.requests() if not url.startswith(("file://", "data:"))]
                 self.assertEqual((others, self.browser.requests()[0]), ([], report(name).resolve().as_uri()))
 
+    def test_a_long_box_is_seen_whole_at_first(self):
+        self.open("chain")
+        picture = self.seen()
+        edges = np.concatenate([picture[0], picture[-1], picture[:, 0], picture[:, -1]])
+        self.assertGreater(edges.min(), 0.95)
+        rows = np.flatnonzero(coloured(picture).any(axis=1))
+        self.assertGreater(rows[-1] - rows[0], 0.6 * len(picture))
+
     def test_the_box_tilts(self):
         self.open("sheared")
         tilts = "JSON.parse(document.getElementById('run').textContent).edges.map(e => e[3])"

@@ -12,11 +12,13 @@ TIMING = re.compile(
     rf"{VALUE} (?:s|ms|microseconds|seconds|minutes|hours|days)\b|\bby its first \d+ steps|\b\d+(?= (?:runs )?at a time)|^run \d+ of (?=\d)"
 )
 # A verdict is found by errors, and a value is refused by its verdict: both change with the last bit of a chaotic run.
-VERDICT = re.compile(rf"converged|still drifting|too short for any value|too short: {VALUE} times longer|has no value|: matters|: within two errors|(?<= )-(?= )")
+VERDICT = re.compile(rf"converged|still drifting|too short for any value|too short: {VALUE} times longer|has no value|: not seen|: small|: matters|(?<= )-(?= )")
 # Two runs of a chaotic suspension agree within their errors, which short runs know to a factor of two or three; where few
 # seeds are near each other by chance, their spread says less than that.
 ERRORS, RELATIVE, MEMORY = 10, 0.25, 2
 ROUNDED = 0.02
+# Lines of what depends on the last bit: overlaps, progress, and which of small changes are seen.
+LEFT_OUT = ("warning: spheres overlap", "step ", "changes it by less than its error: ", "makes no difference that these seeds show: ")
 
 
 class Line:
@@ -58,8 +60,8 @@ def same_estimate(one, other):
 
 
 def kept(lines):
-    """The lines that are compared: without progress and counts of overlaps, members of a family in a fixed order."""
-    lines = [line for line in lines if not line.startswith(("warning: spheres overlap", "step "))]
+    """The lines that are compared: without progress, counts of overlaps and lists of small changes, members of a family in order."""
+    lines = [line for line in lines if not line.startswith(LEFT_OUT)]
     members = iter(sorted((line for line in lines if line.startswith("run ")), key=lambda line: line.split(": ", 1)[1]))
     return [next(members) if line.startswith("run ") else line for line in lines]
 

@@ -18,6 +18,7 @@ pub(super) fn warnings(about: &About, course: &Course, tables: &[StoredTable]) -
     }
     warnings.extend(overlaps(course));
     warnings.extend(tables.iter().find_map(dilute));
+    warnings.extend(about.family().and_then(|_| without_means(tables)));
     let frames = course.trajectory.map_or(&[][..], |(_, playback)| &playback.damage);
     warnings.extend(told("trajectory.h5", frames));
     warnings.extend(told("observables.h5", &course.series.damage));
@@ -46,6 +47,13 @@ fn overlaps(course: &Course) -> Option<String> {
 fn dilute(table: &StoredTable) -> Option<String> {
     let count = table.numbers("dilute")?.0.iter().filter(|&&dilute| dilute != 0.0).count();
     (count > 0).then(|| format!("{count} of {} solutions are dilute.", table.len()))
+}
+
+/// A family in which no quantity has a mean, so that there is no chart.
+fn without_means(tables: &[StoredTable]) -> Option<String> {
+    let mut means = tables.iter().filter_map(|table| table.numbers("mean")).flat_map(|(means, _)| means);
+    let is_without = !tables.is_empty() && !means.any(|mean| mean.is_finite());
+    is_without.then(|| "No quantity has a mean: its runs are too short for any value, see their verdicts.".to_owned())
 }
 
 fn told(file: &str, damage: &[String]) -> Vec<String> {

@@ -11,6 +11,8 @@ COLUMNS = ("quantity", "species", "value", "error", "samples", "transient", "ver
 # Largest number of rows of the table in a figure.
 MOST = 12
 ALL = ("", "all")
+# The verdicts in the words in which the program prints them.
+VERDICTS = {"drifting": "still drifting", "meaningless": "too short for any value"}
 
 
 @dataclass(frozen=True)
@@ -28,9 +30,10 @@ class Answer:
 
     @property
     def judged(self):
-        """The verdict, and the factor by which the run would need to be longer."""
-        needs = f": {self.longer:.2g} times as long" if self.verdict == "too short" and self.longer > 1 else ""
-        return shown(self.verdict) + needs
+        """The verdict, and how much longer the run would need to be."""
+        if self.verdict == "too short" and math.isfinite(self.longer):
+            return f"too short: {float(f'{max(self.longer, 1.1):.2g}'):g} times longer"
+        return VERDICTS.get(self.verdict) or shown(self.verdict)
 
     @property
     def has_value(self):
@@ -83,7 +86,7 @@ def rows(answers, units):
 def draw_table(axes, answers, units):
     """Draws the table of the answers."""
     axes.set_axis_off()
-    heads = ["quantity", "value", "verdict"]
+    heads = ["quantity", "mean (dashed) \u00b1 error (band)", "verdict (transient: gray)"]
     options = {"loc": "upper left", "cellLoc": "left", "edges": "B", "colWidths": [0.48, 0.24, 0.28]}
     table = axes.table([heads, *rows(answers, units)], bbox=(0, 0, 1, 1), **options)
     table.auto_set_font_size(False)

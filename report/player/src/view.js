@@ -12,6 +12,8 @@ const FILLED = 0.92;
 const ANGLE = 30;
 /** The eye's distance over that from which the ball around the box is seen whole; its corners take less room. */
 const NEARER = 0.95;
+/** The room that spheres at corners take, over the distance from which the corners themselves are seen. */
+const ROOM = 1.05;
 /** The share of their radii with which spheres are drawn between the forces of contacts. */
 const SMALL = 0.3;
 
@@ -60,20 +62,38 @@ export class View {
     const { up, flat } = this.run;
     this.camera.up.set(0, Number(up === "y"), Number(up === "z"));
     const away = flat ? [0, 0, 1] : up === "y" ? [0.35, 0.3, 1] : [0.5, -1, 0.4];
-    const distance = flat ? 2 * this.radius : this.distance();
-    this.camera.position.copy(this.middle).addScaledVector(new THREE.Vector3(...away).normalize(), distance);
+    const direction = new THREE.Vector3(...away).normalize();
+    const distance = flat ? 2 * this.radius : this.distance(direction);
+    this.camera.position.copy(this.middle).addScaledVector(direction, distance);
     this.camera.zoom = 1;
     this.orbit.target.copy(this.middle);
     this.resize();
     this.orbit.update();
   }
 
-  /** How far away the eye is to see the box whole, in a picture that may be narrow. */
-  distance() {
+  /** How far away the eye is in a direction to see the box whole, in a picture that may be narrow. */
+  distance(direction) {
     const { clientWidth, clientHeight } = this.place;
-    const narrow = Math.min(1, ((clientWidth / clientHeight || 1) * this.size.x) / this.width);
-    const half = Math.tan((ANGLE * Math.PI) / 360) * narrow;
-    return (NEARER * this.radius) / Math.sin(Math.atan(half));
+    const aspect = clientWidth / clientHeight || 1;
+    const narrow = Math.min(1, (aspect * this.size.x) / this.width);
+    const half = Math.tan((ANGLE * Math.PI) / 360);
+    const ofBall = (NEARER * this.radius) / Math.sin(Math.atan(half * narrow));
+    return Math.max(ofBall, ROOM * this.distanceOfCorners(direction, half, aspect));
+  }
+
+  /** The distance from which all corners are seen: those of a long box are at the edge of the ball around it. */
+  distanceOfCorners(direction, half, aspect) {
+    const across = new THREE.Vector3().crossVectors(this.camera.up, direction).normalize();
+    const upwards = new THREE.Vector3().crossVectors(direction, across);
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((number) => {
+      const sides = [0, 1, 2].map((axis) => ((number >> axis) & 1) - 0.5);
+      return new THREE.Vector3(...sides).multiply(this.size);
+    });
+    const needed = corners.map((corner) => {
+      const seen = Math.max(Math.abs(corner.dot(upwards)), Math.abs(corner.dot(across)) / aspect);
+      return corner.dot(direction) + seen / half;
+    });
+    return Math.max(...needed);
   }
 
   resize() {

@@ -27,7 +27,7 @@ fn chart((family, place): (&Family, usize), table: &StoredTable, (quantity, rows
     let (x, [mean, errors]) = (table.numbers(key)?.0, ["mean", "error"].map(|name| table.numbers(name)));
     let (mean, errors) = (mean?.0, errors?.0);
     let title = quantity.replace('_', " ");
-    let mut chart = Chart::new(&title, (key, ""), (&title, &table.cell("unit", rows[0])));
+    let mut chart = Chart::new(&title, (key, ""), ("mean over the seeds", &table.cell("unit", rows[0])));
     let mut lines: Vec<(String, Vec<usize>)> = Vec::new();
     for &row in rows {
         let name = name(family, place, [&table.cell("point", row), &table.cell("species", row)]);

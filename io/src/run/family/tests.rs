@@ -124,11 +124,28 @@ fn the_report_of_a_family_has_curves_over_the_first_key() {
         "hydrodynamics.method = &quot;direct&quot;",
         "Means over the seeds",
         "2 converged",
+        "mean over the seeds (force/length\u{b2})",
     ] {
         assert!(text.contains(expected), "{expected}");
     }
+    assert!(!text.contains("No quantity has a mean"));
     let chart = &text[text.find("<figure>").unwrap()..text.find("</figure>").unwrap()];
     // A bar for each of the two points of the two lines.
     let bars = chart.lines().filter(|line| line.contains("<circle")).map(|line| line.matches('V').count());
     assert_eq!(bars.collect::<Vec<_>>(), [2, 2], "{chart}");
+}
+
+#[test]
+fn the_report_of_a_family_without_means_says_so() {
+    let place = tempfile::tempdir().unwrap();
+    let family = family(SCENE);
+    let folder = FamilyFolder::claim(place.path(), &family, ExistingRun::Keep).unwrap();
+    for member in family.members() {
+        summary(&folder.member(member), "shear_stress,,,,,1.0,meaningless,,force/length^2\n");
+    }
+    folder.write_table(&family).unwrap();
+    let page = place.path().join("report.html");
+    crate::write_report(place.path(), &page).unwrap();
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.contains("No quantity has a mean") && !text.contains("<figure>"));
 }

@@ -104,8 +104,8 @@ def wall_stress(run):
 
 
 def migration(run):
-    """Migration of spheres towards the middle: 1 for a uniform distribution."""
-    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("spread across the channel", ""), "migration")
+    """The migration of spheres to the middle: 1 where they are spread evenly."""
+    return _by_species(run, [f"migration_{axis}" for axis in AXES], ("migration", ""), "migration")
 
 
 def pressure_gradient(run):

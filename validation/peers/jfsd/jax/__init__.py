@@ -1,0 +1,1 @@
+"""As much of jax as JFSD's tests import."""

@@ -1,0 +1,1 @@
+"""The backend that JFSD's tests ask for."""

@@ -1,0 +1,3 @@
+"""Arrays of numpy."""
+
+from numpy import *  # noqa: F403

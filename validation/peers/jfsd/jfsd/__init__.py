@@ -1,0 +1,1 @@
+"""A step of JFSD's tests, by fcm_solve."""
