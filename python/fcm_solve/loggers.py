@@ -109,7 +109,7 @@ class Logger(Quantities):
 
     def __init__(self) -> None:
         super().__init__()
-        self._rows = []
+        self._rows: list[tuple[int, float, dict[str, np.ndarray]]] = []
 
     def _take(self, step, time, row):
         while self._rows and self._rows[-1][0] >= step:

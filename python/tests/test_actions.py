@@ -254,6 +254,31 @@ def test_files_that_can_t_be_written_are_named(pair, tmp_path):
         assert simulation.actions == ()
 
 
+class Rank:
+    """A communicator as the second rank sees it, to which the first one says this."""
+
+    rank = 1
+
+    def __init__(self, said):
+        self._said = said
+
+    def bcast(self, _):
+        return self._said
+
+
+def test_rows_and_errors_are_those_of_the_first_rank(pair, tmp_path):
+    log = fcm.Logger().add("nothing", lambda s: np.zeros(0)[3])
+    with fcm.Simulation(pair) as simulation:
+        simulation._comm = Rank(None)
+        simulation.add(log, every=1)
+        simulation.add(writer(tmp_path / "own.csv"), every=1)
+        simulation.run(steps=2)
+        assert len(log) == 0 and not (tmp_path / "own.csv").exists()
+        simulation._comm = Rank("the disk is full")
+        with pytest.raises(fcm.Error, match="the disk is full"):
+            simulation.run(steps=1)
+
+
 def test_scenes_without_steps_take_no_actions(tmp_path):
     scene = fcm.Scene.new("shear-cell-continuum").set({"cell.speeds": [1.0], "output.points": 11})
     with fcm.Simulation(scene, out=tmp_path) as simulation:

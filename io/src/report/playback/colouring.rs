@@ -128,14 +128,18 @@ impl Column<'_> {
     }
 }
 
-/// Range of the values from the first to the last percentile: otherwise a few outliers would leave all others one
-/// colour. `None` if the range is empty.
+/// The width of a range over its ends from which these differ in the three digits of the legend.
+const SEEN: f64 = 2e-3;
+
+/// The range that all values but the least and the greatest hundredth are in: a few that are far off would leave all
+/// others one colour. `None` if that is no range, or one whose ends are the same in the digits that are shown.
 fn spread(values: &[f32]) -> Option<[f64; 2]> {
     let mut values = values.to_vec();
     let last = values.len().checked_sub(1)?;
     let [low, high] =
         [last / 100, last - last / 100].map(|k| f64::from(*values.select_nth_unstable_by(k, f32::total_cmp).1));
-    (low < high && (high - low).is_finite()).then_some([low, high])
+    let width = high - low;
+    (width > SEEN * low.abs().max(high.abs()) && width.is_finite()).then_some([low, high])
 }
 
 /// A value as a byte, 0 at the start of the range and 255 at its end.
@@ -166,5 +170,7 @@ mod tests {
         assert!((9.0..12.0).contains(&low) && (985.0..995.0).contains(&high), "{low} to {high}");
         assert_eq!((byte(low, [low, high]), byte(high, [low, high]), byte(1e30, [low, high])), (0, 255, 255));
         assert_eq!((spread(&[]), spread(&[3.0; 9])), (None, None));
+        assert_eq!((spread(&[1.09, 1.090_001]), spread(&[0.0; 9])), (None, None));
+        assert!(spread(&[1.09, 1.1]).is_some() && spread(&[-1e-9, 1e-9]).is_some());
     }
 }
