@@ -76,7 +76,8 @@ def try_binary(archive):
             raise SystemExit(f"the binary says {said}")
         scene, _ = call([*inside, "new", "shear"])
         (root / "shear.toml").write_text(scene)
-        said, ran = call([*inside, "run", "/shear.toml", "--set", f"time.strain={STRAIN}", "--out", "/shear"])
+        _, ran = call([*inside, "run", "/shear.toml", "--set", f"time.strain={STRAIN}", "--out", "/shear"])
+        said, _ = call([*inside, "stats", "/shear"])
         if not (root / "shear" / "trajectory.h5").exists():
             raise SystemExit("the binary has written no trajectory")
         pages = len(list((folder / "man" / "man1").iterdir()))
