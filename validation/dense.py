@@ -110,6 +110,8 @@ class Found:
 
     def words(self):
         """With two digits of the error."""
+        if not np.isfinite(self.error):
+            return "jammed"
         digits = max(0, 1 - int(np.floor(np.log10(self.error)))) if self.error > 0 else 2
         return f"{self.mean:.{digits}f} ± {self.error:.{digits}f}"
 
@@ -121,9 +123,11 @@ def found_of(values):
 
 
 def means(folder):
-    """The means of a run from the strain on at which it has settled; stresses are over that of the shear. At a given rate, 1, strain and time are one."""
+    """The means of a run from the strain on at which it has settled, which one that jams does not reach; stresses are over that of the shear. At a given rate, 1, strain and time are one."""
     with open(folder / "observables.csv") as file:
         rows = [row for row in csv.DictReader(file) if float(row.get("strain", row["time"])) >= SETTLED]
+    if not rows:
+        return dict.fromkeys(QUANTITIES, np.nan)
     mean = {name: np.mean([float(row[name]) for row in rows]) for name in QUANTITIES}
     stress = mean["relative_viscosity"]
     if "shear_stress" in rows[0]:
@@ -164,6 +168,8 @@ def judged(sizes):
     if len(found) < len(SIZES):
         return None, "one box only"
     small, large = found
+    if not np.isfinite(small.error + large.error):
+        return None, "jammed"
     mean = (small.mean + large.mean) / 2
     error = np.sqrt((small.error**2 + large.error**2) / 4 + ((small.mean - large.mean) / 2) ** 2)
     if error > LARGEST_ERROR * mean:
