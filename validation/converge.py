@@ -7,7 +7,6 @@ Runs are kept in results/converge, or where FCM_SOLVE_RUNS says, and made once."
 
 import os
 import pathlib
-import resource
 import subprocess
 
 from support.page import write_section
@@ -28,29 +27,18 @@ def words(setting):
     return f'--set {key}="{value}"' if " " in value else f"--set {setting}"
 
 
-def seconds():
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
 def made(name, quantity, settings):
     """The lines of a scene: its commands, and what they print."""
     folder, scene = RUNS / name, RUNS / f"{name}.toml"
     scene.write_text(subprocess.run([PROGRAM, "new", name], check=True, capture_output=True, text=True).stdout)
     sets = [word for setting in settings for word in ("--set", setting)]
-    before = seconds()
     command = [PROGRAM, "converge", scene, "--of", quantity, "--out", folder, *sets]
     ended = subprocess.run(command, stdout=subprocess.PIPE, text=True)
     if ended.returncode:
         raise SystemExit(f"{name} ended with {ended.returncode}: the same command goes on")
-    noted, taken = folder.with_suffix(".seconds"), seconds() - before
-    # A command that finds all runs made takes next to nothing.
-    if not noted.exists() or taken > float(noted.read_text()):
-        noted.write_text(f"{taken:.0f}")
     typed = " ".join([f"fcm-solve converge {name}.toml --of {quantity}", *map(words, settings)])
     print(ended.stdout, flush=True)
-    return ["```console", f"$ fcm-solve new {name} > {name}.toml", f"$ {typed}", *ended.stdout.splitlines(), "```", "",
-            f"{float(noted.read_text()) / 60:.1f} minutes of a core in all.", ""]
+    return ["```console", f"$ fcm-solve new {name} > {name}.toml", f"$ {typed}", *ended.stdout.splitlines(), "```", ""]
 
 
 def main():

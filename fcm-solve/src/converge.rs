@@ -117,21 +117,27 @@ fn words((quantity, species): (&str, &str), verdicts: &str, rows: &[(&str, Optio
         write!(text, "{name:<width$}  {mean:.5} +- {error:.2}").expect("text grows");
         match place {
             0 => writeln!(text, "  ({} seeds; by themselves {verdicts})", found.seeds),
-            _ => writeln!(text, "  {}: {}", change(found), found.verdict().name()),
+            _ => writeln!(text, "  {}", change(found)),
         }
         .expect("text grows");
     }
     text + &conclusion(&rows[1..])
 }
 
-/// A change with its error: in per cent of the quantity, if the quantity is larger than its own error, else in its
-/// units.
+/// A change with its error, in per cent of the quantity if the quantity is larger than its own error, else in its units; and
+/// its verdict.
 fn change(found: &AnswerChange) -> String {
-    if (found.mean - found.change).abs() > found.error {
-        let [change, error] = found.relative().map(|part| 100.0 * part);
-        return format!("{} +- {:.2} %", signed(change), Number(error));
-    }
-    format!("{} +- {:.2}", signed(found.change), Number(found.change_error))
+    let is_relative = (found.mean - found.change).abs() > found.error;
+    let ([change, error, most], unit) = if is_relative {
+        (found.relative().map(|part| 100.0 * part), " %")
+    } else {
+        ([found.change, found.change_error, found.at_most()], "")
+    };
+    let verdict = match found.verdict() {
+        ChangeVerdict::NotSeen => format!("not seen, at most {:.2}{unit}", Number(most)),
+        other => other.name().to_owned(),
+    };
+    format!("{} +- {:.2}{unit}: {verdict}", signed(change), Number(error))
 }
 
 fn signed(number: f64) -> String {
@@ -148,6 +154,7 @@ fn conclusion(rows: &[(&str, Option<AnswerChange>)]) -> String {
         (ChangeVerdict::Matters, "matters: "),
         (ChangeVerdict::Small, "changes it by less than its error: "),
         (ChangeVerdict::NotSeen, "makes no difference that these seeds show: "),
+        (ChangeVerdict::Unknown, "unknown, for want of seeds or of longer runs: "),
     ];
     let lines = words.into_iter().map(|(verdict, words)| (words, with(verdict))).filter(|(_, names)| !names.is_empty());
     lines.fold(String::new(), |text, (words, names)| text + words + &names + "\n")
@@ -203,7 +210,7 @@ mod tests {
         for expected in [
             "relative_viscosity, over the second half of each run\n",
             "as it is                  2 +- 0.1  (3 seeds; by themselves 2 converged, 1 too short)\n",
-            "half the step             2 +- 0.1  +0.5 +- 1 %: not seen\n",
+            "half the step             2 +- 0.1  +0.5 +- 1 %: not seen, at most 3.8 %\n",
             "twice the edges           3 +- 0.1  +50 +- 10 %: matters\n",
             "a tenth of the tolerance  no value\n",
             "four times the stiffness  2 +- 0.1  -0.99 +- 0.099 %: small\n",

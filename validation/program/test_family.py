@@ -223,7 +223,7 @@ class Families(unittest.TestCase):
         self.assertIn("8 finished before", said)
         self.assertIn("relative_viscosity, over the second half of each run\n", said)
         self.assertRegex(said, r"as it is +2\.1 \+- 0\.18  \(2 seeds; by themselves 2 meaningless\)\nhalf the step ")
-        self.assertRegex(said, r"half the step +2\.115 \+- \S+  \+0\.71 \+- 0\.44 %: not seen\n")
+        self.assertRegex(said, r"half the step +2\.115 \+- \S+  \+0\.71 \+- 0\.44 %: not seen, at most 3\.7 %\n")
         self.assertRegex(said, r"twice the edges +3\.1 \+- \S+  \+48 \+- \S+ %: matters\n")
         self.assertIn("\nmatters: twice the edges\n", said)
         answer = json.loads(subprocess.run([PROGRAM, *map(str, words), "--json"], capture_output=True, text=True).stdout)

@@ -1,7 +1,7 @@
 //! Changes of a quantity from the first point of a family to each of the others.
 
 use super::folder::FamilyFolder;
-use super::spread::Spread;
+use super::spread::{Spread, errors_of_95_percent};
 use crate::answers::{PlainMean, second_half};
 use crate::run::RunError;
 use crate::{Family, FileError, Member};
@@ -25,34 +25,46 @@ pub struct AnswerChange {
 /// Significance of a change of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChangeVerdict {
-    /// Too few seeds have values to tell.
+    /// There are too few seeds to tell, or they differ too much: it may be more than half of the quantity.
     Unknown,
-    /// It is within two of its errors.
+    /// It may be by chance.
     NotSeen,
-    /// It is beyond two of its errors, and below the error of the quantity itself.
+    /// It is hardly by chance, but below the error of the quantity itself.
     Small,
     /// It is beyond both.
     Matters,
 }
 
-/// Errors beyond which a change is seen.
-const ERRORS: f64 = 2.0;
+/// The part of a quantity up to which something is known of a change that is not seen.
+const KNOWN: f64 = 0.5;
 
 impl AnswerChange {
     /// Significance of the change.
     pub fn verdict(&self) -> ChangeVerdict {
-        match self.change.abs() {
-            _ if !self.change_error.is_finite() => ChangeVerdict::Unknown,
-            change if change <= ERRORS * self.change_error => ChangeVerdict::NotSeen,
-            change if change <= self.error => ChangeVerdict::Small,
-            _ => ChangeVerdict::Matters,
+        let (change, scale) = (self.change.abs(), (self.mean - self.change).abs().max(self.error));
+        match self.chance() {
+            chance if !chance.is_finite() => ChangeVerdict::Unknown,
+            chance if change > chance && change > self.error => ChangeVerdict::Matters,
+            chance if change > chance => ChangeVerdict::Small,
+            _ if self.at_most() > KNOWN * scale => ChangeVerdict::Unknown,
+            _ => ChangeVerdict::NotSeen,
         }
     }
 
-    /// The change, and its error, over the quantity at the first point.
-    pub fn relative(&self) -> [f64; 2] {
+    /// The change that 95% of pairs of equal runs stay below.
+    fn chance(&self) -> f64 {
+        errors_of_95_percent(self.seeds) * self.change_error
+    }
+
+    /// The change that is excluded in 95% of cases.
+    pub fn at_most(&self) -> f64 {
+        self.change.abs() + self.chance()
+    }
+
+    /// The change, its error, and the change that is excluded over the quantity at the first point.
+    pub fn relative(&self) -> [f64; 3] {
         let first = self.mean - self.change;
-        [self.change, self.change_error].map(|number| number / first.abs())
+        [self.change, self.change_error, self.at_most()].map(|number| number / first.abs())
     }
 }
 
@@ -60,7 +72,7 @@ impl ChangeVerdict {
     /// In words.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Unknown => "unknown: fewer than two seeds have a value",
+            Self::Unknown => "unknown",
             Self::NotSeen => "not seen",
             Self::Small => "small",
             Self::Matters => "matters",
@@ -136,7 +148,11 @@ mod tests {
         let same = [(Some(1), 10.1), (Some(2), 20.0), (Some(3), 29.9)];
         let found = changed(&first, &same).unwrap();
         assert!(found.seeds == 3 && found.change.abs() < 1e-12 && found.change_error < 0.1);
-        assert_eq!(found.verdict(), ChangeVerdict::NotSeen);
+        assert!(
+            found.verdict() == ChangeVerdict::NotSeen && (found.at_most() / found.change_error - 3.256).abs() < 0.01
+        );
+        let wild = [(Some(1), 50.0), (Some(2), 20.0), (Some(3), 29.0)];
+        assert_eq!(changed(&first, &wild).unwrap().verdict(), ChangeVerdict::Unknown);
         // Seeds are 8 from their mean, by which a change of 2 is small, however well it is known.
         let other = [(Some(1), 12.1), (Some(2), 22.0), (Some(4), 1.0)];
         let found = changed(&first, &other).unwrap();

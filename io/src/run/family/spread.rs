@@ -52,6 +52,23 @@ fn student(degrees: usize) -> f64 {
     }
 }
 
+/// How many errors of a mean over so many seeds contain the true mean in 95% of cases: Student's distribution again, over the
+/// factor that the errors have. Exact for two and three seeds, within 1% for more.
+pub(super) fn errors_of_95_percent(seeds: usize) -> f64 {
+    let (n, x) = (seeds.saturating_sub(1) as f64, 1.959_964_f64);
+    let quantile = match seeds {
+        0 | 1 => return f64::INFINITY,
+        2 => 12.706_2,
+        3 => 4.302_65,
+        _ => {
+            x + (x.powi(3) + x) / (4.0 * n)
+                + (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / (96.0 * n * n)
+                + (3.0 * x.powi(7) + 19.0 * x.powi(5) + 17.0 * x.powi(3) - 15.0 * x) / (384.0 * n.powi(3))
+        }
+    };
+    quantile / student(seeds - 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -64,6 +81,16 @@ mod tests {
         {
             assert!((student(degrees) - factor).abs() < 1e-3, "{degrees}: {}", student(degrees));
         }
+    }
+
+    #[test]
+    fn errors_of_few_seeds_reach_farther() {
+        // scipy.stats.t.ppf(0.975, n) over t.ppf(0.8413447460685429, n)
+        for (seeds, errors) in [(2, 6.916), (3, 3.256), (4, 2.659), (5, 2.432), (10, 2.137), (100, 1.974)] {
+            let found = errors_of_95_percent(seeds);
+            assert!((found / errors - 1.0).abs() < 0.01, "{seeds}: {found}");
+        }
+        assert!(errors_of_95_percent(1).is_infinite());
     }
 
     #[test]
