@@ -68,7 +68,7 @@ impl AdamsBashforth {
         match self {
             Self::Two => particles.displace_by([VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
             Self::Three => {
-                particles.displace_by([VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt))
+                particles.displace_by([VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt));
             }
             Self::Four => {
                 let weights = [55.0, -59.0, 37.0, -9.0].map(|w| w / 24.0 * dt);
