@@ -6,12 +6,12 @@
 //!
 //! - no write of a list or a length may be cut in two: each is within one page of memory, as the
 //!   kernel handles signals only
-//! between pages. A list therefore has a bounded number of entries (HDF5's fixed array; no filters), and a file has
-//! room for a bounded number of frames; a full file is replaced by a larger one with the same frames;
+//!   between pages. A list therefore has a bounded number of entries (HDF5's fixed array; no filters), and a file has
+//!   room for a bounded number of frames; a full file is replaced by a larger one with the same frames;
 //! - the superblock has the new end of the file before a list refers to a chunk beyond the former end;
 //! - the storage of `step`, eight bytes per frame, is reserved from the start, since its length and
 //!   a list of its chunks would
-//! be two writes.
+//!   be two writes.
 //!
 //! `h5repack` compresses a finished file.
 
