@@ -81,7 +81,9 @@ def try_binary(archive):
         if not (root / "shear" / "trajectory.h5").exists():
             raise SystemExit("the binary has written no trajectory")
         pages = len(list((folder / "man" / "man1").iterdir()))
-        return f"in a root of its own: relative viscosity {viscosity(said)} in {ran:.1f} s; {pages} manual pages, {len(list((folder / 'completions').iterdir()))} completions"
+        completions = len(list((folder / "completions").iterdir()))
+        found = f"relative viscosity {viscosity(said)} in {ran:.1f} s"
+        return f"in a root of its own: {found}; {pages} manual pages, {completions} completions"
 
 
 def try_source(archive):

@@ -123,7 +123,8 @@ def found_of(values):
 
 
 def means(folder):
-    """The means of a run from the strain on at which it has settled, which one that jams does not reach; stresses are over that of the shear. At a given rate, 1, strain and time are one."""
+    """Means of a run from the strain at which it is steady, which a run that jams does not reach; stresses are over the shear stress.
+    At a given rate of 1, strain and time are the same."""
     with open(folder / "observables.csv") as file:
         rows = [row for row in csv.DictReader(file) if float(row.get("strain", row["time"])) >= SETTLED]
     if not rows:
@@ -238,7 +239,8 @@ def differences(points, tables):
             measured.append(f"{100 * (experiments(case[0]) / number.mean - 1):+.0f}% at {name}")
     lines = []
     if alone:
-        lines.append(f"LF_DEM, which leaves out the far field, differs from these viscosities by {', '.join(alone)}; its numbers are of one run each, of unknown error.")
+        differences = f"LF_DEM, which leaves out the far field, differs from these viscosities by {', '.join(alone)};"
+        lines.append(f"{differences} its numbers are of one run each, of unknown error.")
     if fitted:
         lines.append(f"The prefactor with which the fit has them is {', '.join(fitted)}, where 0.7 to 1 is said of it.")
     if measured:

@@ -124,8 +124,8 @@ fn words((quantity, species): (&str, &str), verdicts: &str, rows: &[(&str, Optio
     text + &conclusion(&rows[1..])
 }
 
-/// A change with its error, in per cent of the quantity if the quantity is larger than its own error, else in its units; and
-/// its verdict.
+/// A change with its error, in per cent of the quantity if the quantity is larger than its own error, else in its
+/// units; and its verdict.
 fn change(found: &AnswerChange) -> String {
     let is_relative = (found.mean - found.change).abs() > found.error;
     let ([change, error, most], unit) = if is_relative {
