@@ -52,8 +52,8 @@ fn student(degrees: usize) -> f64 {
     }
 }
 
-/// How many errors of a mean over so many seeds contain the true mean in 95% of cases: Student's distribution again,
-/// over the factor that the errors have. Exact for two and three seeds, within 1% for more.
+/// Number of errors of a mean over seeds that contain the true mean in 95% of cases, by Student's distribution over the
+/// factor that the errors already have. Exact for two and three seeds, within 1% for more.
 pub(super) fn errors_of_95_percent(seeds: usize) -> f64 {
     let (n, x) = (seeds.saturating_sub(1) as f64, 1.959_964_f64);
     let quantile = match seeds {
