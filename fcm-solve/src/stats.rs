@@ -80,7 +80,10 @@ impl Args {
     fn statistics(&self, scene: &Scene, until: f64) -> anyhow::Result<Result<TrajectoryStatistics, String>> {
         let trajectory = self.folder.join("trajectory.h5");
         let Kind::Suspension(suspension) = scene.kind() else {
-            return Ok(Err(format!("{} is not of a suspension, and they are of those only", self.folder.display())));
+            return Ok(Err(format!(
+                "{}: not of a suspension, and only those have statistics of motions",
+                self.folder.display()
+            )));
         };
         if !trajectory.exists() {
             return Ok(Err(format!(

@@ -39,7 +39,8 @@ const NAMES: [&str; 26] = [
 /// Whether a name must not appear in tables.
 fn is_forbidden(name: &str) -> bool {
     name.trim().is_empty()
-        || name.eq_ignore_ascii_case("all")
+        || ["all", "nan", "null", "none", "inf", "infinity"].iter().any(|word| name.eq_ignore_ascii_case(word))
+        || ["NA", "N/A", "n/a"].contains(&name)
         || name.chars().any(char::is_control)
         || name.starts_with(['=', '+', '-', '@'])
 }
@@ -74,7 +75,7 @@ mod tests {
     #[test]
     fn names_without_a_meaning_are_forbidden() {
         let forbidden: Vec<&&str> = NAMES.iter().filter(|name| is_forbidden(name)).collect();
-        assert_eq!(forbidden.len(), 12, "{forbidden:?}");
-        assert!(!is_forbidden("a,b") && !is_forbidden("allow"));
+        assert_eq!(forbidden.len(), 13, "{forbidden:?}");
+        assert!(!is_forbidden("a,b") && !is_forbidden("allow") && !is_forbidden("Na"));
     }
 }

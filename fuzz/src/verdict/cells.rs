@@ -16,7 +16,8 @@ pub fn of_cells(text: &str, species: &str) -> Result<(), String> {
     other.map_or(Ok(()), |row| Err(format!("row {row} has {} cells for {} names", rows[row].len(), names.len())))
 }
 
-fn rows(text: &str) -> Vec<Vec<String>> {
+/// The cells of each row of a table that is not a comment, without their quotes.
+pub fn rows(text: &str) -> Vec<Vec<String>> {
     let (mut rows, mut row, mut cell, mut is_quoted) = (Vec::new(), Vec::new(), String::new(), false);
     let mut characters =
         text.lines().filter(|line| !line.starts_with('#')).flat_map(|line| line.chars().chain(['\n'])).peekable();

@@ -1,5 +1,6 @@
 //! Check that the output of the program has no NaN or infinity.
 
+use super::cells::rows;
 use hdf5::types::TypeDescriptor;
 use hdf5::{Dataset, File, Group};
 use std::path::Path;
@@ -17,18 +18,17 @@ fn may_lack(name: &str) -> bool {
 
 /// Refuses a table with a number that is not finite where one is required.
 pub fn of_table(text: &str) -> Result<(), String> {
-    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
-    let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-    for line in lines {
-        let cells: Vec<&str> = line.split(',').collect();
-        let says_nothing = |(name, cell): (&&str, &&str)| OF_NOTHING.contains(name) && *cell == "0.0";
+    let mut rows = rows(text).into_iter();
+    let names = rows.next().unwrap_or_default();
+    for cells in rows {
+        let says_nothing = |(name, cell): (&String, &String)| OF_NOTHING.contains(&name.as_str()) && cell == "0.0";
         if names.iter().zip(&cells).any(says_nothing) {
             continue;
         }
         if let Some((name, cell)) =
-            names.iter().zip(cells).find(|(name, cell)| of_text(cell).is_err() && !may_lack(name))
+            names.iter().zip(&cells).find(|(name, cell)| of_text(cell).is_err() && !may_lack(name))
         {
-            return Err(format!("{name} is {cell} in: {line}"));
+            return Err(format!("{name} is {cell} in: {}", cells.join(",")));
         }
     }
     Ok(())
@@ -106,6 +106,7 @@ mod tests {
         assert!(of_table("time,gap\n0.0,inf\n").unwrap_err().contains("gap is inf"));
         assert_eq!(of_table("disks,velocity\n0.0,NaN\n"), Ok(()));
         assert!(of_table("disks,velocity\n1.0,NaN\n").is_err());
+        assert_eq!(of_table("point,mean_free_path,gap\n\"a, b\",inf,1.0\n"), Ok(()));
     }
 
     fn of_columns(columns: &[(&str, [f64; 2])]) -> Result<(), String> {

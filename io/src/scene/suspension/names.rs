@@ -5,6 +5,9 @@ use crate::document::excerpt;
 
 /// Name of the rows about all spheres in tables.
 const RESERVED: &str = "all";
+/// Names that programs read as a missing value or an infinite number, in any case and in this one.
+const MISSING: [&str; 5] = ["nan", "null", "none", "inf", "infinity"];
+const NOT_AVAILABLE: [&str; 3] = ["NA", "N/A", "n/a"];
 /// Largest number of characters of a name.
 const LONGEST: usize = 100;
 /// Programs that open tables take a cell that begins with one of these as a formula.
@@ -24,6 +27,8 @@ pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), Fault> {
         format!("is \"{shown}\", which is a formula to programs that open tables; begin it with a letter or a digit")
     } else if name.to_lowercase() == RESERVED {
         format!("is \"{shown}\", which tables call all species together; take another one")
+    } else if MISSING.contains(&name.to_lowercase().as_str()) || NOT_AVAILABLE.contains(&name) {
+        format!("is \"{shown}\", which programs that open tables take for a missing value; take another one")
     } else if name.chars().nth(LONGEST).is_some() {
         format!("is \"{shown}\"; a name has at most {LONGEST} characters")
     } else {
@@ -50,8 +55,13 @@ mod tests {
         for formula in ["=cmd|'/C calc'!A0", "+1", "-1", "@SUM(1)", "\u{ff1d}1"] {
             assert!(check(Some(formula), 0).is_err(), "{formula:?}");
         }
+        for missing in ["nan", "NaN", "NULL", "None", "inf", "NA", "n/a"] {
+            assert!(check(Some(missing), 0).is_err(), "{missing:?}");
+        }
         assert!(check(Some(&"x".repeat(101)), 0).is_err());
-        for name in ["silica, 2 um", "\"round\"", "a;b", "1", "all of it", "Å", "x".repeat(100).as_str()] {
+        for name in
+            ["Na", "nanotube", "silica, 2 um", "\"round\"", "a;b", "1", "all of it", "Å", "x".repeat(100).as_str()]
+        {
             assert!(check(Some(name), 0).is_ok(), "{name:?}");
         }
         assert!(check(None, 0).is_ok());
