@@ -89,7 +89,7 @@ class Place:
         """Fault in the way in which the run ended, or None."""
         if code is None:
             return f"it hangs: {said}"
-        if fault.kills and code != -signal.SIGKILL:
+        if fault.kills and code != -signal.SIGKILL and not (self.run.is_family and code in (0, 1)):
             return f"it was not killed: it ended with {code}: {said}"
         if "panicked" in said or (not fault.kills and code not in (0, 1)):
             return f"it ended with {code}: {said}"

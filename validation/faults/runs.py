@@ -55,13 +55,15 @@ SWEEP = {"box.edges": "[30.0, 30.0]", "time.strain": 1.0, "output.observables_ev
 @dataclasses.dataclass(frozen=True)
 class Run:
     """A scene with what makes it small, on so many ranks; without a launcher where `ranks` is None. Runs that write the
-    same files by the same calls as another need not have them fail too."""
+    same files by the same calls as another need not have them fail too. The members of a family are processes: a kill may
+    hit one of them, and the family goes on."""
 
     name: str
     scene: str
     sets: dict
     ranks: int | None = None
     writes_as_another: bool = False
+    is_family: bool = False
 
     def start(self, arguments, environment=None):
         launcher = [] if self.ranks is None else ["mpirun", "-n", str(self.ranks)]
@@ -111,7 +113,7 @@ RUNS = {
         Run("event-driven cell", "shear-cell", CELL),
         Run("time-stepped cell", "shear-cell", CELL | TIMED, writes_as_another=True),
         Run("free cell", "shear-cell", CELL | FREE, writes_as_another=True),
-        Run("sweep", "disk-sweep", SWEEP),
+        Run("sweep", "disk-sweep", SWEEP, is_family=True),
         Run("continuum", "shear-cell-continuum", {"cell.speeds": "[1.4, 2.0]", "output.points": 11}),
     ]
 }

@@ -34,6 +34,7 @@ def requeued(slurm, launcher, out, times):
     out, log = pathlib.Path(out), pathlib.Path(f"{out}.log")
     slurm.environment |= {"LAUNCH": LAUNCHERS[launcher], "FCM_SOLVE": PROGRAM}
     job = slurm.submit("--time=30", JOB, *ARGUMENTS, "--out", out, log=log)
+    del slurm.environment["LAUNCH"]
     complaint = lambda what: lambda: f"{what}, in state {slurm.state(job)}:\n{text(log)}"
     for number in range(times):
         stopped = last_step(out)
