@@ -6,11 +6,12 @@ use hdf5::{Dataset, File, Group};
 use std::path::Path;
 
 /// Columns that may be undefined, according to the page on file formats: errors that cannot be estimated, quantities
-/// that have not been measured yet or did not occur, and a length that does not exist without viscosity.
-const UNDEFINED: [&str; 4] = ["error", "wall_stress", "mean_free_path", "viscous_length"];
+/// that have not been measured yet or did not occur, a length that does not exist without viscosity, and the spread over a
+/// single seed.
+const UNDEFINED: [&str; 6] = ["error", "wall_stress", "mean_free_path", "viscous_length", "spread", "calibration"];
 
 /// Columns in which a zero means that a row averages over nothing.
-const OF_NOTHING: [&str; 3] = ["converged", "solid_fraction", "disks"];
+const OF_NOTHING: [&str; 4] = ["converged", "solid_fraction", "disks", "seeds"];
 
 fn may_lack(name: &str) -> bool {
     UNDEFINED.iter().any(|word| name.contains(word))
@@ -106,6 +107,8 @@ mod tests {
         assert!(of_table("time,gap\n0.0,inf\n").unwrap_err().contains("gap is inf"));
         assert_eq!(of_table("disks,velocity\n0.0,NaN\n"), Ok(()));
         assert!(of_table("disks,velocity\n1.0,NaN\n").is_err());
+        assert_eq!(of_table("mean,seeds\nNaN,0.0\n"), Ok(()));
+        assert!(of_table("mean,seeds\nNaN,1.0\n").is_err());
         assert_eq!(of_table("point,mean_free_path,gap\n\"a, b\",inf,1.0\n"), Ok(()));
     }
 
