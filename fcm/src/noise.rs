@@ -100,7 +100,7 @@ pub(crate) fn tensor([axial, planar, xy, xz, yz]: [f64; 5]) -> Traceless {
 /// distributed over ranks by rows. Collective.
 ///
 /// # Errors
-/// Those of the operator, which have to occur on every rank or on none.
+/// Errors of the operator, which have to occur on every rank or on none.
 pub fn root_times<const N: usize, E>(
     comm: &Comm,
     start: &[[f64; N]],
