@@ -30,7 +30,7 @@ SETTLE, MEASURED = (0.1, 0.4) if FULL else (0.05, 0.1)
 
 
 def example(name, *words, threads=1):
-    """Output of an example of the crate drivers."""
+    """Output of an example of the crate granular."""
     ran = subprocess.run(
         [EXAMPLES / name, *map(str, words)],
         check=True, capture_output=True, text=True, env=os.environ | {"RAYON_NUM_THREADS": str(threads)},
@@ -177,7 +177,7 @@ def continuum(folder):
 
 
 def main():
-    command = ["cargo", "build", "--quiet", "--release", "-p", "drivers", "--examples"]
+    command = ["cargo", "build", "--quiet", "--release", "-p", "fcm-solve-granular", "--examples"]
     if "FCM_SOLVE_EXAMPLES" not in os.environ:
         subprocess.run(command, check=True, cwd=ROOT)
     with tempfile.TemporaryDirectory() as place:

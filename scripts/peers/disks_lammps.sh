@@ -6,7 +6,7 @@ set -eu
 seeds=${1:-3}
 rounds=${2:-3}
 here=$(cd "$(dirname "$0")" && pwd)
-cargo build --quiet --release -p fcm-solve-drivers --example disks_peer --manifest-path "$here/../../Cargo.toml"
+cargo build --quiet --release -p fcm-solve-granular --example disks_peer --manifest-path "$here/../../Cargo.toml"
 ours=${CARGO_TARGET_DIR:-$here/../../target}/release/examples/disks_peer
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

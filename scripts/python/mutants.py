@@ -17,7 +17,7 @@ VERDICTS = ROOT / "validation" / "data" / "mutants.jsonl"
 OUTCOMES = ("noticed", "timed out", "missed", "changes nothing", "unviable", "not yet tested")
 
 # Crates that others depend on come first: these are built once, after them.
-ORDER = "domain solver lubrication statistics fcm drivers simulation suspension io fcm-solve".split()
+ORDER = "domain solver lubrication statistics fcm granular simulation suspension io fcm-solve".split()
 
 
 class Kept:

@@ -14,7 +14,7 @@ TOKEN = re.compile(
 GAP = re.compile(r"\S+ \S.*? {2,}\S")
 # Texts of more lines are pages, which have columns.
 PAGE = 4
-PACKAGES = "domain solver fcm lubrication statistics simulation suspension drivers io fcm-solve python fuzz".split()
+PACKAGES = "domain solver fcm lubrication statistics simulation suspension granular io fcm-solve python fuzz".split()
 
 
 def gaps(source):

@@ -4,7 +4,7 @@ use super::file_box::{Axis, FileBox, SceneBox, Shape, is_same_strain};
 use super::{StartFile, order};
 use crate::document::excerpt;
 use domain::{AxisRotation, Boundaries, GivenPositions, Number, Vector};
-use drivers::disks;
+use granular::disks;
 use suspension::{Model, Species};
 
 /// Relative difference at which radii of a file and of a scene count as equal: text may have six digits.

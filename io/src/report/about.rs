@@ -3,7 +3,7 @@
 use super::playback::Colours;
 use crate::{Family, Kind, Scene, SceneFile};
 use domain::Vector;
-use drivers::disks::Flow as DiskFlow;
+use granular::disks::Flow as DiskFlow;
 use suspension::Flow;
 use toml::Table;
 

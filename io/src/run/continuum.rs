@@ -5,7 +5,7 @@ use super::{Listener, RunError, provenance};
 use crate::causes::in_full;
 use crate::{ContinuumScene, Manifest, Scene, read_rows, write_tables};
 use domain::{Comm, Number};
-use drivers::continuum::{Point, Problem, Solution};
+use granular::kinetic_theory::{Point, Problem, Solution};
 use simulation::Table;
 use std::path::Path;
 

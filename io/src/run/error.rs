@@ -20,7 +20,7 @@ pub enum RunError {
     Suspension(#[from] suspension::StartError),
     /// Grains that cannot be started.
     #[error(transparent)]
-    Grains(#[from] drivers::StartError),
+    Grains(#[from] granular::StartError),
     /// A simulation that cannot continue.
     #[error(transparent)]
     Simulation(#[from] SimulationError),

@@ -3,9 +3,9 @@
 use super::RunError;
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Bytes, Comm, Need, Process, readable_bytes};
-use drivers::continuum::Problem;
-use drivers::disks::run_bytes;
-use drivers::shear_cell::Experiment;
+use granular::disks::run_bytes;
+use granular::kinetic_theory::Problem;
+use granular::shear_cell::Experiment;
 use simulation::{Frame, Outline, Table};
 use suspension::Ranks;
 

@@ -3,7 +3,7 @@
 use super::{RunError, check_ranks, memory, start, start_positions};
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use domain::{Comm, Number};
-use drivers::shear_cell::Collisions;
+use granular::shear_cell::Collisions;
 use simulation::Outline;
 use suspension::Asked;
 
@@ -32,7 +32,7 @@ pub fn outline(kind: &Kind, asked: Asked, comm: &Comm) -> Result<Outline, RunErr
 }
 
 fn of_disks(scene: &GranularDisksScene) -> Outline {
-    let mut outline = drivers::disks::outline(&scene.model, scene.time.steps);
+    let mut outline = granular::disks::outline(&scene.model, scene.time.steps);
     if let Some(start) = &scene.start {
         outline =
             outline.line("start", format_args!("from {}, whose disks take the place of these", start.path.display()));

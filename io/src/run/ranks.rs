@@ -2,7 +2,7 @@
 
 use super::RunError;
 use crate::Kind;
-use drivers::StartError;
+use granular::StartError;
 
 /// Refuses more than one rank for scenes of grains.
 pub fn check_ranks(kind: &Kind, ranks: usize) -> Result<(), RunError> {

@@ -6,8 +6,8 @@ use super::start_file;
 use crate::positions::Fitted;
 use crate::{FileError, GranularDisksScene, Kind, Scene, SuspensionScene};
 use domain::{Comm, GivenPositions};
-use drivers::disks::{Course, DiskRun};
-use drivers::shear_cell::CellRun;
+use granular::disks::{Course, DiskRun};
+use granular::shear_cell::CellRun;
 use simulation::{Simulation, State};
 use suspension::Observed;
 

@@ -4,7 +4,7 @@ use super::folder::FamilyFolder;
 use super::spread::Spread;
 use crate::observables::Observables;
 use crate::{Family, FileError, GranularDisksScene, Kind, Member};
-use drivers::disks::{Record, estimated_free_path, viscous_length};
+use granular::disks::{Record, estimated_free_path, viscous_length};
 use simulation::Table;
 
 /// The words that tell a point from the others, and its numbers.

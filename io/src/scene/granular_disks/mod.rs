@@ -8,7 +8,7 @@ use super::error::Fault;
 use super::time_and_output::{Output, Time, steps_in};
 use crate::StartSource;
 use domain::Number;
-use drivers::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
+use granular::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
 pub(super) use raw::Raw;
 use std::path::Path;
 

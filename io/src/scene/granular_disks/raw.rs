@@ -2,7 +2,7 @@
 
 use crate::scene::answers::RawAnswers;
 use crate::scene::time_and_output::RawOutput;
-use drivers::disks::{Gear, LengthUnit};
+use granular::disks::{Gear, LengthUnit};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;

@@ -7,7 +7,7 @@ use super::checks::{few_enough, rows};
 use super::error::Fault;
 use super::time_and_output::{Output, Time};
 use domain::{Number, ParameterError};
-use drivers::shear_cell::{Collisions, Contact, Experiment, FrictionLaw, Model, Parameters, Sampling, Top};
+use granular::shear_cell::{Collisions, Contact, Experiment, FrictionLaw, Model, Parameters, Sampling, Top};
 pub(super) use raw::Raw;
 use suspension::MAX_SPHERES;
 

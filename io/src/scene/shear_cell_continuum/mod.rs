@@ -5,7 +5,7 @@ mod raw;
 use super::checks::rows;
 use super::error::Fault;
 use domain::Number;
-use drivers::continuum::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
+use granular::kinetic_theory::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
 pub(super) use raw::Raw;
 use std::path::PathBuf;
 

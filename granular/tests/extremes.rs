@@ -1,8 +1,8 @@
 //! Parameters beyond all bounds end in an error with the key and an advice.
 
 use domain::{Particles, Vector};
-use drivers::disks::{Disks, Parameters as DiskParameters};
-use drivers::shear_cell::{Collisions, Engine, Model, Parameters, Run, Sampling, Top};
+use granular::disks::{Disks, Parameters as DiskParameters};
+use granular::shear_cell::{Collisions, Engine, Model, Parameters, Run, Sampling, Top};
 
 fn loaded(pressure: f64) -> Model {
     let top = Top::Free { pressure, mass_per_area: 0.2 };

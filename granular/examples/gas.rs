@@ -5,7 +5,7 @@
 //!     gas cool COUNT SOLID_FRACTION RESTITUTION  inelastic: temperature over Haff's until a twelfth is left
 
 use domain::Vector;
-use drivers::shear_cell::{Contact, EventDriven, FrictionLaw, Grains, Model, State};
+use granular::shear_cell::{Contact, EventDriven, FrictionLaw, Grains, Model, State};
 use std::error::Error;
 use std::f64::consts::PI;
 

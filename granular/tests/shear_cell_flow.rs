@@ -1,6 +1,6 @@
 //! Whole runs of the shear cell.
 
-use drivers::shear_cell::{Collisions, Engine, Model, Parameters, Report, Run, Sampling, Side, Top};
+use granular::shear_cell::{Collisions, Engine, Model, Parameters, Report, Run, Sampling, Side, Top};
 
 /// Half a microsecond, as in the paper.
 const STEP: f64 = 5e-7;
@@ -170,7 +170,7 @@ fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> Report {
     report(Parameters { speed, ..Parameters::default() }, solid_fraction, Collisions::EventDriven, [settle, measure])
 }
 
-/// `cargo test --release -p drivers --test shear_cell_flow -- --ignored`: a few minutes. Bands from an
+/// `cargo test --release -p fcm-solve-granular --test all shear_cell_flow -- --ignored`: a few minutes. Bands from an
 /// independent prototype in C.
 #[test]
 #[ignore = "long"]
@@ -253,8 +253,8 @@ fn grains_pass_through_the_particle_store() {
     grains.stir(&model, 0.1, 2);
     let mut particles = grains.to_particles(&model);
     particles.check().unwrap();
-    assert_eq!(drivers::shear_cell::Grains::from_particles(&model, &particles).unwrap(), grains);
+    assert_eq!(granular::shear_cell::Grains::from_particles(&model, &particles).unwrap(), grains);
     particles.radii[3] *= 1.1;
-    let error = drivers::shear_cell::Grains::from_particles(&model, &particles).unwrap_err();
+    let error = granular::shear_cell::Grains::from_particles(&model, &particles).unwrap_err();
     assert!(error.to_string().starts_with("radius is"));
 }

@@ -1,7 +1,7 @@
 //! Sheared disks against exact answers.
 
 use domain::{Particles, Vector};
-use drivers::disks::{Disks, Flow, Gear, Model, Parameters, Sizes};
+use granular::disks::{Disks, Flow, Gear, Model, Parameters, Sizes};
 
 /// A cell without liquid or flow.
 fn dry() -> Parameters {

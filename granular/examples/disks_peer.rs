@@ -7,7 +7,7 @@
 //!     disks_peer speed EDGE STEPS
 
 use domain::{Particles, Vector};
-use drivers::disks::{Disks, Model, Parameters};
+use granular::disks::{Disks, Model, Parameters};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;

@@ -1,6 +1,6 @@
 //! The continuum shear cell against check values, closed forms and the table of an independent prototype.
 
-use drivers::continuum::{Parameters, Problem, RadialDistribution, Solution, SolveError, Start, WallShape};
+use granular::kinetic_theory::{Parameters, Problem, RadialDistribution, Solution, SolveError, Start, WallShape};
 
 fn solve(change: impl FnOnce(&mut Parameters)) -> Solution {
     let mut parameters = Parameters::default();
@@ -28,7 +28,7 @@ fn constitutive_functions_take_their_check_values() {
         (LunSavage, [10.8352, 5.92814, 27523.2, 19.4151, -6.15977, 1.12902e7, 7.0744, -2.61558, 39949.9, -0.104971]),
     ];
     for (radial, expected) in values {
-        let grains = drivers::continuum::Grains { radial, ..Parameters::default().grains };
+        let grains = granular::kinetic_theory::Grains { radial, ..Parameters::default().grains };
         let (c, b) = (grains.coefficients(0.5), grains.reduced(0.5, 5500.0));
         let found = [radial.at(0.5), c.c1, c.c2, c.c3, c.c4, c.c6, b.b1, b.b2, b.b3, b.b4];
         for (found, expected) in found.into_iter().zip(expected) {
@@ -41,7 +41,7 @@ fn constitutive_functions_take_their_check_values() {
 #[test]
 fn reduced_coefficients_are_those_of_numeric_derivatives() {
     for radial in RadialDistribution::ALL {
-        let grains = drivers::continuum::Grains { radial, ..Parameters::default().grains };
+        let grains = granular::kinetic_theory::Grains { radial, ..Parameters::default().grains };
         for v in [0.05, 0.3, 0.52, 0.6] {
             let (h, pressure) = (1e-5, 5500.0);
             let slope = |f: &dyn Fn(f64) -> f64, v: f64| (f(v + h) - f(v - h)) / (2.0 * h);

@@ -118,7 +118,7 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::continuum::Parameters;
+    use crate::kinetic_theory::Parameters;
 
     #[test]
     fn the_jacobian_is_that_of_the_residuals() {

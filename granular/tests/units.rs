@@ -1,9 +1,9 @@
 //! Answers do not depend on the units of length, time and mass: not by a bit for powers of two, and only by round-off
 //! for powers of ten. Runs are short, as granular flows are chaotic.
 
-use drivers::continuum;
-use drivers::disks::{Disks, LengthUnit, Model as DiskModel, Parameters as DiskParameters, Sizes, Species};
-use drivers::shear_cell::{Collisions, Model, Parameters, Run, Sampling, Side, Top};
+use granular::disks::{Disks, LengthUnit, Model as DiskModel, Parameters as DiskParameters, Sizes, Species};
+use granular::kinetic_theory;
+use granular::shear_cell::{Collisions, Model, Parameters, Run, Sampling, Side, Top};
 
 /// Factors of length, time and mass.
 #[derive(Debug, Clone, Copy)]
@@ -134,15 +134,15 @@ fn grains_on_a_time_step_move_the_same_in_any_units() {
 #[test]
 fn the_continuum_is_the_same_in_any_units() {
     let solved = |units: &Units| {
-        let mut p = continuum::Parameters::default();
+        let mut p = kinetic_theory::Parameters::default();
         p.gap *= units.length;
         p.speed *= units.speed();
         p.pressure *= units.stress();
         p.grains.diameter *= units.length;
         p.grains.density *= units.density();
         p.wall.diameter *= units.length;
-        let solution = continuum::Problem::new(p).unwrap().solve().unwrap();
-        let flow = |point: &continuum::Point| {
+        let solution = kinetic_theory::Problem::new(p).unwrap().solve().unwrap();
+        let flow = |point: &kinetic_theory::Point| {
             let flux = units.stress() * units.speed();
             [
                 point.velocity / units.speed(),

@@ -1,7 +1,7 @@
 //! Single flights and collisions in both engines against results by hand.
 
 use domain::Vector;
-use drivers::shear_cell::{
+use granular::shear_cell::{
     Collisions, Contact, Engine, FrictionLaw, Grains, Model, Motion, Parameters, Side, State, TimeStepped, Top,
 };
 

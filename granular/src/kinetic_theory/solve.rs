@@ -202,7 +202,7 @@ fn stall(residual: &[f64], unknowns: Vec<f64>) -> Stall {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::continuum::Parameters;
+    use crate::kinetic_theory::Parameters;
 
     /// Collocation converges faster than any power of the number of intervals: beyond 24 only round-off remains.
     #[test]

@@ -1,8 +1,8 @@
 //! Runs of grains as seen by the code that writes their results.
 
 use domain::Comm;
-use drivers::disks::{self, Course, DiskRun, Preparation};
-use drivers::shear_cell::{self, CellRun, Collisions, Experiment, Sampling};
+use granular::disks::{self, Course, DiskRun, Preparation};
+use granular::shear_cell::{self, CellRun, Collisions, Experiment, Sampling};
 use simulation::Simulation;
 
 /// Asserts that the observed values match the columns in number, and are not NaN.

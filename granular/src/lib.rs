@@ -1,8 +1,8 @@
-//! Granular drivers on the particle store of the suspension code, without a fluid grid.
+//! Granular flows without a fluid: sheared disks, the shear cell of hard spheres, and its kinetic theory.
 //!
 //! Sheared disks, in units of the mean radius, the mass of a disk of that radius, and the contact time over pi:
 //! ```
-//! use drivers::disks::{Disks, Model, Parameters, Preparation};
+//! use granular::disks::{Disks, Model, Parameters, Preparation};
 //!
 //! let preparation = Preparation { settled: 3.0, mixed: 6.0, ..Parameters::default().preparation };
 //! let parameters = Parameters { edges: [30.0, 30.0], area_fraction: 0.5, preparation, ..Parameters::default() };
@@ -12,10 +12,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod continuum;
 pub mod disks;
 mod error;
 mod fraction;
+pub mod kinetic_theory;
 mod parameter;
 pub mod shear_cell;
 mod simd;

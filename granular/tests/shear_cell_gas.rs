@@ -1,7 +1,7 @@
 //! The event-driven engine against the kinetic theory of a granular gas.
 
 use domain::Vector;
-use drivers::shear_cell::{Contact, EventDriven, FrictionLaw, Grains, Model, State};
+use granular::shear_cell::{Contact, EventDriven, FrictionLaw, Grains, Model, State};
 use std::f64::consts::PI;
 
 fn gas(count: usize, solid_fraction: f64, restitution: f64, friction: f64) -> (Model, Grains) {
@@ -94,7 +94,7 @@ fn the_same_start_gives_the_same_bits() {
     assert_ne!(model.pack(400, 1).unwrap(), model.pack(400, 2).unwrap());
 }
 
-/// `cargo test --release -p drivers --test shear_cell_gas -- --ignored`: about a quarter of a minute.
+/// `cargo test --release -p fcm-solve-granular --test all shear_cell_gas -- --ignored`: about a quarter of a minute.
 #[test]
 #[ignore = "long"]
 fn ten_million_hits_leave_no_overlap() {

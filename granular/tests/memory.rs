@@ -3,7 +3,7 @@
 #[path = "../../domain/tests/heap/mod.rs"]
 mod heap;
 
-use drivers::disks::{AveragedProfile, Disks, Flow, Model, Parameters};
+use granular::disks::{AveragedProfile, Disks, Flow, Model, Parameters};
 use heap::measured;
 
 /// Asserts bounds on the ratio of predicted to measured bytes.

@@ -1,8 +1,8 @@
 //! Sheared disks: invalid input is refused with the key.
 
 use domain::{Particles, Vector};
-use drivers::ParameterError;
-use drivers::disks::{Disks, Flow, Model, Parameters, Preparation, Sizes, Species};
+use granular::ParameterError;
+use granular::disks::{Disks, Flow, Model, Parameters, Preparation, Sizes, Species};
 
 fn refusal(change: impl FnOnce(&mut Parameters)) -> ParameterError {
     let mut parameters = Parameters::default();

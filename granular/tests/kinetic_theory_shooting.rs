@@ -1,7 +1,7 @@
 //! The continuum shear cell solved again as in the paper: Runge-Kutta integration of eqs (11) and (12) across the whole
 //! gap, with the solid fraction and the velocity at the lower wall iterated until the laws of the upper wall hold.
 
-use drivers::continuum::{Parameters, Problem, RadialDistribution, WallShape};
+use granular::kinetic_theory::{Parameters, Problem, RadialDistribution, WallShape};
 
 /// `[u, u', v, v']` at a height.
 type State = [f64; 4];

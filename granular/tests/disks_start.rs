@@ -2,7 +2,7 @@
 //! with the paper's parameters.
 
 use domain::{Particles, Vector};
-use drivers::disks::{Disks, Parameters};
+use granular::disks::{Disks, Parameters};
 
 fn start() -> Particles {
     let mut particles = Particles::default();

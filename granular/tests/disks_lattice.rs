@@ -1,7 +1,7 @@
 //! Sheared disks: images, restarts, threads.
 
 use domain::Particles;
-use drivers::disks::{Disks, Flow, Model, Parameters, Progress, Stage};
+use granular::disks::{Disks, Flow, Model, Parameters, Progress, Stage};
 
 fn sheared(edges: [f64; 2], rate: f64) -> Disks {
     let flow = Flow::Shear { rate };
