@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let partition = Partition::new(&comm, [edge as usize; 2]);
     comm.barrier();
     let began = Instant::now();
-    let own = shared_random_packing(&cell, &[(1.0, count)], (0.02, 1), &partition)?.ok_or("too dense to be shared")?;
+    let own = shared_random_packing(&cell, &[(1.0, count)], 0.02, 1, &partition)?.ok_or("too dense to be shared")?;
     let mut placed = [own.len() as f64];
     comm.sum(&mut placed);
     if comm.is_first() {

@@ -1,6 +1,6 @@
 //! Particles of all ranks in the order of their ids, block by block on the first rank.
 
-use crate::rows::{Picked, Value, Way};
+use crate::rows::{RowMove, RowValue, Selection};
 use crate::{Comm, Particles, Vector};
 
 /// Particles of all ranks as the first rank reads them: property by property, in the order of the ids, with no more
@@ -70,7 +70,7 @@ impl Particles {
 
     /// The same, also with pieces of bytes to read; piece `k` of all ranks is on rank `k mod ranks`.
     pub fn by_id_with<R>(&self, pieces: &[Vec<u8>], comm: &Comm, read: impl FnOnce(&ById) -> R) -> Option<R> {
-        ById::new((self, pieces), comm, ById::BLOCK).read(read)
+        ById::new(self, pieces, comm, ById::BLOCK).read(read)
     }
 }
 
@@ -78,7 +78,7 @@ impl<'a> ById<'a> {
     /// Number of ids in a block.
     pub(crate) const BLOCK: u64 = 1 << 16;
 
-    fn new((particles, pieces): (&'a Particles, &'a [Vec<u8>]), comm: &'a Comm, block: u64) -> Self {
+    fn new(particles: &'a Particles, pieces: &'a [Vec<u8>], comm: &'a Comm, block: u64) -> Self {
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_unstable_by_key(|&row| particles.ids[row]);
         let end = order.last().map_or(0, |&row| particles.ids[row] + 1);
@@ -91,11 +91,11 @@ impl<'a> ById<'a> {
 
     fn read<R>(&self, read: impl FnOnce(&Self) -> R) -> Option<R> {
         if !self.comm.is_first() {
-            self.serve();
+            self.answer_requests();
             return None;
         }
         let found = read(self);
-        self.ask(None);
+        self.request(None);
         Some(found)
     }
 
@@ -111,33 +111,33 @@ impl<'a> ById<'a> {
 
     /// Passes the ids to `each`, block by block.
     pub fn ids<E>(&self, each: impl FnMut(&[u64]) -> Result<(), E>) -> Result<(), E> {
-        self.each_block(Property::Ids, (&self.particles.ids, 1), each)
+        self.each_block(Property::Ids, &self.particles.ids, 1, each)
     }
 
     /// Passes the positions to `each`, block by block.
     pub fn positions<E>(&self, each: impl FnMut(&[Vector]) -> Result<(), E>) -> Result<(), E> {
-        self.each_block(Property::Positions, (&self.particles.positions, 1), each)
+        self.each_block(Property::Positions, &self.particles.positions, 1, each)
     }
 
     /// Passes the lattice steps to `each`, block by block.
     pub fn steps<E>(&self, each: impl FnMut(&[[i32; 3]]) -> Result<(), E>) -> Result<(), E> {
-        self.each_block(Property::Steps, (&self.particles.steps, 1), each)
+        self.each_block(Property::Steps, &self.particles.steps, 1, each)
     }
 
     /// Passes the radii to `each`, block by block.
     pub fn radii<E>(&self, each: impl FnMut(&[f64]) -> Result<(), E>) -> Result<(), E> {
-        self.each_block(Property::Radii, (&self.particles.radii, 1), each)
+        self.each_block(Property::Radii, &self.particles.radii, 1, each)
     }
 
     /// Passes the species to `each`, block by block.
     pub fn species<E>(&self, each: impl FnMut(&[u32]) -> Result<(), E>) -> Result<(), E> {
-        self.each_block(Property::Species, (&self.particles.species, 1), each)
+        self.each_block(Property::Species, &self.particles.species, 1, each)
     }
 
     /// Passes the values of the column of an index to `each`, block by block; those of a particle are adjacent.
     pub fn column<E>(&self, place: usize, each: impl FnMut(&[f64]) -> Result<(), E>) -> Result<(), E> {
         let column = &self.particles.columns[place];
-        self.each_block(Property::Column(place), (&column.values, column.width), each)
+        self.each_block(Property::Column(place), &column.values, column.width, each)
     }
 
     /// Lengths of the pieces.
@@ -150,7 +150,7 @@ impl<'a> ById<'a> {
         for (piece, &length) in self.lengths.iter().enumerate() {
             for part in 0..length.div_ceil(PART) {
                 let number = part_number(piece, part);
-                self.ask(Some((Property::Piece, number)));
+                self.request(Some((Property::Piece, number)));
                 each(&self.part(number))?;
             }
         }
@@ -168,15 +168,16 @@ impl<'a> ById<'a> {
         self.comm.gather(&own[start..own.len().min(start + PART)])
     }
 
-    fn each_block<T: Value, E>(
+    fn each_block<T: RowValue, E>(
         &self,
         property: Property,
-        values: (&[T], usize),
+        values: &[T],
+        width: usize,
         mut each: impl FnMut(&[T]) -> Result<(), E>,
     ) -> Result<(), E> {
         for block in 0..self.ids.div_ceil(self.block) {
-            self.ask(Some((property, block)));
-            let found = self.gathered(block, values);
+            self.request(Some((property, block)));
+            let found = self.gathered(block, values, width);
             if !found.is_empty() {
                 each(&found)?;
             }
@@ -185,7 +186,7 @@ impl<'a> ById<'a> {
     }
 
     /// Tells the other ranks what to send, or that reading is finished.
-    fn ask(&self, what: Option<(Property, u64)>) {
+    fn request(&self, what: Option<(Property, u64)>) {
         if self.comm.size() > 1 {
             self.comm
                 .broadcast(&mut what.into_iter().flat_map(|(property, block)| [property.number(), block]).collect());
@@ -193,32 +194,32 @@ impl<'a> ById<'a> {
     }
 
     /// Answers the requests of the first rank until it has finished.
-    fn serve(&self) {
+    fn answer_requests(&self) {
         let p = self.particles;
         loop {
             let mut asked = Vec::new();
             self.comm.broadcast(&mut asked);
             let [property, block] = asked[..] else { return };
             match Property::of(property) {
-                Property::Ids => drop(self.gathered(block, (&p.ids, 1))),
-                Property::Positions => drop(self.gathered(block, (&p.positions, 1))),
-                Property::Steps => drop(self.gathered(block, (&p.steps, 1))),
-                Property::Radii => drop(self.gathered(block, (&p.radii, 1))),
-                Property::Species => drop(self.gathered(block, (&p.species, 1))),
+                Property::Ids => drop(self.gathered(block, &p.ids, 1)),
+                Property::Positions => drop(self.gathered(block, &p.positions, 1)),
+                Property::Steps => drop(self.gathered(block, &p.steps, 1)),
+                Property::Radii => drop(self.gathered(block, &p.radii, 1)),
+                Property::Species => drop(self.gathered(block, &p.species, 1)),
                 Property::Piece => drop(self.part(block)),
                 Property::Column(place) => {
-                    drop(self.gathered(block, (&p.columns[place].values, p.columns[place].width)));
+                    drop(self.gathered(block, &p.columns[place].values, p.columns[place].width));
                 }
             }
         }
     }
 
     /// Values of a block of ids in their order, on the first rank. Collective.
-    fn gathered<T: Value>(&self, block: u64, (values, width): (&[T], usize)) -> Vec<T> {
+    fn gathered<T: RowValue>(&self, block: u64, values: &[T], width: usize) -> Vec<T> {
         let ids = block * self.block..(block + 1) * self.block;
         let before = |id: u64| self.order.partition_point(|&row| self.particles.ids[row] < id);
         let rows = &self.order[before(ids.start)..before(ids.end)];
-        let own = Picked(rows).of(values, width);
+        let own = Selection(rows).of(values, width);
         if self.comm.size() == 1 {
             return own;
         }
@@ -226,7 +227,7 @@ impl<'a> ById<'a> {
         let (places, all) = (self.comm.gather(&places), self.comm.gather(&own));
         let mut order: Vec<usize> = (0..places.len()).collect();
         order.sort_unstable_by_key(|&row| places[row]);
-        Picked(&order).of(&all, width)
+        Selection(&order).of(&all, width)
     }
 }
 
@@ -302,7 +303,7 @@ mod tests {
                 let rows: Vec<usize> = (0..60).rev().filter(|r| r % ranks == comm.rank()).collect();
                 let mut particles = alone.selected(&rows);
                 particles.migrate(&partition, &cell);
-                ById::new((&particles, &[]), &comm, block).read(collected)
+                ById::new(&particles, &[], &comm, block).read(collected)
             });
             let (all, most) = found[0].clone().unwrap();
             assert_eq!(all, alone, "{ranks} ranks, blocks of {block}");
@@ -319,7 +320,7 @@ mod tests {
             let rows: Vec<usize> = (0..20).filter(|r| r % 3 == comm.rank()).collect();
             let particles = alone.selected(&rows);
             let mut blocks = 0;
-            let read = ById::new((&particles, &[]), &comm, 5).read(|rows| {
+            let read = ById::new(&particles, &[], &comm, 5).read(|rows| {
                 rows.radii(|_| {
                     blocks += 1;
                     if blocks == 2 { Err("no more") } else { Ok(()) }

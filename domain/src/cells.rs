@@ -15,10 +15,17 @@ pub(crate) struct Cells {
     images: Images,
 }
 
+/// The particle around which candidates are searched.
+#[derive(Clone, Copy)]
+pub(crate) struct Centre {
+    pub position: Vector,
+    pub row: u32,
+}
+
 /// Particles, and their periodic images, in and around one cell: the candidates for neighbours of that cell's
 /// particles.
 #[derive(Default)]
-pub(crate) struct Around {
+pub(crate) struct CellNeighbourhood {
     /// Entries as in the lists of neighbours.
     who: Vec<u32>,
     positions: [Vec<f64>; 3],
@@ -26,34 +33,34 @@ pub(crate) struct Around {
     found: Vec<u32>,
 }
 
-impl Around {
+impl CellNeighbourhood {
     /// Calls `visit` with the row and the separation of each candidate that is within a distance of `centre` and has
-    /// a larger row than `itself`, so that each pair is visited once.
+    /// a larger row than it, so that each pair is visited once.
     pub fn each_later(
         &mut self,
         Cells { images, .. }: &Cells,
-        (centre, itself): (Vector, u32),
+        centre: Centre,
         distance: f64,
         mut visit: impl FnMut(u32, Vector),
     ) {
-        self.mark_near(centre, distance);
+        self.mark_near(centre.position, distance);
         self.found.resize(self.who.len(), 0);
         let mut found = 0;
         for (place, (&who, &is_near)) in self.who.iter().zip(&self.is_near).enumerate() {
             // Without a branch, which would often be mispredicted.
             self.found[found] = place as u32;
-            found += usize::from(is_near) * usize::from(images.row(who) > itself);
+            found += usize::from(is_near) * usize::from(images.row(who) > centre.row);
         }
         for place in self.found[..found].iter().map(|&place| place as usize) {
             let [x, y, z] = &self.positions;
-            visit(images.row(self.who[place]), Vector::new(x[place], y[place], z[place]) - centre);
+            visit(images.row(self.who[place]), Vector::new(x[place], y[place], z[place]) - centre.position);
         }
     }
 
-    /// Appends the candidates within a distance of `centre`, except the particle `itself`.
-    pub fn append_near(&mut self, cells: &Cells, (centre, itself): (Vector, u32), distance: f64, near: &mut Vec<u32>) {
-        self.mark_near(centre, distance);
-        let itself = cells.images.entry(itself);
+    /// Appends the candidates within a distance of `centre`, except the particle at the centre itself.
+    pub fn append_near(&mut self, cells: &Cells, centre: Centre, distance: f64, near: &mut Vec<u32>) {
+        self.mark_near(centre.position, distance);
+        let itself = cells.images.entry(centre.row);
         let mut found = near.len();
         near.resize(found + self.who.len(), itself);
         for (&who, &is_near) in self.who.iter().zip(&self.is_near) {
@@ -77,22 +84,22 @@ impl Around {
 
 /// Number of particles in a cube as wide as the cutoff above which cells of half the width are faster: there are more
 /// of them, but they exclude more of the particles beyond the cutoff.
-const CROWDED: f64 = 12.0;
+const CROWDED_CELL: f64 = 12.0;
 
 impl Cells {
     /// Sorts particles into cells about as wide as the cutoff, or half as wide if such cells would hold many
     /// particles.
     pub fn sort(cell: &PeriodicBox, positions: &[Vector], cutoff: f64) -> Self {
-        Self::sort_among(cell, positions, (cutoff, positions.len()))
+        Self::sort_among(cell, positions, cutoff, positions.len())
     }
 
     /// The same for particles in a part of the box, which has `total` particles.
-    pub fn sort_among(cell: &PeriodicBox, positions: &[Vector], (cutoff, total): (f64, usize)) -> Self {
+    pub fn sort_among(cell: &PeriodicBox, positions: &[Vector], cutoff: f64, total: usize) -> Self {
         let (edges, images) = (cell.edges(), Images::new(cell, cutoff));
         images.check_rows(positions.len());
         let expected = total as f64 * cutoff.powi(3) / (edges.x * edges.y * edges.z);
-        let fineness = if expected > CROWDED { 2.0 } else { 1.0 };
-        let widest = cell.slant() * cutoff;
+        let fineness = if expected > CROWDED_CELL { 2.0 } else { 1.0 };
+        let widest = cell.coordinate_stretch() * cutoff;
         let most = (positions.len() as f64).cbrt().ceil().max(1.0);
         let counts = (edges / widest * fineness).floor().clamp(Vector::ONE, Vector::splat(2.0 * most));
         let reach = (widest / edges * counts).ceil().to_array().map(|r| r as i32);
@@ -132,7 +139,7 @@ impl Cells {
     }
 
     /// Collects the particles and images in all cells that are within the cutoff of a cell.
-    pub fn collect_around(&self, cell: &PeriodicBox, home: usize, around: &mut Around) {
+    pub fn collect_around(&self, cell: &PeriodicBox, home: usize, around: &mut CellNeighbourhood) {
         around.who.clear();
         around.positions.iter_mut().for_each(Vec::clear);
         let [nx, ny, _] = self.counts;
@@ -160,7 +167,7 @@ impl Cells {
     }
 
     /// Appends the images of the particles in consecutive cells.
-    fn append(&self, cell: &PeriodicBox, cells: Range<usize>, steps: [i32; 3], around: &mut Around) {
+    fn append(&self, cell: &PeriodicBox, cells: Range<usize>, steps: [i32; 3], around: &mut CellNeighbourhood) {
         let range = self.starts[cells.start] as usize..self.starts[cells.end] as usize;
         let shift = if steps == [0; 3] { Vector::ZERO } else { cell.lattice(steps) };
         let image = self.images.entry(0).wrapping_add(self.images.shift(steps));
@@ -172,7 +179,7 @@ impl Cells {
 }
 
 fn coordinates(cell: &PeriodicBox, counts: [usize; 3], position: Vector) -> [usize; 3] {
-    let fractions = cell.parts(position).to_array();
+    let fractions = cell.fractional_coordinates(position).to_array();
     std::array::from_fn(|d| ((fractions[d] * counts[d] as f64).max(0.0) as usize).min(counts[d] - 1))
 }
 

@@ -106,11 +106,12 @@ impl<'a> Pencil<'a> {
     }
 
     pub fn is_within(&self, reach: Reach, position: Vector) -> bool {
-        let (coordinates, slant) = (self.cell.lattice_coordinates(position) - self.cell.origin(), self.cell.slant());
+        let (coordinates, stretch) =
+            (self.cell.lattice_coordinates(position) - self.cell.origin(), self.cell.coordinate_stretch());
         let is_near = |d: usize| {
             let repeats = self.cell.is_periodic(d + 1);
             let (coordinate, period) = (coordinates[d + 1], if repeats { self.cell.edges()[d + 1] } else { 0.0 });
-            self.intervals[d].is_some_and(|i| distance(i, coordinate, period) <= reach[d] * slant[d + 1])
+            self.intervals[d].is_some_and(|i| distance(i, coordinate, period) <= reach[d] * stretch[d + 1])
         };
         is_near(0) && is_near(1)
     }

@@ -1,6 +1,6 @@
 //! Particles distributed by their ids, for sums over all of them that do not depend on the number of ranks.
 
-use crate::rows::{Delivery, Picked, Sorted, Way};
+use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{ById, Comm, Particles, block};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -45,22 +45,22 @@ impl IdBlocks {
     /// Particles of this rank's blocks in the order of their ids, with only the columns whose names are wanted; if
     /// they are here already, they are borrowed, with all their columns. Each rank passes its own particles.
     /// Collective.
-    pub fn dealt<'a>(&self, particles: &'a Particles, wanted: impl Fn(&str) -> bool) -> Cow<'a, Particles> {
+    pub fn distributed<'a>(&self, particles: &'a Particles, wanted: impl Fn(&str) -> bool) -> Cow<'a, Particles> {
         if self.comm.size() == 1 && particles.ids.is_sorted() {
             return Cow::Borrowed(particles);
         }
         let ranks = self.comm.size() as u64;
         let owners: Vec<usize> = particles.ids.iter().map(|id| (id / self.size % ranks) as usize).collect();
-        let delivery = Delivery::plan(&owners, &self.comm);
-        let ids = delivery.of(&particles.ids, 1);
+        let exchange = RowExchange::plan(&owners, &self.comm);
+        let ids = exchange.of(&particles.ids, 1);
         let mut order: Vec<usize> = (0..ids.len()).collect();
         order.par_sort_unstable_by_key(|&row| ids[row]);
-        Cow::Owned(particles.mapped(&Sorted { delivery, order: Picked(&order) }, wanted))
+        Cow::Owned(particles.mapped(&SortedExchange { exchange, order: Selection(&order) }, wanted))
     }
 
     /// Rows of each of this rank's blocks among its distributed particles.
-    pub fn rows(&self, dealt: &Particles) -> Vec<Range<usize>> {
-        let before = |id: u64| dealt.ids.partition_point(|&other| other < id);
+    pub fn rows(&self, distributed: &Particles) -> Vec<Range<usize>> {
+        let before = |id: u64| distributed.ids.partition_point(|&other| other < id);
         self.own().map(|block| block as u64).map(|b| before(b * self.size)..before((b + 1) * self.size)).collect()
     }
 
@@ -126,18 +126,23 @@ mod tests {
     fn each_block_is_whole_and_on_its_rank() {
         let all = numbered(50);
         for (ranks, size) in [(1, 7), (1, 64), (2, 64), (3, 7), (7, 1), (13, 20)] {
-            let dealt = Comm::threads(ranks, |comm| {
+            let distributed = Comm::threads(ranks, |comm| {
                 let own = share(&all, &comm);
                 let blocks = IdBlocks::of(&own, &comm, size);
                 assert_eq!(blocks.count(), 50_usize.div_ceil(size as usize));
-                let dealt = blocks.dealt(&own, |name| name == "age").into_owned();
-                dealt.check().unwrap();
-                assert_eq!(dealt.columns.len(), 1);
-                let rows = blocks.rows(&dealt);
-                assert_eq!(rows.iter().map(Range::len).sum::<usize>(), dealt.len());
-                blocks.own().zip(rows).map(|(block, rows)| (block, dealt.selected(&rows.collect::<Vec<_>>()))).collect()
+                let distributed = blocks.distributed(&own, |name| name == "age").into_owned();
+                distributed.check().unwrap();
+                assert_eq!(distributed.columns.len(), 1);
+                let rows = blocks.rows(&distributed);
+                assert_eq!(rows.iter().map(Range::len).sum::<usize>(), distributed.len());
+                blocks
+                    .own()
+                    .zip(rows)
+                    .map(|(block, rows)| (block, distributed.selected(&rows.collect::<Vec<_>>())))
+                    .collect()
             });
-            let mut found: Vec<(usize, Particles)> = dealt.into_iter().flat_map(|blocks: Vec<_>| blocks).collect();
+            let mut found: Vec<(usize, Particles)> =
+                distributed.into_iter().flat_map(|blocks: Vec<_>| blocks).collect();
             found.sort_by_key(|(block, _)| *block);
             for (place, (block, particles)) in found.iter().enumerate() {
                 assert_eq!(place, *block);
@@ -156,12 +161,13 @@ mod tests {
                 let sums = Comm::threads(ranks, |comm| {
                     let own = share(&all, &comm);
                     let blocks = IdBlocks::of(&own, &comm, size);
-                    let dealt = blocks.dealt(&own, |_| true);
+                    let distributed = blocks.distributed(&own, |_| true);
                     let of_rows = |rows: Range<usize>| {
-                        let values = rows.map(|row| [dealt.radii[row], dealt.columns[0].values[2 * row], 1.0]);
+                        let values =
+                            rows.map(|row| [distributed.radii[row], distributed.columns[0].values[2 * row], 1.0]);
                         values.fold(vec![0.0; 3], |sum, v| sum.iter().zip(v).map(|(s, v)| s + v).collect())
                     };
-                    let parts: Vec<Vec<f64>> = blocks.rows(&dealt).into_iter().map(of_rows).collect();
+                    let parts: Vec<Vec<f64>> = blocks.rows(&distributed).into_iter().map(of_rows).collect();
                     assert!(blocks.total(&vec![Vec::new(); parts.len()]).is_empty());
                     blocks.total(&parts)
                 });
@@ -194,7 +200,7 @@ mod tests {
                 let none = Particles::default();
                 let blocks = IdBlocks::of(&none, &comm, 4);
                 assert_eq!((blocks.count(), blocks.own().count()), (1, usize::from(comm.is_first())));
-                assert!(blocks.dealt(&none, |_| true).is_empty());
+                assert!(blocks.distributed(&none, |_| true).is_empty());
                 assert_eq!(blocks.total(&vec![vec![2.0]; blocks.own().count()]), [2.0]);
             });
         }

@@ -18,15 +18,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod available_memory;
 mod axis_rotation;
 mod block;
 mod boundaries;
 mod by_id;
-mod bytes;
 mod cells;
 mod comm;
-mod expected_counts;
+mod domain_view;
 mod given_positions;
 mod halo;
 mod id_blocks;
@@ -42,27 +40,28 @@ mod particles;
 mod partition;
 mod periodic_box;
 mod random;
-mod resident;
 mod rows;
 mod shared_pairs;
+pub mod sphere;
 mod traceless;
 mod units;
 mod verlet_list;
 mod walls;
 
-pub use available_memory::{AvailableMemory, ProcessMemory};
 pub use axis_rotation::AxisRotation;
 pub use block::{block, block_of};
 pub use boundaries::Boundaries;
 pub use by_id::ById;
-pub use bytes::{Bytes, GROWING, readable_bytes};
-pub use comm::{Comm, CommError, Failure, Launcher, Need, NotEnoughMemory, Window};
-pub use expected_counts::ExpectedCounts;
+pub use comm::{Comm, CommError, Failure, Launcher, Window};
+pub use domain_view::DomainView;
 pub use given_positions::GivenPositions;
 pub use halo::{Halo, Reach};
 pub use id_blocks::IdBlocks;
 pub use interrupt::{Interrupt, Interrupted};
-pub use memory::{packing_bytes, shared_pairs_bytes};
+pub use memory::{
+    AvailableMemory, Bytes, ExpectedCounts, GROWING, MemoryNeed, NotEnoughMemory, Process, ProcessMemory,
+    packing_bytes, readable_bytes, shared_pairs_bytes,
+};
 pub use neighbour::Neighbour;
 pub use neighbours::{Neighbours, NeighboursOf};
 pub use number::Number;
@@ -73,7 +72,6 @@ pub use particles::{Column, ColumnError, Particles};
 pub use partition::{Partition, Place};
 pub use periodic_box::{BoxError, PeriodicBox};
 pub use random::{Random, RandomLanes};
-pub use resident::Process;
 pub use shared_pairs::fold_shared_pairs;
 pub use traceless::Traceless;
 pub use units::{Units, power_of_two};

@@ -71,7 +71,7 @@ impl Images {
 
     /// Entry with its image shifted and another row.
     #[inline(always)]
-    pub fn moved(&self, entry: u32, (row, shift): (u32, u32)) -> u32 {
+    pub fn moved(&self, entry: u32, row: u32, shift: u32) -> u32 {
         (entry - self.row(entry)).wrapping_add(shift) | row
     }
 
@@ -95,7 +95,7 @@ impl Images {
 
 /// Largest number of lattice steps along each axis between images within a distance.
 fn most_steps(cell: &PeriodicBox, distance: f64) -> [i32; 3] {
-    let edges = (cell.slant() * distance / cell.edges()).ceil();
+    let edges = (cell.coordinate_stretch() * distance / cell.edges()).ceil();
     std::array::from_fn(|axis| if cell.is_periodic(axis) { edges[axis] as i32 } else { 0 })
 }
 
@@ -113,11 +113,11 @@ mod tests {
             assert_eq!(images.most, most);
             images.check_rows(1 << 26);
             for (number, steps) in images.steps().enumerate() {
-                let entry = images.moved(images.entry(77), (1 << 20, images.shift(steps)));
+                let entry = images.moved(images.entry(77), 1 << 20, images.shift(steps));
                 let found = images.neighbour(entry);
                 assert_eq!((found.row, found.steps.map(i32::from), images.number(entry)), (1 << 20, steps, number));
                 let back = steps.map(|step| -step);
-                assert_eq!(images.moved(entry, (5, images.shift(back))), images.entry(5));
+                assert_eq!(images.moved(entry, 5, images.shift(back)), images.entry(5));
             }
             assert!(images.reach(&cell, 2.0) && !images.reach(&cell, 12.0));
         }

@@ -1,6 +1,6 @@
 //! Neighbour lists: the particles within a cutoff of each particle.
 
-use crate::cells::{Around, Cells};
+use crate::cells::{CellNeighbourhood, Cells, Centre};
 use crate::neighbour::Images;
 use crate::{Neighbour, PeriodicBox, Vector};
 use rayon::prelude::*;
@@ -66,14 +66,15 @@ impl Neighbours {
         let batches: Vec<Batch> = (0..cells.count().div_ceil(BATCH))
             .into_par_iter()
             .map(|batch| {
-                let (mut found, mut around) = (Batch::default(), Around::default());
+                let (mut found, mut around) = (Batch::default(), CellNeighbourhood::default());
                 for home in batch * BATCH..cells.count().min((batch + 1) * BATCH) {
                     let members = cells.members(home).iter().filter(|&&row| (row as usize) < owned);
                     if members.clone().next().is_some() {
                         cells.collect_around(cell, home, &mut around);
                     }
                     for &row in members {
-                        around.append_near(&cells, (positions[row as usize], row), cutoff, &mut found.list);
+                        let centre = Centre { position: positions[row as usize], row };
+                        around.append_near(&cells, centre, cutoff, &mut found.list);
                         found.ends.push((row, found.list.len()));
                     }
                 }

@@ -1,6 +1,6 @@
 //! Pairs of particles within a cutoff.
 
-use crate::cells::{Around, Cells};
+use crate::cells::{CellNeighbourhood, Cells, Centre};
 use crate::{Neighbours, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -100,31 +100,41 @@ pub fn fold_pairs<T: Send>(
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
-    fold_some_pairs((cell, positions, positions.len()), cutoff, |_| true, start, visit)
+    let search = PairSearch { cell, positions, total: positions.len(), cutoff };
+    fold_some_pairs(&search, |_| true, start, visit)
 }
 
-/// The same for particles of a box with `total` of them, and for only those pairs whose smaller row satisfies
-/// `is_meant`.
+/// Particles among which pairs are searched.
+pub(crate) struct PairSearch<'a> {
+    pub cell: &'a PeriodicBox,
+    pub positions: &'a [Vector],
+    /// Number of particles in the whole box.
+    pub total: usize,
+    pub cutoff: f64,
+}
+
+/// The same for only those pairs whose smaller row satisfies `is_meant`.
 pub(crate) fn fold_some_pairs<T: Send>(
-    (cell, positions, total): (&PeriodicBox, &[Vector], usize),
-    cutoff: f64,
+    search: &PairSearch,
     is_meant: impl Fn(u32) -> bool + Sync,
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
-    let cells = Cells::sort_among(cell, positions, (cutoff, total));
+    let &PairSearch { cell, positions, total, cutoff } = search;
+    let cells = Cells::sort_among(cell, positions, cutoff, total);
     let share = cells.count().div_ceil(4 * rayon::current_num_threads());
     (0..cells.count().div_ceil(share))
         .into_par_iter()
         .map(|part| {
-            let (mut seen, mut around) = (start(), Around::default());
+            let (mut seen, mut around) = (start(), CellNeighbourhood::default());
             for home in part * share..cells.count().min((part + 1) * share) {
                 if !cells.members(home).is_empty() {
                     cells.collect_around(cell, home, &mut around);
                 }
                 for &i in cells.members(home).iter().filter(|row| is_meant(**row)) {
                     let other = |j: u32, separation: Vector| visit(&mut seen, [i, j], separation);
-                    around.each_later(&cells, (positions[i as usize], i), cutoff, other);
+                    let centre = Centre { position: positions[i as usize], row: i };
+                    around.each_later(&cells, centre, cutoff, other);
                 }
             }
             seen

@@ -19,7 +19,7 @@ impl ParameterError {
     }
 
     /// Returns a finite number, or an error.
-    pub fn unless_finite(key: &str, value: f64) -> Result<f64, Self> {
+    pub fn require_finite(key: &str, value: f64) -> Result<f64, Self> {
         if value.is_finite() {
             Ok(value)
         } else {
@@ -28,22 +28,22 @@ impl ParameterError {
     }
 
     /// Returns a finite number above 0, or an error.
-    pub fn unless_positive(key: &str, value: f64) -> Result<f64, Self> {
+    pub fn require_positive(key: &str, value: f64) -> Result<f64, Self> {
         let error = || Self::new(key, format!("is {}; it needs to be a finite number above 0", Number(value)));
         if value > 0.0 && value.is_finite() { Ok(value) } else { Err(error()) }
     }
 
     /// Returns a number in a range, both ends included, or an error.
-    pub fn unless_between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Self> {
+    pub fn require_between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Self> {
         let [found, least, most] = [value, low, high].map(Number);
         let error = || Self::new(key, format!("is {found}; it needs to be between {least} and {most}"));
         if (low..=high).contains(&value) { Ok(value) } else { Err(error()) }
     }
 
     /// Returns a vector of finite numbers, or an error.
-    pub fn unless_finite_vector(key: &str, value: Vector) -> Result<Vector, Self> {
+    pub fn require_finite_vector(key: &str, value: Vector) -> Result<Vector, Self> {
         for (axis, component) in value.to_array().into_iter().enumerate() {
-            Self::unless_finite(&format!("{key}[{axis}]"), component)?;
+            Self::require_finite(&format!("{key}[{axis}]"), component)?;
         }
         Ok(value)
     }
@@ -55,15 +55,16 @@ mod tests {
 
     #[test]
     fn the_message_names_key_value_and_range() {
-        let between = |value| ParameterError::unless_between("a.b", value, [0.5, 1.0]);
+        let between = |value| ParameterError::require_between("a.b", value, [0.5, 1.0]);
         assert_eq!((between(0.5), between(1.0)), (Ok(0.5), Ok(1.0)));
         assert_eq!(between(2.0).unwrap_err().to_string(), "a.b is 2; it needs to be between 0.5 and 1");
         assert!(between(f64::NAN).is_err());
         assert!(
-            ParameterError::unless_positive("a", 0.0).is_err() && ParameterError::unless_positive("a", 1e-300).is_ok()
+            ParameterError::require_positive("a", 0.0).is_err()
+                && ParameterError::require_positive("a", 1e-300).is_ok()
         );
         let vector = Vector::new(0.0, f64::INFINITY, 0.0);
-        let error = ParameterError::unless_finite_vector("x", vector).unwrap_err();
+        let error = ParameterError::require_finite_vector("x", vector).unwrap_err();
         assert_eq!(error.to_string(), "x[1] is inf; it needs to be a finite number");
     }
 }

@@ -1,6 +1,6 @@
 //! Particle store: one column per property, one row per particle.
 
-use crate::rows::{Delivery, Picked, Sorted, Way};
+use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -137,7 +137,7 @@ impl Particles {
 
     /// Reorders the particles by a list of rows; rows that are not in the list are dropped.
     pub fn arrange(&mut self, order: &[usize]) {
-        let picked = Picked(order);
+        let picked = Selection(order);
         let Self { ids, positions, steps, radii, species, columns } = self;
         *ids = picked.of(ids, 1);
         *positions = picked.of(positions, 1);
@@ -151,7 +151,7 @@ impl Particles {
     /// The given rows, in that order, as a new store.
     #[must_use]
     pub fn selected(&self, rows: &[usize]) -> Self {
-        self.mapped(&Picked(rows), |_| true)
+        self.mapped(&Selection(rows), |_| true)
     }
 
     /// Moves every particle, with all its columns, to the rank that owns its position, and sorts each rank's
@@ -160,11 +160,11 @@ impl Particles {
     pub fn migrate(&mut self, partition: &Partition, cell: &PeriodicBox) {
         if partition.comm().size() > 1 {
             let owners: Vec<usize> = self.positions.iter().map(|&p| partition.owner(cell, p)).collect();
-            self.each_property(&Delivery::plan(&owners, partition.comm()));
+            self.each_property(&RowExchange::plan(&owners, partition.comm()));
         }
         let lines = partition.lines();
         let place = |(&position, &id): (&Vector, &u64)| {
-            let p = cell.parts(position);
+            let p = cell.fractional_coordinates(position);
             ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, id)
         };
         let places: Vec<_> = self.positions.par_iter().with_min_len(BATCH).zip(&self.ids).map(place).collect();
@@ -203,11 +203,11 @@ impl Particles {
     /// The same with only the columns whose names are wanted. Collective.
     #[must_use]
     pub fn gathered_with(&self, partition: &Partition, wanted: impl Fn(&str) -> bool) -> Self {
-        let delivery = Delivery::plan(&vec![0; self.len()], partition.comm());
-        let ids = delivery.of(&self.ids, 1);
+        let exchange = RowExchange::plan(&vec![0; self.len()], partition.comm());
+        let ids = exchange.of(&self.ids, 1);
         let mut order: Vec<usize> = (0..ids.len()).collect();
         order.sort_by_key(|&row| ids[row]);
-        self.mapped(&Sorted { delivery, order: Picked(&order) }, wanted)
+        self.mapped(&SortedExchange { exchange, order: Selection(&order) }, wanted)
     }
 
     /// A copy, made by all threads.
@@ -217,26 +217,27 @@ impl Particles {
     }
 
     /// Moves the rows of one property after the other, so that only one is in memory twice.
-    fn each_property(&mut self, way: &impl Way) {
-        self.ids = way.of(&self.ids, 1);
-        self.positions = way.of(&self.positions, 1);
-        self.steps = way.of(&self.steps, 1);
-        self.radii = way.of(&self.radii, 1);
-        self.species = way.of(&self.species, 1);
+    fn each_property(&mut self, row_move: &impl RowMove) {
+        self.ids = row_move.of(&self.ids, 1);
+        self.positions = row_move.of(&self.positions, 1);
+        self.steps = row_move.of(&self.steps, 1);
+        self.radii = row_move.of(&self.radii, 1);
+        self.species = row_move.of(&self.species, 1);
         for column in &mut self.columns {
-            column.values = way.of(&column.values, column.width);
+            column.values = row_move.of(&column.values, column.width);
         }
     }
 
     /// A new store with the moved rows of this one and the columns that are wanted.
-    pub(crate) fn mapped(&self, way: &impl Way, wanted: impl Fn(&str) -> bool) -> Self {
-        let column = |c: &Column| Column { name: c.name.clone(), width: c.width, values: way.of(&c.values, c.width) };
+    pub(crate) fn mapped(&self, row_move: &impl RowMove, wanted: impl Fn(&str) -> bool) -> Self {
+        let column =
+            |c: &Column| Column { name: c.name.clone(), width: c.width, values: row_move.of(&c.values, c.width) };
         Self {
-            ids: way.of(&self.ids, 1),
-            positions: way.of(&self.positions, 1),
-            steps: way.of(&self.steps, 1),
-            radii: way.of(&self.radii, 1),
-            species: way.of(&self.species, 1),
+            ids: row_move.of(&self.ids, 1),
+            positions: row_move.of(&self.positions, 1),
+            steps: row_move.of(&self.steps, 1),
+            radii: row_move.of(&self.radii, 1),
+            species: row_move.of(&self.species, 1),
             columns: self.columns.iter().filter(|c| wanted(&c.name)).map(column).collect(),
         }
     }

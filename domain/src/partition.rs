@@ -46,7 +46,7 @@ impl Place {
     pub fn owner(&self, cell: &PeriodicBox, position: Vector) -> usize {
         let Self { table, lines, .. } = self;
         let line = |d: usize, fraction: f64| ((fraction * lines[d] as f64) as usize).min(lines[d] - 1);
-        let fractions = cell.parts(position);
+        let fractions = cell.fractional_coordinates(position);
         let row = block_of(lines[0], table[0], line(0, fractions.y));
         let column = block_of(lines[1], table[1], line(1, fractions.z));
         row * table[1] + column

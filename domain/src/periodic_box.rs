@@ -108,7 +108,7 @@ impl PeriodicBox {
     }
 
     /// A box of the same boundaries with other edges and another origin along axes that are not periodic.
-    pub fn spanning(&self, origin: Vector, edges: Vector) -> Result<Self, BoxError> {
+    pub fn with_extent(&self, origin: Vector, edges: Vector) -> Result<Self, BoxError> {
         let plain = Self::new(edges)?.with_boundaries(self.boundaries)?;
         Ok(Self { origin, ..plain })
     }
@@ -120,7 +120,7 @@ impl PeriodicBox {
 
     /// Position in the box as fractions of its edges.
     #[inline]
-    pub fn parts(&self, position: Vector) -> Vector {
+    pub fn fractional_coordinates(&self, position: Vector) -> Vector {
         (self.lattice_coordinates(position) - self.origin) / self.edges
     }
 
@@ -179,7 +179,7 @@ impl PeriodicBox {
 
     /// Lattice vector for an integer number of steps along each edge.
     pub fn lattice(&self, steps: [i32; 3]) -> Vector {
-        self.at(Vector::from_array(steps.map(f64::from)) * self.edges)
+        self.position(Vector::from_array(steps.map(f64::from)) * self.edges)
     }
 
     /// Lattice coordinates of a position as lengths along each axis, not wrapped.
@@ -194,7 +194,7 @@ impl PeriodicBox {
     }
 
     /// Position with these lattice coordinates.
-    pub fn at(&self, coordinates: Vector) -> Vector {
+    pub fn position(&self, coordinates: Vector) -> Vector {
         let Vector { x, y, z } = coordinates;
         let Some(axes) = &self.axes else {
             return Vector::new(x + self.strain * y, y, z);
@@ -204,7 +204,7 @@ impl PeriodicBox {
     }
 
     /// Largest difference of each lattice coordinate between positions a unit of length apart.
-    pub fn slant(&self) -> Vector {
+    pub fn coordinate_stretch(&self) -> Vector {
         let [t, r] = self.tilts;
         let first = t - self.strain * r;
         Vector::new((1.0 + self.strain.powi(2) + first * first).sqrt(), (1.0 + r * r).sqrt(), 1.0)
@@ -223,7 +223,7 @@ impl PeriodicBox {
             wrapped = position - self.lattice(whole(steps));
             let coordinates = self.lattice_coordinates(wrapped);
             let inside = coordinates.clamp(Vector::ZERO, self.edges * (1.0 - f64::EPSILON));
-            wrapped = self.at(Vector::select(repeats.cmpgt(Vector::ZERO), inside, coordinates));
+            wrapped = self.position(Vector::select(repeats.cmpgt(Vector::ZERO), inside, coordinates));
         }
         (wrapped, whole(steps))
     }

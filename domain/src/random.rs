@@ -40,7 +40,7 @@ impl Random {
     }
 
     /// Next number of a uniform distribution with mean 0 and variance 1.
-    pub fn even(&mut self) -> f64 {
+    pub fn uniform_unit_variance(&mut self) -> f64 {
         12.0_f64.sqrt() * (self.uniform() - 0.5)
     }
 
@@ -75,7 +75,7 @@ impl<const N: usize> RandomLanes<N> {
 
     /// Next number of each stream, uniform with mean 0 and variance 1.
     #[inline(always)]
-    pub fn even(&mut self) -> [f64; N] {
+    pub fn uniform_unit_variance(&mut self) -> [f64; N] {
         let root = 12.0_f64.sqrt();
         let mut numbers = [0.0; N];
         for (number, state) in numbers.iter_mut().zip(&mut self.states) {
@@ -98,13 +98,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn normal_and_even_numbers_have_their_moments() {
+    fn normal_and_uniform_numbers_have_their_moments() {
         let mut random = Random::new(5, 8);
         let count = 200_000;
         let mut sums = [[0.0; 3]; 3];
         for _ in 0..count {
             let [a, b] = random.normal();
-            for (sums, x) in sums.iter_mut().zip([a, b, random.even()]) {
+            for (sums, x) in sums.iter_mut().zip([a, b, random.uniform_unit_variance()]) {
                 *sums = [sums[0] + x, sums[1] + x * x, sums[2] + x.powi(4)];
             }
         }
@@ -120,8 +120,8 @@ mod tests {
         let mut lanes = RandomLanes::new(77, &names);
         let mut streams = names.map(|name| Random::new(77, name));
         for _ in 0..10 {
-            let expected = streams.each_mut().map(|stream| stream.even().to_bits());
-            assert_eq!(lanes.even().map(f64::to_bits), expected);
+            let expected = streams.each_mut().map(|stream| stream.uniform_unit_variance().to_bits());
+            assert_eq!(lanes.uniform_unit_variance().map(f64::to_bits), expected);
         }
     }
 

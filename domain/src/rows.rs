@@ -5,25 +5,25 @@ use bytemuck::Pod;
 use rayon::prelude::*;
 
 /// A value of a row that any thread may move.
-pub(crate) trait Value: Pod + Send + Sync {}
+pub(crate) trait RowValue: Pod + Send + Sync {}
 
-impl<T: Pod + Send + Sync> Value for T {}
+impl<T: Pod + Send + Sync> RowValue for T {}
 
 /// Moves rows of values, `width` numbers each. May be collective.
-pub(crate) trait Way {
+pub(crate) trait RowMove {
     /// Values of the rows after the move.
-    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T>;
+    fn of<T: RowValue>(&self, values: &[T], width: usize) -> Vec<T>;
 }
 
 /// Rows of a list, in its order.
 #[derive(Clone, Copy)]
-pub(crate) struct Picked<'a>(pub &'a [usize]);
+pub(crate) struct Selection<'a>(pub &'a [usize]);
 
 /// Rows that one thread moves at a time.
 const BATCH: usize = 1024;
 
-impl Way for Picked<'_> {
-    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T> {
+impl RowMove for Selection<'_> {
+    fn of<T: RowValue>(&self, values: &[T], width: usize) -> Vec<T> {
         let mut picked = vec![T::zeroed(); self.0.len() * width];
         if width > 0 {
             let parts = picked.par_chunks_mut(BATCH * width).zip(self.0.par_chunks(BATCH));
@@ -50,7 +50,7 @@ fn pick<T: Copy, const WIDTH: usize>(values: &[T], rows: &[usize], picked: &mut 
 
 /// Sends each row to a rank. Received rows are in the order of the sending ranks, and from each rank in its own
 /// order.
-pub(crate) struct Delivery {
+pub(crate) struct RowExchange {
     comm: Comm,
     /// Rows sorted by the receiving rank.
     order: Vec<usize>,
@@ -58,8 +58,8 @@ pub(crate) struct Delivery {
     arriving: Vec<usize>,
 }
 
-impl Delivery {
-    /// Plans the delivery of each row to the rank in `owners`. Collective.
+impl RowExchange {
+    /// Plans sending each row to the rank in `owners`. Collective.
     pub fn plan(owners: &[usize], comm: &Comm) -> Self {
         let mut leaving = vec![0; comm.size()];
         for &owner in owners {
@@ -73,9 +73,9 @@ impl Delivery {
     }
 }
 
-impl Way for Delivery {
-    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T> {
-        let send = Picked(&self.order).of(values, width);
+impl RowMove for RowExchange {
+    fn of<T: RowValue>(&self, values: &[T], width: usize) -> Vec<T> {
+        let send = Selection(&self.order).of(values, width);
         if self.comm.size() == 1 {
             return send;
         }
@@ -86,14 +86,14 @@ impl Way for Delivery {
     }
 }
 
-/// A delivery, followed by reordering.
-pub(crate) struct Sorted<'a> {
-    pub delivery: Delivery,
-    pub order: Picked<'a>,
+/// An exchange, followed by reordering.
+pub(crate) struct SortedExchange<'a> {
+    pub exchange: RowExchange,
+    pub order: Selection<'a>,
 }
 
-impl Way for Sorted<'_> {
-    fn of<T: Value>(&self, values: &[T], width: usize) -> Vec<T> {
-        self.order.of(&self.delivery.of(values, width), width)
+impl RowMove for SortedExchange<'_> {
+    fn of<T: RowValue>(&self, values: &[T], width: usize) -> Vec<T> {
+        self.order.of(&self.exchange.of(values, width), width)
     }
 }

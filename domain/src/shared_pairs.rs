@@ -1,7 +1,7 @@
 //! Pairs of the particles of all ranks within any distance, without storing them.
 
-use crate::pairs::fold_some_pairs;
-use crate::{Halo, Particles, Partition, PeriodicBox, Vector};
+use crate::pairs::{PairSearch, fold_some_pairs};
+use crate::{DomainView, Halo, Particles, Vector};
 use rayon::prelude::*;
 
 /// Number of ghosts whose memory is negligible.
@@ -13,22 +13,30 @@ pub(crate) const FEW: usize = 1 << 16;
 /// same bits on any number of ranks. However large the cutoff, there are no more ghosts at a time than a rank has
 /// particles, or 65,536. Each rank passes the particles inside its pencil. Collective.
 pub fn fold_shared_pairs<T: Send>(
-    (partition, cell): (&Partition, &PeriodicBox),
+    domain: DomainView,
     particles: &Particles,
     cutoff: f64,
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
-    fold_in_rounds((partition, cell), particles, (cutoff, FEW), start, visit)
+    fold_in_rounds(&SharedSearch { domain, particles, cutoff, few: FEW }, start, visit)
+}
+
+/// A search for pairs of the particles of all ranks.
+struct SharedSearch<'a> {
+    domain: DomainView<'a>,
+    particles: &'a Particles,
+    cutoff: f64,
+    /// Number of ghosts that a rank may have at a time even if it owns fewer particles.
+    few: usize,
 }
 
 fn fold_in_rounds<T: Send>(
-    (partition, cell): (&Partition, &PeriodicBox),
-    particles: &Particles,
-    (cutoff, few): (f64, usize),
+    search: &SharedSearch,
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
+    let &SharedSearch { domain: DomainView { cell, partition }, particles, cutoff, few } = search;
     let halo = Halo::plan(partition, cell, &particles.positions, [cutoff; 2]);
     let (owned, ghosts) = (halo.owned(), halo.present() - halo.owned());
     let all = partition.comm().all_gather(&[[owned, ghosts.div_ceil(owned.max(few))]]);
@@ -36,12 +44,11 @@ fn fold_in_rounds<T: Send>(
     let rounds = all.iter().map(|[_, rounds]| *rounds).max().unwrap_or(0).max(1);
     let mut parts = Vec::new();
     for round in 0..rounds {
-        let near = Near::of(&halo.part(round, rounds), particles);
+        let near = ParticlesById::of(&halo.part(round, rounds), particles);
         // Pairs within this rank are visited in the first round.
         let of_round = |[_, j]: [u32; 2]| round == 0 || !near.is_own(j);
         parts.extend(fold_some_pairs(
-            (cell, &near.positions, total),
-            cutoff,
+            &PairSearch { cell, positions: &near.positions, total, cutoff },
             |row| near.is_own(row),
             &start,
             |seen, pair, separation| {
@@ -55,13 +62,13 @@ fn fold_in_rounds<T: Send>(
 }
 
 /// Particles and ghosts in the order of their ids.
-struct Near {
+struct ParticlesById {
     positions: Vec<Vector>,
     species: Vec<u32>,
     owned: Vec<bool>,
 }
 
-impl Near {
+impl ParticlesById {
     fn of(halo: &Halo, particles: &Particles) -> Self {
         let mut ids = particles.ids.clone();
         halo.extend(&mut ids);
@@ -86,7 +93,7 @@ impl Near {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Comm, Random, fold_pairs};
+    use crate::{Comm, Partition, PeriodicBox, Random, fold_pairs};
 
     /// Visited pairs, sorted, to the last bit.
     fn sorted(parts: Vec<Vec<([u32; 2], Vector)>>) -> Vec<([u32; 2], [u64; 3])> {
@@ -117,7 +124,8 @@ mod tests {
                     let rows: Vec<usize> = (0..70).filter(|row| row % ranks == comm.rank()).collect();
                     let mut own = all.selected(&rows);
                     own.migrate(&partition, &cell);
-                    fold_in_rounds((&partition, &cell), &own, (cutoff, few), Vec::new, keep).concat()
+                    let domain = DomainView { cell: &cell, partition: &partition };
+                    fold_in_rounds(&SharedSearch { domain, particles: &own, cutoff, few }, Vec::new, keep).concat()
                 });
                 assert!(sorted(found) == expected, "{ranks} ranks, cutoff {cutoff}");
             }

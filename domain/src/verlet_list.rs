@@ -18,7 +18,7 @@ pub struct VerletList {
     /// Skin over the cutoff.
     skin: f64,
     partition: Partition,
-    found: Option<Found>,
+    stored: Option<StoredLists>,
     near: Neighbours,
     searches: u64,
 }
@@ -35,7 +35,7 @@ pub struct LocalAndGhosts<'a> {
 }
 
 /// Lists of a rebuild, and the positions at that time.
-struct Found {
+struct StoredLists {
     cell: PeriodicBox,
     /// Rows at the rebuild.
     rows: RowById,
@@ -62,7 +62,7 @@ impl VerletList {
     /// Empty lists, on the ranks of a domain decomposition.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
         let (partition, near) = (partition.clone(), Neighbours::default());
-        Self { cutoff, skin: SKIN, partition, found: None, near, searches: 0 }
+        Self { cutoff, skin: SKIN, partition, stored: None, near, searches: 0 }
     }
 
     /// The same with another skin over the cutoff.
@@ -85,23 +85,23 @@ impl VerletList {
     /// particles within the cutoff of an owned one. Collective.
     pub fn update(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) {
         let cutoff = self.cutoff;
-        let near = |found: &Found| Some(found.within(&found.follow(cell, present, cutoff)?, cutoff));
+        let near = |found: &StoredLists| Some(found.within(&found.track(cell, present, cutoff)?, cutoff));
         self.near = Neighbours::default();
-        let picked = self.found.as_ref().and_then(near);
+        let picked = self.stored.as_ref().and_then(near);
         if !self.partition.comm().any(picked.is_none()) {
             self.near = picked.unwrap_or_default();
             return;
         }
         // Frees memory that is no longer needed.
         drop(picked);
-        self.found = None;
+        self.stored = None;
         let found = self.search(cell, present);
         // A position that is NaN can't be followed.
         self.near = near(&found).unwrap_or_else(|| found.lists.clone());
-        self.found = Some(found);
+        self.stored = Some(found);
     }
 
-    fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> Found {
+    fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> StoredLists {
         let comm = self.partition.comm();
         let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
         // A single search needs no skin.
@@ -124,7 +124,7 @@ impl VerletList {
         lists.sort_by_key(|neighbour| (ids[neighbour.row as usize], neighbour.steps));
         listed.resize(ids.len(), false);
         let rows = RowById::new(&ids);
-        Found { cell: *cell, rows, positions, listed, reach, lists }
+        StoredLists { cell: *cell, rows, positions, listed, reach, lists }
     }
 }
 
@@ -163,9 +163,9 @@ impl RowById {
 }
 
 /// Present state of the particles of the last rebuild. Those that have left this rank have no neighbours.
-struct Now {
+struct PresentState {
     owned: usize,
-    at: Vec<At>,
+    particles: Vec<PresentParticle>,
     /// Offset from the box to each image.
     offsets: Vec<Vector>,
 }
@@ -173,7 +173,7 @@ struct Now {
 /// Present state of a particle of the last rebuild, in half a cache line.
 #[derive(Clone, Copy)]
 #[repr(align(32))]
-struct At {
+struct PresentParticle {
     /// Position without wrapping since then.
     place: Vector,
     /// Present row.
@@ -182,15 +182,15 @@ struct At {
     shift: u32,
 }
 
-const _: () = assert!(size_of::<At>() == 32);
+const _: () = assert!(size_of::<PresentParticle>() == 32);
 
-impl Found {
+impl StoredLists {
     /// Present state of the listed particles; `None` if a pair within the cutoff may be missing in the lists.
     ///
     /// A deformation of the box moves no particle in fractions of the lattice vectors. It reduces distances by its
     /// least stretch at most, which in simple shear is `sqrt(1 + g^2/4) - g/2` at the strain `g` since the rebuild. A
     /// box that follows the particles moves none either: positions are relative to its origin.
-    fn follow(&self, cell: &PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<Now> {
+    fn track(&self, cell: &PeriodicBox, present: &LocalAndGhosts, cutoff: f64) -> Option<PresentState> {
         let (edges, images) = (cell.edges(), self.lists.images());
         if !images.reach(cell, cutoff) {
             return None;
@@ -208,15 +208,15 @@ impl Found {
         let spare = self.reach * least_stretch - cutoff;
         let before_to_now = edges / self.cell.edges();
         let all_near = AtomicBool::new(true);
-        let follow = |before: usize| {
+        let track = |before: usize| {
             let row = rows[before];
             let Some(&now) = present.positions.get(row as usize) else {
-                return At { place: Vector::NAN, row, shift: 0 };
+                return PresentParticle { place: Vector::NAN, row, shift: 0 };
             };
             let past = (self.cell.lattice_coordinates(self.positions[before]) - self.cell.origin()) * before_to_now;
             let moved = cell.lattice_coordinates(now) - cell.origin() - past;
             let steps = cell.whole_steps(moved);
-            let moved = cell.at(moved - steps * edges);
+            let moved = cell.position(moved - steps * edges);
             // Both particles of a pair may have moved. Images are checked by their owners.
             let is_near = 4.0 * moved.length_squared() <= spare * spare && spare >= 0.0;
             if (row as usize) < present.owned && !(is_near && self.listed[before]) {
@@ -224,11 +224,11 @@ impl Found {
             }
             let steps = steps.to_array().map(|s| s as i32);
             let place = if steps == [0; 3] { now } else { now - cell.lattice(steps) };
-            At { place, row, shift: images.shift(steps) }
+            PresentParticle { place, row, shift: images.shift(steps) }
         };
-        let at: Vec<At> = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(follow).collect();
+        let particles = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(track).collect();
         let offsets = images.steps().map(|steps| cell.lattice(steps)).collect();
-        all_near.into_inner().then_some(Now { owned: present.owned, at, offsets })
+        all_near.into_inner().then_some(PresentState { owned: present.owned, particles, offsets })
     }
 
     /// Present rows by rows of the rebuild; `None` if the rank owns a particle that was not here then.
@@ -245,14 +245,14 @@ impl Found {
     }
 
     /// Neighbours in the lists that are within a cutoff.
-    fn within(&self, now: &Now, cutoff: f64) -> Neighbours {
-        let count = now.at.len();
+    fn within(&self, now: &PresentState, cutoff: f64) -> Neighbours {
+        let count = now.particles.len();
         let pick = |batch: usize| {
             let mut picked = Batch::default();
             for row in batch * BATCH..count.min((batch + 1) * BATCH) {
-                if (now.at[row].row as usize) < now.owned {
+                if (now.particles[row].row as usize) < now.owned {
                     self.pick(row, now, cutoff, &mut picked.list);
-                    picked.ends.push((now.at[row].row, picked.list.len()));
+                    picked.ends.push((now.particles[row].row, picked.list.len()));
                 }
             }
             picked
@@ -262,16 +262,17 @@ impl Found {
     }
 
     /// Appends the neighbours in a row's list that are within the cutoff.
-    fn pick(&self, row: usize, Now { at, offsets, .. }: &Now, cutoff: f64, picked: &mut Vec<u32>) {
+    fn pick(&self, row: usize, now: &PresentState, cutoff: f64, picked: &mut Vec<u32>) {
         let (images, list) = (self.lists.images(), self.lists.entries(row));
-        let At { place, shift: home, .. } = at[row];
+        let PresentParticle { place, shift: home, .. } = now.particles[row];
         let mut found = picked.len();
         picked.resize(found + list.len(), 0);
         for &entry in list {
-            let At { place: there, row: other, shift: away, .. } = at[images.row(entry) as usize];
-            let x = place - there - offsets[images.number(entry)];
+            let PresentParticle { place: there, row: other, shift: away, .. } =
+                now.particles[images.row(entry) as usize];
+            let x = place - there - now.offsets[images.number(entry)];
             // Without a branch, which would often be mispredicted.
-            picked[found] = images.moved(entry, (other, home.wrapping_sub(away)));
+            picked[found] = images.moved(entry, other, home.wrapping_sub(away));
             found += usize::from(x.length_squared() < cutoff * cutoff);
         }
         picked.truncate(found);

@@ -4,7 +4,7 @@ use crate::number::positive;
 use crate::sampled_frames::SampledFrames;
 use crate::streams;
 use anyhow::{Context, anyhow, bail, ensure};
-use domain::{Comm, Need, Particles, Partition, Process};
+use domain::{Comm, MemoryNeed, Particles, Partition, Process};
 use io::{Manifest, Provenance, Scene, SuspensionScene, TrajectoryReader, provenance, write_tables};
 use simulation::Table;
 use std::path::{Path, PathBuf};
@@ -138,7 +138,7 @@ fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<(
     let kept = share.bytes(model, (samples, rayon::current_num_threads()));
     let frame = Particles::bytes(particles, 11);
     let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));
-    let need = Need { resident: Process::ALONE.resident(peak.most), ..Need::default() };
+    let need = MemoryNeed { resident: Process::ALONE.resident(peak.most), ..MemoryNeed::default() };
     Comm::check_memory_of(&[need]).with_context(|| {
         format!(
             "{samples} samples of {particles} particles of {} species take too much memory; take fewer, by --from \

@@ -53,7 +53,7 @@ impl Draw for Stream {
             x << 42 | y << 21 | z
         });
         let mut random = RandomLanes::new(self.seed_of(OF_FIELD), &names);
-        std::array::from_fn(|_| std::array::from_fn(|_| random.even().map(|number| half * number)))
+        std::array::from_fn(|_| std::array::from_fn(|_| random.uniform_unit_variance().map(|number| half * number)))
     }
 }
 

@@ -41,7 +41,7 @@ impl Problem {
     }
 
     /// Largest of these, and of the factor by which a sphere extends farther along a lattice coordinate:
-    /// [`domain::PeriodicBox::slant`].
+    /// [`domain::PeriodicBox::coordinate_stretch`].
     pub(crate) fn stretch(&self) -> f64 {
         let (s, [t, r]) = (self.largest_strain, self.largest_tilts);
         let (first, Vector { y, z, .. }) = (t + s * r, self.lengthened());

@@ -5,7 +5,7 @@ use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::LANES;
 use crate::pairs::matrix::sparse::{Group, MomentGroup};
 use crate::six_vector::SixVector;
-use domain::{Bytes, ExpectedCounts, Halo, Need, Process, Traceless, Vector, VerletList};
+use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Process, Traceless, Vector, VerletList};
 use fcm::{Footprint, Precision};
 use lubrication::{LubricationRange, PairForce};
 
@@ -19,10 +19,10 @@ pub struct Ranks {
 }
 
 /// Memory of a rank from the peak of its allocations and the far field of a plan.
-pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> Need {
-    let reached = far.reached();
-    let resident = Process::of(rank, ranks).resident(peak.most) + reached;
-    Need { resident, reached, mapped: far.columns_of_others(ranks) - reached }
+pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> MemoryNeed {
+    let remote = far.reached();
+    let resident = Process::of(rank, ranks).resident(peak.most) + remote;
+    MemoryNeed { resident, remote, mapped: far.columns_of_others(ranks) - remote }
 }
 
 /// Gap up to which pairs are stiff, over the smaller radius; an estimate of the gaps in

@@ -191,7 +191,7 @@ fn around(cell: PeriodicBox, particles: &Particles, periodic: [bool; 3]) -> Peri
             origin[axis] = 0.5 * (lowest + highest - cell.edges()[axis]);
         }
     }
-    if origin == Vector::ZERO { cell } else { cell.spanning(origin, cell.edges()).unwrap_or(cell) }
+    if origin == Vector::ZERO { cell } else { cell.with_extent(origin, cell.edges()).unwrap_or(cell) }
 }
 
 /// Whether the box is periodic along each axis.
@@ -269,7 +269,7 @@ mod tests {
         assert_eq!(origin([true, true, false]), Vector::new(0.0, 0.0, 99.5));
         assert_eq!(origin([true, false, true]), Vector::ZERO);
         assert_eq!(around(cell, &Particles::default(), [false; 3]), cell);
-        let parts = particles.positions.iter().map(|&x| around(cell, &particles, [false; 3]).parts(x));
+        let parts = particles.positions.iter().map(|&x| around(cell, &particles, [false; 3]).fractional_coordinates(x));
         assert!(parts.into_iter().all(|part| part.min_element() > 0.0 && part.max_element() < 1.0));
     }
 

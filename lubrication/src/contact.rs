@@ -68,9 +68,9 @@ impl Contact {
         least_zero("contacts.friction", self.friction, "the coefficient of friction")?;
         least_zero("contacts.rolling_friction", self.rolling_friction, "the coefficient of rolling friction")?;
         least_zero("contacts.critical_load", self.critical_load, "the load below which there is no friction")?;
-        ParameterError::unless_between("contacts.roughness", self.roughness, ROUGHNESS)?;
-        ParameterError::unless_between("contacts.tangential_ratio", self.tangential_ratio, [1e-3, 10.0])?;
-        ParameterError::unless_positive("contacts.stiffness", self.stiffness).map(drop)
+        ParameterError::require_between("contacts.roughness", self.roughness, ROUGHNESS)?;
+        ParameterError::require_between("contacts.tangential_ratio", self.tangential_ratio, [1e-3, 10.0])?;
+        ParameterError::require_positive("contacts.stiffness", self.stiffness).map(drop)
     }
 
     /// Distance of the centres, or of the centre from a wall, below which spheres touch.

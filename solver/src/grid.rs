@@ -130,7 +130,7 @@ impl Grid {
 
     /// Position of a point.
     pub fn position(&self, point: [usize; 3]) -> Vector {
-        self.cell.at(Vector::from_array(point.map(|i| i as f64)) * self.spacing())
+        self.cell.position(Vector::from_array(point.map(|i| i as f64)) * self.spacing())
     }
 
     /// Lattice wavenumber `2 pi m / L` along an axis, with `m = mode` below half the points and `mode - n` from

@@ -10,7 +10,7 @@ use std::hash::{BuildHasher, Hasher};
 use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 
 /// A mapped region of memory.
-pub(super) struct Mapped {
+pub(super) struct SharedMapping {
     start: *mut u8,
     bytes: usize,
 }
@@ -29,7 +29,7 @@ pub(super) struct Address {
     token: u64,
 }
 
-impl Mapped {
+impl SharedMapping {
     /// Allocates memory; other processes can map it as long as the descriptor is open.
     pub fn create(bytes: usize) -> rustix::io::Result<(Self, OwnedFd, Address)> {
         let size = (HEADER + bytes) as u64;
@@ -82,7 +82,7 @@ impl Mapped {
     }
 }
 
-impl Drop for Mapped {
+impl Drop for SharedMapping {
     fn drop(&mut self) {
         // SAFETY: it was mapped with this size, and its user does not outlive it.
         let _ = unsafe { rustix::mm::munmap(self.start.cast(), HEADER + self.bytes) };

@@ -6,7 +6,6 @@ mod failure;
 mod launcher;
 #[cfg(all(feature = "mpi", target_os = "linux"))]
 mod mapped;
-mod need;
 mod threads;
 mod window;
 
@@ -26,7 +25,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub use failure::Failure;
 use launcher::Job;
 pub use launcher::Launcher;
-pub use need::{Need, NotEnoughMemory};
 use window::Segment;
 pub use window::Window;
 
@@ -212,7 +210,7 @@ impl Comm {
 
     /// The ranks of this group on the same machine.
     #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
-    fn machine(&self) -> Self {
+    pub(crate) fn machine(&self) -> Self {
         match &self.backend {
             Backend::Alone => Self::alone(),
             Backend::Threads(rank) => self.split(rank.machine()),

@@ -123,13 +123,13 @@ impl Rank {
     /// Shared memory of every rank of a group on one machine, if the machine allows that.
     #[cfg(target_os = "linux")]
     pub(super) fn share(&self, bytes: usize, machine: &Comm) -> Option<Vec<Arc<Segment>>> {
-        use super::mapped::Mapped;
+        use super::mapped::SharedMapping;
         if self.size() == 1 {
             return None;
         }
-        let mine = Mapped::create(bytes).ok();
+        let mine = SharedMapping::create(bytes).ok();
         let addresses = machine.all_gather(mine.as_ref().map(|(.., address)| *address).as_slice());
-        let open = |address| Mapped::open(address).map(|memory| Arc::new(Segment::Mapped(memory))).ok();
+        let open = |address| SharedMapping::open(address).map(|memory| Arc::new(Segment::Mapped(memory))).ok();
         let all: Option<Vec<_>> = addresses.into_iter().map(open).collect();
         // All ranks have to succeed, and `mine` stays open until all have mapped it.
         let everybody = !machine.any(all.as_ref().is_none_or(|all| all.len() < self.size()));

@@ -45,15 +45,15 @@ impl Window {
 /// A rank's part of a window.
 pub(super) enum Segment {
     /// Allocated by this process.
-    Private(Box<[UnsafeCell<Line>]>),
+    Private(Box<[UnsafeCell<CacheLine>]>),
     /// Shared by several processes.
     #[cfg(all(feature = "mpi", target_os = "linux"))]
-    Mapped(super::mapped::Mapped),
+    Mapped(super::mapped::SharedMapping),
 }
 
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Line([u64; 8]);
+pub(super) struct CacheLine([u64; 8]);
 
 // SAFETY: it is plain memory; users of the pointer synchronise by barriers.
 unsafe impl Send for Segment {}
@@ -61,7 +61,9 @@ unsafe impl Sync for Segment {}
 
 impl Segment {
     pub(super) fn private(bytes: usize) -> Self {
-        Self::Private((0..bytes.div_ceil(size_of::<Line>())).map(|_| UnsafeCell::new(Line::zeroed())).collect())
+        Self::Private(
+            (0..bytes.div_ceil(size_of::<CacheLine>())).map(|_| UnsafeCell::new(CacheLine::zeroed())).collect(),
+        )
     }
 
     fn start(&self) -> *mut u8 {

@@ -6,7 +6,7 @@ mod relax;
 mod sequential;
 mod shake;
 
-use crate::{Comm, Partition, PeriodicBox, Vector};
+use crate::{Comm, Partition, PeriodicBox, Vector, sphere};
 pub use cloud::random_cloud;
 use occupied::Occupied;
 use relax::relax;
@@ -88,7 +88,7 @@ pub fn random_packing(cell: &PeriodicBox, radii: &[f64], gap: f64, seed: u64) ->
         return Ok(positions);
     }
     relax(cell, &sizes, MARGIN, &mut positions).ok_or(PackingError::NotFound { spheres: radii.len(), fraction })?;
-    shake::shake(cell, &sizes, &mut positions, (seed, SWEEPS));
+    shake::shake(cell, &sizes, &mut positions, seed, SWEEPS);
     Ok(positions)
 }
 
@@ -99,7 +99,7 @@ fn one_by_one(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector>, boo
     let kinds: Vec<(f64, usize)> = sizes.iter().map(|&size| (size, 1)).collect();
     let partition = Partition::new(&Comm::alone(), [1, 1]);
     let spheres = order.into_iter().map(|sphere| (sphere as u64, sizes[sphere]));
-    let (placed, all_free) = sequential::place((cell, &partition), &kinds, spheres, seed);
+    let (placed, all_free) = sequential::place(cell, &partition, &kinds, spheres, seed);
     let mut positions = vec![Vector::ZERO; sizes.len()];
     for (sphere, place) in placed {
         positions[sphere as usize] = place;
@@ -114,7 +114,8 @@ fn one_by_one(cell: &PeriodicBox, sizes: &[f64], seed: u64) -> (Vec<Vector>, boo
 pub fn shared_random_packing(
     cell: &PeriodicBox,
     groups: &[(f64, usize)],
-    (gap, seed): (f64, u64),
+    gap: f64,
+    seed: u64,
     partition: &Partition,
 ) -> Result<Option<Vec<(u64, Vector)>>, PackingError> {
     let kinds: Vec<(f64, usize)> = groups.iter().map(|&(radius, count)| (radius + 0.5 * gap, count)).collect();
@@ -128,7 +129,7 @@ pub fn shared_random_packing(
     groups.sort_by(|(_, (a, _)), (_, (b, _))| b.total_cmp(a));
     let spheres =
         groups.into_iter().flat_map(|(start, (size, count))| (start..start + count as u64).map(move |id| (id, size)));
-    let (own, all_free) = sequential::place((cell, partition), &kinds, spheres, seed);
+    let (own, all_free) = sequential::place(cell, partition, &kinds, spheres, seed);
     Ok(all_free.then_some(own))
 }
 
@@ -138,7 +139,7 @@ fn check(cell: &PeriodicBox, kinds: impl Iterator<Item = (f64, usize)> + Clone, 
     if let Some((size, _)) = kinds.clone().find(|&(a, count)| count > 0 && 2.0 * a >= edge) {
         return Err(PackingError::OwnImage { radius: size - 0.5 * gap, gap, edge });
     }
-    let volume: f64 = kinds.map(|(a, count)| 4.0 / 3.0 * std::f64::consts::PI * a.powi(3) * count as f64).sum();
+    let volume: f64 = kinds.map(|(a, count)| sphere::volume(a) * count as f64).sum();
     let fraction = volume / cell.volume();
     if fraction > DENSEST { Err(PackingError::TooDense { fraction, limit: DENSEST }) } else { Ok(fraction) }
 }

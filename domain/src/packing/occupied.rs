@@ -9,7 +9,7 @@ pub(super) struct Occupied<'a> {
     cell: &'a PeriodicBox,
     /// Largest size of all.
     largest: f64,
-    levels: Vec<Level>,
+    levels: Vec<SizeLevel>,
     spheres: Vec<Sphere>,
 }
 
@@ -21,11 +21,11 @@ struct Sphere {
 }
 
 /// Cells for spheres whose sizes differ by a factor of two at most.
-struct Level {
+struct SizeLevel {
     largest: f64,
     counts: [usize; 3],
     /// First cell along y and along z that is stored here, and how many are.
-    here: [[usize; 2]; 2],
+    local_range: [[usize; 2]; 2],
     first: Vec<u32>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> Occupied<'a> {
             let (largest, members) = &mut members[occupied.level_of(size)];
             (*largest, *members) = (f64::max(*largest, size), *members + number);
         }
-        let level = |(own, number)| Level::new(cell, (own, number), (largest + own, share));
+        let level = |(own, number)| SizeLevel::new(cell, own, number, largest + own, share);
         occupied.levels = members.into_iter().map(level).collect();
         occupied
     }
@@ -93,27 +93,27 @@ impl<'a> Occupied<'a> {
         Some(&mut level.first[place])
     }
 
-    /// Whether a sphere at this position, which is in the share, would overlap no sphere other than number `but`.
-    pub fn is_free(&self, size: f64, position: Vector, but: Option<usize>) -> bool {
-        let but = but.map_or(NONE, |number| number as u32);
+    /// Whether a sphere at this position, which is in the share, would overlap no sphere other than number `except`.
+    pub fn is_free(&self, size: f64, position: Vector, except: Option<usize>) -> bool {
+        let except = except.map_or(NONE, |number| number as u32);
         self.levels.iter().filter(|level| level.largest > 0.0).all(|level| {
             let around = level.around(self.cell, position, size + level.largest);
             let cells = |d: usize| (0..around[d][1]).map(move |k| (around[d][0] + k) % level.counts[d]);
             let row = |axis: usize, place: usize| level.row(axis, place).expect("the share has what is in reach");
-            let is_clear = |x, rows| self.is_clear(level.first[level.index(x, rows)], (size, position), but);
+            let is_clear = |x, rows| self.is_clear(level.first[level.index(x, rows)], size, position, except);
             cells(2)
                 .map(|z| row(1, z))
                 .all(|z| cells(1).map(|y| row(0, y)).all(|y| cells(0).all(|x| is_clear(x, [y, z]))))
         })
     }
 
-    /// Whether a sphere touches none of a list, apart from sphere number `but`.
-    fn is_clear(&self, mut other: u32, (size, position): (f64, Vector), but: u32) -> bool {
+    /// Whether a sphere touches none of a list, apart from sphere number `except`.
+    fn is_clear(&self, mut other: u32, size: f64, position: Vector, except: u32) -> bool {
         while other != NONE {
             let there = &self.spheres[other as usize];
             let contact = size + there.size;
             let separation = self.cell.nearest_image(there.position - position);
-            if other != but && separation.length_squared() < contact * contact {
+            if other != except && separation.length_squared() < contact * contact {
                 return false;
             }
             other = there.next;
@@ -122,17 +122,19 @@ impl<'a> Occupied<'a> {
     }
 }
 
-impl Level {
-    /// Level for `number` spheres up to size `largest`; with a share, it covers the surroundings within `reach`.
+impl SizeLevel {
+    /// SizeLevel for `number` spheres up to size `largest`; with a share, it covers the surroundings within `reach`.
     /// Without spheres there are no cells.
-    fn new(cell: &PeriodicBox, (largest, number): (f64, usize), (reach, share): (f64, Option<&Partition>)) -> Self {
+    fn new(cell: &PeriodicBox, largest: f64, number: usize, reach: f64, share: Option<&Partition>) -> Self {
         let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
-        let counts = (cell.edges() / (cell.slant() * 2.0 * largest)).floor().clamp(Vector::ONE, Vector::splat(most));
+        let counts = (cell.edges() / (cell.coordinate_stretch() * 2.0 * largest))
+            .floor()
+            .clamp(Vector::ONE, Vector::splat(most));
         let counts = counts.to_array().map(|c| c as usize);
-        let mut level = Self { largest, counts, here: [[0, counts[1]], [0, counts[2]]], first: Vec::new() };
+        let mut level = Self { largest, counts, local_range: [[0, counts[1]], [0, counts[2]]], first: Vec::new() };
         if let Some(partition) = share {
             let cells = level.cells_within(cell, reach);
-            level.here = std::array::from_fn(|axis| {
+            level.local_range = std::array::from_fn(|axis| {
                 let (lines, count) = (partition.lines()[axis] as f64, counts[axis + 1]);
                 let owned = &partition.owned()[axis];
                 let [start, end] = [owned.start, owned.end].map(|line| (line as f64 / lines * count as f64) as usize);
@@ -142,7 +144,8 @@ impl Level {
                 if number < count { [(start + count - beyond) % count, number] } else { [0, count] }
             });
         }
-        level.first = vec![NONE; if number > 0 { counts[0] * level.here[0][1] * level.here[1][1] } else { 0 }];
+        level.first =
+            vec![NONE; if number > 0 { counts[0] * level.local_range[0][1] * level.local_range[1][1] } else { 0 }];
         level
     }
 
@@ -153,18 +156,18 @@ impl Level {
 
     /// Index of a row along y or z, relative to the first that is stored here, if it is stored.
     fn row(&self, axis: usize, place: usize) -> Option<usize> {
-        let ([first, number], count) = (self.here[axis], self.counts[axis + 1]);
+        let ([first, number], count) = (self.local_range[axis], self.counts[axis + 1]);
         let row = if place >= first { place - first } else { place + count - first };
         (row < number).then_some(row)
     }
 
     fn index(&self, x: usize, [y, z]: [usize; 2]) -> usize {
-        (z * self.here[0][1] + y) * self.counts[0] + x
+        (z * self.local_range[0][1] + y) * self.counts[0] + x
     }
 
     /// Number of cells along each axis that span a distance.
     fn cells_within(&self, cell: &PeriodicBox, distance: f64) -> [usize; 3] {
-        let reach = (cell.slant() * distance / cell.edges()).to_array();
+        let reach = (cell.coordinate_stretch() * distance / cell.edges()).to_array();
         std::array::from_fn(|d| ((reach[d] * self.counts[d] as f64).ceil() as usize).min(self.counts[d]))
     }
 

@@ -14,6 +14,7 @@ pub(super) fn relax(cell: &PeriodicBox, sizes: &[f64], margin: f64, positions: &
     let ids: Vec<u64> = (0..sizes.len() as u64).collect();
     let diameter = 2.0 * sizes.iter().copied().fold(0.0, f64::max) * (1.0 + margin);
     let find = |positions: &[Vector]| Pairs::find(cell, positions, &ids, ids.len(), diameter * (1.0 + SKIN));
+    let enlarged = Enlarged { cell, sizes, margin };
     let mut pairs = find(positions);
     let mut seen = positions.to_vec();
     let mut descent = Descent::new(sizes.len());
@@ -23,7 +24,7 @@ pub(super) fn relax(cell: &PeriodicBox, sizes: &[f64], margin: f64, positions: &
             pairs = find(positions);
             seen.copy_from_slice(positions);
         }
-        let worst = push(cell, (&pairs, sizes), (positions, margin), &mut descent.forces);
+        let worst = enlarged.push_apart(&pairs, positions, &mut descent.forces);
         if worst < 0.5 * margin {
             wrap(cell, positions);
             return Some(());
@@ -39,35 +40,40 @@ fn wrap(cell: &PeriodicBox, positions: &mut [Vector]) {
     }
 }
 
-/// Forces of the overlapping pairs, in their order; returns the largest overlap over the distance at contact.
-fn push(
-    cell: &PeriodicBox,
-    (pairs, sizes): (&Pairs, &[f64]),
-    (positions, margin): (&[Vector], f64),
-    forces: &mut [Vector],
-) -> f64 {
-    forces.fill(Vector::ZERO);
-    let mut worst = 0.0_f64;
-    for pair in pairs.list() {
-        let (i, j) = (pair.i as usize, pair.j as usize);
-        let contact = (sizes[i] + sizes[j]) * (1.0 + margin);
-        let separation = pair.separation(cell, positions);
-        let distance = separation.length();
-        if distance < contact {
-            let push = separation * ((contact - distance) / distance.max(1e-3 * contact));
-            forces[j] += push;
-            forces[i] -= push;
-            worst = worst.max(1.0 - distance / contact);
+/// Spheres in a box, enlarged by the factor `1 + margin`.
+struct Enlarged<'a> {
+    cell: &'a PeriodicBox,
+    sizes: &'a [f64],
+    margin: f64,
+}
+
+impl Enlarged<'_> {
+    /// Forces of the overlapping pairs, in their order; returns the largest overlap over the distance at contact.
+    fn push_apart(&self, pairs: &Pairs, positions: &[Vector], forces: &mut [Vector]) -> f64 {
+        let &Self { cell, sizes, margin } = self;
+        forces.fill(Vector::ZERO);
+        let mut worst = 0.0_f64;
+        for pair in pairs.list() {
+            let (i, j) = (pair.i as usize, pair.j as usize);
+            let contact = (sizes[i] + sizes[j]) * (1.0 + margin);
+            let separation = pair.separation(cell, positions);
+            let distance = separation.length();
+            if distance < contact {
+                let push = separation * ((contact - distance) / distance.max(1e-3 * contact));
+                forces[j] += push;
+                forces[i] -= push;
+                worst = worst.max(1.0 - distance / contact);
+            }
         }
-    }
-    for (i, &place) in positions.iter().enumerate() {
-        let contact = sizes[i] * (1.0 + margin);
-        for to in cell.to_walls(place).filter(|to| to.distance < contact) {
-            forces[i] -= to.axis * (contact - to.distance);
-            worst = worst.max(1.0 - to.distance / contact);
+        for (i, &place) in positions.iter().enumerate() {
+            let contact = sizes[i] * (1.0 + margin);
+            for to in cell.to_walls(place).filter(|to| to.distance < contact) {
+                forces[i] -= to.axis * (contact - to.distance);
+                worst = worst.max(1.0 - to.distance / contact);
+            }
         }
+        worst
     }
-    worst
 }
 
 /// State of the minimisation: Newtonian motion with unit masses, steered along the force and stopped when the energy

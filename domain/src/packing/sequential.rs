@@ -20,23 +20,25 @@ const AT_ONCE: [f64; 2] = [2.0, 64.0];
 /// position over all ranks is that of the sphere unless one before it in the batch occupies it: then the ranks search
 /// on.
 pub(super) fn place(
-    (cell, partition): (&PeriodicBox, &Partition),
+    cell: &PeriodicBox,
+    partition: &Partition,
     kinds: &[(f64, usize)],
     spheres: impl Iterator<Item = (u64, f64)>,
     seed: u64,
 ) -> (Vec<(u64, Vector)>, bool) {
     let (occupied, comm) = (Occupied::new(cell, kinds, Some(partition)), partition.comm());
-    let own = Own { cell, place: partition.place(), rank: comm.rank(), seed, occupied, at_once: AT_ONCE[0] as u64 };
-    let mut placing = Placing { comm, own };
+    let local =
+        LocalSearch { cell, place: partition.place(), rank: comm.rank(), seed, occupied, at_once: AT_ONCE[0] as u64 };
+    let mut placing = Placing { comm, local };
     let (mut own, mut all_free) = (Vec::new(), true);
-    let mut spheres = spheres.map(|(id, size)| Waiting { id, size, tried: 0, free: None }).peekable();
+    let mut spheres = spheres.map(|(id, size)| PendingSphere { id, size, tried: 0, free: None }).peekable();
     while spheres.peek().is_some() {
-        let mut batch: Vec<Waiting> = spheres.by_ref().take(BATCH).collect();
-        let places = placing.settle(&mut batch);
+        let mut batch: Vec<PendingSphere> = spheres.by_ref().take(BATCH).collect();
+        let places = placing.place_batch(&mut batch);
         all_free &= batch.iter().all(|sphere| sphere.free.is_some());
         for (sphere, place) in batch.iter().zip(places) {
-            placing.own.occupied.insert(sphere.size, place);
-            if placing.own.has(place) {
+            placing.local.occupied.insert(sphere.size, place);
+            if placing.local.has(place) {
                 own.push((sphere.id, place));
             }
         }
@@ -45,7 +47,7 @@ pub(super) fn place(
 }
 
 /// A sphere that is not placed yet.
-struct Waiting {
+struct PendingSphere {
     id: u64,
     size: f64,
     /// Number of tries known not to be free.
@@ -56,11 +58,11 @@ struct Waiting {
 
 struct Placing<'a> {
     comm: &'a Comm,
-    own: Own<'a>,
+    local: LocalSearch<'a>,
 }
 
 /// Search of one rank, with all its threads.
-struct Own<'a> {
+struct LocalSearch<'a> {
     cell: &'a PeriodicBox,
     place: &'a Place,
     rank: usize,
@@ -73,67 +75,67 @@ struct Own<'a> {
 
 impl Placing<'_> {
     /// Positions for all spheres of a batch. Collective.
-    fn settle(&mut self, batch: &mut [Waiting]) -> Vec<Vector> {
-        self.look(batch);
+    fn place_batch(&mut self, batch: &mut [PendingSphere]) -> Vec<Vector> {
+        self.find_first_free(batch);
         let kinds: Vec<(f64, usize)> = batch.iter().map(|sphere| (sphere.size, 1)).collect();
-        let mut mates = Occupied::new(self.own.cell, &kinds, None);
+        let mut mates = Occupied::new(self.local.cell, &kinds, None);
         let mut places = Vec::with_capacity(batch.len());
         for k in 0..batch.len() {
-            let place = self.settle_one(&mut batch[k..=k], &mates);
+            let place = self.place_in_batch(&mut batch[k..=k], &mates);
             mates.insert(batch[k].size, place);
             places.push(place);
         }
         let tried = batch.iter().map(|sphere| sphere.tried + 1).sum::<u64>() as f64 / batch.len() as f64;
-        self.own.at_once = (2.0 * tried).ceil().clamp(AT_ONCE[0], AT_ONCE[1]) as u64;
+        self.local.at_once = (2.0 * tried).ceil().clamp(AT_ONCE[0], AT_ONCE[1]) as u64;
         places
     }
 
     /// Position of a sphere that is also free of those before it in its batch. Collective.
-    fn settle_one(&self, sphere: &mut [Waiting], mates: &Occupied) -> Vector {
+    fn place_in_batch(&self, sphere: &mut [PendingSphere], mates: &Occupied) -> Vector {
         loop {
-            let Waiting { id, size, free, .. } = sphere[0];
-            let place = self.own.tries((id, size), free.unwrap_or(TRIES)).next().expect("tries have no end");
+            let PendingSphere { id, size, free, .. } = sphere[0];
+            let place = self.local.tries(id, size, free.unwrap_or(TRIES)).next().expect("tries have no end");
             if free.is_none() || mates.is_free(size, place, None) {
                 return place;
             }
             (sphere[0].tried, sphere[0].free) = (free.map_or(TRIES, |tried| tried + 1), None);
-            self.look(sphere);
+            self.find_first_free(sphere);
         }
     }
 
     /// Finds the first free try of each sphere, if it has one. Collective.
-    fn look(&self, spheres: &mut [Waiting]) {
-        let mut left: Vec<&mut Waiting> = spheres.iter_mut().collect();
+    fn find_first_free(&self, spheres: &mut [PendingSphere]) {
+        let mut left: Vec<&mut PendingSphere> = spheres.iter_mut().collect();
         while !left.is_empty() {
-            let looking = &self.own;
-            let own: Vec<u64> = left.par_iter().map(|sphere| looking.first_free(sphere)).collect();
+            let local = &self.local;
+            let own: Vec<u64> = left.par_iter().map(|sphere| local.first_free(sphere)).collect();
             let all = self.comm.all_gather(&own);
             for (k, sphere) in left.iter_mut().enumerate() {
                 let first = all[k..].iter().step_by(own.len()).min().copied().unwrap_or(TRIES);
                 sphere.free = (first < TRIES).then_some(first);
-                sphere.tried = sphere.free.unwrap_or(sphere.tried + self.own.at_once);
+                sphere.tried = sphere.free.unwrap_or(sphere.tried + self.local.at_once);
             }
             left.retain(|sphere| sphere.free.is_none() && sphere.tried < TRIES);
         }
     }
 }
 
-impl Own<'_> {
+impl LocalSearch<'_> {
     /// Whether a position is in this rank's share.
     fn has(&self, position: Vector) -> bool {
         self.place.owner(self.cell, position) == self.rank
     }
 
     /// First of the next few tries of a sphere that is in this rank's share and free; else the number of all tries.
-    fn first_free(&self, &Waiting { id, size, tried, .. }: &Waiting) -> u64 {
+    fn first_free(&self, &PendingSphere { id, size, tried, .. }: &PendingSphere) -> u64 {
         let until = (tried + self.at_once).min(TRIES);
-        let mut tries = (tried..until).zip(self.tries((id, size), tried));
+        let mut tries = (tried..until).zip(self.tries(id, size, tried));
         let free = tries.find(|&(_, place)| self.has(place) && self.occupied.is_free(size, place, None));
         free.map_or(TRIES, |(number, _)| number)
     }
 
     /// Random positions of a sphere of a given size, clear of walls, from try number `first` on.
-    fn tries(&self, (id, size): (u64, f64), first: u64) -> impl Iterator<Item = Vector> {
+    fn tries(&self, id: u64, size: f64, first: u64) -> impl Iterator<Item = Vector> {
         let mut random = Random::new(self.seed, id);
         random.skip(3 * first);
         std::iter::repeat_with(move || self.cell.wrap(self.cell.off_walls(random.point() * self.cell.edges(), size)).0)

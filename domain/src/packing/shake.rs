@@ -8,7 +8,7 @@ const ACCEPTED: f64 = 0.4;
 
 /// Tries `sweeps` random moves of every sphere, one sphere after another, and accepts those without an overlap.
 /// Spheres that do not overlap before do not overlap afterwards.
-pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector], (seed, sweeps): (u64, u64)) {
+pub(super) fn shake(cell: &PeriodicBox, sizes: &[f64], positions: &mut [Vector], seed: u64, sweeps: u64) {
     let kinds: Vec<(f64, usize)> = sizes.iter().map(|&size| (size, 1)).collect();
     let mut occupied = Occupied::new(cell, &kinds, None);
     for (&size, &position) in sizes.iter().zip(&*positions) {

@@ -152,7 +152,7 @@ fn places_are_those_of_the_definition_on_any_ranks() {
         for ranks in [1, 2, 3, 7] {
             let found = Comm::threads(ranks, |comm| {
                 let partition = Partition::new(&comm, [20, 14]);
-                let own = shared_random_packing(&cell, groups, (0.01, 9), &partition).unwrap().unwrap();
+                let own = shared_random_packing(&cell, groups, 0.01, 9, &partition).unwrap().unwrap();
                 assert!(own.iter().all(|&(_, place)| partition.owner(&cell, place) == comm.rank()));
                 own
             });
@@ -167,8 +167,7 @@ fn places_are_those_of_the_definition_on_any_ranks() {
 fn what_has_to_be_moved_apart_is_not_shared() {
     let partition = Partition::new(&Comm::alone(), [4, 4]);
     let cell = cube(&[1.0; 100], 0.3);
-    assert_eq!(shared_random_packing(&cell, &[(1.0, 100)], (0.0, 1), &partition), Ok(None));
-    let packed =
-        shared_random_packing(&PeriodicBox::new(Vector::splat(1.0)).unwrap(), &[(1.0, 1)], (0.0, 1), &partition);
+    assert_eq!(shared_random_packing(&cell, &[(1.0, 100)], 0.0, 1, &partition), Ok(None));
+    let packed = shared_random_packing(&PeriodicBox::new(Vector::splat(1.0)).unwrap(), &[(1.0, 1)], 0.0, 1, &partition);
     assert!(matches!(packed, Err(PackingError::OwnImage { .. })));
 }

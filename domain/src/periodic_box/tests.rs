@@ -54,11 +54,11 @@ proptest! {
         let c = cell.lattice_coordinates(wrapped);
         prop_assert!(c.cmpge(Vector::splat(-1e-15)).all() && c.cmplt(cell.edges()).all());
         prop_assert!((wrapped + cell.lattice(steps) - position).length() < 1e-12);
-        prop_assert!((cell.at(c) - wrapped).length() < 1e-13);
+        prop_assert!((cell.position(c) - wrapped).length() < 1e-13);
         let nearest = cell.nearest_image(wrapped);
         prop_assert!((nearest.length() - brute_force(&cell, wrapped)).abs() < 1e-12);
         let change = (cell.lattice_coordinates(position).abs() / position.length()).max(Vector::ZERO);
-        prop_assert!(change.cmple(cell.slant() * (1.0 + 1e-12)).all());
+        prop_assert!(change.cmple(cell.coordinate_stretch() * (1.0 + 1e-12)).all());
     }
 }
 
@@ -104,14 +104,14 @@ fn axes_that_do_not_repeat_have_no_images() {
 #[test]
 fn a_box_may_begin_elsewhere_where_it_does_not_repeat() {
     let open = PeriodicBox::new(Vector::splat(3.0)).unwrap().with_boundaries(Boundaries::Open).unwrap();
-    let cell = open.spanning(Vector::new(-5.0, 1.0, 40.0), Vector::new(2.0, 4.0, 8.0)).unwrap();
+    let cell = open.with_extent(Vector::new(-5.0, 1.0, 40.0), Vector::new(2.0, 4.0, 8.0)).unwrap();
     assert_eq!(
         (cell.boundaries(), cell.edges(), cell.scaled(0.5).origin()),
         (Boundaries::Open, Vector::new(2.0, 4.0, 8.0), Vector::new(-2.5, 0.5, 20.0))
     );
-    assert_eq!(cell.parts(Vector::new(-4.0, 1.0, 48.0)), Vector::new(0.5, 0.0, 1.0));
-    assert_eq!(cell.scaled(0.5).parts(Vector::new(-2.0, 0.5, 24.0)), Vector::new(0.5, 0.0, 1.0));
-    assert!(open.spanning(Vector::ZERO, Vector::new(1.0, -1.0, 1.0)).is_err());
+    assert_eq!(cell.fractional_coordinates(Vector::new(-4.0, 1.0, 48.0)), Vector::new(0.5, 0.0, 1.0));
+    assert_eq!(cell.scaled(0.5).fractional_coordinates(Vector::new(-2.0, 0.5, 24.0)), Vector::new(0.5, 0.0, 1.0));
+    assert!(open.with_extent(Vector::ZERO, Vector::new(1.0, -1.0, 1.0)).is_err());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
 use crate::parameter::{ParameterError, positive, refused, require};
-use domain::{Comm, Need, Number, Particles, PeriodicBox, Vector};
+use domain::{Comm, MemoryNeed, Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
 
 /// Preparation of a random start for the shear: almost plastic contacts remove overlaps, then elastic contacts bring
@@ -140,7 +140,7 @@ impl Model {
             &found(),
             format!("at most {most:.1e} disks: a smaller box.edges, or larger radii"),
         )?;
-        let need = Need { resident: 2.0 * Self::size_bytes(count).most, ..Need::default() };
+        let need = MemoryNeed { resident: 2.0 * Self::size_bytes(count).most, ..MemoryNeed::default() };
         let fits = Comm::check_memory_of(&[need]);
         fits.map_err(|error| refused(key, &found(), &format!("fewer, or larger radii: {error}")))
     }

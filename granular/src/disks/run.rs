@@ -4,7 +4,7 @@ use super::{
     AveragedProfile, Disks, MeanProfileStrip, Model, Progress, Record, Stage, estimated_free_path, viscous_length,
 };
 use crate::StartError;
-use domain::{Bytes, Comm, GivenPositions, Need, Number, Particles, Process};
+use domain::{Bytes, Comm, GivenPositions, MemoryNeed, Number, Particles, Process};
 use simulation::{
     Clock, Frame, Outline, Quantity, Rearrangement, RearrangementError, Simulation, SimulationError, State, Table,
     TableSet,
@@ -95,7 +95,7 @@ fn flowing(model: &Model, course: Course, placed: &GivenPositions, comm: &Comm) 
     let refused = |source| StartError::Given { name: placed.name.clone(), source };
     let model = Model::with_particles(parameters.clone(), &particles).map_err(refused)?;
     let resident = Process::ALONE.resident(run_bytes(&model, course.profile_strips).most);
-    let fits = comm.check_memory(Need { resident, ..Need::default() });
+    let fits = comm.check_memory(MemoryNeed { resident, ..MemoryNeed::default() });
     fits.map_err(|missing| StartError::Memory { disks: particles.len(), missing })?;
     Disks::flowing(parameters.clone(), &particles).map_err(refused)
 }

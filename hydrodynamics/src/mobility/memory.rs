@@ -29,7 +29,7 @@ impl SingleEvaluation<'_> {
         comm.agree(comm.check_memory(self.need(comm)).map_err(message))
     }
 
-    fn need(&self, comm: &Comm) -> domain::Need {
+    fn need(&self, comm: &Comm) -> domain::MemoryNeed {
         let (plan, ranks) = (self.plan, Ranks { count: comm.size(), threads: rayon::current_num_threads() });
         let place = domain::Place::of(ranks.count, comm.rank(), [plan.grid[1], plan.grid[2]]);
         let mut radii = self.radii.clone();

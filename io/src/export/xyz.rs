@@ -54,7 +54,7 @@ mod tests {
     #[test]
     fn a_box_that_follows_particles_says_where_it_begins() {
         let cell = PeriodicBox::new(Vector::splat(2.0)).unwrap();
-        let moved = cell.spanning(Vector::new(-4.0, 0.0, 0.5), Vector::splat(2.0)).unwrap();
+        let moved = cell.with_extent(Vector::new(-4.0, 0.0, 0.5), Vector::splat(2.0)).unwrap();
         let line = |cell: PeriodicBox| {
             let frame = Frame { particles: Particles::default(), cell, periodic: [false; 3] };
             let mut out = Vec::new();

@@ -2,7 +2,7 @@
 
 use super::RunError;
 use crate::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
-use domain::{Bytes, Comm, Need, Process, readable_bytes};
+use domain::{Bytes, Comm, MemoryNeed, Process, readable_bytes};
 use granular::disks::run_bytes;
 use granular::kinetic_theory::Problem;
 use granular::shear_cell::Experiment;
@@ -10,7 +10,7 @@ use simulation::{Frame, Outline, Table};
 use suspension::Ranks;
 
 /// Memory of a run at its peak.
-pub fn need(kind: &Kind) -> Need {
+pub fn need(kind: &Kind) -> MemoryNeed {
     let peak = match kind {
         Kind::GranularDisks(scene) => disks(scene),
         Kind::ShearCell(scene) => cell(scene),
@@ -19,7 +19,7 @@ pub fn need(kind: &Kind) -> Need {
     };
     // Tables are written at once, all other output to files that stay open.
     let process = Process { writes: !matches!(kind, Kind::Continuum(_)), ..Process::ALONE };
-    Need { resident: process.resident(peak.most), ..Need::default() }
+    MemoryNeed { resident: process.resident(peak.most), ..MemoryNeed::default() }
 }
 
 /// Bytes that a run in one process takes at its peak, as far as they are known before its particles are placed.

@@ -5,7 +5,7 @@ use domain::ParameterError;
 use suspension::MAX_SPHERES;
 
 pub(super) fn positive(key: &str, value: f64) -> Result<f64, Fault> {
-    Ok(ParameterError::unless_positive(key, value)?)
+    Ok(ParameterError::require_positive(key, value)?)
 }
 
 /// Limits a number of `things` that follows from a key; `found` describes how.

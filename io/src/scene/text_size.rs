@@ -1,7 +1,7 @@
 //! Limit of the length of a scene's text.
 
 use super::SceneError;
-use domain::{Comm, Need, Process};
+use domain::{Comm, MemoryNeed, Process};
 use std::io::Read;
 
 /// Largest length of a text in bytes. A million rows of a table of three numbers take less.
@@ -28,7 +28,7 @@ pub(super) fn read(mut from: impl Read, name: &str) -> Result<String, SceneError
 }
 
 fn check_memory(length: usize, name: &str) -> Result<(), SceneError> {
-    let need = Need { resident: Process::ALONE.resident(MEMORY * length as f64), ..Need::default() };
+    let need = MemoryNeed { resident: Process::ALONE.resident(MEMORY * length as f64), ..MemoryNeed::default() };
     let too_little = |reason| SceneError::TooLong {
         name: name.to_owned(),
         message: format!("has {length} bytes, and there is too little memory to read them: {reason}"),

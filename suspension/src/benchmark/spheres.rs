@@ -2,7 +2,7 @@
 
 use super::BenchmarkError;
 use domain::{
-    Bytes, Comm, Need, Particles, Partition, PeriodicBox, Process, Random, Traceless, Vector, packing_bytes,
+    Bytes, Comm, MemoryNeed, Particles, Partition, PeriodicBox, Process, Random, Traceless, Vector, packing_bytes,
     random_packing,
 };
 use fcm::Loads;
@@ -48,7 +48,10 @@ impl Spheres {
         let count = case.particles as f64;
         let placing =
             Bytes::list::<(Vector, [f64; 4])>(2.0 * count).then(packing_bytes(count, case.volume_fraction > 0.25));
-        let need = Need { resident: Process::of(comm.rank(), comm.size()).resident(placing.most), ..Need::default() };
+        let need = MemoryNeed {
+            resident: Process::of(comm.rank(), comm.size()).resident(placing.most),
+            ..MemoryNeed::default()
+        };
         comm.agree(
             comm.check_memory(need).map_err(|error| format!("{error}; take fewer than {count:.1e} --particles")),
         )?;

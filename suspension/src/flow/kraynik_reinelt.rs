@@ -237,7 +237,7 @@ mod tests {
             for strain in [-0.14, -0.07, 0.0, 0.0702, 0.48] {
                 let cell = lattice(kind).at(strain).0;
                 for k in 0..200 {
-                    let place = cell.at(Random::new(1, k).point() * cell.edges());
+                    let place = cell.position(Random::new(1, k).point() * cell.edges());
                     let range = || -3..=3;
                     let images = range().flat_map(|x| range().flat_map(move |y| range().map(move |z| [x, y, z])));
                     let nearest = images.map(|steps| (place + cell.lattice(steps)).length()).fold(9.0, f64::min);

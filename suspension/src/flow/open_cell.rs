@@ -42,7 +42,7 @@ pub fn around(scene: &PeriodicBox, particles: &Particles, (largest_radius, comm)
             edges[axis] = rounded_up(highest[axis], largest_radius);
         }
     }
-    scene.spanning(origin, edges).expect("positions are finite")
+    scene.with_extent(origin, edges).expect("positions are finite")
 }
 
 /// Smallest and largest coordinates of all centres. Collective.

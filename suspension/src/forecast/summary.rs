@@ -9,7 +9,7 @@ use crate::model::radii::Radii;
 use crate::model::{Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
-use domain::{AxisRotation, Boundaries, Comm, GivenPositions, Need, Number, PeriodicBox, readable_bytes};
+use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes};
 use fcm::{Method, Plan, Precision, Problem};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
@@ -39,7 +39,7 @@ impl Asked {
 
 /// Memory of each rank, and an error if this machine does not have it.
 struct Memory {
-    needs: Vec<Need>,
+    needs: Vec<MemoryNeed>,
     missing: Option<String>,
 }
 
@@ -228,7 +228,7 @@ impl Memory {
     }
 
     fn add_to(&self, outline: Outline) -> Outline {
-        let bytes = |need: &Need| readable_bytes(need.resident);
+        let bytes = |need: &MemoryNeed| readable_bytes(need.resident);
         let others = self.needs.iter().skip(1).max_by(|a, b| a.resident.total_cmp(&b.resident));
         let ranks = match others {
             None => "1 rank".to_owned(),

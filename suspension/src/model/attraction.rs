@@ -46,13 +46,13 @@ impl Attraction {
         }
         match *self {
             Self::VanDerWaals { hamaker, closest, range } => {
-                ParameterError::unless_positive("attraction.hamaker", hamaker)?;
-                ParameterError::unless_between("attraction.closest", closest, [1e-4, 1.0])?;
-                ParameterError::unless_between("attraction.range", range, [closest, 2.0]).map(drop)
+                ParameterError::require_positive("attraction.hamaker", hamaker)?;
+                ParameterError::require_between("attraction.closest", closest, [1e-4, 1.0])?;
+                ParameterError::require_between("attraction.range", range, [closest, 2.0]).map(drop)
             }
             Self::Depletion { pressure, radius } => {
-                ParameterError::unless_positive("attraction.pressure", pressure)?;
-                ParameterError::unless_positive("attraction.depletant_radius", radius)?;
+                ParameterError::require_positive("attraction.pressure", pressure)?;
+                ParameterError::require_positive("attraction.depletant_radius", radius)?;
                 let smallest = p.species.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
                 if radius > smallest {
                     let [radius, smallest] = [radius, smallest].map(Number);

@@ -18,13 +18,13 @@ pub struct Bonds {
 
 impl Bonds {
     fn check(&self, key: &str, shortest: f64) -> Result<(), ParameterError> {
-        ParameterError::unless_positive(&format!("{key}.stiffness"), self.stiffness)?;
+        ParameterError::require_positive(&format!("{key}.stiffness"), self.stiffness)?;
         if let Some(force) = self.breaking_force {
-            ParameterError::unless_positive(&format!("{key}.breaking_force"), force)?;
+            ParameterError::require_positive(&format!("{key}.breaking_force"), force)?;
         }
         if let Some(length) = self.length {
             let key = format!("{key}.length");
-            ParameterError::unless_positive(&key, length)?;
+            ParameterError::require_positive(&key, length)?;
             if length >= 0.5 * shortest {
                 let (length, half) = (Number(length), Number(0.5 * shortest));
                 let message =

@@ -78,7 +78,7 @@ impl UserAxes {
             return *cell;
         }
         let [origin, edges] = [cell.origin(), cell.edges()].map(|v| Vector::from_array(self.list(v.to_array())));
-        PeriodicBox::new(edges).and_then(|plain| plain.spanning(origin, edges)).expect("edges of a box")
+        PeriodicBox::new(edges).and_then(|plain| plain.with_extent(origin, edges)).expect("edges of a box")
     }
 
     /// Particles in the user's axes, with velocities, angular velocities, stresslets and pair moments, as far as they

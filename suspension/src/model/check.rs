@@ -16,11 +16,11 @@ const MAX_STRAIN: f64 = 1e9;
 /// Checks that all parameters are in their ranges and fit together.
 pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let p = parameters;
-    ParameterError::unless_positive("time.step", p.time_step)?;
+    ParameterError::require_positive("time.step", p.time_step)?;
     check_species(p, p.shortest_vector())?;
-    ParameterError::unless_positive("fluid.viscosity", p.viscosity)?;
+    ParameterError::require_positive("fluid.viscosity", p.viscosity)?;
     check_heat(p)?;
-    ParameterError::unless_finite_vector("gravity.acceleration", p.user_axes().vector(p.gravity))?;
+    ParameterError::require_finite_vector("gravity.acceleration", p.user_axes().vector(p.gravity))?;
     p.start.check(p)?;
     check_boundaries(p)?;
     check_strain(p)?;
@@ -44,7 +44,7 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
         let message = "is missing; time.integrator = \"brownian\" needs it";
         return if is_brownian { Err(ParameterError::new("fluid.thermal_energy", message)) } else { Ok(()) };
     };
-    ParameterError::unless_positive("fluid.thermal_energy", energy)?;
+    ParameterError::require_positive("fluid.thermal_energy", energy)?;
     if !is_brownian {
         let message =
             "leaves heat out; with fluid.thermal_energy steps need to be \"brownian\", which is the default then";
@@ -148,10 +148,10 @@ fn check_strain(p: &Parameters) -> Result<(), ParameterError> {
 /// move with the flow.
 fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     if let Flow::Poiseuille { pressure_gradient } = p.flow {
-        ParameterError::unless_finite("flow.pressure_gradient", pressure_gradient)?;
+        ParameterError::require_finite("flow.pressure_gradient", pressure_gradient)?;
     }
     if let Flow::ConstantFlux { mean_velocity } = p.flow {
-        ParameterError::unless_finite("flow.mean_velocity", mean_velocity)?;
+        ParameterError::require_finite("flow.mean_velocity", mean_velocity)?;
     }
     let (rate, lees_edwards) = match p.flow {
         Flow::Shear { rate, lees_edwards } => (rate, lees_edwards),
@@ -274,7 +274,7 @@ fn check_repulsion(repulsion: &Repulsion, p: &Parameters) -> Result<(), Paramete
         return Err(ParameterError::new("repulsion.range", message));
     }
     if let Some(length) = screening_length {
-        ParameterError::unless_positive("repulsion.screening_length", length)?;
+        ParameterError::require_positive("repulsion.screening_length", length)?;
         let shortest = p.shortest_vector();
         if length > shortest && p.cell.boundaries() != Boundaries::Open {
             let message = format!(

@@ -155,7 +155,7 @@ impl Contacts {
             return Err(ParameterError::new(key, message));
         }
         if let Some(settled) = self.settled {
-            ParameterError::unless_positive("contacts.settled_stiffness", settled)?;
+            ParameterError::require_positive("contacts.settled_stiffness", settled)?;
         }
         let Some(settling) = self.settling else { return Ok(()) };
         let message = if !(settling >= 0.0 && settling.is_finite()) {

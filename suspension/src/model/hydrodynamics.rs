@@ -70,9 +70,9 @@ impl Default for Hydrodynamics {
 impl Hydrodynamics {
     pub(super) fn check(&self, axes: &UserAxes) -> Result<(), ParameterError> {
         let key = |name: &str| format!("hydrodynamics.{name}");
-        ParameterError::unless_between(&key("tolerance"), self.tolerance, [1e-12, 0.1])?;
+        ParameterError::require_between(&key("tolerance"), self.tolerance, [1e-12, 0.1])?;
         if let Some(tolerance) = self.iteration_tolerance {
-            ParameterError::unless_between(&key("iteration_tolerance"), tolerance, [1e-14, 0.1])?;
+            ParameterError::require_between(&key("iteration_tolerance"), tolerance, [1e-14, 0.1])?;
         }
         if let Some(support) = self.support.filter(|s| !(2..=64).contains(s)) {
             let message = format!("is {support}; a stencil covers 2 to 64 grid points");
@@ -82,7 +82,7 @@ impl Hydrodynamics {
             check_points(*points).map_err(|message| ParameterError::new(key(&format!("grid[{axis}]")), message))?;
         }
         for (name, cost) in ["stencils", "transforms", "pairs"].iter().zip(self.costs.iter().flatten()) {
-            ParameterError::unless_between(&key(&format!("costs.{name}")), *cost, [0.01, 100.0])?;
+            ParameterError::require_between(&key(&format!("costs.{name}")), *cost, [0.01, 100.0])?;
         }
         self.check_lubrication()
     }

@@ -61,9 +61,9 @@ impl Integrator {
             Self::Adaptive(Adaptive { tolerance, gap_fraction })
             | Self::Implicit(Adaptive { tolerance, gap_fraction }) => {
                 if !(with_contacts && *tolerance == f64::INFINITY) {
-                    ParameterError::unless_between("time.tolerance", *tolerance, [1e-10, 0.9])?;
+                    ParameterError::require_between("time.tolerance", *tolerance, [1e-10, 0.9])?;
                 }
-                ParameterError::unless_between("time.gap_fraction", *gap_fraction, [1e-10, 0.9]).map(drop)
+                ParameterError::require_between("time.gap_fraction", *gap_fraction, [1e-10, 0.9]).map(drop)
             }
         }
     }

@@ -123,17 +123,17 @@ impl ShearRates {
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         if let Protocol::Oscillation { frequency } = self.protocol {
-            ParameterError::unless_positive("flow.oscillation.frequency", frequency)?;
-            return ParameterError::unless_finite("flow.oscillation.amplitude", self.first).map(drop);
+            ParameterError::require_positive("flow.oscillation.frequency", frequency)?;
+            return ParameterError::require_finite("flow.oscillation.amplitude", self.first).map(drop);
         }
-        ParameterError::unless_finite("flow.rate", self.first)?;
+        ParameterError::require_finite("flow.rate", self.first)?;
         if let Protocol::Stress(stress) = self.protocol {
-            ParameterError::unless_positive("flow.stress", stress)?;
-            return ParameterError::unless_positive("flow.rate", self.first).map(drop);
+            ParameterError::require_positive("flow.stress", stress)?;
+            return ParameterError::require_positive("flow.rate", self.first).map(drop);
         }
         let mut last = 0;
         for change in self.changes() {
-            ParameterError::unless_finite("flow.rate", change.rate)?;
+            ParameterError::require_finite("flow.rate", change.rate)?;
             if change.step <= last {
                 let time = Number(self.time(change));
                 let message = format!("changes at {time:.6}, not after all changes before; give them in their order");

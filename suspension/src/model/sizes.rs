@@ -66,13 +66,13 @@ impl SizeDistribution {
         let key = |name: &str| format!("{key}.{name}");
         match self {
             Self::LogNormal { mean, deviation } => {
-                ParameterError::unless_positive(&key("mean"), *mean)?;
-                ParameterError::unless_positive(&key("deviation"), *deviation)?;
-                ParameterError::unless_between(&key("deviation"), *deviation, [1e-6 * mean, *mean]).map(drop)
+                ParameterError::require_positive(&key("mean"), *mean)?;
+                ParameterError::require_positive(&key("deviation"), *deviation)?;
+                ParameterError::require_between(&key("deviation"), *deviation, [1e-6 * mean, *mean]).map(drop)
             }
             Self::PowerLaw { smallest, largest, exponent } => {
-                ParameterError::unless_positive(&key("smallest"), *smallest)?;
-                ParameterError::unless_between(&key("exponent"), *exponent, [-20.0, 20.0])?;
+                ParameterError::require_positive(&key("smallest"), *smallest)?;
+                ParameterError::require_between(&key("exponent"), *exponent, [-20.0, 20.0])?;
                 if *largest > *smallest && *largest <= 1e3 * smallest {
                     return Ok(());
                 }

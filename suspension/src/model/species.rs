@@ -91,9 +91,9 @@ impl Species {
         if self.count == Some(0) {
             return Err(ParameterError::new(key("count"), "is 0; a species needs at least one sphere"));
         }
-        ParameterError::unless_finite(&key("density_difference"), self.density_difference)?;
-        ParameterError::unless_finite_vector(&key("force"), axes.vector(self.force))?;
-        ParameterError::unless_finite_vector(&key("torque"), axes.vector(self.torque)).map(drop)
+        ParameterError::require_finite(&key("density_difference"), self.density_difference)?;
+        ParameterError::require_finite_vector(&key("force"), axes.vector(self.force))?;
+        ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque)).map(drop)
     }
 }
 
@@ -145,7 +145,7 @@ impl Start {
             }
             Self::Positions(places) => check_places(places, p),
             Self::Cloud { radius, minimum_gap } => {
-                ParameterError::unless_positive("particles.radius", *radius)?;
+                ParameterError::require_positive("particles.radius", *radius)?;
                 Self::Random { minimum_gap: *minimum_gap }.check(p)?;
                 check_open(&p.cell)
             }
@@ -185,7 +185,7 @@ fn check_places(places: &[Vector], p: &Parameters) -> Result<(), ParameterError>
         return Err(ParameterError::new("particles.positions", message));
     }
     for (row, &place) in places.iter().enumerate() {
-        ParameterError::unless_finite_vector(&format!("particles.positions[{row}]"), axes.place(place))?;
+        ParameterError::require_finite_vector(&format!("particles.positions[{row}]"), axes.place(place))?;
     }
     let radii = species.iter().flat_map(|s| std::iter::repeat_n(s.radius, s.count.unwrap_or(0) as usize));
     for (row, (&place, radius)) in places.iter().zip(radii).enumerate() {

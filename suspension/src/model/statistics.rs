@@ -43,14 +43,14 @@ impl Statistics {
         Self { samples: Schedule::EVERY_TIME, from: 0.0, distance: None, axis: None, bins: None, diffusive_from: None };
 
     pub(super) fn check(&self, cell: &PeriodicBox) -> Result<(), ParameterError> {
-        ParameterError::unless_finite("statistics.from", self.from)?;
+        ParameterError::require_finite("statistics.from", self.from)?;
         self.check_boundaries(cell)?;
         if let Some(distance) = self.distance {
-            ParameterError::unless_positive("statistics.distance", distance)?;
+            ParameterError::require_positive("statistics.distance", distance)?;
             let message = |message| ParameterError::new("statistics.distance", message);
             Self::check_distance(distance, cell).map_err(message)?;
         }
-        let lag = self.diffusive_from.map(|lag| ParameterError::unless_positive("statistics.diffusive_from", lag));
+        let lag = self.diffusive_from.map(|lag| ParameterError::require_positive("statistics.diffusive_from", lag));
         lag.transpose().map(drop)
     }
 

@@ -57,7 +57,7 @@ impl Traps {
     }
 
     fn check(&self, key: &str, axes: &UserAxes) -> Result<(), ParameterError> {
-        ParameterError::unless_positive(&format!("{key}.stiffness"), self.stiffness)?;
+        ParameterError::require_positive(&format!("{key}.stiffness"), self.stiffness)?;
         if let Trapped::Spheres(ids) = &self.of {
             let key = format!("{key}.particles");
             if ids.is_empty() {
@@ -67,7 +67,7 @@ impl Traps {
         match &self.centres {
             Centres::AtStart => Ok(()),
             Centres::One(centre) => {
-                ParameterError::unless_finite_vector(&format!("{key}.centre"), axes.place(*centre)).map(drop)
+                ParameterError::require_finite_vector(&format!("{key}.centre"), axes.place(*centre)).map(drop)
             }
             Centres::Each(list) => self.check_list(&format!("{key}.centres"), list, axes),
         }
@@ -83,7 +83,7 @@ impl Traps {
             return Err(ParameterError::new(key, message));
         }
         for (row, &centre) in list.iter().enumerate() {
-            ParameterError::unless_finite_vector(&format!("{key}[{row}]"), axes.place(centre))?;
+            ParameterError::require_finite_vector(&format!("{key}[{row}]"), axes.place(centre))?;
         }
         Ok(())
     }

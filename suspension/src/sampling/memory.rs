@@ -50,7 +50,7 @@ impl OfRank {
         let copy = Particles::bytes(self.owned, 0).then(Particles::migration_bytes(self.owned));
         let copy = if self.present > self.owned { copy } else { Bytes::default() };
         let pairs = copy.then(shared_pairs_bytes(self.owned, self.present));
-        let dealt = IdBlocks::dealing_bytes([self.owned, self.dealt], numbers(model));
+        let dealt = IdBlocks::distribution_bytes([self.owned, self.dealt], numbers(model));
         let dealt = if self.is_in_order { Bytes::default() } else { dealt };
         let stresslets = Bytes::list::<(Tensor, f64)>(if channel_bins(model).is_some() { self.dealt } else { 0.0 });
         let passes = Bytes::list::<([Vector; 5], Motion)>(self.dealt).then(stresslets);

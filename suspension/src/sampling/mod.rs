@@ -13,7 +13,7 @@ use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY}
 use crate::model::{Axis, Extension, Flow, Model, Multipoles, Parameters, ShearRates, Species, Statistics as Wanted};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
-use domain::{Boundaries, Comm, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
+use domain::{Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
 use kept::{Kept, Moving};
 pub use memory::OfRank;
 use paths::Paths;
@@ -109,7 +109,7 @@ impl Statistics {
     pub(crate) fn in_blocks_of(size: u64, of: (&Model, Wanted), particles: &Particles, comm: &Comm) -> Self {
         let (model, wanted) = of;
         let blocks = IdBlocks::of(particles, comm, size);
-        let dealt = blocks.dealt(particles, |_| false);
+        let dealt = blocks.distributed(particles, |_| false);
         let rows = blocks.rows(&dealt);
         let mut largest = [dealt.radii.iter().copied().fold(0.0, f64::max)];
         comm.max(&mut largest);
@@ -142,7 +142,7 @@ impl Statistics {
         }
         self.count_pairs(sample);
         let needed = |name: &str| COLUMNS.contains(&name) || (self.channel.is_some() && MORE_COLUMNS.contains(&name));
-        let particles = &*self.blocks.dealt(sample.particles, needed);
+        let particles = &*self.blocks.distributed(sample.particles, needed);
         let rows = self.blocks.rows(particles);
         let velocities = self.average(sample.rate, (particles, &rows));
         self.follow(sample, (particles, &rows), &velocities);
@@ -205,7 +205,7 @@ impl Statistics {
             own.to_mut().migrate(partition, cell);
         }
         let count = |found: &mut Vec<u32>, species, separation| pairs.count(found, species, separation);
-        let found = fold_shared_pairs((partition, cell), &own, pairs.cutoff(), || pairs.no_pairs(), count);
+        let found = fold_shared_pairs(DomainView { cell, partition }, &own, pairs.cutoff(), || pairs.no_pairs(), count);
         pairs.add_counted(found);
     }
 

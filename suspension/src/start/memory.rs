@@ -20,8 +20,8 @@ use crate::neighbourhood::NearLists;
 use crate::sampling;
 use crate::start::plan::largest_strain;
 use domain::{
-    Boundaries, Bytes, ExpectedCounts, IdBlocks, Need, Pairs, Particles, Place, Process, Traceless, Vector, VerletList,
-    packing_bytes, readable_bytes,
+    Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Pairs, Particles, Place, Process, Traceless, Vector,
+    VerletList, packing_bytes, readable_bytes,
 };
 use fcm::{Footprint, Plan};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
@@ -39,12 +39,12 @@ const DENSE: f64 = 0.25;
 const MANY: usize = 16;
 
 /// Peak memory of each rank of a run.
-pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<Need> {
+pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<MemoryNeed> {
     (0..ranks.count).map(|rank| need(model, (radii, plan), ranks, rank)).collect()
 }
 
 /// Peak memory of one rank of a run.
-pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> Need {
+pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> MemoryNeed {
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, (&place, ranks.threads), &expected);
@@ -81,8 +81,11 @@ fn repels_far(model: &Model, radii: &Radii) -> bool {
 }
 
 /// Memory of the placement of the particles on a single rank.
-pub fn placing(model: &Model, radii: &Radii) -> Need {
-    Need { resident: Process::ALONE.resident(placing_bytes(model, radii.count() as f64).most), ..Need::default() }
+pub fn placing(model: &Model, radii: &Radii) -> MemoryNeed {
+    MemoryNeed {
+        resident: Process::ALONE.resident(placing_bytes(model, radii.count() as f64).most),
+        ..MemoryNeed::default()
+    }
 }
 
 fn placing_bytes(model: &Model, count: f64) -> Bytes {
@@ -304,7 +307,7 @@ impl Share<'_> {
         let of_rank = sampling::OfRank {
             owned: self.expected.owned(),
             present: self.expected.present(distance),
-            dealt: IdBlocks::expected(self.expected.total(), self.rank_of),
+            dealt: IdBlocks::expected(self.expected.total(), self.rank_of.0, self.rank_of.1),
             is_first: self.is_first(),
             is_in_order: false,
         };

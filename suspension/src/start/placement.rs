@@ -12,7 +12,7 @@ use domain::{
 pub fn shared(model: &Model, partition: &Partition) -> Result<Option<Particles>, PlacingError> {
     let Start::Random { minimum_gap } = model.start else { return Ok(None) };
     let groups: Vec<(f64, usize)> = model.species.iter().map(|kind| (kind.radius, count(kind))).collect();
-    let placed = shared_random_packing(&model.cell, &groups, (minimum_gap, model.seed), partition)?;
+    let placed = shared_random_packing(&model.cell, &groups, minimum_gap, model.seed, partition)?;
     let ends: Vec<u64> = groups.iter().scan(0, |end, group| Some(next(end, group.1))).collect();
     Ok(placed.map(|spheres| {
         let mut particles = Particles::default();
@@ -90,7 +90,7 @@ fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64))
     let corners = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
     let site = |corner: [usize; 3]| {
         let corner = Vector::from_array(corner.map(|c| c as f64));
-        basis.iter().map(move |&b| cell.at((corner + Vector::from_array(b)) / cells * edges))
+        basis.iter().map(move |&b| cell.position((corner + Vector::from_array(b)) / cells * edges))
     };
     let sites: Vec<Vector> = corners.flat_map(site).collect();
     let mut chosen: Vec<usize> = (0..sites.len()).collect();

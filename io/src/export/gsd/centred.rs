@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn a_box_that_begins_elsewhere_is_centred_too() {
         let cell = PeriodicBox::new(Vector::splat(8.0)).unwrap().with_boundaries(domain::Boundaries::Open).unwrap();
-        let cell = cell.spanning(Vector::new(-100.0, 4.0, 0.0), Vector::splat(16.0)).unwrap();
+        let cell = cell.with_extent(Vector::new(-100.0, 4.0, 0.0), Vector::splat(16.0)).unwrap();
         assert_eq!(centred(&cell, Vector::new(-93.0, 5.0, 8.0), [0; 3]), ([-1.0, -7.0, 0.0], [0; 3]));
     }
 

@@ -138,7 +138,7 @@ fn edges(cell: &PeriodicBox) -> Vec<f64> {
 /// Box coordinates in units of 1/65536, two bytes each. Positions outside of the box, e.g. beyond a
 /// wall, are moved to its face.
 fn in_box(cell: &PeriodicBox, position: Vector) -> [u8; 6] {
-    let parts = cell.parts(position) * 65536.0;
+    let parts = cell.fractional_coordinates(position) * 65536.0;
     let [x, y, z] = parts.to_array().map(|part| (part.floor().clamp(0.0, 65535.0) as u16).to_le_bytes());
     [x[0], x[1], y[0], y[1], z[0], z[1]]
 }

@@ -42,7 +42,7 @@ impl Particles {
 
 impl IdBlocks {
     /// Expected number of particles in the blocks of a rank, out of `total` particles whose ids have no gaps.
-    pub fn expected(total: f64, (rank, ranks): (usize, usize)) -> f64 {
+    pub fn expected(total: f64, rank: usize, ranks: usize) -> f64 {
         let (size, ranks) = (Self::SIZE as f64, ranks as f64);
         let whole = (total / size).floor();
         let own = ((whole - rank as f64) / ranks).ceil().max(0.0);
@@ -50,11 +50,11 @@ impl IdBlocks {
         own * size + if has_last { total - whole * size } else { 0.0 }
     }
 
-    /// Memory of [`IdBlocks::dealt`] on a rank that owns `owned` particles and has `dealt` in its blocks.
-    pub fn dealing_bytes([owned, dealt]: [f64; 2], numbers: usize) -> Bytes {
-        let lists = Bytes::list::<[usize; 2]>(owned).then(Bytes::list::<[u64; 2]>(dealt));
-        let property = Bytes::list::<f64>(WIDEST * (owned + 2.0 * dealt));
-        Particles::bytes(dealt, numbers).then(lists.then(property).freed())
+    /// Memory of [`IdBlocks::distributed`] on a rank that owns `owned` particles and has `distributed` in its blocks.
+    pub fn distribution_bytes([owned, distributed]: [f64; 2], numbers: usize) -> Bytes {
+        let lists = Bytes::list::<[usize; 2]>(owned).then(Bytes::list::<[u64; 2]>(distributed));
+        let property = Bytes::list::<f64>(WIDEST * (owned + 2.0 * distributed));
+        Particles::bytes(distributed, numbers).then(lists.then(property).freed())
     }
 }
 
@@ -142,7 +142,7 @@ mod tests {
             for ranks in [1, 2, 3, 7] {
                 for rank in 0..ranks {
                     let own = (0..total).filter(|id| (id / IdBlocks::SIZE) as usize % ranks == rank).count();
-                    let found = IdBlocks::expected(total as f64, (rank, ranks));
+                    let found = IdBlocks::expected(total as f64, rank, ranks);
                     assert!((found - own as f64).abs() < 1e-9, "{total} on {rank} of {ranks}");
                 }
             }

@@ -91,15 +91,15 @@ fn of_groups(list: &str, root: &Path) -> Vec<AvailableMemory> {
 }
 
 /// Files of a group: its limit, its usage, and the name of the part of the usage that is reclaimable file cache.
-type Names = [&'static str; 3];
+type GroupFiles = [&'static str; 3];
 
-const VERSION_1: Names = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"];
-const VERSION_2: Names = ["memory.max", "memory.current", "inactive_file"];
+const VERSION_1: GroupFiles = ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"];
+const VERSION_2: GroupFiles = ["memory.max", "memory.current", "inactive_file"];
 
 /// Limits above this are treated as unlimited.
 const UNLIMITED: f64 = 1e18;
 
-fn of_group(folder: &Path, [limit, used, files]: Names) -> Option<AvailableMemory> {
+fn of_group(folder: &Path, [limit, used, files]: GroupFiles) -> Option<AvailableMemory> {
     let number = |name: PathBuf| read_to_string(name).ok()?.trim().parse::<f64>().ok();
     let most = number(folder.join(limit)).filter(|&bytes| bytes < UNLIMITED)?;
     let used = number(folder.join(used))?;

@@ -20,7 +20,7 @@ impl Bytes {
     }
 
     /// Memory that is allocated and freed again.
-    pub fn pass(bytes: f64) -> Self {
+    pub fn temporary(bytes: f64) -> Self {
         Self { kept: 0.0, most: bytes }
     }
 
@@ -44,7 +44,7 @@ impl Bytes {
     /// The same computation if nothing of it is kept.
     #[must_use]
     pub fn freed(self) -> Self {
-        Self::pass(self.most)
+        Self::temporary(self.most)
     }
 }
 
@@ -69,7 +69,7 @@ mod tests {
     #[test]
     fn what_comes_after_stands_on_what_was_kept() {
         let first = Bytes { kept: 2.0, most: 10.0 };
-        assert_eq!(first.then(Bytes::pass(3.0)), Bytes { kept: 2.0, most: 10.0 });
+        assert_eq!(first.then(Bytes::temporary(3.0)), Bytes { kept: 2.0, most: 10.0 });
         assert_eq!(first.then(Bytes { kept: 1.0, most: 9.0 }), Bytes { kept: 3.0, most: 11.0 });
         assert_eq!(first.freed().then(Bytes::list::<u64>(2.0)), Bytes { kept: 16.0, most: 16.0 });
         assert_eq!(first.or(Bytes { kept: 5.0, most: 6.0 }), Bytes { kept: 5.0, most: 10.0 });

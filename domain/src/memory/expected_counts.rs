@@ -1,7 +1,6 @@
 //! Expected numbers of particles, ghosts and neighbours of a rank, for forecasts of memory.
 
-use crate::{Place, Vector};
-use std::f64::consts::PI;
+use crate::{Place, Vector, sphere};
 
 /// Particles distributed uniformly over a box, and the part of it that a rank owns.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,15 +52,14 @@ impl ExpectedCounts {
     /// The same for a distance that depends on the two radii.
     pub fn neighbours_of_pairs(&self, distance: impl Fn(f64, f64) -> f64) -> f64 {
         let volume = self.edges.x * self.edges.y * self.edges.z;
-        let sphere = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
         let total = self.total();
         let (mut found, mut beyond_contact) = (0.0, 0.0);
         let kinds = self.kinds();
         for &(a, count) in &kinds {
             for &(b, others) in &kinds {
                 let (reach, weight) = (distance(a, b), count / total * others / volume);
-                found += weight * sphere(reach);
-                beyond_contact += weight * (sphere(reach) - sphere(a + b)).max(0.0);
+                found += weight * sphere::volume(reach);
+                beyond_contact += weight * (sphere::volume(reach) - sphere::volume(a + b)).max(0.0);
             }
         }
         (found - 1.0).max(beyond_contact)
