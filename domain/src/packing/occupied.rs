@@ -123,7 +123,7 @@ impl<'a> Occupied<'a> {
 }
 
 impl SizeLevel {
-    /// SizeLevel for `number` spheres up to size `largest`; with a share, it covers the surroundings within `reach`.
+    /// Level for `number` spheres up to size `largest`; with a share, it covers the surroundings within `reach`.
     /// Without spheres there are no cells.
     fn new(cell: &PeriodicBox, largest: f64, number: usize, reach: f64, share: Option<&Partition>) -> Self {
         let most = 2.0 * (number as f64).cbrt().ceil().max(1.0);
