@@ -1,5 +1,5 @@
-"""Equilibrium of spheres that heat moves does not know hydrodynamics: energy, virial and pair distribution of Brownian motion
-with and without lubrication against Monte Carlo of the same potential."""
+"""The equilibrium of Brownian spheres is independent of hydrodynamics: energy, virial and pair distribution with and without
+lubrication against Monte Carlo with the same potential."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -13,13 +13,13 @@ from support.program import results
 FULL = "--full" in sys.argv[1:]
 COUNT, FRACTION, STRENGTH, RANGE = 64, 0.3, 60.0, 0.4
 EDGE = (COUNT * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
-# The time in which a sphere diffuses over its radius.
+# The time a^2/D_0 in which a sphere diffuses over its radius.
 DIFFUSIVE = 6 * np.pi
 STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 CASES = [(name, lubrication, step) for name, lubrication in (("far field", False), ("lubrication", True)) for step in STEPS]
 LENGTH, SETTLED = (60.0, 4.0) if FULL else (12.0, 2.0)
 SWEEPS = 40000 if FULL else 15000
-# Allowed error of the energy and the virial at vanishing step: a number of standard errors, and a relative part for nonlinear terms.
+# Allowed error of the energy and the virial extrapolated to step 0: standard errors, and a relative part for nonlinear terms.
 ERRORS, BENT = 3.0, 0.02
 BINS = np.linspace(1.8, EDGE / 2, 16)
 
@@ -31,7 +31,7 @@ def distances(places, others):
 
 
 def potential(r):
-    """Of the barrier, whose force is STRENGTH at contact: F = strength/c [(R^2 - r^2)/(R^2 - c^2)]^2 r."""
+    """Potential of the repulsion, whose force is STRENGTH at contact: F = strength/c [(R^2 - r^2)/(R^2 - c^2)]^2 r."""
     contact, reach = 2.0, 2.0 * (1 + RANGE / 2)
     return STRENGTH * np.clip(reach**2 - r**2, 0, None) ** 3 / (6 * contact * (reach**2 - contact**2) ** 2)
 
@@ -42,7 +42,7 @@ def force(r):
 
 
 def measured(places):
-    """Energy a sphere, virial over 3 N, and the number of pairs in each bin."""
+    """Energy per sphere, virial over 3 N, and the number of pairs in each bin."""
     i, j = np.triu_indices(COUNT, 1)
     r = distances(places[i], places[j])
     return np.concatenate([[potential(r).sum() / COUNT, (force(r) * r).sum() / (3 * COUNT)], np.histogram(r, BINS)[0]])
@@ -106,11 +106,10 @@ def main():
     for cells in rows:
         print(*cells, flush=True)
     lines = [
-        (f"{COUNT} spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} "
-         f"kT/a at contact that starts at a gap of {RANGE:g}, over {LENGTH:g} times"),
-        "the time \\\\(a^2/D_0\\\\), steps in units of it: energy a sphere and virial over \\\\(3N\\\\) in kT, and the largest difference",
-        "of the pair distribution from Monte Carlo, over its peak. Errors are in proportion to the step; values at 0 are those of lines",
-        "through the others.",
+        f"{COUNT} spheres at {FRACTION:.0%} by volume with a repulsion of {STRENGTH:g} kT/a at contact that vanishes at a gap of {RANGE:g}, over",
+        f"a time of {LENGTH:g} \\\\(a^2/D_0\\\\), the unit of the steps: energy per sphere and virial over \\\\(3N\\\\), both in kT, and the",
+        "largest deviation of the pair distribution from that of Monte Carlo, relative to its peak. The errors are linear in",
+        "the step; rows at step 0 are linear extrapolations.",
         "",
         *table(["", "step", "energy", "virial", "pair distribution"], rows),
     ]

@@ -1,5 +1,5 @@
-"""Cost of walls and open space: a solve for the motions of rigid spheres between walls, above one wall, or in open fluid, over one
-for the same spheres in a periodic box with the same edges; timed in turns, medians."""
+"""Cost of walls and unbounded fluid: a solve for the motions of rigid spheres between walls, above one wall, or in unbounded fluid,
+relative to one for the same spheres in a periodic box with the same edges; timed in turns, medians."""
 
 import sys
 
@@ -10,7 +10,7 @@ from support.program import mobility, results
 
 FULL = "--full" in sys.argv[1:]
 TOLERANCE, HEIGHT, COUNT, ROUNDS = 1e-3, 20.0, 2000, 9 if FULL else 3
-# Boundaries along z, or all; volume fractions, and how many times as long as in a periodic box an evaluation may take.
+# Boundaries across z, or all; volume fractions; allowed ratio of the time of an evaluation to that in a periodic box.
 CASES = [
     ("walls", (0.1, 0.2, 0.3), 1.4),
     ("wall", (0.2,), None),
@@ -19,13 +19,13 @@ CASES = [
 
 
 def box(kind, fraction):
-    """Edges: as wide as the spheres need, between walls at their distance."""
+    """Edges for a volume fraction, between walls at a fixed distance."""
     volume = COUNT * 4 / 3 * np.pi / fraction
     return [volume ** (1 / 3)] * 3 if kind == "open" else [(volume / HEIGHT) ** 0.5] * 2 + [HEIGHT]
 
 
 def places(edges):
-    """Random places of spheres between walls at the ends of the box."""
+    """Random positions of spheres between walls at the faces of the box."""
     scene = f"""seed = 3
 box = {{ edges = {edges}, boundaries = ["periodic", "periodic", "walls"] }}
 fluid.viscosity = 1.0
@@ -38,7 +38,7 @@ radius = 1.0
 count = {COUNT}
 """
     with results(scene) as out, h5py.File(out / "trajectory.h5") as file:
-        # Through all of their faces no sphere reaches out of the box.
+        # Positions within the box for all boundaries.
         return np.clip(file["particles/all/position/value"][0], 0.0, np.array(edges))
 
 
@@ -72,13 +72,13 @@ def main():
     failed = []
     rows = [row(kind, fraction, allowed, failed) for kind, fractions, allowed in CASES for fraction in fractions]
     lines = [
-        f"{COUNT} rigid spheres of radius 1 under random forces, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: milliseconds of an evaluation",
-        "of the mobility, preparations included, between walls along z, above one, and in open space along all axes, over those of the same",
-        "spheres in a periodic box of the same edges.",
+        f"{COUNT} rigid spheres of radius 1 under random forces, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: milliseconds per",
+        "evaluation of the mobility, including preparations, between walls across z, above one wall, and in unbounded fluid,",
+        "compared with the same spheres in a periodic box of the same edges.",
         "",
-        *table(["boundaries", "φ", "box", "milliseconds", "periodic", "evaluations", "over the periodic box", "allowed"], rows),
+        *table(["boundaries", "φ", "box", "ms", "ms, periodic", "evaluations", "ratio", "allowed"], rows),
         "",
-        f"Not so: {'; '.join(failed)}." if failed else "So it is.",
+        f"Not met: {'; '.join(failed)}." if failed else "All ratios are within the limits.",
     ]
     write_section("walls.md", "boundary-cost", "Cost", lines)
     if failed:

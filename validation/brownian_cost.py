@@ -13,9 +13,9 @@ FULL = "--full" in sys.argv[1:]
 COUNT, FRACTIONS, ROUNDS = 2000, (0.1, 0.3), 7 if FULL else 3
 # Steps of a run.
 STEPS = 16
-# Schemes, steps to a row of the time series, and what steps are meant to take.
+# Schemes, steps per row of the time series, and the intended cost of a step in solves.
 SCHEMES = [("midpoint", STEPS, "1.3"), ("two-evaluations", STEPS, "1.9"), ("two-evaluations", 1, "")]
-# Between walls so many radii apart.
+# Distance of the walls in radii, and the schemes between them.
 HEIGHT, BETWEEN_WALLS = 20.0, [("midpoint", STEPS, ""), ("two-evaluations", STEPS, "")]
 TOLERANCE = 1e-3
 
@@ -29,7 +29,7 @@ def box(fraction, kind):
 
 
 def timed_steps(fraction, kind, lubrication, scheme, every):
-    """Seconds of a step, and the places of the spheres at the start and at the end, where gaps are smaller and solves longer."""
+    """Seconds of a step, and the positions of the spheres at the start and at the end, where gaps are smaller and solves longer."""
     place = box(fraction, kind)
     scene = f"""seed = 2
 box = {{ edges = {place["box"]}, boundaries = {json.dumps(place["boundaries"])} }}
@@ -58,8 +58,8 @@ def row(scheme, every, meant, fraction, kind, lubrication):
         ratios.append(step / solve)
         steps.append(1e3 * step)
     spread = f"{np.median(ratios):.2f} ({min(ratios):.2f} to {max(ratios):.2f})"
-    seen = "every step" if every == 1 else "the last"
-    cells = [scheme, seen, kind, f"{fraction:.0%}", "yes" if lubrication else "no", f"{np.median(steps):.0f}", spread, meant]
+    recorded = "every step" if every == 1 else "last step"
+    cells = [scheme, recorded, kind, f"{fraction:.0%}", "yes" if lubrication else "no", f"{np.median(steps):.0f}", spread, meant]
     print(*cells, flush=True)
     return cells
 
@@ -69,15 +69,12 @@ def main():
     cases += [(scheme, 0.2, "walls") for scheme in BETWEEN_WALLS]
     rows = [row(*scheme, fraction, kind, lubrication) for scheme, fraction, kind in cases for lubrication in (False, True)]
     lines = [
-        (f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds: a step "
-         f"by either scheme, of runs of {STEPS} of which the last or every one is a row"),
-        (f"of the time series, over a solve for random forces that starts from nothing (the mean "
-         "of those at the places at the start and at the end), in a periodic cube or between"),
-        (f"walls {HEIGHT:g} radii apart. Where half a step of noise presses spheres "
-         "into each other, as steps too long for their gaps do, the solve takes"),
-        "longer.",
+        f"{COUNT} spheres, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds. The time of a step, from runs of {STEPS} steps that record",
+        "either the last or every step in the time series, is divided by that of one solve from zero for random forces (mean of",
+        f"the initial and the final positions). The box is a periodic cube, or has walls {HEIGHT:g} radii apart. The solve takes longer",
+        "when a half step of noise makes spheres overlap, as it does if the step is too long for the gaps.",
         "",
-        *table(["scheme", "rows", "box", "φ", "lubrication", "milliseconds", "over a solve", "meant to be"], rows),
+        *table(["scheme", "recorded", "box", "φ", "lubrication", "ms per step", "steps in solves", "goal"], rows),
     ]
     write_section("brownian.md", "brownian-cost", "Cost", lines)
 

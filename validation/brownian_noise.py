@@ -1,5 +1,5 @@
-"""Random motions of hard spheres at equilibrium: whitened by the mobility's own matrix, and the short-time diffusivity that they
-give against the trace of that matrix and published values; with what a draw takes, over one solve."""
+"""Brownian displacements of hard spheres at equilibrium: whitened with the matrix of the mobility, and their short-time diffusivity
+against the trace of that matrix."""
 
 import sys
 
@@ -12,7 +12,7 @@ FULL = "--full" in sys.argv[1:]
 FRACTIONS = (0.1, 0.2, 0.3, 0.4) if FULL else (0.1, 0.3)
 SPHERES, DRAWS = 32, 4000 if FULL else 1000
 TOLERANCE = 1e-3
-# The mean square of whitened numbers may be off 1 by so many errors, and this for the tolerance.
+# Allowed deviation of the mean square of whitened numbers from 1: standard errors, and a part for the tolerance.
 ERRORS, TOLERATED = 3.0, 2e-3
 
 
@@ -51,9 +51,11 @@ def row(fraction, lubrication):
 def main():
     found = [row(fraction, lubrication) for fraction in FRACTIONS for lubrication in (False, True)]
     lines = [
-        f"{SPHERES} hard spheres at equilibrium, {DRAWS} draws at a tolerance of {TOLERANCE:g}. Whitened by the matrix of the mobility, forces and",
-        "torques to motions, the mean square is 1 and the eigenvalues of the covariance are within those of Marchenko and Pastur,",
-        "but for their edges; the diffusivity of the draws, over that of one sphere alone, is the trace of the matrix.",
+        f"{SPHERES} hard spheres at equilibrium, {DRAWS} draws at a tolerance of {TOLERANCE:g}. The draws are whitened with the Cholesky factor",
+        "of the mobility matrix (forces and torques to velocities and angular velocities). Their mean square must then be 1,",
+        "and the eigenvalues of their covariance must lie between the limits of Marchenko and Pastur, except for fluctuations",
+        "at these limits. The diffusivity of the draws relative to that of an isolated sphere must equal the normalised trace",
+        "of the matrix.",
         "",
         *table(["φ", "lubrication", "mean square", "eigenvalues", "Marchenko-Pastur", "diffusivity", "trace"], [cells for cells, _ in found]),
     ]

@@ -1,5 +1,5 @@
-"""Viscosity of colloids against the Peclet number, by two evaluations, with the parts of its stress; and where shear vanishes that
-of the correlation of stresses at rest (Green & Kubo)."""
+"""Viscosity of colloids against the Peclet number, by the scheme of two evaluations, with the contributions to the stress; and its limit
+of slow shear from the autocorrelation of the stress at rest (Green & Kubo)."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -15,18 +15,18 @@ COUNT, FRACTION, STRENGTH, RANGE = (64, 0.3, 60.0, 0.4) if FULL else (24, 0.3, 6
 EDGE = (COUNT * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
 # The time in which a sphere diffuses over its radius, with kT, mu and a of 1.
 DIFFUSIVE = 6 * np.pi
-# Beyond, shear presses pairs together harder than this repulsion bears.
+# At higher numbers shear forces make pairs overlap against this repulsion.
 NUMBERS = (0.3, 1.0, 3.0, 10.0, 30.0) if FULL else (1.0, 10.0)
 STEP, LONGEST = 2e-3, 5e-3
 LENGTH, SETTLED = (60.0, 6.0) if FULL else (8.0, 2.0)
-# Steps to a row in shear, where stresses that follow each other are nearly the same.
+# Steps per row in shear, where successive stresses are nearly the same.
 EVERY = 4
 # Configurations at rest on which the viscosity at high frequency is computed.
 FRAMES = 40 if FULL else 8
-# Nearly at rest, where the time series has stresses all the same.
+# Peclet number nearly at rest, at which the time series still has stresses.
 REST = 1e-6
 PARTS = ("stresslet", "lubrication", "repulsion", "brownian")
-# Up to this time stresses at rest are correlated.
+# Correlation time of the stress at rest.
 MEMORY = 1.5
 
 
@@ -61,8 +61,8 @@ def component(series, part, name):
 
 
 def sheared(number):
-    """Viscosity by parts at a Peclet number; runs are as long in strain as at a number of 1 above it."""
-    # No more than half a percent of strain, in which pairs would fall on each other.
+    """Viscosity by parts at a Peclet number; above a number of 1 the runs have the same length in strain."""
+    # At most half a percent of strain, so that pairs do not overlap in a step.
     step = min(STEP, LONGEST / number)
     rate = number / DIFFUSIVE
     series, _ = rows(rate, step, LENGTH * step / STEP, EVERY)
@@ -73,7 +73,7 @@ def sheared(number):
 
 
 def high_frequency(places):
-    """The viscosity of configurations without the stresses of forces and heat."""
+    """High-frequency viscosity of configurations: without the stresses of forces and Brownian motion."""
     gradient = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
     case = {"box": [EDGE] * 3, "viscosity": 1.0, "radii": 1.0, "lubrication": True, "background": {"velocity_gradient": gradient}}
     of_each = [np.sum(mobility(case | {"positions": x}, 1e-3)["stresslets"], axis=0)[1] / (2 * EDGE**3) for x in places]
@@ -81,7 +81,7 @@ def high_frequency(places):
 
 
 def at_rest(_):
-    """The high-frequency viscosity, and the integral of the correlation of stresses by forces and heat: V/kT times the mean of that of
+    """The high-frequency viscosity, and the integral of the autocorrelation of the stresses of forces and Brownian motion: V/kT times its mean over
     five components. Errors by fifths of the run."""
     series, places = rows(REST / DIFFUSIVE, STEP, 2 * LENGTH, 1, FRAMES)
     total = {name: sum(component(series, part, name) for part in PARTS) for name in ("xx", "xy", "xz", "yy", "yz", "zz")}
@@ -89,7 +89,7 @@ def at_rest(_):
     lags, step = round(MEMORY / STEP), STEP * DIFFUSIVE
 
     def integral(piece):
-        # The noise of one estimate of the stress by heat is not correlated with later ones: the first value is left to the next.
+        # The noise of the Brownian stress is uncorrelated with later values: lag 0 is replaced by the value at the first lag.
         values = [np.mean([np.mean(s[:-lag] * s[lag:]) for s in piece]) for lag in range(1, lags)]
         return EDGE**3 * step * (np.sum(values) + 0.5 * values[0])
 
@@ -108,20 +108,19 @@ def main():
     for row in cells:
         print(*row, flush=True)
     lines = [
-        f"{COUNT} lubricated spheres at {FRACTION:.0%} with a repulsion of {STRENGTH:g} kT/a at contact that starts at a gap of {RANGE:g}, steps of",
-        (f"{STEP:g} of \\\\(a^2/D_0\\\\) or less: the viscosity over that of the "
-         f"fluid by \\\\(\\mathrm{{Pe}} = \\dot\\gamma a^2/D_0\\\\), the parts of it,"),
-        ("and normal stress differences over \\\\(\\mu \\dot\\gamma\\\\). The part "
-         "of stresslets has what forces of repulsion cause by the flow that they"),
-        f"drive. At rest it is the sum of {frequent[0]:.3f} ± {frequent[1]:.3f} at high frequency, on {FRAMES} configurations, and of the integral",
-        "of the correlation of stresses, with which Green and Kubo's relation has that of slow shear.",
+        f"{COUNT} spheres with lubrication at {FRACTION:.0%} by volume and a repulsion of {STRENGTH:g} kT/a at contact that vanishes at a gap of",
+        f"{RANGE:g}, with steps of at most {STEP:g} \\\\(a^2/D_0\\\\): the relative viscosity as a function of",
+        "\\\\(\\mathrm{Pe} = \\dot\\gamma a^2/D_0\\\\), its contributions, and the normal stress differences over",
+        "\\\\(\\mu \\dot\\gamma\\\\). The contribution of the stresslets includes those induced by the repulsive forces. The row at",
+        f"rest is the limit of slow shear by the Green-Kubo relation: the high-frequency viscosity, {frequent[0]:.3f} ± {frequent[1]:.3f} from",
+        f"{FRAMES} configurations, plus the integral of the stress autocorrelation.",
         "",
-        *table(["Pe", "viscosity", "stresslets", "lubrication", "repulsion", "heat", "\\\\(N_1\\\\)", "\\\\(N_2\\\\)"], cells),
+        *table(["Pe", "viscosity", "stresslets", "lubrication", "repulsion", "Brownian", "\\\\(N_1\\\\)", "\\\\(N_2\\\\)"], cells),
     ]
     write_section("brownian.md", "brownian-viscosity", "Viscosity", lines)
     thin = found[len(found) // 2][0]
     if thin[0] > slowest[0][0] + 3 * np.hypot(thin[1], slowest[0][1]):
-        raise SystemExit("failed: the suspension does not thin at first")
+        raise SystemExit("failed: there is no shear thinning at small Peclet numbers")
     if abs(limit - slowest[0][0]) > 3 * np.hypot(error, slowest[0][1]) + 0.2 * slowest[0][0]:
         raise SystemExit(f"failed: {limit:.2f} at rest is not {slowest[0][0]:.2f} in slow shear")
 

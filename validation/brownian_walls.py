@@ -17,22 +17,22 @@ from support.program import mobility, results
 FULL = "--full" in sys.argv[1:]
 GAPS = (0.05, 0.2, 0.5, 1.0, 2.0)
 DRAWS, ROOM, TOLERANCE = 4000 if FULL else 1000, 24.0, 1e-3
-# Variances and drifts may be off by so many errors, and this part for the tolerance and the sphere's copies.
+# Allowed error of variances and drifts: standard errors, and a relative part for the tolerance and the periodic images.
 ERRORS, TOLERATED = 3.0, 0.01
-# Colloids of radius 1 and kT = 1 in times of diffusion over a radius; they weigh kT/a.
+# Colloids of radius 1 and weight kT/a with kT = 1; the unit of time is a^2/D_0.
 COUNT, SIDE, HEIGHT, WEIGHT = 24, 10.0, 12.0, 1.0
 STRENGTH, RANGE = 60.0, 0.4
 STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 LENGTH, SETTLED = (60.0, 6.0) if FULL else (16.0, 4.0)
 SWEEPS = 60000 if FULL else 15000
 SCHEMES = ("midpoint", "two-evaluations")
-# Allowed error of heights at vanishing step, in addition to the statistical error: for nonlinear terms.
+# Allowed relative error of heights extrapolated to step 0 beyond the statistical error, for nonlinear terms.
 BENT = 0.01
 BINS = np.linspace(0, HEIGHT, 37)
 
 
 def resistance(gap):
-    """The force over that of Stokes by which a sphere of radius 1 moves towards a plane wall."""
+    """Resistance of a sphere of radius 1 that moves towards a plane wall, over the Stokes drag."""
     a = np.arccosh(1 + gap)
     n = np.arange(1, 30 + int(30 / a))
     # Twice the hyperbolic functions, over exp((2 n + 1) a).
@@ -43,7 +43,7 @@ def resistance(gap):
 
 
 def one_sphere(gap):
-    """The diffusivity across and along the wall by random motions, and the drift, over what one sphere alone has, beside exact ones."""
+    """Diffusivities across and along the wall from draws, and the drift, over those of an isolated sphere, with the exact values."""
     case = {"box": [ROOM, ROOM, ROOM], "boundaries": ["periodic", "periodic", "wall"], "viscosity": 1 / (6 * np.pi), "radii": 1.0,
             "lubrication": True, "positions": [[0.0, 0.0, 1 + gap]]}
     drawn = mobility(case | {"noise": {"draws": DRAWS, "seed": 3, "drift": True}}, TOLERANCE)
@@ -68,13 +68,13 @@ def pair_potential(r):
 
 
 def own_potential(z):
-    """Of weight and of both walls, whose force is STRENGTH at contact."""
+    """Potential of the weight and of both walls, whose force is STRENGTH at contact."""
     at_wall = sum(STRENGTH * RANGE / 3 * np.clip(1 - (distance - 1) / RANGE, 0, None) ** 3 for distance in (z, HEIGHT - z))
     return WEIGHT * z + at_wall
 
 
 def measured(z):
-    """The mean height and its square, and the part of the spheres in each bin."""
+    """Means of the height and of its square, and the fraction of the spheres in each bin."""
     return np.concatenate([[z.mean(), np.square(z).mean()], np.histogram(z, BINS)[0] / COUNT])
 
 
@@ -143,35 +143,33 @@ def main():
         print(*cells, flush=True)
 
     figure, axes = plt.subplots(figsize=(5, 3.6))
-    # Volume fractions that the centres of each slice stand for.
+    # Volume fraction per fraction of the spheres in a slice.
     scale = COUNT * 4 / 3 * np.pi / (SIDE**2 * (BINS[1] - BINS[0]))
     middle = 0.5 * (BINS[1:] + BINS[:-1])
     axes.plot(exact[2:] * scale, middle, "k-", label="Monte Carlo")
     for scheme, style in zip(SCHEMES, ("o", "x")):
         axes.plot(mean_and_error(found[scheme, STEPS[0]])[0][2:] * scale, middle, style, ms=4, label=scheme)
-    axes.set(xlabel="volume fraction by centres", ylabel="z / a", xlim=(0, None))
+    axes.set(xlabel="volume fraction (from positions of centres)", ylabel="z / a", xlim=(0, None))
     axes.legend()
     figure.tight_layout()
     save(figure, "brownian-walls.png")
 
-    columns = ["gap", "across", "exact", "along", "of the mobility", "drift", "exact"]
+    columns = ["gap", "across", "exact", "along", "mobility", "drift", "exact"]
     lines = [
-        (f"One sphere above a wall, lubricated, in a box of {ROOM:g} radii, {DRAWS} "
-         f"draws at a tolerance of {TOLERANCE:g}: the diffusivities across and along"),
-        ("the wall over \\\\(D_0\\\\), and the drift over \\\\(D_0/a\\\\), beside Brenner's exact "
-         "mobility, its slope, and the program's own mobility along the wall; all by the same random"),
-        "numbers, whose errors are alike.",
+        f"One sphere above a wall, with lubrication, in a box of {ROOM:g} radii, {DRAWS} draws at a tolerance of {TOLERANCE:g}: the",
+        "diffusivities across and along the wall over \\\\(D_0\\\\) and the drift over \\\\(D_0/a\\\\), with Brenner's exact mobility",
+        "across the wall, its derivative, and the mobility along the wall as computed. All rows use the same random numbers, so",
+        "their errors are correlated.",
         "",
         *table(columns, [cells for cells, _ in single]),
         "",
-        (f"{COUNT} colloids that weigh kT/a between walls {HEIGHT:g} radii apart, in a box "
-         f"of {SIDE:g} radii along them, over {LENGTH:g} times \\\\(a^2/D_0\\\\), steps in"),
-        "units of it: the mean height and its square, and the largest difference of the profile from that of Monte Carlo, over its peak. Values at 0",
-        "are those of lines through the others.",
+        f"{COUNT} colloids of weight kT/a between walls {HEIGHT:g} radii apart, in a box of {SIDE:g} radii along the walls, over a time of",
+        f"{LENGTH:g} \\\\(a^2/D_0\\\\), the unit of the steps: the means of the height and of its square, and the largest deviation of the",
+        "profile from that of Monte Carlo, relative to its peak. Rows at step 0 are linear extrapolations.",
         "",
-        *table(["", "step", "height", "square", "profile"], rows),
+        *table(["", "step", "height", "height squared", "profile"], rows),
         "",
-        "![Colloids on a bottom](figures/brownian-walls.png)",
+        "![Sediment of colloids](figures/brownian-walls.png)",
     ]
     write_section("brownian.md", "brownian-walls", "At walls", lines)
     if failed:

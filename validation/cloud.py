@@ -1,8 +1,8 @@
-"""A cloud of spheres that settles in open fluid: its velocity at first against 6 N a / 5 R + 1 (Ekiel-Jezewska, Metzger &
-Guazzelli, Phys. Fluids 18, 038104, 2006), and how it goes on.
+"""A cloud of spheres that settles in unbounded fluid: its initial velocity against 6 N a / 5 R + 1 (Ekiel-Jezewska, Metzger &
+Guazzelli, Phys. Fluids 18, 038104, 2006), and its evolution.
 
-With --full a larger one of forces alone besides, which becomes a torus and breaks up (Metzger, Nicolas & Guazzelli, J. Fluid
-Mech. 580, 283, 2007); times are in units of radius over velocity at first."""
+With --full also a larger cloud of monopoles, which becomes a torus and breaks up (Metzger, Nicolas & Guazzelli, J. Fluid
+Mech. 580, 283, 2007); times are in units of the radius over the initial velocity."""
 
 import sys
 
@@ -17,17 +17,17 @@ from support.program import results, rows_of
 
 FULL = "--full" in sys.argv[1:]
 SEEDS = (1, 2, 3, 4)
-# The scene that comes with the program, until it has fallen by many radii.
+# The scene that the program provides, until the cloud has fallen by many radii.
 SMALL = {"count": 250, "radius": 20.0, "multipoles": "dipole", "tolerance": 1e-3, "step": 0.04, "steps": 1000}
-# Point forces, nearly: spheres of a hundredth of the cloud's radius.
+# Nearly point forces: the radius of the cloud is 60 times that of a sphere.
 LARGE = {"count": 1500, "radius": 60.0, "multipoles": "monopole", "tolerance": 1e-2, "step": 0.3, "steps": 3000}
 SHOWN = 5
-# Of one cloud at random, of 250 spheres, in parts of the formula; and what the distance of neighbours takes off it.
+# Relative scatter of the velocity of one random cloud of 250 spheres, and the relative effect of the minimum gap.
 SCATTER, DISTANCE = 0.02, 0.02
 
 
 def velocity(cloud):
-    """The formula, in units of Stokes' velocity."""
+    """The formula, in units of the Stokes velocity."""
     return 6 * cloud["count"] / (5 * cloud["radius"]) + 1
 
 
@@ -65,12 +65,12 @@ def at_first():
 
 
 def course(cloud, name, title):
-    """A table of how a cloud goes on, and a picture of it from the side and from below."""
+    """A table of the evolution of a cloud, and pictures of it from the side and from below."""
     rows, frames = result(cloud, 1)
     unit, first = cloud["radius"] / velocity(cloud), -rows[0]["mean_velocity_z[heavy]"]
     figure, axes = plt.subplots(2, len(frames), figsize=(2.2 * len(frames), 4.6), sharex="row", sharey="row")
     for (side, below), frame, row in zip(axes.T, frames, rows):
-        # The tail that a cloud leaves behind would make it small.
+        # Centred at the median, since the tail shifts the mean.
         x, y, z = ((frame - np.median(frame, axis=0)) / cloud["radius"]).T
         side.plot(x, z, ".", markersize=1.5, color="0.2")
         below.plot(x, y, ".", markersize=1.5, color="0.2")
@@ -86,8 +86,8 @@ def course(cloud, name, title):
         + [f"{length:.2f}" for length in lengths]
         for row, lengths in zip(rows, size)
     ]
-    header = ["t V / R", "fallen / R", "velocity / that at first", "radius / R", "longest semi-axis / R", "shortest / R"]
-    return ["", title, "", *table(header, lines), "", f"![A cloud that settles](figures/{name})"]
+    header = ["t V / R", "distance / R", "velocity / initial", "radius / R", "longest semi-axis / R", "shortest / R"]
+    return ["", title, "", *table(header, lines), "", f"![A settling cloud](figures/{name})"]
 
 
 def main():
@@ -95,22 +95,22 @@ def main():
     formula = velocity(SMALL)
     off = abs(found / formula - 1)
     holds = off < 3 * SCATTER / np.sqrt(len(SEEDS)) + DISTANCE
+    agreement = "agree" if holds else "do not agree"
     lines = [
-        (f"Clouds of {SMALL['count']} rigid spheres at random in a ball of "
-         f"{SMALL['radius']:g} radii, as the scene `cloud` has them, begin to fall with"),
-        f"{found:.2f} ± {error:.2f} times the velocity of one sphere; \\\\(6 N a / 5 R + 1\\\\) is {formula:.2f}. "
-        + ("That holds." if holds else "That is off."),
-        *course(SMALL, "cloud.png", "The first of them in the course of time, its radius and semi-axes those of the ellipsoid "
-                "that has its gyration tensor:"),
+        f"The initial velocity of clouds of {SMALL['count']} rigid spheres at random positions in a ball of {SMALL['radius']:g} radii, as in the",
+        f"scene `cloud`, is {found:.2f} ± {error:.2f} Stokes velocities; the formula \\\\(6 N a / 5 R + 1\\\\) gives {formula:.2f}. They",
+        f"{agreement} within the expected scatter.",
+        *course(SMALL, "cloud.png", "Evolution of the first cloud; its radius and semi-axes are those of the ellipsoid "
+                "with its gyration tensor:"),
     ]
     if FULL:
-        title = (f"{LARGE['count']} forces in a ball of {LARGE['radius']:g} radii of their spheres, which become a torus "
-                 "and break up; means count those left behind too:")
+        title = (f"{LARGE['count']} point-like spheres in a ball of {LARGE['radius']:g} radii: the cloud becomes a torus and "
+                 "breaks up; means include the spheres left behind:")
         lines += course(LARGE, "cloud-torus.png", title)
     write_section("walls.md", "cloud", "A cloud", lines)
     print("\n".join(lines))
     if not holds:
-        raise SystemExit(f"failed: the velocity is off by {off:.1%}")
+        raise SystemExit(f"failed: the velocity differs by {off:.1%}")
 
 
 if __name__ == "__main__":

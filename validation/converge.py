@@ -1,5 +1,5 @@
-"""Dependence of the answers of three scenes on step, box, tolerance and stiffness: `fcm-solve converge` of the scenes that
-come with the program, at sizes of some minutes each.
+"""Dependence of the answers of three scenes on step, box, tolerance and stiffness: `fcm-solve converge` of scenes that
+the program provides, at sizes that take some minutes each.
 
     scripts/validate converge
 
@@ -13,7 +13,7 @@ from support.page import write_section
 from support.program import PROGRAM, ROOT
 
 RUNS = pathlib.Path(os.environ.get("FCM_SOLVE_RUNS", ROOT / "results")) / "converge"
-# The scene, the answer that it is run for, and what makes it small.
+# The scene, the answer that is tested, and the settings that make it small.
 CASES = [
     ("settling", "hindered", ["box.edges=[14.0, 14.0, 14.0]", "species[0].count=80", "time.steps=2000"]),
     ("shear", "relative_viscosity", ["box.edges=[12.0, 12.0, 12.0]", "time.duration=8.0"]),
@@ -22,7 +22,7 @@ CASES = [
 
 
 def words(setting):
-    """A setting as it is typed."""
+    """A setting as typed on the command line."""
     key, value = setting.split("=", 1)
     return f'--set {key}="{value}"' if " " in value else f"--set {setting}"
 

@@ -1,5 +1,5 @@
 """Cost of a step: seconds and memory by number of spheres, volume fraction and tolerance, with lubrication and without. One thread,
-sheared, fixed steps from a random start. For a machine without other load; --full takes long."""
+sheared, fixed steps from a random start. Needs a machine without other load; --full takes long."""
 
 import json
 import pathlib
@@ -15,10 +15,10 @@ from support.program import PROGRAM
 FULL = "--full" in sys.argv
 COUNTS = (100, 1000, 10_000, 100_000) if FULL else (100, 1000)
 TOLERANCES = (1e-2, 1e-3, 1e-6) if FULL else (1e-2, 1e-3)
-# Steps of the shorter run, and those more of the longer one, of all spheres: enough that they take longer than starts differ.
+# Steps of the shorter run, and additional sphere steps of the longer one: enough to exceed the variation of the start-up time.
 STEPS, MORE = 12, 200_000
 SCENE = """
-title = "What a step costs"
+title = "Cost of a step"
 [box]
 edges = [{edge}, {edge}, {edge}]
 [fluid]
@@ -54,7 +54,7 @@ def seconds(scene, folder):
 
 
 def measured(folder, **values):
-    """Seconds a step, from two runs that differ in their length, and predicted memory in MB."""
+    """Seconds per step, from two runs that differ in their length, and predicted memory in MB."""
     times, more = [], max(STEPS, MORE // values["count"])
     scene = folder / "scene.toml"
     for steps in (STEPS, STEPS + more):
@@ -79,5 +79,5 @@ def rows():
                 yield [f"{count:,}", f"{100 * fraction:g}%", re.sub("e-0", "e-", f"{tolerance:.0e}"), *numbers]
 
 
-HEADER = ["spheres", "by volume", "tolerance", "ms a step", "ms with lubrication", "MB", "MB with lubrication"]
-write_section("costs.md", "costs", "Milliseconds a step and memory, one thread", table(HEADER, list(rows())))
+HEADER = ["spheres", "by volume", "tolerance", "ms per step", "ms with lubrication", "MB", "MB with lubrication"]
+write_section("costs.md", "costs", "Time per step and memory, one thread", table(HEADER, list(rows())))

@@ -1,5 +1,5 @@
-"""Frequency with which the true mean lies within the errors that runs print, from random starts of a scene,
-each cut to short lengths.
+"""Coverage of the errors that runs print: the frequency with which the true mean lies within them, from random
+starts of a scene, each cut to short lengths.
 
 A scene is run from many starts. Its true mean is that over all of these runs after their transients, at their full length. A short
 run is a part of one, from its start, where `fcm-solve stats` has to find the transient, or between two times. A family is a
@@ -27,13 +27,13 @@ STARTS = 32 if FULL else 10
 STARTING = ((0.0, 0.25), (0.0, 0.5), (0.0, 1.0))
 STEADY = 0.25
 PARTS = (*STARTING, *((k * STEADY, (k + 1) * STEADY) for k in (1, 2, 3)), (STEADY, 1.0))
-# The shares that are wanted inside one error and inside two.
+# Allowed coverage of one error and of two.
 WANTED = ((0.60, 0.76), (0.90, 0.98))
 
 
 @dataclass
 class Kind:
-    """A scene as text, the time at its end, and the answers that are looked at, with the sign of the columns that they are means of."""
+    """A scene as text, the time at its end, and the answers that are compared, each with the column of which it is the mean, in its sign."""
 
     fraction: float
     count: int
@@ -90,7 +90,7 @@ def scene(kind, seed):
 
 
 def answers(folder, begin, until):
-    """By quantity, between two times; from the start the transient is left out that is found."""
+    """Answers by quantity between two times; if that is from the start, `stats` excludes the transient that it detects."""
     command = [PROGRAM, "stats", str(folder), "--json", "--until", repr(until), *(["--from", repr(begin)] if begin else [])]
     found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
     return {answer["quantity"]: answer for answer in found["answers"]}
@@ -115,7 +115,7 @@ def one(job):
 
 
 def families(name, place):
-    """The rows of a scene: for each family the share inside one error and inside two, of how many, and the error over the spread."""
+    """The rows of a scene: for each family the coverage of one error and of two, the numbers of answers, the mean error and the spread."""
     kind = KINDS[name]
     jobs = [(name, seed, place) for seed in range(1, STARTS + 1)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -146,16 +146,16 @@ def main():
         for name, quantity, span, truth, spread, error, count, drifting, inside in rows
     ]
     lines = [
-        (f"{STARTS} starts of each scene of 40 to 50 spheres, in boxes that are small "
-         f"so that fluctuations are large. Of {len(rows)} families, a quantity in a"),
-        (f"part of the runs each, {counted} answers are given as steady; the true mean lies "
-         f"within one error in {shares[0]:.0%} of them and within two in {shares[1]:.0%}."),
+        f"Each scene of 40 to 50 spheres was run from {STARTS} random starts, in small boxes so that fluctuations are large. A family",
+        f"is one quantity in one part of the runs. In {len(rows)} families {counted} answers claim a steady state; the true mean lies within",
+        f"one error in {shares[0]:.0%} of them and within two errors in {shares[1]:.0%}. The answers with the verdict *drifting* are counted",
+        "separately.",
         "",
         *table(
-            ["scene", "quantity", "times", "true mean", "spread", "mean error", "answers", "drifting", "inside one", "inside two"], cells
+            ["scene", "quantity", "times", "true mean", "spread", "mean error", "answers", "drifting", "within one error", "within two"], cells
         ),
     ]
-    write_section("answers.md", "coverage", "How often the true mean lies inside", lines)
+    write_section("answers.md", "coverage", "Coverage of the errors", lines)
     print("\n".join(lines))
     if not all(low <= share <= high for share, (low, high) in zip(shares, WANTED)):
         raise SystemExit(f"failed: inside one error in {shares[0]:.1%}, inside two in {shares[1]:.1%}")

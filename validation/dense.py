@@ -1,12 +1,12 @@
 """The viscosity of dense suspensions of rough spheres, from families of runs: four seeds at two sizes of the box for each volume fraction and
-friction, and for each stress of a paste that thickens. Errors are those of the spread over the seeds.
+friction, and for each stress of a shear-thickening paste. Errors are from the spread over the seeds.
 
     scripts/validate dense              the first points, of 40 and 45%
     scripts/validate dense --full       all points, up to 56%, with thickening: a night on four cores
     scripts/validate dense --part 1/8   the first of eight parts, for arrays of jobs; the page is written by the command without it
-    scripts/validate dense --minutes 60   as far as that goes; --page writes the page from what there is
+    scripts/validate dense --minutes 60   as many runs as fit in an hour; --page writes the page from existing runs
 
-Runs are kept in results/dense, or where FCM_SOLVE_RUNS says, gone on with where they were left, and never made twice."""
+Runs are kept in results/dense, or in the folder FCM_SOLVE_RUNS; existing runs are continued and not repeated."""
 
 import argparse
 import csv
@@ -24,36 +24,36 @@ RUNS = pathlib.Path(os.environ.get("FCM_SOLVE_RUNS", ROOT / "results")) / "dense
 SIZES = (200, 800)
 SEEDS = 4
 RATIO, STEP, ROUGHNESS, STRAIN = 1.4, 0.005, 0.005, 8.0
-# Volume fractions and frictions, the cheap ones first; those of a short run are the first.
+# Volume fractions and frictions, in the order of their cost; a short run computes the first ones.
 POINTS = [(0.40, 0.0), (0.40, 0.5), (0.45, 0.0), (0.45, 0.5)]
 FULL_POINTS = [*POINTS, (0.40, 1.0), (0.45, 1.0), (0.50, 0.0), (0.52, 0.0), (0.54, 0.0), (0.56, 0.0), (0.50, 0.3), (0.50, 0.5), (0.50, 1.0),
                (0.52, 0.5), (0.54, 0.3), (0.52, 1.0), (0.54, 0.5), (0.54, 1.0), (0.56, 0.5)]
-# Of pair lubrication and contacts alone (LF_DEM), 100 spheres of radii 1 and 1.4, half the volume each, one run each.
+# Relative viscosities by pair lubrication and contacts alone (LF_DEM), 100 spheres of radii 1 and 1.4, half the volume each, one run each.
 PAIRS_ALONE = {
     (0.40, 0.0): 6.1, (0.40, 0.5): 8.8, (0.40, 1.0): 9.8, (0.45, 0.0): 9.1, (0.45, 0.3): 12.9, (0.45, 0.5): 16.1, (0.45, 1.0): 19.9,
     (0.50, 0.0): 14.1, (0.50, 0.5): 35.5, (0.50, 1.0): 72.0, (0.54, 0.0): 19.5,
 }
-# Stresses over that of the critical load, at this volume fraction and friction.
+# Shear thickening: volume fraction, friction and critical load.
 THICKENING, FRICTION, CRITICAL_LOAD = 0.50, 1.0, 1.0
-# With the viscosities of LF_DEM, likewise (bands of 25%).
+# Stresses over that of the critical load, with the viscosities of LF_DEM (to 25%).
 STRESSES = {0.05: 14.3, 0.2: 14.2, 0.5: 13.3, 1.0: 18.1, 2.0: 25.0, 5.0: 45.0, 20.0: 58.0}
 UNIT = CRITICAL_LOAD / (6 * np.pi)
-# Means are from this strain on.
+# Strain from which means are taken.
 SETTLED = 3.0
 OVER_STRESS = ("second_normal_stress_difference", "particle_pressure")
 QUANTITIES = ("relative_viscosity", *OVER_STRESS, "contacts_per_particle")
-# A number is refused with a larger error than this part of it.
+# Largest relative error of a value that is given.
 LARGEST_ERROR = 0.1
 
 
 def fit(fraction, friction):
-    """Of Lobry et al., J. Fluid Mech. 860, 682 (2019), without its prefactor of 0.7 to 1."""
+    """Fit of Lobry et al., J. Fluid Mech. 860, 682 (2019), without its prefactor of 0.7 to 1."""
     decay = (np.exp(-2.5 * np.arctan(friction)) - np.exp(-1.25 * np.pi)) / (1 - np.exp(-1.25 * np.pi))
     return (1 - fraction / (0.546 + 0.094 * decay)) ** -2
 
 
 def experiments(fraction):
-    """The fit of Boyer, Guazzelli & Pouliquen, Phys. Rev. Lett. 107, 188301 (2011), to pastes of one size of spheres, which touch with friction."""
+    """The fit of Boyer, Guazzelli & Pouliquen, Phys. Rev. Lett. 107, 188301 (2011), to monodisperse frictional suspensions."""
     apart = (fraction / (0.585 - fraction)) ** 2
     return 1 + 2.5 * fraction / (1 - fraction / 0.585) + (0.32 + 0.38 / (1 + 0.005 * apart)) * apart
 
@@ -109,7 +109,7 @@ class Found:
     error: float
 
     def words(self):
-        """With two digits of the error."""
+        """Text with two digits of the error."""
         if not np.isfinite(self.error):
             return "jammed"
         digits = max(0, 1 - int(np.floor(np.log10(self.error)))) if self.error > 0 else 2
@@ -117,14 +117,14 @@ class Found:
 
 
 def found_of(values):
-    """Of a value for each seed, with the factor of Student's distribution, as families have it."""
+    """Mean over the seeds with its error, including the factor of Student's distribution, as for families."""
     student = (np.pi / 2 * 0.6826895) if len(values) == 2 else 1 + sum(part / (len(values) - 1) ** k for k, part in ((1, 0.5), (2, 0.25), (3, 0.0625)))
     return Found(np.mean(values), student * np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def means(folder):
-    """Means of a run from the strain at which it is steady, which a run that jams does not reach; stresses are over the shear stress.
-    At a given rate of 1, strain and time are the same."""
+    """Means of a run from the strain at which it is steady, which a run that jams does not reach; stresses are relative to the shear
+    stress. At a given rate of 1, strain and time are the same."""
     with open(folder / "observables.csv") as file:
         rows = [row for row in csv.DictReader(file) if float(row.get("strain", row["time"])) >= SETTLED]
     if not rows:
@@ -133,14 +133,14 @@ def means(folder):
     stress = mean["relative_viscosity"]
     if "shear_stress" in rows[0]:
         stress = np.mean([float(row["shear_stress"]) for row in rows])
-        # Under a given stress the mean viscosity is that over the mean rate.
+        # Under a given stress the mean viscosity is the stress over the mean rate.
         strain, duration = (float(rows[-1][name]) - float(rows[0][name]) for name in ("strain", "time"))
         mean["relative_viscosity"] = stress * duration / strain
     return {name: value / stress if name in OVER_STRESS else value for name, value in mean.items()}
 
 
 def table_of(name, count):
-    """For each of so many points of a family its quantities, if all of its runs have ended."""
+    """Quantities of each of `count` points of a family whose runs have all ended."""
     found = {}
     for point in range(count):
         folders = [done.parent for done in sorted((RUNS / name).glob(f"point-{point + 1:04}/seed-*/summary.csv"))]
@@ -151,7 +151,7 @@ def table_of(name, count):
 
 
 def run(name, text, options, end):
-    """Makes what is missing of a family until a time; whether nothing is left."""
+    """Runs the missing members of a family until a time; returns whether all are finished."""
     RUNS.mkdir(parents=True, exist_ok=True)
     scene = RUNS / f"{name}.toml"
     scene.write_text(text)
@@ -164,7 +164,7 @@ def run(name, text, options, end):
 
 
 def judged(sizes):
-    """The viscosity of a suspension: the mean of both boxes, in whose error is half of their difference; or why there is none."""
+    """The viscosity of a suspension: the mean of both boxes, whose error includes half of their difference; or the reason for none."""
     found = [values["relative_viscosity"] for values in sizes if values]
     if len(found) < len(SIZES):
         return None, "one box only"
@@ -205,27 +205,30 @@ def write_friction(points):
     tables = {spheres: table_of(f"friction-{spheres}", len(points)) for spheres in SIZES}
     rows = friction_rows(points, tables)
     sizes = " and ".join(map(str, SIZES))
-    header = ["φ", "μ", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "pairs alone", "fit", "experiments", "N₂ / stress",
+    header = ["φ", "μ", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "LF_DEM", "fit", "experiments", "N₂ / stress",
               "pressure / stress", "contacts"]
     lines = [
-        f"Families of {SEEDS} seeds of {sizes} spheres of radii 1 and {RATIO}, half the volume each, roughness {ROUGHNESS}, tolerance 1e-2, steps of {STEP} in strain, means over strains from",
-        f"{SETTLED:g} to {STRAIN:g}. Errors are from the spread over the seeds. The viscosity is the mean of both boxes, with half of their difference",
-        f"in its error; where that is more than {LARGEST_ERROR:.0%} of it, none is given. Stresses are over the whole shear stress, contacts are those of a sphere in the mean, both in the",
-        "larger box. Beside them: pair lubrication and contacts without a far field (LF_DEM, 100 spheres, one run); \\\\((1 - \\phi/\\phi_m(\\mu))^{-2}\\\\) of Lobry et al. (2019), which has",
-        "a prefactor of 0.7 to 1; and the fit of Boyer et al. (2011) to experiments with spheres of one size, beside the friction of 0.5.",
+        f"Families of {SEEDS} seeds of {sizes} spheres of radii 1 and {RATIO}, with half the volume each, roughness {ROUGHNESS}, tolerance",
+        f"1e-2, steps of {STEP} in strain, averaged over strains from {SETTLED:g} to {STRAIN:g}. Errors are from the spread over the seeds. The",
+        "relative viscosity is the mean of both boxes; its error includes half of their difference, and no value is given if it",
+        f"exceeds {LARGEST_ERROR:.0%}. Stresses are relative to the shear stress, contacts are per sphere, both in the larger box. For",
+        "comparison: pair lubrication and contacts without a far field (LF_DEM, 100 spheres, one run);",
+        "\\\\((1 - \\phi/\\phi_m(\\mu))^{-2}\\\\) of Lobry et al. (2019), with a prefactor of 0.7 to 1; and the fit of Boyer et al.",
+        "(2011) to experiments with monodisperse spheres, in the rows with friction 0.5.",
         "",
         *table(header, rows),
         "",
         *differences(points, tables),
-        "Toward jamming a number needs more: at 54% and friction 1 single runs of 100 and 200 spheres have had means of about 120 and 270 under nearly the same conditions, each with an error below a",
-        "tenth. Starts, box and length decide there, so that above 50% nothing is printed but what families of both sizes agree on.",
+        "Near jamming single runs are not enough: at 54% and friction 1 single runs of 100 and 200 spheres gave means of about",
+        "120 and 270 under nearly the same conditions, each with a reported error below 10%. The result depends on the start,",
+        "the box and the length of the run. Above 50% a value is therefore given only if families of both sizes agree.",
     ]
     write_section("dense.md", "dense", "Viscosity by volume fraction and friction", lines, "scripts/validate dense")
     return rows
 
 
 def differences(points, tables):
-    """Sentences on what others have."""
+    """Sentences that compare with other programs, the fit and experiments."""
     alone, fitted, measured = [], [], []
     for place, case in enumerate(points):
         number, _ = judged([tables[spheres].get(place) for spheres in SIZES])
@@ -239,12 +242,12 @@ def differences(points, tables):
             measured.append(f"{100 * (experiments(case[0]) / number.mean - 1):+.0f}% at {name}")
     lines = []
     if alone:
-        differences = f"LF_DEM, which leaves out the far field, differs from these viscosities by {', '.join(alone)};"
-        lines.append(f"{differences} its numbers are of one run each, of unknown error.")
+        differences = f"The viscosities of LF_DEM, without a far field, differ from these by {', '.join(alone)};"
+        lines.append(f"{differences} they are from one run each, with unknown errors.")
     if fitted:
-        lines.append(f"The prefactor with which the fit has them is {', '.join(fitted)}, where 0.7 to 1 is said of it.")
+        lines.append(f"The prefactor of the fit that gives these values is {', '.join(fitted)}; the published range is 0.7 to 1.")
     if measured:
-        lines.append(f"The fit to experiments, whose spheres are of one size and of a friction that nobody knows, differs by {', '.join(measured)}.")
+        lines.append(f"The fit to experiments, with monodisperse spheres of unknown friction, differs by {', '.join(measured)}.")
     return [*lines, ""] if lines else []
 
 
@@ -258,12 +261,12 @@ def write_thickening():
             rows.append([f"{over:g}", number.words() if number else f"none: {why}", *(cell(values, "relative_viscosity") for values in sizes),
                          f"{STRESSES[over]:g}"])
     lines = [
-        f"The same at {THICKENING:.0%} with friction {FRICTION:g} where a contact bears more than the critical load \\\\(F_c\\\\), under stresses in units of \\\\(F_c / (6 \\pi a^2)\\\\).",
+        f"The same at {THICKENING:.0%} with friction {FRICTION:g} in contacts above the critical load \\\\(F_c\\\\); stresses in units of \\\\(F_c / (6 \\pi a^2)\\\\).",
         "",
-        *table(["stress", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "pairs alone"], rows),
+        *table(["stress", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "LF_DEM"], rows),
     ]
     if not rows:
-        lines = ["`scripts/validate dense --full` makes families over the stress, which are not made yet: no viscosity is printed without them."]
+        lines = ["No results yet: `scripts/validate dense --full` runs the families over the stress."]
     write_section("dense.md", "thickening", "Shear thickening", lines, "scripts/validate dense --full")
     if len(rows) > 1:
         draw(tables)
@@ -278,7 +281,7 @@ def draw(tables):
         if points:
             x, found = zip(*points)
             axes.errorbar(x, [one.mean for one in found], [one.error for one in found], fmt="o-", capsize=2, label=f"{spheres} spheres")
-    axes.set(xscale="log", yscale="log", xlabel="stress over that of the critical load", ylabel="relative viscosity")
+    axes.set(xscale="log", yscale="log", xlabel="stress / (critical load / 6 pi a^2)", ylabel="relative viscosity")
     axes.legend()
     save(figure, "thickening.png")
 
@@ -292,7 +295,7 @@ def main():
     args = parser.parse_args()
     options, end = ["--part", args.part] if args.part else [], time.monotonic() + 60 * args.minutes
     points = FULL_POINTS if args.full else POINTS
-    # Point by point, so that there are both sizes of the first ones when time is up.
+    # Point by point, so that both sizes of the first points exist when the time is up.
     families = [(f"friction-{spheres}", by_friction(spheres, points[:count])) for count in range(1, len(points) + 1) for spheres in SIZES]
     if args.full:
         families += [(f"stress-{spheres}", by_stress(spheres)) for spheres in SIZES]
@@ -301,7 +304,7 @@ def main():
         write_friction(FULL_POINTS)
         write_thickening()
     if not whole:
-        raise SystemExit("not all runs are made: the same command goes on with them")
+        raise SystemExit("not all runs are finished: the same command continues them")
 
 
 if __name__ == "__main__":

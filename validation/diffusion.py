@@ -1,5 +1,5 @@
 """Short-time self-diffusion of hard spheres: from random motions, against the trace of the program's own mobility on the same
-configurations, and exact expansions for few spheres."""
+configurations, and exact virial expansions."""
 
 import sys
 
@@ -11,19 +11,19 @@ from support.program import mobility
 FULL = "--full" in sys.argv[1:]
 FRACTIONS = (0.1, 0.2, 0.3, 0.4, 0.45) if FULL else (0.1, 0.3)
 SPHERES, CONFIGURATIONS, DRAWS = (108, 4, 1000) if FULL else (32, 2, 100)
-# Vectors of random signs, whose products with the mobility of torques have its trace as their mean: that scatters little.
+# Vectors of random signs, whose products with the mobility of torques estimate its trace with small variance (Hutchinson).
 PROBES = 32 if FULL else 4
 TOLERANCE = 1e-3
-# Diffusivities may be apart by so many errors, and this for the tolerance.
+# Allowed difference of diffusivities: standard errors, and a relative part for the tolerance.
 ERRORS, TOLERATED = 3.0, 3e-3
-# Of a sphere among its images in a cubic box: D = D_N + FINITE (phi/N)^(1/3) mu/eta, from 2.8373 a/L.
+# Finite-size correction in a cubic box: D = D_N + FINITE (phi/N)^(1/3) mu/eta, from 2.8373 a/L.
 FINITE = 2.8373 * (4 * np.pi / 3) ** (-1 / 3)
-# Relative to a sphere alone: translation and rotation, over 1/(6 pi mu a) and 1/(8 pi mu a^3).
+# Mobilities relative to those of an isolated sphere: translation and rotation, over 1/(6 pi mu a) and 1/(8 pi mu a^3).
 ALONE = {"velocities": 6 * np.pi, "angular_velocities": 8 * np.pi}
 
 
 def diffusivities(case, random):
-    """By random motions and by the trace, for translation and rotation, with the variances of both, and the viscosity."""
+    """Diffusivities from draws and from the trace, for translation and rotation, with their variances, and the viscosity."""
     drawn = mobility(case | {"noise": {"draws": DRAWS, "seed": int(random.integers(2**31))}}, TOLERANCE)
 
     def product(motion, load, loads):
@@ -69,13 +69,13 @@ def row(fraction, lubrication):
 
 def main():
     found = [row(fraction, lubrication) for fraction in FRACTIONS for lubrication in (False, True)]
-    columns = ["φ", "lubrication", "\\\\(D\\\\) of noise", "of the trace", "in a large box", "\\\\(D_r\\\\) of noise", "of the trace"]
-    columns += ["\\\\(\\eta_\\infty/\\mu\\\\)", "expansion of \\\\(D\\\\)", "of \\\\(D_r\\\\)"]
+    columns = ["φ", "lubrication", "\\\\(D\\\\), draws", "trace", "in a large box", "\\\\(D_r\\\\), draws", "trace"]
+    columns += ["\\\\(\\eta_\\infty/\\mu\\\\)", "\\\\(D\\\\), expansion", "\\\\(D_r\\\\), expansion"]
     lines = [
-        f"{SPHERES} hard spheres, {CONFIGURATIONS} configurations at equilibrium, {DRAWS} draws on each, over what one sphere alone has; traces of",
-        (f"translation column by column, those of rotation by {PROBES} vectors of random "
-         "signs, with the error of the difference. In a large box the diffusivity is larger by"),
-        f"\\\\({FINITE:.4f} (\\phi/N)^{{1/3}} \\mu/\\eta_\\infty\\\\). Expansions are \\\\(1 - 1.8315 \\phi - 0.219 \\phi^2\\\\) and",
+        f"{SPHERES} hard spheres, {CONFIGURATIONS} configurations at equilibrium, {DRAWS} draws for each. All values are relative to an isolated",
+        f"sphere. The trace for translation is computed column by column, that for rotation from {PROBES} vectors of random signs; the",
+        "error is that of the difference between draws and trace. In a large box the diffusivity is larger by",
+        f"\\\\({FINITE:.4f} (\\phi/N)^{{1/3}} \\mu/\\eta_\\infty\\\\). The virial expansions are \\\\(1 - 1.8315 \\phi - 0.219 \\phi^2\\\\) and",
         "\\\\(1 - 0.631 \\phi - 0.726 \\phi^2\\\\) (Cichocki, Ekiel-Jeżewska & Wajnryb 1999).",
         "",
         *table(columns, [cells for cells, _ in found]),

@@ -13,7 +13,7 @@ CASE = {"box": [14.0] * 3, "strain": 0.2, "viscosity": 1.0, "radii": [1.0, 1.0, 
 DRAWS, TOLERANCE, EXACT = 4000 if FULL else 500, 1e-4, 1e-6
 # Displacements of the central differences.
 LENGTH = 0.01
-# The mean along the divergence may be off its length by so many errors, and by this for the solve.
+# Allowed deviation of the projection from 1: standard errors, and a part for the tolerance of the solve.
 ERRORS, TOLERATED = 3.0, 0.03
 
 
@@ -24,7 +24,7 @@ def along_basis(stresslets):
 
 
 def divergence(lubrication):
-    """Of the motions, velocities first, and of the stresslets that unit forces cause: each sphere moved along its own force."""
+    """Divergence of the mobility (velocities first) and of the stresslets under unit forces: each sphere displaced along its force."""
     sums = [np.zeros(18), np.zeros(15)]
     for sphere, axis in np.ndindex(3, 3):
         for sign in (1, -1):
@@ -39,7 +39,7 @@ def divergence(lubrication):
 
 
 def row(lubrication, name, draws, exact):
-    """The mean along the divergence, over its length, and the distance of the mean, with what scatter makes of both."""
+    """Projection of the mean on the divergence, distance of the mean from it, both over its norm, and the scatter of each."""
     size = np.linalg.norm(exact)
     along = draws @ exact / size**2
     mean, error = along.mean(), along.std(ddof=1) / np.sqrt(len(along))
@@ -55,20 +55,21 @@ def rows(lubrication):
     noise = {"draws": DRAWS, "seed": 4, "drift": True}
     answer = mobility(CASE | {"positions": PLACES, "lubrication": lubrication, "noise": noise}, TOLERANCE)
     drawn = [np.reshape(answer[f"drift_{name}"], (DRAWS, -1)) for name in ("velocities", "angular_velocities")]
-    by_heat = along_basis(answer["drift_stresslets"]).reshape(DRAWS, -1)
-    exact = [("velocities", drawn[0], motion[:9]), ("angular velocities", drawn[1], motion[9:]), ("stresslets", by_heat, stresslets)]
+    drawn_stresslets = along_basis(answer["drift_stresslets"]).reshape(DRAWS, -1)
+    exact = [("velocities", drawn[0], motion[:9]), ("angular velocities", drawn[1], motion[9:]), ("stresslets", drawn_stresslets, stresslets)]
     return [row(lubrication, *one) for one in exact]
 
 
 def main():
     found = rows(False) + rows(True)
     lines = [
-        f"Three spheres, two of radius 1 and one of radius 2, at gaps of 0.1 to 0.25 in a sheared box: {DRAWS} draws of the two evaluations'",
-        "drift against the divergence of the program's own mobility by central differences. Their mean along it, over its length,",
-        "which is 1; the distance of the mean from it over its length; and what scatter alone would make of that. Without the second",
-        "evaluation all of these means are 0.",
+        f"Three spheres, two of radius 1 and one of radius 2, at gaps of 0.1 to 0.25 in a sheared box: the drift of {DRAWS} draws",
+        "of the scheme of two evaluations, compared with the divergence of the program's own mobility by central differences.",
+        "The columns are the norm of the divergence; the mean drift projected on it, relative to this norm, which must be 1;",
+        "the distance of the mean drift from it; and the distance expected from scatter alone. Without the second evaluation",
+        "all projections are 0.",
         "",
-        *table(["lubrication", "drift of", "length", "along it", "distance", "scatter"], [cells for cells, _ in found]),
+        *table(["lubrication", "drift of", "norm", "projection", "distance", "scatter"], [cells for cells, _ in found]),
     ]
     write_section("brownian.md", "drift", "Drift", lines)
     if not all(good for _, good in found):

@@ -1,13 +1,13 @@
 """The viscosities of dense suspensions in planar, uniaxial and biaxial extension over that in shear, from the same starts.
 
-All are the stress along the rate of strain over twice that rate: four times as much extensional stress as shear stress in planar
-extension for the same viscosity (Trouton), three times in uniaxial and six times in biaxial extension. Extensions go at the rates at
-which they dissipate in the fluid alone as much as the shear, 1/2, 1/sqrt(3) and 1/sqrt(12) of its rate.
+All are the stress along the rate of strain over twice that rate: for the same viscosity the extensional stress is four times the shear
+stress in planar (Trouton), three times in uniaxial and six times in biaxial extension. The rates of extension, 1/2, 1/sqrt(3) and
+1/sqrt(12) of the shear rate, give the same dissipation as the shear in the fluid alone.
 
-Planar extension is to be as viscous as shear. Normal stresses make a difference to the others. With a part beside the viscous one that
-goes as the square of the rate of strain, as in a Reiner-Rivlin fluid whose second normal stress difference in shear is N2 and whose
-first is zero, a shear stress s makes the ratio 1 in planar, 1 + N2 / (sqrt(3) s) in uniaxial and 1 - N2 / (sqrt(3) s) in biaxial
-extension. That is to hold without friction; with it, what is found is shown beside it."""
+The viscosity in planar extension must be that in shear; the others depend on normal stresses. In a Reiner-Rivlin fluid, with a stress
+proportional to the square of the rate of strain besides the viscous one, a second normal stress difference N2 in shear, and none of the
+first, the ratio is 1 in planar, 1 + N2 / (sqrt(3) s) in uniaxial and 1 - N2 / (sqrt(3) s) in biaxial extension, with s the shear
+stress. That must hold without friction; with friction both values are given."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -19,7 +19,7 @@ from support.program import series
 FULL = "--full" in sys.argv[1:]
 SEEDS = range(1, 4 if FULL else 2)
 COUNTS = {1.0: 73, 1.4: 27}
-# Ratio for planar extension of pair lubrication and contacts alone with its error, by volume fraction and friction.
+# Ratio in planar extension by pair lubrication and contacts alone with its error, by volume fraction and friction.
 PAIRS_ALONE = {(0.40, 0.0): (1.02, 0.03), (0.45, 0.0): (0.98, 0.04), (0.45, 0.5): (1.00, 0.08), (0.50, 0.0): (0.96, 0.04), (0.50, 0.5): None}
 CASES = list(PAIRS_ALONE) if FULL else [(0.40, 0.0), (0.45, 0.5)]
 FLOWS = {"shear": 1.0, "planar-extension": 0.5, "uniaxial-extension": 3**-0.5, "biaxial-extension": 12**-0.5}
@@ -80,16 +80,17 @@ def main():
         off = [abs(value - wanted) > ALLOWED + 2.0 * error for (value, error), wanted in zip(ratios, expected)]
         meant = EXTENSIONS if case[1] == 0.0 else EXTENSIONS[:1]
         failed += [f"{case}, {flow}: {text}" for flow, text, is_off in zip(meant, both, off) if is_off]
+    starts = f"{len(SEEDS)} start{'s' if len(SEEDS) > 1 else ''}"
     lines = [
-        f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, means over times from {SETTLED:g} to {END:g} of {len(SEEDS)} "
-        f"start{'s' if len(SEEDS) > 1 else ''}: \\\\(N_2\\\\) over the",
-        "stress in shear at a rate of 1, and over the viscosity there those in extensions at rates of 1/2, 1/√3 and 1/√12; errors",
-        "are those of means over quarters of the runs. In brackets is the ratio that the normal stress makes, \\\\(1 \\pm N_2 / (\\sqrt3\\\\, s)\\\\) in uniaxial",
-        f"and biaxial extension, if all else is as in a Newtonian fluid. For planar extension, and without friction for all, ratios within {ALLOWED:g} of it are",
-        "allowed, and two errors beyond: so it is where nothing else is said. With friction uniaxial extension is as viscous as shear, whatever the",
-        "normal stress. Last, the ratio for planar extension of pair lubrication and contacts without a far field.",
+        f"{sum(COUNTS.values())} spheres of radii 1 and 1.4, half the volume each, averaged over times from {SETTLED:g} to {END:g} and {starts}:",
+        "\\\\(N_2\\\\) over the shear stress at a rate of 1, and the viscosities in extension at rates of 1/2, 1/√3 and 1/√12",
+        "relative to that in shear. Errors are from quarters of the runs. In parentheses is the ratio expected from the normal",
+        "stress, \\\\(1 \\pm N_2 / (\\sqrt3\\\\, s)\\\\) in uniaxial and biaxial extension, for an otherwise Newtonian fluid. Ratios",
+        f"must agree with it within {ALLOWED:g} plus two errors, in planar extension at any friction and in all flows without friction.",
+        "With friction, the viscosity in uniaxial extension is found to equal that in shear in spite of the normal stress. The",
+        "last column is the ratio in planar extension for pair lubrication and contacts without a far field.",
         "",
-        *table(["φ", "μ", "N₂ over stress", "planar", "uniaxial", "biaxial", "pairs alone"], rows),
+        *table(["φ", "μ", "N₂ over stress", "planar", "uniaxial", "biaxial", "pairs only"], rows),
     ]
     write_section("dense.md", "extension", "Extension over shear", lines)
     if failed:

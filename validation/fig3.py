@@ -1,11 +1,11 @@
 """Two spheres in strain and settling, with lubrication, through the whole program: Fig. 3 of Abbas, Climent, Simonin & Maxey,
 Phys. Fluids 18, 121504 (2006), and the velocities of its Fig. 2.
 
-A, B and C (Batchelor & Green 1972) say how two force-free spheres move in a rate of strain E: the relative velocity is
--[A rr/r^2 + B (1 - rr/r^2)] E r besides that of the flow, the angular velocity C r x E r / r^2. The program evaluates them, and the
-velocities under a force on either sphere, in cubic periodic boxes of three sizes, and the limit of a large box follows from the
-images' effect: one over the box's side, which relative velocities feel through the drag on the pair as a whole, and its cube.
-Lubrication is as it comes, with the default cutoff."""
+A, B and C (Batchelor & Green 1972) describe the motion of two force-free spheres in a rate of strain E: their relative velocity is
+-[A rr/r^2 + B (1 - rr/r^2)] E r in addition to that of the flow, their angular velocity C r x E r / r^2. The program evaluates them,
+and the velocities under a force on either sphere, in cubic periodic boxes of three sizes. They are extrapolated to a large box by the
+laws of the effect of images: the inverse edge, through the drag on the pair as a whole, and its cube. Lubrication has the default
+cutoff."""
 
 import concurrent.futures
 import os
@@ -24,7 +24,7 @@ RATIOS = (1.0, 2.0)
 GAPS = (1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)
 EDGES, TOLERANCE = (50.0, 100.0, 200.0), 1e-5
 DENSITY_RATIOS = (1.0, 0.5, 1 / 3, 0.25)
-# Of the exact value, or of the relative velocity of the ambient flow or of the larger sphere's Stokes velocity.
+# Allowed error: relative to the exact value, and in units of the ambient relative velocity or of the larger sphere's Stokes velocity.
 LIMIT, SLACK = 0.01, 1e-3
 
 
@@ -91,7 +91,7 @@ def rows(ratio, answers):
 
 
 def worst(ratio, answers):
-    """The largest error over what is allowed: a hundredth of the exact value, or a thousandth where that is below a tenth."""
+    """The largest error over the allowed one: a hundredth of the exact value, or a thousandth where that is below a tenth."""
     right, found = (np.array([which(gap) for gap in GAPS]) for which in (lambda g: exact(ratio, g), lambda g: answers[ratio, g]))
     return (np.abs(found - right) / np.maximum(LIMIT * np.abs(right), SLACK)).max()
 
@@ -105,9 +105,9 @@ def main():
     lines, failed = ["![A, B and C](figures/fig3.png)", ""], []
     for ratio in RATIOS:
         over = worst(ratio, answers)
-        lines += [f"Radii 1 : {ratio:g}. U12 and V12 are along and across for equal densities, in units of the large sphere's Stokes"]
-        lines += [f"velocity. The largest error, of four density ratios too, is {over:.2f} times what is allowed.", ""]
-        header = ["gap / a₁"] + [f"{name} {kind}" for name in ("A", "B", "C₁", "C₂", "U12", "V12") for kind in ("exact", "found")]
+        lines += [f"Radii 1 : {ratio:g}. U12 and V12 are along and across the line of centres, for equal densities, in units of the"]
+        lines += [f"Stokes velocity of the large sphere. The largest error, for four density ratios, is {over:.2f} times the allowed one.", ""]
+        header = ["gap / a₁"] + [f"{name} {kind}" for name in ("A", "B", "C₁", "C₂", "U12", "V12") for kind in ("exact", "computed")]
         lines += [*table(header, list(rows(ratio, answers))), ""]
         if over > 1:
             failed.append(f"ratio {ratio:g}: {over:.2f} times the error allowed")

@@ -1,8 +1,8 @@
 """Two equal spheres pass each other in shear: Fig. 4 of Abbas, Climent, Simonin & Maxey, Phys. Fluids 18, 121504 (2006).
 
-The relative trajectory starts from (-3a, 0.1a). With exact hydrodynamics the spheres come as near as 2.58e-5 a and leave at the
-offset at which they came; the method alone lets them overlap, and repulsion makes them leave at a larger one. In unbounded fluid pairs pass
-by with other settings of the steps, and other offsets."""
+The relative trajectory starts from (-3a, 0.1a). With exact hydrodynamics the smallest gap is 2.58e-5 a and the
+final offset equals the initial one; without lubrication the spheres overlap, and with repulsion the final offset is larger. Pairs in
+unbounded fluid are computed for several settings of the steps and initial offsets."""
 
 import csv
 import tempfile
@@ -31,18 +31,18 @@ count = 2
 step = 0.05
 duration = 19.0
 """
-# Settings with smaller errors of time than the defaults.
+# Settings with smaller errors in time than the defaults.
 CAREFUL = ["time.integrator=adaptive", "hydrodynamics.tolerance=1e-5"]
-# Repulsion that no lubrication damps is stiff.
+# Repulsion without lubrication is stiff.
 SHORT = ["time.step=0.002", "output.trajectory_every=25"]
-# Repulsion at contact is over viscosity, rate and radius squared.
+# Repulsion at contact in units of viscosity, rate and radius squared.
 VARIANTS = {
-    "the method alone": ["hydrodynamics.tolerance=1e-4"],
+    "without lubrication": ["hydrodynamics.tolerance=1e-4"],
     "with repulsion": ["hydrodynamics.tolerance=1e-4", "repulsion={ strength = 60.0 }", *SHORT],
     "with lubrication": [*CAREFUL, "hydrodynamics.lubrication=true"],
     "with lubrication and repulsion": [*CAREFUL, "hydrodynamics.lubrication=true", "repulsion={ strength = 60.0 }"],
 }
-# A pair in unbounded fluid, by the offset at which it comes.
+# A pair in unbounded fluid, by its initial offset.
 PASSING = """
 box.boundaries = ["open", "open", "open"]
 fluid.viscosity = 1.0
@@ -64,12 +64,12 @@ SETTINGS = {
     "`time.tolerance` 1e-5": ["time.tolerance=1e-5"],
     "`time.gap_fraction` 0.05": ["time.gap_fraction=0.05"],
 }
-# Of the offsets with the settings of the first row.
+# Allowed relative error of the offsets with the settings of the first row.
 PASSING_LIMIT = 0.003
 
 
 def trajectory(overrides, scene=SCENE, edge=EDGE):
-    """Relative positions at all steps, and the smallest gap of any."""
+    """Relative positions at all steps, the smallest gap, and the number of evaluations."""
     with tempfile.TemporaryDirectory() as folder:
         ended = run(scene, f"{folder}/pair", overrides)
         if ended.returncode:
@@ -84,7 +84,7 @@ def trajectory(overrides, scene=SCENE, edge=EDGE):
 
 
 def downstream_offset(apart):
-    """The offset at the distance downstream at which the other came upstream, by the parabola through the nearest steps."""
+    """The offset downstream at the distance of the start, by a parabola through the nearest steps."""
     x, y = apart[:, 0], apart[:, 1]
     passed = int(np.argmax(x > -START))
     near = slice(passed - 2, passed + 2)
@@ -126,13 +126,13 @@ def main():
     rows.append(["exact, hydrodynamics alone", f"{EXACT_GAP:g}", f"{OFFSET:g}"])
     lines = ["![Relative trajectories](figures/fig4.png)", "", *table(["", "smallest gap / a", "offset at x = 3a"], rows)]
     passed, error = passing()
-    header = ["settings", *(cell for offset in OFFSETS for cell in (f"came at {offset:g}", "evaluations"))]
-    lines += ["", "Offsets at x = 3a of pairs in unbounded fluid with lubrication, and evaluations of the mobility on the way; other settings are"]
-    lines += ["those of the first row, `time.tolerance` 1e-4 and `time.gap_fraction` 0.25 by default.", "", *table(header, passed)]
+    header = ["settings", *(cell for offset in OFFSETS for cell in (f"initially {offset:g}", "evaluations"))]
+    lines += ["", "Offsets at x = 3a of pairs in unbounded fluid with lubrication, and numbers of evaluations of the mobility. All other settings are"]
+    lines += ["those of the first row, with the default `time.tolerance` 1e-4 and `time.gap_fraction` 0.25.", "", *table(header, passed)]
     write_section("lubrication.md", "fig4", "Figure 4 of the paper", lines)
     print("\n".join(lines))
     if error > PASSING_LIMIT:
-        raise SystemExit(f"failed: an offset is off by {error:.2%}; {PASSING_LIMIT:.1%} is allowed")
+        raise SystemExit(f"failed: an offset has an error of {error:.2%}; {PASSING_LIMIT:.1%} is allowed")
     apart, gap, _ = found["with lubrication"]
     offset = downstream_offset(apart)
     if abs(gap / EXACT_GAP - 1) > GAP_LIMIT or abs(offset / OFFSET - 1) > OFFSET_LIMIT:

@@ -1,5 +1,5 @@
-"""Forecasts of `check` against the measured seconds and bytes of runs: of the scenes that come with the program, of larger
-suspensions, and on two ranks. For a machine without other load."""
+"""Forecasts of `check` against the measured seconds and bytes of runs: of the scenes that the program provides, of larger
+suspensions, and on two ranks. Needs a machine without other load."""
 
 import json
 import math
@@ -22,12 +22,12 @@ CASES = [
 
 
 def output(folder):
-    """Bytes on the disk, in which the room for later frames is none."""
+    """Bytes on the disk; space reserved for later frames is not counted."""
     return sum(512 * path.stat().st_blocks for path in folder.rglob("*") if path.is_file())
 
 
 def compared(scene, overrides, launch):
-    """Seconds and bytes said before, and as they came out."""
+    """Forecast and measured seconds, then forecast and measured bytes."""
     sets = [word for override in overrides for word in ("--set", override)]
     said = subprocess.run([*launch, PROGRAM, "check", scene, *sets, "--json"], check=True, capture_output=True, text=True)
     said = json.loads(said.stdout)
@@ -41,12 +41,12 @@ def compared(scene, overrides, launch):
 
 def row(name, scene, overrides, launch):
     expected, found, said, written = compared(str(scene), overrides, launch)
-    print(f"{name}: {expected:.3g} s said, {found:.3g} s; {said:.3g} bytes said, {written:.3g}", flush=True)
+    print(f"{name}: forecast {expected:.3g} s, measured {found:.3g} s; forecast {said:.3g} bytes, measured {written:.3g}", flush=True)
     ratio = expected / found
     verdict = "" if abs(math.log(ratio)) < math.log(1.5) or found < 1.0 else " *"
     return [name, f"{expected:.3g}", f"{found:.3g}", f"{ratio:.2f}{verdict}", f"{said / 1e6:.3g}", f"{written / 1e6:.3g}"]
 
 
-HEADER = ["scene", "s said", "s", "ratio", "MB said", "MB"]
+HEADER = ["scene", "forecast, s", "measured, s", "ratio", "forecast, MB", "measured, MB"]
 rows = [row(*case) for case in CASES]
-write_section("costs.md", "forecast", "What `check` says and what a run takes", table(HEADER, rows))
+write_section("costs.md", "forecast", "Forecasts of `check` and measurements", table(HEADER, rows))

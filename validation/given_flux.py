@@ -1,5 +1,5 @@
-"""A suspension between walls through which a given flux goes, beside the same that a given pressure gradient drives: the flux of spheres over
-the pressure gradient, of which one is given and the other fluctuates, or the other way round."""
+"""A suspension between walls with a given flux, compared with the same suspension under a given pressure gradient: the ratio of the flux of
+spheres to the pressure gradient, one of which is given while the other fluctuates."""
 
 import sys
 
@@ -10,14 +10,14 @@ from support.program import series
 FULL = "--full" in sys.argv[1:]
 SIZE, HEIGHT = 14.0, 10.0
 FRACTIONS = (0.2, 0.3) if FULL else (0.2,)
-# In strains of the mean flow of the fluid alone under the pressure gradient; the first part is left out of means.
+# In strains of the mean flow of the fluid alone under the pressure gradient; means exclude the first part.
 STRAIN, SETTLED = (100.0, 20.0) if FULL else (24.0, 8.0)
 STEP = 0.05
 PRESSURE = 4 / HEIGHT
-# About the mean velocity that the pressure gradient drives, so that the suspension is sheared as much.
+# About the mean velocity under the pressure gradient, so that the shear rates are similar.
 MEAN_VELOCITY = {0.2: 1.7, 0.3: 1.1}
 BLOCKS = 8
-# Means may be apart by so many of their errors, and by this part besides: spheres spread across the channel in either run, one time.
+# Allowed difference of means: standard errors, and a relative part for the single migration across the channel in each run.
 ERRORS, APART = 3.0, 0.02
 
 
@@ -70,16 +70,16 @@ def compared(fraction):
 def main():
     rows = [compared(fraction) for fraction in FRACTIONS]
     faults = [fault for _, found in rows for fault in found]
+    verdict = "Not found: " + ", ".join(faults) + "." if faults else "Both are found."
     lines = [
-        (f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, over {STRAIN:g} "
-         f"strains, the first {SETTLED:g} left out: the pressure gradient that a given"),
-        "mean velocity takes over that of the fluid alone, which is the apparent viscosity; and the flux of spheres over the pressure gradient,",
-        "times the viscosity of the fluid, with either given:",
+        f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, over a strain of {STRAIN:g} of which the first {SETTLED:g} is excluded: the",
+        "pressure gradient at a given mean velocity relative to that of the fluid alone, which is the apparent viscosity; and",
+        "the flux of spheres over the pressure gradient, times the viscosity of the fluid, with either the flux or the pressure",
+        "gradient given.",
         "",
         *table(["volume fraction", "apparent viscosity", "spheres, flux given", "spheres, pressure gradient given"], [row for row, _ in rows]),
         "",
-        f"Expected are a viscosity above Einstein's and fluxes of spheres that agree within {ERRORS:g} errors and {APART:.0%}: "
-        + ("so it is." if not faults else "not so are " + ", ".join(faults) + "."),
+        f"Expected are a viscosity above Einstein's and fluxes of spheres that agree within {ERRORS:g} errors and {APART:.0%}. {verdict}",
     ]
     write_section("walls.md", "given-flux", "A given flux", lines)
     print("\n".join(lines))

@@ -1,6 +1,6 @@
-"""Grains without a fluid grid: the speed of the disks and how soon a scene of them starts; a gas of hard spheres in the
-event-driven engine against Enskog and Haff, ten million hits of it; the solid fraction at which a sheared cell jams; the
-grids of the continuum.
+"""Grains without a fluid grid: the speed of the disks and the start-up time of their scenes; a gas of hard spheres in the
+event-driven engine against Enskog and Haff, up to ten million collisions; the solid fraction at which a sheared cell jams;
+the grids of the continuum.
 
 scripts/validate grains [--full]: minutes; --full measures the jamming cell four times as long."""
 
@@ -25,7 +25,7 @@ EXAMPLES = pathlib.Path(os.environ.get("FCM_SOLVE_EXAMPLES", TARGET / "release" 
 SCENES = ROOT / "scenes"
 GRAINS, HITS = 10_000, {0.1: 1_000_000, 0.3: 1_000_000, 0.5: 10_000_000}
 FRACTIONS = (0.48, 0.50, 0.52, 0.53, 0.54, 0.55, 0.56, 0.57)
-# Of the small cell of `fcm-solve new shear-cell`: time before measuring and measured.
+# Times before and of the measurement in the small cell of `fcm-solve new shear-cell`.
 SETTLE, MEASURED = (0.1, 0.4) if FULL else (0.05, 0.1)
 
 
@@ -39,7 +39,7 @@ def example(name, *words, threads=1):
 
 
 def solve(scene, folder, sets, expect_success=True):
-    """A scene that the program ships with, run into a folder; what it said."""
+    """Runs a scene that the program provides into a folder; returns the completed process."""
     command = [PROGRAM, "run", SCENES / f"{scene}.toml", "--out", folder, "--force", "--threads", "1"]
     for key, value in sets.items():
         command += ["--set", f"{key}={value}"]
@@ -73,8 +73,8 @@ def seconds_until_it_marches(folder, sets, rounds=7):
 
 
 def speeds_of_disks(rounds=3):
-    """Particle-steps a second of 100,000 disks by one thread and by two, in turns: the best, for what else the machine does
-    only slows them."""
+    """Particle steps per second of 100,000 disks on one thread and on two, in turns: the best, since other load only slows
+    them."""
 
     def speed(threads):
         return float(example("disks_peer", "speed", 828, 200, threads=threads).split(",")[1].split()[0])
@@ -89,15 +89,15 @@ def disks(folder):
     one, two = speeds_of_disks()
     found = [
         ["launch to the first step in the flow, no preparation", "50 ms", f"{1e3 * ready:.0f} ms", "yes" if ready < 0.05 else "no"],
-        ["the same, with the 667 steps of the preparation", "", f"{1e3 * prepared:.0f} ms", ""],
-        ["100,000 disks, one thread: particle-steps a second", "1.5e7", f"{one:.2e}", "yes" if one > 1.5e7 else "no"],
-        ["two threads over one", "at least 1.6", f"{two / one:.2f}", "yes" if two > 1.6 * one else "no"],
+        ["the same with the 667 steps of the preparation", "", f"{1e3 * prepared:.0f} ms", ""],
+        ["100,000 disks, one thread: particle steps per second", "1.5e7", f"{one:.2e}", "yes" if one > 1.5e7 else "no"],
+        ["speed-up by two threads", "at least 1.6", f"{two / one:.2f}", "yes" if two > 1.6 * one else "no"],
     ]
-    write_section("grains.md", "grains disks", "Disks: start and speed", table(["quantity", "wanted", "found", "holds"], found))
+    write_section("grains.md", "grains disks", "Disks: start and speed", table(["quantity", "goal", "measured", "passed"], found))
 
 
 def gas():
-    """Hits of elastic spheres, and the cooling of inelastic ones."""
+    """Collisions of elastic spheres, and the cooling of inelastic ones."""
     lines = []
     for fraction, hits in HITS.items():
         found = json.loads(example("gas", "hit", GRAINS, fraction, hits))
@@ -107,25 +107,26 @@ def gas():
             f"{fraction:g}", f"{found['hits']:,}", f"{found['over_enskog']:.4f}", f"{found['overlap']:.0e}",
             f"{abs(found['energy']):.0e}", f"{speed / 1e6:.2f} M", f"{events / 1e6:.2f} M", "yes" if fine else "no",
         ])
-    head = ["solid fraction", "hits", "rate over Enskog's", "largest overlap", "energy lost", "hits a second", "events a second", "holds"]
+    head = ["solid fraction", "collisions", "rate over Enskog's", "largest overlap", "energy error", "collisions / s", "events / s", "passed"]
     cooled = json.loads(example("gas", "cool", 20_000, 0.02, 0.9))["cooled"]
     course = [[f"{at:.2f}", f"{temperature:.4f}", f"{over:.4f}"] for at, temperature, over in cooled]
     worst = max(abs(over**0.5 - 1) for at, _, over in cooled if at > 1)
     write_section("grains.md", "grains gas", "A gas of hard spheres", [
-        f"{GRAINS:,} smooth elastic spheres in a periodic cube, one core, after ten hits each. Overlaps, over the diameter, are looked for in all",
-        "pairs after each tenth of the hits and at every hit; an event is a hit, a passage into the next cell or a plan made anew.",
+        f"{GRAINS:,} smooth elastic spheres in a periodic cube, on one core, after ten collisions of each. Overlaps, relative to the",
+        "diameter, are checked for all pairs after each tenth of the collisions and at every collision. An event is a",
+        "collision, a passage into the next cell or a new prediction.",
         "",
         *table(head, lines),
         "",
-        "20,000 smooth spheres that lose energy, restitution 0.9, solid fraction 0.02. Haff: `T = T0/(1 + t)^2`, time in units of",
-        "`6/((1 - e^2) w0)` with Enskog's rate `w0`. The thermal speed stays within " f"{100 * worst:.1f}% of it beyond t = 1.",
+        "20,000 smooth inelastic spheres with restitution 0.9 at a solid fraction of 0.02. Haff's law is `T = T0/(1 + t)^2`, with time in units",
+        f"of `6/((1 - e^2) w0)` and Enskog's rate `w0`. The thermal speed stays within {100 * worst:.1f}% of it beyond t = 1.",
         "",
         *table(["time", "T/T0", "over Haff's"], course),
     ])
 
 
 def jam(folder):
-    """Stress on the top against the solid fraction, both engines, until rigid grains jam."""
+    """Stress on the top against the solid fraction, both engines, up to jamming of rigid grains."""
     found, curves = [], {"event-driven": [], "time-stepped": []}
     for fraction in FRACTIONS:
         row = [f"{fraction:.2f}"]
@@ -149,9 +150,9 @@ def jam(folder):
     axes.set(xlabel="solid fraction", ylabel="normal stress on the top, Pa", yscale="log")
     axes.legend()
     save(figure, "grains-jam.png")
-    write_section("grains.md", "grains jam", "Where rigid grains jam", [
-        "The cell of `fcm-solve new shear-cell`, its top fixed: normal stress on the top, Pa, and the largest overlap of the",
-        "time-stepped grains, over the diameter.",
+    write_section("grains.md", "grains jam", "Jamming of rigid grains", [
+        "The cell of `fcm-solve new shear-cell` with a fixed top: normal stress on the top in Pa, and the largest overlap of the",
+        "time-stepped grains relative to the diameter.",
         "",
         *table(["solid fraction", *curves, "overlap"], found),
         "",
@@ -169,8 +170,8 @@ def continuum(folder):
         beside = paper[speed] if pressure == 5500 else ""
         lines.append([f"{speed:g}", f"{pressure:g}", fraction, beside, f"{float(row['residual']):.0e}", f"{float(row['intervals']):.0f}"])
     write_section("grains.md", "grains continuum", "Continuum: residual and grid", [
-        "A solution is given only if half as many intervals changed it by less than 1e-9 and its residual between the points is",
-        "below that; otherwise the grid is refined.",
+        "A solution is accepted only if it differs by less than 1e-9 from that on half as many intervals and its residual between the",
+        "points is below 1e-9; otherwise the grid is refined.",
         "",
         *table(["speed, m/s", "pressure, Pa", "mean solid fraction", "paper", "residual", "intervals"], lines),
     ])

@@ -9,8 +9,8 @@ Ekiel-Jezewska, Szymczak & Wajnryb, J. Chem. Phys. 119, 606 (2003)). The self-mo
 1 - 1.8315 phi (1 + 0.1195 phi - 0.70 phi^2) (Heinen et al. 2011). A box of N spheres has a self-mobility that is too small by
 1.7601 (phi/N)^(1/3) over the viscosity, as Ladd found, and is corrected.
 
-The self-mobility is the mean over random forces, which spheres that are not rigid know exactly: the same forces on them
-say what chance did (a control variate), and that is taken off in proportion."""
+The self-mobility is estimated with random forces. The same estimate for spheres that are not rigid, whose exact value is
+known, is the control variate that reduces its variance."""
 
 import concurrent.futures
 import math
@@ -28,7 +28,7 @@ from support.program import mobility
 FRACTIONS = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 SPHERES, SAMPLES, PROBES = 108, 10, 8
 TOLERANCE = 1e-3
-# With lubrication, up to this volume fraction.
+# Largest relative difference with lubrication, up to a volume fraction.
 LIMIT, DENSEST = 0.03, 0.45
 
 
@@ -64,8 +64,8 @@ def probes(case, seed):
 
 
 def sample(job):
-    """Of one configuration the viscosity and the probes of the self-mobility, [with, without lubrication], and the probes of
-    spheres that are not rigid."""
+    """Viscosity and probes of the self-mobility of one configuration, [with, without lubrication], and the probes of spheres
+    that are not rigid."""
     phi, seed = job
     centres, edge = hard_spheres.equilibrium(SPHERES, phi, 1000 * seed + round(100 * phi))
     case = {"box": [edge] * 3, "viscosity": 1.0, "positions": centres, "radii": 1.0}
@@ -75,7 +75,8 @@ def sample(job):
 
 
 def steadied(found, known, phi):
-    """Probes without what chance did, as those of spheres that are not rigid know it: each alone in its periodic box."""
+    """Probes with reduced variance: the control variate is the estimate for spheres that are not rigid, whose self-mobility is that of
+    an isolated sphere in its periodic box."""
     inverse = 1 / hard_spheres.box(SPHERES, phi)
     exact = 1 - 2.8372974795 * inverse + 4 * inverse**3
     slope = np.mean((found - found.mean()) * (known - known.mean())) / np.var(known)
@@ -134,11 +135,11 @@ def cells(means, errors):
 def main():
     means, errors = compute()
     draw(means, errors)
-    header = ["φ", "η published", "with lubrication", "differs by", "without", "self-mobility published"]
-    header += ["with lubrication", "differs by", "without"]
+    header = ["φ", "η published", "with lubrication", "difference", "without", "self-mobility published"]
+    header += ["with lubrication", "difference", "without"]
     lines = table(header, list(cells(means, errors)))
     lines = [
-        f"{SPHERES} spheres at equilibrium, {SAMPLES} configurations a row; errors are standard errors of those.",
+        f"{SPHERES} spheres at equilibrium, {SAMPLES} configurations per row; errors are standard errors over them.",
         "",
         *lines,
         "",

@@ -1,6 +1,6 @@
 """Iterations of the solve with lubrication in random suspensions under shear, and evaluations of the mobility in a step of a run.
 
-Spheres at random, at least the given gap apart and moved at random from there, are solved for once, from nothing, to an estimated
+Spheres at random, at least the given gap apart and moved at random from there, are solved once, from zero, to an estimated
 error of 1e-3 and of 1e-6. Iterations should not grow as the gap shrinks, nor be more than 1.5 times those of a prototype with a
 dense mobility: 20, 35 and 41 to 1e-3, 32, 57 and 66 to 1e-6 at 20, 40 and 45%."""
 
@@ -15,7 +15,7 @@ from support.program import run
 
 SPHERES = 64
 FRACTIONS, GAPS, TOLERANCES = (0.2, 0.4, 0.45, 0.5, 0.55), (1e-2, 1e-3, 1e-4), (1e-3, 1e-6)
-# By volume fraction: iterations to either tolerance. What is denser is held to the last row.
+# By volume fraction: iterations to either tolerance. Denser suspensions have the limit of 45%.
 ALLOWED = {0.2: (30, 48), 0.4: (52, 85), 0.45: (61, 99), 0.5: (61, 99), 0.55: (61, 99)}
 # A solve that takes more fails.
 MOST = 1000
@@ -43,7 +43,7 @@ def scene(fraction, gap, *keys, counts=RUNS["one size"]):
 
 
 def result(text, overrides):
-    """The rows of the time series and the velocities at its start; none of a solve that does not converge."""
+    """The rows of the time series and the velocities at its start; `None` if the solve does not converge."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         ended = run(text, out, overrides)
@@ -67,7 +67,7 @@ def solve(fraction, gap, tolerance, preconditioner=True):
 
 
 def solves(fraction, gap):
-    """With the preconditioner, without it, and the error of the velocities with it, for each tolerance."""
+    """Iterations with the preconditioner and without it, and the error of the velocities with it, for each tolerance."""
     _, exact = solve(fraction, gap, EXACT)
     for tolerance in TOLERANCES:
         found, velocities = solve(fraction, gap, tolerance)
@@ -76,7 +76,7 @@ def solves(fraction, gap):
 
 
 def iterations():
-    """A table, and what is wrong."""
+    """The table, and the failures."""
     rows, failed = [], []
     for fraction in FRACTIONS:
         for gap in GAPS:
@@ -104,8 +104,8 @@ def main():
     lines, failed = iterations()
     means = {name: evaluations(counts) for name, counts in RUNS.items()}
     lines = [
-        f"{SPHERES} spheres at random under shear, from nothing: iterations to an estimated error of 1e-3 and 1e-6, how many are",
-        'allowed, how many it takes without the preconditioner ("plain"), and the error of the velocities that is left.',
+        f"{SPHERES} spheres at random positions in shear, starting from zero: iterations to an estimated error of 1e-3 and 1e-6, the",
+        "allowed number, the number without the preconditioner (*plain*), and the remaining error of the velocities.",
         "",
         *lines,
         "",

@@ -31,14 +31,14 @@ REFERENCE = ROOT / "validation" / "data" / "lattices.csv"
 FRACTIONS = (0.05, 0.15, 0.25, 0.35, 0.45)
 SPHERES, SAMPLES = 108, 10 if "--full" in sys.argv else 4
 KINDS = {"FCM": False, "lubricated FCM": True}
-# By lattice the places in a cubic cell, and how many cells along each axis have room for all pairs that lubrication knows.
+# By lattice: the positions in a cubic cell, and the number of cells along each axis that contains all lubricated pairs.
 LATTICES = {
     "sc": ([[0, 0, 0]], 3),
     "bcc": ([[0, 0, 0], [0.5, 0.5, 0.5]], 2),
     "fcc": ([[0, 0, 0], [0, 0.5, 0.5], [0.5, 0, 0.5], [0.5, 0.5, 0]], 2),
 }
 LATTICE_TOLERANCE = 1e-4
-# Largest part by which lubricated FCM differs, where it is said to hold: settling up to a volume fraction, drag at 10%.
+# Largest relative error of lubricated FCM in its range of validity: settling up to a volume fraction, drag at 10%.
 SETTLING_LIMIT, SETTLING_UP_TO, DILUTE_DRAG_LIMIT = 0.1, 0.25, 0.03
 
 
@@ -61,7 +61,7 @@ def settling(case):
 
 
 def sample(job):
-    """Of one configuration, by kind, the settling velocity and the self-mobility, each corrected for the size of the box."""
+    """Settling velocity and self-mobility of one configuration, by kind, each corrected for the size of the box."""
     phi, seed = job
     centres, edge = hard_spheres.equilibrium(SPHERES, phi, 1000 * seed + round(100 * phi))
     case = {"box": [edge] * 3, "viscosity": 1.0, "positions": centres, "radii": 1.0}
@@ -114,7 +114,7 @@ def reference():
 
 
 def beside(found, right):
-    """A value and by how much it differs."""
+    """A value and its relative difference."""
     return f"{found:.4g} ({100 * (found / right - 1):+.1f}%)"
 
 
@@ -159,12 +159,12 @@ def main():
     rows, found = all_lattices()
     loads, strains = zip(*(cells_of_lattice(row, values) for row, values in zip(rows, found)))
     lines = [
-        f"{SPHERES} hard spheres at equilibrium, {SAMPLES} configurations a row, with the standard errors of those; velocities over that of one",
-        "sphere, corrected for the size of the box.",
+        f"{SPHERES} hard spheres at equilibrium, {SAMPLES} configurations per row, with standard errors over them. Velocities are relative to",
+        "that of an isolated sphere and corrected for the size of the box.",
         "",
         *table(header(["φ"], "settling", "self-mobility"), [cells_of_fraction(k, phi, means, errors) for k, phi in enumerate(FRACTIONS)]),
         "",
-        "Cubic lattices: force over \\\\(6 \\pi \\mu a U\\\\) and torque over \\\\(8 \\pi \\mu a^3 \\Omega\\\\) of all spheres at once.",
+        "Cubic lattices: force over \\\\(6 \\pi \\mu a U\\\\) and torque over \\\\(8 \\pi \\mu a^3 \\Omega\\\\) when all spheres move alike.",
         "",
         *table(header(["lattice", "φ"], "drag", "torque"), loads),
         "",

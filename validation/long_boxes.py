@@ -1,4 +1,4 @@
-"""Boxes that are long along the flow, sheared to a strain of 100: they go to the end, spheres stay apart, and motions keep the tolerance
+"""Boxes that are long along the flow, sheared to a strain of 100: runs complete, spheres do not overlap, and velocities meet the tolerance
 at any strain of the lattice.
 
 scripts/validate long-boxes: it fails if a run ends before its time, spheres overlap, a number is not finite, or an error is above the
@@ -11,7 +11,7 @@ from support.program import mobility, series
 BOXES = ([200.0, 10.0, 10.0], [400.0, 10.0, 10.0], [400.0, 4.0, 6.0])
 SPHERES, STRAIN, STEP = 60, 100.0, 0.1
 TOLERANCES, TIGHT = (1e-2, 1e-3, 1e-5), 1e-8
-# Parts of the largest strain of the lattice, half of the ratio of the edges.
+# Strains of the lattice over the largest one, which is half of the ratio of the edges.
 PARTS = (-1.0, -0.77, -0.4, 0.03, 0.55, 0.999)
 
 
@@ -30,7 +30,7 @@ output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
 
 
 def case(box, part):
-    """Some spheres of two sizes on a line through the box, off the middle, and random loads."""
+    """Spheres of two sizes along the box, at random positions across it, and random loads."""
     random, count = np.random.default_rng(7), 8
     strain = part * 0.5 * box[0] / box[1]
     parts = np.column_stack([np.arange(count) / count, random.uniform(size=(count, 2))])
@@ -62,10 +62,10 @@ def main():
         if not (np.isfinite(numbers).all() and gap > 0 and abs(end - STRAIN) < 1e-6 and max(errors) < 1):
             failed.append(name)
     lines = [
-        f"{SPHERES} spheres of radius 1 with lubrication and repulsion, and the largest error over the tolerance of {len(PARTS)} strains "
-        "of the lattice for eight spheres of radii 1 and 1.3 under random loads.",
+        f"Runs of {SPHERES} spheres of radius 1 with lubrication and repulsion, and the largest ratio of error to tolerance for eight",
+        f"spheres of radii 1 and 1.3 under random loads, over {len(PARTS)} strains of the lattice.",
         "",
-        *table(["box", "strain", "smallest gap", *(f"error at {t:g} over that" for t in TOLERANCES)], rows),
+        *table(["box", "strain", "smallest gap", *(f"error / {t:g}" for t in TOLERANCES)], rows),
     ]
     write_section("method.md", "long-boxes", "Long boxes", lines)
     print("\n".join(lines))

@@ -1,7 +1,7 @@
-"""A long shear of a dense suspension with lubrication and repulsion, in adaptive steps: spheres stay apart, and the solve stays as cheap
-as it was.
+"""A long shear of a dense suspension with lubrication and repulsion, in adaptive steps: spheres do not overlap, and the cost of the solve
+does not grow.
 
-scripts/validate long-shear [STEPS] [--full]: 100,000 steps unless said otherwise, in full with more spheres. It fails
+scripts/validate long-shear [STEPS] [--full]: 100,000 steps by default, with --full more spheres. It fails
 if spheres overlap or a number is not finite."""
 
 import sys
@@ -16,7 +16,7 @@ COLUMNS = ("smallest_gap", "iterations", "relative_viscosity")
 
 
 def steps_of(steps):
-    """The columns of all steps but the start."""
+    """The columns of all steps except the start."""
     return np.array([[row[name] for name in COLUMNS] for row in series(sheared("adaptive", STEP, FRACTION, steps=steps))[1:]])
 
 
@@ -30,10 +30,10 @@ def main():
         rows.append([f"{gaps.min():.1e}", str((gaps <= 0).sum()), f"{iterations.mean():.2f}", f"{viscosity.mean():.2f}"])
     ends = [f"{STEP * steps * (k + 1) / PARTS:g}" for k in range(PARTS)]
     lines = [
-        f"{SPHERES} spheres at {FRACTION:.0%} with a repulsion of 100, {steps:,} steps of {STEP:g} over the rate, by tenths of the run.",
+        f"{SPHERES} spheres at {FRACTION:.0%} with a repulsion of 100, {steps:,} steps of {STEP:g} over the shear rate, by tenths of the run.",
         "",
         *table(
-            ["strain up to", "smallest gap", "steps with overlap", "iterations a step", "relative viscosity"],
+            ["strain up to", "smallest gap", "steps with overlap", "iterations per step", "relative viscosity"],
             [[end, *row] for end, row in zip(ends, rows)],
         ),
     ]

@@ -1,7 +1,7 @@
 """The mean stresslet of sheared suspensions, as relative viscosity, against Stokesian dynamics on the same positions: 100 spheres
 at 20%, at equilibrium, without lubrication and with it up to several cutoffs.
 
-scripts/validate mean-stresslet. The answers of Stokesian dynamics are in validation/data/mean-stresslet.csv, by
+scripts/validate mean-stresslet. The results of Stokesian dynamics are in validation/data/mean-stresslet.csv, by
 scripts/peers/jfsd_viscosity.py."""
 
 import csv
@@ -36,7 +36,7 @@ def viscosity(centres, edge, cutoff):
 
 
 def of_seed(row):
-    """By cutoff, for the spheres of one row of what is known."""
+    """Viscosities by cutoff for the configuration of a row of the reference."""
     centres, edge = equilibrium(int(row["count"]), float(row["fraction"]), int(row["seed"]))
     return [viscosity(centres, edge, cutoff) for cutoff in CUTOFFS]
 
@@ -47,7 +47,7 @@ def mean_and_error(values):
 
 
 def report(known, found):
-    """The lines of the section, and by how much the widest cutoff differs."""
+    """The lines of the section, and the difference with the largest cutoff."""
     differences = found / known[:, None] - 1
     names = ["none" if cutoff is None else f"{cutoff:g}" for cutoff in CUTOFFS]
     rows = []
@@ -57,10 +57,10 @@ def report(known, found):
         rows.append([name, f"{mean:.3f} ± {error:.3f}", f"{difference:+.2%} ± {spread:.2%}", f"{worst:+.2%}"])
     mean, error = mean_and_error(known)
     lines = [
-        f"Relative viscosity of {len(known)} configurations of 100 spheres at 20%, at equilibrium, in a cube that is sheared. Stokesian "
-        f"dynamics on the same positions has {mean:.3f} ± {error:.3f}; errors are standard errors over the configurations.",
+        f"Relative viscosity of {len(known)} equilibrium configurations of 100 spheres at 20% in a sheared cube. Stokesian dynamics gives",
+        f"{mean:.3f} ± {error:.3f} for the same positions. Errors are standard errors over the configurations.",
         "",
-        *table(["cutoff / a", "relative viscosity", "differs by", "at most"], rows),
+        *table(["cutoff / a", "relative viscosity", "difference", "largest"], rows),
     ]
     return lines, abs(mean_and_error(differences[:, -1])[0])
 

@@ -1,6 +1,6 @@
 """Predicted and measured peaks of memory, by rank.
 
-`scripts/validate memory` runs spheres at 12%, 1,000 to 100,000 of them, and grains; `--full` those of a million too, which take
+`scripts/validate memory` runs 1,000 to 100,000 spheres at 12%, and grains; `--full` also a million spheres, which takes
 several gigabytes and half an hour."""
 
 import argparse
@@ -15,7 +15,7 @@ from support.program import PROGRAM, ROOT
 ALLOWED = 0.2
 FRACTION = 0.12
 SIZES, MORE = (1_000, 10_000, 100_000), (1_000_000,)
-# Beyond this many spheres the direct method takes too much for a small machine.
+# Largest number of spheres for which the direct method fits a small machine.
 MOST_DIRECT = 100_000
 
 GRAINS = {
@@ -77,8 +77,8 @@ def compared(sizes):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--full", action="store_true", help="a million spheres too")
-    arguments.add_argument("--sizes", type=int, nargs="+", help="these numbers of spheres, and no page")
+    arguments.add_argument("--full", action="store_true", help="also a million spheres")
+    arguments.add_argument("--sizes", type=int, nargs="+", help="only these numbers of spheres; the page is not written")
     asked = arguments.parse_args()
     sizes = asked.sizes or SIZES + MORE * asked.full
     rows, wrong = [], []
@@ -90,7 +90,7 @@ def main():
         header = ["scene", "rank", "predicted, MB", "measured, MB", "ratio"]
         write_section("memory.md", "memory", "Predicted and measured peaks", table(header, rows))
     if wrong:
-        raise SystemExit(f"off by more than {ALLOWED:.0%}: {wrong}")
+        raise SystemExit(f"failed: predictions differ by more than {ALLOWED:.0%}: {wrong}")
 
 
 if __name__ == "__main__":

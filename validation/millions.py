@@ -1,6 +1,6 @@
 """Runs of a million spheres and more on two ranks: seconds of the start and of a step, and the peak of memory of each rank.
 
-`scripts/validate millions` has one million, `--full` four million too, which take 12 GB and a quarter of an hour."""
+`scripts/validate millions` runs one million spheres; `--full` also four million, which takes 12 GB and a quarter of an hour."""
 
 import argparse
 import csv
@@ -18,14 +18,14 @@ from support.program import PROGRAM, ROOT
 RANKS = 2
 SIZES, MORE = (1_000_000,), (4_000_000,)
 FRACTION = 0.12
-# At most so many seconds for a million random places, and bytes of a rank of a run with them.
+# Allowed seconds for a million random positions, and peak bytes of a rank in a run with them.
 START, PEAK = 10.0, 1.5e9
 EXAMPLE = pathlib.Path(PROGRAM).parent / "examples" / "random_start"
 BUILD = ["cargo", "build", "--quiet", "--release", "--package", "fcm-solve-domain", "--features", "mpi", "--example", "random_start"]
 
 
 def start(count):
-    """Seconds in which so many spheres find random places."""
+    """Seconds to find random positions of spheres."""
     command = ["mpirun", "-n", str(RANKS), EXAMPLE, str(count), str(FRACTION)]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["seconds"]
 
@@ -42,7 +42,7 @@ def step(words):
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--full", action="store_true", help="four million spheres too")
+    arguments.add_argument("--full", action="store_true", help="also four million spheres")
     asked = arguments.parse_args()
     subprocess.run(BUILD, check=True, cwd=ROOT)
     rows, wrong = [], []
@@ -58,10 +58,10 @@ def main():
         print(*rows[-1], sep="  ", flush=True)
         if count == SIZES[0] and (row[0] > START or max(peaks) > PEAK):
             wrong.append(rows[-1])
-    header = ["spheres", "places, s", "step, s", "run of two steps, s", "predicted, GB", "first rank, GB", "second, GB"]
+    header = ["spheres", "initial positions, s", "step, s", "run of two steps, s", "predicted, GB", "first rank, GB", "second, GB"]
     write_section("scale.md", "millions", "Millions of spheres on two ranks", table(header, rows))
     if wrong:
-        raise SystemExit(f"more than {START} s or {PEAK / 1e9} GB: {wrong}")
+        raise SystemExit(f"failed: more than {START} s or {PEAK / 1e9} GB: {wrong}")
 
 
 if __name__ == "__main__":

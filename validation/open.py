@@ -38,20 +38,20 @@ def main():
         spread = np.std(found, ddof=1) / 2
         clouds.append([str(count), f"{radius:g}", f"{np.mean(found):.2f} ± {spread:.2f}", f"{formula[0]:.2f}"])
     lines = [
-        "Eight rigid spheres of radii 1 and 2 in unbounded fluid, forces and torques on all, against closed pair tensors:",
+        "Eight rigid spheres of radii 1 and 2 in unbounded fluid under forces and torques: relative errors with respect to closed pair tensors.",
         "",
         *report(spheres),
         "",
         verdict,
         "",
-        f"One sphere has {single():.6f} of Stokes' velocity.",
+        f"An isolated sphere has {single():.6f} of the Stokes velocity.",
         "",
-        "Clouds of spheres of radius 1 at random places in a ball, as they begin to settle: the mean velocity over Stokes' for four",
-        "clouds, and \\\\(6 N a / 5 R + 1\\\\) (Ekiel-Jezewska, Metzger & Guazzelli 2006):",
+        "Clouds of spheres of radius 1 at random positions in a ball of radius R: the initial mean velocity over the Stokes velocity, for",
+        "four clouds, and \\\\(6 N a / 5 R + 1\\\\) (Ekiel-Jezewska, Metzger & Guazzelli 2006):",
         "",
-        *table(["N", "R", "found", "formula"], clouds),
+        *table(["N", "R", "computed", "formula"], clouds),
     ]
-    write_section("walls.md", "open", "Open space", lines)
+    write_section("walls.md", "open", "Unbounded fluid", lines)
     if failed:
         raise SystemExit(verdict)
 

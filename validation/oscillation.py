@@ -1,5 +1,5 @@
-"""Moduli of a dense suspension under oscillating strain, by its amplitude: as that vanishes, contacts rest, the storage modulus
-of rigid spheres goes, and the loss modulus becomes that of their places; at large amplitudes contacts are made and broken."""
+"""Moduli of a dense suspension under oscillating strain, by its amplitude: at small amplitudes contacts stay open, the storage
+modulus of rigid spheres vanishes and the loss modulus is that of fixed positions; at large amplitudes contacts form and break."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -12,7 +12,7 @@ FULL = "--full" in sys.argv[1:]
 AMPLITUDES = (0.001, 0.01, 0.05, 0.2, 1.0)
 FRACTION, FRICTION, FREQUENCY, COUNTS = 0.45, 0.5, 1.0, {1.0: 73, 1.4: 27}
 PERIODS = 6 if FULL else 3
-# Of G' over G'' at the smallest amplitude.
+# Largest G' over G'' at the smallest amplitude.
 ALLOWED = 0.02
 
 
@@ -47,12 +47,11 @@ def main():
                      f"{first['storage_modulus'] / loss:+.3f} ± {first['storage_modulus_error'] / loss:.3f}", f"{size:.3f}"])
         print(*rows[-1], flush=True)
     lines = [
-        (f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, friction {FRICTION:g}, means "
-         f"over {PERIODS} periods after the first. Where the strain is small contacts open,"),
-        "the stress is viscous, and what is left of it is that of lubrication; at large strains each half period is one of shear,",
-        "whose stress grows with strain: it has a third harmonic.",
+        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, friction {FRICTION:g}, averaged over {PERIODS} periods after the first. At small",
+        "amplitudes contacts open and the stress is viscous, due to lubrication. At large amplitudes each half period is a",
+        "shear flow in which contacts form and the stress grows with the strain, which gives a third harmonic.",
         "",
-        *table(["amplitude", "G'' over that at the first", "G' / G''", "third over first harmonic"], rows),
+        *table(["amplitude", "G'' / that at the first", "G' / G''", "third / first harmonic"], rows),
     ]
     write_section("dense.md", "oscillation", "Moduli by amplitude", lines)
     if abs(smallest["storage_modulus"]) > ALLOWED * smallest["loss_modulus"]:

@@ -1,10 +1,9 @@
 """Two spheres of unequal size settle: Fig. 2 of Abbas, Climent, Simonin & Maxey, Phys. Fluids 18, 121504 (2006).
 
-Sphere 2 is twice as large as sphere 1. Each of four ratios of their excess densities, and each of a range of separations,
-gives two relative velocities, U12 with the line of centres along gravity and V12 with it across. The program evaluates
-them in cubic periodic boxes of two sizes, and the limit of an infinite box follows from the images' effect on a relative
-velocity, which falls as the cube of the box's side: what the images do to both spheres alike, of the order of 1/L,
-cancels."""
+Sphere 2 is twice as large as sphere 1. For four ratios of their excess densities and several separations, U12 and V12 are the
+relative velocities with the line of centres along and across gravity. The program evaluates them in cubic periodic boxes of
+two sizes, and extrapolates to an infinite box: the effect of images on a relative velocity decreases as the cube of the edge,
+since the terms in 1/L are the same for both spheres."""
 
 import concurrent.futures
 import csv
@@ -33,14 +32,14 @@ EDGE, SEPARATIONS = 60.0, 10.0
 # The effect of the images on a relative velocity decreases as this power of the side of the box.
 POWER = 3
 TOLERANCE = 1e-7
-# The tolerance, magnified by the extrapolation, and what falls faster than that power.
+# Allowed difference: the tolerance, magnified by the extrapolation, and higher-order effects of images.
 LIMIT = 1e-5
 MULTIPOLES = ("monopole", "dipole")
 LINES = ("vertical", "horizontal")
 
 
 def read_reference():
-    """Exact velocities and those of the method in unbounded fluid, by (separation, density ratio, line of centres)."""
+    """Velocities in unbounded fluid, exact and by the method, by (separation, density ratio, line of centres)."""
     with open(ROOT / "validation" / "data" / "pair-settling.csv") as file:
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
         return {
@@ -52,8 +51,8 @@ def read_reference():
 
 
 def evaluate(multipoles, separation, edge, loaded):
-    """Velocities of both spheres along x, their line of centres, and along z, across it, when one sphere carries the
-    force 6 pi in both directions; the axes don't mix. Viscosity 1."""
+    """Velocities of both spheres along x, their line of centres, and along z, across it, when the force 6 pi acts on one sphere
+    in both directions, which are independent. Viscosity 1."""
     force = 6 * np.pi * np.array([1.0, 0.0, 1.0])
     case = {
         "box": [edge] * 3,
@@ -73,8 +72,8 @@ def evaluate(multipoles, separation, edge, loaded):
 
 
 def relative_velocity(velocities, density_ratio, line):
-    """(V2 - V1) along gravity over the Stokes velocity of sphere 2, from the velocities that each sphere's load causes.
-    The weights are as the excess densities times the volumes; that of sphere 1 is 6 pi, its Stokes velocity 1."""
+    """(V2 - V1) along gravity over the Stokes velocity of sphere 2, from the velocities due to each sphere's load.
+    The weights are proportional to the excess densities times the volumes; that of sphere 1 is 6 pi, its Stokes velocity 1."""
     size_ratio = RADII[1] / RADII[0]
     weights = (1.0, float(density_ratio) * size_ratio**3)
     both = sum(weight * velocity[line] for weight, velocity in zip(weights, velocities))
@@ -82,7 +81,7 @@ def relative_velocity(velocities, density_ratio, line):
 
 
 def boxes(distance):
-    """Sides of the two boxes for spheres so far apart."""
+    """Edges of the two boxes for a distance of the spheres."""
     small = max(EDGE, SEPARATIONS * distance)
     return small, 2 * small
 
@@ -144,8 +143,8 @@ def write_table(reference, answers, worst):
         "sphere minus that of the small one, along gravity, with the line of centres along and across gravity, in units of",
         "the large sphere's Stokes velocity; γ is the ratio of the excess densities, large over small; r/a₂ = 1.5 is contact.",
         "",
-        f"Each entry is extrapolated from two cubic periodic boxes, evaluated to a relative {TOLERANCE:g}. The side of one is {EDGE:g} a₁, or",
-        f"{SEPARATIONS:g} r if that is larger; the other is twice as large. The effect of the images decays as L⁻{POWER}. The largest",
+        f"Each entry is extrapolated from two cubic periodic boxes, evaluated to a relative {TOLERANCE:g}. The edge of one is {EDGE:g} a₁, or",
+        f"{SEPARATIONS:g} r if that is larger; the other is twice as large. The effect of the images decays as 1 / L^{POWER}. The largest",
         f"difference from the method's answer in unbounded fluid is {worst['monopole']:.1e} (monopole) and {worst['dipole']:.1e} (monopole and",
         "dipole). The remaining difference between these columns and the exact solution is the truncation error of the method,",
         "not an error of the program.",

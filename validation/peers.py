@@ -1,9 +1,9 @@
-"""The public test suites of libMobility and JFSD, run against this program's Python package as far as they apply.
+"""The public test suites of libMobility and JFSD, run with this program's Python package, as far as they apply.
 
     LIBMOBILITY=CHECKOUT JFSD=CHECKOUT scripts/validate peers [--full]
 
-Either may be left out; `PEERS_PYTHON` names a Python with fcm_solve, scipy and pytest if that of the scripts has none. The tests are theirs,
-unchanged; modules of the names that they import stand for their programs. With `--full` those are run too that take hours."""
+Either may be omitted; `PEERS_PYTHON` names a Python with fcm_solve, scipy and pytest if that of the scripts lacks them. The tests are
+unchanged; modules with the names that they import replace the original programs. `--full` also runs tests that take hours."""
 
 import json
 import os
@@ -21,15 +21,16 @@ PYTHON = os.environ.get("PEERS_PYTHON", sys.executable)
 # Remarks above the table of a suite.
 NOTES = {
     "JFSD": [
-        "It compares one step with a reference of its own, in single precision with an error of 1e-3, to 5e-4. Its three equal spheres, 10 radii apart at",
-        "the corners of an equilateral triangle, fall at speeds that differ by 1.6e-3 there and by 2e-4 here; nearer than a radius two approximations",
-        "differ, Stokesian dynamics there and the force-coupling method with lubrication here.",
+        "The tests compare one step with reference values, computed in single precision with an error of 1e-3, to 5e-4. Three",
+        "equal spheres, 10 radii apart at the corners of an equilateral triangle, fall at speeds that differ by 1.6e-3 in JFSD",
+        "and by 2e-4 here. At gaps below a radius two approximations differ, Stokesian dynamics and the force-coupling method",
+        "with lubrication.",
         "",
     ]
 }
-# pytest without the folder that it is started in, where the tests' own program is.
+# pytest without the folder in which it starts, since that contains the original program.
 START = "import sys; sys.path.pop(0); import pytest; sys.exit(pytest.main(sys.argv[1:]))"
-# The variable that names the checkout, the modules that stand for the program, where the tests are started, and which.
+# The variable that names the checkout, the modules that replace the program, the folder in which tests start, and the tests.
 SUITES = {
     "libMobility": ("LIBMOBILITY", "libmobility", "tests", ["."]),
     "JFSD": ("JFSD", "jfsd", ".", ["tests/test_class_cpu.py"]),
@@ -41,7 +42,7 @@ def checkout(name):
     variable, _, start, _ = SUITES[name]
     named = os.environ.get(variable)
     if named and not (pathlib.Path(named) / start).is_dir():
-        raise SystemExit(f"error: {variable} is {named}, which is no checkout of {name}")
+        raise SystemExit(f"error: {variable} is {named}, which is not a checkout of {name}")
     return named and pathlib.Path(named).resolve()
 
 
@@ -67,7 +68,7 @@ def commit(folder):
 
 
 def rows(counts):
-    """A line for each test: how many of its cases pass and fail, and how many do not apply, and why."""
+    """A row for each test: the numbers of its cases that pass, fail and do not apply, with the reasons."""
     for test, found in sorted(counts.items()):
         reasons = [(count, key.removeprefix("skipped: ")) for key, count in found.items() if key.startswith("skipped: ")]
         why = "; ".join(f"{count}: {short(reason)}" for count, reason in sorted(reasons, key=lambda pair: -pair[0]))
@@ -89,13 +90,13 @@ def main():
         counts, failures = outcomes(name, folder)
         listed = list(rows(counts))
         total = [sum(int(row[place] or 0) for row in listed) for place in (1, 2, 3)]
-        numbers = f"{total[0]} pass, {total[1]} fail, and {total[2]} do not apply or are left out"
+        numbers = f"{total[0]} pass, {total[1]} fail, and {total[2]} do not apply or are skipped"
         lines += [f"Of the tests of {name} (commit {commit(folder)}) {numbers}.", "", *NOTES.get(name, [])]
-        lines += [*table(["test", "pass", "fail", "do not apply", "why"], listed), ""]
+        lines += [*table(["test", "pass", "fail", "skipped", "reason"], listed), ""]
         print("\n".join(failures), file=sys.stderr)
     print("\n".join(lines))
     command = " ".join([*(f"{SUITES[name][0]}=…" for name in named), "scripts/validate peers", *sys.argv[1:]])
-    write_section("peers.md", "peers", "Their tests against this program", lines, command)
+    write_section("peers.md", "peers", "Test suites of other programs", lines, command)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-"""Suspensions that flow between walls: layers at the walls of a Couette flow (Yeo & Maxey, J. Fluid Mech. 649, 205, 2010) and its
-viscosity beside fits to that of bulk suspensions (Eilers, Kolloid-Z. 97, 313, 1941; Morris & Boulay, J. Rheol. 43, 1213, 1999);
+"""Suspensions between walls: layers at the walls of a Couette flow (Yeo & Maxey, J. Fluid Mech. 649, 205, 2010) and its
+viscosity, compared with fits to bulk suspensions (Eilers, Kolloid-Z. 97, 313, 1941; Morris & Boulay, J. Rheol. 43, 1213, 1999);
 the blunted velocity profile of a Poiseuille flow, and the migration of spheres to its centre (Nott & Brady, J. Fluid Mech. 275,
 157, 1994)."""
 
@@ -17,19 +17,19 @@ from support.program import results, rows_of
 FULL = "--full" in sys.argv[1:]
 SIZE, HEIGHT = (16.0, 12.0) if FULL else (14.0, 10.0)
 FRACTIONS = (0.2, 0.3, 0.4) if FULL else (0.2, 0.3)
-# In strains of the mean flow; the first part is left out of averages.
+# In strains of the mean flow; averages exclude the first part.
 STRAIN, SETTLED = (80.0, 30.0) if FULL else (50.0, 20.0)
 STEP = 0.05
-# Of repulsion, which keeps gaps of a hundredth of a radius as in these papers: without, spheres at 40% cluster at gaps that have no end.
+# Strength of a repulsion that keeps gaps of about 0.01, as in these papers; without it gaps at 40% shrink without limit.
 STRENGTH = 400.0
-# By how much the viscosity may be off Eilers' of a bulk suspension as dense as the middle. The other fit is lower at 40% than what spheres
-# have that are not even ordered by a flow, 4.3 (docs/src/brownian.md).
+# Allowed relative difference of the viscosity from Eilers' fit at the volume fraction in the middle. The other fit is below the
+# high-frequency viscosity of disordered spheres at 40%, which is 4.3 (docs/src/lubrication.md).
 VISCOSITY = 0.15
 # In the middle the velocity of a Poiseuille flow is HEIGHT / 2 without spheres, and the mean shear rate 1.
 COUETTE, POISEUILLE = 'kind = "shear", rate = 1.0', f'kind = "poiseuille", pressure_gradient = {4 / HEIGHT}'
-# The least peak at the walls over the middle: layers are weak at 20% and grow with the volume fraction.
+# Smallest ratio of the peak at the walls to the middle: layers are weak at 20% and grow with the volume fraction.
 LAYER = 1.05
-# Heights in radii between which it is.
+# Range of its height in radii.
 PLACE = (0.7, 1.5)
 
 
@@ -88,7 +88,7 @@ def couette(fraction, found, axes):
     if abs(viscosity / eilers - 1) > VISCOSITY:
         faults.append(f"viscosity at {fraction:.0%}")
     if not (PLACE[0] < where < PLACE[1] and peak > LAYER * middle):
-        faults.append(f"no layer at the walls at {fraction:.0%}")
+        faults.append(f"layer at the walls at {fraction:.0%}")
     numbers = [f"{viscosity:.2f}", f"{eilers:.2f}", f"{other:.2f}", f"{where:.1f}", f"{peak / fraction:.2f}", f"{middle / fraction:.2f}"]
     return [f"{fraction:.0%}", *numbers], faults
 
@@ -105,8 +105,8 @@ def poiseuille(fraction, found, axes):
     migration = series["migration_z[sphere]"]
     first, last = migration[0], migration[-part:].mean()
     axes.plot(velocity / plain, z, "-", label=f"{fraction:.0%}")
-    faults = [] if faster < 1 else [f"spheres at {fraction:.0%} are faster than the fluid alone"]
-    faults += [] if blunted < 1 else [f"the flow at {fraction:.0%} is not blunted"]
+    faults = [] if faster < 1 else [f"slower flow at {fraction:.0%}"]
+    faults += [] if blunted < 1 else [f"blunted flow at {fraction:.0%}"]
     return [f"{fraction:.0%}", f"{faster:.3f}", f"{blunted:.3f}", f"{first:.3f}", f"{last:.3f}"], faults
 
 
@@ -118,32 +118,33 @@ def main():
     sheared = [couette(fraction, found[COUETTE, fraction], layers) for fraction in FRACTIONS]
     driven = [poiseuille(fraction, found[POISEUILLE, fraction], speeds) for fraction in FRACTIONS]
     layers.set(xlabel="volume fraction, Couette", ylabel="z / a")
-    speeds.set(xlabel="velocity / that in the middle without spheres, Poiseuille")
+    speeds.set(xlabel="velocity / centre velocity without spheres, Poiseuille")
     layers.legend()
     figure.tight_layout()
     save(figure, "channel.png")
     faults = [fault for _, found in sheared + driven for fault in found]
     layered = [float(row[5]) / float(row[6]) for row, _ in sheared]
-    faults += [] if layered == sorted(layered) else ["layers that do not grow with the volume fraction"]
+    faults += [] if layered == sorted(layered) else ["growth of the layers with the volume fraction"]
+    verdict = "Not found: " + ", ".join(faults) + "." if faults else "All are found."
     lines = [
-        f"Spheres of radius 1 between walls {HEIGHT:g} radii apart, Couette flow over {STRAIN:g} strains; stress on the walls over that of the fluid",
-        "alone, beside fits to bulk suspensions (Eilers 1941, Morris & Boulay 1999) as dense as the middle, and the profile's peak at the walls:",
+        f"Couette flow of spheres of radius 1 between walls {HEIGHT:g} radii apart over a strain of {STRAIN:g}: the stress on the walls relative",
+        "to that of the fluid alone, fits to bulk suspensions (Eilers 1941, Morris & Boulay 1999) at the volume fraction in the",
+        "middle, and the peak of the profile near the walls.",
         "",
         *table(["volume fraction", "viscosity", "Eilers", "Morris & Boulay", "peak at z / a", "peak / mean", "middle / mean"],
                [row for row, _ in sheared]),
         "",
-        ("Poiseuille flow: mean velocity of spheres in the middle quarter over "
-         "that of the flow without spheres, the same over that ratio half-way to the"),
-        "walls, and the second moment of their heights over that of even places, at first and in the last quarter:",
+        "Poiseuille flow: the mean velocity of the spheres in the middle quarter relative to that of the flow without spheres,",
+        "the ratio of this to the same half-way to the walls, and the second moment of the heights relative to that of a",
+        "uniform distribution, initially and in the last quarter of the run.",
         "",
-        *table(["volume fraction", "middle", "middle / half-way", "migration, first", "last"], [row for row, _ in driven]),
+        *table(["volume fraction", "middle", "middle / half-way", "second moment, initial", "last"], [row for row, _ in driven]),
         "",
         "![Profiles between walls](figures/channel.png)",
         "",
-        f"Expected are a viscosity within {VISCOSITY:.0%} of Eilers' fit, peaks between {PLACE[0]:g} and {PLACE[1]:g} radii",
-        (f"from the walls that are at least {LAYER - 1:.0%} above the middle and "
-         "grow with the volume fraction, and a slower and blunter Poiseuille flow:"),
-        "so it is." if not faults else "not so are " + ", ".join(faults) + ".",
+        f"Expected are a viscosity within {VISCOSITY:.0%} of the fit of Eilers, peaks {PLACE[0]:g} to {PLACE[1]:g} radii from the walls that",
+        f"exceed the middle by at least {LAYER - 1:.0%} and grow with the volume fraction, and a slower and blunted Poiseuille flow.",
+        f"{verdict}",
     ]
     write_section("walls.md", "poiseuille", "Suspensions between walls", lines)
     print("\n".join(lines))

@@ -1,6 +1,6 @@
-"""The viscosity after the flow of a dense suspension is reversed, with friction and without.
+"""Viscosity of a dense suspension after the flow is reversed, with friction and without.
 
-Contacts open at once, so that the least viscosity is that of lubrication, whatever the friction; then they are made anew."""
+Contacts open at once, so that the minimum of the viscosity is due to lubrication and independent of friction; then contacts form again."""
 
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -13,9 +13,9 @@ SEEDS = range(1, 7 if "--full" in sys.argv[1:] else 3)
 FRICTIONS = (0.0, 0.5)
 BEFORE, AFTER, STEP = 3.0, 3.0, 0.005
 FRACTION, COUNTS = 0.45, {1.0: 73, 1.4: 27}
-# Of the least viscosities with and without friction, over each other.
+# Allowed deviation from 1 of the ratio of the minima with and without friction.
 ALLOWED = 0.1
-# Of pair lubrication and contacts alone, means over four seeds: steady, least, strain of the least.
+# Values by pair lubrication and contacts alone, means over four seeds: steady, minimum, strain of the minimum.
 PAIRS_ALONE = {0.0: (8.9, 6.0, 0.60), 0.5: (16.2, 6.2, 0.44)}
 
 
@@ -34,7 +34,7 @@ output = {{ trajectory_every = 0, observables_every = 1, checkpoint_every = 0 }}
 
 
 def course(case):
-    """Time, viscosity and the contacts' part of it."""
+    """Time, viscosity and the contribution of contacts."""
     seed, friction = case
     rows = series(scene(seed, friction))
     contact = [sum(value for name, value in row.items() if name.startswith("stress_contact_xy")) / row["shear_rate"] for row in rows]
@@ -47,7 +47,7 @@ def draw(means):
     figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
     for friction, values in means.items():
         (line,) = axes.plot(values[:, 0] - BEFORE, values[:, 1], label=f"friction {friction:g}")
-        axes.plot(values[:, 0] - BEFORE, values[:, 2], "--", color=line.get_color(), label="of contacts")
+        axes.plot(values[:, 0] - BEFORE, values[:, 2], "--", color=line.get_color(), label="contacts")
     axes.set(xlabel="strain since the reversal", ylabel="relative viscosity", ylim=(0, None))
     axes.legend(ncols=2)
     save(figure, "reversal.png")
@@ -73,19 +73,20 @@ def main():
         print(*rows[-1], flush=True)
     ratio = least[0.5] / least[0.0]
     lines = [
-        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, means over {len(SEEDS)} starts, reversed at a strain of {BEFORE:g}: the least viscosity over that before, and the strain at which",
-        "it is. Beside the numbers are those of pair lubrication and contacts without a far field. The last column has the contacts' stress at a strain of",
-        "0.05 after the reversal, over the whole before.",
+        f"{sum(COUNTS.values())} spheres at {FRACTION:.0%}, averaged over {len(SEEDS)} starts, reversed at a strain of {BEFORE:g}: the minimum",
+        "of the viscosity relative to the steady value before the reversal, and the strain after the reversal at which it",
+        "occurs, each with the values for pair lubrication and contacts without a far field (*pairs only*). The last column is the",
+        "contact stress at a strain of 0.05 after the reversal, relative to the total stress before it.",
         "",
-        *table(["μ", "least over before", "pairs alone", "at a strain of", "pairs alone", "of contacts"], rows),
+        *table(["μ", "minimum / steady", "pairs only", "strain", "pairs only", "contact stress"], rows),
         "",
-        f"The least viscosities have a ratio of {ratio:.3f}; {1 - ALLOWED:g} to {1 + ALLOWED:g} are allowed.",
+        f"The minima with and without friction have a ratio of {ratio:.3f}; {1 - ALLOWED:g} to {1 + ALLOWED:g} is allowed.",
         "",
         "![Viscosity after reversal](figures/reversal.png)",
     ]
     write_section("dense.md", "reversal", "Viscosity after a reversal", lines)
     if abs(ratio - 1.0) > ALLOWED:
-        raise SystemExit(f"failed: the least viscosities have a ratio of {ratio:.3f}")
+        raise SystemExit(f"failed: the minima have a ratio of {ratio:.3f}")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Two rough spheres that a shear flow brings together: where they are left, against the exact two-sphere functions.
+"""Two rough spheres that meet in a shear flow: their offset afterwards, against the exact two-sphere functions.
 
-Rough spheres stay at the distance of contact from where they meet until their line is across the flow, whatever the friction,
-and follow the trajectory of smooth spheres from there (da Cunha & Hinch, J. Fluid Mech. 309, 211, 1996)."""
+Rough spheres stay in contact from where they meet until their line of centres is across the flow, at any friction,
+and then follow the trajectory of smooth spheres (da Cunha & Hinch, J. Fluid Mech. 309, 211, 1996)."""
 
 import itertools
 
@@ -30,7 +30,7 @@ count = 2
 
 
 def separations(file):
-    """From one sphere to the other's nearest image, frame by frame."""
+    """Vectors from one sphere to the nearest image of the other, by frame."""
     particles = file["particles/all"]
     apart = -np.diff(particles["position/value"][:], axis=1)[:, 0]
     strains = particles["box/strain/value"][:]
@@ -65,8 +65,9 @@ def main():
         print(*rows[-1], flush=True)
         failed += [f"roughness {roughness:g}, friction {friction:g}: {errors[-1]:+.2%}"] if abs(errors[-1]) > ALLOWED else []
     lines = [
-        f"Offsets across the flow at a distance of 3 radii along it, in radii, in a box of {EDGE:g} radii, by the step in strain;",
-        f"off by at most {ALLOWED:.0%} with the shortest. The last column has the largest overlap over the roughness.",
+        "Offset of the spheres across the flow, in radii, when they are 3 radii apart along it after the encounter, in a box of",
+        f"{EDGE:g} radii, for three time steps in strain. With the shortest the error may be at most {ALLOWED:.0%}. The last column is the",
+        "largest overlap over the roughness.",
         "",
         *table(["roughness", "friction", "exact", *(f"step {step:g}" for step in STEPS), "overlap"], rows),
     ]

@@ -1,5 +1,5 @@
-"""Bytes, messages and memory of a rank by the number of ranks, and what a billion spheres on 4,096 ranks would take. Ranks
-are processes of this machine, more of them than it has cores: counts do not depend on that, times are projected."""
+"""Bytes, messages and memory of a rank by the number of ranks, with a projection for a billion spheres on 4,096 ranks. Ranks
+are processes on this machine, more than it has cores, which does not affect the counts; times are projected."""
 
 import json
 import math
@@ -13,7 +13,7 @@ from support.program import PROGRAM
 RANKS = [1, 2, 4, 8, 16, 32, 64]
 SPHERES = 20_000
 EVALUATIONS = 2
-# A network as clusters have it: bytes a second of a rank, and seconds that a message takes besides.
+# A typical cluster network: bytes per second of a rank, and latency of a message in seconds.
 BANDWIDTH, LATENCY = 5e9, 2e-6
 BILLION, MANY = 1_000_000_000, 4096
 SCENE = """
@@ -60,13 +60,13 @@ def memory(count, ranks):
 
 
 def table_of(ranks):
-    """Rows and columns of the table of so many ranks, if it is a square one."""
+    """Rows and columns of the most nearly square table of ranks."""
     rows = max(n for n in range(1, int(math.sqrt(ranks)) + 1) if ranks % n == 0)
     return rows, ranks // rows
 
 
 def transposed(ranks):
-    """Messages of the transpositions of an evaluation between machines of a rank each: there and back."""
+    """Messages of the forward and backward transpositions of an evaluation, with one rank per machine."""
     rows, columns = table_of(ranks)
     return 2 * (rows - 1 + columns - 1)
 
@@ -93,14 +93,14 @@ exchanged = messages_a_rank * MANY + transposed(MANY)
 parts = [compute, moved / BANDWIDTH, exchanged * LATENCY]
 said = [
     f"One evaluation of {SPHERES:,} spheres at 12% on a grid of {alone['grid'][0]}³ with tolerance 1e-3: {1e3 * work:.0f} ms on one thread.",
-    f"Bytes and messages of a rank are counted, the most of all; memory is predicted, as on the [memory page](memory.md); times are",
-    f"projected, with {BANDWIDTH / 1e9:g} GB/s a rank and {1e6 * LATENCY:g} microseconds a message, one core a rank.",
+    f"Bytes and messages of the rank with the most are counted; memory is predicted as on the [memory page](memory.md); times are",
+    f"projected for {BANDWIDTH / 1e9:g} GB/s per rank, {1e6 * LATENCY:g} microseconds per message and one core per rank.",
     "",
-    *table(["ranks", "MB sent", "messages", "MB of the first rank", "MB of others", "ms projected", "efficiency"], lines),
+    *table(["ranks", "MB sent", "messages", "MB of the first rank", "MB of others", "projected ms", "efficiency"], lines),
     "",
-    (f"A billion spheres on {MANY:,} ranks, {share:,.0f} a rank, grid {grid[0]}³: "
-     f"an evaluation of {sum(parts):.2f} s, of which work {parts[0]:.2f} s,"),
-    f"transpositions {parts[1]:.2f} s ({moved / 1e6:.0f} MB a rank) and {exchanged:,.0f} messages {parts[2]:.2f} s. The first rank would need",
-    f"{first / 1e9:,.0f} GB, the others {others / 1e9:.1f} GB.",
+    (f"A billion spheres on {MANY:,} ranks, {share:,.0f} per rank, grid {grid[0]}³: "
+     f"an evaluation takes {sum(parts):.2f} s: computation {parts[0]:.2f} s,"),
+    f"transpositions {parts[1]:.2f} s ({moved / 1e6:.0f} MB per rank) and {exchanged:,.0f} messages {parts[2]:.2f} s. The first rank needs",
+    f"{first / 1e9:,.0f} GB, the others {others / 1e9:.1f} GB each.",
 ]
-write_section("scale.md", "scale", "Counted and projected", said)
+write_section("scale.md", "scale", "Counts and projections", said)

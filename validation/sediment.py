@@ -1,5 +1,5 @@
-"""Spheres that settle on a bottom: their front against the hindered settling of a periodic box (Richardson & Zaki 1954), the sediment
-that they make, and how a bottom screens fluctuations of the velocity."""
+"""Spheres that settle on a bottom: the velocity of the front against hindered settling in a periodic box (Richardson & Zaki 1954), the
+sediment, and the screening of velocity fluctuations by the bottom."""
 
 import sys
 
@@ -17,11 +17,11 @@ SIZE, HEIGHT = (20.0, 40.0) if FULL else (10.0, 24.0)
 FRACTION = 0.1
 SEEDS = range(1, 21 if FULL else 9)
 STEP, TIME = 0.05, 160.0 if FULL else 100.0
-# The front is where 95% of the spheres are below; its velocity is taken while it falls through this part of the height.
+# Quantile of the heights that defines the front, and the range of heights over which its velocity is fitted.
 FRONT, WINDOW = 0.95, (0.75, 0.4)
-# Parts of the velocity by which few spheres scatter, and volume fractions between a loose pile and random close packing.
+# Relative scatter of the velocity of few spheres, and volume fractions between loose and random close packing.
 SCATTER, PACKED = 0.25, (0.4, 0.66)
-# Heights up to which the bottom is near.
+# Height of the region near the bottom.
 NEAR = 3.0
 
 
@@ -84,29 +84,28 @@ def main():
     save(figure, "sediment.png")
 
     checks = {
-        "the front falls as the periodic box": abs(velocity / hindered - 1) < SCATTER,
-        "the sediment is a packing": PACKED[0] < packed < PACKED[1],
-        "the bottom screens vertical fluctuations": deviations[1][2] < 0.8 * deviations[0][2],
+        "front falls as in the periodic box": abs(velocity / hindered - 1) < SCATTER,
+        "sediment is packed": PACKED[0] < packed < PACKED[1],
+        "bottom screens vertical fluctuations": deviations[1][2] < 0.8 * deviations[0][2],
     }
     faults = [claim for claim, holds in checks.items() if not holds]
     names = ("periodic box", f"bottom, below z = {NEAR:g} a", f"bottom, above z = {HEIGHT / 3:g} a")
     lines = [
-        (f"{z.shape[1]} spheres at {FRACTION:.0%} of a box {SIZE:g} x {SIZE:g} x {HEIGHT:g} "
-         f"radii settle with {hindered:.3f} of Stokes' velocity V where it is periodic, in the"),
-        (f"mean of {len(SEEDS)} starts ((1 - φ)⁵ is {zaki:.3f}); above a bottom their front falls "
-         f"with {velocity:.3f}. At the end they lie up to about {sediment:.1f} radii, twice their"),
-        f"mean height, at a volume fraction of {packed:.2f}. Standard deviations of velocities over V at first:",
+        f"The settling velocity of {z.shape[1]} spheres at {FRACTION:.0%} in a periodic box of {SIZE:g} x {SIZE:g} x {HEIGHT:g} radii is",
+        f"{hindered:.3f} of the Stokes velocity V, averaged over {len(SEEDS)} starts ((1 - φ)⁵ is {zaki:.3f}); above a bottom the front falls",
+        f"with {velocity:.3f} V. The final height of the sediment, twice the mean height of the spheres, is about {sediment:.1f} radii, and its",
+        f"volume fraction is {packed:.2f}. Initial standard deviations of the velocities over V:",
         "",
         *table(["", "x", "y", "vertical"], [[name, *(f"{value:.3f}" for value in found)] for name, found in zip(names, deviations)]),
         "",
-        "![Spheres that settle on a bottom](figures/sediment.png)",
+        "![Spheres settling on a bottom](figures/sediment.png)",
         "",
         "; ".join(f"{claim}: {'yes' if holds else 'no'}" for claim, holds in checks.items()).capitalize() + ".",
     ]
     write_section("walls.md", "sediment", "Settling on a bottom", lines)
     print("\n".join(lines))
     if faults:
-        raise SystemExit("failed: not so, that " + ", ".join(faults))
+        raise SystemExit("failed: not found: " + ", ".join(faults))
 
 
 if __name__ == "__main__":

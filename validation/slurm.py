@@ -1,4 +1,4 @@
-"""A batch job that is requeued twice by a real Slurm of its own, and ends with the bits of a run that was never stopped."""
+"""A batch job that a test instance of Slurm requeues twice, and that ends with the bits of an uninterrupted run."""
 
 import pathlib
 import tempfile
@@ -17,10 +17,9 @@ def main():
         slurm = Slurm(place / "slurm")
         uninterrupted(place / "whole")
         lines = [
-            "Two ranks on a Slurm started for the purpose. The job script is `scripts/batch/slurm.sh`; twice the job is sent SIGUSR1, as",
-            "`--signal` does before its end. The last checkpoint and all frames of the trajectory have the bits of a run of",
-            "`mpirun -n 2` that was never stopped. The log of the job,",
-            "but for its progress:",
+            "A test instance of Slurm runs the job script `scripts/batch/slurm.sh` on two ranks and sends it SIGUSR1 twice, as",
+            "`--signal` does before the time limit. The last checkpoint and all frames of the trajectory are bit for bit those of",
+            "an uninterrupted run of `mpirun -n 2`. The log of the job, without progress lines:",
         ]
         try:
             slurm.start()
@@ -34,7 +33,7 @@ def main():
                 lines += ["", f"`LAUNCH='{words}'`", "", "```text", *shown, "```"]
         finally:
             slurm.stop()
-        write_section("clusters.md", "slurm", "A job that was requeued twice", lines)
+        write_section("clusters.md", "slurm", "A job requeued twice", lines)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
 """Stability of runs: sweeps of time step, concentration, size ratio, repulsion, its range and the cutoff of lubrication, with both
 integrators; starts with overlaps, spheres pressed together, and a cluster of touching spheres that settles. Each run must end
-with finite positions, or in an error that says what to change.
+with finite positions, or with an error that gives advice.
 
-scripts/validate stability [--full]: in full there are more spheres and more strain. It fails if a number is not finite, if
-more power is gained than spent, if spheres overlap in adaptive steps after the start, or if a run ends in an error that
-does not say what to change."""
+scripts/validate stability [--full]: --full has more spheres and more strain. It fails if a number is not finite, if the
+power is negative, if spheres overlap in adaptive steps after the start, or if a run ends with an error that
+gives no advice."""
 
 import concurrent.futures
 import csv
@@ -23,7 +23,7 @@ from support.program import run
 
 FULL = "--full" in sys.argv[1:]
 SPHERES, STRAIN = (64, 2.0) if FULL else (24, 0.2)
-# The time-step sweeps have as many steps as make the strain, but not fewer or more than this.
+# Limits of the number of steps in sweeps of the time step.
 FEWEST, MOST = (100, 4000) if FULL else (10, 200)
 # Words in a helpful error message.
 ADVICE = ("try", "change", "give", "set ", "take ", "larger", "smaller")
@@ -65,7 +65,7 @@ class Case:
     integrator: str
     scene: str
     overrides: list = field(default_factory=list)
-    # Forces by species, where it is they that move the spheres.
+    # Forces by species, if they move the spheres.
     forces: dict = field(default_factory=dict)
 
 
@@ -79,7 +79,7 @@ class Outcome:
     overlaps: int = 0
     gap: float = math.nan
     iterations: float = math.nan
-    # Mean and least power, over that of the fluid alone in shear or of each sphere alone under its force.
+    # Mean and least power, relative to that of the fluid alone in shear or of isolated spheres under their forces.
     power: float = math.nan
     least_power: float = math.nan
 
@@ -123,7 +123,7 @@ def single(name, count, force):
 
 
 def odd(kind):
-    """Two spheres that overlap at the start or are pressed together, and a cluster that settles."""
+    """Two spheres that overlap at the start or are pressed together, and a cluster that sediments."""
     resting = {"kept": (0.0, 0.0, 0.0)}
     pressed = {"right": (50.0, 0.0, 0.0), "left": (-50.0, 0.0, 0.0)}
     falling = {"cluster": (0.0, 5.0, -19.0)}
@@ -135,14 +135,14 @@ def odd(kind):
         return ODD.format(positions=positions, species=species, step=step, steps=steps, more=more, integrator=kind)
 
     overlapping = scene("[[4, 8, 8], [5.9, 8, 8]]", resting, 2, 0.02, 50)
-    yield Case("start that overlaps", 0.1, kind, overlapping)
+    yield Case("overlapping start", 0.1, kind, overlapping)
     for step in PRESSED_STEPS:
         alone = scene(near, pressed, 1, step, 50)
         repelled = scene(near, pressed, 1, step, 50, "repulsion.strength = 100.0")
         yield Case("time step, pressed together", step, kind, alone, forces=pressed)
         yield Case("time step, pressed, with repulsion", step, kind, repelled, forces=pressed)
     settling = scene(bent, falling, 4, 0.02, 200, "repulsion.strength = 20.0")
-    yield Case("touching cluster settles", 4, kind, settling, forces=falling)
+    yield Case("settling cluster of touching spheres", 4, kind, settling, forces=falling)
 
 
 def cases():
@@ -203,23 +203,23 @@ def draw(found):
         column[1].set_yscale("log")
         column[0].axhline(0, color="0.7", linewidth=0.8)
     panels[0, 0].set_ylabel("smallest gap of the run / a")
-    panels[1, 0].set_ylabel("power / that without interaction")
+    panels[1, 0].set_ylabel("power / that without interactions")
     panels[0, 0].legend(fontsize=8)
     save(figure, "stability.png")
 
 
 def row(case, ended):
-    how = ended.message or ("to the end, spheres overlap" if ended.overlaps else "to the end")
+    outcome = ended.message or ("completed, spheres overlap" if ended.overlaps else "completed")
     numbers = ((ended.gap, ".1e"), (ended.power, ".3g"), (ended.iterations, ".1f"))
     cells = ["" if math.isnan(x) else f"{x:{form}}" for x, form in numbers]
-    return [case.sweep, f"{case.value:g}", case.integrator, f"{ended.steps:,}", f"{ended.overlaps:,}", *cells, how]
+    return [case.sweep, f"{case.value:g}", case.integrator, f"{ended.steps:,}", f"{ended.overlaps:,}", *cells, outcome]
 
 
 def complaints(case, ended):
     """Violations of the criteria of stability."""
     if not ended.finite:
         yield "not finite"
-    # Repulsion gives back what it has stored: all of the forces' work, or what spheres that overlap by a step too long were given.
+    # Repulsion releases stored energy: the work of the forces, or the energy of overlaps due to long steps.
     stored = ended.overlaps or (case.forces and "repulsion" in case.scene)
     if ended.least_power <= 0 and not stored:
         yield f"power {ended.least_power:g}"
@@ -253,11 +253,12 @@ def main():
             found.append((case, ended))
             failed += [f"{case.sweep} {case.value:g} {case.integrator}: {what}" for what in complaints(case, ended)]
     draw(found)
-    header = ["sweep", "value", "integrator", "steps", "with overlap", "smallest gap", "power", "iterations", "ended"]
+    header = ["sweep", "value", "integrator", "steps", "with overlap", "smallest gap", "power", "iterations", "outcome"]
     lines = [
-        f"{SPHERES} spheres unless said otherwise, sheared to a strain of {STRAIN:g} with a step of 0.005 at 30% and a repulsion of 100.",
-        "Power is what the flow does over what it does in the fluid alone, or what forces do over what they do to single spheres; all of",
-        "it is dissipated but for what repulsion stores. Iterations are means over the steps, each of which is the last of its parts.",
+        f"{SPHERES} spheres unless stated otherwise, sheared to a strain of {STRAIN:g} with a step of 0.005 at 30% and a repulsion of 100. Power",
+        "is the power of the flow relative to that in the fluid alone, or the power of the forces relative to that for isolated",
+        "spheres; all of it is dissipated except for the energy stored by repulsion. Iterations are means over the steps (the",
+        "last substep of each).",
         "",
         *largest_steps(found),
         "",

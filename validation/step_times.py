@@ -1,8 +1,8 @@
-"""Seconds of a step with lubrication: spheres in shear, beside the same step without lubrication, on two threads and on two ranks.
+"""Time of a step with lubrication: spheres in shear, compared with the same step without lubrication, on two threads and on two ranks.
 
-Steps of the Adams-Bashforth method are timed, each with one solve that starts from those before: a run makes the steps of the
-start, and what goes on with it is timed, in turns. `scripts/validate step-times 1000` times that many spheres alone, at 20% and
-a tolerance of 1e-3."""
+Steps of the Adams-Bashforth method are timed, each with one solve that starts from previous solutions: a run makes the starting
+steps, and its continuations are timed in turns. `scripts/validate step-times 1000` times only that many spheres, at 20% and a
+tolerance of 1e-3."""
 
 import csv
 import os
@@ -18,7 +18,7 @@ from support.program import PROGRAM, run
 
 # Numbers of spheres with their volume fractions and tolerances.
 CASES = [(500, 0.2, 1e-3), (1_000, 0.2, 1e-3), (5_280, 0.2, 1e-2), (10_000, 0.2, 1e-3), (100_000, 0.2, 1e-3), (50_000, 0.1, 1e-3)]
-# Steps by the method of Runge and Kutta and one more; rounds in which the ways take turns.
+# Starting steps (Runge-Kutta, and one more); rounds of measurements in turns.
 START, ROUNDS = 4, 5
 
 
@@ -56,7 +56,7 @@ def start(folder, case, lubrication):
 
 
 def timed(begun, steps, ranks, threads):
-    """Median seconds, and mean evaluations of the mobility, of the steps that go on from those of the start."""
+    """Median seconds, and mean evaluations of the mobility, of the steps that continue from the starting steps."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         shutil.copytree(begun, out)
@@ -86,15 +86,15 @@ def main():
         rows.append([f"{count:,}", f"{fraction:.0%}", f"{tolerance:.0e}", f"{one:.3g}", *(f"{ratio:.2f}" for ratio in ratios),
                      f"{seconds['threads']:.3g}", f"{found['one'][1]:.1f}", f"{1e6 * one / count:.0f}"])
         print(*rows[-1], flush=True)
-    header = ["spheres", "φ", "tolerance", "s a step", "over one without lubrication", "two threads faster by", "two ranks", "s on two threads",
-              "evaluations a step", "µs a sphere"]
+    header = ["spheres", "φ", "tolerance", "s per step", "relative to no lubrication", "speed-up, two threads", "two ranks", "s, two threads",
+              "evaluations per step", "µs per sphere"]
     lines = [
-        "Spheres in shear, steps of 0.005 over the rate; one thread of one rank where nothing else is said. Medians of",
-        f"{ROUNDS} rounds of 4 to 40 steps, in which all ways took turns, on a machine with {os.cpu_count()} cores.",
+        f"Spheres in shear, steps of 0.005 over the shear rate, on one thread of one rank unless stated otherwise. Medians of {ROUNDS}",
+        f"rounds of 4 to 40 steps, measured in turns on a machine with {os.cpu_count()} cores.",
         "",
         *table(header, rows),
     ]
-    write_section("lubrication.md", "step-times", "Seconds of a step", lines)
+    write_section("lubrication.md", "step-times", "Time of a step", lines)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
-"""Cost and error of time steps of each kind where a repulsive barrier keeps near spheres apart: positions after a while, against
-those by short steps of order 4; and the viscosity of a dense suspension with lubrication, by substeps."""
+"""Cost and error of the time integrators for spheres with a repulsive barrier: final positions relative to those of short
+steps of order 4; and the viscosity of a dense suspension with lubrication, by integrators with substeps."""
 
 import csv
 import pathlib
@@ -44,13 +44,13 @@ CASES = {
     "15%, sheared to a strain of 4": SHEARED,
 }
 TIME = 4.0
-# Short ones of order 4, which the others are compared with.
+# Order and step of the reference.
 EXACT = (4, 0.00125)
 STEPS = {4: (0.005, 0.01), 3: (0.01, 0.02), 2: (0.01, 0.02, 0.03125, 0.05)}
-# Substeps of clock steps as long as this, by the tolerance.
+# Tolerances of integrators with substeps, and the length of their steps.
 SUBSTEPS = {"adaptive": (1e-4, 1e-3), "implicit": (1e-4, 1e-3)}
 CLOCK_STEP = 0.2
-# The method is wrong where a median error is more than this many times the square of the step, or than this many tolerances.
+# Allowed median error: this many times the square of the step, or this many tolerances.
 ALLOWED = 10.0
 TOLERANCES_ALLOWED = 20.0
 
@@ -68,7 +68,7 @@ species = [
 """
 STRENGTHS = (200.0, 2000.0, 20000.0)
 STRAIN, FINE = 1.0, 1e-6
-# Largest difference of the mean viscosity from that by the finest substeps.
+# Allowed relative difference of the mean viscosity from that with the finest substeps.
 VISCOSITY_ALLOWED = 0.01
 
 
@@ -82,7 +82,7 @@ def divided(integrator, tolerance, step, time):
 
 
 def result(scene, time, count):
-    """Places at the end, the rows of the time series, and what was warned of."""
+    """Final positions, the rows of the time series, and whether there was a warning."""
     output = f"output = {{ trajectory_every = {count}, checkpoint_every = 0 }}"
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
@@ -97,7 +97,7 @@ def result(scene, time, count):
 
 
 def ways():
-    """Each way of stepping: its name, its step or tolerance, the scene's [time] and steps, and the median error allowed."""
+    """Integrators: the name, the step or tolerance, the section [time] with the number of steps, and the allowed median error."""
     for order, steps in STEPS.items():
         for step in steps:
             yield f"order {order}", f"{step:g}", fixed(order, step), ALLOWED * step**2
@@ -108,7 +108,7 @@ def ways():
 
 
 def places():
-    """A table of errors of places, and what is wrong."""
+    """A table of errors of positions, and the failures."""
     rows, failed = [], []
     for name, scene in CASES.items():
         exact, *_ = result(COMMON + scene, *fixed(*EXACT))
@@ -123,12 +123,12 @@ def places():
             rows.append(row)
             if median > allowed:
                 failed.append(f"{name}, {way} {size}: median error {median:.1e}, more than {allowed:.1e}")
-    header = ["case", "steps", "warned of", "evaluations in a unit of time", "median error", "error of 95%", "smallest gap"]
+    header = ["case", "steps", "warning", "evaluations per unit of time", "median error", "95th percentile", "smallest gap"]
     return table(header, rows), failed
 
 
 def viscosities():
-    """A table of viscosities of a dense suspension, and what is wrong."""
+    """A table of viscosities of a dense suspension, and the failures."""
     rows, failed = [], []
     for strength in STRENGTHS:
         scene = f"{DENSE}repulsion.strength = {strength}\n"
@@ -146,7 +146,7 @@ def viscosities():
                 print(*rows[-1], flush=True)
                 if abs(off) > VISCOSITY_ALLOWED:
                     failed.append(f"strength {strength:g}, {integrator} to {tolerance:g}: viscosity off by {off:.1%}")
-    header = ["strength", "substeps", "evaluations in a strain of 1", "mean relative viscosity", "off", "smallest gap"]
+    header = ["strength", "substeps", "evaluations per unit of strain", "mean relative viscosity", "error", "smallest gap"]
     return table(header, rows), failed
 
 
@@ -154,14 +154,14 @@ def main():
     errors, failed = places()
     dense, failed_dense = viscosities()
     lines = [
-        "Spheres in a box of side 20, velocities to 1e-2, held apart by repulsion that starts at a gap of 0.2. Errors are",
-        (f"those of places, over the small radius, against order {EXACT[0]} with a step "
-         f"of {EXACT[1]}. A velocity that is off by a hundredth leads 0.01 to 0.04 astray."),
-        f'Substeps, by `integrator = "adaptive"` and `"implicit"`, divide steps of {CLOCK_STEP:g} to the tolerance given.',
+        "Spheres in a box of edge 20, a tolerance of 1e-2, and a repulsion that vanishes at a gap of 0.2. Errors are those of",
+        f"positions, in units of the small radius, relative to order {EXACT[0]} with a step of {EXACT[1]}. For comparison, an error of 1% in",
+        "the velocity amounts to 0.01 to 0.04 in the final position. The integrators `adaptive` and `implicit` divide steps of",
+        f"{CLOCK_STEP:g} into substeps to the tolerance given.",
         "",
         *errors,
         "",
-        "27% of radius 1 and 18% of radius 1.4 with lubrication, in a box of side 12.5, by the strength of the repulsion:",
+        "Spheres of radius 1 (27%) and 1.4 (18%) with lubrication in a box of edge 12.5, for three strengths of the repulsion:",
         "",
         *dense,
     ]

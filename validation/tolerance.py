@@ -1,7 +1,7 @@
-"""Errors of single evaluations over the tolerance asked for, in random cases of every kind, against solves to a tighter tolerance.
+"""Ratios of errors of single evaluations to the requested tolerance, in random cases of every kind, against solves to a tighter tolerance.
 
 The errors of velocities, angular velocities and stresslets are each to be at most the tolerance times the norm that the page
-`tolerance` defines. Cases are the same in every run; `--cases N` takes the first N of them. Draws whose spheres find no room are no cases."""
+`tolerance` defines. Cases are the same in every run; `--cases N` takes the first N of them. Draws whose spheres cannot be placed are skipped."""
 
 import argparse
 import collections
@@ -17,7 +17,7 @@ from support.program import mobility
 CASES, SEED = 500, 7
 TOLERANCES, EXACT = (1e-2, 1e-3, 1e-4, 1e-6), 1e-8
 KINDS = ("velocities", "angular_velocities", "stresslets")
-# Part of what single spheres would do below which a quantity counts as if it were as large; and the part for velocities under forces.
+# Lower bounds of norms, as fractions of the values for isolated spheres: in general, and for velocities under forces.
 LEAST, LEAST_UNDER_FORCES = 0.1, 0.01
 # Boxes and how often they are drawn.
 BOXES = {
@@ -39,7 +39,7 @@ def drawn(random, choices):
 
 
 def placed(box, random):
-    """A box, centres and radii; none where spheres were not placed."""
+    """A box, centres, radii and volume fraction; `None` if the spheres were not placed."""
     if box in ("lattice", "primitive cell"):
         name = str(random.choice(list(arrangements.CUBIC)))
         fraction = random.uniform(0.2, min(0.95 * arrangements.CLOSE_PACKED[name], 0.7))
@@ -110,7 +110,7 @@ def acting(box, model, radii, random):
 
 
 def sample(index):
-    """A case, and its box, model and loads; none where spheres were not placed."""
+    """A case, and its box, model and loads; `None` if the spheres were not placed."""
     random = np.random.default_rng([SEED, index])
     box, model = drawn(random, BOXES), drawn(random, MODELS)
     found = placed(box, random)
@@ -125,7 +125,7 @@ def sample(index):
 
 
 def scales(case):
-    """By kind, the least norm that counts: of parts of what single spheres of a case would do."""
+    """Lower bounds of the norms, by kind, from the values for isolated spheres."""
     radii = case["radii"]
     lengths = {key: np.linalg.norm(case[key], axis=1) for key in ("forces", "torques", "stresslets") if key in case}
     gradient = np.array(case.get("background", {}).get("velocity_gradient", np.zeros((3, 3))))
@@ -147,7 +147,7 @@ def ratios(case):
     for tolerance in TOLERANCES:
         found = mobility(case, tolerance)
         for kind in KINDS:
-            # Angular velocities and stresslets that are no answer but zero, or what was given.
+            # Skip angular velocities and stresslets that are zero or given.
             if not found.get(kind) or (kind == "stresslets" and "stresslets" in case):
                 continue
             error = np.linalg.norm(np.subtract(found[kind], exact[kind]))
@@ -168,7 +168,7 @@ def measured_cases(count):
 
 
 def rows(worst):
-    """Lines of a table: by a name, the number of cases, and by kind the worst ratio and the median."""
+    """Rows of a table: the name, the number of cases, and by kind the largest ratio and the median."""
     for name, found in worst.items():
         cells = []
         for kind in KINDS:
@@ -194,17 +194,17 @@ def main():
                 print(*above[-1], flush=True)
     worst = max(ratio for found in groups["box"].values() for _, _, ratio in found)
     lines = [
-        f"{count} random cases, each at {len(TOLERANCES)} tolerances, against solves to {EXACT:.0e}: the error over the tolerance, the",
-        "worst and in brackets the median.",
+        f"{count} random cases, each at {len(TOLERANCES)} tolerances, compared with solves to {EXACT:.0e}: largest ratio of error to tolerance,",
+        "and the median in parentheses.",
         "",
     ]
     for key, found in groups.items():
         lines += table([key, "cases", "velocities", "angular velocities", "stresslets"], rows(found)) + [""]
-    lines += [f"The worst is {worst:.2f}." if not above else f"{len(above)} numbers of {sum(map(len, groups['box'].values()))} are above 1:", ""]
+    lines += [f"The largest ratio is {worst:.2f}." if not above else f"{len(above)} of {sum(map(len, groups['box'].values()))} ratios are above 1:", ""]
     if above:
         lines += table(["case", "tolerance", "box", "model", "loads", "spheres", "fraction", "kind", "error over tolerance"], above)
-    write_section("tolerance.md", "tolerance", "Errors over tolerances", lines)
-    print(f"{count} cases, worst ratio {worst:.2f}, {len(above)} above 1")
+    write_section("tolerance.md", "tolerance", "Ratios of errors to tolerances", lines)
+    print(f"{count} cases, largest ratio {worst:.2f}, {len(above)} above 1")
     if above:
         raise SystemExit(1)
 

@@ -1,5 +1,5 @@
-"""The tutorial's question, answered: how fast do spheres settle at 5% by volume? The runs by which it judges time step,
-tolerance and box; `scripts/validate pages tutorial` makes what its commands print."""
+"""Settling velocity at 5% by volume, the question of the tutorial: runs that test its time step, tolerance, random start and
+box. The output of its commands is made by `scripts/validate pages tutorial`."""
 
 import csv
 import pathlib
@@ -13,13 +13,13 @@ from support.program import PROGRAM
 
 SCENE = BOOK / "tutorial.toml"
 FULL = "--full" in sys.argv
-# The runs: what is said of them, and the keys that differ from the scene's.
+# Names of the runs, and the keys in which they differ from the scene.
 RUNS = {
     "the scene": {},
     "half the step": {"time.step": 0.015, "statistics.every": 20},
     "a tenth of the tolerance": {"hydrodynamics.tolerance": 1e-4},
-    "other random places": {"seed": 2},
-    "still other ones": {"seed": 3},
+    "another random start": {"seed": 2},
+    "a third random start": {"seed": 3},
     "four times as many spheres": {"species[0].count": 1000, "box.edges": "[43.75, 43.75, 43.75]"},
 }
 
@@ -30,7 +30,7 @@ def said(*words):
 
 
 def settled(folder, keys):
-    """The mean velocity downwards of a run with some keys set, its error, and whether that is more than a bound."""
+    """The mean downward velocity of a run with some keys set, its error, and whether the error has converged."""
     duration = {} if FULL else {"time.duration": 45, "statistics.from": 15}
     sets = [word for key, value in (duration | keys).items() for word in ("--set", f"{key}={value}")]
     said("run", SCENE, "--out", folder, *sets)
@@ -45,7 +45,7 @@ def edge(keys):
 
 
 def unbounded(found):
-    """The velocity in a box without end and its error, by the line through two boxes over their inverse edges."""
+    """The velocity in an infinite box and its error, by linear extrapolation in the inverse edge."""
     (small, error, _), (large, other, _) = found["the scene"], found["four times as many spheres"]
     near, far = 1 / edge(RUNS["the scene"]), 1 / edge(RUNS["four times as many spheres"])
     weight = near / (near - far)
@@ -62,8 +62,8 @@ def main():
         place = pathlib.Path(folder)
         found = {name: settled(place / name.replace(" ", "-"), keys) for name, keys in RUNS.items()}
     rows = [row(name, *values) for name, values in found.items()]
-    rows.append(["a box without end, by extrapolation", "", *(f"{number:.4f}" for number in unbounded(found))])
-    lines = table(["run", "edge", "mean velocity downwards", "error"], rows)
+    rows.append(["infinite box, extrapolated", "", *(f"{number:.4f}" for number in unbounded(found))])
+    lines = table(["run", "edge", "mean downward velocity", "error"], rows)
     write_section("tutorial.md", "tutorial", "The table", lines)
     print("\n".join(lines))
 

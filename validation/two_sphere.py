@@ -1,4 +1,4 @@
-"""The exact two-sphere resistance functions against values from elsewhere, their limits far away and near contact, and reciprocity."""
+"""The exact two-sphere resistance functions against independent values, their limits far away and near contact, and reciprocity."""
 
 import csv
 
@@ -8,12 +8,12 @@ from support.program import ROOT
 from support.two_sphere import functions
 
 RATIOS = (1.0, 2.0, 2.5, 4.0, 10.0)
-# Of the reference, of limits (which have errors of the next order in the gap or in 1/r), of reciprocity.
+# Allowed differences: from the reference, from limits (whose errors are of the next order in the gap or in 1/r), in reciprocity.
 LIMITS = {"reference": 1e-7, "contact": 1e-3, "far away": 1e-3, "reciprocity": 1e-8}
 
 
 def against_reference(ratio):
-    """The largest relative difference from the table of a ratio, where there is one."""
+    """The largest relative difference from the table of a ratio, if there is one."""
     path = ROOT / "validation" / "data" / f"two-sphere-ratio{ratio:g}.csv"
     if not path.exists():
         return None
@@ -49,7 +49,7 @@ def far_away(ratio):
 
 
 def reciprocity(ratio):
-    """Loads of 1 by motions of 2 against the reverse, and spheres that change names."""
+    """Loads of 1 by motions of 2 against the reverse, and exchange of the spheres."""
     worst = 0.0
     for gap in (1e-6, 1e-3, 0.1, 1.0, 30.0):
         found, turned = functions(ratio, gap), functions(1 / ratio, gap / ratio)

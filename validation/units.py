@@ -1,4 +1,4 @@
-"""The same problems in other units: spheres at random places in thirty systems of units, and short runs in several."""
+"""The same problems in other units: spheres at random positions in thirty systems of units, and short runs in several."""
 
 import csv
 import itertools
@@ -10,9 +10,9 @@ import numpy as np
 from support.page import table, write_section
 from support.program import PROGRAM, ROOT, mobility, series
 
-# Digits that grids have: of f32 where the tolerance is 1e-3, of f64 where it is 1e-7.
+# Allowed differences by tolerance: grids are f32 at 1e-3 and f64 at 1e-7.
 ALLOWED = {1e-3: 1e-6, 1e-7: 1e-12}
-# The tolerance of runs. Where rounding decides whether a solve iterates once more, their difference is an error below it.
+# Tolerance of runs, and allowed difference: rounding can decide whether a solve takes one more iteration.
 ALLOWED_OF_RUN = 1e-4
 # Units of length, viscosity and force.
 SI = (2.5e-6, 1e-3, 6.4e-13)
@@ -24,7 +24,7 @@ OF_RUNS = (SI, SYSTEMS[0], SYSTEMS[8], SYSTEMS[18], SYSTEMS[26])
 
 
 def spheres(strain=0.0, count=8, edge=8.0, seed=4):
-    """A case of spheres of radii 1 and 1.5 at random places a tenth of a radius apart or more."""
+    """A case of spheres of radii 1 and 1.5 at random positions, at least 0.1 apart."""
     random = np.random.default_rng(seed)
     radii, centres = np.resize([1.0, 1.5], count), []
     while len(centres) < count:
@@ -46,7 +46,7 @@ def separation(between, edge, strain):
 
 
 def in_units(case, units):
-    """The case in units of length, viscosity and force that are numbers of others."""
+    """The case in other units of length, viscosity and force."""
     length, viscosity, force = units
     factors = {"box": length, "positions": length, "radii": length, "viscosity": viscosity, "forces": force, "torques": force * length}
     scaled = {key: value * factors[key] if key in factors else value for key, value in case.items()}
@@ -55,7 +55,7 @@ def in_units(case, units):
 
 
 def answer(case, units, tolerance):
-    """Velocities, angular velocities, rates of strain and stresslets of a case in other units, brought back."""
+    """Velocities, angular velocities, rates of strain and stresslets of a case in other units, converted back."""
     length, viscosity, force = units
     found = mobility(in_units(case, units), tolerance)
     rate = force / (viscosity * length**2)
@@ -64,7 +64,7 @@ def answer(case, units, tolerance):
 
 
 def difference(found, expected):
-    """The largest difference of any answer over its norm; rates of strain within rigid spheres are none."""
+    """The largest difference of any answer over its norm; rates of strain of rigid spheres are zero."""
     names = ("velocities", "angular_velocities", "stresslets")
     return max(np.linalg.norm(found[name] - expected[name]) / np.linalg.norm(expected[name]) for name in names)
 
@@ -77,14 +77,14 @@ def worst_answer(lubrication, tolerance, strain=0.0, systems=SYSTEMS):
 
 
 KINDS = ("settling", "calibrated", "adaptive", "sheared", "lubricated", "forces alone")
-# Powers of length, viscosity and force of what the time series has.
+# Powers of length, viscosity and force of the columns of the time series.
 DIMENSIONS = {"time": (2, 1, -1), "mean_velocity": (-1, -1, 1), "velocity_variance": (-2, -2, 2), "smallest_gap": (1, 0, 0)}
 DIMENSIONS |= {name: (-2, 0, 1) for name in ("stress_", "first_normal", "second_normal", "particle_pressure")}
 DIMENSIONS |= {name: (0, 0, 0) for name in ("relative_viscosity", "segregation")}
 
 
 def scene(kind, units):
-    """A scene's text in units of length, viscosity and force, in which its own are 1."""
+    """Text of a scene in given units of length, viscosity and force; in units of 1 its viscosity is 1."""
     length, viscosity, force = units
     time = viscosity * length**2 / force
     fixed = f"time = {{ step = {0.02 * time!r}, steps = 4, order = 2 }}\n"
@@ -163,11 +163,11 @@ def silica():
     header = ["time (s)", "mean velocity (m/s)", "over the Stokes velocity", "smallest gap (m)"]
     stokes = 2 / 9 * 1000 * 9.81 * 2.5e-6**2 / 1e-3
     numbers = [[float(row[name]) for name in ("time", "mean_velocity_z[silica]", "smallest_gap")] for row in rows]
-    told_of = [[f"{t:g}", f"{v:.3e}", f"{-v / stokes:.3f}", f"{gap:.2e}"] for t, v, gap in numbers]
+    cells = [[f"{t:g}", f"{v:.3e}", f"{-v / stokes:.3f}", f"{gap:.2e}"] for t, v, gap in numbers]
     blocks = [["```text", f"$ fcm-solve {command}", *lines, "```", ""] for command, lines in
               (("check scenes/silica-in-water.toml", checked), ("run scenes/silica-in-water.toml", ended))]
-    told = "The spheres sink more slowly than one alone, since the fluid that they displace flows upwards between them:"
-    return [*sum(blocks, []), told, "", *table(header, [told_of[i] for i in (0, 50, 100, 200)]), ""]
+    remark = "The spheres settle more slowly than an isolated one, since the displaced fluid flows upwards between them:"
+    return [*sum(blocks, []), remark, "", *table(header, [cells[i] for i in (0, 50, 100, 200)]), ""]
 
 
 def main():
@@ -181,11 +181,11 @@ def main():
         worst = worst_run(kind)
         rows.append([f"run, {kind}", f"{ALLOWED_OF_RUN:g}", str(len(OF_RUNS)), f"{worst:.1e}", f"{ALLOWED_OF_RUN:g}"])
         failed += [f"run, {kind}: {worst:.1e}"] if worst > ALLOWED_OF_RUN else []
-    header = ["what", "tolerance", "systems of units", "largest difference", "allowed"]
-    lines = ["Differences from the same in units of 1, relative to the norm of an answer, or to the largest number of those dimensions in a run.", ""]
+    header = ["case", "tolerance", "systems of units", "largest difference", "allowed"]
+    lines = ["Differences from the results in units of 1, relative to the norm of the result, or in a run to the largest value with the same dimensions.", ""]
     lines += table(header, rows)
     lines = [*silica(), "### Thirty systems of units", "", *lines]
-    write_section("si-units.md", "units", "What it prints, and other units", lines)
+    write_section("si-units.md", "units", "Output, and other systems of units", lines)
     print("\n".join(lines))
     if failed:
         raise SystemExit("failed: " + "; ".join(failed))

@@ -1,8 +1,8 @@
-"""The viscosity of random suspensions against concentration: 1 + 5/2 phi as phi -> 0 (Einstein), and the next coefficient.
+"""The viscosity of random suspensions against the volume fraction: 1 + 5/2 phi as phi -> 0 (Einstein), and the next coefficient.
 
-Random positions without overlap, before any strain: the high-frequency viscosity. Its coefficient of phi^2 is 5.0 for
-spheres (Cichocki & Felderhof, J. Chem. Phys. 89, 3705, 1988; Batchelor & Green, 1972, have 5.2); the steady one of
-Batchelor & Green, 7.6, is that of the pair distribution in the flow."""
+Random positions without overlap, before any strain, give the high-frequency viscosity. Its coefficient of phi^2 is 5.0 for
+spheres (Cichocki & Felderhof, J. Chem. Phys. 89, 3705, 1988; 5.2 by Batchelor & Green, 1972). The coefficient 7.6 of Batchelor &
+Green is that of the steady pair distribution in the flow."""
 
 import math
 import pathlib
@@ -17,7 +17,7 @@ from runs import Run, make, over_seeds, volume
 PAGE = ROOT / "docs" / "src" / "viscosity.md"
 FRACTIONS = (0.005, 0.01, 0.02, 0.05, 0.10, 0.15, 0.20)
 SPHERES, SEEDS = 200, 16
-# Of the coefficient of phi as phi -> 0, and with lubrication of that of phi^2.
+# Coefficients of phi and, with lubrication, of phi^2.
 EXPECTED, SECOND = 2.5, 5.0
 
 
@@ -43,19 +43,19 @@ def runs(phi, lubrication, seeds=SEEDS, spheres=SPHERES):
 
 
 def relative_viscosity(run):
-    """Of one evaluation."""
+    """Relative viscosity of one evaluation."""
     return run.series("relative_viscosity")[1][0], math.nan
 
 
 def compute(fractions, seeds=SEEDS, spheres=SPHERES):
-    """Viscosity and its error by (concentration, lubrication)."""
+    """Viscosity and its error by (volume fraction, lubrication)."""
     cases = {(phi, lub): runs(phi, lub, seeds, spheres) for phi in fractions for lub in (False, True)}
     make(sum(cases.values(), []))
     return {case: over_seeds(made, relative_viscosity) for case, made in cases.items()}
 
 
 def coefficients(found, lubrication):
-    """Of phi, phi^2 and phi^3 in the viscosity less 1: least squares with the errors as weights; values and errors."""
+    """Coefficients of phi, phi^2 and phi^3 in the viscosity minus 1, with their errors, by weighted least squares."""
     points = [(phi, *value) for (phi, lub), value in found.items() if lub == lubrication]
     phi, value, error = map(np.array, zip(*points))
     matrix = np.transpose([phi, phi**2, phi**3]) / error[:, None]
@@ -69,7 +69,7 @@ def write_table(found):
         "",
         "Written by `scripts/validate viscosity`; do not edit.",
         "",
-        f"High-frequency relative viscosity of {SPHERES} equal spheres at random in a periodic box: the mean of {SEEDS} random configurations",
+        f"High-frequency relative viscosity of {SPHERES} equal spheres at random positions in a periodic box: the mean of {SEEDS} random configurations",
         "with its standard error. The last columns have the intrinsic viscosity, (η - 1) / φ. For higher volume fractions see",
         "[viscosity and self-mobility](lubrication.md#viscosity-and-self-mobility-scriptsvalidate-high-frequency-viscosity), for lattices",
         "[limits of lubricated FCM](limits.md).",

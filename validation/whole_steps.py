@@ -12,7 +12,7 @@ SETTLING, SHEARED = ("force = [0.0, 0.0, -18.85]", ""), ("", 'flow = { kind = "s
 # Loads, step, method, and the largest cost of a step in mobilities.
 RUNS = {
     "settling": (SETTLING, 0.015, "", 3.5),
-    "settling, steps that repulsion makes jitter": (SETTLING, 0.05, "", None),
+    "settling, unstable steps": (SETTLING, 0.05, "", None),
     "settling, `implicit`": (SETTLING, 0.05, 'integrator = "implicit"', 3.5),
     "sheared": (SHEARED, 0.005, "", None),
 }
@@ -43,7 +43,7 @@ count = {COUNT}
 def timed_steps(text):
     """Iterations of the first solve; evaluations of a step later, and its median seconds."""
     rows = series(text)
-    # The first steps have little to go on from.
+    # The first steps have few previous solutions to extrapolate from.
     later = rows[2:]
     evaluations = np.mean([row["evaluations"] for row in later])
     return rows[0]["iterations"], evaluations, np.median([row["seconds_per_step"] for row in later])
@@ -72,18 +72,18 @@ def main():
         rows.append([*cells, f"{worth / step:.0f}"])
         print(*rows[-1], flush=True)
         if allowed and worth > allowed:
-            failed.append(f"{name}: a step is worth {worth:.1f} mobilities, more than {allowed}")
+            failed.append(f"{name}: a step costs {worth:.1f} mobilities, more than {allowed}")
     lines = [
-        (f"{COUNT} rigid spheres at {FRACTION:.0%} without lubrication, tolerance {TOLERANCE:g}, "
-         f"one thread, {ROUNDS} rounds in turns: iterations for the stresslets from"),
-        "nothing, evaluations of the mobility in a step that goes on from those before, and the time of a step over that of one mobility.",
-        "Explicit steps of up to 0.016 are those with which repulsion holds these pairs apart steadily. With longer ones, of which the program",
-        "warns, near spheres jitter and stresslets with them; `implicit` steps may be as long as their errors allow.",
+        f"{COUNT} rigid spheres at {FRACTION:.0%} without lubrication, tolerance {TOLERANCE:g}, one thread, {ROUNDS} rounds, measured in turns:",
+        "iterations of a first solve for the stresslets, evaluations of the mobility in a later step, which starts from an",
+        "extrapolation of previous solutions, and the time of a step over that of one mobility. Repulsion keeps these pairs",
+        "apart steadily in explicit steps of up to 0.016. With longer ones, of which the program warns, nearby spheres and",
+        "their stresslets jitter. The length of `implicit` steps is limited only by their error.",
         "",
-        *table(["suspension", "step", "iterations, cold", "evaluations a step", "milliseconds", "mobilities' worth", "meant to be",
-                "in a unit of time"], rows),
+        *table(["suspension", "step", "iterations, first solve", "evaluations per step", "ms per step", "steps in mobilities", "goal",
+                "mobilities per unit of time"], rows),
         "",
-        f"Not so: {'; '.join(failed)}." if failed else "So it is.",
+        f"Not met: {'; '.join(failed)}." if failed else "All goals are met.",
     ]
     write_section("costs.md", "whole-steps", "Whole steps", lines)
     if failed:

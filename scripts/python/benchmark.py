@@ -20,14 +20,14 @@ DOCS = TOP / "docs" / "src"
 PARTICLES, FRACTION = 3200, 0.1212
 REPEATS = 7
 
-# Grid and support of the direct peer: what a user who knows the method would try.
+# Grid and support of the direct peer, as a user who knows the method would choose them.
 PAPER = (128, 12)
 DIRECT_PEER = [(96, 8), (112, 10), (128, 16), (144, 18), (160, 22)]
 FINUFFT_TOLERANCES = ["1e-2", "1e-3"]
 TOLERANCES = ["1e-2", "1e-3", "1e-4", "1e-5", "1e-6", "1e-7", "1e-8", "1e-9", "1e-10"]
 SIZES = [100, 1000, 10_000, 100_000, 1_000_000]
 C, FINUFFT = "C and FFTW", "FINUFFT"
-# The tables that ratios are given for.
+# The tables for which ratios are given.
 FIRST, SHARED = "The paper's case", "100,000 spheres on two threads, on two ranks"
 
 
@@ -130,7 +130,7 @@ def sections(programs, quick):
 
 
 def sizes(programs):
-    """Two threads, from a hundred spheres to a million. Once each: the larger ones take long."""
+    """Two threads, from a hundred spheres to a million, once each."""
     few = {"repeats": 3, "no-error": True}
     return [programs.solve("auto", threads=2, particles=n, **({} if n < 1e5 else few)) for n in SIZES]
 
@@ -150,7 +150,7 @@ def table(lines):
 
 
 def verdicts(cases):
-    """Ratios of the programs' times at the paper's case: medians and ranges of those of each round."""
+    """Ratios of the times of the programs for the paper's case: medians and ranges over the rounds."""
     ours = next(case for case in cases if case.label == "auto").totals()
     for case in cases:
         if case.label != "auto":
@@ -167,7 +167,7 @@ def speedups(lines):
 
 
 def size_table(lines):
-    rows = ["| spheres | grid | milliseconds | microseconds a sphere | order |", "|---|---|---|---|---|"]
+    rows = ["| spheres | grid | milliseconds | microseconds per sphere | order |", "|---|---|---|---|---|"]
     for before, line in zip([None, *lines], lines):
         total, count = line["seconds"]["total"], line["particles"]
         order = ""
@@ -189,7 +189,7 @@ def draw(lines, path):
             label = kind if kind in (C, FINUFFT) else f"fcm-solve, {kind}"
             axes.loglog(*zip(*own), marks[kind] + "-", color=colours[kind], label=label)
     axes.set_xlabel("relative error")
-    axes.set_ylabel("milliseconds a mobility, one thread")
+    axes.set_ylabel("milliseconds per mobility, one thread")
     axes.legend()
     save(figure, path)
 
@@ -201,7 +201,7 @@ def draw_sizes(lines, path):
     first = lines[1]["seconds"]["total"] / lines[1]["particles"]
     axes.loglog(counts, [first * n for n in counts], ":", color="0.5", label="proportional")
     axes.set_xlabel("spheres")
-    axes.set_ylabel("seconds a mobility, error 1e-3")
+    axes.set_ylabel("seconds per mobility, error 1e-3")
     axes.legend()
     save(figure, path)
 
@@ -225,7 +225,7 @@ def write_page(tables, ratios, by_size, rest, rounds):
         "Written by `scripts/benchmark`; do not edit.",
         "",
         "One evaluation of the mobility, from forces, torques and stresslets to velocities, angular velocities and rates of",
-        f"strain, of {PARTICLES} unit spheres at a volume fraction of {FRACTION} unless a table says otherwise, on {processor()} with",
+        f"strain, of {PARTICLES} unit spheres at a volume fraction of {FRACTION} unless a table states otherwise, on {processor()} with",
         f"{os.cpu_count()} cores. Milliseconds by stage: medians of {REPEATS} evaluations in a process, rounds: {rounds}, in",
         "which the programs alternated. *C and FFTW* is `scripts/peers/fcm_direct.c`, the direct method; *FINUFFT* is",
         "`scripts/peers/finufft_mobility.py`, non-uniform transforms of the same envelopes, whose spread and interpolation",
@@ -246,10 +246,10 @@ def write_page(tables, ratios, by_size, rest, rounds):
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/benchmark", description=__doc__)
-    parser.add_argument("--target", type=pathlib.Path, required=True, help="where the programs were built")
-    parser.add_argument("--rounds", type=int, default=5, help="how often everything is run [5]")
-    parser.add_argument("--resume", action="store_true", help="keep what an interrupted benchmark has measured")
-    parser.add_argument("--quick", action="store_true", help="the paper's case on one thread alone, and no page")
+    parser.add_argument("--target", type=pathlib.Path, required=True, help="folder in which the programs were built")
+    parser.add_argument("--rounds", type=int, default=5, help="number of rounds [5]")
+    parser.add_argument("--resume", action="store_true", help="keep the measurements of an interrupted benchmark")
+    parser.add_argument("--quick", action="store_true", help="only the paper's case on one thread, and no page")
     arguments = parser.parse_args()
     programs = Programs(arguments.target)
     chosen = dict(sections(programs, arguments.quick))

@@ -1,7 +1,7 @@
-"""Times other programs that a user has built beside this one, in turns, and writes the page about them: scripts/benchmark --peers.
+"""Times this program and others that the user has built, in turns, and writes the page about them: scripts/benchmark --peers.
 
-Environment variables say where they are: LF_DEM its program; JFSD its checkout and JFSD_PYTHON a Python with what it needs; DPSTOKES its checkout.
-Those that are not set are left out, and their sections of the page stay as they are."""
+Environment variables name them: LF_DEM its program; JFSD its checkout and JFSD_PYTHON a Python with its requirements; DPSTOKES its checkout.
+Those that are not set are skipped, and their sections of the page stay unchanged."""
 
 import argparse
 import json
@@ -23,16 +23,16 @@ from support.page import table, write_section
 from support.program import mobility
 
 ROUNDS = 3
-# Spheres of two radii, half the volume each, and the strains over which a run is timed.
+# Spheres of two radii, half the volume each, and the strains of the two timed runs.
 COUNTS, FRACTION, FRICTIONS, STRAINS = {1.0: 147, 1.4: 53}, 0.45, (0.0, 0.5), (1.0, 2.0)
-# Spheres and steps beside JFSD.
+# Spheres and steps of the comparison with JFSD.
 EQUAL, EQUAL_FRACTION, STEPS, OURS = 500, 0.2, 2, (20, 420)
-# Spheres between walls and the distance of these beside DPStokes, and its points with the tolerance here whose error is about the same.
+# Spheres between walls and the distance of the walls for DPStokes, and its points with the tolerance here that gives a similar error.
 BETWEEN, BETWEEN_FRACTION, HEIGHT, KERNELS = 1000, 0.2, 20.0, {4: 1e-2, 6: 3e-4}
 
 
 def cpu_seconds(command, **options):
-    """CPU seconds of a command and all that it starts."""
+    """CPU seconds of a command and its child processes."""
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, **options)
     message = child.stderr.read()
     _, status, used = os.wait4(child.pid, 0)
@@ -72,16 +72,16 @@ output = {{ trajectory_every = {round(strain / 0.005)}, observables_every = 20, 
         return self.run(scene(COUNTS, FRACTION, keys), f"rough-{friction}")
 
     def start(self, friction):
-        """Radii and places of its first frame, in a box that begins at the origin."""
+        """Radii and positions of its first frame, in a box with a corner at the origin."""
         with h5py.File(self.folder / f"rough-{friction}" / "trajectory.h5") as file:
             group = file["particles/all"]
             return group["radius"][:], group["position/value"][0]
 
-    def lubricated(self, steps, heat):
-        """CPU seconds of so many steps of equal spheres in shear, with a thermal energy in units of the drag of one."""
-        integrator = 'integrator = "brownian"' if heat else 'integrator = "adams-bashforth"'
+    def lubricated(self, steps, thermal_energy):
+        """CPU seconds of `steps` steps of equal spheres in shear, with a thermal energy in units of 6 pi mu a^3 times the rate."""
+        integrator = 'integrator = "brownian"' if thermal_energy else 'integrator = "adams-bashforth"'
         keys = f"""particles = {{ initial = "random", minimum_gap = 0.01 }}
-{f"fluid.thermal_energy = {6 * math.pi * heat}" if heat else ""}
+{f"fluid.thermal_energy = {6 * math.pi * thermal_energy}" if thermal_energy else ""}
 flow = {{ kind = "shear", rate = 1.0 }}
 repulsion.strength = 60.0
 hydrodynamics = {{ lubrication = true, tolerance = 1e-3 }}
@@ -91,10 +91,10 @@ output = {{ trajectory_every = 0, checkpoint_every = 0, observables_every = {ste
 
 
 class Slit(Ours):
-    """This program, on one thread, with spheres between walls that forces alone act on."""
+    """This program, on one thread, with spheres between walls as monopoles."""
 
     def drift(self, tolerance, steps):
-        """CPU seconds of so many steps of one evaluation each."""
+        """CPU seconds of `steps` steps of one evaluation each."""
         side = math.sqrt(BETWEEN * 4 / 3 * math.pi / BETWEEN_FRACTION / HEIGHT)
         text = f"""seed = 1
 box = {{ edges = [{side}, {side}, {HEIGHT}], boundaries = ["periodic", "periodic", "walls"] }}
@@ -112,7 +112,7 @@ density_difference = 1.0
         return self.run(text, "slit")
 
     def places(self):
-        """The box and the places of its first frame, as a file for DPStokes too."""
+        """The box and the positions of its first frame, as a file that DPStokes reads too."""
         with h5py.File(self.folder / "slit" / "trajectory.h5") as file:
             group = file["particles/all"]
             edges, places = np.diagonal(group["box/edges/value"][0]), group["position/value"][0]
@@ -138,14 +138,14 @@ density_difference = 1.0
 
 
 class LfDem:
-    """LF_DEM: pairs' lubrication and contacts, without a far field. Shear is along x, its gradient along z."""
+    """LF_DEM: lubrication of pairs and contacts, without a far field. Shear is along x, its gradient along z."""
 
     def __init__(self, program, folder):
         self.program, self.folder = pathlib.Path(program).resolve(), pathlib.Path(folder)
 
     def rough(self, friction, strain, start):
         """CPU seconds of a run of these spheres. Displacements, range of lubrication and relaxation are those of its example; springs are
-        twice and three times as stiff as there, and the cut-off of lubrication is our roughness."""
+        two and three times as stiff as there, and the cut-off of lubrication is the roughness used here."""
         radii, places = start
         side = edge(COUNTS, FRACTION)
         rows = [f"{x!r} {z!r} {y!r} {a!r}" for a, (x, y, z) in zip(radii.tolist(), places.tolist())]
@@ -175,7 +175,7 @@ origin_zero_flow = true;
 
 
 def beside_lf_dem(program, folder, count):
-    """Rows of CPU seconds for a unit of strain: of the strains of a run less those of a shorter one."""
+    """Rows of CPU seconds for a unit of strain: the difference between a run and a shorter one."""
     ours, theirs = Ours(program, folder), LfDem(os.environ["LF_DEM"], folder)
     for friction in FRICTIONS:
         rounds = []
@@ -193,11 +193,11 @@ def beside_jfsd(program, folder, count):
     script = TOP / "scripts" / "peers" / "jfsd_viscosity.py"
     command = [os.environ.get("JFSD_PYTHON", "python3"), script, str(EQUAL), str(EQUAL_FRACTION), "--time", str(STEPS)]
     environment = {**os.environ, "JAX_PLATFORMS": "cpu"}
-    for name, heat in [("in shear", 0), ("in shear, Brownian", 0.1)]:
+    for name, thermal_energy in [("in shear", 0), ("in shear, Brownian", 0.1)]:
         rounds = []
         for _ in range(count):
-            few, many = (ours.lubricated(steps, heat) for steps in OURS)
-            said = subprocess.run([*command, str(heat)], cwd=place, env=environment, check=True, capture_output=True, text=True)
+            few, many = (ours.lubricated(steps, thermal_energy) for steps in OURS)
+            said = subprocess.run([*command, str(thermal_energy)], cwd=place, env=environment, check=True, capture_output=True, text=True)
             rounds.append([(many - few) / (OURS[1] - OURS[0]), float(said.stdout.split()[0])])
         yield row(f"{EQUAL} spheres at {EQUAL_FRACTION:.0%} {name}", rounds)
 
@@ -219,7 +219,7 @@ def beside_dpstokes(program, folder, count):
             said = subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True, text=True)
             seconds, error = map(float, said.stdout.split())
             rounds.append([(many - few) / 400, seconds])
-        yield row(f"{points} points, error {error:.1e}; tolerance {tolerance:.0e} here, error {ours.error(places, tolerance):.1e}", rounds)
+        yield row(f"{points} points, error {error:.1e}; fcm-solve: tolerance {tolerance:.0e}, error {ours.error(places, tolerance):.1e}", rounds)
 
 
 def row(name, rounds):
@@ -231,19 +231,20 @@ def row(name, rounds):
 
 
 PEERS = {
-    "LF_DEM": ("lf-dem", "Rough spheres beside LF_DEM", beside_lf_dem, [
-        "CPU seconds for a unit of strain, after the first, of 200 spheres of radii 1 and 1.4 at 45%, of the same start: here with far field and",
-        "steps of 0.005 in strain, there without, with predictor-corrector steps of at most 0.002 radii, springs of 10,000 and 6,000 in units of",
-        "6 pi mu a and the rate, and lubrication cut off at a gap of 0.005.",
+    "LF_DEM": ("lf-dem", "Rough spheres: LF_DEM", beside_lf_dem, [
+        "CPU seconds for the second unit of strain of 200 spheres of radii 1 and 1.4 at 45% from the same start. fcm-solve",
+        "includes the far field and takes steps of 0.005 in strain. LF_DEM has no far field; it takes predictor-corrector steps",
+        "of at most 0.002 radii, with springs of 10,000 and 6,000 in units of 6 pi mu a times the shear rate, and a lubrication",
+        "cut-off at a gap of 0.005.",
     ]),
-    "JFSD": ("jfsd", "A lubricated step beside JFSD", beside_jfsd, [
-        "CPU seconds for a lubricated step of 0.001 over the rate, tolerance 1e-3, there in single precision, compilation left out; Brownian",
-        "motion with a thermal energy of 0.6 pi mu a^3 times the rate.",
+    "JFSD": ("jfsd", "A lubricated step: JFSD", beside_jfsd, [
+        "CPU seconds for a lubricated step of 0.001 over the shear rate at a tolerance of 1e-3. JFSD runs in single precision;",
+        "its compilation is excluded. Brownian motion has a thermal energy of 0.6 pi mu a^3 times the shear rate.",
     ]),
-    "DPSTOKES": ("dpstokes", "Between walls beside DPStokes", beside_dpstokes, [
-        (f"CPU seconds for forces to velocities of {BETWEEN:,} equal spheres at "
-         f"{BETWEEN_FRACTION:.0%} between walls {HEIGHT:g} radii apart: here a whole step without"),
-        "stresslets, there a product alone. Errors are those of the grid, against a tolerance of 1e-6 here and a grid twice as fine there.",
+    "DPSTOKES": ("dpstokes", "Between walls: DPStokes", beside_dpstokes, [
+        f"CPU seconds to compute velocities from forces for {BETWEEN:,} equal spheres at {BETWEEN_FRACTION:.0%} between walls {HEIGHT:g} radii",
+        "apart. For fcm-solve this is a whole step without stresslets, for DPStokes only the product. Errors are those of the",
+        "grid, relative to a tolerance of 1e-6 in fcm-solve and to a grid twice as fine in DPStokes.",
     ]),
 }
 
@@ -253,19 +254,19 @@ NAMES = {"DPSTOKES": "DPStokes"}
 def main():
     parser = argparse.ArgumentParser(prog="scripts/benchmark --peers", description=__doc__)
     parser.add_argument("--program", required=True, help="this program")
-    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"how often everything is run [{ROUNDS}]")
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"number of rounds [{ROUNDS}]")
     arguments = parser.parse_args()
     command = "scripts/benchmark --peers" + (f" --rounds {arguments.rounds}" if arguments.rounds != ROUNDS else "")
     chosen = [peer for peer in PEERS if os.environ.get(peer)]
     if not chosen:
-        raise SystemExit(f"set {' or '.join(PEERS)} to where that program is, see docs/src/peers.md")
+        raise SystemExit(f"set {' or '.join(PEERS)} to the path of that program, see docs/src/peers.md")
     for peer in chosen:
         name, title, compare, about = PEERS[peer]
         with tempfile.TemporaryDirectory() as folder:
             rows = list(compare(arguments.program, folder, arguments.rounds))
         how_often = "one round" if arguments.rounds == 1 else f"medians and ranges of {arguments.rounds} rounds"
         lines = [*about, f"One thread, {how_often} in turns, on {platform.machine()}.", ""]
-        lines += table(["", "fcm-solve", NAMES.get(peer, peer), "times as long"], rows)
+        lines += table(["", "fcm-solve", NAMES.get(peer, peer), "ratio"], rows)
         print(title, *lines, sep="\n")
         write_section("peers.md", name, title, lines, command)
 

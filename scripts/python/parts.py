@@ -1,4 +1,4 @@
-"""The parts of the benchmark that are no mobility on its own: transforms, stencils, and what ranks exchange."""
+"""Parts of the benchmark other than whole mobilities: transforms, stencils, and communication between ranks."""
 
 import json
 import math
@@ -9,9 +9,9 @@ TRANSFORMS = [48, 64, 96, 128, 144, 192]
 RANKS = [2, 4, 8, 16, 32, 64]
 EXCHANGING = 20_000
 
-# The network of the projection: what a node sends a second, and what a message costs beside.
+# The network of the projection: bytes per second of a node, and latency of a message in seconds.
 BANDWIDTH, LATENCY = 12.5e9, 2e-6
-# Messages to every other rank for one mobility, about: the transpositions, and what particles exchange, with its counts.
+# Approximate messages to every other rank for one mobility: transpositions, and particle data with their counts.
 MESSAGES = 10
 
 
@@ -25,7 +25,7 @@ def output(command, **environment):
 
 
 def transforms(target):
-    """Forward and backward transforms of a real field beside FFTW's, whose plans were measured, and rustfft's on the same pencils."""
+    """Forward and backward transforms of a real field, compared with FFTW (measured plans) and rustfft on the same pencils."""
     rows = [
         "| points | threads | precision | FFTW | rustfft | fcm-solve | ratio to FFTW | ratio to rustfft |",
         "|---|---|---|---|---|---|---|---|",
@@ -45,10 +45,10 @@ def transforms(target):
 
 
 def stencils(programs, target):
-    """The rate of the loops over a stencil's rows beside the peak of a core."""
+    """Rate of the loops over the rows of a stencil, and the peak of a core."""
     peaks = {line["precision"]: line["flops"] for line in output([target / "peers" / "peak"])}
     bench = [programs.ours, "bench", "--threads", 1, "--no-error", "--repeats", 9, "--tolerance", "1e-3,1e-6"]
-    rows = ["| loop | precision | points | ns a sphere | Gflop/s | peak | share |", "|---|---|---|---|---|---|---|"]
+    rows = ["| loop | precision | points | ns per sphere | Gflop/s | peak | share |", "|---|---|---|---|---|---|---|"]
     for line in output(bench):
         points, precision = line["support"], line["precision"]
         # Three components, three fused operations each, whole vectors of 8 points.
@@ -67,7 +67,7 @@ def exchange(programs):
     grid, total = alone["grid"][0], alone["seconds"]["total"]
     bytes_of_grid = 3 * grid**3 * (4 if alone["precision"] == "f32" else 8)
     rows = [
-        "| ranks | bytes sent by a rank | of them transposition | projected ms | efficiency, strong | efficiency, weak |",
+        "| ranks | bytes sent by a rank | of which transposition | projected ms | efficiency, strong | efficiency, weak |",
         "|---|---|---|---|---|---|",
     ]
     halo = 0
@@ -81,7 +81,7 @@ def exchange(programs):
             halo = (sent - transposed) * math.sqrt(ranks)
         waiting = MESSAGES * ranks * LATENCY
         strong = total / ranks + sent / BANDWIDTH + waiting
-        # As many spheres a rank as one has here, with a halo around its whole share.
+        # Each rank has as many spheres as one has here, with a halo around its whole share.
         weak = total + (2 * bytes_of_grid * kept_moving(ranks, grid * ranks ** (1 / 3)) + halo) / BANDWIDTH + waiting
         shown = f"{sent / 1e6:.2f} MB" if ranks <= RANKS[-1] else f"({sent / 1e6:.2f} MB)"
         cells = [ranks, shown, f"{transposed / 1e6:.2f} MB", f"{1e3 * strong:.2f}"]
@@ -91,7 +91,7 @@ def exchange(programs):
 
 
 def kept_moving(ranks, lines):
-    """The least share of the grid that two transpositions move, over all tables of ranks that the grid's lines allow."""
+    """Smallest fraction of the grid that two transpositions move, over all tables of ranks that the grid allows."""
     tables = [(n, ranks // n) for n in range(1, ranks + 1) if ranks % n == 0 and max(n, ranks // n) <= lines]
     return min(2 - 1 / a - 1 / b for a, b in tables)
 
@@ -106,29 +106,30 @@ def page(programs, target):
     return [
         "## Transforms",
         "",
-        "Milliseconds for one real component forward and backward, medians. FFTW uses measured plans, the fastest of in",
-        "place, out of place and three at a time (`scripts/peers/fftw.c`, `cargo run --release -p fcm-solve-solver --example fft_speed`);",
-        "rustfft replaces the SIMD kernels on the same pencils and threads; its time includes the copies into its rows and back",
-        "(`--rustfft`).",
+        "Milliseconds for one real component forward and backward, medians. FFTW uses measured plans: the fastest of in place,",
+        "out of place and three at a time (`scripts/peers/fftw.c`,",
+        "`cargo run --release -p fcm-solve-solver --example fft_speed`). rustfft replaces the SIMD kernels on the same pencils",
+        "and threads; its time includes the copies into its rows and back (`--rustfft`).",
         "",
         *transforms(target),
         "",
         "## Share of peak",
         "",
-        "The rate of operations on the rows of stencils, over the whole time of spreading and interpolation on one thread, beside the peak of a core",
-        "on registers (`scripts/peers/peak.c`). On a row each component takes three fused operations for each SIMD vector that is",
-        "loaded, and in spreading stored. Memory, not arithmetic, limits the speed, since a SIMD vector of a grid row begins anywhere in",
-        "a cache line and most extend over two, and the grid is larger than the L2 cache. The rest of the time is spent on the",
-        "polynomials of the window, the coefficients of the rows, sorting the spheres, and clearing the grid.",
+        "The rate of operations on the rows of stencils, from the total time of spreading and interpolation on one thread,",
+        "relative to the peak of a core for operands in registers (`scripts/peers/peak.c`). On a row each component takes three",
+        "fused operations for each SIMD vector that is loaded, and in spreading also stored. Memory, not arithmetic, limits the",
+        "speed: a SIMD vector of a grid row begins anywhere in a cache line, so most extend over two, and the grid is larger",
+        "than the L2 cache. The rest of the time is spent on the polynomials of the window, the coefficients of the rows,",
+        "sorting the spheres, and clearing the grid.",
         "",
         *stencils(programs, target),
         "",
         "## Communication between ranks",
         "",
-        f"One mobility of {EXCHANGING} spheres at 12% on a grid of {grid}^3, which takes {1e3 * total:.0f} ms on one thread. Bytes are",
-        "counted, with more ranks than cores. Times are a projection, not a measurement: equally divided work, bytes at",
-        (f"{BANDWIDTH / 1e9} GB/s per rank, {1e6 * LATENCY:.0f} microseconds per message, about {MESSAGES} messages to every other "
-         "rank. In brackets: the bytes of the halos, extrapolated as the square root of the number of ranks."),
+        f"One mobility of {EXCHANGING} spheres at 12% on a grid of {grid}^3, which takes {1e3 * total:.0f} ms on one thread. Bytes are counted,",
+        f"with more ranks than cores. Times are a projection, not a measurement: equally divided work, {BANDWIDTH / 1e9} GB/s per rank,",
+        f"{1e6 * LATENCY:.0f} microseconds per message, and about {MESSAGES} messages to every other rank. In parentheses: the bytes of the",
+        "halos, extrapolated as the square root of the number of ranks.",
         "",
         *exchanged,
         "",

@@ -1,4 +1,4 @@
-"""Draws results with the plots of this checkout, which need no building."""
+"""Draws results with the plots of this checkout, without building the package."""
 
 import importlib
 import sys

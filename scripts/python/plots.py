@@ -1,4 +1,4 @@
-"""The package of plots of this checkout, without the compiled module beside it."""
+"""The plotting package of this checkout, without its compiled module."""
 
 import importlib.util
 import pathlib
@@ -8,7 +8,7 @@ PACKAGE = pathlib.Path(__file__).resolve().parents[2] / "python" / "fcm_solve" /
 
 
 def load(name="fcm_solve_plots"):
-    """The package, under a name of its own."""
+    """Loads the package under a separate name."""
     options = {"submodule_search_locations": [str(PACKAGE)]}
     spec = importlib.util.spec_from_file_location(name, PACKAGE / "__init__.py", **options)
     module = importlib.util.module_from_spec(spec)

@@ -1,4 +1,4 @@
-"""Says how fast the particles of a run settled, beside what Richardson & Zaki found."""
+"""Prints the settling velocity of a run, and the result of Richardson & Zaki."""
 
 import argparse
 import importlib
@@ -20,7 +20,7 @@ def results(folder):
 
 
 def settling(run):
-    """Of each species that settles: its name, and its mean velocity over the Stokes velocity in time."""
+    """Name of each species that settles, and its mean velocity over the Stokes velocity as a function of time."""
     for number, stokes in run.stokes_velocities():
         mean = run.vector("mean_velocity", number)
         if mean is not None:
@@ -44,7 +44,7 @@ def main():
         f"  Richardson & Zaki    {(1 - fraction) ** EXPONENT:6.3f}   ((1 - phi)^{EXPONENT}, experiments with equal spheres)"
     )
     print(
-        "The experiments differ: here the places are still nearly random, and the periodic images take a few hundredths."
+        "The experiments differ: here the positions are still nearly random, and periodic images reduce the velocity by a few hundredths."
     )
     if not run.scene.section("hydrodynamics").get("lubrication"):
         print("The spheres are resolved up to dipoles, without lubrication.")

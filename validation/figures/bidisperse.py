@@ -17,8 +17,8 @@ def lines(report, mode, quantity):
 
 
 def both_species(name, mode, title, quantity, against):
-    """A quantity of small and of large spheres over their own scales, against the ratio of radii or of concentrations.
-    `quantity(species, radius)` is that of a run. Gives the report and the points by species."""
+    """A quantity of small and large spheres in their own units, against the ratio of radii or of concentrations.
+    `quantity(species, radius)` evaluates it for a run. Returns the report and the points by species."""
     cases = shear.by_ratio(mode) if against == "ratio" else shear.by_mixture(2.0, mode)
     make(sum(cases.values(), []))
     report = Report(name, mode, title)

@@ -9,12 +9,12 @@ from report import DATA, write_page
 from runs import volume
 
 COLUMNS = [
-    "figures", "quick runs", "spheres", "minutes of a core", "µs for a sphere and a step", "full runs", "spheres", "core-hours",
+    "figures", "quick runs", "spheres", "core-minutes", "µs per sphere and step", "full runs", "spheres", "core-hours",
 ]
 
 
 def families(mode):
-    """Runs that figures share, by the figures."""
+    """Groups of runs by the figures that share them."""
     sized = [settling.two_sizes(ratio, phi) for ratio in (2.0, 3.0) for phi in settling.TOTALS[mode]]
     weighted = [settling.two_densities(ratio, phi) for ratio in (2.0, -1.0) for phi in settling.SECOND[mode]]
     equal = [settling.equal_spheres(phi) for phi in settling.MONODISPERSE]
@@ -50,24 +50,24 @@ def sphere_steps(run):
 
 
 def volume_fraction(run):
-    """Of all its spheres."""
+    """Volume fraction of all spheres of a run."""
     box = run.scene["box"]["edges"][0] ** 3
     return sum(one.get("volume_fraction") or one["count"] * volume(one["radius"]) / box for one in run.scene["species"])
 
 
 def estimate(run, known):
-    """Seconds of a core, by the one of the known runs whose volume fraction is nearest."""
+    """Core-seconds, estimated from the known run with the nearest volume fraction."""
     like = min(known, key=lambda one: abs(volume_fraction(one) - volume_fraction(run)))
     return like.seconds() * sphere_steps(run) / sphere_steps(like)
 
 
 def taken(run, known):
-    """Seconds of a core that a run took or, where it has not been made, would take."""
+    """Core-seconds of a run, estimated if it has not been made."""
     return run.seconds() if run.is_finished() and run.seconds() > 0 else estimate(run, known)
 
 
 def row(name, quick, full):
-    """Of the table, by those quick runs that have been made."""
+    """A row of the table, based on the quick runs that have been made."""
     known = [run for run in quick if run.is_finished() and run.seconds() > 0]
     if not known:
         raise SystemExit(f"no quick run of figure {name} has been made: scripts/reproduce makes them")
@@ -78,7 +78,7 @@ def row(name, quick, full):
 
 
 def size(runs):
-    """From the fewest to the most spheres."""
+    """Range of the numbers of spheres."""
     counts = [spheres(run) for run in runs]
     return f"{counts[0]:,}" if len(set(counts)) == 1 else f"{min(counts):,} to {max(counts):,}"
 

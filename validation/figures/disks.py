@@ -8,7 +8,7 @@ from matplotlib.collections import EllipseCollection
 
 from runs import WORKERS, Run
 
-# One unit of strain at the paper's rate, in steps.
+# Steps per unit of strain at the paper's rate.
 UNIT = 667
 STEP, RATE = 0.15, 0.01
 # Strain at which the paper shows its systems, the strain of a quick run, and that of the paper's runs.
@@ -16,7 +16,7 @@ SHOWN, QUICK, FULL = 195, 200, 1000
 
 
 def scene(viscosity=0.01, strain=SHOWN, output=None, **more):
-    """The paper's mixture, or what `more` puts in its place."""
+    """The paper's mixture, with the keys of `more` replaced."""
     return {
         "kind": "granular-disks",
         "title": f"Disks at a viscosity of {viscosity:g}",
@@ -32,7 +32,7 @@ def scene(viscosity=0.01, strain=SHOWN, output=None, **more):
 
 
 def snapshots(name, every=5, **what):
-    """A run with a frame of the trajectory at each so many units of strain."""
+    """A run with a frame of the trajectory every `every` units of strain."""
     return Run(f"disks/{name}", scene(output={"trajectory_every": every * UNIT}, **what))
 
 
@@ -61,14 +61,14 @@ class Sweep(Run):
 
 
 def numbers(path):
-    """The rows of a table but for the words that name a point."""
+    """The rows of a table without the columns that name a point."""
     with open(path) as file:
         rows = [{key: value for key, value in row.items() if key not in ("point", "values")} for row in csv.DictReader(file)]
     return [{key: float(value) for key, value in row.items()} for row in rows]
 
 
 def near(strain, values, centre, width=5.0):
-    """The mean of values whose strain is near a strain."""
+    """Mean of the values at strains within `width` of `centre`."""
     return float(np.mean(values[np.abs(strain - centre) <= width]))
 
 
@@ -87,7 +87,7 @@ def frame(run, strain):
 
 
 def draw(axes, run, strain, by="speed"):
-    """A snapshot with the gray of the paper: the modulus of the velocity along x, or that of the excess velocity."""
+    """A snapshot with the gray levels of the paper: the modulus of the velocity along x, or that of the excess velocity."""
     positions, velocities, radii, found = frame(run, strain)
     height = length = 100.0
     value = np.abs(velocities[:, 0])
@@ -95,11 +95,11 @@ def draw(axes, run, strain, by="speed"):
         value = np.hypot(velocities[:, 0] - RATE * (positions[:, 1] - height / 2), velocities[:, 1])
     shade = np.clip(value / np.percentile(value, 99), 0, 1)
     x, y = positions[:, 0] % length, positions[:, 1]
-    # A disk that reaches over a vertical edge is shown on both sides.
-    places = np.concatenate([np.stack([x + shift, y], axis=1) for shift in (-length, 0, length)])
+    # Disks that cross a vertical edge are shown on both sides.
+    positions = np.concatenate([np.stack([x + shift, y], axis=1) for shift in (-length, 0, length)])
     size = np.tile(2 * radii, 3)
     gray = np.tile(0.85 - 0.75 * shade, 3)
-    disks = EllipseCollection(size, size, np.zeros(len(size)), units="xy", offsets=places, transOffset=axes.transData)
+    disks = EllipseCollection(size, size, np.zeros(len(size)), units="xy", offsets=positions, transOffset=axes.transData)
     disks.set_facecolor([(g, g, g) for g in gray])
     disks.set_edgecolor("0.2")
     disks.set_linewidth(0.2)

@@ -1,4 +1,4 @@
-"""Fig. 6 of Santra et al.: the segregation in the course of time, at four viscosities."""
+"""Fig. 6 of Santra et al.: segregation over time at four viscosities."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from runs import make
 
 VISCOSITIES = [0.001, 0.004, 0.01, 0.03]
 SEEDS = [1, 2, 3, 4, 5, 6]
-# Segregation at a strain of 195 by an independent program in C, over three to five seeds, and what samples scatter.
+# Segregation at a strain of 195 by an independent program in C, over three to five seeds, and the scatter of samples.
 INDEPENDENT = {0.001: (0.225, 0.04), 0.004: (0.295, 0.045), 0.01: (0.368, 0.045), 0.03: (0.388, 0.045)}
 
 
@@ -16,7 +16,7 @@ def draw(mode):
     """Means over six seeds."""
     sweep = Sweep(f"fig6-{mode}", FULL if mode == "full" else QUICK, seeds=SEEDS, viscosities=VISCOSITIES)
     make([sweep])
-    report = Report("disks-fig6", mode, "Fig. 6: segregation in the course of time")
+    report = Report("disks-fig6", mode, "Fig. 6: segregation over time")
     found = {}
     for row in sweep.branches():
         strain, delta, error = sweep.averages(row["viscosity"])
@@ -34,7 +34,7 @@ def draw(mode):
     report.state("δ at the start", "independent program: 0.14 ± 0.03", f"{start:.3f}", abs(start - 0.14) <= 0.03)
     text = " < ".join(f"{value:.3f}" for value in values)
     ordered = all(low < high for low, high in zip(values, values[1:]))
-    report.state("order of the four curves", "δ rises with η (paper)", text, ordered)
+    report.state("order of the four curves", "δ increases with η (paper)", text, ordered)
     ratio = values[2] / values[0]
     report.state("δ(η = 0.01) / δ(η = 0.001)", "at least 1.4", f"{ratio:.2f}", ratio >= 1.4)
     if mode == "full":

@@ -29,12 +29,12 @@ def draw(mode):
         values = [row["last_segregation"] for row in rows]
         text = ", ".join(f"{value:.3f}" for value in values)
         name = label.replace("$", "").replace("\\eta", "η").replace("\\dot\\gamma", "rate")
-        report.state(f"δ with rising ζ, {name}", "falls (paper)", text, values[-1] < 0.75 * values[0])
+        report.state(f"δ with increasing ζ, {name}", "decreases (paper)", text, values[-1] < 0.75 * values[0])
     one, other = curves.values()
     lengths = [row["viscous_length"] for row in other]
     at = np.interp(np.log([row["viscous_length"] for row in one]), np.log(lengths), [row["last_segregation"] for row in other])
     apart = max(abs(row["last_segregation"] - value) for row, value in zip(one, at))
-    report.state("largest distance of the two branches", "one curve within samples' scatter, 0.2 δ (paper)", f"{apart:.3f}", apart < 0.2 * max(at))
+    report.state("largest difference between the branches", "one curve within the scatter, 0.2 δ (paper)", f"{apart:.3f}", apart < 0.2 * max(at))
     return report
 
 

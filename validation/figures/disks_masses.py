@@ -1,12 +1,12 @@
-"""The segregation of Santra et al.'s Fig. 6 with masses like those of spheres, and with the smallest radius as unit."""
+"""The segregation of Santra et al.'s Fig. 6 with masses proportional to the cube of the radius, and with the smallest radius as the unit of length."""
 
 from disks import QUICK, SHOWN, Sweep, near
 from report import Report, main
 from runs import make
 
 SEEDS = [1, 2, 3, 4, 5, 6]
-# Readings of the paper: keys of the scene, and the segregation at a strain of 195 by viscosity: an independent program in C
-# over one to four seeds, and what samples scatter.
+# Interpretations of the paper: keys of the scene, and the segregation at a strain of 195 by viscosity from an independent
+# program in C over one to four seeds, with the scatter of samples.
 READINGS = {
     "mass as radius cubed": (
         {"mass_exponent": 3},
@@ -18,7 +18,7 @@ READINGS = {
 
 def draw(mode):
     """Means over six seeds."""
-    report = Report("disks-masses", mode, "Other readings of masses and lengths", panels=len(READINGS))
+    report = Report("disks-masses", mode, "Other interpretations of masses and lengths", panels=len(READINGS))
     for panel, (reading, (keys, bands)) in enumerate(READINGS.items()):
         name = "masses-" + "-".join(map(str, keys.values()))
         sweep = Sweep(name, QUICK, particles=keys, seeds=SEEDS, viscosities=list(bands))

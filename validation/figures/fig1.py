@@ -1,6 +1,6 @@
 """Fig. 1: mean settling velocity of equal spheres against concentration. The data of Buscall et al., Nicolai et al. and Revay &
-Higdon in the paper's figure are not known as numbers and are left out. Brownian spheres, which are spread as hard spheres at
-equilibrium are, settle more slowly than others."""
+Higdon in the paper's figure are not available as numbers and are omitted. Brownian spheres, distributed like hard spheres at
+equilibrium, settle more slowly than others."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from runs import make
 
 
 def draw(mode):
-    """Places that the flow has made, and random ones; compared is what the images in the box leave out."""
+    """Positions from runs, and equilibrium ones; the compared velocities are corrected for the periodic images."""
     fractions = settling.MONODISPERSE
     dynamic = {phi: settling.dynamic(settling.equal_spheres(phi), mode) for phi in fractions}
     closer = {0.20: settling.dynamic(settling.equal_spheres(0.20), mode, reach=settling.SHORT_RANGE)}
@@ -43,7 +43,7 @@ def draw(mode):
     for fraction in (0.05, 0.10, 0.20):
         expected = theory.richardson_zaki(fraction)
         report.compare(f"runs at {fraction:.0%}", "Richardson & Zaki", expected, found["runs"][fraction], 0.15)
-    name = f"runs at 20%, barrier from {settling.SHORT_RANGE:g} a"
+    name = f"runs at 20%, barrier of range {settling.SHORT_RANGE:g} a"
     report.compare(name, "Richardson & Zaki", theory.richardson_zaki(0.20), found["runs, shorter barrier"][0.20], 0.15)
     for fraction in (0.02, 0.10, 0.20):
         places = f"equilibrium at {fraction:.0%}"

@@ -7,8 +7,8 @@ from runs import make, over_seeds
 
 
 def draw(mode):
-    """Both ways to find it, with lubrication and without; the data of others in the paper's figure are not known as numbers and
-    are left out."""
+    """Diffusivity by slope and by integral, with lubrication and without; other data in the paper's figure are not available as
+    numbers and are omitted."""
     cases = shear.by_fraction(mode)
     lubricated = shear.by_fraction(mode, lubrication=True)
     make(sum([*cases.values(), *lubricated.values()], []))
@@ -25,11 +25,11 @@ def draw(mode):
     slope, integral = found["slope", "y"], found["integral", "y"]
     report.compare("D22 at 20%, slope against integral", "integral", integral[-1][0], slope[-1], 0.2)
     grows = all(a[0] < b[0] for a, b in zip(slope[1:], slope[2:]))
-    report.state("D22 from 5 to 20%", "grows (paper)", ", ".join(map(shown, slope[1:])), grows)
+    report.state("D22 from 5 to 20%", "increases (paper)", ", ".join(map(shown, slope[1:])), grows)
     for fraction in (0.05, 0.15):
         place = shear.FRACTIONS.index(fraction)
         over = quotient(points[place], slope[place])
-        report.compare(f"D22 with lubrication over without, {fraction:.0%}", "35% less (paper)", 0.65, over, 0.2)
+        report.compare(f"D22 with over without lubrication, {fraction:.0%}", "35% less (paper)", 0.65, over, 0.2)
     across = over_seeds(cases[0.20], shear.quotient(shear.diffusivity("y"), shear.diffusivity("z")))
     report.compare("D22/D33 at 20%", "about 1.5 (paper)", 1.5, across, 0.2)
     return report

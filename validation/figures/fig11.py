@@ -18,7 +18,7 @@ def draw(mode):
     small, large = found["small"], found["large"]
     growth = ratio(small[2.5], alone[0.10])
     report.compare("T22 of small over one size at 10%, λ = 2.5", "almost 2 (paper)", 2.0, growth, 0.2)
-    report.compare("square root of that", "almost 2 (paper)", 2.0, root(growth), 0.2)
+    report.compare("its square root", "almost 2 (paper)", 2.0, root(growth), 0.2)
     report.state("T22 of large at λ = 2.5", f"below one size at 5%, {alone[0.05][0]:.3g} (paper)", shown(large[2.5]),
                  large[2.5][0] - 2 * large[2.5][1] < alone[0.05][0])
     return report

@@ -17,7 +17,7 @@ def draw(mode):
         name = f"T22 of {species} spheres, φ₂/φ₁ = 9 over 1/9"
         if species == "small":
             report.compare(name, said, 2.0, growth, 0.2)
-            report.compare("square root of that", said, 2.0, root(growth), 0.2)
+            report.compare("its square root", said, 2.0, root(growth), 0.2)
         else:
             report.state(name, said, shown(growth), growth[0] > 1)
     return report

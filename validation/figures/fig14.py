@@ -1,5 +1,5 @@
 """Fig. 14: self-diffusion along the vorticity against the ratio of concentrations, radii 1 : 2. The data of Chang & Powell in
-the paper's figure are not known as numbers and are left out."""
+the paper's figure are not available as numbers and are omitted."""
 
 import shear
 from bidisperse import both_species, lines, x_axis
@@ -19,7 +19,7 @@ def draw(mode):
     for species in ("small", "large"):
         first, *_, last = found[species].values()
         told = f"{shown(first)} to {shown(last)}"
-        report.state(f"D33 of {species} spheres from φ₂/φ₁ = 1/9 to 9", "grows (paper)", told, last[0] > first[0])
+        report.state(f"D33 of {species} spheres from φ₂/φ₁ = 1/9 to 9", "increases (paper)", told, last[0] > first[0])
     return report
 
 

@@ -19,7 +19,7 @@ def draw(mode):
         report.points(label, list(cases), found, marker=marker)
         name = label.strip("$").replace("_", "").replace("{", "").replace("}", "")
         report.compare(f"{name}, large over small, φ₂/φ₁ = 1", "nearly 1/2 (paper)", 0.5, found[2], 0.2)
-        report.compare("square root of that", "nearly 1/2 (paper)", 0.5, root(found[2]), 0.2)
+        report.compare("its square root", "nearly 1/2 (paper)", 0.5, root(found[2]), 0.2)
     report.label(r"$\phi_2/\phi_1$", "large over small", xscale="log", ylim=(0, 1))
     return report
 

@@ -7,7 +7,7 @@ from runs import make, over_seeds
 
 
 def draw(mode):
-    """It falls as large spheres become many."""
+    """It decreases with the fraction of large spheres."""
     report = Report("fig16", mode, "Fig. 16: global diffusion of mixtures in shear")
     for ratio, marker in zip(shear.MIXED[mode], "^o"):
         cases = shear.by_mixture(ratio, mode)

@@ -1,5 +1,5 @@
 """Fig. 19: settling and fluctuations of a test sphere among others at 20%. The measurements of Nicolai et al. in the paper's
-figure are not known as numbers, but for their mean, and are left out."""
+figure are not available as numbers, except for their mean, and are omitted."""
 
 import settling
 from report import Report, main, shown
@@ -30,7 +30,7 @@ def draw(mode):
     report.label("$R_S$", "fluctuation $/ V_{oP}$", 1, ylim=(0, None))
     for ratio, found in zip(cases, means):
         if ratio != 2.8:
-            report.compare(f"mean velocity, R_S = {ratio:g}", "experiments scattered around (paper)", 0.42, found, 0.2)
+            report.compare(f"mean velocity, R_S = {ratio:g}", "experiments scatter around (paper)", 0.42, found, 0.2)
     falls = means[0][0] - means[-1][0] < 2 * (means[0][1] + means[-1][1])
     report.state("mean velocity from smallest to largest R_S", "constant (paper)",
                  f"{shown(means[0])} to {shown(means[-1])}", falls)

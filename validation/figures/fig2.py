@@ -1,5 +1,5 @@
-"""Fig. 2: relative velocity of two unequal spheres that settle, as `scripts/validate pair-settling` makes it. It has no
-statistics: quick and full are the same."""
+"""Fig. 2: relative velocity of two unequal settling spheres, as in `scripts/validate pair-settling`. It has no statistics:
+quick and full are the same."""
 
 import sys
 
@@ -11,7 +11,7 @@ import pair_settling
 
 
 def draw(mode):
-    """Against the exact solution and the method's own in unbounded fluid."""
+    """Comparison with the exact solution and with the method in unbounded fluid."""
     reference = pair_settling.read_reference()
     answers = pair_settling.compute(list(reference))
     report = Report("fig2", mode, "Fig. 2: two unequal spheres settling", panels=2)
@@ -27,10 +27,10 @@ def draw(mode):
     worst = pair_settling.differences(reference, answers)
     for multipoles, difference in worst.items():
         fine = difference < pair_settling.LIMIT
-        report.state(f"largest difference of {multipoles}", "the method in unbounded fluid: 0", f"{difference:.1e}", fine)
+        report.state(f"{multipoles}, largest difference", "from the method in unbounded fluid: 0", f"{difference:.1e}", fine)
     far = [key for key in reference if key[0] >= 2.5]
     error = max(abs(answers["dipole", *key] - reference[key]["exact"]) for key in far)
-    report.state("largest error of dipoles from r = 2.5 a₂ on", "excellent agreement (paper)", f"{error:.1e}", error < 0.02)
+    report.state("largest error of dipoles at r ≥ 2.5 a₂", "excellent agreement (paper)", f"{error:.1e}", error < 0.02)
     return report
 
 

@@ -1,5 +1,5 @@
 """Fig. 22: mean settling velocities of two sizes of equal density against the total concentration. The coefficients of the theories
-are those of spheres that encounters have arranged; those of spheres at random are larger."""
+are those of the pair distribution due to encounters; those of random pairs are larger."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from runs import make
 
 
 def draw(mode):
-    """From dilute to moderately concentrated; compared is what the images in the box leave out."""
+    """From dilute to moderately concentrated; the compared velocities are corrected for the periodic images."""
     totals = settling.TOTALS[mode]
     cases = {(ratio, phi): settling.dynamic(settling.two_sizes(ratio, phi), mode) for ratio in (2.0, 3.0) for phi in totals}
     make(sum(cases.values(), []))

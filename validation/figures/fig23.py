@@ -7,7 +7,7 @@ from runs import make, over_seeds
 
 
 def draw(mode):
-    """Means that do not depend on the box but for the images, and fluctuations that do."""
+    """Means, independent of the box except for the images, and fluctuations, which grow with it."""
     widths = settling.WIDTHS[mode]
     cases = {width: settling.dynamic(settling.two_sizes(2.0, 0.06), mode, edge=width) for width in widths}
     make(sum(cases.values(), []))
@@ -32,7 +32,7 @@ def draw(mode):
         fine = apart < max(2 * (error + last_error), 0.1 * last)
         report.state(f"mean of {name}, narrowest to widest", "the same (paper)", f"{first:.3f} to {last:.3f} ± {last_error:.1g}", fine)
         told = f"{fluctuations[0][0]:.3f} to {fluctuations[-1][0]:.3f}"
-        report.state(f"fluctuation of {name}", "grows (paper)", told, fluctuations[-1][0] > fluctuations[0][0])
+        report.state(f"fluctuation of {name}", "increases (paper)", told, fluctuations[-1][0] > fluctuations[0][0])
     report.label("$L/a_1$", "$U_i / U_{oi}$", 0, ylim=(0, 1.05))
     report.label("$L/a_1$", "vertical fluctuation $/ U_{oi}$", 1, ylim=(0, None))
     return report

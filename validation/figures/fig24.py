@@ -1,6 +1,6 @@
 """Fig. 24: settling of equal spheres of two densities, the first 2% by volume, against the total concentration. The theory is that
-of pairs at random with exact mobilities; places alone are those of hard spheres at equilibrium. Davis & Gecol's coefficients for
-other ratios of densities and the data of Revay & Higdon are not known as numbers and are left out."""
+of random pairs with exact mobilities; static positions are those of hard spheres at equilibrium. Davis & Gecol's coefficients for
+other ratios of densities and the data of Revay & Higdon are not available as numbers and are omitted."""
 
 import numpy as np
 
@@ -9,14 +9,14 @@ import theory
 from report import Report, main, shown
 from runs import make, over_seeds, volume
 
-# Means over parts of a run that show its course.
+# Number of parts of a run whose means are drawn.
 BLOCKS = 20
 # Distance of the centres up to which two spheres count as near.
 NEAR = 2.3
 
 
 def draw(mode):
-    """Both sink, or one rises; what the images in the box take off is added back."""
+    """Both sink, or one rises; velocities are corrected for the periodic images."""
     seconds = settling.SECOND[mode]
     own, other = theory.random_pairs()
     report = Report("fig24", mode, "Fig. 24: settling of two densities", panels=3)
@@ -47,7 +47,7 @@ def draw(mode):
             if ratio < 0 and name == "first":
                 values = [value for value, _ in velocities["runs"]]
                 told = ", ".join(f"{value:.3f}" for value in values)
-                report.state("first, γ = -1, runs", "grows with the total (paper)", told, values[-1] > values[0])
+                report.state("first, γ = -1, runs", "increases with the total (paper)", told, values[-1] > values[0])
                 streams(report, totals, dynamic.values(), static[seconds[-1]])
                 arrangement(report, dynamic)
         report.label(r"$\phi$", "$U_i / U_{oi}$", panel)
@@ -77,12 +77,12 @@ def arrangement(report, dynamic):
     near = [g[(distance > 2) & (distance < NEAR)] for distance, _, g in distributions.values()]
     cosine = next(iter(distributions.values()))[1]
     beside, above = (np.mean([g[:, chosen].mean() for g in near]) for chosen in (cosine < 0.25, cosine > 0.75))
-    told = f"{beside:.2f} beside each other, {above:.2f} one above the other"
-    quantity = f"g of two that differ, up to a gap of {NEAR - 2:.1g}, γ = -1"
-    report.state(quantity, "alike in all directions (equilibrium)", told, abs(beside - above) < 0.1 * above)
+    told = f"{beside:.2f} side by side, {above:.2f} one above the other"
+    quantity = f"g of unlike pairs up to a gap of {NEAR - 2:.1g}, γ = -1"
+    report.state(quantity, "isotropic (equilibrium)", told, abs(beside - above) < 0.1 * above)
     taken = [taken_off(phi, *distribution) for phi, distribution in distributions.items()]
     told = ", ".join(f"{value:.2f}" for value in taken)
-    report.state("what that takes off, leading order", "0 (random)", told, max(taken) < 0.02)
+    report.state("resulting reduction of the velocity, leading order", "0 (random)", told, max(taken) < 0.02)
 
 
 def unlike(run):

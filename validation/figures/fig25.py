@@ -1,5 +1,5 @@
-"""Fig. 25: stability of suspensions of heavy and buoyant equal spheres. The experiments' points are not known as numbers and are
-left out; they and the paper have the limit at about 15% in total."""
+"""Fig. 25: stability of suspensions of heavy and buoyant equal spheres. The experimental points are not available as numbers and are
+omitted; the limit in them and in the paper is about 15% in total."""
 
 import settling
 from report import Report, main, shown
@@ -7,11 +7,11 @@ from runs import make, over_seeds
 
 # Danckwerts' intensity of segregation beyond which species count as separating.
 SEPARATING = 0.2
-# Of so many rows of a time series one is drawn.
+# Interval between drawn rows of a time series.
 THIN = 10
-# Total concentration of the limit.
+# Total concentration at the limit.
 LIMIT = 0.15
-# The barrier of a run that tells what it does, over that of the others.
+# Strength of the barrier in a test of its effect, relative to the other runs.
 STRONGER = 4.0
 
 
@@ -32,7 +32,7 @@ def draw(mode):
         time = settling.segregation_time(first, second)
         quantity = f"intensity at {first:.0%} + {second:.0%} after {time:g} Stokes times"
         report.state(quantity, f"{expected} (paper)", shown(intensity), separates == (first + second > LIMIT))
-    report.state("mean velocity at most, in Stokes velocities, of what separates", "grows suddenly (paper)", *speeds(cases))
+    report.state("largest mean velocity of separated mixtures, in Stokes velocities", "increases suddenly (paper)", *speeds(cases))
     usual, stronger = (over_seeds(runs, at_the_end) for runs in barriers)
     quantity = f"intensity at 10% + 10% in a box of side 20, barrier {STRONGER:g} times as strong"
     report.compare(quantity, "usual barrier", usual[0], stronger)

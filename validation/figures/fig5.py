@@ -13,7 +13,7 @@ TERMS = (("xx", "$T_{11}$"), ("yy", "$T_{22}$"), ("zz", "$T_{33}$"))
 
 
 def draw(mode):
-    """Fluctuations of equal spheres, with lubrication and without, beside those of pairs."""
+    """Fluctuations of equal spheres, with lubrication and without, compared with the theory of pairs."""
     cases = {kind: shear.by_fraction(mode, kind == "lubricated") for kind in ("barrier", "lubricated")}
     make(sum([runs for one in cases.values() for runs in one.values()], []))
     report = Report("fig5", mode, "Fig. 5: velocity fluctuations in shear")
@@ -35,13 +35,13 @@ def draw(mode):
     growth = [quotient(*both) for both in zip(found["lubricated", "yy"], found["barrier", "yy"])]
     for fraction in (0.05, 0.15):
         over = growth[shear.FRACTIONS.index(fraction)]
-        report.compare(f"T22 with lubrication over without, {fraction:.0%}", "without it 10% less (paper)", 1 / 0.9, over)
+        report.compare(f"T22 with over without lubrication, {fraction:.0%}", "10% less without (paper)", 1 / 0.9, over)
     compare_in_plane(report, cases["barrier"][DENSEST], found)
     return report
 
 
 def compare_in_plane(report, runs, found):
-    """T11 over T22 for the most spheres: at the start, where places are random, and in the run."""
+    """T11 over T22 at the largest concentration: at the start, with random positions, and in the run."""
     of_pairs = "pairs of any structure (Drazer et al.)"
     report.compare(f"T11 / T22 at {DENSEST:.0%}, start, at random", of_pairs, 1.0, over_seeds(runs, at_start))
     in_run = quotient(*(found["barrier", term][shear.FRACTIONS.index(DENSEST)] for term in ("xx", "yy")))
@@ -49,13 +49,13 @@ def compare_in_plane(report, runs, found):
 
 
 def at_start(run):
-    """Of a run: T11 over T22 at its start, with the error that a sample of so many spheres has."""
+    """T11 over T22 at the start of a run, with the error of a sample of its number of spheres."""
     along, across = (run.series(f"velocity_variance_{axis}[sphere]")[1][0] for axis in "xy")
     return along / across, 2 / spheres(run) ** 0.5
 
 
 def judge(report, name, at_five, pairs):
-    """Beside the theories, at 5%."""
+    """Comparison with the theories at 5%."""
     for term, place in (("yy", 1), ("zz", 2)):
         value, error = at_five[term]
         for kind in ("random", "sheared"):
@@ -67,7 +67,7 @@ def judge(report, name, at_five, pairs):
 
 
 def quotient(above, below):
-    """With its error."""
+    """A quotient with its error."""
     value = above[0] / below[0]
     return value, value * ((above[1] / above[0]) ** 2 + (below[1] / below[0]) ** 2) ** 0.5
 

@@ -8,7 +8,7 @@ TERMS = (("xy", "$T_{12}$"), ("xz", "$T_{13}$"), ("yz", "$T_{23}$"))
 
 
 def draw(mode):
-    """Only the term of the plane of shear is not zero."""
+    """Only the term in the plane of shear is nonzero."""
     cases = shear.by_fraction(mode)
     make(sum(cases.values(), []))
     report = Report("fig6", mode, "Fig. 6: off-diagonal velocity fluctuations in shear")

@@ -26,7 +26,7 @@ def draw(mode):
         report.label("$v_1/s$", "density", panel, yscale="log", ylim=(1e-4, 2), xlim=(-6, 6))
     exponents = {f: runs[0].summary()["T_x_tail_exponent", "sphere"][0] for f, runs in cases.items()}
     listed = ", ".join(f"{n:.2f} at {fraction:.0%}" for fraction, n in exponents.items())
-    report.state("exponent n of exp(-|x/l|^n)", "grows towards 2 (paper)", listed, exponents[0.01] < exponents[0.20] <= 2.2)
+    report.state("exponent n of exp(-|x/l|^n)", "increases towards 2 (paper)", listed, exponents[0.01] < exponents[0.20] <= 2.2)
     report.state("n at 5%", "1 in the tails (paper)", f"{exponents[0.05]:.2f} for the whole density", exponents[0.05] < 1.5)
     return report
 

@@ -5,7 +5,7 @@ from report import Report, main
 from runs import make
 
 LINES = {0.01: "-", 0.05: "--", 0.10: ":", 0.20: "-."}
-# Colour of the lines and what is added to their labels.
+# Colours of the lines and suffixes of their labels.
 KINDS = {False: ("k", ""), True: ("C3", ", lubrication")}
 
 
@@ -18,7 +18,7 @@ def first_zero(times, values):
 
 
 def draw(mode):
-    """Correlations that change sign after about an encounter, with lubrication and without."""
+    """Correlations, which change sign after about the time of an encounter, with lubrication and without."""
     cases = {(kind, phi): shear.monodisperse(phi, mode, kind)[0] for kind in KINDS for phi in LINES}
     make(cases.values())
     report = Report("fig8", mode, "Fig. 8: autocorrelation of velocities in shear", panels=2)

@@ -10,8 +10,8 @@ from runs import make
 
 
 def draw(mode):
-    """From quadratic to linear growth. Encounters leave an offset c behind, c + 2 D t, below which the exponent of the whole is
-    less than 1 until t is many times c / (2 D)."""
+    """From quadratic to linear growth. Encounters cause an offset c, c + 2 D t, because of which the exponent is less than 1
+    until t is many times c / (2 D)."""
     report = Report("fig9", mode, "Fig. 9: mean square displacement in shear")
     cases = {kind: shear.by_fraction(mode, kind == "lubricated") for kind in ("barrier", "lubricated")}
     make([runs[0] for one in cases.values() for runs in one.values()])
@@ -52,9 +52,9 @@ def judge(report, suffix, found):
     fine = all(abs(one["late"] - 1) < 0.3 for one in dense)
     report.state(f"exponent after 8/rate{suffix}", "1 (paper)", listed("late", ".2f"), fine)
     fine = all(0.7 < one["bend"] < 1.4 for one in dense)
-    report.state(f"slope of the later half over the earlier{suffix}", "linear: 1 (paper)", listed("bend", ".2f"), fine)
+    report.state(f"ratio of the slopes of the later and the earlier half{suffix}", "linear: 1 (paper)", listed("bend", ".2f"), fine)
     fine = all(one["lag"] < 1.5 * shear.DIFFUSIVE for one in dense)
-    report.state(f"lag at which the offset is half{suffix}", "8/rate (paper)", listed("lag", ".0f"), fine)
+    report.state(f"lag at which the offset is half of the total{suffix}", "8/rate (paper)", listed("lag", ".0f"), fine)
 
 
 if __name__ == "__main__":

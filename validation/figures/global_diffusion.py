@@ -17,8 +17,7 @@ def alone(mode):
 
 
 def mean_coefficient(mode):
-    """<D> of a run, with the coefficients of spheres of each size alone at the same concentration, which are the same number
-    for both."""
+    """<D> of a run, in units of the coefficients of each size alone at the same concentration, which are equal when scaled."""
     one, _ = alone(mode)
 
     def of(run):

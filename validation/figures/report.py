@@ -1,4 +1,4 @@
-"""Output of a figure: its picture, its data, the rows that judge it, and the page of the documentation with all of these."""
+"""Output of a figure: its picture, its data, the rows of comparisons, and the page of the documentation with all of these."""
 
 import argparse
 import csv
@@ -15,7 +15,7 @@ from runs import ROOT
 
 DATA = ROOT / "validation" / "data" / "figures"
 PICTURES = ROOT / "docs" / "src" / "figures"
-# The pages: which figures are on each, and the text that says what to make of them.
+# The pages: the figures on each, and the file with its introduction.
 PAGES = {"figures": ("fig*", "about"), "disks": ("disks-*", "about_disks"), "shear-cell": ("shear-cell", "about_shear_cell")}
 
 
@@ -42,7 +42,7 @@ class Report:
         self.curves += [(label, a, b, math.nan) for a, b in zip(x, y)]
 
     def compare(self, quantity, reference, expected, found, tolerance=0.1):
-        """A number beside what a theory or the paper has; they agree within two errors or the tolerance."""
+        """Compares a number with a theory or the paper; they agree within two errors or the tolerance."""
         value, error = found
         apart = value - expected
         fine = abs(apart) <= max(2 * error if math.isfinite(error) else 0.0, tolerance * abs(expected))
@@ -50,7 +50,7 @@ class Report:
         self.rows.append([quantity, f"{reference}: {expected:.4g}", shown(found), verdict])
 
     def state(self, quantity, reference, found, holds):
-        """A statement of the paper and whether it is found."""
+        """Records a statement of the paper and whether it holds."""
         self.rows.append([quantity, reference, found, "yes" if holds else "no"])
 
     def label(self, x, y, panel=0, **axes):
@@ -59,7 +59,7 @@ class Report:
         self.panels[panel].legend(fontsize=7)
 
     def save(self):
-        """Writes everything, and the page anew."""
+        """Writes the picture, the data, and the page."""
         DATA.mkdir(parents=True, exist_ok=True)
         self.figure.savefig(PICTURES / f"{self.name}.png", dpi=90)
         plt.close(self.figure)
@@ -103,12 +103,12 @@ def table(columns, rows):
 
 
 def write_page(page):
-    """The page of all its figures that have been made, after the text that says what to make of them."""
+    """Writes a page: its introduction, and all of its figures that have been made."""
     figures, about = PAGES[page]
     lines = [(ROOT / "validation" / "figures" / f"{about}.md").read_text().rstrip()]
     cost = DATA / "cost.json"
     if page == "figures" and cost.exists():
-        lines += ["", "## What the runs cost", "", "`scripts/reproduce cost`", "", *table(**json.loads(cost.read_text()))]
+        lines += ["", "## Cost of the runs", "", "`scripts/reproduce cost`", "", *table(**json.loads(cost.read_text()))]
     for path in sorted(DATA.glob(f"{figures}.json"), key=number):
         judged = json.loads(path.read_text())
         lines += ["", f"## {judged['title']}", "", f"`scripts/reproduce {path.stem} --{judged['mode']}`", ""]
@@ -118,10 +118,10 @@ def write_page(page):
 
 
 def main(make):
-    """Makes a figure as the command line says."""
+    """Makes a figure with the options of the command line."""
     parser = argparse.ArgumentParser(description=make.__doc__)
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--quick", dest="mode", action="store_const", const="quick", help="minutes, small samples (default)")
-    how.add_argument("--full", dest="mode", action="store_const", const="full", help="as long and large as the paper's")
+    how.add_argument("--full", dest="mode", action="store_const", const="full", help="length and size of the paper")
     parser.set_defaults(mode="quick")
     make(parser.parse_args().mode).save()

@@ -1,4 +1,4 @@
-"""Runs of the program for the figures: each in a folder of its own, gone on with where it was left, never made twice."""
+"""Runs of the program for the figures: each in a separate folder, continued if interrupted, and made once."""
 
 import concurrent.futures
 import csv
@@ -34,7 +34,7 @@ def toml(value):
 
 
 def key_of(name):
-    """A key as TOML writes it: one with points, as of a swept key, in quotes."""
+    """A key as TOML writes it: in quotes if it has dots, like a swept key."""
     return f'"{name}"' if "." in name else name
 
 
@@ -60,11 +60,11 @@ class Run:
         return self.finished.exists() and self.finished.read_text() == self.text
 
     def has_a_part(self):
-        """Whether something of it has been made that `resume` goes on from."""
+        """Whether there are results that `resume` can continue."""
         return any(self.folder.glob("checkpoint-*.bin")) or any(self.folder.glob("point-*"))
 
     def make(self):
-        """Runs the scene, or goes on with it; a scene that has changed starts anew."""
+        """Runs the scene, or continues it; a changed scene starts afresh."""
         if self.is_finished():
             return
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -78,10 +78,10 @@ class Run:
             command = [PROGRAM, "run", started, "--out", self.folder, "--force"]
         self.carry_out([*map(str, command), "--threads", str(self.threads)], goes_on)
         self.finished.write_text(self.text)
-        print(f"finished   {self.name}, {self.seconds():.0f} s of a core in all", flush=True)
+        print(f"finished   {self.name}, {self.seconds():.0f} core-seconds in total", flush=True)
 
     def carry_out(self, command, goes_on):
-        """Runs the program, and notes the seconds of all cores that it took, beside those of the parts before."""
+        """Runs the program, and records its core-seconds, added to those of previous parts."""
         log, before = self.folder / "log.txt", self.seconds() if goes_on else 0.0
         with open(log, "w") as file:
             child = subprocess.Popen(command, stdout=file, stderr=file)
@@ -91,7 +91,7 @@ class Run:
             raise SystemExit(f"{self.name}: {log.read_text().strip().splitlines()[-1]}\nfolder: {self.folder}")
 
     def seconds(self):
-        """The seconds of a core that it has taken, zero where they are not known."""
+        """Core-seconds used so far, zero if unknown."""
         noted = self.folder / "seconds.txt"
         return float(noted.read_text()) if noted.exists() else 0.0
 
@@ -106,7 +106,7 @@ class Run:
             return list(csv.DictReader(file))
 
     def columns(self, name, *wanted, **where):
-        """Columns of numbers of a table, of the rows whose words are as given."""
+        """Columns of numbers of a table, for the rows with the given values in `where`."""
         rows = [row for row in self.table(name) if all(row[key] == word for key, word in where.items())]
         return [[float(row[column]) for row in rows] for column in wanted]
 
@@ -136,8 +136,8 @@ def make(runs):
 
 
 def over_seeds(runs, quantity):
-    """A quantity of runs that differ in their seeds alone: its mean, and the error of that, by the scatter of the runs or by their
-    own errors, whichever is larger: few runs may happen to agree. `quantity` gives value and error of one run."""
+    """Mean of a quantity over runs that differ only in their seeds, with its error: from the scatter of the runs or from their own
+    errors, whichever is larger, since few runs may agree by chance. `quantity` returns value and error of one run."""
     values, errors = zip(*(quantity(run) for run in runs))
     count = len(values)
     mean = sum(values) / count

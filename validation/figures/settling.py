@@ -1,4 +1,4 @@
-"""Settling suspensions, figures 1 and 19 to 25 of Abbas et al. (2006): scenes and what is taken from them.
+"""Settling suspensions, figures 1 and 19 to 25 of Abbas et al. (2006): scenes and evaluation.
 
 Lengths are in units of the (small) radius, velocities of the Stokes velocity of a sphere of species 1; viscosity 1. Species
 settle along -z."""
@@ -11,21 +11,21 @@ from theory import periodic_images
 sys.path.insert(0, str(ROOT / "validation"))
 from support import hard_spheres
 
-# Stokes times, those before sampling, seeds, spheres of the scarcer species, least side of the box, samples of places alone.
+# Stokes times, those before sampling, seeds, spheres of the scarcer species, smallest edge of the box, samples of static positions.
 SIZE = {
     "quick": {"time": 30.0, "settled": 5.0, "seeds": 1, "scarce": 8, "least": 20.0, "placings": 12},
     "full": {"time": 400.0, "settled": 20.0, "seeds": 1, "scarce": 100, "least": 48.0, "placings": 12},
 }
-# Between samples, in Stokes times; divided as far as the errors of places, in radii, need.
+# Step between samples in Stokes times, divided so that the errors of positions, in radii, meet the tolerance.
 STEP, TOLERANCE = 0.5, 1e-2
-# Force at contact over the weight of a small sphere and the squared harmonic mean radius, of equal spheres and of unlike ones, the gap
-# where it starts, and a shorter one.
+# Force at contact over the weight of a small sphere and the squared harmonic mean radius, for equal and for unlike spheres; the gap
+# at which it vanishes, and a shorter one.
 BARRIER, BARRIER_OF_UNLIKE, RANGE, SHORT_RANGE = 2.0, 4.0, 0.2, 0.05
 
 
 def scene(species, edge, mode, seed, time=None, reach=RANGE, stronger=1.0):
-    """A settling suspension of species given as (name, radius, density difference, volume fraction or count), whose barrier starts
-    at a gap of `reach` and is `stronger` times as strong as otherwise."""
+    """A settling suspension of species given as (name, radius, density difference, volume fraction or count), whose barrier
+    vanishes at a gap of `reach` and is `stronger` times as strong as the default."""
     size = SIZE[mode]
     time = size["time"] if time is None else time
     alike = all(radius == 1 and density > 0 for _, radius, density, _ in species)
@@ -73,7 +73,7 @@ def dynamic(species, mode, edge=None, time=None, reach=RANGE, stronger=1.0):
 
 
 def static(species, mode, multipoles="dipole"):
-    """Spheres of radius 1 at the places of hard spheres at equilibrium and nothing more, averaged over many."""
+    """Static configurations: spheres of radius 1 at the positions of hard spheres at equilibrium."""
     least = edge_for(species, mode)
     counts = [round(phi * least**3 / volume(1)) for *_, phi in species]
     total = sum(phi for *_, phi in species)
@@ -89,7 +89,7 @@ def static(species, mode, multipoles="dipole"):
 
 
 def places(count, fraction, seed):
-    """Centres and the side of their box."""
+    """Centres, and the edge of their box."""
 
     def compute():
         centres, edge = hard_spheres.equilibrium(count, fraction, seed, sweeps=150)
@@ -99,9 +99,8 @@ def places(count, fraction, seed):
 
 
 def settled(runs, species, place, edge, rigid=True):
-    """The mean velocity downwards of a species of some runs, by its place in the list, over its Stokes velocity: as it is in the
-    box, and with what the images of the box take off added back. Both with errors. Spheres that are not rigid do not make the
-    suspension more viscous."""
+    """The mean downward velocity of a species, by its index in the list, over its Stokes velocity: in the box, and corrected for the
+    periodic images, both with errors. Spheres that are not rigid do not increase the viscosity."""
     name, radius, density, _ = species[place]
     stokes = density * radius**2
     value, error = (number / stokes for number in over_seeds(runs, downwards(name)))
@@ -109,7 +108,7 @@ def settled(runs, species, place, edge, rigid=True):
 
 
 def downwards(name):
-    """Of a run: the mean velocity of a species against the z axis, with its error."""
+    """Function of a run: the mean velocity of a species along -z, with its error."""
 
     def of(run):
         value, error = run.summary()["mean_velocity_z", name]
@@ -127,11 +126,11 @@ PAIRS = {
     "quick": ((0.03, 0.03), (0.06, 0.06), (0.10, 0.10)),
     "full": ((0.02, 0.02), (0.04, 0.04), (0.06, 0.06), (0.08, 0.08), (0.10, 0.10), (0.05, 0.15), (0.02, 0.15), (0.12, 0.12)),
 }
-# Long enough for streams to begin.
+# Long enough for streams to form.
 STREAMS_TIME = {"quick": 120.0, "full": 400.0}
 TEST_RATIOS = {"quick": (1.2, 2.0, 2.8), "full": (1.0, 1.2, 1.6, 2.0, 2.4, 2.8)}
 TEST_TIME = {"quick": 60.0, "full": 400.0}
-# One test sphere in the paper; a few in the same box when time is short.
+# One test sphere as in the paper; several in the same box for quick runs.
 TESTS = {"quick": 4, "full": 1}
 
 
@@ -148,7 +147,7 @@ def two_densities(density_ratio, second, first=0.02):
 
 
 def segregation(first, second, mode, stronger=1.0):
-    """Spheres that sink and spheres that rise; what figure 24 has are the same runs."""
+    """Spheres that sink and spheres that rise; figure 24 uses the same runs."""
     return dynamic(two_densities(-1.0, second, first), mode, time=segregation_time(first, second), stronger=stronger)
 
 

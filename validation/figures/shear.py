@@ -1,16 +1,16 @@
-"""Sheared suspensions, figures 5 to 18 of Abbas et al. (2006): scenes and what is taken from them.
+"""Sheared suspensions, figures 5 to 18 of Abbas et al. (2006): scenes and evaluation.
 
 Lengths are in units of the (small) radius, times of the inverse shear rate; viscosity 1."""
 
 from runs import Run, volume
 
-# The force at contact that keeps spheres of radius 1 apart at all volume fractions here, and the gap where it starts: that of
-# the paper's figures 4 and 10, without and with lubrication.
+# The force at contact that keeps spheres of radius 1 apart at all volume fractions here, and the gap at which it vanishes: that
+# of the paper's figures 4 and 10, without and with lubrication.
 BARRIER, RANGE, RANGE_WITH_LUBRICATION = 80.0, 0.2, 0.05
 
-# Strain between samples, divided as far as the errors of places, in radii, need.
+# Strain between samples, divided so that the errors of positions, in radii, meet the tolerance.
 STEP, TOLERANCE = 0.1, 3e-3
-# Particles at each volume fraction or side of the box, strains of equal spheres and of two sizes, seeds of equal spheres, of
+# Particles at each volume fraction or edge of the box, strains of equal spheres and of two sizes, seeds of equal spheres, of
 # those with lubrication, and of two sizes.
 SIZE = {
     "quick": {"particles": 150, "edge": 22.0, "strains": (80.0, 40.0), "seeds": 2, "lubricated": 1, "mixed": 2},
@@ -19,7 +19,7 @@ SIZE = {
 # Strains before sampling.
 SETTLED = 10.0
 FRACTIONS = (0.01, 0.05, 0.10, 0.15, 0.20)
-# Correlations last for about this long (figure 8), and motion is diffusive after it (figure 9).
+# Time after which correlations have decayed (figure 8) and motion is diffusive (figure 9).
 DIFFUSIVE = 8.0
 
 
@@ -28,7 +28,7 @@ def scene(species, edge, mode, seed, lubrication=False):
     size = SIZE[mode]
     fraction = sum(phi for _, _, phi in species)
     largest = max(radius for _, radius, _ in species)
-    # The paper's length where none is given.
+    # The paper's length by default.
     strain = size["strains"][largest > 1] if size["strains"] else 100 * fraction ** (-1 / 3)
     return {
         "title": "Sheared suspension",
@@ -70,7 +70,7 @@ def bidisperse(ratio, large_to_small, mode, fraction=0.10):
 
 
 def tensor(component, name="sphere", radius=1.0, what="T"):
-    """Of a run: a component of the fluctuation tensor of a species, over `(rate radius)^2`, or over `rate^2` for `w`."""
+    """Function of a run: a component of the fluctuation tensor of a species, over `(rate radius)^2`, or over `rate^2` for `w`."""
 
     def of(run):
         value, error = run.summary()[f"{what}_{component}", name]
@@ -81,7 +81,7 @@ def tensor(component, name="sphere", radius=1.0, what="T"):
 
 
 def diffusivity(axis, name="sphere", radius=1.0, by="slope"):
-    """Of a run: the diffusivity of a species along an axis, over `rate radius^2`."""
+    """Function of a run: the diffusivity of a species along an axis, over `rate radius^2`."""
 
     def of(run):
         value, error = run.summary()[f"D_{by}_{axis}", name]
@@ -91,7 +91,7 @@ def diffusivity(axis, name="sphere", radius=1.0, by="slope"):
 
 
 def quotient(above, below):
-    """Of a run: the quotient of two quantities."""
+    """Function of a run: the quotient of two quantities."""
 
     def of(run):
         (a, da), (b, db) = above(run), below(run)

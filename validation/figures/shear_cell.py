@@ -13,11 +13,11 @@ DIAMETER, DENSITY, GAP = 0.787e-3, 2550.0, 4e-3
 # The paper's mean solid fractions at 5.5 kPa, and those of its experiments and particles.
 PAPER = [0.63, 0.58, 0.51]
 DENSE = 0.595
-# Load at which the theory has that solid fraction at the first speed.
+# Load at which the theory gives that solid fraction at the first speed.
 LOAD = 3574.0
 # Solid fraction at which the particles are compared.
 FRACTION = 0.5
-# The paper's speeds, at which the weight of the grains is two fifths of the stress at first, and speeds at which it is a
+# The paper's speeds, at the first of which the weight of the grains is two fifths of the stress, and speeds at which it is a
 # fortieth and less: the collisional regime.
 REGIMES = {"the paper's speeds": SPEEDS, "collisional": [4 * speed for speed in (*SPEEDS, 5.6)]}
 GRAVITY = 9.81
@@ -37,7 +37,7 @@ def continuum(name, speeds, pressure):
 
 
 def particles(collisions, speed, seed, mode):
-    """Grains at a speed; times are as the inverse of it, so that all runs go equally far."""
+    """Grains at a speed; times are proportional to its inverse, so that all runs have the same displacement."""
     slow = SPEEDS[0] / speed
     length, width = (0.03, 0.019) if mode == "full" else (0.008, 0.008)
     window = float(f"{5e-5 * slow:.3g}")
@@ -74,7 +74,7 @@ def particles(collisions, speed, seed, mode):
 
 
 def rows(run, name):
-    """A table whose numbers are numbers."""
+    """The rows of a table, with numbers as floats."""
     with open(run.folder / f"{name}.csv") as file:
         return [{k: v if k == "wall" else float(v) for k, v in row.items()} for row in csv.DictReader(file)]
 
@@ -135,7 +135,7 @@ def stresses(report, solved, runs):
         report.panels[panel].minorticks_off()
     fractions = [row["mean_solid_fraction"] for row in theory]
     constant = max(abs(f - DENSE) for f in fractions) < 5e-4
-    report.state("theory: solid fraction at loads as U²", "constant, so the slope is 2", f"{fractions[-1]:.4f}", constant)
+    report.state("theory: solid fraction at loads proportional to U²", "constant, so the slope is 2", f"{fractions[-1]:.4f}", constant)
 
 
 def engines(report, runs):
@@ -150,7 +150,7 @@ def engines(report, runs):
     weight = FRACTION * GAP * DENSITY * GRAVITY
     bottom, top = wall(first, "normal", "bottom"), wall(first, "normal")
     difference, error = bottom[0] - top[0], math.hypot(bottom[1], top[1])
-    report.compare("normal stress on the bottom less that on the top, Pa", "weight over area", weight, (difference, error), 0.08)
+    report.compare("normal stress on the bottom minus that on the top, Pa", "weight per area", weight, (difference, error), 0.08)
 
 
 def draw(mode):

@@ -19,8 +19,8 @@ def richardson_zaki(phi, exponent=4.7):
 
 
 def brownian(phi):
-    """Fit of the settling of Brownian spheres, which are spread as hard spheres at equilibrium are: Brzinski & Durian,
-    arXiv:1710.09314 (2018). Their exponent for the others is 4.48."""
+    """Fit of the settling of Brownian spheres, distributed like hard spheres at equilibrium: Brzinski & Durian,
+    arXiv:1710.09314 (2018). Their exponent for non-Brownian spheres is 4.48."""
     return richardson_zaki(phi, 5.6)
 
 
@@ -36,7 +36,7 @@ def brady_durlofsky(phi):
 
 
 def chemical_potentials(densities, radii):
-    """Of the species of a mixture of hard spheres, over kT, by scaled particle theory, which is the compressibility route of
+    """Chemical potentials of a mixture of hard spheres, over kT, by scaled particle theory, which is the compressibility route of
     Percus & Yevick (Lebowitz, Helfand & Praestgaard, J. Chem. Phys. 43, 774, 1965)."""
     d = 2 * np.asarray(radii)
     x0, x1, x2, x3 = (np.pi / 6 * np.sum(densities * d**n) for n in range(4))
@@ -103,14 +103,14 @@ def resistance(gap, ratio=1.0):
 
 
 def over_gaps(function):
-    """A function of the gap at all of them."""
+    """A function of the gap at all `GAPS`."""
     with concurrent.futures.ThreadPoolExecutor(WORKERS) as pool:
         return list(pool.map(lambda gap: function(float(gap)), GAPS))
 
 
 def pair_functions(gap):
     """A and B of Batchelor & Green, J. Fluid Mech. 56, 375 (1972), for equal spheres at a gap in radii, from the exact
-    resistance functions: the motions that leave two spheres in a strain without force and torque."""
+    resistance functions: the motions of two force-free and torque-free spheres in a strain."""
     f, r = resistance(gap), 2 + gap
     a = 4 / 3 / r * (f["XG11"] + f["XG21"]) / (f["XA11"] - f["XA12"])
     coupling = [-4 * (f["YB11"] + f["YB21"]), -4 * (f["YB11"] - f["YB12"])]
@@ -120,8 +120,8 @@ def pair_functions(gap):
 
 
 def velocities_by_forces(gap, ratio=1.0):
-    """Of two spheres of radii 1 and `ratio`, torques zero: velocity of the first along and across the line of centres, over that of
-    it alone under the same force, when it is pushed and when the other is."""
+    """Velocity of the first of two torque-free spheres of radii 1 and `ratio`, along and across the line of centres, relative to an
+    isolated sphere under the same force, when the force acts on it and when it acts on the other."""
     f = resistance(gap, ratio)
     sums = np.add.outer([1.0, ratio], [1.0, ratio])
 
@@ -144,7 +144,7 @@ def random_pairs(ratio=1.0):
         own.append((along[0] + 2 * across[0] - 3) * r * r * gap)
         other.append((along[1] + 2 * across[1] - 3 / r) * r * r * gap)
     steps = np.diff(np.log(GAPS))
-    # Far away the first falls as r^-4, so that the rest of the integral is that of the last value.
+    # Far away the first decreases as r^-4, so that the rest of the integral follows from the last value.
     far = own[-1] / GAPS[-1] * (1 + ratio + GAPS[-1])
     inner = [float(np.sum(0.5 * steps * (np.array(f)[1:] + np.array(f)[:-1]))) for f in (own, other)]
     return (inner[0] + far) / ratio**3, (inner[1] - (1 + 3 * ratio + ratio**2)) / ratio**3
@@ -188,7 +188,7 @@ class DilutePairs:
         def integral(f):
             integrand = f * q * self.r**4 * GAPS
             inner = np.sum(0.5 * (integrand[1:] + integrand[:-1]) * np.diff(np.log(GAPS)))
-            # The first 1e-5 counts nothing; far away f = c/r^6 with the last value.
+            # The part below a gap of 1e-5 is negligible; far away f = c/r^6 with the last value.
             return 4 * np.pi * (inner + f[-1] * self.r[-1] ** 5)
 
         scale = 3 / (4 * np.pi) / 4

@@ -1,4 +1,4 @@
-"""A plugin of pytest: leaves out tests that do not apply, each with the reason, and writes the outcomes of all."""
+"""A plugin of pytest: skips tests that do not apply, each with the reason, and writes all outcomes."""
 
 import collections
 import importlib.util
@@ -8,16 +8,16 @@ import os
 import pytest
 
 FULL = os.environ.get("PEERS_FULL") == "1"
-SLOW = "takes many minutes; with --full"
+SLOW = "takes many minutes; run with --full"
 REASONS = {
-    "reference": "compares with numbers of its own kernel, to 1e-5 or less; spheres here are Gaussian envelopes",
-    "self": "SelfMobility: there is no solver without hydrodynamic interactions here",
-    "wall": "NBody at a wall: the fluid along a wall is periodic here",
-    "words": "asserts the words of its error messages, or that it refuses what its method can not do",
-    "batches": "is of parameters of its algorithm",
-    "refuses": "asserts that what is supported here is refused",
-    "arrays": "arrays of another library: those of numpy are taken here",
-    "inside": "looks at its own matrices within the scheme",
+    "reference": "compares with values of its own kernel to 1e-5 or less; spheres here are Gaussian envelopes",
+    "self": "SelfMobility: not available; there is no solver without hydrodynamic interactions here",
+    "wall": "NBody at a wall: boxes with a wall are periodic along it here",
+    "words": "asserts its own error messages or limits of its method",
+    "batches": "tests parameters of its algorithm",
+    "refuses": "asserts that a feature is refused which is supported here",
+    "arrays": "arrays of other libraries than NumPy are not supported here",
+    "inside": "examines internal matrices of its scheme",
 }
 # By the name of a test, without its parameters.
 TESTS = {
@@ -30,7 +30,7 @@ TESTS = {
     "test_self_mobility_selfmobility": "self",
     "test_thermal_realspace": "inside",
 }
-# Ten thousand draws and more, one by one; those of the periodic box take seconds.
+# Tests of ten thousand draws and more; in a periodic box they take seconds.
 SLOW_TESTS = ("test_deterministic_divM_matches_rfd", "test_fluctuation_dissipation_linear", "test_fluctuation_dissipation_angular")
 
 

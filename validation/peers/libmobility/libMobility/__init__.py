@@ -25,7 +25,7 @@ class _Solver(FCM):
             super()._put(places)
         except RuntimeError as error:
             if "centre" in str(error) or "outside" in str(error):
-                pytest.skip(f"its places at random are none that spheres can have here: {error}")
+                pytest.skip(f"its random positions are not admissible here: {error}")
             raise
 
 
