@@ -6,7 +6,7 @@ use crate::part_progress::PartProgress;
 use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{AxisRotation, Bytes, Comm, Tensor, Traceless, Vector};
-use fcm::{Costs, Drawn, Loads, Motion, Multipoles, Plan};
+use fcm::{Costs, DrawDiagnostics, Loads, Motion, Multipoles, Plan};
 use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
@@ -88,7 +88,7 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let drifting = case.noise.filter(|noise| noise.drift);
     let drift = drifting.map(|Noise { draws, seed, .. }| mobility.drift(seed, 0..draws)).transpose()?;
     if let Some(clipped) =
-        noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&c| c > Drawn::NEGLIGIBLE && comm.is_first())
+        noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&c| c > DrawDiagnostics::NEGLIGIBLE && comm.is_first())
     {
         streams::log(format_args!(
             "warning: {clipped:.1e} of the near field's weight is negative, which it is where spheres overlap; random \
@@ -118,7 +118,7 @@ fn read(path: &Path) -> Result<Case, io::FileError> {
 /// Warnings about a case that can be evaluated but whose answer is questionable.
 fn cautions(overlaps: Option<Overlaps>, mobility: &Mobility) -> Vec<String> {
     let caution = |overlaps| format!("{overlaps}; the answer is that of the method, but spheres can't be there");
-    overlaps.map(caution).into_iter().chain(mobility.burden()).collect()
+    overlaps.map(caution).into_iter().chain(mobility.infeasible()).collect()
 }
 
 /// Memory for the numbers of the case and the answer, 32 for each particle and those of random motions, in binary form

@@ -1,27 +1,15 @@
 //! Errors of an evaluation against one parameter at a time, next to the planner's bounds: the measurements to which
 //! the bounds were fitted. Prints Markdown.
 //!
-//! `cargo run --release -p fcm --example errors`
+//! `cargo run --release -p fcm-solve-fcm --example errors`
 
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-#[path = "../src/accuracy.rs"]
-#[allow(dead_code, reason = "the bounds alone are printed")]
-mod accuracy;
-
-/// Module under the path at which the included `accuracy.rs` expects it.
-mod problem {
-    pub use fcm::Multipoles;
-}
-#[path = "../src/window/kaiser_bessel.rs"]
-#[allow(dead_code, reason = "its shape alone is needed")]
-mod window;
-
-use accuracy::{Brackets, cutoff_error, direct_grid_error, split_grid_error, stencil_error, window_error};
 use common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Vector};
-use fcm::{Evaluation, Fixed, Loads, Method, MethodName, Motion, Multipoles, Plan, Precision, Problem};
+use fcm::accuracy::{Brackets, cutoff_error, direct_grid_error, split_grid_error, stencil_error, window_error};
+use fcm::{Fixed, Loads, Method, MethodName, Motion, Multipoles, Output, Plan, Precision, Problem};
 
 /// A suspension, its loads and the exact motion.
 #[derive(Clone)]
@@ -61,7 +49,7 @@ impl Case {
         if self.multipoles == Multipoles::Dipole {
             return worst(&self.suspension.evaluate(plan, &self.loads), &self.exact);
         }
-        let found = self.suspension.mobility(plan).apply(&self.loads, Evaluation::Velocities);
+        let found = self.suspension.mobility(plan).apply(&self.loads, Output::Velocities);
         error(&vectors(&found.velocities), &vectors(&self.exact.velocities))
     }
 }

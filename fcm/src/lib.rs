@@ -3,13 +3,13 @@
 //! A particle of radius `a` at `Y` applies the force density `f_i = F_i Delta + G_ij d_j Delta'` to the fluid, where
 //! `G = S + A` is the sum of its stresslet `S` and the antisymmetric part `A` by its torque. It moves with the
 //! fluid's velocity averaged over the same envelopes. [`Mobility`] is that linear map from loads to motions;
-//! [`Hydrodynamics`] adds the stresslets that keep spheres rigid.
+//! [`StressletSolver`] adds the stresslets that keep spheres rigid.
 //!
 //! Units are any consistent ones. The velocity of a sphere in a periodic box of 32 radii, over its Stokes velocity
 //! `F / (6 pi mu a)`, is `1 - 2.8373 a/L + 4.19 (a/L)^3` (Hasimoto 1959):
 //! ```
 //! use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
-//! use fcm::{Costs, Fixed, Hydrodynamics, Loading, Loads, Multipoles, Plan, Problem};
+//! use fcm::{Costs, Fixed, StressletSolver, Loading, Loads, Multipoles, Plan, Problem};
 //!
 //! let (radius, edge, viscosity) = (1.0, 32.0, 1.0);
 //! let plan = Plan::choose(&Problem {
@@ -17,7 +17,7 @@
 //!     boundaries: Boundaries::Periodic,
 //!     volume: edge.powi(3),
 //!     shortest_vector: edge,
-//!     contraction: 1.0,
+//!     smallest_edge_ratio: 1.0,
 //!     largest_strain: 0.0,
 //!     largest_tilts: [0.0; 2],
 //!     radii: vec![(radius, 1)],
@@ -37,66 +37,36 @@
 //! sphere.push(0, Vector::splat(3.0), radius, 0);
 //! let weight = 6.0 * std::f64::consts::PI * viscosity * radius;
 //! let loads = Loads { forces: vec![Vector::new(0.0, 0.0, weight)], ..Loads::default() };
-//! let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+//! let mut hydrodynamics = StressletSolver::new(&plan, &partition);
 //! let solved = hydrodynamics.solve(&plan.cell(), &sphere, &loads, Traceless::default(), &[])?;
 //! let expected = 1.0 - 2.8373 / edge + 4.19 / edge.powi(3);
 //! assert!((solved.motion.velocities[0].z - expected).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod accuracy;
-mod bessel;
-mod bounded;
-mod boys;
-mod burden;
-mod check;
-mod conjugate_gradients;
-mod constraint;
-mod cost;
-mod costs;
-mod described;
 mod envelope;
-mod far;
-mod gaussian;
-mod hydrodynamics;
-mod interpolate;
-mod kernel;
-mod leeway;
-mod loads;
-mod memory;
+mod grid;
 mod mobility;
-mod near;
-mod noise;
-mod pair_functions;
+mod pairs;
 mod plan;
-mod planner;
-mod problem;
-mod raster;
-mod slant;
-mod spread;
-mod stencil;
-mod table;
-mod totals;
-mod wall_cut;
-mod wall_drift;
-mod wall_images;
-mod waves;
-mod window;
-mod work;
+mod rigid;
+mod walls;
 
-pub use bounded::{NEAREST_WALL, OutsideError, check_inside};
-pub use conjugate_gradients::{Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
-pub use constraint::Constraint;
-pub use costs::Costs;
-pub use described::is_same_way;
 pub use envelope::Envelope;
-pub use hydrodynamics::{Hydrodynamics, SolveError, Solved};
-pub use loads::{Loads, Motion};
-pub use memory::Footprint;
-pub use mobility::{Evaluation, Flow, Mobility};
-pub use noise::{Drawn, Stream, root_times};
+pub use grid::stencil::Support;
+pub use mobility::loads::{Loads, Motion, Output};
+pub use mobility::memory::Footprint;
+pub use mobility::noise::{DrawDiagnostics, Stream, square_root_times};
+pub use mobility::rank_one::Constraint;
+pub use mobility::work::{Seconds, Work};
+pub use mobility::{Flow, Mobility};
+#[doc(hidden)]
+pub use plan::accuracy;
+pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
+pub use plan::costs::Costs;
+pub use plan::plan_comparison::is_same_plan;
+pub use plan::problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
+pub use plan::sample_points::SamplePoints;
 pub use plan::{Plan, PlanError};
-pub use problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
-pub use raster::Raster;
-pub use stencil::Support;
-pub use work::{Seconds, Work};
+pub use rigid::conjugate_gradients::{Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
+pub use rigid::stresslet_solver::{SolveError, Solved, StressletSolver};

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, error, errors, rigid_errors, solved, vectors, worst};
 use domain::{Boundaries, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, Multipoles, Plan, PlanError, Precision, Problem};
+use fcm::{Fixed, Loads, Multipoles, Output, Plan, PlanError, Precision, Problem};
 use std::f64::consts::PI;
 
 fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
@@ -89,7 +89,7 @@ fn a_sphere_at_a_wall_has_the_mobility_in_closed_form() {
         for tolerance in [1e-2, 1e-3] {
             let plan = Plan::choose(&Problem { rigid: true, ..one.problem(tolerance) }).unwrap();
             let mut mobility = one.mobility(&plan);
-            let mut by = |loads: Loads| mobility.apply(&loads, Evaluation::All);
+            let mut by = |loads: Loads| mobility.apply(&loads, Output::All);
             let mut by_force = |force: Vector| by(Loads { forces: vec![force], ..Loads::default() });
             let (up, aside) = (by_force(Vector::Z), by_force(Vector::X));
             let mut by_torque = |torque: Vector| by(Loads { torques: vec![torque], ..Loads::default() });
@@ -180,7 +180,7 @@ fn the_mobility_is_symmetric_and_positive_definite() {
             let size = 11 * suspension.radii.len();
             let loads: Vec<Loads> = (0..size).map(|number| suspension.unit_load(number)).collect();
             let row = |load: &Loads| {
-                let motion = mobility.apply(load, Evaluation::All);
+                let motion = mobility.apply(load, Output::All);
                 loads.iter().map(|load| motion.power(load)).collect()
             };
             let mut matrix: Vec<Vec<f64>> = loads.iter().map(row).collect();
@@ -269,7 +269,7 @@ fn forces_alone_are_no_nearer_to_copies_than_with_dipoles() {
         let loads = Loads { forces: suspension.loads(3).forces, ..Loads::default() };
         let velocities = |multipoles: Multipoles, tolerance: f64| {
             let plan = Plan::choose(&Problem { multipoles, ..suspension.problem(tolerance) }).unwrap();
-            vectors(&suspension.mobility(&plan).apply(&loads, Evaluation::Velocities).velocities)
+            vectors(&suspension.mobility(&plan).apply(&loads, Output::Velocities).velocities)
         };
         let exact = velocities(Multipoles::Dipole, 1e-9);
         for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {

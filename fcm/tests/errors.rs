@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, on_ranks};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Hydrodynamics, Loads, MethodName, Motion, Plan, Problem, SolveError};
+use fcm::{Fixed, Loads, MethodName, Motion, Plan, Problem, SolveError, StressletSolver};
 use std::sync::Mutex;
 
 fn problem() -> Problem {
@@ -137,7 +137,7 @@ fn fixed_choices_change_what_is_expected() {
 fn on_four_ranks(suspension: &Suspension, plan: &Plan, loads: &Loads) -> Vec<Result<(), SolveError>> {
     let outcomes = Mutex::new(Vec::new());
     on_ranks(suspension, (plan, [2, 2]), loads, |partition, particles, loads| {
-        let mut hydrodynamics = Hydrodynamics::new(plan, partition);
+        let mut hydrodynamics = StressletSolver::new(plan, partition);
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
         let outcome = hydrodynamics.solve(&suspension.cell, particles, loads, strain, &[]);
         outcomes.lock().unwrap().push(outcome.map(|_| ()));
@@ -193,7 +193,7 @@ fn particles_at_one_point_have_a_motion() {
     for method in [MethodName::Direct, MethodName::Split] {
         let plan = suspension.plan(1e-4, Fixed { method: Some(method), ..Fixed::default() });
         let mut hydrodynamics =
-            Hydrodynamics::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+            StressletSolver::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
         let loads = Loads { forces: vec![Vector::X; 2], ..Loads::default() };
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
         let solved = hydrodynamics.solve(&cell, &suspension.particles(), &loads, strain, &[]).unwrap();

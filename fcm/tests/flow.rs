@@ -2,7 +2,7 @@
 
 use crate::common::{self, Suspension};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Envelope, Loads, Mobility, Plan, Raster};
+use fcm::{Envelope, Loads, Mobility, Plan, SamplePoints};
 use std::f64::consts::PI;
 
 const ALL: [Boundaries; 4] = [Boundaries::Walls, Boundaries::Wall, Boundaries::OpenAlongZ, Boundaries::Open];
@@ -27,7 +27,7 @@ fn plan(suspension: &Suspension, tolerance: f64) -> Plan {
 }
 
 /// Flow at all points of a raster on `ranks` ranks.
-fn flow(suspension: &Suspension, plan: &Plan, loads: &Loads, ranks: usize) -> (Raster, Vec<Vector>) {
+fn flow(suspension: &Suspension, plan: &Plan, loads: &Loads, ranks: usize) -> (SamplePoints, Vec<Vector>) {
     let raster = plan.raster(suspension.cell.origin());
     let all = Comm::threads(ranks, |comm| {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
@@ -49,7 +49,7 @@ fn flow(suspension: &Suspension, plan: &Plan, loads: &Loads, ranks: usize) -> (R
     (raster, all.into_iter().next().unwrap())
 }
 
-fn places(raster: &Raster) -> Vec<Vector> {
+fn places(raster: &SamplePoints) -> Vec<Vector> {
     (0..raster.points[2]).flat_map(|k| raster.plane(k).collect::<Vec<_>>()).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, tensors, vectors};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Hydrodynamics, Loading, Loads, Plan, Problem, Solved};
+use fcm::{Loading, Loads, Plan, Problem, Solved, StressletSolver};
 use std::f64::consts::PI;
 
 const RATE: f64 = 1.0;
@@ -22,7 +22,7 @@ fn plan(suspension: &Suspension, loading: Loading, tolerance: f64) -> Plan {
 /// Motion relative to the flow `u = z` along x.
 fn sheared(suspension: &Suspension, plan: &Plan) -> Solved {
     let gradient = Tensor::from_cols(Vector::ZERO, Vector::ZERO, RATE * Vector::X);
-    let mut hydrodynamics = Hydrodynamics::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+    let mut hydrodynamics = StressletSolver::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
     let (particles, loads) = (suspension.particles(), Loads::default());
     hydrodynamics.solve(&suspension.cell, &particles, &loads, Traceless::part_of(&gradient), &[]).unwrap()
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Vector};
-use fcm::{Evaluation, Fixed, Loads, MethodName, Mobility, Plan, Precision};
+use fcm::{Fixed, Loads, MethodName, Mobility, Output, Plan, Precision};
 
 /// Points along each axis, with factors 11, 13, 23 and 53, and a tolerance for which they suffice.
 const GRIDS: [(usize, f64); 4] = [(22, 1e-2), (26, 1e-3), (46, 1e-6), (106, 1e-10)];
@@ -58,7 +58,7 @@ fn ranks_agree_on_any_even_grid() {
         let answer = |partition: &domain::Partition, particles: &domain::Particles, loads: &Loads| {
             let mut mobility = Mobility::new(&plan, partition);
             mobility.arrange(&suspension.cell, particles);
-            (mobility.apply(loads, Evaluation::All), Vec::new())
+            (mobility.apply(loads, Output::All), Vec::new())
         };
         let error = worst(&on_ranks(&suspension, (&plan, table), &loads, answer).0, &alone);
         assert!(error < 1e-12, "{table:?}: {error:e}");

@@ -2,7 +2,7 @@
 
 use crate::common::Suspension;
 use domain::{Comm, Partition, Traceless, Vector};
-use fcm::{Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, Problem};
+use fcm::{Fixed, Loads, MethodName, Motion, Multipoles, Plan, Problem, StressletSolver};
 use std::f64::consts::PI;
 
 /// Constant of the simple cubic lattice: Hasimoto (1959), eq. (31), to more digits.
@@ -61,7 +61,7 @@ const STRAINS: [Traceless; 2] = [Traceless([1.0, 0.0, 0.0, -1.0, 0.0]), Traceles
 fn stresslets(edge: f64) -> [f64; 2] {
     let single = Suspension::single(edge);
     let plan = single.plan(1e-10, Fixed::default());
-    let mut hydrodynamics = Hydrodynamics::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+    let mut hydrodynamics = StressletSolver::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
     STRAINS.map(|strain| {
         let solved = hydrodynamics.solve(&single.cell, &single.particles(), &Loads::default(), strain, &[]).unwrap();
         let stresslet = solved.stresslets[0];
@@ -118,7 +118,7 @@ fn drag_comes_near_stokes_with_the_first_order() {
         let problem = Problem { multipoles: Multipoles::Monopole, ..single.problem(1e-8) };
         let plan = Plan::choose(&problem).unwrap();
         let mut hydrodynamics =
-            Hydrodynamics::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+            StressletSolver::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
         let loads = Loads { forces: vec![Vector::X], ..Loads::default() };
         let solved = hydrodynamics.solve(&single.cell, &single.particles(), &loads, Traceless::ZERO, &[]).unwrap();
         1.0 - 6.0 * PI * 0.7 * solved.motion.velocities[0].x

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, MethodName, Motion, Multipoles, Plan, Precision, Problem};
+use fcm::{Fixed, Loads, MethodName, Motion, Multipoles, Output, Plan, Precision, Problem};
 
 fn turned(list: &[Vector], turn: &Tensor) -> Vec<Vector> {
     list.iter().map(|vector| *turn * *vector).collect()
@@ -44,7 +44,7 @@ fn a_turned_box_has_turned_motions() {
             strain_rates: turned_tensors(&motion.strain_rates, &turn),
         };
         let mut mobility = other.mobility(&plan);
-        let found = mobility.apply(&other_loads, Evaluation::All);
+        let found = mobility.apply(&other_loads, Output::All);
         assert!(worst(&found, &expected) < 1e-11, "{method:?}: {:e}", worst(&found, &expected));
         assert!(mobility.divergence() < 1e-13);
     }
@@ -88,7 +88,7 @@ fn a_leaning_lattice_keeps_any_tolerance() {
             (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());
         }
         let plan = |of: &Suspension, tolerance| Plan::choose(&Problem { multipoles, ..of.problem(tolerance) }).unwrap();
-        let wanted = if multipoles == Multipoles::Monopole { Evaluation::Velocities } else { Evaluation::All };
+        let wanted = if multipoles == Multipoles::Monopole { Output::Velocities } else { Output::All };
         let motion = |of: &Suspension, tolerance| of.mobility(&plan(of, tolerance)).apply(&loads, wanted);
         let error = worst(&motion(&other, tolerance), &motion(&suspension, 1e-2 * tolerance));
         assert!(error < tolerance, "{multipoles:?}, {tolerance:e}: {error:e}");

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Random, Vector};
-use fcm::{Evaluation, Fixed, Mobility, Plan, Precision};
+use fcm::{Fixed, Mobility, Output, Plan, Precision};
 
 /// A few particles of radii from 1 to at most 2 in a box four to a hundred times as long as it is wide, at any strain
 /// of its range.
@@ -74,7 +74,7 @@ fn turning_a_long_box_back_changes_the_motion_by_less_than_the_tolerance() {
             let shared = on_ranks(&before, (&plan, table), &loads, |partition, particles, loads| {
                 let mut mobility = Mobility::new(&plan, partition);
                 mobility.arrange(&before.cell, particles);
-                (mobility.apply(loads, Evaluation::All), Vec::new())
+                (mobility.apply(loads, Output::All), Vec::new())
             });
             // Sums are taken in a different order.
             let room = if plan.precision == Precision::Single { 1e-6 } else { 1e-12 };

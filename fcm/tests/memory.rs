@@ -6,7 +6,7 @@ mod heap;
 
 use common::Suspension;
 use domain::{Boundaries, Comm, ExpectedCounts, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Footprint, Hydrodynamics, MethodName, Mobility, Plan, Problem};
+use fcm::{Fixed, Footprint, MethodName, Mobility, Plan, Problem, StressletSolver};
 use heap::measured;
 
 const COUNT: usize = 3000;
@@ -31,7 +31,7 @@ fn predictions_are_what_is_allocated() {
         let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
         assert_eq!(footprint.radii(), plan.radii);
         let (mut hydrodynamics, found) = measured(|| {
-            let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+            let mut hydrodynamics = StressletSolver::new(&plan, &partition);
             // The lists of the first search have no skin.
             hydrodynamics.mobility().arrange(&cell, &moved);
             hydrodynamics.mobility().arrange(&cell, &particles);
@@ -91,12 +91,12 @@ fn boxes_that_lean() {
     let upright = Suspension::random(20, 1.0, cell, 1).problem(1e-2);
     let fixed = Fixed { method: Some(MethodName::Split), grid: Some([240, 240, 10]), ..Fixed::default() };
     let plan = Plan::choose(&Problem { rigid: true, fixed, ..upright }).unwrap();
-    assert!(plan.leans);
+    assert!(plan.is_tilted);
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, &[(1.0, 20)], partition.place());
     let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
     let (_, found) = measured(|| {
-        let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+        let mut hydrodynamics = StressletSolver::new(&plan, &partition);
         hydrodynamics.mobility().arrange(&cell, &particles);
         hydrodynamics
     });

@@ -3,7 +3,9 @@
 
 use crate::common::Suspension;
 use domain::{Comm, Partition, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Drawn, Envelope, Evaluation, Fixed, Loads, MethodName, Mobility, Motion, Multipoles, Plan, Problem, Stream};
+use fcm::{
+    DrawDiagnostics, Envelope, Fixed, Loads, MethodName, Mobility, Motion, Multipoles, Output, Plan, Problem, Stream,
+};
 
 /// 40 spheres at independent random positions, half of them of another radius: equal ones in a cube of edge 4 have
 /// 2.6 times its volume, those of radii 1 and 2 in one of edge 6 more than 3 times.
@@ -26,7 +28,7 @@ fn mobility(suspension: &Suspension, multipoles: Multipoles, fixed: Fixed) -> Mo
     mobility
 }
 
-fn draw(mobility: &mut Mobility, number: u64) -> (Motion, Drawn) {
+fn draw(mobility: &mut Mobility, number: u64) -> (Motion, DrawDiagnostics) {
     mobility.noise(&(0..40).collect::<Vec<_>>(), 1e-3, Stream::new(7, number))
 }
 
@@ -52,14 +54,14 @@ fn on_the_grid_alone_draws_of_overlapping_spheres_have_the_covariance_of_the_mob
                 (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());
             }
         }
-        let wanted = if multipoles == Multipoles::Monopole { Evaluation::Velocities } else { Evaluation::All };
+        let wanted = if multipoles == Multipoles::Monopole { Output::Velocities } else { Output::All };
         let variances: Vec<f64> = directions.iter().map(|loads| mobility.apply(loads, wanted).power(loads)).collect();
         assert!(variances.iter().all(|variance| *variance > 0.0), "{variances:?}");
         let draws = 1500;
         let mut squares = vec![0.0; directions.len()];
         for number in 0..draws {
             let (motion, drawn) = draw(&mut mobility, number);
-            assert_eq!(drawn, Drawn::default(), "there is no near field");
+            assert_eq!(drawn, DrawDiagnostics::default(), "there is no near field");
             squares.iter_mut().zip(&directions).for_each(|(sum, loads)| *sum += motion.power(loads).powi(2));
         }
         let error = (2.0 / draws as f64).sqrt();
@@ -81,6 +83,6 @@ fn the_split_method_says_what_it_leaves_out() {
         let mut mobility = mobility(&suspension, Multipoles::Dipole, fixed);
         let clipped = (0..4).map(|number| draw(&mut mobility, number).1.clipped).fold(0.0, f64::max);
         println!("1:{ratio}: {clipped:.1e}");
-        assert!(clipped > Drawn::NEGLIGIBLE, "1:{ratio}: {clipped:e}");
+        assert!(clipped > DrawDiagnostics::NEGLIGIBLE, "1:{ratio}: {clipped:e}");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Loads, MethodName, Mobility, Motion, Precision};
+use fcm::{Fixed, Loads, MethodName, Mobility, Motion, Output, Precision};
 
 /// Basis of traceless tensors, orthonormal in the full contraction.
 fn strains() -> [Traceless; 5] {
@@ -28,7 +28,7 @@ fn matrix(suspension: &Suspension, mobility: &mut Mobility) -> Vec<Vec<f64>> {
             3..6 => torques[n] = Vector::AXES[component - 3],
             _ => stresslets[n] = -strains()[component - 6],
         }
-        let motion = mobility.apply(&Loads { forces, torques, stresslets }, Evaluation::All);
+        let motion = mobility.apply(&Loads { forces, torques, stresslets }, Output::All);
         let of_particle = |m: usize| {
             let (v, w, e) = (motion.velocities[m], motion.angular_velocities[m], motion.strain_rates[m]);
             [v.to_array().as_slice(), &w.to_array(), &strains().map(|s| s.contract(e))].concat()
@@ -174,7 +174,7 @@ fn a_net_force_leaves_no_mean_flow() {
     let loads = Loads { forces: vec![Vector::new(1.0, 2.0, -3.0); 6], ..suspension.loads(3) };
     for method in METHODS {
         let mut mobility = suspension.mobility(&suspension.plan(1e-4, fixed(method)));
-        mobility.apply(&loads, Evaluation::All);
+        mobility.apply(&loads, Output::All);
         let field = mobility.velocity_field();
         let points = field.len() / 3;
         let size = (field.iter().map(|u| u * u).sum::<f64>() / points as f64).sqrt();

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, error, on_ranks, tensors, vectors, worst};
 use domain::{PeriodicBox, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Mobility, Motion, Plan, Precision};
+use fcm::{Fixed, Loads, MethodName, Mobility, Motion, Output, Plan, Precision, StressletSolver};
 
 /// Tables in which ranks own slabs, pencils, or nothing.
 const TABLES: [[usize; 2]; 12] =
@@ -18,14 +18,14 @@ fn mobility(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loa
     let answer = |partition: &domain::Partition, particles: &domain::Particles, loads: &Loads| {
         let mut mobility = Mobility::new(plan, partition);
         mobility.arrange(&suspension.cell, particles);
-        (mobility.apply(loads, Evaluation::All), Vec::new())
+        (mobility.apply(loads, Output::All), Vec::new())
     };
     on_ranks(suspension, (plan, table), loads, answer).0
 }
 
 fn rigid(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loads) -> (Motion, Vec<Traceless>) {
     on_ranks(suspension, (plan, table), loads, |partition, particles, loads| {
-        let mut hydrodynamics = Hydrodynamics::new(plan, partition);
+        let mut hydrodynamics = StressletSolver::new(plan, partition);
         let solved = hydrodynamics.solve(&suspension.cell, particles, loads, BACKGROUND, &[]).unwrap();
         (solved.motion, solved.stresslets)
     })
@@ -132,7 +132,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 fn rigid_alone(suspension: &Suspension, plan: &Plan, loads: &Loads) -> (Motion, Vec<Traceless>) {
     let partition = domain::Partition::new(&domain::Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut hydrodynamics = Hydrodynamics::new(plan, &partition);
+    let mut hydrodynamics = StressletSolver::new(plan, &partition);
     let solved = hydrodynamics.solve(&suspension.cell, &suspension.particles(), loads, BACKGROUND, &[]).unwrap();
     (solved.motion, solved.stresslets)
 }

@@ -2,12 +2,12 @@
 
 use crate::common::{Suspension, at_surfaces, difference, error, tensors};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Hydrodynamics, Loads, Motion, Plan, Problem, SolveError, Solved};
+use fcm::{Loads, Motion, Plan, Problem, SolveError, Solved, StressletSolver};
 
 const BACKGROUND: Traceless = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]);
 
-fn hydrodynamics(plan: &Plan) -> Hydrodynamics {
-    Hydrodynamics::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]))
+fn hydrodynamics(plan: &Plan) -> StressletSolver {
+    StressletSolver::new(plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]))
 }
 
 fn plan(suspension: &Suspension, tolerance: f64) -> Plan {

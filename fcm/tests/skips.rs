@@ -2,7 +2,7 @@
 
 use crate::common::{self, Suspension};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Method, MethodName, Mobility, Multipoles, Plan, Problem, Work};
+use fcm::{Fixed, Loads, Method, MethodName, Mobility, Multipoles, Output, Plan, Problem, StressletSolver, Work};
 
 const COUNT: usize = 10;
 
@@ -19,9 +19,9 @@ fn mobility(suspension: &Suspension, method: MethodName) -> Mobility {
 }
 
 /// Work of one evaluation.
-fn work(mobility: &mut Mobility, loads: &Loads, wanted: Evaluation) -> Work {
+fn work(mobility: &mut Mobility, loads: &Loads, output: Output) -> Work {
     let before = mobility.work();
-    mobility.apply(loads, wanted);
+    mobility.apply(loads, output);
     let after = mobility.work();
     Work {
         evaluations: after.evaluations - before.evaluations,
@@ -41,7 +41,7 @@ const METHODS: [MethodName; 2] = [MethodName::Direct, MethodName::Split];
 fn an_evaluation_of_everything_does_everything_once() {
     let suspension = suspension();
     for method in METHODS {
-        let done = work(&mut mobility(&suspension, method), &suspension.loads(1), Evaluation::All);
+        let done = work(&mut mobility(&suspension, method), &suspension.loads(1), Output::All);
         assert_eq!((done.evaluations, done.transforms), (1, 1));
         assert_eq!(done.particles_spread, COUNT as u64);
         assert_eq!((done.dipole_spreads, done.dipole_interpolations), (1, 1));
@@ -58,7 +58,7 @@ fn monopoles_alone_never_touch_a_dipole() {
         let problem = Problem { multipoles, fixed: fixed(method), ..suspension.problem(1e-2) };
         let plan = Plan::choose(&problem).unwrap();
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-        let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+        let mut hydrodynamics = StressletSolver::new(&plan, &partition);
         let particles = suspension.particles();
         let background = Traceless([0.1; 5]);
         // Torques, stresslets and the background are given, but monopoles do not respond to them.
@@ -84,8 +84,8 @@ fn particles_without_loads_are_not_spread() {
         }
         // A particle with only a torque left is spread.
         loads.torques[3] = Vector::X;
-        assert_eq!(work(&mut mobility, &loads, Evaluation::All).particles_spread, COUNT as u64 - 3);
-        assert_eq!(work(&mut mobility, &Loads::default(), Evaluation::All).particles_spread, 0);
+        assert_eq!(work(&mut mobility, &loads, Output::All).particles_spread, COUNT as u64 - 3);
+        assert_eq!(work(&mut mobility, &Loads::default(), Output::All).particles_spread, 0);
     }
 }
 
@@ -98,11 +98,11 @@ fn lists_of_zeros_and_no_lists_are_the_same_loads() {
         let forces = suspension.loads(1).forces;
         let none = Loads { forces: forces.clone(), ..Loads::default() };
         let zeros = Loads { forces, torques: vec![Vector::ZERO; COUNT], stresslets: vec![Traceless::ZERO; COUNT] };
-        let (a, b) = (mobility.apply(&none, Evaluation::All), mobility.apply(&zeros, Evaluation::All));
+        let (a, b) = (mobility.apply(&none, Output::All), mobility.apply(&zeros, Output::All));
         let scale = a.velocities.iter().map(|v| v.length()).fold(0.0, f64::max);
         let same = a.velocities.iter().zip(&b.velocities).all(|(v, w)| (*v - *w).length() <= 1e-6 * scale);
         assert!(same, "the grid is in f32, with 6e-8 of round-off");
-        let moved = work(&mut mobility, &none, Evaluation::All);
+        let moved = work(&mut mobility, &none, Output::All);
         assert_eq!((moved.dipole_spreads, moved.dipole_interpolations), (0, 1));
     }
 }
@@ -114,11 +114,11 @@ fn velocities_alone_need_no_gradient_and_torque_free_particles_no_dipole() {
     for method in METHODS {
         let mut mobility = mobility(&suspension, method);
         let forces = Loads { forces: all.forces.clone(), ..Loads::default() };
-        let done = work(&mut mobility, &forces, Evaluation::Velocities);
+        let done = work(&mut mobility, &forces, Output::Velocities);
         assert_eq!((done.dipole_spreads, done.dipole_interpolations), (0, 0));
-        let done = work(&mut mobility, &forces, Evaluation::Gradients);
+        let done = work(&mut mobility, &forces, Output::Gradients);
         assert_eq!((done.dipole_spreads, done.dipole_interpolations), (0, 1));
-        let done = work(&mut mobility, &all, Evaluation::Velocities);
+        let done = work(&mut mobility, &all, Output::Velocities);
         assert_eq!((done.dipole_spreads, done.dipole_interpolations), (1, 0));
     }
 }
@@ -130,9 +130,9 @@ fn parts_of_an_evaluation_agree_with_the_whole() {
     let loads = suspension.loads(1);
     for method in METHODS {
         let mut mobility = mobility(&suspension, method);
-        let all = mobility.apply(&loads, Evaluation::All);
-        let velocities = mobility.apply(&loads, Evaluation::Velocities);
-        let gradients = mobility.apply(&loads, Evaluation::Gradients);
+        let all = mobility.apply(&loads, Output::All);
+        let velocities = mobility.apply(&loads, Output::Velocities);
+        let gradients = mobility.apply(&loads, Output::Gradients);
         assert!(velocities.angular_velocities.is_empty() && velocities.strain_rates.is_empty());
         assert!(gradients.velocities.is_empty());
         let together = fcm::Motion { velocities: velocities.velocities, ..gradients };
@@ -145,7 +145,7 @@ fn the_direct_method_looks_for_no_neighbours() {
     let suspension = suspension();
     let mut mobility = mobility(&suspension, MethodName::Direct);
     mobility.arrange(&suspension.cell, &suspension.particles());
-    mobility.apply(&suspension.loads(1), Evaluation::All);
+    mobility.apply(&suspension.loads(1), Output::All);
     assert_eq!((mobility.work().searches, mobility.work().neighbours), (0, 0));
 }
 
@@ -153,8 +153,8 @@ fn the_direct_method_looks_for_no_neighbours() {
 fn neighbours_are_searched_once_for_any_number_of_evaluations() {
     let suspension = suspension();
     let mut mobility = mobility(&suspension, MethodName::Split);
-    let first = work(&mut mobility, &suspension.loads(1), Evaluation::All);
-    let second = work(&mut mobility, &suspension.loads(2), Evaluation::All);
+    let first = work(&mut mobility, &suspension.loads(1), Output::All);
+    let second = work(&mut mobility, &suspension.loads(2), Output::All);
     assert_eq!((first.neighbours, second.searches), (second.neighbours, 0));
     assert_eq!(mobility.work().searches, 1);
 }
@@ -179,7 +179,7 @@ fn a_cutoff_below_the_nearest_pair_visits_none() {
     let suspension = suspension();
     let nothing = Fixed { cutoff: Some(1e-3), ..fixed(MethodName::Split) };
     let mut mobility = suspension.mobility(&suspension.plan(1e-2, nothing));
-    assert_eq!(work(&mut mobility, &suspension.loads(1), Evaluation::All).neighbours, 0);
+    assert_eq!(work(&mut mobility, &suspension.loads(1), Output::All).neighbours, 0);
 }
 
 /// Each pair is visited from both its particles, and pairs beyond the cutoff are not visited: the number is that of a
@@ -199,7 +199,7 @@ fn neighbours_are_those_within_the_cutoff() {
             }
         }
     }
-    assert_eq!(work(&mut mobility, &suspension.loads(1), Evaluation::All).neighbours, count);
+    assert_eq!(work(&mut mobility, &suspension.loads(1), Output::All).neighbours, count);
 }
 
 /// Each iteration is one evaluation and one pass over the grid, in addition to the first for forces and torques.
@@ -208,7 +208,7 @@ fn an_iteration_costs_one_evaluation() {
     let suspension = suspension();
     let plan = suspension.plan(1e-3, Fixed::default());
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let mut hydrodynamics = Hydrodynamics::new(&plan, &partition);
+    let mut hydrodynamics = StressletSolver::new(&plan, &partition);
     let (particles, loads) = (suspension.particles(), suspension.loads(1));
     let solved = hydrodynamics.solve(&suspension.cell, &particles, &loads, Traceless::ZERO, &[]).unwrap();
     let done = hydrodynamics.work();

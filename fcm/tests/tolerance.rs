@@ -53,7 +53,7 @@ impl Kind {
             let problem = Problem { multipoles: self.multipoles, ..suspension.problem(tolerance) };
             let plan = Plan::choose(&problem).unwrap();
             if forces_alone {
-                let found = suspension.mobility(&plan).apply(&loads, fcm::Evaluation::Velocities);
+                let found = suspension.mobility(&plan).apply(&loads, fcm::Output::Velocities);
                 (common::error(&common::vectors(&found.velocities), &common::vectors(&exact.velocities)), plan)
             } else {
                 (worst(&suspension.evaluate(&plan, &loads), &exact), plan)
@@ -205,7 +205,7 @@ fn monopoles_alone_keep_the_tolerance_on_a_coarser_grid() {
                 let multipoles = Multipoles::Monopole;
                 let problem = Problem { fixed, multipoles, ..suspension.problem(tolerance) };
                 let plan = Plan::choose(&problem).unwrap();
-                let found = suspension.mobility(&plan).apply(&loads, fcm::Evaluation::Velocities);
+                let found = suspension.mobility(&plan).apply(&loads, fcm::Output::Velocities);
                 let error = common::error(&common::vectors(&found.velocities), &common::vectors(&exact.velocities));
                 assert!(error < tolerance, "case {name} at {tolerance:e}: error {error:e} by {plan:?}");
                 assert!(found.angular_velocities.is_empty() && found.strain_rates.is_empty());

@@ -2,9 +2,7 @@
 
 use crate::common::{Suspension, error, tensors, vectors};
 use domain::{Comm, Number, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{
-    Evaluation, Fixed, Hydrodynamics, Loads, MethodName, Motion, Multipoles, Plan, PlanError, Precision, Problem,
-};
+use fcm::{Fixed, Loads, MethodName, Motion, Multipoles, Output, Plan, PlanError, Precision, Problem, StressletSolver};
 
 /// Units of length, viscosity and force as numbers in other units.
 #[derive(Debug, Clone, Copy)]
@@ -107,7 +105,7 @@ fn motion(kind: Kind, one: &Suspension, scales: Scales) -> (Plan, Motion, Vec<Tr
     if kind.rigid {
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let background = BACKGROUND * scales.rate();
-        let mut fluid = Hydrodynamics::new(&plan, &partition);
+        let mut fluid = StressletSolver::new(&plan, &partition);
         let solved = fluid.solve(&suspension.cell, &suspension.particles(), &loads, background, &[]).unwrap();
         let over = 1.0 / (scales.force * scales.length);
         return (plan, scales.back(&solved.motion), solved.stresslets.iter().map(|&s| s * over).collect());
@@ -117,7 +115,7 @@ fn motion(kind: Kind, one: &Suspension, scales: Scales) -> (Plan, Motion, Vec<Tr
     } else {
         loads
     };
-    let wanted = if kind.multipoles == Multipoles::Monopole { Evaluation::Velocities } else { Evaluation::All };
+    let wanted = if kind.multipoles == Multipoles::Monopole { Output::Velocities } else { Output::All };
     let found = suspension.mobility(&plan).apply(&loads, wanted);
     (plan, scales.back(&found), Vec::new())
 }
@@ -232,9 +230,9 @@ fn anything_is_planned_or_refused() {
     for points in [8, 1000, 8192, 65536] {
         let fixed = Fixed { grid: Some([points; 3]), ..direct };
         let plan = problem(&[1.0], [10.0; 3], fixed);
-        let burden = Plan::choose(&plan).unwrap().burden(&plan);
-        assert_eq!(burden.is_some(), points > 8000, "{points}: {burden:?}");
-        assert!(burden.is_none_or(|why| why.contains("leave it out, or take fewer")));
+        let infeasible = Plan::choose(&plan).unwrap().infeasible(&plan);
+        assert_eq!(infeasible.is_some(), points > 8000, "{points}: {infeasible:?}");
+        assert!(infeasible.is_none_or(|why| why.contains("leave it out, or take fewer")));
     }
     let huge = Fixed { grid: Some([1 << 40, 8, 8]), ..Fixed::default() };
     assert!(matches!(Plan::choose(&problem(&[1.0], [10.0; 3], huge)), Err(PlanError::Grid(_))));
@@ -243,14 +241,14 @@ fn anything_is_planned_or_refused() {
 /// The cause of an infeasible plan is named.
 #[test]
 fn hopeless_plans_say_what_makes_them_so() {
-    let burden = |radii: &[(f64, usize)], edge: f64, method: Option<MethodName>| {
+    let infeasible = |radii: &[(f64, usize)], edge: f64, method: Option<MethodName>| {
         let suspension = Suspension::single(edge);
         let radii = radii.to_vec();
         let problem = Problem { radii, fixed: Fixed { method, ..Fixed::default() }, ..suspension.problem(1e-3) };
-        Plan::choose(&problem).unwrap().burden(&problem)
+        Plan::choose(&problem).unwrap().infeasible(&problem)
     };
-    let of = |radii: &[(f64, usize)], edge, method| burden(radii, edge, method).expect("hopeless");
-    assert_eq!(burden(&[(1.0, 1000)], 40.0, None), None);
+    let of = |radii: &[(f64, usize)], edge, method| infeasible(radii, edge, method).expect("hopeless");
+    assert_eq!(infeasible(&[(1.0, 1000)], 40.0, None), None);
     let direct = Some(MethodName::Direct);
     assert!(of(&[(1.0, 2)], 2e4, direct).contains("the box is 20000 of the smallest radii long along x; leave hydro"));
     assert!(of(&[(1.0, 1), (0.01, 10_000)], 10.0, direct).contains("the largest radius is 100 times the smallest"));

@@ -2,7 +2,7 @@
 
 use crate::common::Suspension;
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles, Plan, Problem, Stream};
+use fcm::{Loads, Mobility, Motion, Multipoles, Output, Plan, Problem, Stream};
 
 fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
     PeriodicBox::new(Vector::from_array(edges)).unwrap().with_boundaries(boundaries).unwrap()
@@ -57,9 +57,9 @@ fn draws_have_the_covariance_of_the_mobility() {
                 loads.stresslets[other] = Traceless::ZERO;
             }
         }
-        let mut wanted = Evaluation::All;
+        let mut wanted = Output::All;
         if multipoles == Multipoles::Monopole {
-            wanted = Evaluation::Velocities;
+            wanted = Output::Velocities;
             for loads in &mut directions {
                 (loads.torques, loads.stresslets) = (Vec::new(), Vec::new());
             }
@@ -99,7 +99,7 @@ fn by_differences(suspension: &Suspension, tolerance: f64) -> Vec<[f64; 11]> {
             mobility.arrange(&suspension.cell, &particles);
             let mut forces = vec![Vector::ZERO; count];
             forces[sphere][axis] = sign / (2.0 * STEP);
-            let motion = mobility.apply(&Loads { forces, ..Loads::default() }, Evaluation::All);
+            let motion = mobility.apply(&Loads { forces, ..Loads::default() }, Output::All);
             sums.iter_mut().zip(components(&motion)).for_each(|(sum, components)| {
                 sum.iter_mut().zip(components).for_each(|(sum, component)| *sum += component);
             });

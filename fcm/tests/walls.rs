@@ -2,7 +2,7 @@
 
 use crate::common::{Reference, Suspension, errors, on_ranks, rigid_errors, solved, worst};
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Evaluation, Fixed, Hydrodynamics, Loads, Mobility, Motion, Plan, Precision, Problem, Solved};
+use fcm::{Fixed, Loads, Mobility, Motion, Output, Plan, Precision, Problem, Solved, StressletSolver};
 use std::f64::consts::PI;
 
 fn cell(edges: [f64; 3], boundaries: Boundaries) -> PeriodicBox {
@@ -76,7 +76,7 @@ fn is_symmetric(suspension: &Suspension, tolerance: f64) {
     let plan = suspension.plan(tolerance, Fixed { precision: Some(Precision::Double), ..Fixed::default() });
     let mut mobility = suspension.mobility(&plan);
     let [first, second] = [1, 2].map(|seed| suspension.loads(seed));
-    let [of_first, of_second] = [&first, &second].map(|loads| mobility.apply(loads, Evaluation::All));
+    let [of_first, of_second] = [&first, &second].map(|loads| mobility.apply(loads, Output::All));
     let power = |loads: &Loads, motion: &Motion| -> f64 {
         let sum = |a: &[Vector], b: &[Vector]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
         let strained = loads.stresslets.iter().zip(&motion.strain_rates).map(|(&s, &e)| s.contract(e)).sum::<f64>();
@@ -178,7 +178,7 @@ fn ranks_and_units_change_nothing() {
             let answer = |partition: &Partition, particles: &Particles, loads: &Loads| {
                 let mut mobility = Mobility::new(&plan, partition);
                 mobility.arrange(&suspension.cell, particles);
-                (mobility.apply(loads, Evaluation::All), Vec::new())
+                (mobility.apply(loads, Output::All), Vec::new())
             };
             let (found, _) = on_ranks(&suspension, (&plan, table), &loads, answer);
             assert!(worst(&found, &alone) < 1e-13, "{table:?}: {:?}", errors(&found, &alone));
@@ -208,7 +208,7 @@ fn one_sphere_near_a_wall() {
         radii: vec![1.0],
     };
     let plan = Plan::choose(&Problem { rigid: true, ..single.problem(1e-4) }).unwrap();
-    let mut hydrodynamics = Hydrodynamics::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+    let mut hydrodynamics = StressletSolver::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
     let mut mobility = |force: Vector| {
         let loads = Loads { forces: vec![force], ..Loads::default() };
         let solved = hydrodynamics.solve(&single.cell, &single.particles(), &loads, Traceless::ZERO, &[]).unwrap();

@@ -20,9 +20,9 @@ pub struct Ranks {
 
 /// Memory of a rank from the peak of its allocations and the far field of a plan.
 pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> MemoryNeed {
-    let remote = far.reached();
+    let remote = far.remote_resident_bytes();
     let resident = Process::of(rank, ranks).resident(peak.most) + remote;
-    MemoryNeed { resident, remote, mapped: far.columns_of_others(ranks) - remote }
+    MemoryNeed { resident, remote, mapped: far.mapped_bytes(ranks) - remote }
 }
 
 /// Gap up to which pairs are stiff, over the smaller radius; an estimate of the gaps in

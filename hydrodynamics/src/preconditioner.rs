@@ -103,7 +103,7 @@ impl<'a> Preconditioner<'a> {
     }
 
     /// Tightens the tolerance of solves; `false` if it is the tightest possible already.
-    pub fn sharpen(&mut self) -> bool {
+    pub fn refine_preconditioner(&mut self) -> bool {
         let can = self.tolerance > LEAST_TOLERANCE;
         self.tolerance = (self.tolerance * SHARPER).max(LEAST_TOLERANCE);
         can
@@ -136,7 +136,7 @@ impl System for Preconditioner<'_> {
         })
     }
 
-    fn stepped(&mut self, _: f64) {}
+    fn on_step(&mut self, _: f64) {}
 
     fn precondition(&mut self, residual: &SixVectors) -> SixVectors {
         let mut motions = SixVectors::zero(residual.0.len());
@@ -154,7 +154,7 @@ impl System for Preconditioner<'_> {
         size(&x.0, self.single)
     }
 
-    fn look(
+    fn step_and_measure(
         &mut self,
         (x, residual): (&mut SixVectors, &mut SixVectors),
         step: Option<Step<SixVectors, SixVectors>>,
@@ -178,7 +178,7 @@ type Unknowns<'a> = ((&'a mut [SixVector], &'a mut [SixVector]), &'a mut [SixVec
 /// Preconditioner blocks and single-sphere resistances of a batch of particles.
 type Given<'a> = (&'a [Block], &'a [SixVector]);
 
-/// [`System::look`] for a batch of particles.
+/// [`System::step_and_measure`] for a batch of particles.
 struct Look<'a> {
     blocks: &'a [Block],
     single: &'a [SixVector],

@@ -126,7 +126,7 @@ impl Linear for SixVectors {
         self.changed(other, |a, b| *a += factor * b);
     }
 
-    fn turn(&mut self, factor: f64, other: &Self) {
+    fn scale_add(&mut self, factor: f64, other: &Self) {
         self.changed(other, |a, b| *a = b + factor * *a);
     }
 }

@@ -43,9 +43,9 @@ impl Linear for Resisted {
         self.loads.add(factor, &other.loads);
     }
 
-    fn turn(&mut self, factor: f64, other: &Self) {
-        self.motions.turn(factor, &other.motions);
-        self.loads.turn(factor, &other.loads);
+    fn scale_add(&mut self, factor: f64, other: &Self) {
+        self.motions.scale_add(factor, &other.motions);
+        self.loads.scale_add(factor, &other.loads);
     }
 }
 
@@ -56,10 +56,10 @@ impl Linear for Unknowns {
         self.moments.add(factor, &other.moments);
     }
 
-    fn turn(&mut self, factor: f64, other: &Self) {
-        self.stiff.turn(factor, &other.stiff);
-        self.soft.turn(factor, &other.soft);
-        self.moments.turn(factor, &other.moments);
+    fn scale_add(&mut self, factor: f64, other: &Self) {
+        self.stiff.scale_add(factor, &other.stiff);
+        self.soft.scale_add(factor, &other.soft);
+        self.moments.scale_add(factor, &other.moments);
     }
 }
 
@@ -70,10 +70,10 @@ impl Linear for Residual {
         self.strain_rates.add(factor, &other.strain_rates);
     }
 
-    fn turn(&mut self, factor: f64, other: &Self) {
-        self.stiff.turn(factor, &other.stiff);
-        self.soft.turn(factor, &other.soft);
-        self.strain_rates.turn(factor, &other.strain_rates);
+    fn scale_add(&mut self, factor: f64, other: &Self) {
+        self.stiff.scale_add(factor, &other.stiff);
+        self.soft.scale_add(factor, &other.soft);
+        self.strain_rates.scale_add(factor, &other.strain_rates);
     }
 }
 
@@ -207,7 +207,7 @@ impl System for CoupledSystem<'_> {
         image(&direction.stiff.motions, &direction.soft.motions, &self.step)
     }
 
-    fn stepped(&mut self, length: f64) {
+    fn on_step(&mut self, length: f64) {
         self.motion.add(length, &self.step);
     }
 
@@ -219,8 +219,8 @@ impl System for CoupledSystem<'_> {
         Unknowns { stiff, soft, moments }
     }
 
-    fn sharpen(&mut self) -> bool {
-        self.matrix.as_mut().is_some_and(Preconditioner::sharpen)
+    fn refine_preconditioner(&mut self) -> bool {
+        self.matrix.as_mut().is_some_and(Preconditioner::refine_preconditioner)
     }
 
     /// Squared norm of the error estimate: the motions of single spheres under the loads of a preconditioned residual,

@@ -5,7 +5,7 @@ use crate::solution::{Found, Guess, Solution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
 use domain::{Particles, Traceless, Units, Vector};
-use fcm::{Evaluation, Loads, Mobility, Motion, Multipoles};
+use fcm::{Loads, Mobility, Motion, Multipoles, Output};
 use lubrication::PairKind;
 
 /// A mobility in scaled units.
@@ -18,10 +18,10 @@ impl Scaled<'_> {
     /// Motions due to loads, as in [`Mobility::apply`].
     pub fn apply(&mut self, loads: &Loads) -> Motion {
         let motion = match self.mobility.plan().multipoles {
-            Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Evaluation::All),
+            Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Output::All),
             Multipoles::Monopole => {
                 let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
-                self.mobility.apply(&forces, Evaluation::Velocities)
+                self.mobility.apply(&forces, Output::Velocities)
             }
         };
         self::motion(&motion, &self.units)

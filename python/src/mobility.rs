@@ -166,7 +166,7 @@ impl Mobility {
 
     /// Reason why the plan is infeasible, if it is.
     fn burden(&self, py: Python<'_>) -> PyResult<Option<String>> {
-        self.planned.with(py, |mobility| mobility.burden())
+        self.planned.with(py, |mobility| mobility.infeasible())
     }
 
     /// The plan as JSON and as text.

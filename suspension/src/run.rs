@@ -14,7 +14,7 @@ use crate::observables::averages::Averages;
 use crate::start::rearranged::rearranged;
 use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
-use fcm::Drawn;
+use fcm::DrawDiagnostics;
 use simulation::{
     Clock, ContactForces, Found, Frame, OwnLoads, Quantity, Rearrangement, Simulation, SimulationError, State,
     TableSet, VelocityField,
@@ -181,7 +181,7 @@ impl Simulation for Observed {
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.observer.warnings();
         let clipped = self.suspension.clipped();
-        if clipped > Drawn::NEGLIGIBLE {
+        if clipped > DrawDiagnostics::NEGLIGIBLE {
             warnings.push(self.observer.remedies().left_out(clipped));
         }
         warnings

@@ -6,11 +6,11 @@
 
 use super::Mobility;
 use crate::envelope::Envelope;
-use crate::loads::Loads;
+use crate::mobility::loads::Loads;
+use crate::pairs::table::{PairFunctions, Table};
 use crate::plan::Plan;
-use crate::problem::Method;
-use crate::raster::Raster;
-use crate::table::{PairFunctions, Table};
+use crate::plan::problem::Method;
+use crate::plan::sample_points::SamplePoints;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 
@@ -47,9 +47,10 @@ impl Mobility {
 impl Flow<'_> {
     /// Velocities relative to the background flow at the points of the `k`-th plane of a raster across z, row by row
     /// along x; on all ranks. Collective.
-    pub fn plane(&mut self, raster: &Raster, k: usize) -> Vec<Vector> {
+    pub fn plane(&mut self, raster: &SamplePoints, k: usize) -> Vec<Vector> {
         let inverse = 1.0 / self.mobility.units.length;
-        let raster = Raster { first: raster.first * inverse, spacing: raster.spacing * inverse, points: raster.points };
+        let raster =
+            SamplePoints { first: raster.first * inverse, spacing: raster.spacing * inverse, points: raster.points };
         let points: Vec<Vector> = raster.plane(k).collect();
         let mut velocities = self.mobility.far.velocities_at(&self.mobility.arrangement.cell, &points);
         self.add_near(&raster, k, &mut velocities);
@@ -62,7 +63,7 @@ impl Flow<'_> {
     }
 
     /// Adds the near field of this rank's own particles, in the order of the particles.
-    fn add_near(&self, raster: &Raster, k: usize, velocities: &mut [Vector]) {
+    fn add_near(&self, raster: &SamplePoints, k: usize, velocities: &mut [Vector]) {
         let (near, images) = (&self.near, self.images(raster, k));
         velocities.par_chunks_mut(raster.points[0]).enumerate().for_each(|(j, row)| {
             for image in &images {
@@ -88,7 +89,7 @@ impl Flow<'_> {
     }
 
     /// Particles, and their images along periodic axes, whose near field reaches a plane.
-    fn images(&self, raster: &Raster, k: usize) -> Vec<Image> {
+    fn images(&self, raster: &SamplePoints, k: usize) -> Vec<Image> {
         let arrangement = &self.mobility.arrangement;
         let (cell, reach) = (&arrangement.cell, Vector::splat(self.near.cutoff));
         let [nx, ny, _] = raster.points;
@@ -141,7 +142,7 @@ impl NearPoints {
         Self { cutoff, inverse_viscosity: 1.0 / plan.viscosity, functions: plan.radii.iter().map(of_radius).collect() }
     }
 
-    /// Near-field velocity at `x` from a particle, as in [`crate::near`].
+    /// Near-field velocity at `x` from a particle, as in [`crate::pairs::pair_correction`].
     fn velocity(&self, from: &Image, x: Vector) -> Vector {
         let (square, (exact, table)) = (x.length_squared(), &self.functions[from.class as usize]);
         let f = table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square));

@@ -1,11 +1,10 @@
 //! Random motions whose covariance is the mobility, and the divergence of the mobility.
 
-use super::{Evaluation, Mobility};
-use crate::far::Wanted;
-use crate::loads::{Loads, Motion, angular_velocity, dipole};
-use crate::noise::{self, Components, Drawn, Stream, root_times};
-use crate::problem::Multipoles;
-use crate::wall_drift::WallDrift;
+use super::Mobility;
+use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
+use crate::mobility::noise::{self, Components, DrawDiagnostics, Stream, square_root_times};
+use crate::plan::problem::Multipoles;
+use crate::walls::wall_drift::WallDrift;
 use domain::{Boundaries, Particles, PeriodicBox, Tensor, Traceless, Vector};
 use std::convert::Infallible;
 use std::f64::consts::PI;
@@ -26,12 +25,12 @@ impl Mobility {
     /// [`solver::Transform::noise`], and interpolation is the adjoint of spreading; the square root of the near
     /// field, if there is one, is applied by Lanczos' iteration, to a tolerance. In all other boxes Lanczos'
     /// iteration applies the square root of the whole mobility, with one evaluation per iteration.
-    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
+    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, DrawDiagnostics) {
         if self.plan.boundaries != Boundaries::Periodic {
             return self.whole_noise(ids, tolerance, stream);
         }
-        let wanted = if self.has_dipoles() { Wanted::Both } else { Wanted::Velocities };
-        let mut far = self.far.noise(&self.arrangement.classes, wanted, stream);
+        let output = if self.has_dipoles() { Output::All } else { Output::Velocities };
+        let mut far = self.far.noise(&self.arrangement.classes, output, stream);
         self.arrangement.collect(&mut far);
         self.work.transforms += 1;
         let (near, drawn) = self.near_noise(ids, tolerance, stream);
@@ -55,8 +54,8 @@ impl Mobility {
     }
 
     /// Near-field part. Collective.
-    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, Drawn) {
-        let Some(near) = &self.near else { return (Vec::new(), Drawn::default()) };
+    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, DrawDiagnostics) {
+        let Some(near) = &self.near else { return (Vec::new(), DrawDiagnostics::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
         let has_dipoles = self.has_dipoles();
         let own = self.plan.in_units(&self.units);
@@ -78,16 +77,16 @@ impl Mobility {
             Ok::<_, Infallible>(scales.divide(&motions.iter().map(components).collect::<Vec<_>>()))
         };
         let start = self.start(ids, stream);
-        let Ok((root, drawn)) = root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
+        let Ok((root, drawn)) = square_root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
         self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
         (scales.times(&root), drawn)
     }
 
     /// Random motions by the square root of the whole mobility. Collective.
-    fn whole_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, Drawn) {
+    fn whole_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, DrawDiagnostics) {
         let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
         let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
-        let wanted = if has_dipoles { Evaluation::All } else { Evaluation::Velocities };
+        let output = if has_dipoles { Output::All } else { Output::Velocities };
         let constraint = self.constraint.take();
         let start = self.start(ids, stream);
         let apply = |scaled: &[Components]| {
@@ -100,7 +99,7 @@ impl Mobility {
                     loads.stresslets.push(-noise::tensor(d));
                 }
             }
-            let motion = self.apply(&loads, wanted);
+            let motion = self.apply(&loads, output);
             let components = (0..ids.len()).map(|row| {
                 let mut components = [0.0; WITH_DIPOLES];
                 components[..WITHOUT].copy_from_slice(&motion.velocities[row].to_array());
@@ -112,7 +111,7 @@ impl Mobility {
             });
             Ok::<_, Infallible>(scales.divide(&components.collect::<Vec<_>>()))
         };
-        let Ok((root, drawn)) = root_times(&comm, &start, (tolerance, MOST_ITERATIONS), apply);
+        let Ok((root, drawn)) = square_root_times(&comm, &start, (tolerance, MOST_ITERATIONS), apply);
         self.constraint = constraint;
         (self.with_dipoles_or_not(noise::motion(scales.times(&root).into_iter())), drawn)
     }

@@ -2,12 +2,12 @@
 
 use super::{Suspension, error, tensors, vectors};
 use domain::{Comm, Partition, Traceless};
-use fcm::{Hydrodynamics, Loads, Plan, Problem, Solved};
+use fcm::{Loads, Plan, Problem, Solved, StressletSolver};
 
 /// Rigid spheres under loads.
 pub fn solved(suspension: &Suspension, loads: &Loads, tolerance: f64) -> Solved {
     let plan = Plan::choose(&Problem { rigid: true, ..suspension.problem(tolerance) }).unwrap();
-    let mut hydrodynamics = Hydrodynamics::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
+    let mut hydrodynamics = StressletSolver::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));
     hydrodynamics.solve(&suspension.cell, &suspension.particles(), loads, Traceless::ZERO, &[]).unwrap()
 }
 

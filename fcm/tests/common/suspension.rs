@@ -1,7 +1,7 @@
 //! Particles in a box, their loads, and their motion by the library.
 
 use domain::{Comm, Particles, Partition, PeriodicBox, Random, Traceless, Vector, random_packing};
-use fcm::{Costs, Evaluation, Fixed, Loading, Loads, Mobility, Motion, Multipoles, Plan, Problem};
+use fcm::{Costs, Fixed, Loading, Loads, Mobility, Motion, Multipoles, Output, Plan, Problem};
 
 /// Particles in a box.
 #[derive(Debug, Clone)]
@@ -46,7 +46,7 @@ impl Suspension {
             boundaries: self.cell.boundaries(),
             volume: self.cell.edges().element_product(),
             shortest_vector: Problem::shortest_vector_of(&self.cell),
-            contraction: 1.0,
+            smallest_edge_ratio: 1.0,
             largest_strain: self.cell.strain().abs(),
             largest_tilts: Problem::tilts_of(&self.cell),
             radii: self.radii.iter().map(|&a| (a, 1)).collect(),
@@ -77,7 +77,7 @@ impl Suspension {
 
     /// Motion by the library, on one rank.
     pub fn evaluate(&self, plan: &Plan, loads: &Loads) -> Motion {
-        self.mobility(plan).apply(loads, Evaluation::All)
+        self.mobility(plan).apply(loads, Output::All)
     }
 
     /// The particles as a store, with their rows as ids.

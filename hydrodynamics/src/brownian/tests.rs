@@ -1,7 +1,7 @@
 use super::*;
 use crate::coupled_solver::ShortRange;
 use domain::{Boundaries, Comm, Partition};
-use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Plan, Problem};
+use fcm::{Costs, Fixed, Loading, Multipoles, Output, Plan, Problem};
 use lubrication::LubricationRange;
 
 /// Three near spheres in a cube of edge 14, sheared by 0.2, at a viscosity of 1.
@@ -75,7 +75,7 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Lubrica
         boundaries: cell.boundaries(),
         volume: cell.edges().element_product(),
         shortest_vector: Problem::shortest_vector_of(cell),
-        contraction: 1.0,
+        smallest_edge_ratio: 1.0,
         largest_strain: cell.strain().abs(),
         largest_tilts: [0.0; 2],
         radii: vec![(1.0, 2), (2.0, 1)],
@@ -115,7 +115,7 @@ fn divergence(
         let mut forces = vec![Vector::ZERO; 3];
         forces[sphere][axis] = 1.0;
         hydrodynamics.mobility().arrange(cell, &particles);
-        let fluid = hydrodynamics.mobility().apply(&Loads { forces, ..Loads::default() }, Evaluation::All);
+        let fluid = hydrodynamics.mobility().apply(&Loads { forces, ..Loads::default() }, Output::All);
         solve(hydrodynamics, cell, &mut particles, &Loads::default(), &fluid).unwrap();
         for length in [1e-3, -1e-3] {
             let mut moved = particles.clone();

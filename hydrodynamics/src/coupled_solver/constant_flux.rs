@@ -8,7 +8,7 @@ use crate::six_vector::SixVectors;
 use crate::solution::Solution;
 use crate::units;
 use domain::{Comm, Particles, PeriodicBox, Traceless, Units, Vector};
-use fcm::{Constraint, Evaluation, Linear, Loads, Mobility, Motion, Multipoles};
+use fcm::{Constraint, Linear, Loads, Mobility, Motion, Multipoles, Output};
 
 /// Pressure gradient that keeps the flux between walls: a parabolic flow of curvature `c` added to the flow of the
 /// fluid alone.
@@ -93,10 +93,10 @@ impl ConstantFlux {
         self.resisted = units::times(&found, units.torque());
         let mut moved = Loads { stresslets: Vec::new(), ..self.resisted.clone() };
         let wanted = match mobility.plan().multipoles {
-            Multipoles::Dipole => Evaluation::All,
+            Multipoles::Dipole => Output::All,
             Multipoles::Monopole => {
                 moved.torques.clear();
-                Evaluation::Velocities
+                Output::Velocities
             }
         };
         let by_loads = mobility.apply(&moved, wanted);

@@ -16,16 +16,17 @@ use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{
-    Drawn, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream, conjugate_gradients,
+    DrawDiagnostics, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream,
+    conjugate_gradients,
 };
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// Hydrodynamics of spheres as in [`fcm::Hydrodynamics`], optionally with lubrication between near pairs. Results have
+/// Hydrodynamics of spheres as in [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have
 /// the same digits in any units.
 pub struct CoupledSolver {
-    far: fcm::Hydrodynamics,
+    far: fcm::StressletSolver,
     /// Near field, in units of length and viscosity that scale the particles and the fluid to about 1.
     near: Option<NearField>,
     units: Units,
@@ -71,7 +72,7 @@ impl CoupledSolver {
             let lists = VerletList::new(reach, partition);
             NearField { lubrication, at_walls, lists, precision: plan.precision, radii, reach }
         });
-        let (far, partition) = (fcm::Hydrodynamics::new(plan, partition), partition.clone());
+        let (far, partition) = (fcm::StressletSolver::new(plan, partition), partition.clone());
         Ok(Self { far, near, units, preconditioned: true, partition })
     }
 
@@ -84,7 +85,7 @@ impl CoupledSolver {
     /// Continues with another plan for the same radii and fluid, and with the partition of its grid.
     pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
         let interrupt = self.far.interrupt().clone();
-        self.far = fcm::Hydrodynamics::new(plan, partition);
+        self.far = fcm::StressletSolver::new(plan, partition);
         self.far.listen(interrupt);
         if let Some(near) = &mut self.near {
             near.lists = VerletList::new(near.reach, partition);
@@ -174,7 +175,7 @@ impl CoupledSolver {
         cell: &PeriodicBox,
         particles: &Particles,
         (tolerance, stream): (f64, Stream),
-    ) -> (Motion, Drawn) {
+    ) -> (Motion, DrawDiagnostics) {
         let mobility = self.far.mobility();
         mobility.arrange(cell, particles);
         mobility.noise(&particles.ids, tolerance, stream)

@@ -10,7 +10,7 @@ use super::*;
 use crate::ambient::StrainRate;
 use crate::solution::NO_AMBIENT;
 use domain::random_packing;
-use fcm::{Costs, Evaluation, Fixed, Loading, Multipoles, Precision, Problem};
+use fcm::{Costs, Fixed, Loading, Multipoles, Output, Precision, Problem};
 use lubrication::PairMotion;
 
 /// Rigid spheres in a periodic cube, with a double-precision grid; a single-precision grid would add noise of 1e-7.
@@ -20,7 +20,7 @@ fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Prob
         boundaries: domain::Boundaries::Periodic,
         volume: edge.powi(3),
         shortest_vector: edge,
-        contraction: 1.0,
+        smallest_edge_ratio: 1.0,
         largest_strain: 0.0,
         largest_tilts: [0.0; 2],
         radii: radii.iter().map(|&a| (a, 1)).collect(),
@@ -206,7 +206,7 @@ fn dense(plan: &Plan, particles: &Particles) -> Vec<Vec<f64>> {
     for k in 0..11 * n {
         let (forces, torques, moments) = unit(k);
         let stresslets = moments.iter().map(|&d| -d).collect();
-        let motion = mobility.apply(&Loads { forces, torques, stresslets }, Evaluation::All);
+        let motion = mobility.apply(&Loads { forces, torques, stresslets }, Output::All);
         let column = flat(&motion.velocities, &motion.angular_velocities, &motion.strain_rates);
         (0..11 * n).for_each(|row| columns[row][k] = column[row]);
         identity[k][k] = 1.0;

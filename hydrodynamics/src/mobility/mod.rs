@@ -20,7 +20,7 @@ use crate::mobility::overlaps::Overlaps;
 use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
 use domain::{AxisRotation, Bytes, Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
-    Costs, Drawn, Evaluation, Fixed, Loading, Loads, MethodName, Motion, Multipoles, OutsideError, Plan, Problem,
+    Costs, DrawDiagnostics, Fixed, Loading, Loads, MethodName, Motion, Multipoles, Output, OutsideError, Plan, Problem,
     SolveError, Stream, check_inside,
 };
 use lubrication::LubricationRange;
@@ -134,8 +134,8 @@ impl Mobility {
     }
 
     /// A warning if the plan is infeasible.
-    pub fn burden(&self) -> Option<String> {
-        self.plan.burden(&self.problem)
+    pub fn infeasible(&self) -> Option<String> {
+        self.plan.infeasible(&self.problem)
     }
 
     /// Sets the interrupt that is checked in each iteration; an interrupted evaluation has no result.
@@ -182,9 +182,13 @@ impl Mobility {
     /// Random motions of the spheres whose covariance is their mobility, one for each of `draws`: Brownian motion over
     /// a time `dt` at a thermal energy `kT = dt / 2`. The same seed and draw give the same motion, on any number of
     /// ranks. Strain rates are those of the fluctuating fluid for spheres that are not rigid, else absent.
-    pub fn noise(&mut self, seed: u64, draws: std::ops::Range<u64>) -> Result<(Vec<Motion>, Drawn), MobilityError> {
+    pub fn noise(
+        &mut self,
+        seed: u64,
+        draws: std::ops::Range<u64>,
+    ) -> Result<(Vec<Motion>, DrawDiagnostics), MobilityError> {
         self.check_draws(&draws)?;
-        let (cell, mut worst) = (self.parameters.cell, Drawn::default());
+        let (cell, mut worst) = (self.parameters.cell, DrawDiagnostics::default());
         let mut motions = Vec::new();
         let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
         let tolerance = ROOT * self.parameters.tolerance;
@@ -279,7 +283,7 @@ impl Mobility {
         }
         let mobility = self.hydrodynamics.mobility();
         mobility.arrange(cell, particles);
-        let mut motion = mobility.apply(&loads, Evaluation::All);
+        let mut motion = mobility.apply(&loads, Output::All);
         carry(&mut motion, &particles.radii, bend);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
         let (induced, curvature) = (Motion::default(), 0.0);
@@ -352,7 +356,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         boundaries: parameters.cell.boundaries(),
         volume: parameters.cell.edges().element_product(),
         shortest_vector: Problem::shortest_vector_of(&parameters.cell),
-        contraction: 1.0,
+        smallest_edge_ratio: 1.0,
         largest_strain: parameters.cell.strain().abs(),
         largest_tilts: Problem::tilts_of(&parameters.cell),
         radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),

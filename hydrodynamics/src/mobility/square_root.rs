@@ -2,7 +2,7 @@
 
 use super::{Mobility, MobilityError, ROOT};
 use domain::Vector;
-use fcm::{Drawn, Loads, Motion, root_times};
+use fcm::{DrawDiagnostics, Loads, Motion, square_root_times};
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
 
@@ -24,7 +24,11 @@ impl Mobility {
     /// where `S` are the square roots of single-sphere mobilities, so that `z` is dimensionless. With forces alone, the
     /// last three numbers of each sphere are ignored. Lanczos iteration on the whole mobility; each application is a
     /// solve to the mobility's tolerance. The numbers are those of the first rank, which has the result.
-    pub fn root(&mut self, numbers: &[Numbers], transposed: bool) -> Result<(Vec<Numbers>, Drawn), MobilityError> {
+    pub fn root(
+        &mut self,
+        numbers: &[Numbers],
+        transposed: bool,
+    ) -> Result<(Vec<Numbers>, DrawDiagnostics), MobilityError> {
         self.parameters.check_noise()?;
         let driven = std::mem::take(&mut self.pressure_gradient);
         let found = self.root_at_rest(numbers, transposed);
@@ -32,7 +36,11 @@ impl Mobility {
         found
     }
 
-    fn root_at_rest(&mut self, numbers: &[Numbers], transposed: bool) -> Result<(Vec<Numbers>, Drawn), MobilityError> {
+    fn root_at_rest(
+        &mut self,
+        numbers: &[Numbers],
+        transposed: bool,
+    ) -> Result<(Vec<Numbers>, DrawDiagnostics), MobilityError> {
         let comm = self.partition.comm().clone();
         let spheres = if comm.is_first() { self.parameters.radii.len() } else { 0 };
         let scales: Vec<[f64; 2]> = self.parameters.radii[..spheres].iter().map(|&a| self.scales(a)).collect();
@@ -54,7 +62,7 @@ impl Mobility {
             let motion = self.apply(&loads, &BackgroundFlow::NONE)?.motion;
             Ok::<_, MobilityError>(times(&numbers_of(&motion), &scales, |number, scale| number / scale))
         };
-        let (mut root, drawn) = root_times(&comm, &start, limits, apply)?;
+        let (mut root, drawn) = square_root_times(&comm, &start, limits, apply)?;
         if drawn.change > tolerance {
             return Err(MobilityError::Root { applications: drawn.iterations, change: drawn.change, tolerance });
         }

@@ -4,8 +4,7 @@ use super::BenchmarkError;
 use super::spheres::{Kind, Spheres, loads};
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{
-    Costs, Evaluation, Fixed, Loading, Method, MethodName, Mobility, Motion, Multipoles, Plan, Precision, Problem,
-    Seconds,
+    Costs, Fixed, Loading, Method, MethodName, Mobility, Motion, Multipoles, Output, Plan, Precision, Problem, Seconds,
 };
 use hydrodynamics::SingleEvaluation;
 use serde::Serialize;
@@ -99,7 +98,7 @@ impl Task {
             edges: spheres.cell.edges(),
             volume: spheres.cell.edges().element_product(),
             shortest_vector: Problem::shortest_vector_of(&spheres.cell),
-            contraction: 1.0,
+            smallest_edge_ratio: 1.0,
             largest_strain: 0.0,
             largest_tilts: [0.0; 2],
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
@@ -140,9 +139,9 @@ impl Task {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let mut mobility = Mobility::new(plan, &partition);
         let wanted = match self.kind {
-            Kind::All => Evaluation::All,
-            Kind::Forces => Evaluation::Velocities,
-            Kind::Stresslets => Evaluation::Gradients,
+            Kind::All => Output::All,
+            Kind::Forces => Output::Velocities,
+            Kind::Stresslets => Output::Gradients,
         };
         let (mut times, mut sent) = (Vec::new(), [0; 2]);
         let mut last = (Particles::default(), Motion::default());

@@ -2,14 +2,14 @@
 
 use bytemuck::cast_slice;
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Vector};
-use fcm::{Evaluation, Loads, Mobility, Plan, Raster};
+use fcm::{Loads, Mobility, Output, Plan, SamplePoints};
 use hydrodynamics::Poiseuille;
 
 /// Velocity of the fluid at grid points, in the order `[z][y][x]`, x fastest; on the first rank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FluidVelocity {
     /// Grid points; in a sheared box they follow the lattice.
-    pub raster: Raster,
+    pub raster: SamplePoints,
     /// Velocities.
     pub values: Vec<Vector>,
 }
@@ -29,9 +29,9 @@ pub fn velocity(
     let mut mobility = Mobility::new(plan, &partition);
     mobility.arrange(cell, &particles);
     if plan.boundaries == Boundaries::Periodic {
-        mobility.apply(&loads, Evaluation::Velocities);
+        mobility.apply(&loads, Output::Velocities);
         let spacing = cell.edges() / Vector::from_array(plan.grid.map(|n| n as f64));
-        let raster = Raster { first: Vector::ZERO, spacing, points: plan.grid };
+        let raster = SamplePoints { first: Vector::ZERO, spacing, points: plan.grid };
         return FluidVelocity { raster, values: gather(&partition, plan.grid, &mobility.velocity_field()) };
     }
     let raster = plan.raster(cell.origin());

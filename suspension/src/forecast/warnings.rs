@@ -20,16 +20,16 @@ pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
         stiff_contacts(model, radii),
         far_diffusion(model, radii),
         quick_tethers(model, radii),
-        burden(model, radii),
+        infeasible(model, radii),
         model.statistics.and_then(|wanted| wanted.caution(model.time_step, model.steps)),
     ];
     all.into_iter().flatten().chain(step_lengths::cautions(model, radii)).collect()
 }
 
 /// A warning if the plan of the scene is infeasible.
-fn burden(model: &Model, radii: &Radii) -> Option<String> {
+fn infeasible(model: &Model, radii: &Radii) -> Option<String> {
     let problem = problem(model, radii);
-    Plan::choose(&problem).ok()?.burden(&problem)
+    Plan::choose(&problem).ok()?.infeasible(&problem)
 }
 
 /// Strain per step up to which the viscosity of spheres in contact changes by less than a tenth.

@@ -356,6 +356,6 @@ impl Share<'_> {
             let turned = if self.model.turn.is_none() { 0.0 } else { all };
             far.flow().then(Bytes::list::<Vector>(all)).then(Bytes::list::<Vector>(turned))
         };
-        moved.then(Bytes::keep(far.reached())).then(far.mobility()).then(flow).freed()
+        moved.then(Bytes::keep(far.remote_resident_bytes())).then(far.mobility()).then(flow).freed()
     }
 }

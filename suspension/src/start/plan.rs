@@ -23,7 +23,7 @@ pub fn problem(model: &Model, radii: &Radii) -> Problem {
 
 /// The problem that [`plan_in`] solves.
 pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
-    let (edges, contraction) = edges(cell, model);
+    let (edges, smallest_edge_ratio) = edges(cell, model);
     let costs = model.hydrodynamics.costs.map(|[stencils, transforms, pairs]| Costs { stencils, transforms, pairs });
     Problem {
         edges,
@@ -32,7 +32,7 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         shortest_vector: model
             .stretched_box()
             .map_or_else(|| cell.edges().min_element(), |extension| extension.shortest_vector(cell)),
-        contraction,
+        smallest_edge_ratio,
         largest_strain: largest_strain(model),
         largest_tilts: model.stretched_box().map_or([0.0; 2], |extension| extension.extremes().tilts),
         radii: radii.0.clone(),

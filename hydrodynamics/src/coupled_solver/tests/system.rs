@@ -164,16 +164,16 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
         (matrix.error(&residual, &motions) / matrix.size(&motions)).sqrt()
     };
     let mut errors = vec![error(&mut matrix)];
-    while errors.len() < 9 && matrix.sharpen() {
+    while errors.len() < 9 && matrix.refine_preconditioner() {
         errors.push(error(&mut matrix));
     }
     assert!(errors[0] > 1e-6, "{errors:?}");
     assert!((4..=7).contains(&errors.len()), "{errors:?}");
     assert!(errors[..4].windows(2).all(|two| two[1] < 0.1 * two[0]), "{errors:?}");
-    assert!(setting.system().sharpen());
+    assert!(setting.system().refine_preconditioner());
     let mut system = setting.system();
     system.matrix = None;
-    assert!(!system.sharpen());
+    assert!(!system.refine_preconditioner());
 }
 
 /// A solve returns the pair loads as well as the motions.

@@ -1,0 +1,85 @@
+//! Interpolation: velocity field to motions.
+
+use crate::grid::kernel::{Kernel, Slab};
+use crate::grid::stencil::Stencil;
+use domain::{Tensor, Vector};
+use rayon::prelude::*;
+use solver::simd::{Vector as Lanes, Work};
+use solver::{Field, Physical, Real};
+
+/// Targets of the interpolation: stencils, and the class of each particle present.
+pub(crate) struct Interpolation<'a> {
+    pub stencils: &'a [Stencil],
+    pub classes: &'a [u32],
+    /// Volume of a grid point.
+    pub volume: f64,
+}
+
+/// Particles in a batch of one thread.
+const BATCH: usize = 64;
+
+impl Interpolation<'_> {
+    /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present: the contributions of this rank's
+    /// rows.
+    pub fn run<T: Real, K: Kernel<T>>(&self, kernel: &K, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
+        let [lines, planes] = field.rows();
+        let strides = [field.row_stride(), field.plane_stride()];
+        let slab = &Slab { components: field.components(), lines, planes, strides };
+        let mut motions = vec![(Vector::ZERO, Tensor::ZERO); self.stencils.len()];
+        let by_row = &ByRow { motions: motions.as_mut_ptr(), rows: motions.len() };
+        self.stencils.par_chunks(BATCH).for_each(|stencils| {
+            T::dispatch(Weigh { to: self, kernel, stencils, slab, by_row });
+        });
+        motions
+    }
+}
+
+/// Motions that threads write concurrently, each thread those of its own stencils.
+struct ByRow {
+    motions: *mut (Vector, Tensor),
+    rows: usize,
+}
+
+// SAFETY: each particle has one stencil, and each stencil is in one batch: no two threads write to the same row.
+unsafe impl Sync for ByRow {}
+
+impl ByRow {
+    #[inline(always)]
+    fn set(&self, stencil: &Stencil, motion: (Vector, Tensor)) {
+        let row = stencil.row as usize;
+        assert!(row < self.rows, "a stencil of a particle that is present");
+        // SAFETY: a row of the list, to which no other thread writes.
+        unsafe { self.motions.add(row).write(motion) };
+    }
+}
+
+/// One batch of stencils.
+struct Weigh<'a, T, K> {
+    to: &'a Interpolation<'a>,
+    kernel: &'a K,
+    stencils: &'a [Stencil],
+    slab: &'a Slab<&'a [T]>,
+    by_row: &'a ByRow,
+}
+
+impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes<T>>(self) {
+        let Interpolation { classes, volume, .. } = self.to;
+        let mut scratch = K::Scratch::default();
+        for stencil in self.stencils {
+            let weighed = self.kernel.collect::<V>(&mut scratch, (stencil, classes[stencil.row as usize]), self.slab);
+            let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
+            for c in 0..3 {
+                velocity[c] = weighed.velocity[c].to_f64();
+                for j in 0..3 {
+                    gradient[j][c] = weighed.gradient[c][j].to_f64();
+                }
+            }
+            let [x, y, z] = gradient;
+            self.by_row.set(stencil, (velocity * *volume, Tensor::from_cols(x, y, z) * -*volume));
+        }
+    }
+}

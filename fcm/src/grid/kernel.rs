@@ -1,0 +1,143 @@
+//! Trait of the two loops that dominate the cost: spreading of a particle's load to the grid, and interpolation from
+//! the grid to a particle.
+
+use crate::grid::stencil::Stencil;
+use domain::{Tensor, Vector};
+use solver::Real;
+use solver::simd::Vector as Lanes;
+use std::ops::Range;
+
+/// Spreading of a particle's load to the grid and interpolation of the grid's velocities to the particle, each the
+/// adjoint of the other.
+pub(crate) trait Kernel<T: Real>: Sync {
+    /// Working memory for one particle's stencil, reused from particle to particle.
+    type Scratch: Default;
+
+    /// Number of planes (points along z) of a stencil.
+    fn planes(&self) -> usize;
+
+    /// Adds the load of a particle of a class to the rows of a slab.
+    fn deposit<V: Lanes<T>>(
+        &self,
+        scratch: &mut Self::Scratch,
+        particle: (&Stencil, u32, &Load<T>),
+        slab: &mut Slab<&mut [T]>,
+    );
+
+    /// Sums the velocities on the rows of a slab with the weights of the particle's stencil.
+    fn collect<V: Lanes<T>>(
+        &self,
+        scratch: &mut Self::Scratch,
+        particle: (&Stencil, u32),
+        slab: &Slab<&[T]>,
+    ) -> WeightedSums<T>;
+}
+
+/// Force and dipole of one particle in the grid's precision: `dipole[c][j] = G_cj`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Load<T> {
+    pub force: [T; 3],
+    pub dipole: [[T; 3]; 3],
+}
+
+impl<T: Real> Load<T> {
+    pub fn new(force: Vector, dipole: &Tensor) -> Self {
+        let force = force.to_array().map(T::from_f64);
+        let dipole = std::array::from_fn(|c| std::array::from_fn(|j| T::from_f64(dipole.col(j)[c])));
+        Self { force, dipole }
+    }
+}
+
+/// Weighted sums for one particle: the velocity and `gradient[c][j]`, the weight of `G_cj`.
+pub(crate) struct WeightedSums<T> {
+    pub velocity: [T; 3],
+    pub gradient: [[T; 3]; 3],
+}
+
+/// Rows that one thread works on: some planes of this rank's share of the grid.
+pub(crate) struct Slab<S> {
+    /// The three components of the planes, with halos on the rows.
+    pub components: [S; 3],
+    /// The rank's range of rows along y.
+    pub lines: Range<usize>,
+    /// Range of planes of the slab.
+    pub planes: Range<usize>,
+    /// Distance in values from row to row and from plane to plane.
+    pub strides: [usize; 2],
+}
+
+/// Offset of a row or plane of a stencil that is not in the slab.
+pub(crate) const NOT_IN_SLAB: usize = usize::MAX;
+
+/// Offsets of the rows of a stencil in a plane of a slab, and of its planes in the slab.
+#[derive(Default)]
+pub(crate) struct StencilOffsets {
+    pub rows: Vec<usize>,
+    pub planes: Vec<usize>,
+    /// Whether all rows and planes are in the slab.
+    pub whole: bool,
+}
+
+impl StencilOffsets {
+    /// Finds the offsets of a stencil of `count` rows and planes from `stencil` on. Returns the offset of the last row,
+    /// or `None` if no row is in the slab.
+    #[inline(always)]
+    pub fn find<S>(&mut self, stencil: &Stencil, count: usize, points: [usize; 3], slab: &Slab<S>) -> Option<usize> {
+        let [_, y, z] = stencil.first.map(|first| first as usize);
+        let planes = starts(&mut self.planes, count, (z, points[2]), &slab.planes, slab.strides[1]);
+        if !planes.any {
+            return None;
+        }
+        let rows = starts(&mut self.rows, count, (y, points[1]), &slab.lines, slab.strides[0]);
+        self.whole = planes.all && rows.all;
+        rows.any.then_some(planes.last + rows.last)
+    }
+
+    /// Adds to each row's offset its first column along x: the stencil's first point, shifted back by `shift` points
+    /// from row to row, periodically. Returns the largest of the columns.
+    #[inline(always)]
+    pub fn add_columns(&mut self, stencil: &Stencil, shift: usize, period: usize) -> usize {
+        let (mut x, mut last) = (stencil.first[0] as usize, 0);
+        for start in &mut self.rows {
+            if *start != NOT_IN_SLAB {
+                *start += x;
+                last = last.max(x);
+            }
+            x = if x < shift { x + period - shift } else { x - shift };
+        }
+        last
+    }
+}
+
+/// Summary of the points of a stencil that are in a share.
+struct StencilSummary {
+    any: bool,
+    all: bool,
+    last: usize,
+}
+
+/// Offsets in a share of the `count` points of a stencil from `first` on, wrapped at the period.
+#[inline(always)]
+fn starts(
+    starts: &mut Vec<usize>,
+    count: usize,
+    (first, period): (usize, usize),
+    share: &Range<usize>,
+    stride: usize,
+) -> StencilSummary {
+    starts.resize(count, 0);
+    let mut found = StencilSummary { any: false, all: true, last: 0 };
+    let mut point = first;
+    for start in starts.iter_mut() {
+        if share.contains(&point) {
+            *start = (point - share.start) * stride;
+            found.last = found.last.max(*start);
+            found.any = true;
+        } else {
+            *start = NOT_IN_SLAB;
+            found.all = false;
+        }
+        point = if point + 1 == period { 0 } else { point + 1 };
+    }
+    found
+}

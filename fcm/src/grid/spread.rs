@@ -1,0 +1,105 @@
+//! Spreading: loads to force density.
+
+use crate::grid::kernel::{Kernel, Load, Slab};
+use crate::grid::stencil::Stencil;
+use rayon::prelude::*;
+use solver::simd::{Vector as Lanes, Work};
+use solver::{Field, Physical, Real};
+
+/// Sources of the spreading: stencils, and the class and load of each particle present.
+pub(crate) struct Spread<'a, T> {
+    pub stencils: &'a [Stencil],
+    pub classes: &'a [u32],
+    pub loads: &'a [Load<T>],
+    /// Number of planes of the grid.
+    pub period: usize,
+}
+
+impl<T: Real> Spread<'_, T> {
+    /// Sets the field to the sum of all loads. Each thread writes its own planes and processes the particles in the
+    /// same order, so the sums do not depend on the number of threads.
+    pub fn run<K: Kernel<T>>(&self, kernel: &K, field: &mut Field<T, Physical>) {
+        let [lines, planes] = field.rows();
+        if lines.is_empty() || planes.is_empty() {
+            return;
+        }
+        let strides = [field.row_stride(), field.plane_stride()];
+        let thickness = planes.len().div_ceil(rayon::current_num_threads());
+        let [x, y, z] = field.components_mut().map(|c| c.par_chunks_mut(strides[1] * thickness));
+        x.zip(y).zip(z).enumerate().for_each(|(part, ((x, y), z))| {
+            let start = planes.start + part * thickness;
+            let planes = start..planes.end.min(start + thickness);
+            let slab = Slab { components: [x, y, z], lines: lines.clone(), planes, strides };
+            T::dispatch(Fill { spread: self, kernel, slab });
+        });
+    }
+}
+
+/// One thread's part.
+struct Fill<'a, T, K> {
+    spread: &'a Spread<'a, T>,
+    kernel: &'a K,
+    slab: Slab<&'a mut [T]>,
+}
+
+impl<T: Real, K: Kernel<T>> Work<T> for Fill<'_, T, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Lanes<T>>(mut self) {
+        let Spread { stencils, classes, loads, period } = self.spread;
+        let planes = (self.kernel.planes(), *period);
+        let mut scratch = K::Scratch::default();
+        let mut dirty = Dirty::all(self.slab.planes.len());
+        for stencil in *stencils {
+            let row = stencil.row as usize;
+            dirty.clear_for(stencil, planes, &mut self.slab);
+            self.kernel.deposit::<V>(&mut scratch, (stencil, classes[row], &loads[row]), &mut self.slab);
+        }
+        dirty.clear_rest(&mut self.slab);
+    }
+}
+
+/// Planes of a slab that still hold old values. They are zeroed when a stencil first needs them, so that they are in
+/// the cache then.
+struct Dirty {
+    planes: Vec<bool>,
+    /// First plane of the last stencil.
+    last: Option<u32>,
+}
+
+impl Dirty {
+    fn all(planes: usize) -> Self {
+        Self { planes: vec![true; planes], last: None }
+    }
+
+    /// Zeroes the planes that a stencil of `count` planes touches, wrapped at the period.
+    #[inline(always)]
+    fn clear_for<T: Real>(&mut self, stencil: &Stencil, (count, period): (usize, usize), slab: &mut Slab<&mut [T]>) {
+        if self.last == Some(stencil.first[2]) {
+            return;
+        }
+        self.last = Some(stencil.first[2]);
+        for point in 0..count {
+            let plane = (stencil.first[2] as usize + point) % period;
+            if slab.planes.contains(&plane) {
+                self.clear(plane - slab.planes.start, slab);
+            }
+        }
+    }
+
+    fn clear_rest<T: Real>(&mut self, slab: &mut Slab<&mut [T]>) {
+        for plane in 0..self.planes.len() {
+            self.clear(plane, slab);
+        }
+    }
+
+    fn clear<T: Real>(&mut self, plane: usize, slab: &mut Slab<&mut [T]>) {
+        if std::mem::take(&mut self.planes[plane]) {
+            let size = slab.strides[1];
+            for component in &mut slab.components {
+                component[plane * size..(plane + 1) * size].fill(T::default());
+            }
+        }
+    }
+}

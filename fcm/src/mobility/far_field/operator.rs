@@ -1,0 +1,94 @@
+//! Operator from force density to velocity on the grid of a plan.
+
+use crate::envelope::Common;
+use crate::grid::window::Window;
+use crate::plan::Plan;
+use crate::plan::problem::Method;
+use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
+use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
+
+/// Wavenumbers in units of the inverse width beyond which the Gaussian factor along a sheared lattice direction loses
+/// precision or underflows: it is `exp(-684)`, and `f64` ends at `exp(-708)`.
+const FARTHEST_FACTOR: f64 = 37.0;
+
+/// The Stokes solve. With the split method it includes the common Gaussian, and is divided by the window's transform
+/// once for spreading and once for interpolation. A window on the grid is dimensionless, a force density is not: the
+/// difference is the volume of a grid point, here in units of [`unit_volume`].
+pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition) -> Stokes<T> {
+    let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
+        return Stokes::new(grid, plan.viscosity);
+    };
+    let (spacing, strain) = (grid.spacing(), grid.strain());
+    let volume = spacing.x * spacing.y * spacing.z;
+    let unit = unit_volume(plan, grid);
+    // In a tilted lattice the Gaussian is no product of functions along the axes: the solve applies it.
+    let width = if grid.cell().is_upright() { 0.0 } else { common.width };
+    let width_in_plane = if width > 0.0 { 0.0 } else { common.width };
+    let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
+    let factor = |k: f64, spacing: f64| {
+        let amplitude = gaussian(-0.5 * (k * common.width).powi(2));
+        amplitude / window.transform(k * spacing)
+    };
+    // The window is a product along the lattice vectors, the Gaussian is not.
+    let plane = |k1: f64, k2: f64| {
+        let along = k2 + strain * k1;
+        if along.abs() * width_in_plane > FARTHEST_FACTOR {
+            let exponent = -0.5 * (k1 * k1 + k2 * k2) * width_in_plane.powi(2);
+            let windows = window.transform(k1 * spacing.x) * window.transform(along * spacing.y);
+            return (exponent.exp() / (windows * volume)).powi(2) * unit.powi(2);
+        }
+        let tilted = gaussian(-0.5 * (k2 * k2 - along * along) * common.width.powi(2));
+        (factor(k1, spacing.x) * factor(along, spacing.y) * tilted / volume).powi(2) * unit.powi(2)
+    };
+    let axis = |k3: f64| factor(k3, spacing.z).powi(2);
+    let widening = 0.5 * common.increment;
+    if plan.boundaries == Boundaries::Open {
+        let bracket = |k: Vector| (1.0 + widening * k.length_squared()).powi(2);
+        let multiplier = |k: Vector| plane(k.x, k.y) * axis(k.z) * bracket(k);
+        // Beyond the cutoff the flow of common Gaussians is that of the envelopes.
+        let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.method.cutoff());
+        return Stokes::in_open_space(grid, kernel);
+    }
+    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
+    match plan.boundaries {
+        Boundaries::Periodic => operator,
+        _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
+    }
+}
+
+/// Flow of walls, or of the fluid beyond open faces, which is added to the periodic solve. The common Gaussian and
+/// its bracket act on it as `1 + (Sigma^2 - D)/2 lap`.
+fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
+    let spacing = grid.spacing();
+    let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
+    let cut = plan.wavenumber_split();
+    let plane = |k1: f64, k2: f64| {
+        let window = window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y);
+        cut.grid_fraction(k1.hypot(k2)) * (unit / window).powi(2)
+    };
+    let faces = ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z };
+    let weights = ChannelWeights {
+        plane,
+        axis: |k: f64| window.growth(k * spacing.z),
+        second_moment: window.second_moment() * spacing.z * spacing.z,
+        smoothing: common.width * common.width - common.increment,
+        highest: cut.grid_cutoff,
+    };
+    Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
+}
+
+/// Lattice of the grid's periodic copies: that of the box if it is periodic along all axes.
+pub(super) fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
+    match plan.boundaries {
+        Boundaries::Periodic => *cell,
+        _ => PeriodicBox::new(plan.period).expect("a plan has a grid"),
+    }
+}
+
+/// Unit in which the operator measures the volume of a grid point: with the split method that volume rounded to a
+/// power of two, since grids may be far coarser than a radius, as in a box of a few particles that are far apart.
+/// Results are larger by the square of the unit.
+pub(super) fn unit_volume(plan: &Plan, grid: &Grid) -> f64 {
+    let spacing = grid.spacing();
+    if plan.method == Method::Direct { 1.0 } else { power_of_two(spacing.x * spacing.y * spacing.z) }
+}

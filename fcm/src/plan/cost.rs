@@ -1,0 +1,60 @@
+//! Cost model of an evaluation.
+
+use crate::grid::gaussian::length;
+use crate::plan::Plan;
+use crate::plan::costs::Costs;
+use crate::plan::problem::{Method, Multipoles, Precision};
+
+/// Bytes of a grid that stay in the caches: a few megabytes.
+const CACHE: f64 = 3.3e6;
+
+/// Seconds per byte that a rank writes to another's memory on the same machine.
+const SENT: f64 = 0.5e-9;
+
+/// Seconds per image in a wall, including its share of the search for images in a solve.
+const IMAGE: f64 = 4e-7;
+
+impl Plan {
+    /// Seconds expected of the parts of an evaluation of this many particles by one thread, on the machine on which
+    /// the model was calibrated.
+    #[must_use]
+    pub fn parts(&self, particles: usize) -> Costs {
+        seconds(self, particles, 0.0, 1)
+    }
+}
+
+/// Seconds for one evaluation in a box of the given strain by one thread on each of `ranks` ranks together, as
+/// measured on a Zen 4 processor. `fcm-solve bench` prints predictions beside measured times.
+pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
+    let single = plan.precision == Precision::Single;
+    let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
+    let bytes = points * if single { 12.0 } else { 24.0 };
+    // Part of the grid that is fetched from main memory in each pass.
+    let spilt = (bytes / CACHE - 1.0).clamp(0.0, 1.0);
+    let particles = particles as f64;
+    let terms = if plan.multipoles == Multipoles::Dipole { 1.0 } else { 0.6 };
+    let stencil = match plan.method {
+        Method::Direct => {
+            let rows = length(&plan.support, plan.spacing(), strain, if single { 16 } else { 8 });
+            rows * if single { 18e-9 } else { 17e-9 }
+        }
+        // Rows of eight points, or of sixteen in two vectors.
+        Method::Split { .. } => {
+            let rows = (plan.support.support * plan.support.support) as f64;
+            rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()
+        }
+    };
+    let neighbours = match plan.method {
+        Method::Direct => 0.0,
+        Method::Split { cutoff, .. } => {
+            particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)
+        }
+    };
+    let transform = if single { 0.31e-9 + 0.15e-9 * spilt } else { 0.6e-9 + 0.28e-9 * spilt };
+    let sent = 2.0 * bytes * (1.0 - 1.0 / ranks.max(1) as f64);
+    Costs {
+        stencils: particles * (stencil * terms + 4e-7) + 0.65e-9 * bytes * spilt,
+        transforms: points * points.log2() * transform + SENT * sent,
+        pairs: particles * (neighbours * 5.2e-8 * terms + plan.images(particles) * IMAGE),
+    }
+}

@@ -1,0 +1,159 @@
+//! Problem to plan for: box, particles, loads, and choices that the user fixed.
+
+use crate::envelope::Envelope;
+use crate::plan::costs::Costs;
+use domain::{Boundaries, PeriodicBox, Vector};
+
+/// Method of evaluation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Direct: each envelope itself is spread, so the smallest one sets the grid.
+    Direct,
+    /// Split: all particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
+    Split {
+        /// Width of the common Gaussian.
+        width: f64,
+        /// Distance beyond which pairs are left out.
+        cutoff: f64,
+    },
+}
+
+impl Method {
+    /// Distance beyond which pairs are left out; 0 for the direct method.
+    pub fn cutoff(&self) -> f64 {
+        match *self {
+            Self::Direct => 0.0,
+            Self::Split { cutoff, .. } => cutoff,
+        }
+    }
+}
+
+/// Precision of the values on the grid; everything else is in `f64`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// `f32`
+    Single,
+    /// `f64`
+    Double,
+}
+
+/// Terms of the multipole expansion of the particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Multipoles {
+    /// Forces alone.
+    Monopole,
+    /// Forces, torques and stresslets.
+    Dipole,
+}
+
+impl Multipoles {
+    /// Width of a sphere's narrowest envelope.
+    pub(crate) fn narrowest(self, envelope: Envelope) -> f64 {
+        match self {
+            Self::Monopole => envelope.monopole,
+            Self::Dipole => envelope.dipole,
+        }
+    }
+}
+
+/// Description of the suspension to evaluate, and the choices that the user fixed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Problem {
+    /// Edges of the box; the longest that occur, if they change.
+    pub edges: Vector,
+    /// Boundary conditions at the faces of the box.
+    pub boundaries: Boundaries,
+    /// Volume of the box; it does not change in extensional flow.
+    pub volume: f64,
+    /// Length of the shortest lattice vector that occurs; spheres must not overlap their images across it.
+    pub shortest_vector: f64,
+    /// Smallest length of an edge that occurs, over its length here: 1 if the edges do not change.
+    pub smallest_edge_ratio: f64,
+    /// Largest strain of the box that occurs.
+    pub largest_strain: f64,
+    /// Largest [`PeriodicBox::tilts`] of the box that occur: 0 if its third lattice vector is orthogonal to the other
+    /// two.
+    pub largest_tilts: [f64; 2],
+    /// Radius and number of each kind of particle; radii may repeat.
+    pub radii: Vec<(f64, usize)>,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Multipole terms of the particles.
+    pub multipoles: Multipoles,
+    /// Whether stresslets are solved for, which amplifies errors more than given ones do.
+    pub rigid: bool,
+    /// Whether near pairs of rigid particles are lubricated, which dominates their motions in dense suspensions.
+    pub lubricated: bool,
+    /// Loads that are expected.
+    pub loading: Loading,
+    /// Relative error asked for.
+    pub tolerance: f64,
+    /// Threads over all ranks.
+    pub threads: usize,
+    /// Number of ranks.
+    pub ranks: usize,
+    /// Costs of the parts of an evaluation on the machine, over those where the planner was calibrated.
+    pub costs: Costs,
+    /// Choices that the user fixed.
+    pub fixed: Fixed,
+}
+
+/// Kinds of loads, as far as they decide how small the answer may be relative to the motions of single spheres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loading {
+    /// Loads that differ from particle to particle.
+    Varied,
+    /// A background flow, in which motions relative to it may be small against its rate of strain.
+    Flow,
+    /// Weights or other equal forces, whose motion is hindered in dense suspensions.
+    Uniform,
+    /// Equal forces on particles that may form a lattice, where errors add up.
+    UniformOnLattice,
+}
+
+impl Problem {
+    /// [`Self::shortest_vector`] of a static box: over combinations of the second and third lattice vector, each with
+    /// the nearest multiple of the first.
+    pub fn shortest_vector_of(cell: &PeriodicBox) -> f64 {
+        let length = |j: i32, k: i32| {
+            let across = cell.lattice([0, j, k]);
+            let along = if j == 0 && k == 0 { 1 } else { -(across.x / cell.edges().x).round() as i32 };
+            cell.lattice([along, j, k]).length()
+        };
+        let combinations = (-2..=2).flat_map(|j| (0..=2).map(move |k| (j, k)));
+        combinations.map(|(j, k)| length(j, k)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// [`Self::largest_tilts`] of a static box.
+    pub fn tilts_of(cell: &PeriodicBox) -> [f64; 2] {
+        if cell.is_upright() { [0.0; 2] } else { cell.tilts().map(f64::abs) }
+    }
+}
+
+/// Choices that a user may fix; the planner makes the others.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Fixed {
+    /// Direct or split.
+    pub method: Option<MethodName>,
+    /// Grid points along each edge.
+    pub grid: Option<[usize; 3]>,
+    /// Grid points of a stencil along each axis.
+    pub support: Option<usize>,
+    /// Width of the common Gaussian of the split method.
+    pub width: Option<f64>,
+    /// Cutoff of the pairs of the split method.
+    pub cutoff: Option<f64>,
+    /// Precision of the grid.
+    pub precision: Option<Precision>,
+    /// Relative error allowed in the stresslets.
+    pub iteration_tolerance: Option<f64>,
+}
+
+/// Name of a [`Method`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MethodName {
+    /// [`Method::Direct`]
+    Direct,
+    /// [`Method::Split`]
+    Split,
+}

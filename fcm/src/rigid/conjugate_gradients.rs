@@ -1,0 +1,356 @@
+//! Preconditioned conjugate gradients, with the unknowns distributed over ranks.
+
+use domain::{Comm, Interrupt, Traceless};
+
+/// Vectors of a linear space, of which each rank holds its own part.
+pub trait Linear: Clone {
+    /// `self += factor other`.
+    fn add(&mut self, factor: f64, other: &Self);
+
+    /// `self = other + factor self`.
+    fn scale_add(&mut self, factor: f64, other: &Self);
+}
+
+/// A system `A x = b` with `A` symmetric positive definite, and a preconditioner `P` that resembles `A`. Methods are
+/// collective.
+pub trait System {
+    /// Type of the unknowns `x`.
+    type Unknowns: Linear;
+
+    /// Type of the residual `b - A x`.
+    type Residual: Linear;
+
+    /// This rank's part of the inner product `r . x`.
+    fn product(&self, residual: &Self::Residual, x: &Self::Unknowns) -> f64;
+
+    /// `A p`.
+    fn apply(&mut self, direction: &Self::Unknowns) -> Self::Residual;
+
+    /// `A p`, and this rank's part of the curvature `p . A p`.
+    fn curvature(&mut self, direction: &Self::Unknowns) -> (Self::Residual, f64) {
+        let image = self.apply(direction);
+        let curvature = self.product(&image, direction);
+        (image, curvature)
+    }
+
+    /// Called with each step `x += length p` along the last direction, to update other linear functions of `x`.
+    fn on_step(&mut self, length: f64);
+
+    /// `P^-1 r`; needs to be linear only approximately.
+    fn precondition(&mut self, residual: &Self::Residual) -> Self::Unknowns;
+
+    /// Makes the preconditioner more exact, if possible; returns whether it did. Called if `r . P^-1 r` is negative.
+    /// All ranks must return the same.
+    fn refine_preconditioner(&mut self) -> bool {
+        false
+    }
+
+    /// This rank's part of the square of the error that a preconditioned residual `z = P^-1 r` estimates: `r . z`,
+    /// unless the system has a stricter measure.
+    fn error(&self, residual: &Self::Residual, z: &Self::Unknowns) -> f64 {
+        self.product(residual, z)
+    }
+
+    /// This rank's part of the square of the size of `x` to which the error is relative: `x . P x`.
+    fn size(&self, x: &Self::Unknowns) -> f64;
+
+    /// Takes a step, if one is given, and measures the residual: computes `z = P^-1 r`, in place of the `z` before
+    /// the step, and this rank's sums. An implementation can do all of it in one pass over the unknowns.
+    fn step_and_measure(
+        &mut self,
+        (x, residual): (&mut Self::Unknowns, &mut Self::Residual),
+        step: Option<Step<Self::Unknowns, Self::Residual>>,
+        z: &mut Self::Unknowns,
+    ) -> Sums {
+        let mut former = 0.0;
+        if let Some(Step { length, direction, image }) = step {
+            x.add(length, direction);
+            residual.add(-length, &image);
+            former = self.product(residual, z);
+        }
+        *z = self.precondition(residual);
+        Sums { product: self.product(residual, z), former, error: self.error(residual, z), size: self.size(x) }
+    }
+}
+
+/// Step of the iteration, `x += length p` and `r -= length A p`.
+pub struct Step<'a, X, R> {
+    /// Length of the step.
+    pub length: f64,
+    /// Direction `p`.
+    pub direction: &'a X,
+    /// Image `A p`; its memory is released after the step.
+    pub image: R,
+}
+
+/// Inner products of the residual `r` and `z = P^-1 r`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sums {
+    /// `r . z`.
+    pub product: f64,
+    /// `r` times the `z` before the step; 0 if there was no step.
+    pub former: f64,
+    /// See [`System::error`].
+    pub error: f64,
+    /// See [`System::size`].
+    pub size: f64,
+}
+
+impl std::ops::Add for Sums {
+    type Output = Self;
+
+    fn add(self, more: Self) -> Self {
+        Self {
+            product: self.product + more.product,
+            former: self.former + more.former,
+            error: self.error + more.error,
+            size: self.size + more.size,
+        }
+    }
+}
+
+/// Result of an iteration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome {
+    /// Number of applications of the matrix.
+    pub iterations: usize,
+    /// Relative error left, `|r . P^-1 r / x . P x|^(1/2)`, or the system's own measure.
+    pub residual: f64,
+    /// Whether the residual is within the tolerance.
+    pub converged: bool,
+    /// Whether the iteration ended before convergence because some rank was asked to stop.
+    pub interrupted: bool,
+}
+
+/// Stopping criteria.
+#[derive(Clone, Copy)]
+pub struct Limits<'a> {
+    /// Largest relative error allowed.
+    pub tolerance: f64,
+    /// Largest number of applications of the matrix.
+    pub iterations: usize,
+    /// Polled after each application.
+    pub interrupt: &'a Interrupt,
+}
+
+/// Solves `A x = b` from the initial guess `x` with its residual `b - A x`; both are updated in place. At the end `z`
+/// holds `P^-1` of the residual; its initial value does not matter. Collective.
+///
+/// Directions are made conjugate by the formula of Polak and Ribière, which tolerates a preconditioner that is itself
+/// an iteration (Golub & Ye 1999). The iteration converges when the error that the preconditioned residual estimates
+/// is small against `x`, both as the system measures them (by default in the energy norm of the preconditioner). It
+/// ends without convergence when `r . P^-1 r` is negative and the preconditioner can't be made more exact, or when
+/// any rank is asked to stop.
+pub fn conjugate_gradients<S: System>(
+    comm: &Comm,
+    system: &mut S,
+    (x, residual, z): (&mut S::Unknowns, &mut S::Residual, &mut S::Unknowns),
+    limits: Limits<'_>,
+) -> Outcome {
+    let small = |at: &Sums| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
+    let (mut at, mut asked) = step_and_measure(comm, system, (x, residual, z), None, limits.interrupt);
+    let mut direction = z.clone();
+    let mut iterations = 0;
+    while !small(&at) && iterations < limits.iterations && at.product.is_finite() && at.product > 0.0 && !asked {
+        let (image, curvature) = system.curvature(&direction);
+        iterations += 1;
+        let mut curvature = [curvature];
+        comm.sum(&mut curvature);
+        // The residual is orthogonal to the former direction, so this step reaches the minimum along the new one.
+        let length = at.product / curvature[0];
+        system.on_step(length);
+        let before = at.product;
+        let step = Step { length, direction: &direction, image };
+        (at, asked) = step_and_measure(comm, system, (x, residual, z), Some(step), limits.interrupt);
+        direction.scale_add((at.product - at.former) / before, z);
+    }
+    // NaN stays NaN, whatever it is divided by.
+    let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };
+    let converged = small(&at);
+    Outcome { iterations, residual, converged, interrupted: !converged && asked }
+}
+
+/// [`System::step_and_measure`], with the preconditioner made more exact until `r . z` is positive. Returns the sums
+/// over all ranks, and whether any rank is asked to stop. Collective.
+fn step_and_measure<S: System>(
+    comm: &Comm,
+    system: &mut S,
+    (x, residual, z): (&mut S::Unknowns, &mut S::Residual, &mut S::Unknowns),
+    mut step: Option<Step<S::Unknowns, S::Residual>>,
+    interrupt: &Interrupt,
+) -> (Sums, bool) {
+    let mut of_step = None;
+    loop {
+        let own = system.step_and_measure((x, residual), step.take(), z);
+        let asked = f64::from(u8::from(interrupt.is_requested()));
+        let mut sums = [own.product, own.former, own.error, own.size, asked];
+        comm.sum(&mut sums);
+        let [product, former, error, size, asked] = sums;
+        let former = *of_step.get_or_insert(former);
+        if product >= 0.0 || product.is_nan() || !system.refine_preconditioner() {
+            return (Sums { product, former, error, size }, asked > 0.0);
+        }
+    }
+}
+
+impl Linear for Vec<Traceless> {
+    fn add(&mut self, factor: f64, other: &Self) {
+        for (a, &b) in self.iter_mut().zip(other) {
+            *a += b * factor;
+        }
+    }
+
+    fn scale_add(&mut self, factor: f64, other: &Self) {
+        for (a, &b) in self.iter_mut().zip(other) {
+            *a = b + *a * factor;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    impl Linear for [f64; 2] {
+        fn add(&mut self, factor: f64, other: &Self) {
+            (0..2).for_each(|k| self[k] += factor * other[k]);
+        }
+
+        fn scale_add(&mut self, factor: f64, other: &Self) {
+            (0..2).for_each(|k| self[k] = other[k] + factor * self[k]);
+        }
+    }
+
+    /// `diag(1, 4)` with a preconditioner of the wrong sign until it has been made more exact `left` times.
+    struct Wrong {
+        left: usize,
+        can: usize,
+    }
+
+    impl System for Wrong {
+        type Unknowns = [f64; 2];
+        type Residual = [f64; 2];
+
+        fn product(&self, residual: &[f64; 2], x: &[f64; 2]) -> f64 {
+            residual[0] * x[0] + residual[1] * x[1]
+        }
+
+        fn apply(&mut self, direction: &[f64; 2]) -> [f64; 2] {
+            [direction[0], 4.0 * direction[1]]
+        }
+
+        fn on_step(&mut self, _: f64) {}
+
+        fn precondition(&mut self, residual: &[f64; 2]) -> [f64; 2] {
+            if self.left == 0 { *residual } else { residual.map(|r| -r) }
+        }
+
+        fn refine_preconditioner(&mut self) -> bool {
+            let could = self.can > 0;
+            self.left = self.left.saturating_sub(1);
+            self.can = self.can.saturating_sub(1);
+            could
+        }
+
+        fn size(&self, x: &[f64; 2]) -> f64 {
+            self.product(x, x)
+        }
+    }
+
+    /// A system whose inner products see the first component alone, and whose error counts both.
+    struct Blind;
+
+    impl System for Blind {
+        type Unknowns = [f64; 2];
+        type Residual = [f64; 2];
+
+        fn product(&self, residual: &[f64; 2], x: &[f64; 2]) -> f64 {
+            residual[0] * x[0]
+        }
+
+        fn apply(&mut self, direction: &[f64; 2]) -> [f64; 2] {
+            *direction
+        }
+
+        fn on_step(&mut self, _: f64) {}
+
+        fn precondition(&mut self, residual: &[f64; 2]) -> [f64; 2] {
+            *residual
+        }
+
+        fn error(&self, _: &[f64; 2], z: &[f64; 2]) -> f64 {
+            self.size(z)
+        }
+
+        fn size(&self, x: &[f64; 2]) -> f64 {
+            x[0] * x[0] + x[1] * x[1]
+        }
+    }
+
+    /// No direction reduces the error, so the solve ends with finite numbers.
+    #[test]
+    fn an_error_that_no_product_sees_ends_the_solve() {
+        let (mut x, mut residual) = ([1.0, 1.0], [0.0, 0.5]);
+        let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
+        let outcome = conjugate_gradients(&Comm::alone(), &mut Blind, (&mut x, &mut residual, &mut [0.0; 2]), limits);
+        let residual = (0.25_f64 / 2.0).sqrt();
+        assert_eq!(outcome, Outcome { iterations: 0, residual, converged: false, interrupted: false });
+    }
+
+    fn solved(left: usize, can: usize) -> ([f64; 2], Outcome) {
+        let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
+        let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
+        let outcome = conjugate_gradients(
+            &Comm::alone(),
+            &mut Wrong { left, can },
+            (&mut x, &mut residual, &mut [0.0; 2]),
+            limits,
+        );
+        (x, outcome)
+    }
+
+    #[test]
+    fn a_preconditioner_that_is_not_positive_is_made_more_exact() {
+        for left in 0..3 {
+            let (x, outcome) = solved(left, 3);
+            assert!(outcome.converged && outcome.iterations == 2, "{outcome:?}");
+            assert!((x[0] - 3.0).abs() < 1e-12 && (x[1] - 2.0).abs() < 1e-12, "{x:?}");
+        }
+    }
+
+    #[test]
+    fn one_that_stays_so_ends_the_solve_with_its_residual() {
+        let (x, outcome) = solved(3, 1);
+        assert_eq!(
+            (x, outcome),
+            ([1.0, 0.0], Outcome { iterations: 0, residual: 68_f64.sqrt(), converged: false, interrupted: false })
+        );
+    }
+
+    /// Only the last rank is asked to stop, after a number of polls.
+    #[test]
+    fn one_rank_that_is_asked_to_stop_stops_all() {
+        for looks in 0..3 {
+            let outcomes = Comm::threads(3, |comm| {
+                let left = AtomicUsize::new(looks);
+                let last = comm.rank() == 2;
+                let one_less = move || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1));
+                let asked = move || last && one_less().is_err();
+                let interrupt = Interrupt::when(asked);
+                let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &interrupt };
+                let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
+                conjugate_gradients(
+                    &comm,
+                    &mut Wrong { left: 0, can: 0 },
+                    (&mut x, &mut residual, &mut [0.0; 2]),
+                    limits,
+                )
+            });
+            for outcome in outcomes {
+                assert_eq!((outcome.interrupted, outcome.converged), (looks < 2, looks == 2), "{outcome:?}");
+                assert_eq!(outcome.iterations, looks);
+            }
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Rigid spheres: the stresslets that leave no rate of strain within them.
+
+use crate::mobility::Mobility;
+use crate::mobility::loads::{Loads, Motion, Output};
+use crate::mobility::work::Work;
+use crate::plan::Plan;
+use crate::plan::problem::Multipoles;
+use crate::rigid::conjugate_gradients::{Limits, System, conjugate_gradients};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless};
+use std::f64::consts::PI;
+
+/// Failure of a solve, the same on all ranks.
+#[derive(Debug, Clone, thiserror::Error, PartialEq)]
+pub enum SolveError {
+    /// The stresslets did not converge.
+    #[error(
+        "the stresslets did not converge: after {iterations} iterations the residual is {residual:.1e}, asked for \
+         {tolerance:.1e}; allow a larger hydrodynamics.iteration_tolerance, or look for overlapping particles"
+    )]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Residual reached.
+        residual: f64,
+        /// Residual asked for.
+        tolerance: f64,
+    },
+    /// Positions or loads are not finite.
+    #[error(
+        "the motion of the particles is not finite; look for forces beyond the range of numbers (species.force, \
+         repulsion.strength, ...), or for particles at one point"
+    )]
+    NotFinite,
+    /// Some rank was asked to stop.
+    #[error("the solve was interrupted")]
+    Interrupted(#[from] Interrupted),
+}
+
+/// Motions of rigid spheresand the outcome of the solve for them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solved {
+    /// Velocities, angular velocities and rates of strain relative to the background flow; with monopoles only, only
+    /// velocities.
+    pub motion: Motion,
+    /// Stresslets of the particles; empty with monopoles only.
+    pub stresslets: Vec<Traceless>,
+    /// Applications of the mobility in the iteration for the stresslets.
+    pub iterations: usize,
+    /// Relative error left in the stresslets, as the iteration estimates it.
+    pub residual: f64,
+}
+
+/// Solver for rigid spheres: forces and torques to motions, with the stresslets that keep the spheres rigid.
+///
+/// With `M` the mobility `(F, T, -S) -> (V, Omega, E)`, the stresslets solve `M_EE (-S) = -(E_inf + E_FT)`, where
+/// `E_FT` is the rate of strain by forces and torques and `E_inf` the background's: a symmetric positive definite
+/// system.
+pub struct StressletSolver {
+    mobility: Mobility,
+    comm: Comm,
+    interrupt: Interrupt,
+}
+
+/// Largest number of iterations for the stresslets.
+const MOST_ITERATIONS: usize = 500;
+
+impl StressletSolver {
+    /// Sets up the solver of a plan, on ranks that share the grid by `partition`.
+    pub fn new(plan: &Plan, partition: &Partition) -> Self {
+        let (mobility, comm) = (Mobility::new(plan, partition), partition.comm().clone());
+        Self { mobility, comm, interrupt: Interrupt::NEVER }
+    }
+
+    /// Polls this interrupt at each evaluation of a solve from now on.
+    pub fn listen(&mut self, interrupt: Interrupt) {
+        self.interrupt = interrupt;
+    }
+
+    /// The interrupt that is polled.
+    pub fn interrupt(&self) -> &Interrupt {
+        &self.interrupt
+    }
+
+    /// The mobility, for its fields and its record of work.
+    pub fn mobility(&mut self) -> &mut Mobility {
+        &mut self.mobility
+    }
+
+    /// Work done so far.
+    pub fn work(&self) -> Work {
+        self.mobility.work()
+    }
+
+    /// Motion of the particles under `loads`, relative to a background flow whose rate of strain is `background`.
+    /// With dipoles, `loads.stresslets` are ignored and solved for, starting from `guess` (one per particle, or
+    /// none). Collective; an error is an error on all ranks.
+    pub fn solve(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        loads: &Loads,
+        background: Traceless,
+        guess: &[Traceless],
+    ) -> Result<Solved, SolveError> {
+        self.solve_in(cell, particles, (loads, &Motion::default()), background, guess)
+    }
+
+    /// The same with additional ambient motions of the fluid, one per particle, or none.
+    pub fn solve_in(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        (loads, ambient): (&Loads, &Motion),
+        background: Traceless,
+        guess: &[Traceless],
+    ) -> Result<Solved, SolveError> {
+        self.mobility.arrange(cell, particles);
+        let solved = match self.mobility.plan().multipoles {
+            Multipoles::Monopole => self.free(loads, ambient),
+            Multipoles::Dipole => self.rigid(&particles.radii, (loads, ambient), background, guess)?,
+        };
+        let finite = solved.motion.velocities.iter().all(|v| v.is_finite());
+        if self.comm.any(!finite) { Err(SolveError::NotFinite) } else { Ok(solved) }
+    }
+
+    fn free(&mut self, loads: &Loads, ambient: &Motion) -> Solved {
+        let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
+        let mut motion = self.mobility.apply(&forces, Output::Velocities);
+        motion.add(1.0, ambient);
+        Solved { motion, stresslets: Vec::new(), iterations: 0, residual: 0.0 }
+    }
+
+    fn rigid(
+        &mut self,
+        radii: &[f64],
+        (loads, ambient): (&Loads, &Motion),
+        background: Traceless,
+        guess: &[Traceless],
+    ) -> Result<Solved, SolveError> {
+        let (mut motion, mut resistances) = {
+            let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
+            (self.mobility.apply(&start, Output::All), start.stresslets)
+        };
+        motion.add(1.0, ambient);
+        // The unknowns are D = -S, for which the system is positive definite.
+        resistances.resize(radii.len(), Traceless::ZERO);
+        for s in &mut resistances {
+            *s = -*s;
+        }
+        let mut residual: Vec<_> = motion.strain_rates.iter().map(|&e| -(e + background)).collect();
+        let viscosity = self.mobility.plan().viscosity;
+        let diagonal: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
+        let tolerance = self.mobility.plan().iteration_tolerance;
+        let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
+        let mut z = Vec::new();
+        let mut strain = Strain { mobility: &mut self.mobility, diagonal, motion, step: Motion::default() };
+        let outcome = conjugate_gradients(&self.comm, &mut strain, (&mut resistances, &mut residual, &mut z), limits);
+        let motion = strain.motion;
+        if outcome.interrupted {
+            return Err(Interrupted.into());
+        }
+        if !outcome.residual.is_finite() {
+            return Err(SolveError::NotFinite);
+        }
+        if !outcome.converged {
+            let (iterations, residual) = (outcome.iterations, outcome.residual);
+            return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
+        }
+        let stresslets = resistances.into_iter().map(|d| -d).collect();
+        Ok(Solved { motion, stresslets, iterations: outcome.iterations, residual: outcome.residual })
+    }
+}
+
+/// System for the stresslets: rate of strain by the stresslets `-D`. The whole motion follows the iteration.
+struct Strain<'a> {
+    mobility: &'a mut Mobility,
+    /// Resistance of single spheres to strain.
+    diagonal: Vec<f64>,
+    motion: Motion,
+    step: Motion,
+}
+
+impl System for Strain<'_> {
+    type Unknowns = Vec<Traceless>;
+    type Residual = Vec<Traceless>;
+
+    fn product(&self, residual: &Vec<Traceless>, x: &Vec<Traceless>) -> f64 {
+        residual.iter().zip(x).map(|(&r, &x)| r.contract(x)).sum()
+    }
+
+    fn apply(&mut self, direction: &Vec<Traceless>) -> Vec<Traceless> {
+        let stresslets = direction.iter().map(|&d| -d).collect();
+        let loads = Loads { stresslets, ..Loads::default() };
+        // Releases the memory of the last step before this one's is allocated.
+        self.step = Motion::default();
+        self.step = self.mobility.apply(&loads, Output::All);
+        self.step.strain_rates.clone()
+    }
+
+    fn on_step(&mut self, length: f64) {
+        self.motion.add(length, &self.step);
+    }
+
+    fn precondition(&mut self, residual: &Vec<Traceless>) -> Vec<Traceless> {
+        residual.iter().zip(&self.diagonal).map(|(&r, &d)| r * d).collect()
+    }
+
+    fn size(&self, x: &Vec<Traceless>) -> f64 {
+        x.iter().zip(&self.diagonal).map(|(&x, &d)| x.contract(x) / d).sum()
+    }
+}
