@@ -58,13 +58,13 @@ class CrateTests:
         return tomllib.loads((self.tree / self.crate / "Cargo.toml").read_text())["package"]["name"]
 
     def stages(self):
-        """Arguments that choose tests: those inside the crate, then those beside it, which cost a build of their own."""
+        """Arguments that choose tests: those inside the crate, then its integration tests, which need another build."""
         inside = ["--lib"] if (self.tree / self.crate / "src" / "lib.rs").exists() else ["--bins"]
         beside = [["--test", "*"]] if (self.tree / self.crate / "tests").exists() else []
         return [inside, *beside]
 
     def measure(self):
-        """Runs the tests of the crate as it is, notes how long each takes and puts the fast ones first."""
+        """Runs the tests of the unchanged crate, records their times and puts the fast ones first."""
         store = self.build_folder / "nextest"
         report, reached = (store / "mutants" / name for name in ("junit.xml", "reached"))
         shutil.rmtree(reached, ignore_errors=True)
@@ -86,7 +86,7 @@ class CrateTests:
             self.reaching[int(function)].append(test)
 
     def verdict(self, of_stage):
-        """The first outcome of the stages that is not that nothing was noticed."""
+        """The first outcome of the stages other than `missed`."""
         return next((outcome for outcome in map(of_stage, self.stages()) if outcome != "missed"), "missed")
 
     def built_and_tested(self, stage, **more):
@@ -104,10 +104,10 @@ class CrateTests:
         return self.outcome([*self.nextest(stage), "-E", those, "--no-tests", "pass"], MUTATION=str(number))
 
     def outcome(self, command, **more):
-        return {0: "missed", None: "timed out"}.get(self.run(command, **more), "noticed")
+        return {0: "missed", None: "timed out"}.get(self.run(command, **more), "detected")
 
     def errors(self):
-        """The files and lines of what does not compile."""
+        """The files and lines of compiler errors."""
         command = ["cargo", "test", "--no-run", "--message-format", "json", "--package", self.package, *self.stages()[0]]
         done = subprocess.run(command, cwd=self.tree, env=self.environment, capture_output=True, text=True)
         messages = (json.loads(line).get("message") for line in done.stdout.splitlines() if line.startswith("{"))

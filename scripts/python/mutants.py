@@ -1,5 +1,5 @@
-"""Changes the program in one place after another, at random, and counts the changes that its tests notice. Each is tested
-by the tests of its own crate. Verdicts are kept in the repository, so that a sample goes on where it was, anywhere."""
+"""Changes the program in one random place at a time, and counts the changes that its tests detect. Each is tested by the
+tests of its crate. Verdicts are stored in the repository, so that a sample can be continued on any machine."""
 
 import argparse
 import collections
@@ -14,14 +14,14 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDER = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "mutants"
 VERDICTS = ROOT / "validation" / "data" / "mutants.jsonl"
 
-OUTCOMES = ("noticed", "timed out", "missed", "changes nothing", "unviable", "not yet tested")
+OUTCOMES = ("detected", "timed out", "missed", "equivalent", "unviable", "not yet tested")
 
-# Crates that others depend on come first: these are built once, after them.
+# Crates before those that depend on them, so that each is built once.
 ORDER = "domain solver lubrication statistics fcm granular simulation suspension io fcm-solve".split()
 
 
 class Kept:
-    """Verdicts by mutation, in a file of a line for each in the order of their keys."""
+    """Verdicts by mutation, in a file with a line for each, in the order of their keys."""
 
     def __init__(self, path):
         self.path = path
@@ -38,11 +38,11 @@ class Kept:
 
 def outcome_of(mutation, kept, equal):
     found = kept.outcomes.get(mutation.key, "not yet tested")
-    return "changes nothing" if found == "missed" and mutation.key in equal else found
+    return "equivalent" if found == "missed" and mutation.key in equal else found
 
 
 def table(sample, kept, equal):
-    """Lines of Markdown: how many of each outcome by crate, and those that no test noticed."""
+    """Lines of Markdown: the numbers of outcomes by crate, and the missed changes."""
     counts = collections.Counter((one.crate, outcome_of(one, kept, equal)) for one in sample)
     row = lambda cells: "| " + " | ".join(map(str, cells)) + " |"
     yield row(["crate", *OUTCOMES])
@@ -51,9 +51,9 @@ def table(sample, kept, equal):
         yield row([crate, *(counts[crate, outcome] for outcome in OUTCOMES)])
     total = {outcome: sum(counts[crate, outcome] for crate in ORDER) for outcome in OUTCOMES}
     yield row(["all", *total.values()])
-    noticed, missed = total["noticed"] + total["timed out"], total["missed"]
-    if noticed + missed:
-        yield f"\nnoticed {noticed} of {noticed + missed} that change anything: {noticed / (noticed + missed):.1%}"
+    detected, missed = total["detected"] + total["timed out"], total["missed"]
+    if detected + missed:
+        yield f"\ndetected {detected} of {detected + missed} that are not equivalent: {detected / (detected + missed):.1%}"
     for one in sample:
         if outcome_of(one, kept, equal) == "missed":
             yield f"missed {one.place}: {one.key}"
@@ -61,11 +61,11 @@ def table(sample, kept, equal):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--sample", type=int, default=300, help="how many changes (300)")
-    parser.add_argument("--seed", type=int, default=1, help="which of them (1)")
+    parser.add_argument("--sample", type=int, default=300, help="number of changes (300)")
+    parser.add_argument("--seed", type=int, default=1, help="seed of the sample (1)")
     parser.add_argument("--only", help="changes whose description has this text, instead of a sample")
-    parser.add_argument("--again", action="store_true", help="test again what was missed")
-    parser.add_argument("--table", action="store_true", help="only say what is known")
+    parser.add_argument("--again", action="store_true", help="test missed changes again")
+    parser.add_argument("--table", action="store_true", help="only print the table of stored verdicts")
     asked = parser.parse_args()
     mutations = list(all_mutations(ROOT))
     if asked.only:

@@ -8,14 +8,14 @@ from planting import plant, switch
 
 
 class Copy:
-    """The sources beside the project."""
+    """A copy of the sources."""
 
     def __init__(self, root, folder):
         self.root, self.tree, self.build = root, folder / "tree", folder / "build"
         self.synchronise()
 
     def synchronise(self):
-        """Brings the copy up to date; what has not changed keeps its time, so that it is not built again."""
+        """Updates the copy; unchanged files keep their times, so that they are not built again."""
         listed = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
         names = subprocess.run(listed, cwd=self.root, check=True, capture_output=True, text=True).stdout.split("\0")
         for name in filter(None, names):
@@ -31,8 +31,8 @@ class Copy:
                 copy.unlink()
 
     def outcomes(self, crate, mutations):
-        """Each change of a crate with what the tests make of it: noticed, missed, unviable (it does not compile) or timed
-        out. As many as can be are built into the crate at once; the others one by one."""
+        """Each change of a crate with its outcome: detected, missed, unviable (it does not compile) or timed out. Changes that
+        compile as branches are built into the crate at once; the others one by one."""
         root = f"{crate}/src/lib.rs" if (self.tree / crate / "src" / "lib.rs").exists() else f"{crate}/src/main.rs"
         sources = {file: (self.tree / file).read_text() for file in {root} | {one.file for one in mutations}}
         tests = CrateTests(crate, self.tree, self.build)
