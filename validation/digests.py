@@ -1,7 +1,7 @@
-"""Digests of the results of every scene that comes with the program, at the small sizes of the tests, on one rank.
+"""Digests of the results of every scene that the program provides, at the small sizes of the tests, on one rank.
 
-With `--beside PROGRAM` they are compared with those of another build: a change that should change no bit changes no digest. Times are
-left out. Digests depend on the processor's vector instructions, so both builds have to run on the same machine."""
+`--beside PROGRAM` compares them with those of another build: a change that keeps all bits keeps all digests. Times are
+excluded. Digests depend on the processor's vector instructions, so both builds have to run on the same machine."""
 
 import argparse
 import hashlib
@@ -17,12 +17,12 @@ from support.page import table
 from support.program import PROGRAM, ROOT
 from test_scenes import SMALLER
 
-# Results that are compared, in HDF5 and as text; the one column that holds a time.
+# Results that are compared, in HDF5 and as text, and the column that holds a time.
 FILES, TABLES, TIME = ("trajectory.h5", "observables.h5"), ("averages.csv", "profile.csv"), "seconds_per_step"
 
 
 def digest(folder):
-    """Of all values below a folder of results, in the order of names."""
+    """Digest of all values in a folder of results, in the order of names."""
     found = hashlib.sha256()
     for path in sorted(folder.rglob("*")):
         if path.name in FILES:
@@ -40,7 +40,7 @@ def add(found, name, item):
 
 
 def run(program, scene):
-    """The digest of a scene's results by a program, or what it says when it fails."""
+    """The digest of a scene's results by a program, or its error message."""
     sets = [word for key, value in SMALLER.get(scene.stem, {}).items() for word in ("--set", f"{key}={value}")]
     with tempfile.TemporaryDirectory() as place:
         out = pathlib.Path(place) / "out"

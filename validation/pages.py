@@ -1,4 +1,4 @@
-"""Pages that show commands: each command with what it prints. Writes them anew; names of pages, such as `viscosity`, choose some."""
+"""Rewrites pages that show commands with their output; names of pages, such as `viscosity`, select some."""
 
 import pathlib
 import sys

@@ -1,4 +1,4 @@
-"""Tests of a crate in a copy of the sources: fast ones first, and none for longer than it should take."""
+"""Tests of a crate in a copy of the sources: fast ones first, each with a time limit."""
 
 import collections
 import json
@@ -10,8 +10,8 @@ import subprocess
 import tomllib
 import xml.etree.ElementTree
 
-# A test's first failure ends the run, and the fastest tests come first. The report is in a folder that is asked for:
-# nextest's own choice depends on its version.
+# The first failure ends the run, and the fastest tests come first. The folder of the report is set explicitly, since
+# nextest's default depends on its version.
 PROFILE = """
 [store]
 dir = '{}'
@@ -27,10 +27,10 @@ priority = {}
 slow-timeout = {{ period = "{}s", terminate-after = 1 }}
 """
 
-# Seconds that a build, and all tests together, may take.
+# Limits in seconds of a build, and of all tests together.
 LONGEST = 3600
 
-# A test that takes so many times as long as it should, and so many seconds, hangs.
+# A test hangs if it exceeds this multiple of its usual time, and this number of seconds.
 HUNG, SECONDS = 8, 60
 
 
@@ -49,12 +49,12 @@ class CrateTests:
 
     def __init__(self, crate, tree, build):
         self.crate, self.tree, self.build_folder = crate, tree, build
-        # The tests that reach each function which has changes.
+        # The tests that reach each function with changes.
         self.reaching = collections.defaultdict(list)
 
     @property
     def package(self):
-        """The name that Cargo knows the crate by."""
+        """The name of the package of the crate."""
         return tomllib.loads((self.tree / self.crate / "Cargo.toml").read_text())["package"]["name"]
 
     def stages(self):
@@ -125,7 +125,7 @@ class CrateTests:
         return os.environ | settings
 
     def run(self, command, **more):
-        """The exit code of a command, or none if it had to be ended."""
+        """The exit code of a command, or None if it was terminated."""
         with open(self.build_folder.parent / "log", "w") as log:
             started = {"cwd": self.tree, "env": self.environment | more, "stdout": log, "stderr": log}
             process = subprocess.Popen(command, **started, start_new_session=True)

@@ -50,7 +50,7 @@ class Copy:
             self.write(sources)
 
     def build_planted(self, tests, source, changes):
-        """Builds a crate with those changes in it that compile as branches, and returns the functions of these."""
+        """Builds a crate with the changes that compile as branches, and returns their functions."""
         root, sources = source
         while changes:
             planted = plant(sources, changes)
@@ -66,7 +66,7 @@ class Copy:
         return {}
 
     def write(self, sources):
-        """Writes sources; those that are as they were keep their time."""
+        """Writes sources; unchanged ones keep their modification times."""
         for file, text in sources.items():
             if (self.tree / file).read_text() != text:
                 (self.tree / file).write_text(text)

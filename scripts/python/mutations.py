@@ -1,4 +1,4 @@
-"""The places where the program can be changed, in a random order that edits elsewhere leave as it is."""
+"""Mutations of the program, in a random order that does not depend on edits elsewhere."""
 
 import collections
 import dataclasses
@@ -12,8 +12,8 @@ import tomllib
 class Mutation:
     """One change of one place."""
 
-    # The change and its line of source: the same after edits elsewhere, and in a file
-    # that has moved.
+    # The change and its source line, which are unaffected by edits elsewhere and by
+    # moving the file.
     key: str
     # The folder of the crate.
     crate: str
@@ -22,7 +22,7 @@ class Mutation:
     start: tuple
     end: tuple
     replacement: str
-    # The same of the function that it is in, if it is in one.
+    # The same for the enclosing function, if any.
     function: tuple | None
 
     @property
@@ -62,11 +62,11 @@ def all_mutations(root):
 
 
 def sampled(mutations, seed):
-    """All of them in the random order of a seed: the first of them are a fair sample, however many."""
+    """All mutations in the random order of a seed: the first ones are a random sample of any size."""
     return sorted(mutations, key=lambda one: hashlib.sha256(f"{seed} {one.key}".encode()).digest())
 
 
 def known_as_equal(root):
-    """Reasons why some mutations change nothing that a test could see, by key."""
+    """Reasons why some mutations are equivalent, by key."""
     with open(root / "scripts" / "mutants-equal.toml", "rb") as file:
         return {one["mutation"]: one["reason"] for one in tomllib.load(file).get("equal", [])}

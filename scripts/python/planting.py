@@ -1,10 +1,10 @@
-"""Many changes built into a crate at once: each is a branch of its function, and the environment says which is taken."""
+"""Many changes built into a crate at once: each is a branch of its function, selected by an environment variable."""
 
 import collections
 import re
 
-# The active change: the one with the number in the environment, or none. It is read at the start of each function
-# that has changes, named by the first of them; so tests leave a note of the functions that they reach.
+# The active change is the one with the number in the environment, or none. It is read at the start of each function
+# with changes, named by the first of them; this also records the functions that tests reach.
 SWITCH = """
 pub(crate) fn chosen_mutation(function: usize) -> usize {
     use std::sync::{OnceLock, atomic::{AtomicBool, Ordering::Relaxed}};
@@ -30,7 +30,7 @@ class Planted:
 
     def __init__(self, source, changes):
         self.text, self.at = "", 0
-        # Changes by the lines of the text that they stand on; on those that lead to a function's branches all of its.
+        # Changes by the lines of the text; lines that lead to the branches of a function have all of its changes.
         self.lines = collections.defaultdict(set)
         # The function of each change, by the number of its first one.
         self.functions = {}
@@ -55,7 +55,7 @@ class Planted:
 
     @staticmethod
     def by_function(source, changes):
-        """Changes by the functions that they are in, in the order of those; none in one that holds another."""
+        """Changes by their functions, in the order of these; excluding functions that contain others."""
         groups = collections.defaultdict(dict)
         for number, change in changes.items():
             if change.function:

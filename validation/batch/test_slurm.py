@@ -1,4 +1,4 @@
-"""Jobs of a real Slurm: how ranks and threads start, and a job that is requeued until its run is finished."""
+"""Jobs of a test instance of Slurm: the start of ranks and threads, and a job that is requeued until its run is finished."""
 
 import json
 import pathlib
@@ -17,7 +17,7 @@ BENCH = [PROGRAM, "bench", "--particles", "20", "--repeats", "1", "--no-error"]
 
 
 def ranks_and_threads(said):
-    """Of each line of `fcm-solve bench`."""
+    """Ranks and threads in each line of `fcm-solve bench`."""
     answers = [json.loads(line) for line in said.splitlines() if line.startswith("{")]
     return [(answer["ranks"], answer["threads"]) for answer in answers]
 

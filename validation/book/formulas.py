@@ -1,12 +1,12 @@
-"""Formulas in the Markdown source of the book, and faults by which a reader would not see them as they are meant.
+"""Formulas in the Markdown source of the book, and faults that would display them incorrectly.
 
-A formula stands between `\\\\(` and `\\\\)`, or `\\\\[` and `\\\\]` on the page's source. Markdown takes one backslash away from each pair, and the
-only one before other punctuation, so `\\,` has to be written `\\\\,`; a star is written `\\*`, since `*` marks emphasis."""
+A formula stands between `\\\\(` and `\\\\)`, or `\\\\[` and `\\\\]` on the page's source. Markdown removes one backslash of each pair, and a
+single one before other punctuation, so `\\,` has to be written `\\\\,`; a star is written `\\*`, since `*` marks emphasis."""
 
 import dataclasses
 import re
 
-# Code in fences, after a blank line by four blanks, and within a line is shown as it stands; comments are not shown.
+# Code in fences, code indented by four blanks after a blank line, and inline code are shown literally; comments are not shown.
 FENCED = r"^ *(`{3,}|~{3,}).*?^ *\1"
 INDENTED = r"(?<=\n\n)(?: {4}[^\n]*\n)+"
 WITHIN_LINE = r"(`+)(?!`)(?:(?!\n\n).)+?(?<!`)\2(?!`)"
@@ -14,7 +14,7 @@ NOT_PROSE = re.compile(f"{FENCED}|{INDENTED}|{WITHIN_LINE}|<!--.*?-->", re.S | r
 DELIMITER = re.compile(r"\\\\[()\[\]]")
 CLOSED_BY = {r"\\(": r"\\)", r"\\[": r"\\]"}
 
-# By pattern in the source of a formula, what a reader loses.
+# Patterns in the source of a formula, with their fault.
 FAULTS = {
     r"(?<!\\)(?:\\\\)*\\(?![\\*_])[!-/:-@\[-`{-~]": "Markdown takes the backslash of {0}: write \\{0}",
     r"(?<!\\)(?:\\{4})*\\{2}(?=\s)": "two backslashes are seen as a blank: a new line is \\\\\\\\",
@@ -25,7 +25,7 @@ FAULTS = {
     r"\n *[>#=]": "a line that begins with >, # or = ends the formula: write the sign at the end of the line before",
     r"`": "` marks code: formulas have none",
 }
-# By pattern in the prose between formulas.
+# Patterns in the prose between formulas, with their fault.
 STRAY = {
     r"\\[A-Za-z]+": "{0} is outside of a formula",
     r"\\[()\[\]]": "{0} is no mark of a formula: write \\{0}",
@@ -35,7 +35,7 @@ STRAY = {
 
 @dataclasses.dataclass(frozen=True)
 class Formula:
-    """A formula as it stands in the source, with the number of its first line."""
+    """A formula in the source, with the number of its first line."""
 
     line: int
     source: str

@@ -1,7 +1,7 @@
-"""Checks that every formula of the built book is seen as it stands in the source: rendered.py BOOK KATEX
+"""Checks that every formula of the built book agrees with its source: rendered.py BOOK KATEX
 
-BOOK is the folder of the built book, KATEX that of the library that draws its formulas. On each page the formulas are those of the source,
-in the same order; no LaTeX is left in the text; and the library draws each without a complaint."""
+BOOK is the folder of the built book, KATEX that of the library that renders its formulas. Each page must have the formulas of the source in
+the same order and no LaTeX in its text, and the library must render each without an error."""
 
 import html.parser
 import json
@@ -14,13 +14,13 @@ import formulas
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "src"
 DRAW = pathlib.Path(__file__).with_name("draw.js")
-# The library leaves these elements out.
+# Elements that the library skips.
 NOT_DRAWN = {"script", "noscript", "style", "textarea", "pre", "code", "option"}
 DRAWN = re.compile(r"\\\((.*?)\\\)|\\\[(.*?)\\\]|\$\$(.*?)\$\$", re.S)
 
 
 class Passages(html.parser.HTMLParser):
-    """The text of the page's `main`, in pieces without a tag between, as the library sees it."""
+    """The text of the page's `main` in pieces between tags, as the library sees it."""
 
     def __init__(self):
         super().__init__()
@@ -72,7 +72,7 @@ def compare(source, found):
 
 
 def complaints(found, katex):
-    """Of the library about formulas."""
+    """Errors of the library in rendering formulas."""
     drawn = subprocess.run(["node", DRAW, katex], input=json.dumps(found), capture_output=True, text=True, check=True)
     return json.loads(drawn.stdout)
 

@@ -1,4 +1,4 @@
-"""Chromium without a screen, by the DevTools protocol over pipes: opens a page, looks at it, and notes what goes wrong."""
+"""Headless Chromium, driven by the DevTools protocol over pipes: opens a page, inspects it, and records errors."""
 
 import base64
 import functools
@@ -11,26 +11,26 @@ import tempfile
 import time
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-# WebGL by the processor: test machines have no graphics card.
+# WebGL in software: test machines have no graphics card.
 OPTIONS = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-first-run"]
 PATIENCE = 120
 
 
 @functools.cache
 def program():
-    """The browser's program, or nothing."""
+    """Path of the browser, or `None`."""
     return next(filter(None, map(shutil.which, NAMES)), None)
 
 
 class Browser:
-    """A browser with one page of this size."""
+    """A browser with one page of a given size."""
 
     def __init__(self, width=1180, height=900):
         self.profile = tempfile.TemporaryDirectory()
         (theirs_in, self.out), (self.into, theirs_out) = os.pipe(), os.pipe()
 
         def give_pipes():
-            """The browser reads from handle 3 and writes to handle 4."""
+            """Connects the pipes: the browser reads from descriptor 3 and writes to descriptor 4."""
             spare = [os.dup(theirs_in), os.dup(theirs_out)]
             os.dup2(spare[0], 3)
             os.dup2(spare[1], 4)
@@ -49,7 +49,7 @@ class Browser:
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
-        # Pictures of what is longer than the window would be a scroll bar wider than what is seen.
+        # Pictures of pages longer than the window would otherwise include the width of the scroll bar.
         self.call("Emulation.setScrollbarsHidden", hidden=True)
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
@@ -74,7 +74,7 @@ class Browser:
         return json.loads(first)
 
     def call(self, method, **parameters):
-        """The answer to a command; what happens meanwhile is noted."""
+        """The answer to a command; events in the meantime are recorded."""
         self.number += 1
         message = {"id": self.number, "method": method, "params": parameters}
         if self.session:
@@ -90,7 +90,7 @@ class Browser:
         return answer["result"]
 
     def open(self, path):
-        """Opens a page of this machine and waits until it is there."""
+        """Opens a local page and waits until it is loaded."""
         self.events.clear()
         self.call("Page.navigate", url=pathlib.Path(path).resolve().as_uri())
         self.until("document.readyState === 'complete'")
@@ -117,14 +117,14 @@ class Browser:
             self.call("Input.dispatchKeyEvent", type=kind, key=key, **text)
 
     def choose(self, colouring):
-        """Picks a colouring of the player, as a user would; whether there is one of this name."""
+        """Selects a colouring of the player; returns whether it exists."""
         find = f"[...list.options].findIndex(option => option.text === {json.dumps(colouring)})"
         pick = f"if (place >= 0) {{ list.value = place; list.dispatchEvent(new Event('change')) }} return place >= 0"
         return self.value(f"(list => {{ const place = {find}; {pick} }})(document.getElementById('colouring'))")
 
     def picture(self, path, element=None):
-        """A PNG of what is seen, or of an element."""
-        # Two frames, so that what was drawn last is seen.
+        """A PNG of the visible page, or of an element."""
+        # Two frames, so that the last drawing is visible.
         self.value("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))")
         clip = {"clip": {**self.place(element), "scale": 1}} if element else {}
         shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=bool(element), **clip)

@@ -1,4 +1,4 @@
-"""Makes the pictures of the documentation that show reports: runs scenes, and looks at their pages in a browser."""
+"""Makes the pictures of the documentation that show reports: runs scenes, and opens their pages in a browser."""
 
 import argparse
 import pathlib
@@ -14,13 +14,13 @@ from program import ROOT, TARGET, command
 
 FIGURES = ROOT / "docs" / "src" / "figures"
 RUNS = TARGET / "gallery"
-# Colours of a picture: with more of them it is larger and looks the same.
+# Number of colours of a picture: more would only increase its size.
 COLOURS = 256
 
-# Pixels around what is cropped.
+# Margin of a cropped picture in pixels.
 MARGIN = 6
 
-# Of each run its scene, and what is set.
+# Scene and settings of each run.
 SCENES = {
     "settling": ("settling", {"statistics.every": 4}),
     "sheared": ("shear", {"time.duration": 1.4, "statistics.every": 4}),
@@ -36,9 +36,9 @@ class Picture:
 
     run: str
     colours: str
-    # In pixels; a page is seen from its top.
+    # In pixels, from the top of the page.
     size: tuple
-    # The player's picture alone, or the whole page.
+    # Only the view of the player, or the whole page.
     alone: bool
     frame: int = -1
 
@@ -56,7 +56,7 @@ PICTURES = {
 
 
 def page(name):
-    """The page about a run, which is made if there is none or goes on if it is not finished."""
+    """The page about a run, which is made or continued first if necessary."""
     scene, sets = SCENES[name]
     words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
     for arguments in (
@@ -86,7 +86,7 @@ def take(picture, path):
 
 
 def cropped(image):
-    """The part of a picture that is not white, and a little around it."""
+    """The part of a picture that is not white, with a margin."""
     white = Image.new("RGB", image.size, "white")
     left, upper, right, lower = ImageChops.difference(image, white).point(lambda value: 255 * (value > 8)).getbbox()
     return image.crop((left - MARGIN, upper - MARGIN, right + MARGIN, lower + MARGIN))

@@ -1,4 +1,4 @@
-"""Short runs of every kind that has something to play, and their reports, made once."""
+"""Short runs of every kind with a trajectory, and their reports, made once."""
 
 import functools
 import pathlib
@@ -48,7 +48,7 @@ SCENES = {
 }
 
 
-# A box that is much longer than wide, with few spheres in it.
+# A box much longer than wide, with few spheres.
 LONG = {"chain": ("chain", {"time.duration": 0.2})}
 
 

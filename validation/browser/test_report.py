@@ -1,4 +1,4 @@
-"""A real browser shows what `fcm-solve report` writes, of every kind of scene that has something to play."""
+"""A browser displays the reports of every kind of scene with a trajectory."""
 
 import pathlib
 import tempfile
@@ -25,7 +25,7 @@ def coloured(picture):
 
 
 def changed(one, other):
-    """The part of the pixels that differ clearly."""
+    """The fraction of the pixels that differ clearly."""
     return np.mean(np.abs(one - other).max(axis=-1) > 0.15)
 
 
@@ -51,7 +51,7 @@ class Reports(unittest.TestCase):
                 self.open(name)
                 first = self.seen()
                 self.assertGreater(np.mean(coloured(first)), 0.05)
-                # White around them, and no colour where there is no box.
+                # White around the spheres, and no colour outside of the box.
                 self.assertFalse(coloured(first)[:, :20].any())
                 self.browser.press("End")
                 self.assertGreater(changed(first, self.seen()), 0.01)
@@ -112,7 +112,7 @@ class Reports(unittest.TestCase):
         whole = self.seen()
         self.value("document.getElementById('show-chains').click()")
         forces = self.seen()
-        # Lines are red, as no species is.
+        # Lines are red, unlike any species.
         red = np.mean((forces[..., 0] > 0.3) & (forces[..., 1:].max(axis=-1) < 0.5 * forces[..., 0]))
         self.assertGreater(red, 0.002)
         self.assertLess(np.mean(coloured(forces)), 0.6 * np.mean(coloured(whole)))

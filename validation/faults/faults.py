@@ -1,4 +1,4 @@
-"""Makes runs fail in every way that a disk, a queue or a user can make them fail: scripts/faults."""
+"""Makes runs fail as disks, queues and users can make them fail: scripts/faults."""
 
 import argparse
 import pathlib
@@ -9,7 +9,7 @@ from kills import try_kills, try_stops
 from places import try_run
 from runs import RUNS
 
-# A sample for every day.
+# Size of a quick sample.
 QUICK_FAULTS, QUICK_KILLS, QUICK_STOPS = 8, 9, 2
 KILLS, STOPS = 100, 20
 
@@ -24,7 +24,7 @@ def words():
 
 
 def inject(runs, folder, library, most):
-    """Tries faults in each run and prints a row of a table for it; returns whether all were survived."""
+    """Tries faults in each run and prints a row of a table; returns whether all were survived."""
     print("| run | faults | survived | calls of other ranks |\n|---|---|---|---|", flush=True)
     total, lost = 0, 0
     for number, run in enumerate(runs):
@@ -37,7 +37,7 @@ def inject(runs, folder, library, most):
 
 
 def disturb(runs, folder, kills, stops):
-    """Kills runs and stops ranks; returns whether all that was survived."""
+    """Kills runs and stops ranks; returns whether all were survived."""
     killed = try_kills(runs, folder, kills)
     print(f"kills: {kills - len(killed)} of {kills} survived", flush=True)
     parallel = [run for run in runs if run.ranks]

@@ -1,4 +1,4 @@
-"""Runs are killed at any moment from their start to their end, and ranks are stopped for a while."""
+"""Runs killed at random moments between start and end, and ranks suspended for a while."""
 
 import os
 import pathlib
@@ -23,7 +23,7 @@ def send(process, what):
     try:
         os.kill(process, what)
     except ProcessLookupError:
-        pass  # It came to its end before.
+        pass  # It ended before.
 
 
 def at_work(out):
@@ -38,7 +38,7 @@ def at_work(out):
 
 
 def end(process, out, until):
-    """Waits until a killed run is gone, for so many seconds."""
+    """Waits for a limited time until a killed run is gone."""
     said = "".join(process.communicate(timeout=until))
     deadline = time.monotonic() + until
     while at_work(out):
@@ -48,7 +48,7 @@ def end(process, out, until):
 
 
 class Kills:
-    """A run, how long it takes, and what it leaves when nobody disturbs it."""
+    """A run, its duration, and its undisturbed results."""
 
     def __init__(self, run, folder):
         self.run, self.out = run, folder / "out"
@@ -58,7 +58,7 @@ class Kills:
         self.expected = end_state(self.out)
 
     def kill(self):
-        """Kills one process of the job, the launcher too, at a random moment; None if the run can be gone on with."""
+        """Kills one process of the job, possibly the launcher, at a random moment; None if the run can be continued."""
         shutil.rmtree(self.out, ignore_errors=True)
         process = self.run.start(self.run.from_start(self.out))
         time.sleep(random.uniform(0, self.seconds))
@@ -74,7 +74,7 @@ class Kills:
         return self.wrong()
 
     def stop_for_a_while(self, seconds):
-        """Stops one rank for a while at a random moment; None if that changes nothing."""
+        """Suspends one rank for a while at a random moment; None if the results are unchanged."""
         shutil.rmtree(self.out, ignore_errors=True)
         process = self.run.start(self.run.from_start(self.out))
         time.sleep(random.uniform(0, self.seconds))
@@ -91,12 +91,12 @@ class Kills:
 
 
 def try_kills(runs, folder, number):
-    """Kills runs in turn; returns what did not survive."""
+    """Kills runs in turn; returns the failures."""
     return repeat(runs, folder / "kills", number, "kill", Kills.kill)
 
 
 def try_stops(runs, folder, number):
-    """Stops ranks of parallel runs in turn; returns what did not survive."""
+    """Stops ranks of parallel runs in turn; returns the failures."""
     return repeat(runs, folder / "stops", number, "stop", lambda kills: kills.stop_for_a_while(0.5))
 
 

@@ -1,4 +1,4 @@
-"""Every call by which a run changes its folder is made to fail, one at a time."""
+"""Makes each call that changes the folder of a run fail, one at a time."""
 
 import collections
 import dataclasses
@@ -17,8 +17,8 @@ ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT)
 
 @dataclasses.dataclass(frozen=True)
 class Fault:
-    """The n-th call of a kind fails: once, from then on, or, of a write, after half of its bytes. Or the program is killed
-    before the call, or, of a write, after half of its bytes."""
+    """The n-th call of a kind fails: once, from then on, or, for a write, after half of its bytes. Or the program is killed
+    before the call or, for a write, after half of its bytes."""
 
     call: str
     at: int
@@ -34,7 +34,7 @@ class Fault:
 
 
 class Place:
-    """The folder in which runs of one kind are tried, with the library that makes system calls fail."""
+    """The folder of the runs of one kind, with the library that makes system calls fail."""
 
     def __init__(self, run, folder, library):
         self.run, self.out, self.log = run, folder / "out", folder / "log"
@@ -53,7 +53,7 @@ class Place:
         return {name: str(value) for name, value in variables.items()}
 
     def reset(self):
-        """The folder as it is before a run that is tried, and an empty log."""
+        """Restores the folder to its state before a run, with an empty log."""
         shutil.rmtree(self.out, ignore_errors=True)
         if self.former.exists():
             shutil.copytree(self.former, self.out)
@@ -63,14 +63,14 @@ class Place:
         return self.run.go_on(self.out) if self.former.exists() else self.run.from_start(self.out)
 
     def stop_halfway(self):
-        """From now on runs that are tried go on with one that found the disk full in its middle."""
+        """From now on runs continue one that was stopped halfway by a full disk."""
         writes = sum(call == "write" for call in self.calls())
         self.reset()
         self.call(self.arguments(), self.environment(Fault("write", 3 * writes // 4, errno.ENOSPC, "stays")))
         shutil.copytree(self.out, self.former)
 
     def calls(self, rank=0):
-        """The calls of a run in which all of them pass, in order, as the library's log names them."""
+        """The calls of a run without faults, in order, as named in the log of the library."""
         self.reset()
         code, said = self.call(self.arguments(), self.environment(rank=rank))
         if code != 0 or differences(end_state(self.out), self.expected):
@@ -78,7 +78,7 @@ class Place:
         return [line.split()[0] for line in self.log.read_text().splitlines()] if self.log.exists() else []
 
     def survives(self, fault):
-        """None if the run bears the fault; else what went wrong."""
+        """None if the run survives the fault; otherwise the failure."""
         self.reset()
         code, said = self.call(self.arguments(), self.environment(fault))
         if not self.log.exists():
@@ -86,7 +86,7 @@ class Place:
         return self.wrong_end(fault, code, said) or self.wrong_after(code)
 
     def wrong_end(self, fault, code, said):
-        """Fault in the way in which the run ended, or None."""
+        """Failure in the end of the run, or None."""
         if code is None:
             return f"it hangs: {said}"
         if fault.kills and code != -signal.SIGKILL and not (self.run.is_family and code in (0, 1)):
@@ -99,7 +99,7 @@ class Place:
         return f"it left unreadable files: {broken}; {said}" if broken else None
 
     def wrong_after(self, code):
-        """Fault after the run has been resumed, or None; a run that survived the failed call has nothing left to do."""
+        """Failure after the run has been resumed, or None; a run that tolerated the failed call is already finished."""
         if code != 0:
             code, said = self.call(self.run.go_on(self.out))
             if code != 0:
@@ -109,7 +109,7 @@ class Place:
 
 
 def faults(calls, ways):
-    """The faults to try: at every call each of the ways, all errors in turn. Only long writes can end early."""
+    """The faults to try: every kind at every call, with the errors in turn. Only long writes can end early."""
     counts = collections.Counter()
     for place, call in enumerate(calls):
         counts[call] += 1
@@ -120,15 +120,15 @@ def faults(calls, ways):
 
 
 def sample(all_faults, most):
-    """So many of them, evenly; all if there is no bound."""
+    """An equally spaced sample of limited size; all without a limit."""
     all_faults = list(all_faults)
     step = max(1, -(-len(all_faults) // most)) if most else 1
     return all_faults[::step]
 
 
 def try_run(run, folder, library, ways, most):
-    """Tries faults from the run's start and when it goes on; returns how many, what was not survived, and how many calls
-    other ranks than the first make."""
+    """Tries faults from the start of the run and in its continuation; returns their number, the failures, and the number of
+    calls by ranks other than the first."""
     os.makedirs(folder)
     place = Place(run, folder, library)
     tried, failures = 0, []

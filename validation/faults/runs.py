@@ -1,4 +1,4 @@
-"""Small runs of every kind of scene, and how they are started and gone on with."""
+"""Small runs of every kind of scene, and their start and continuation."""
 
 import dataclasses
 import os
@@ -11,12 +11,12 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
 
-# A hundred times what any of these runs takes on an idle machine.
+# A hundred times the duration of any of these runs on an idle machine.
 PATIENCE = 120
 
 
 def patience(seconds):
-    """When a run hangs of which one was seen to take so long: on a busy machine all of them take longer."""
+    """Time after which a run is taken to hang, from the measured duration of one: on a busy machine all take longer."""
     return max(PATIENCE, 100 * seconds)
 
 
@@ -54,9 +54,9 @@ SWEEP = {"box.edges": "[30.0, 30.0]", "time.strain": 1.0, "output.observables_ev
 
 @dataclasses.dataclass(frozen=True)
 class Run:
-    """A scene with what makes it small, on so many ranks; without a launcher where `ranks` is None. Runs that write the
-    same files by the same calls as another need not have them fail too. The members of a family are processes: a kill may
-    hit one of them, and the family goes on."""
+    """A scene with the settings that make it small, and its ranks; without a launcher if `ranks` is None. Faults of calls are
+    skipped for runs that write the same files by the same calls as another. The members of a family are processes: a kill
+    may hit one of them, and the family continues."""
 
     name: str
     scene: str
@@ -73,7 +73,7 @@ class Run:
         return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, env=environment, start_new_session=True)
 
     def call(self, arguments, environment=None, until=10 * PATIENCE):
-        """Exit code and all that was printed; the code is None where the run hangs, which is when it takes so long."""
+        """Exit code and output; the code is None if the run hangs, that is, exceeds the time limit."""
         process = self.start(arguments, environment)
         try:
             said = "".join(process.communicate(timeout=until))
@@ -90,7 +90,7 @@ class Run:
         return [*self.from_start(out), "--continue"]
 
     def whole(self, out):
-        """Runs without a fault, and returns how long that took."""
+        """Runs without a fault, and returns the duration."""
         shutil.rmtree(out, ignore_errors=True)
         began = time.monotonic()
         code, said = self.call(self.from_start(out))

@@ -11,7 +11,7 @@ UNDETERMINED = "seconds_per_step"
 def end_state(out):
     """The contents of all files of a run's folder."""
     state = {str(path.relative_to(out)): columns(path) for path in sorted(out.rglob("*.csv"))}
-    # One that could not be removed may be left of those before.
+    # An older one that could not be removed may remain.
     state |= {path.name: path.read_bytes() for path in sorted(out.glob("checkpoint-*.bin"))[-1:]}
     for path in sorted(out.rglob("*.h5")):
         state |= datasets(path, path.relative_to(out))
@@ -20,7 +20,7 @@ def end_state(out):
 
 
 def columns(path):
-    """The columns of a table that are determined."""
+    """The reproducible columns of a table."""
     with open(path, newline="") as file:
         rows = list(csv.reader(file))
     if any(len(row) != len(rows[0]) for row in rows):
@@ -29,7 +29,7 @@ def columns(path):
 
 
 def datasets(path, name):
-    """The numbers of an HDF5 file's datasets that are determined."""
+    """The reproducible datasets of an HDF5 file."""
     found = {}
 
     def take(place, item):
@@ -43,7 +43,7 @@ def datasets(path, name):
 
 
 def unreadable(out):
-    """The HDF5 files of a folder that do not open or miss numbers, with the reason. None appears before it is whole."""
+    """The HDF5 files of a folder that do not open or lack numbers, with the reason. Files appear only when complete."""
     reasons = []
     for path in out.rglob("*.h5"):
         try:
@@ -54,6 +54,6 @@ def unreadable(out):
 
 
 def differences(found, expected):
-    """Names of what two states have not in common."""
+    """Names of the items in which two states differ."""
     names = sorted(found.keys() | expected.keys())
     return [name for name in names if found.get(name) != expected.get(name)]

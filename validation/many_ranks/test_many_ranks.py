@@ -1,4 +1,4 @@
-"""More processes than cores, particles, lines and planes: they agree with one as few do."""
+"""More processes than cores, particles, lines and planes agree with a single one."""
 
 import csv
 import pathlib
@@ -76,7 +76,7 @@ class ManyRanks(unittest.TestCase):
             self.assertLess(np.abs(together - alone).max(), STATISTICS * np.abs(alone).max(), name)
 
     def test_a_cloud_whose_box_grows(self):
-        """In open fluid: the box and its grid follow the spheres, on any ranks and after other numbers of them."""
+        """In unbounded fluid: the box and its grid follow the spheres, on any number of ranks and after resuming on another number."""
         sets = {"species[0].count": 12, "particles.radius": 6.0, "flow": '{kind="shear", rate=1.0}', "time.step": 0.1,
                 "output.checkpoint_every": 3, "output.trajectory_every": 3, "hydrodynamics.tolerance": TIGHT}
         words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]

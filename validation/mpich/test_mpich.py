@@ -1,4 +1,4 @@
-"""The program built with MPICH beside one built with Open MPI: each under its own launcher, the other's and Slurm's."""
+"""The program built with MPICH and with Open MPI: each under its launcher, the other's and Slurm's."""
 
 import json
 import os
@@ -28,7 +28,7 @@ def two_ranks(launcher, program, *arguments):
 
 
 def ranks(said):
-    """Of each line of `fcm-solve bench`."""
+    """Ranks in each line of `fcm-solve bench`."""
     return [json.loads(line)["ranks"] for line in said.splitlines() if line.startswith("{")]
 
 
@@ -39,7 +39,7 @@ class Launchers(unittest.TestCase):
         self.place = pathlib.Path(place.name)
 
     def run_scene(self, launcher, program):
-        """Runs a scene on two ranks; returns the bits of its end."""
+        """Runs a scene on two ranks; returns the bits of its final state."""
         out = self.place / launcher
         code, _, said = two_ranks(launcher, program, "run", ROOT / "scenes" / "settling.toml", *WORDS, "--out", out)
         self.assertEqual(code, 0, said)

@@ -1,4 +1,4 @@
-"""The program under test: how the tests start it, on any number of ranks."""
+"""The program under test, started on any number of ranks."""
 
 import json
 import os
@@ -9,18 +9,18 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
 PROGRAM = os.environ.get("FCM_SOLVE", str(TARGET / "release" / "fcm-solve"))
 
-# No test's command takes a tenth of this; what does hangs.
+# Time after which a command hangs: at least ten times the duration of any in these tests.
 PATIENCE = 120
 
 
 def command(arguments, ranks=None):
-    """The command line on so many ranks, or without a launcher."""
+    """The command line on a number of ranks, or without a launcher."""
     launcher = [] if ranks is None else ["mpirun", "-n", str(ranks)]
     return [*launcher, PROGRAM, *map(str, arguments)]
 
 
 def run(arguments, ranks=None, expect=0):
-    """Runs the program to its end and returns what it printed, output and errors together."""
+    """Runs the program to its end and returns its output, with errors."""
     ended = subprocess.run(command(arguments, ranks), capture_output=True, text=True, timeout=PATIENCE)
     said = ended.stdout + ended.stderr
     succeeded = ended.returncode == 0
@@ -30,13 +30,13 @@ def run(arguments, ranks=None, expect=0):
 
 
 def start(arguments, ranks=None, **options):
-    """Starts the program, in a process group of its own, and returns without waiting for it."""
+    """Starts the program in a new process group, and returns without waiting for it."""
     pipe = subprocess.PIPE
     return subprocess.Popen(command(arguments, ranks), stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options)
 
 
 def mobility(case, folder, ranks=None, tolerance=1e-3):
-    """Evaluates a case, given as a dictionary, and returns the answer as one."""
+    """Evaluates a case, given as a dictionary, and returns the answer as a dictionary."""
     path, answer = pathlib.Path(folder) / "case.json", pathlib.Path(folder) / "answer.json"
     path.write_text(json.dumps(case))
     run(["mobility", path, "--out", answer, "--tolerance", tolerance], ranks)

@@ -1,4 +1,4 @@
-"""Runs the tests of this folder, or of those named, and counts them in the last line."""
+"""Runs the tests of this folder, or the named ones, and prints their number in the last line."""
 
 import pathlib
 import signal
@@ -6,7 +6,7 @@ import sys
 import unittest
 
 if __name__ == "__main__":
-    # A background job ignores these, and so would the programs that the tests start and stop.
+    # A background job ignores these signals, and so would the programs that the tests start and stop.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
     folders = sys.argv[1:] or [str(pathlib.Path(__file__).parent)]

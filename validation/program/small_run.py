@@ -1,4 +1,4 @@
-"""A run of a few spheres that is stopped or killed on its way, and what is compared of such runs."""
+"""A run of a few spheres that is stopped or killed before its end, and the compared results of such runs."""
 
 import pathlib
 import sys
@@ -25,7 +25,7 @@ def words(sets):
 
 
 def wait_for(condition, process):
-    """Waits for what comes while a process runs."""
+    """Waits for a condition while a process runs."""
     deadline = time.monotonic() + PATIENCE
     while not condition():
         if process.poll() is not None or time.monotonic() > deadline:

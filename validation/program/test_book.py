@@ -1,4 +1,4 @@
-"""The formulas of the book, as a reader sees them."""
+"""The formulas of the book, as displayed."""
 
 import re
 import sys
@@ -18,7 +18,7 @@ RIGHT = r"""Of \\(x\\, y^\*\\), `\(code\)` and
 
     export PATH="$PWD"
 """
-# A page, and the beginning of what is wrong with it.
+# Pages, and the beginnings of the reported faults.
 WRONG = (
     ("lost blank", r"\\(1 - 6.55\,\phi\\)", r"1: Markdown takes the backslash of \,: write \\,"),
     ("lost brace", "\nthe set \\\\(\\{x\\}\\\\)", "2: Markdown takes the backslash of \\{"),

@@ -157,7 +157,7 @@ class Check(unittest.TestCase):
             self.assertEqual(self.compare(scene, [*sets, *steps], scene.stem), 0, scene)
 
     def test_several_ranks_make_the_same_scenes(self):
-        """Families and grains are made by one process."""
+        """Families and grains run in one process."""
         alone = []
         for scene in sorted((ROOT / "scenes").glob("*.toml")):
             sets = [f"{key}={value}" for key, value in SMALLER.get(scene.stem, {}).items()]
@@ -171,7 +171,7 @@ class Check(unittest.TestCase):
             self.assertIn("scenes of grains run in one process", said)
 
     def test_time_is_told_of_ranks_that_are_absent(self):
-        """The part of the time that is work does not depend on how long the steps of the trial took."""
+        """The fraction of the time that is computation does not depend on the duration of the trial steps."""
         words = ["check", ROOT / "scenes" / "settling.toml", "--json"]
         told = {ranks: json.loads(run([*words, "--ranks", ranks, "--ranks-per-machine", 1])) for ranks in (1, 2, 8, 64)}
         parts = [values["efficiency"] for values in told.values()]
@@ -201,7 +201,7 @@ class Check(unittest.TestCase):
         return checked.returncode
 
     def test_steps_that_fail_are_an_error_after_the_outline(self):
-        """Nothing keeps two spheres apart that are pressed together."""
+        """No force keeps apart two spheres that are pressed together."""
         scene = self.folder / "fails.toml"
         scene.write_text(FAILING)
         self.assertEqual(self.compare(scene, [], "fails"), 1)

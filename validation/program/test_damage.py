@@ -1,4 +1,4 @@
-"""Files of a run that are cut or altered afterwards: what is damaged is named, and the run goes on where it can."""
+"""Files of a run that are truncated or altered afterwards: damage is named, and the run continues if possible."""
 
 import csv
 import json
@@ -45,7 +45,7 @@ def lags(out):
 
 
 def without_frames(file, path, frames):
-    """A copy of a trajectory that lacks some frames."""
+    """A copy of a trajectory without some frames."""
     with h5py.File(path, "w") as copy:
         for name in file:
             file.copy(name, copy)
@@ -74,7 +74,7 @@ class Damage(unittest.TestCase):
         self.trajectory = self.out / "trajectory.h5"
 
     def ends(self, *arguments):
-        """Exit code and words of a command that may fail, but in no other way than by a message."""
+        """Exit code and output of a command that may fail, but only with a message."""
         ended = subprocess.run(command(arguments), capture_output=True, text=True, timeout=PATIENCE)
         self.assertIn(ended.returncode, (0, 1), ended.stderr)
         self.assertNotIn("panicked", ended.stderr)

@@ -1,4 +1,4 @@
-"""However a run on several ranks ends, it ends for all of them, and what it left can be gone on with."""
+"""However a run on several ranks ends, it ends on all of them, and its results can be continued."""
 
 import os
 import pathlib
@@ -79,4 +79,4 @@ def kill(process):
     try:
         os.kill(process, signal.SIGKILL)
     except ProcessLookupError:
-        pass  # It came to its end before.
+        pass  # It ended before.

@@ -44,7 +44,7 @@ MEMBERS = [f"point-{point:04}/seed-{seed:04}" for point in (1, 2) for seed in (4
 
 
 def series(out):
-    """The rows of a time series, but for the seconds that they took."""
+    """The rows of a time series without the seconds per step."""
     with open(out / "observables.csv") as file:
         return [[value for key, value in row.items() if "seconds" not in key] for row in csv.DictReader(file)]
 
@@ -82,7 +82,7 @@ class Families(unittest.TestCase):
         self.assertIn("family     6 runs, 2 points; 2 at a time", said)
         self.assertTrue(results(self.out) == expected)
         self.assertEqual(states(self.out), dict.fromkeys(MEMBERS, "finished"))
-        # A member is what the scene with its keys is.
+        # A member is the scene with its keys set.
         alone = self.place / "alone"
         scene.write_text(SCENE.format(steps=20))
         run(["run", scene, "--out", alone, "--set", "seed=6", "--set", "species[0].volume_fraction=0.05"])
@@ -209,14 +209,14 @@ class Families(unittest.TestCase):
     def test_converge_says_what_changes_an_answer(self):
         scene = self.scene(SCENE, steps=2)
         words = ["converge", scene, "--of", "viscosity", "--seeds", 2, "--out", self.out]
-        # Whatever the series of such short runs are, these are in their place below.
+        # The series of such short runs are replaced by these below.
         subprocess.run([PROGRAM, *map(str, words)], capture_output=True, timeout=120)
         self.assertEqual(set(states(self.out).values()), {"finished"})
         for point, values in enumerate(((2.0, 2.2), (2.01, 2.22), (3.0, 3.2), (2.0, 2.2)), 1):
             for seed, value in zip((4, 5), values):
                 member = self.out / f"point-{point:04}" / f"seed-{seed:04}"
                 (member / "observables.h5").unlink()
-                # The first half is left out.
+                # The first half is excluded.
                 (member / "observables.csv").write_text(f"step,time,relative_viscosity\n0,0,9\n1,1,{value}\n2,2,{value}\n")
         said = run(words)
         self.assertIn("left out: the stiffness: the scene has neither contacts nor repulsion", said)

@@ -108,7 +108,7 @@ class Files(unittest.TestCase):
                 np.testing.assert_array_equal(observables[name]["value"], table[name])
         with h5py.File(self.out / "trajectory.h5") as file:
             mean = file["particles/all/velocity/value"][-1].mean(axis=0)
-        # The sum of forty numbers in another order.
+        # A sum of forty numbers in another order.
         self.assertAlmostEqual(mean[2] / table["mean_velocity_z[heavy]"][-1], 1, delta=1e-13)
 
     def test_the_field_is_named_by_its_xdmf_file_and_has_no_mean(self):
@@ -124,7 +124,7 @@ class Files(unittest.TestCase):
             self.assertLess(np.abs(velocity.mean(axis=(0, 1, 2))).max(), 1e-6 * np.abs(velocity).max())
 
     def test_fields_of_a_sheared_run_are_curved_meshes_of_the_same_size(self):
-        """Readers take all frames for what the first is. The lattice turns back at a strain of 1/2."""
+        """Readers assume that all frames are like the first. The lattice is remapped at a strain of 1/2."""
         out = self.out.with_name("sheared")
         sets = SETS | {"species[0].count": 20, "flow": '{ kind = "shear", rate = 8.0, lees_edwards = true }'}
         words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
@@ -170,12 +170,12 @@ class Files(unittest.TestCase):
         case = json.loads(re.search(r"```json\n(.*?)```", page, re.DOTALL)[1])
         velocities = np.array(mobility(case, self.place.name, tolerance=1e-4)["velocities"]) * 6 * np.pi
         # Four radii apart on the line of centres: 1 + 3/2 / r - 1 / r^3 - 15/4 / r^4 in free space; images of the box
-        # take 2.8373 / L for each of the two. What this leaves out is below a hundredth.
+        # subtract 2.8373 / L for each of the two. The neglected terms are below a hundredth.
         expected = 1 + 3 / 8 - 1 / 64 - 15 / 1024 - 2 * 2.8373 / 40
         np.testing.assert_allclose(velocities, [[0, 0, -expected]] * 2, atol=0.01)
 
     def test_info_describes_the_folder(self):
-        """Progress of the run, and the frames of its files; damage of any of them is an error."""
+        """Progress of the run, and the frames of its files; damage to any of them is an error."""
         said = run(["info", self.out])
         with h5py.File(self.out / "trajectory.h5") as file:
             frames = len(file["particles/all/position/step"])

@@ -16,7 +16,7 @@ from program import ROOT, run, start
 from small_run import has_checkpoint, wait_for
 from support.checkpoint import state_of
 
-# Settings of short runs: about a second each, with checkpoints on the way.
+# Settings of short runs: about a second each, with checkpoints.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
 EVENTS = {"time.steps": 60, "time.settle": 0.02, "output.checkpoint_every": 7, "grains.solid_fraction": 0.45}
 RUNS = {
@@ -42,7 +42,7 @@ def rows(path):
 
 
 def end_state(out):
-    """Everything that a run determines."""
+    """All reproducible results of a run."""
     state = {path.name: path.read_bytes() for path in sorted(out.glob("*.csv"))}
     checkpoint = max(out.glob("checkpoint-*.bin"))
     state[checkpoint.name] = state_of(checkpoint)
@@ -81,7 +81,7 @@ steps = 2
 
 
 def cell(collisions, length, time, mass):
-    """A small cell in other units, given as powers of ten; what has a default in time is left out."""
+    """A small cell in other units, given as powers of ten; times with defaults are omitted."""
 
     def of(digits, power):
         return f"{digits}e{power}"
@@ -103,7 +103,7 @@ def cell(collisions, length, time, mass):
 
 
 class Units(unittest.TestCase):
-    """A cell in other units, as a user writes it: the defaults and the messages have no unit either."""
+    """A cell in other units: defaults and messages do not depend on them."""
 
     def setUp(self):
         self.place = tempfile.TemporaryDirectory()
@@ -129,7 +129,7 @@ class Units(unittest.TestCase):
                         power = units.get(key.split("_normal")[0].split("_along")[0].split("_across")[0], 0)
                         if key.endswith("_imbalance") or not np.isfinite(value):
                             continue
-                        # Some hits for each grain, each of which multiplies round-off by about ten. Stresses of Pa are small.
+                        # A few collisions of each grain, each of which multiplies round-off by about ten. Stresses of Pa are small.
                         least = 1.0 if key.startswith("wall_stress") else 1e-3
                         off = abs(found[key] / 10.0**power - value) / max(abs(value), least)
                         self.assertLess(off, 1e-8, (collisions, powers, key))
@@ -166,7 +166,7 @@ class Grains(unittest.TestCase):
         for kind, (name, sets) in RUNS.items():
             whole, out = (self.out.with_name(f"{kind}-{part}") for part in ("whole", "parts"))
             if kind == "disks":
-                sets = sets | {"time.steps": 60000}  # Disks are done with fewer before the signal comes.
+                sets = sets | {"time.steps": 60000}  # Disks would finish fewer steps before the signal arrives.
             self.run_scene(name, sets, whole)
             process = start(["run", *words(name, sets | {"output.checkpoint_every": 100000}), "--out", out])
             wait_for(lambda out=out: has_checkpoint(out), process)
@@ -180,7 +180,7 @@ class Grains(unittest.TestCase):
                 self.assertEqual(end_state(out), end_state(whole))
 
     def test_a_signal_ends_a_run_within_a_long_step(self):
-        """A step that would take minutes is not taken."""
+        """A step that would take minutes is abandoned."""
         long = {"time.step": 20.0, "time.settle": 20.0, "time.duration": 40.0, "grains.solid_fraction": 0.45}
         engines = ({}, {"collisions": "time-stepped", "time.collision_step": 5e-7})
         for name, engine in zip(("event-driven", "time-stepped"), engines):
@@ -200,7 +200,7 @@ class Grains(unittest.TestCase):
         self.assertRegex(said, r"the grains jam at time 0\.0\d+: .*; lower grains\.solid_fraction, let the top go with")
 
     def test_a_check_does_not_wait_for_a_long_step(self):
-        """Of a step that would take hours no time is told."""
+        """No time is predicted for a step that would take hours."""
         said = run(["check", *words("shear-cell", {"collisions": "time-stepped", "time.collision_step": 5e-15})])
         self.assertNotIn("\ntime ", said)
 
@@ -223,7 +223,7 @@ class Grains(unittest.TestCase):
         self.assertIn("viscous length 0.1911", info)
         profile = rows(self.out / "profile.csv")
         self.assertAlmostEqual(sum(row["disks"] for row in profile), 289, places=9)
-        # The disks move with the liquid, whose velocity rises by 0.5 from bottom to top.
+        # The disks move with the liquid, whose velocity increases by 0.5 from bottom to top.
         filled = [row for row in profile if row["disks"] > 0]
         slope = np.polyfit([row["height"] for row in filled], [row["velocity"] for row in filled], 1)[0]
         self.assertAlmostEqual(slope, 0.01, delta=0.001)
@@ -318,7 +318,7 @@ class Grains(unittest.TestCase):
         failed = self.run_scene("shear-cell-continuum", sets, out, expect=1)
         self.assertIn("did not converge from a uniform solid fraction of 0.6400", failed)
         self.assertIn("2 problems have no solution", failed)
-        # A problem without a solution is tried again, and is not forgotten.
+        # A problem without a solution is tried again, and is reported.
         again = run(["run", *words("shear-cell-continuum", sets), "--out", out, "--continue"], expect=1)
         self.assertEqual(again, failed)
 

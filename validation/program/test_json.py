@@ -29,7 +29,7 @@ class Values(unittest.TestCase):
         scene = ROOT / "scenes" / "settling.toml"
         tried = json.loads(run(["check", scene, "--json"]))
         self.assertGreater(tried["seconds_of_run"], 100 * tried["seconds_per_step"])
-        # 101 frames of 124 bytes a sphere are most of it.
+        # Mostly 101 frames of 124 bytes per sphere.
         self.assertAlmostEqual(tried["output_bytes"] / (101 * 3200 * 124), 1.05, delta=0.15)
         self.assertNotIn("seconds_of_run", json.loads(run(["check", scene, "--json", "--no-trial"])))
         outline = json.loads(run(["check", scene, "--json", "--ranks", 3]))

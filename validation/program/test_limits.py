@@ -1,5 +1,5 @@
-"""Runs on systems that allow them little: limits of files, stack and memory, no syncs, no standard output, and people who
-move files away while the run writes to them."""
+"""Runs on restricted systems: limits of files, stack and memory, no syncs, no standard output, and files that are moved
+away during the run."""
 
 import errno
 import json
@@ -44,7 +44,7 @@ class Limits(unittest.TestCase):
         self.out = self.place / "out"
 
     def ends(self, *arguments, **options):
-        """Exit code and words of a command that may fail, but in no other way than by a message."""
+        """Exit code and output of a command that may fail, but only with a message."""
         options = {"capture_output": True, **options}
         ended = subprocess.run(command(arguments), text=True, timeout=PATIENCE, **options)
         said = (ended.stdout or "") + (ended.stderr or "")

@@ -1,4 +1,4 @@
-"""Files in the folder of results that are the user's: no run replaces or removes them, whatever it is told."""
+"""Files of the user in the folder of results: no run replaces or removes them, with any options."""
 
 import hashlib
 import os
@@ -62,7 +62,7 @@ class Manifest(unittest.TestCase):
         return path
 
     def ends(self, *arguments):
-        """Exit code and words of a command."""
+        """Exit code and output of a command."""
         ended = subprocess.run(command(arguments), capture_output=True, text=True, timeout=PATIENCE, cwd=self.place)
         self.assertIn(ended.returncode, (0, 1), ended.stderr)
         self.assertNotIn("panicked", ended.stderr)

@@ -87,14 +87,14 @@ class Memory(unittest.TestCase):
         self.assertIn("16000 spheres", said)
 
     def test_what_a_control_group_does_not_leave_is_refused(self):
-        """The files of a control group, in the place of the machine's as this process alone sees them."""
+        """The files of a control group, in place of those of the machine, visible only to this process."""
         groups = self.folder / "groups"
         groups.mkdir()
         for name, text in [("memory.max", "150000000"), ("memory.current", "60000000"), ("memory.stat", "inactive_file 9")]:
             (groups / name).write_text(text + "\n")
         inside = ["unshare", "--mount", "bash", "-c", 'mount --bind "$0" /sys/fs/cgroup && exec "$@"', groups]
         if subprocess.run([*inside, "true"], capture_output=True).returncode != 0:
-            self.skipTest("no mounts of one's own here: unshare --mount, mount --bind")
+            self.skipTest("private mounts are not available: unshare --mount, mount --bind")
         scene = self.scene(memory.spheres(8_000, "direct", True))
         command = [*inside, PROGRAM, "run", scene, "--out", self.folder / "out"]
         ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=60)
@@ -110,7 +110,7 @@ class Memory(unittest.TestCase):
         self.assertIn("particles.area_fraction", self.refused(["run", scene, *sets, *out]))
 
     def test_disks_beyond_their_cells_are_refused(self):
-        """Few disks in a large box, of which rare large ones leave it to many small ones."""
+        """Few disks in a large box, where rare large disks leave room for many small ones."""
         scene = ROOT / "scenes" / "granular-disks.toml"
         out = ["--out", self.folder / "out", "--set", "particles.length_unit=\"smallest\""]
         rare = ["--set", "species=[{radius=1.0, share=1.0}, {radius=1e6, share=1e-13}]", "--set", "box.edges=[1e6, 1e6]"]

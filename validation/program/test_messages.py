@@ -5,20 +5,20 @@ import unittest
 
 from program import ROOT
 
-# Comments, characters and raw strings are no messages; what is left are strings.
+# Comments, characters and raw strings are not messages; the rest are strings.
 TOKEN = re.compile(
     r"//[^\n]*|/\*.*?\*/|'(?:\\[^\n]|[^'\\\n])'|\bb?r(#*)\".*?\"\1|\"(?P<text>(?:[^\"\\]|\\.)*)\"",
     re.S,
 )
-# Blanks in a row after two words or more of a line; after one they set a label apart.
+# Repeated blanks after two or more words of a line; after one word they separate a label.
 GAP = re.compile(r"\S+ \S.*? {2,}\S")
-# Texts of more lines are pages, which have columns.
+# Longer texts are pages, which have columns.
 PAGE = 4
 PACKAGES = "domain solver fcm lubrication statistics simulation suspension granular io fcm-solve python fuzz".split()
 
 
 def gaps(source):
-    """The strings of a Rust source with blanks or new lines in a row that no reader is to see."""
+    """The strings of a Rust source with unintended repeated blanks or line breaks."""
     source = source.split("#[cfg(test)]")[0]
     for token in TOKEN.finditer(source):
         text = re.sub(r"\\\n\s*", "", token["text"] or "")

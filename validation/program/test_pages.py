@@ -1,4 +1,4 @@
-"""Every command that pages show runs as printed, and prints what the page says, within what another processor may change."""
+"""Every command on the pages runs as printed, with the output of the page, up to differences between processors."""
 
 import pathlib
 import sys
@@ -15,7 +15,7 @@ from support.console import PAGES, blocks, commands, inline_commands, prepare, p
 INSTALLS = "installs or builds; `scripts/test` and `scripts/release` do that"
 CLUSTER = "is for a cluster; validation/batch submits an array of jobs to a Slurm"
 PACKAGE = "needs the Python package; python/tests runs it"
-# The commands that no test runs from the page, each with the reason.
+# Commands that no test runs from a page, with the reasons.
 NOT_RUN = {
     "scripts/run": INSTALLS,
     "scripts/run scenes/settling.toml --set time.steps=10 --force": INSTALLS,
@@ -35,12 +35,12 @@ NOT_RUN = {
     "pip install --user libclang": INSTALLS,
     "module load gcc openmpi hdf5 llvm cmake": CLUSTER,
     "fcm-solve run family.toml --part $SLURM_ARRAY_TASK_ID/20 --continue": CLUSTER,
-    "mpirun -n 2 target/release/fcm-solve run scenes/pair-settling.toml": "names the program where a build leaves it; "
+    "mpirun -n 2 target/release/fcm-solve run scenes/pair-settling.toml": "names the program in the build folder; "
     "the same page runs the one in the path on two ranks",
-    'export PATH="$PWD/target/release:$PATH"': "the tests have the program under test in the path",
+    'export PATH="$PWD/target/release:$PATH"': "the program under test is already in the path of the tests",
     "python -m fcm_solve plot": PACKAGE,
     "python -m fcm_solve plot results/my": PACKAGE,
-    "scripts/validate tutorial --full": "makes the table of the page in many minutes",
+    "scripts/validate tutorial --full": "takes many minutes; it writes the table of the page",
     "fcm-solve converge paste.toml --of relative_viscosity": "takes many minutes; the page on families has a shorter one",
     "fcm-solve info results/family": "lists the runs of an array of jobs; the page on families runs the same command",
 }
@@ -68,7 +68,7 @@ class Pages(unittest.TestCase):
 
 
 class Compared(unittest.TestCase):
-    """The comparison sees what a page has wrong, and lets pass what another processor changes."""
+    """The comparison detects errors of a page, and accepts differences between processors."""
 
     def assert_same(self, shown, now):
         self.assertEqual(differences(shown.splitlines(), now.splitlines()), [])

@@ -1,4 +1,4 @@
-"""Results of every scene that comes with the program are drawn, whole or in part."""
+"""Complete and partial results of every scene that the program provides are drawn."""
 
 import os
 import pathlib
@@ -14,7 +14,7 @@ from program import ROOT, run
 from test_scenes import SMALLER
 
 PLOT = ROOT / "scripts" / "plot"
-# Pictures need no more than a few rows.
+# Pictures need only a few rows.
 SHORTER = {
     "tutorial": {"time.steps": 20},
     "extension": {"time.duration": 0.04},
@@ -65,13 +65,13 @@ def made(scene, out, sets):
 
 
 def draw(*words):
-    """The ended process of the command of plots."""
+    """The completed process of the plot command."""
     return subprocess.run([PLOT, *map(str, words)], capture_output=True, text=True)
 
 
 class Plots(unittest.TestCase):
     def assert_drawn(self, folder, *words, left_out=()):
-        """Draws without a word of error, but for these parts of what was left out."""
+        """Draws without error messages, except for these notes on omitted parts."""
         drawn = draw(folder, *words)
         self.assertEqual((drawn.returncode, drawn.stderr), (0, ""), drawn.stdout)
         lines = drawn.stdout.splitlines()
@@ -83,7 +83,7 @@ class Plots(unittest.TestCase):
         self.assertGreater(share, 0.005, "a picture of nearly one colour")
 
     def assert_refused(self, message, *words):
-        """Says in one line of error what is missing."""
+        """Asserts an error of one line that names the missing part."""
         drawn = draw(*words)
         self.assertEqual((drawn.returncode, drawn.stdout), (1, ""))
         self.assertEqual(len(drawn.stderr.splitlines()), 1, drawn.stderr)

@@ -13,27 +13,27 @@ from program import ROOT, mobility, run
 
 RANKS = (1, 2, 3, 4, 7)
 
-# Ranks add in another order, which changes roundings: of 1e-16 in f64, of 6e-8 on a grid in f32; sums of thousands of
-# terms and the solve for the stresslets magnify both.
+# Ranks add in another order, which changes round-off: 1e-16 in f64, 6e-8 on a grid in f32; sums of thousands of terms
+# and the solve for the stresslets amplify both.
 DIFFERENCE = {"f64": 1e-12, "f32": 1e-6}
 
-# Lubrication has two iterations within each other.
+# Lubrication has two nested iterations.
 LUBRICATED = 1e-10
 
-# Random motions over their own size: solves end at a residual that sums on other ranks hardly change.
+# Relative error of random motions: the residual at which solves end hardly depends on the order of sums.
 WHITENED = {"f64": 1e-6, "f32": 1e-4}
 
-# Loose enough for a grid in f32, and too tight for one.
+# Tolerances with which grids are in f32 and in f64.
 LOOSE, TIGHT = 1e-3, 1e-7
 
-# Smaller than what loads of order 1 cause, and larger than what rounding leaves where the answer is zero.
+# Smaller than the effect of loads of order 1, and larger than round-off where the answer is zero.
 NOTHING = 1e-9
 
 QUANTITIES = ("velocities", "angular_velocities", "strain_rates", "stresslets")
 
 
 def case(seed, **changes):
-    """Spheres of two sizes, apart from each other, in a box of three different edges."""
+    """Spheres of two sizes without contacts, in a box with three different edges."""
     random = np.random.default_rng(seed)
     edges = np.array([12.0, 10.0, 8.0])
     places = np.stack(np.meshgrid(*[np.arange(n) for n in (4, 3, 2)], indexing="ij"), axis=-1).reshape(-1, 3)
@@ -61,14 +61,14 @@ def relative_difference(first, second):
 
 
 def crowd():
-    """Spheres brought together to a smallest gap of 0.004, with lubrication."""
+    """Spheres moved together to a smallest gap of 0.004, with lubrication."""
     crowd = case(16, lubrication=True)
     return crowd | {name: (0.87 * np.array(crowd[name])).tolist() for name in ("box", "positions")}
 
 
 @contextlib.contextmanager
 def no_file_beyond(size):
-    """Keeps the files and the nameless memory of new processes below a size in bytes."""
+    """Limits the files and the anonymous memory of new processes to a size in bytes."""
     kind, limits = resource.RLIMIT_FSIZE, resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(kind, (size, limits[1]))
     try:
@@ -106,7 +106,7 @@ class RanksAgree(unittest.TestCase):
         self.agree_on(case(4, multipoles="monopole", torques=[]), TIGHT)
 
     def test_random_motions_of_a_trimer(self):
-        """Three lubricated spheres in a sheared box, whitened by the matrix of one rank: numbers of size 1, draw by draw the same."""
+        """Three lubricated spheres in a sheared box, whitened with the matrix of one rank: numbers of order 1, the same for each draw."""
         places = [[5.0, 5.0, 5.0], [6.9, 5.85, 5.2], [6.0, 4.4, 7.95]]
         trimer = {"box": [14.0] * 3, "strain": 0.2, "viscosity": 1.0, "radii": [1.0, 1.0, 2.0], "positions": places, "lubrication": True}
         noise = {"noise": {"draws": 4, "seed": 7}}
@@ -159,7 +159,7 @@ class RanksAgree(unittest.TestCase):
         self.agree_on_run("shear.toml", sets, LUBRICATED)
 
     def test_where_no_memory_can_be_shared(self):
-        """Messages instead, and the same bits: half of this grid's columns are 18 MB, and Open MPI itself needs 4."""
+        """Messages are used instead, with the same bits: half of this grid's columns are 18 MB, and Open MPI itself needs 4."""
         sets = ["box.edges=[16.0, 16.0, 16.0]", "species[0].count=20", "time.steps=1", "output.trajectory_every=1"]
         sets += ["hydrodynamics.method=direct", "hydrodynamics.grid=[144, 144, 144]"]
         arguments = ["run", ROOT / "scenes/settling.toml", *[word for one in sets for word in ("--set", one)], "--out"]

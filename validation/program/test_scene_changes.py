@@ -1,4 +1,4 @@
-"""Runs that go on with a scene that has changed, and kept scenes that are run again."""
+"""Runs that continue with a changed scene, and stored scenes that are run again."""
 
 import csv
 import json
@@ -35,7 +35,7 @@ def frames(out):
 
 
 def rows(out):
-    """The time series without the seconds that steps took."""
+    """The time series without the seconds per step."""
     return [line.rpartition(",")[0] for line in (out / "observables.csv").read_text().splitlines()]
 
 
@@ -134,7 +134,7 @@ class SceneChanges(unittest.TestCase):
         self.assertIn(f"warning: {self.out}/trajectory.h5: {changes[0]}; the statistics are of both", run(["stats", self.out]))
 
     def test_what_was_accepted_stays_so_after_a_kill(self):
-        """The checkpoint is written again with what was accepted, and the answer is that of one run."""
+        """The checkpoint is written again with the accepted value, and the answer is that of an uninterrupted run."""
         self.edit((r"viscosity = 1.0", "viscosity = 2.0"))
         run(["resume", self.out, "--accept", "fluid.viscosity"])
         self.assertNotIn("viscosity", run(["resume", self.out, "--steps", 9]))

@@ -1,4 +1,4 @@
-"""Every scene that comes with the program runs, at a small size."""
+"""Every scene that the program provides runs at a small size."""
 
 import pathlib
 import re
@@ -53,8 +53,8 @@ class Scenes(unittest.TestCase):
                 run(["run", scene, "--out", out, *sets], ranks)
 
     def test_two_spheres_side_by_side_fall_as_the_theory_says(self):
-        """Forces alone give 1 + 3/4 (a/r) + 1/2 (a/r)^3 in free space; the images of the box take 2.8373 a/L for each of
-        the two spheres. What both leave out is below a hundredth three radii apart."""
+        """Forces alone give 1 + 3/4 (a/r) + 1/2 (a/r)^3 in free space; the images of the box subtract 2.8373 a/L for
+        each of the two spheres. The terms neglected in both are below a hundredth at a distance of three radii."""
         with tempfile.TemporaryDirectory() as folder:
             run(["run", ROOT / "scenes" / "pair-settling.toml", "--out", f"{folder}/out", "--set", "time.steps=2"])
             with h5py.File(f"{folder}/out/trajectory.h5") as file:

@@ -1,4 +1,4 @@
-"""Runs that start from files of this program and of others."""
+"""Runs that start from files of this and other programs."""
 
 import csv
 import pathlib

@@ -1,4 +1,4 @@
-"""Runs that stop before their end: by signals, by the clock, and in job scripts."""
+"""Runs that stop before their end: by signals, time limits, and in job scripts."""
 
 import os
 import pathlib
@@ -15,7 +15,7 @@ from small_run import SCENE, end_state, has_checkpoint, ranks_of, wait_for, word
 from support.checkpoint import state_of
 
 SETS = small_run.SETS | {"time.steps": 2000, "output.checkpoint_every": 100000}
-# A step that takes minutes: in thousands of parts, which near contact asks for, each with tens of evaluations.
+# A step that takes minutes: thousands of substeps, required near contact, each with tens of evaluations.
 LONG = {
     "box.edges": "[9.0, 9.0, 9.0]",
     "species[0].count": 40,
@@ -78,7 +78,7 @@ class Stops(unittest.TestCase):
             process = self.begin_scene(LONG, ranks=ranks)
             wait_for(self.has_begun, process)
             time.sleep(0.3)
-            # One of the ranks hears it, and all of them stop.
+            # One rank receives it, and all of them stop.
             os.kill((ranks_of(process) or [process.pid])[-1], signal.SIGUSR1)
             _, said = process.communicate(timeout=60)
             with self.subTest(ranks=ranks):
@@ -134,13 +134,13 @@ class Stops(unittest.TestCase):
         self.assertIn("needs to be above 0", said)
 
     def test_too_little_time_for_a_step_is_an_error(self):
-        """Or a job would be started again and again for nothing."""
+        """Otherwise a job would be restarted endlessly."""
         said = self.run_scene(LONG, "--walltime", "0:04", expect=1)
         self.assertIn("the run's time is too short for a single step", said)
         self.assertTrue(self.has_begun())
 
     def test_too_little_time_for_the_start_is_an_error(self):
-        """Nothing is written by then, so that a job would be started again and again for nothing."""
+        """Nothing is written by then, so that a job would be restarted endlessly."""
         said = self.run_scene(DENSE, "--walltime", "0:02", "--steps-taken", self.place / "steps", expect=1)
         self.assertIn("error: the run's time is over before its first step, and nothing new is written", said)
         self.assertFalse(self.has_begun())
@@ -160,7 +160,7 @@ class Stops(unittest.TestCase):
         self.assertFalse(steps.exists())
 
     def test_job_scripts_give_up_after_three_restarts_that_took_no_step(self):
-        """With a stand-in for the program, whose steps are those of the environment, one word for each start."""
+        """With a stand-in for the program, whose numbers of steps are given in the environment, one for each start."""
         batch = ROOT / "scripts" / "batch"
         program = self.place / "program"
         program.write_text(
@@ -237,7 +237,7 @@ class Stops(unittest.TestCase):
         plain.send_signal(signal.SIGTERM)
         _, said = plain.communicate(timeout=PATIENCE)
         self.assertEqual(plain.returncode, 75, said)
-        # A stand-in for PBS, which notes what is submitted.
+        # A stand-in for PBS, which records submissions.
         queue = self.place / "qsub"
         queue.write_text(f'#!/bin/sh\necho "$@" >> {self.place}/submitted\n')
         queue.chmod(0o755)

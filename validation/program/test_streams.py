@@ -1,4 +1,4 @@
-"""Commands whose output is not read: the disk is full, the reader has closed the pipe, or does not read."""
+"""Commands whose output cannot be written: the disk is full, or the reader has closed the pipe or does not read."""
 
 import json
 import os
@@ -15,7 +15,7 @@ CASE = {"box": [10, 10, 10], "viscosity": 1, "radii": 1, "positions": [[1, 2, 3]
 
 
 def closed_pipe():
-    """A stream on which writing fails, since its reader has closed the pipe."""
+    """A stream to which writing fails, since its reader has closed the pipe."""
     reading, writing = os.pipe()
     os.close(reading)
     return os.fdopen(writing, "w")
@@ -100,7 +100,7 @@ class Streams(unittest.TestCase):
 
 
 def full_pipe():
-    """Both ends of a pipe that takes no more, where a writer waits for a reader."""
+    """Both ends of a full pipe, at which a writer waits for a reader."""
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
     try:

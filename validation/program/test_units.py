@@ -1,4 +1,4 @@
-"""Cases and scenes in other units, and those that can't be planned or placed."""
+"""Cases and scenes in other units, and those that cannot be planned or placed."""
 
 import json
 import pathlib
@@ -35,7 +35,7 @@ class Units(unittest.TestCase):
 
 class Planning(unittest.TestCase):
     def check(self, *sets):
-        """Output of `check` for the scene with these keys, within a time that is too short for a search through all grids."""
+        """Output of `check` for a scene with these keys, within a time too short for a search through all grids."""
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "scene.toml"
             path.write_text(TINY)

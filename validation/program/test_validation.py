@@ -8,7 +8,7 @@ import unittest
 
 from program import PROGRAM, ROOT
 
-# Runs of the figures' scenes go to a place of their own.
+# Runs of the figures' scenes go to a separate folder.
 PLACE = tempfile.TemporaryDirectory()
 os.environ["FCM_SOLVE_RUNS"] = PLACE.name
 sys.path.insert(0, str(ROOT / "validation" / "figures"))
@@ -64,7 +64,7 @@ class Theories(unittest.TestCase):
         along, gradient, vorticity = pairs.slopes("random")
         self.assertEqual(along, gradient)
         self.assertAlmostEqual(gradient / vorticity, 4, delta=0.2)
-        # Far apart, pairs are as if at random.
+        # Far apart, pairs are uncorrelated.
         self.assertAlmostEqual(pairs.q[-1], 1, delta=1e-3)
 
     def test_a_mixture_of_equal_spheres_is_one_fluid(self):
@@ -86,7 +86,7 @@ class Figures(unittest.TestCase):
         self.assertEqual((run.folder / "observables.csv").stat().st_mtime_ns, made)
         self.assertGreater(shear.tensor("yy", "small")(run)[0], 0)
         self.assertGreater(run.series("relative_viscosity")[1][-1], 1.2)
-        # As if it had been stopped before its end was noted.
+        # As if it had been stopped before its end was recorded.
         run.finished.unlink()
         runs.make([runs.Run("small", scene)])
         self.assertTrue(run.is_finished())

@@ -1,4 +1,4 @@
-"""For pvbatch: reads XDMF files by each of ParaView's readers and writes what they give to a file.
+"""For pvbatch: reads XDMF files with each of ParaView's readers and writes the results to a file.
 
 paraview_reads.py OUT XDMF...
 """

@@ -8,7 +8,7 @@ from program import ROOT, run
 
 PLACE = tempfile.TemporaryDirectory()
 
-# Edges differ, so that no reader can mix up the axes. The sheared box passes the strain where its lattice turns back.
+# Edges differ, so that exchanged axes are detected. The sheared box passes the strain at which its lattice is remapped.
 SCENES = {
     "straight": (
         "settling",
@@ -41,7 +41,7 @@ SCENES = {
         {"cell.length": 0.004, "cell.width": 0.005, "time.settle": 0.0, "time.steps": 10, "output.trajectory_every": 2},
     ),
 }
-# Boxes that do not repeat along all axes: walls across y, and one that grows with the spheres.
+# Boxes that are not periodic along all axes: walls across y, and one that grows with the spheres.
 BOUNDED = {
     "channel": (
         "couette",

@@ -16,7 +16,7 @@ from program import run
 from runs import SCENES, folder
 
 PLACE = tempfile.TemporaryDirectory()
-# Positions in GSD are in single precision, and so are those that are moved back from its origin here.
+# Positions in GSD, and those shifted back from its origin here, are in single precision.
 SINGLE = 4 * np.finfo(np.float32).eps
 # OVITO reads decimal numbers to within the last bits.
 DECIMAL = 4 * np.finfo(float).eps
@@ -95,7 +95,7 @@ class Exported(unittest.TestCase):
             images = data["image"][number]
             positions = np.asarray(read.particles.positions)
             off = positions - (data["position"][number] - data["edges"][number].sum(axis=0) / 2)
-            # The same place, or that of an image.
+            # The same position, or that of an image.
             steps = off @ np.linalg.inv(data["edges"][number])
             np.testing.assert_allclose(steps, np.rint(steps), rtol=0, atol=2 * SINGLE)
             self.assertEqual(positions.shape, images.shape)

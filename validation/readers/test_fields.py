@@ -20,7 +20,7 @@ CUT = 4 * np.finfo(np.float32).eps
 
 
 def stored(run):
-    """Time, lengths, places and values with repeated planes of each frame, made here from what the program computed."""
+    """Time, lengths, positions and values with repeated planes of each frame, constructed here from the computed ones."""
     for path in sorted((run / "fields").glob("*.h5")):
         with h5py.File(path) as file:
             time, strain, edges = (file.attrs[name] for name in ("time", "strain", "edges"))
@@ -36,7 +36,7 @@ def stored(run):
 
 
 def read_by_pyvista(path):
-    """The series as the readers of ParaView give it."""
+    """The series as read by pyvista."""
     reader = pyvista.get_reader(str(path))
     for time in reader.time_values:
         reader.set_active_time_value(time)
@@ -56,7 +56,7 @@ class Fields(unittest.TestCase):
             np.testing.assert_allclose(frame["points"], places, rtol=0, atol=ROUNDING * np.abs(places).max())
             np.testing.assert_array_equal(frame["velocity"], values)
             x, y, z = lengths
-            # Cuts at right angles to x and z through the middle: a tilted box is as high and long as a straight one.
+            # Cuts normal to x and z through the middle: a tilted box has the height and length of a rectangular one.
             np.testing.assert_allclose(frame["areas"][1:], [x * z, x * y], rtol=CUT)
 
     def test_pyvista(self):
@@ -89,7 +89,7 @@ class Fields(unittest.TestCase):
 
 
 def pvbatch(script, *arguments, cwd=None):
-    """Runs a script in ParaView on a screen that nobody sees."""
+    """Runs a script in ParaView on a virtual screen."""
     command = ["xvfb-run", "-a", "pvbatch", script, *arguments]
     ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300, cwd=cwd)
     if ended.returncode != 0:

@@ -35,7 +35,7 @@ class MDAnalysisReads(unittest.TestCase):
             np.testing.assert_array_equal(frame.positions, stored["position"][number].astype(np.float32))
             np.testing.assert_array_equal(frame.velocities, stored["velocity"][number].astype(np.float32))
             edges = stored["box/edges"][number]
-            # Angles are in degrees: near 90 they are good to as many.
+            # Angles are in degrees, with similar precision near 90.
             np.testing.assert_allclose(frame.triclinic_dimensions, edges, rtol=0, atol=90 * SINGLE * edges.max())
         self.assertEqual(number, len(steps) - 1)
 

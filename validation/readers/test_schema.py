@@ -1,4 +1,4 @@
-"""A validator of JSON Schema accepts the scenes that come with the program and finds mistakes in them, as editors do."""
+"""A validator of JSON Schema accepts the scenes that the program provides and finds mistakes in them, as editors do."""
 
 import json
 import tomllib

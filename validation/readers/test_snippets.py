@@ -1,4 +1,4 @@
-"""The snippets of the documentation for other programs work as they are printed."""
+"""The snippets of the documentation for other programs work as printed."""
 
 import contextlib
 import gc
@@ -33,14 +33,14 @@ class Snippets(unittest.TestCase):
             return file[f"particles/all/{name}"][:]
 
     def run_snippet(self, name, number=0):
-        """Runs a snippet in the run's folder and returns the names that it gave."""
+        """Runs a snippet in the run's folder and returns its variables."""
         names = {}
         with contextlib.chdir(self.folder), contextlib.redirect_stdout(None):
             exec(compile(self.snippets[name][number], f"{PAGE.name}, {name}", "exec"), names)
         return names
 
     def assert_drawn(self, name):
-        """A picture that is not of one colour."""
+        """Asserts that a picture has more than one colour."""
         self.assertGreater(np.ptp(imread(self.folder / name)), 0.1, name)
 
     def test_every_snippet_is_tested(self):
@@ -54,7 +54,7 @@ class Snippets(unittest.TestCase):
         names = self.run_snippet("h5py")
         self.assertEqual(names["positions"].shape, (7, 25, 3))
         time, path = names["time"], names["unwrapped"]
-        # Spheres move by far less than the box from frame to frame: where one jumps, it is not unwrapped.
+        # Displacements between frames are much smaller than the box: a jump would mean wrapped positions.
         speed = np.abs(self.stored("velocity/value")).max()
         self.assertLess(np.abs(np.diff(path, axis=0)).max(), 2 * speed * np.diff(time).max())
 
@@ -101,7 +101,7 @@ class Snippets(unittest.TestCase):
         self.assert_drawn("plane.png")
 
     def test_starts_from_files_are_the_same_in_each_format(self):
-        """The files of the page, of two spheres: of each the run takes these positions, radii and species."""
+        """The files of the page, with two spheres: each gives the run these positions, radii and species."""
         self.run_snippet(STARTS)
         [table], texts = blocks("csv", section(STARTS)), blocks("text", section(STARTS))
         files = {"start.csv": table, "start.xyz": texts[0], "start.lammps": texts[1], "start.h5": None, "start.h5md": None}

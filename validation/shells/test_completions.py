@@ -1,4 +1,4 @@
-"""Each shell completes commands by the script that the program prints for it."""
+"""Each shell completes commands with the script that the program prints for it."""
 
 import os
 import pty
@@ -17,7 +17,7 @@ WORDS = {
     "resume --acc": "resume --accept",
     "mobility --tol": "mobility --tolerance",
 }
-# The same of words that are no options, which scripts for fish do not have.
+# The same for words that are not options, which scripts for fish lack.
 VALUES = {"completions fi": "completions fish", "new settl": "new settling"}
 SHELLS = {
     "bash": (["bash", "--norc", "--noprofile", "-i"], "source {script}"),
@@ -50,7 +50,7 @@ class Completions(unittest.TestCase):
         return self.read_until(terminal, f"fcm-solve {(WORDS | VALUES)[typed]}")
 
     def read_until(self, terminal, wanted):
-        """Output of the terminal until the text has appeared, or time is over."""
+        """Output of the terminal until the text has appeared, or the time limit."""
         shown, end = "", time.monotonic() + PATIENCE
         while wanted not in shown and time.monotonic() < end:
             if select.select([terminal], [], [], 0.1)[0]:
@@ -74,7 +74,7 @@ class Completions(unittest.TestCase):
             self.assertIn(whole.split()[-1], [line.split("\t")[0] for line in found.splitlines()], typed)
 
     def test_bash_lists_what_there_is(self):
-        """After a command its own options are offered, and those of the program."""
+        """After a command, its options and those of the program are offered."""
         script = self.script("bash")
         lines = f"""source {script}; PATH={os.path.dirname(PROGRAM)}:$PATH
             COMP_WORDS=(fcm-solve run --) COMP_CWORD=2

@@ -24,7 +24,7 @@ def volume(radii):
 
 
 def lattice(name, fraction, cells):
-    """Centres of spheres of radius 1 in so many cubic cells along each axis, and the edges of their box."""
+    """Centres of spheres of radius 1 in a number of cubic cells along each axis, and the edges of their box."""
     edge = (volume(np.ones(len(CUBIC[name]))) / fraction) ** (1 / 3)
     corners = np.array(list(itertools.product(range(cells), repeat=3)), float).reshape(-1, 1, 3)
     return ((corners + CUBIC[name]) * edge).reshape(-1, 3), [edge * cells] * 3
@@ -43,7 +43,7 @@ def dense(count, fraction, seed):
 
 
 def random(radii, edges, random, repeats=(True, True, True), strain=0.0, gap=0.01):
-    """Centres of spheres at random, at least `gap` mean radii apart, in a box of a strain that repeats along some axes; none if they
+    """Centres of spheres at random, at least `gap` mean radii apart, in a sheared box that is periodic along some axes; `None` if they
     are not found."""
     edges, radii = np.asarray(edges, float), np.asarray(radii, float)
     centres = random.random((len(radii), 3)) * edges
@@ -64,7 +64,7 @@ def random(radii, edges, random, repeats=(True, True, True), strain=0.0, gap=0.0
 
 
 def inside(centres, radii, edges, repeats, strain):
-    """The same centres in the box, where it repeats, and clear of its faces, where it does not."""
+    """The same centres, wrapped along periodic axes and clear of the faces along others."""
     centres = centres.copy()
     if repeats[1]:
         crossed = np.floor(centres[:, 1] / edges[1])

@@ -1,10 +1,10 @@
-"""Checkpoints, as far as runs that were stopped in different ways have to share them."""
+"""The part of checkpoints that runs stopped in different ways must share."""
 
 import json
 
 
 def state_of(checkpoint):
-    """The contents of a checkpoint but for its scene, whose end and output may have been changed, and for the checksum of the whole."""
+    """The contents of a checkpoint without its scene, whose end and output may differ, and without the checksum of the file."""
     start = len(b"fcm-solve checkpoint 1\n") + 8
     content = checkpoint.read_bytes()
     end = start + int.from_bytes(content[start - 8 : start], "little")

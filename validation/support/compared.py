@@ -1,4 +1,4 @@
-"""Differences of what a command prints now from what a page shows, beyond those that another processor makes."""
+"""Differences between the output of a command and the output shown on a page, beyond those between processors."""
 
 import re
 
@@ -7,17 +7,17 @@ NUMBER = re.compile(rf"(?<![\w.-]){VALUE}")
 ESTIMATE = re.compile(rf"({VALUE}) \+- ({VALUE})")
 SCALED = re.compile(rf"\(({VALUE}) \+- ({VALUE})\)(e[-+]?\d+)")
 SIZE = re.compile(rf"({VALUE}) (?:kB|MB|GB)")
-# What differs between machines and from run to run: durations and all that follows from them.
+# Durations, and values derived from them, differ between machines and runs.
 TIMING = re.compile(
     rf"{VALUE} (?:s|ms|microseconds|seconds|minutes|hours|days)\b|\bby its first \d+ steps|\b\d+(?= (?:runs )?at a time)|^run \d+ of (?=\d)"
 )
-# A verdict is found by errors, and a value is refused by its verdict: both change with the last bit of a chaotic run.
+# Verdicts depend on errors, and whether a value is given on the verdict: both change with the last bit of a chaotic run.
 VERDICT = re.compile(rf"converged|still drifting|too short for any value|too short: {VALUE} times longer|has no value|: not seen|: small|: matters|(?<= )-(?= )")
-# Two runs of a chaotic suspension agree within their errors, which short runs know to a factor of two or three; where few
-# seeds are near each other by chance, their spread says less than that.
+# Two runs of a chaotic suspension agree within their errors, which short runs estimate to a factor of two or three; the
+# spread of few seeds that agree by chance is even less reliable.
 ERRORS, RELATIVE, MEMORY = 10, 0.25, 2
 ROUNDED = 0.02
-# Lines of what depends on the last bit: overlaps, progress, and which of small changes are seen.
+# Lines that depend on the last bit: overlaps, progress, and the small changes that are seen.
 LEFT_OUT = ("warning: spheres overlap", "step ", "changes it by less than its error: ", "makes no difference that these seeds show: ")
 
 
@@ -36,7 +36,7 @@ class Line:
         self.words = NUMBER.sub("#", text).split()
 
     def agrees(self, other):
-        """Whether both say the same, within what another processor may change."""
+        """Whether both agree, within differences between processors."""
         return (
             self.words == other.words
             and len(self.numbers) == len(other.numbers)
@@ -47,7 +47,7 @@ class Line:
 
 
 def same_number(one, other):
-    """Whether numbers without an error are equal, but for rounding where they are not whole."""
+    """Whether numbers without an error are equal, up to rounding if they are not integers."""
     if one.is_integer() and other.is_integer():
         return one == other
     return abs(one - other) <= ROUNDED * max(abs(one), abs(other))
@@ -60,14 +60,14 @@ def same_estimate(one, other):
 
 
 def kept(lines):
-    """The lines that are compared: without progress, counts of overlaps and lists of small changes, members of a family in order."""
+    """The lines that are compared: without progress, counts of overlaps and lists of small changes, with members of a family in order."""
     lines = [line for line in lines if not line.startswith(LEFT_OUT)]
     members = iter(sorted((line for line in lines if line.startswith("run ")), key=lambda line: line.split(": ", 1)[1]))
     return [next(members) if line.startswith("run ") else line for line in lines]
 
 
 def differences(shown, now):
-    """The lines that differ between what a page shows and what a command prints now."""
+    """The lines that differ between the page and the output of the command."""
     shown, now = kept(shown), kept(now)
     if len(shown) != len(now):
         return [f"{len(shown)} lines on the page, {len(now)} now:", *now]

@@ -1,4 +1,4 @@
-"""Commands with what they print, as pages show them in blocks of `console`: a line that begins with `$ ` is a command."""
+"""Commands with their output, as pages show them in `console` blocks: a line that begins with `$ ` is a command."""
 
 import os
 import pathlib
@@ -13,14 +13,14 @@ CHOSEN = [ROOT / "README.md", *(BOOK / f"{name}.md" for name in ("getting-starte
 PAGES = [*CHOSEN, *sorted((BOOK / "how-to").glob("*.md"))]
 BLOCK = re.compile(r"^```(\S*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 INCLUDED = re.compile(r"\{\{#include (\S+)\}\}")
-# A command with arguments, and one that stands for many: its arguments are words in capitals.
+# A command with arguments, and a pattern of commands, whose arguments are words in capitals.
 COMMAND = r"(?:fcm-solve [a-z-]+|scripts/[a-z-]+|mpirun|cargo|pip|python|curl|module) "
 INLINE = re.compile(rf"`({COMMAND}[^`]+)`")
 FORM = re.compile(r" [A-Z]+(?: |$)")
 
 
 def commands(block):
-    """The commands of a block, each with the lines that it prints."""
+    """The commands of a block, each with the lines of its output."""
     found = []
     for line in block.splitlines():
         if line.startswith("$ "):
@@ -31,7 +31,7 @@ def commands(block):
 
 
 def blocks(text):
-    """The blocks of commands with what they print."""
+    """The blocks of commands with their output."""
     return [block for kind, block in BLOCK.findall(text) if kind == "console"]
 
 
@@ -42,7 +42,7 @@ def inline_commands(text):
 
 
 def unprinted_commands(text):
-    """The commands of a page that stand without what they print: in blocks of a shell, and in indented or unnamed ones."""
+    """The commands of a page without their output: in shell blocks, and in indented or unnamed blocks."""
     shell = [line for kind, block in BLOCK.findall(text) if kind in ("sh", "bash") for line in block.splitlines()]
     others = [line for kind, block in BLOCK.findall(text) if kind in ("", "text") for line in block.splitlines()]
     others += re.findall(r"^ {4}(\S.*)$", BLOCK.sub("", text), re.MULTILINE)
@@ -52,7 +52,7 @@ def unprinted_commands(text):
 
 
 def prepare(text, folder):
-    """Puts what a page relies on into a folder: the scripts and scenes of the checkout, and the files that the page includes."""
+    """Puts the files that a page needs into a folder: the scripts and scenes of the checkout, and the files that it includes."""
     for name in ("scripts", "scenes"):
         (folder / name).symlink_to(ROOT / name)
     for name in INCLUDED.findall(text):
@@ -60,7 +60,7 @@ def prepare(text, folder):
 
 
 def printed(command, folder):
-    """The lines that a command prints in a folder, output and errors in the order of their appearance."""
+    """The lines that a command prints when run in a folder, output and errors in order."""
     path = f"{pathlib.Path(PROGRAM).resolve().parent}:{os.environ['PATH']}"
     shell = ["bash", "-o", "pipefail", "-c", command]
     ended = subprocess.run(shell, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=os.environ | {"PATH": path})
@@ -70,7 +70,7 @@ def printed(command, folder):
 
 
 def run_page(text, folder):
-    """The text of a page with what its commands print now, called one after another in a folder."""
+    """The text of a page with the present output of its commands, run one after another in a folder."""
 
     def again(match):
         if match[1] != "console":

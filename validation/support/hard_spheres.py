@@ -7,13 +7,13 @@ BASIS = np.array([[0.25, 0.25, 0.25], [0.75, 0.75, 0.25], [0.75, 0.25, 0.75], [0
 
 
 def box(count, fraction):
-    """Side of the cubic box of so many spheres at a volume fraction."""
+    """Edge of the cubic box of a number of spheres at a volume fraction."""
     return (count * 4 / 3 * np.pi / fraction) ** (1 / 3)
 
 
 def equilibrium(count, fraction, seed, sweeps=1500):
-    """Centres of spheres at equilibrium, from a lattice with vacancies that melts; where that does not fit into the box, it
-    melts in a larger one, which shrinks as far as the nearest spheres let it after every sweep."""
+    """Centres of spheres at equilibrium, from a melting lattice with vacancies. If the lattice does not fit into the box, it
+    melts in a larger one, which shrinks after every sweep as far as the nearest spheres allow."""
     random = np.random.default_rng(seed)
     edge = box(count, fraction)
     reach = min(0.5, 1.5 * (0.65 - fraction))
@@ -29,7 +29,7 @@ def equilibrium(count, fraction, seed, sweeps=1500):
 
 
 def lattice(count, edge, random):
-    """Centres on some sites of a face-centred cubic lattice, and the side of its box: `edge`, or more if spheres would overlap."""
+    """Centres on some sites of a face-centred cubic lattice, and the edge of its box: `edge`, or more if spheres would overlap."""
     cells = int(np.ceil((count / 4) ** (1 / 3)))
     edge = max(edge, 2 * np.sqrt(2) * cells * (1 + 1e-9))
     corners = np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), -1).reshape(-1, 1, 3)
@@ -52,8 +52,8 @@ def sweep(centres, edge, reach, random):
 
 
 def candidates(centres, edge, distance):
-    """By sphere the numbers of all that may be within a distance, those of its own and the next cells; free places of a row hold
-    the sphere's own number. Every sphere, where the box is too small for cells."""
+    """Indices of the spheres that may be within a distance of each sphere: those in its cell and the adjacent ones. Unused entries of
+    a row hold the index of the sphere itself. All spheres, if the box is too small for cells."""
     count, cells = len(centres), int(edge / distance)
     if cells < 4:
         return np.broadcast_to(np.arange(count), (count, count))

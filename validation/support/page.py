@@ -1,4 +1,4 @@
-"""Sections of a documentation page that commands write."""
+"""Generated sections of documentation pages."""
 
 import pathlib
 import re

@@ -14,7 +14,7 @@ UNITS = {"B": 1.0, "kB": 1e3, "MB": 1e6, "GB": 1e9, "TB": 1e12}
 
 
 def predicted(program, words, ranks):
-    """Bytes of the first rank and of each other one, as the line `memory` of `fcm-solve check` has them."""
+    """Bytes of the first rank and of each other rank, from the line `memory` of `fcm-solve check`."""
     command = [program, "check", *map(str, words), "--ranks", str(ranks)]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     line = next(line for line in text.splitlines() if line.startswith("memory"))

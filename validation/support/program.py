@@ -34,7 +34,7 @@ def two_sphere(ratio, gap):
 
 
 def run(scene, folder, overrides=()):
-    """Runs a scene, given as text, into a folder; the finished process, whose returncode says how it ended."""
+    """Runs a scene, given as text, into a folder; returns the finished process with its returncode."""
     path = pathlib.Path(folder).with_suffix(".toml")
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(scene)
@@ -46,7 +46,7 @@ def run(scene, folder, overrides=()):
 
 @contextlib.contextmanager
 def results(scene, overrides=()):
-    """The folder of what a scene's run has written, until it has been looked at; the script ends if the run fails."""
+    """Context with the results folder of a scene's run; the script ends if the run fails."""
     with tempfile.TemporaryDirectory() as place:
         out = pathlib.Path(place) / "out"
         ended = run(scene, out, overrides)

@@ -1,4 +1,4 @@
-"""A run in a batch job that is stopped and requeued again and again, and one that is not."""
+"""A run in a batch job that is repeatedly stopped and requeued, and an uninterrupted one."""
 
 import os
 import pathlib
@@ -30,7 +30,7 @@ def uninterrupted(out):
 
 
 def requeued(slurm, launcher, out, times):
-    """Runs to the end in a job that gets SIGUSR1 so many times; returns the log."""
+    """Runs to the end in a job that receives SIGUSR1 `times` times; returns the log."""
     out, log = pathlib.Path(out), pathlib.Path(f"{out}.log")
     slurm.environment |= {"LAUNCH": LAUNCHERS[launcher], "FCM_SOLVE": PROGRAM}
     job = slurm.submit("--time=30", JOB, *ARGUMENTS, "--out", out, log=log)
@@ -48,7 +48,7 @@ def requeued(slurm, launcher, out, times):
 
 
 def has_got_on(out, stopped, log):
-    """Whether there is a later checkpoint. A job that has given up will not write any."""
+    """Whether there is a later checkpoint; a job that has given up writes none."""
     if "given up after" in text(log):
         raise AssertionError(f"the job has given up:\n{text(log)}")
     return last_step(out) > stopped

@@ -1,4 +1,4 @@
-"""A queue of this machine's own: Slurm with all its files in one folder, started and stopped with the tests."""
+"""A test instance of Slurm with all its files in one folder, started and stopped with the tests."""
 
 import os
 import pathlib
@@ -40,7 +40,7 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 """
 DAEMONS = ("slurmd", "slurmctld", "munge")
 PATIENCE = 60
-# Variables that a test does not inherit from the job in which it may run itself.
+# Variables that a test must not inherit from a job in which it runs.
 FOREIGN = ("SLURM", "SBATCH", "PMI", "OMPI_COMM")
 
 
@@ -62,7 +62,7 @@ class Slurm:
         key = self.folder / "munge.key"
         key.write_bytes(os.urandom(1024))
         key.chmod(0o600)
-        self.folder.chmod(0o755)  # Munge trusts no folder that others may write to.
+        self.folder.chmod(0o755)  # Munge refuses folders that others can write to.
         files = {"key-file": key, "socket": "munge.socket", "pid-file": "munge.pid", "log-file": "munge.log", "seed-file": "seed"}
         options = [f"--{option}={self.folder / name}" for option, name in files.items()]
         self.call("munged", *options, "--num-threads=1", "--force")
@@ -71,7 +71,7 @@ class Slurm:
         self.wait(lambda: "idle" in self.call("sinfo", "-h", "-o", "%T"), "the node is not idle")
 
     def stop(self):
-        """Cancels what runs, and ends the daemons by the numbers that they left."""
+        """Cancels all jobs, and ends the daemons by their process ids."""
         self.call("scancel", "--user", "root", check=False)
         self.wait(lambda: not self.call("squeue", "-h", check=False), "a job does not end")
         for name in DAEMONS:
@@ -109,7 +109,7 @@ def is_installed():
 
 
 def is_alive(process):
-    """Whether a process lives; one that ended and that nobody has waited for does not."""
+    """Whether a process is alive; a zombie is not."""
     try:
         return pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except FileNotFoundError:
