@@ -62,7 +62,7 @@ def numbers(name, value):
     try:
         array = np.asarray(value)
     except ValueError as cause:
-        raise InputError(f"{name} is no array of numbers: {cause}") from cause
+        raise InputError(f"{name} is not an array of numbers: {cause}") from cause
     if array.dtype.kind not in "fiu":
         raise InputError(f"{name} has {_FOUND.get(array.dtype.kind, array.dtype)}; it needs to have real numbers")
     if array.dtype.kind in "iu" and array.size > 0 and not -_EXACT <= array.min() <= array.max() <= _EXACT:
@@ -82,7 +82,7 @@ def whole(name, value, least):
     """`value` as an int, if it is a whole number of at least `least`."""
     is_whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
     if not (is_whole and least <= value < 2**63):
-        raise InputError(f"{name} is {_shown(value)}; it needs to be a whole number from {least} on")
+        raise InputError(f"{name} is {_shown(value)}; it needs to be a whole number of at least {least}")
     return int(value)
 
 

@@ -38,7 +38,7 @@ class ActionList:
     def add(self, action, triggers, simulation):
         """Adds an action; changes nothing if its `attach` raises an exception."""
         if not callable(getattr(action, "act", None)) and not callable(action):
-            raise InputError(f"{action!r} is no action; it needs to be a function of the simulation, or to have act()")
+            raise InputError(f"{action!r} is not an action; it needs to be a function of the simulation, or to have act()")
         entry = _Entry(action, _triggers.of(triggers))
         if not self._has(action) and hasattr(action, "attach"):
             action.attach(simulation)
@@ -47,7 +47,7 @@ class ActionList:
     def remove(self, action, simulation):
         """Removes an action, with all of its triggers."""
         if not self._has(action):
-            raise Error(f"{action!r} is no action of this simulation")
+            raise Error(f"{action!r} is not an action of this simulation")
         self._entries = [entry for entry in self._entries if not _are_same(entry.action, action)]
         if hasattr(action, "detach"):
             action.detach(simulation)
@@ -83,7 +83,7 @@ class ActionList:
 
 
 def _are_same(one, other):
-    """Whether both are the same action: bound methods are created anew at each access, so they are compared by value."""
+    """Whether both are the same action: each access creates a new bound method, so they are compared by value."""
     return one is other or (isinstance(one, MethodType) and one == other)
 
 

@@ -27,8 +27,8 @@ def run_family(
     """Makes the missing runs of a family, and returns the table of means over the seeds.
 
     scene    the path of a scene file with `[ensemble]` or `[sweep]`, or a dict with these keys
-    out      the folder of the results, as `fcm-solve run` makes it: each continues a family that the other has begun
-    cores    number of runs at a time, each in a process of its own; the number of cores by default
+    out      the folder of the results, in the form of `fcm-solve run`: each can continue a family that the other has begun
+    cores    number of runs at a time, each in a separate process; the number of cores by default
     force    replace the results of an earlier family in that folder
 
     Rows are dicts with the columns of `family.csv`: `pandas.DataFrame(rows)` makes a table of them. A failed run does

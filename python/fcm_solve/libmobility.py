@@ -1,4 +1,4 @@
-"""The mobility behind the names that libMobility gives to its solvers: an adapter for programs that are written for these."""
+"""The mobility with the interface of libMobility's solvers: an adapter for programs written for these."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class FCM:
             raise RuntimeError(str(error)) from error
 
     def _plan_and_put(self, places):
-        """Plans the mobility where it has to be another one. In open fluid the box is one that has room for the spheres."""
+        """Plans the mobility again if necessary. In unbounded fluid the box is made to contain the spheres."""
         is_open, reach = self._axes[0] == "open", np.ptp(places, axis=0).max()
         if self._mobility is None or len(self._mobility.radii) != len(places) or (is_open and reach > self._room):
             self._room = 2 * reach + 4 * self._radius

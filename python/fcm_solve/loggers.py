@@ -152,7 +152,7 @@ class Writer(Quantities):
         simulation.add(out, every_time=0.5)
 
     path   the file. An existing file is refused, unless a resumed simulation continues it: then the rows from its step
-           on are written anew
+           on are rewritten
     force  replace an existing file
     """
 

@@ -11,7 +11,7 @@ class Neighbours:
     """The P pairs whose centres are nearer than a cutoff, each once over all images; a particle and its own image are a pair too.
 
     `pairs`, `separations` and `gaps` are read-only views of the library's list: nothing is copied, and they stay valid and
-    unchanged while the simulation goes on. On several ranks, the first rank has them.
+    unchanged while the simulation continues. On several ranks, the first rank has them.
     """
 
     def __init__(self, core, cutoff):

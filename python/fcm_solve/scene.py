@@ -27,7 +27,7 @@ class Scene:
 
     @classmethod
     def new(cls, kind: str) -> Scene:
-        """A scene that comes with the program, as `fcm-solve new KIND` prints it, such as "suspension"."""
+        """A scene that the program provides, as printed by `fcm-solve new KIND`, such as "suspension"."""
         return cls(_core.template(kind), f"{kind}.toml")
 
     @classmethod

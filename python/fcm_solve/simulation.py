@@ -188,7 +188,7 @@ class Simulation(State, OwnForces):
 
     def _check_open(self):
         if self._is_closed:
-            raise Error("this simulation is closed; go on with fcm_solve.Simulation.resume(folder)")
+            raise Error("this simulation is closed; continue it with fcm_solve.Simulation.resume(folder)")
 
     @property
     def _is_first(self):
@@ -219,7 +219,7 @@ class Simulation(State, OwnForces):
         """Sets the state to that of a snapshot, at its step and time.
 
         From an unchanged snapshot the run continues exactly as before, to the last bit. If arrays of the snapshot were changed, the
-        particles take these values, and their history is dropped: velocities are computed anew. Records in the folder after that
+        particles take these values, and their history is dropped: velocities are computed again. Records in the folder after that
         step are dropped. The snapshot itself is not changed, and may come from another simulation of the same kind with the same
         number of particles. If the state is refused, the simulation is unchanged.
         """

@@ -30,7 +30,7 @@ def program():
 
 @pytest.fixture
 def scenes():
-    """The folder of the scenes that come with the program."""
+    """The folder of the scenes that the program provides."""
     return ROOT / "scenes"
 
 

@@ -80,7 +80,7 @@ def test_actions_come_and_go(pair):
         assert simulation.actions == (other,)
         assert (counter.steps, counter.attached, counter.detached) == ([0, 2, 3, 4], 1, 1)
         assert (other.steps, other.attached, other.detached) == ([4, 5, 6, 7, 8], 1, 0)
-        with pytest.raises(fcm.Error, match="is no action of this simulation"):
+        with pytest.raises(fcm.Error, match="is not an action of this simulation"):
             simulation.remove(counter)
         simulation.add(counter.act, at=9)
         simulation.remove(counter.act)
@@ -108,7 +108,7 @@ def test_triggers_are_refused_by_name(pair, trigger, message):
     with fcm.Simulation(pair) as simulation:
         with pytest.raises(fcm.InputError, match=message):
             simulation.add(print, **trigger)
-        with pytest.raises(fcm.InputError, match="3 is no action"):
+        with pytest.raises(fcm.InputError, match="3 is not an action"):
             simulation.add(3, every=1)
         assert simulation.actions == ()
 

@@ -40,7 +40,7 @@ def mobility(**more):
         (FORCES.astype("timedelta64[s]"), "has time spans"),
         (FORCES.view(Measured), "has a unit"),
         (np.full((2, 3), 2**53 + 1), "has whole numbers beyond 2\\^53"),
-        ([[0.0, 0.0, 0.0], [0.0, 0.0]], "is no array of numbers"),
+        ([[0.0, 0.0, 0.0], [0.0, 0.0]], "is not an array of numbers"),
         (FORCES.T, r"has the shape \(3, 2\); it needs to be \(2, 3\)"),
         (FORCES.ravel(), r"has the shape \(6,\); it needs to be \(2, 3\)"),
     ],

@@ -6,7 +6,7 @@ import pytest
 from fcm_solve.libmobility import FCM
 
 PLACES = np.array([[2.0, 3.0, 4.0], [5.0, 3.5, 3.0], [3.0, 7.0, 6.5]])
-# What the fluid is, the parameters of its box, and the same of `Mobility`.
+# Boundaries, the parameters of the box, and the equivalent arguments of `Mobility`.
 FLUIDS = {
     "periodic": (("periodic",) * 3, {"Lx": 20.0, "Ly": 22.0, "Lz": 24.0}, ((20.0, 22.0, 24.0), ("periodic",) * 3)),
     "open": (("open",) * 3, {}, ((40.0,) * 3, ("open",) * 3)),

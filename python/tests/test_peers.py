@@ -1,4 +1,4 @@
-"""The runner of other programs' tests, on checkouts that are made up."""
+"""The runner of other programs' tests, on synthetic checkouts."""
 
 import sys
 import textwrap
@@ -55,7 +55,7 @@ def test_tests_pass_fail_or_do_not_apply(peers, tmp_path):
     listed = {row[0]: row[1:] for row in peers.rows(counts)}
     assert listed["test_own.py, test_motion"][:3] == ["2", "", "3"]
     assert "there is no solver without hydrodynamic interactions here" in listed["test_own.py, test_motion"][3]
-    assert "its places at random are none that spheres can have here" in listed["test_own.py, test_motion"][3]
+    assert "its random positions are not admissible here" in listed["test_own.py, test_motion"][3]
     assert listed["test_own.py, test_wrong"] == ["", "1", "", ""]
     assert listed["test_own.py, test_framework"][:3] == ["1", "", "1"]
     assert len(failures) == 1 and "test_wrong" in failures[0]
@@ -68,7 +68,7 @@ def test_checkouts_that_are_none_are_named(peers, tmp_path, monkeypatch):
     with pytest.raises(SystemExit, match="no checkout is named; set LIBMOBILITY or JFSD"):
         peers.main()
     monkeypatch.setenv("LIBMOBILITY", str(tmp_path))
-    with pytest.raises(SystemExit, match="LIBMOBILITY is .*, which is no checkout of libMobility"):
+    with pytest.raises(SystemExit, match="LIBMOBILITY is .*, which is not a checkout of libMobility"):
         peers.main()
     (tmp_path / "tests").mkdir()
     with pytest.raises(SystemExit, match="the tests of libMobility did not run"):

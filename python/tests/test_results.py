@@ -171,7 +171,7 @@ def test_contacts_are_those_of_their_steps(pair, tmp_path):
         assert np.array_equal(found.normal_forces, file["normal_force"])
         assert np.array_equal(found.tangential_forces, file["tangential_force"])
     assert (found.step, found.time, len(found), found.pairs.tolist()) == (8, 0.8, 1, [[0, 1]])
-    # At rest, the contact bears the forces of 2.
+    # At rest, the contact carries the forces of 2.
     assert found.forces[0] == pytest.approx([2.0, 0.0, 0.0], abs=0.1) and not found.sliding[0]
     assert found.normals[0] == pytest.approx([-1.0, 0.0, 0.0], abs=1e-6)
     assert found.lattice.tolist() == (16.0 * np.eye(3)).tolist()

@@ -82,7 +82,7 @@ def test_spheres_go_on_from_where_they_are_put_as_from_a_start_there(pair, kind)
 
 @pytest.mark.parametrize("order", [2, 3, 4])
 def test_what_came_before_a_change_has_no_part_in_what_comes_after(pair, order):
-    """A single sphere settles at a constant velocity, so any trace of a dropped or missing history would show."""
+    """A single sphere settles at a constant velocity, so any trace of a dropped or missing history would be visible."""
     alone = pair | {"species": [{"radius": 1.0, "count": 1, "force": [0.0, 0.0, -18.85]}]}
     alone |= {"particles": {"initial": "positions", "positions": [[8.0, 8.0, 8.0]]}, "hydrodynamics": {"tolerance": 1e-9}}
     scene = fcm.Scene.from_dict(alone).set("time.order", order)

@@ -129,4 +129,4 @@ class Plots(unittest.TestCase):
             with open("/dev/full", "w") as full:
                 drawn = subprocess.run([PLOT, out], stdout=full, stderr=subprocess.PIPE, text=True)
             self.assertEqual(drawn.returncode, 1)
-            self.assertRegex(drawn.stderr, r"^error: .*picture\.png is drawn, but that can't be said: No space left.*\n$")
+            self.assertRegex(drawn.stderr, r"^error: .*picture\.png was drawn, but the message can't be written: No space left.*\n$")

@@ -41,7 +41,7 @@ def picture_of(arguments):
     if picture is None:
         return arguments.folder / f"picture.{formats[0] if arguments.animate else arguments.format or formats[0]}"
     if arguments.format is not None and picture.suffix.lower() != f".{arguments.format}":
-        raise PlotError(f"{picture} and --format {arguments.format} say two formats; leave --format out")
+        raise PlotError(f"{picture} and --format {arguments.format} name two formats; omit --format")
     return checked(picture, formats)
 
 
@@ -56,7 +56,7 @@ def carry_out(arguments):
     try:
         print("\n".join(lines), flush=True)
     except OSError as error:
-        raise PlotError(f"{picture} is drawn, but that can't be said: {reason(error)}") from error
+        raise PlotError(f"{picture} was drawn, but the message can't be written: {reason(error)}") from error
 
 
 def main(words=None, program="plot"):
@@ -72,7 +72,7 @@ def main(words=None, program="plot"):
         return _failed(f"plots need {error.name}, which is not installed: pip install {error.name}")
     except KeyboardInterrupt:
         return 130
-    except Exception as error:  # noqa: BLE001 - a fault of this program; a traceback would say less to who draws
+    except Exception as error:  # noqa: BLE001 - a bug of this program; a traceback would not help the user
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return _failed(
             f"can't draw {arguments.folder} ({what}); its files are damaged, or this is a fault of the program"

@@ -50,7 +50,7 @@ class CsvTable:
         """Refuses a table without these columns."""
         missing = [name for name in names if name not in self.columns]
         if missing:
-            raise PlotError(f"{path} has no column {missing[0]}; write it anew with fcm-solve")
+            raise PlotError(f"{path} has no column {missing[0]}; write it again with fcm-solve")
         return self
 
     def needs_numbers(self, path, *names):
@@ -71,7 +71,7 @@ def read_table(path):
         whole = text[: text.rfind("\n") + 1]
         records = list(csv.reader(whole.splitlines(keepends=True), strict=True))
         if not records:
-            raise PlotError(f"{path} is empty; if the run still goes on, try again later")
+            raise PlotError(f"{path} is empty; if the run is still in progress, try again later")
         names, *rows = records
         for number, row in enumerate(rows, start=2):
             if len(row) != len(names):
@@ -88,7 +88,7 @@ def needed_table(path, advice):
     if table is None:
         raise PlotError(f"there is no {path}; {advice}")
     if not len(table):
-        raise PlotError(f"{path} has no rows yet; if the run still goes on, try again later")
+        raise PlotError(f"{path} has no rows yet; if the run is still in progress, try again later")
     return table
 
 

@@ -47,7 +47,7 @@ def draw(folder, scene, only=None):
     path = folder / TABLE
     table = read_table(path)
     if table is None or not len(table):
-        why = f"{path} has no answers yet; a family writes them as its runs end: go on with fcm-solve run --continue"
+        why = f"{path} has no answers yet; a family writes them as its runs end: continue it with fcm-solve run --continue"
         return members.draw(folder, scene, why)
     table.needs(path, "values", "quantity", "species", "unit").needs_numbers(path, "mean", "error")
     keys = [name for name in table.columns if name not in (*FIRST, *NUMBERS)]

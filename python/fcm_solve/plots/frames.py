@@ -23,7 +23,7 @@ class Frames:
             if not len(self.radii) == len(self.species) == columns[2].shape[1] > 0:
                 raise ValueError("its columns are of different lengths")
         if self.count == 0:
-            raise PlotError(f"{path} has no frame yet; if the run still goes on, try again later")
+            raise PlotError(f"{path} has no frame yet; if the run is still in progress, try again later")
 
     def last(self):
         """The last frame whose numbers are all finite: its number, positions and velocities (N, 3)."""
@@ -31,7 +31,7 @@ class Frames:
             positions, velocities = self.read(frame)
             if np.isfinite(positions).all() and np.isfinite(velocities).all():
                 return frame, positions, velocities
-        raise PlotError(f"{self.path} is damaged: its last frames have positions that are no numbers")
+        raise PlotError(f"{self.path} is damaged: its last frames have positions that are not numbers")
 
     def read(self, frame):
         """Positions and velocities (N, 3) of a frame."""

@@ -12,7 +12,7 @@ def checked(picture, formats):
     """The path, if its suffix is that of an allowed format and its folder exists."""
     picture = Path(picture)
     if picture.suffix.lower().lstrip(".") not in formats:
-        raise PlotError(f"{picture} is to end in one of " + ", ".join(f".{name}" for name in formats))
+        raise PlotError(f"{picture} must end in one of " + ", ".join(f".{name}" for name in formats))
     if picture.is_dir():
         raise PlotError(f"{picture} is a folder; name a file")
     if not picture.parent.is_dir():

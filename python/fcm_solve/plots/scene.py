@@ -22,17 +22,17 @@ class Scene:
     def check(self):
         """Raises an error if the value of a key has a wrong type."""
         if len(self.boundaries) != 3 or not isinstance(self.kind, str):
-            raise ValueError("box.boundaries are not three, or kind is no word")
+            raise ValueError("box.boundaries does not have three entries, or kind is not a string")
         numbers = [self.viscosity, self.thermal_energy, self.steady_rate or 0.0]
         forces = [] if self.kind != "suspension" else [self.force(place, 1.0) for place in range(len(self.species))]
         if not np.isfinite(numbers).all() or any(force.shape != (3,) for force in forces):
-            raise ValueError("it has values that no scene has")
+            raise ValueError("it has values of types that scenes do not have")
 
     def section(self, name):
         """A section of the scene; empty if it is absent."""
         section = self.keys.get(name, {})
         if not isinstance(section, dict):
-            raise ValueError(f"{name} is no section")
+            raise ValueError(f"{name} is not a section")
         return section
 
     @property
@@ -105,10 +105,10 @@ class Scene:
 def read_scene(folder):
     """The scene in a folder of results."""
     if not folder.is_dir():
-        raise PlotError(f"{folder} is no folder; name the one in which a run has left its results")
+        raise PlotError(f"{folder} is not a folder; name the results folder of a run")
     path = folder / "scene.toml"
     if not path.is_file():
-        raise PlotError(f"{folder} holds no run: it has no scene.toml; name the folder that the run was given by --out")
+        raise PlotError(f"{folder} holds no run: it has no scene.toml; name the folder given to the run by --out")
     # Python 3.10 has no reader of TOML.
     toml = import_module("tomllib" if find_spec("tomllib") else "tomli")
     with damage(path):

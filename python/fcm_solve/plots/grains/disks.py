@@ -64,7 +64,7 @@ def draw(folder, scene, by):
     disks = Disks(folder, scene, by) if (folder / "trajectory.h5").is_file() else None
     if disks is None and not has_series:
         raise PlotError(
-            f"{folder} has neither time series nor trajectory; set output.observables_every and run it anew"
+            f"{folder} has neither time series nor trajectory; set output.observables_every and run it again"
         )
     parts = [part for part in (disks, series if has_series else None) if part is not None]
     answers = read_answers(folder)

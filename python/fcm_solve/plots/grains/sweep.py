@@ -20,7 +20,7 @@ def is_one(folder, scene):
 def draw(folder, scene):
     """Draws the mean segregation over the seeds of each point."""
     path = folder / TABLE
-    averages = needed_table(path, "the family writes it as its runs end: go on with fcm-solve resume")
+    averages = needed_table(path, "the family writes it as its runs end: continue it with fcm-solve resume")
     averages.needs(path, "values").needs_numbers(path, "strain", "segregation", "segregation_error")
     figure = Figure(figsize=(PAGE * 0.6, 3.2), layout="constrained")
     axes = figure.subplots()

@@ -104,7 +104,7 @@ def wall_stress(run):
 
 
 def migration(run):
-    """The migration of spheres to the middle: 1 where they are spread evenly."""
+    """The migration of spheres to the middle: 1 for a uniform distribution."""
     return _by_species(run, [f"migration_{axis}" for axis in AXES], ("migration", ""), "migration")
 
 

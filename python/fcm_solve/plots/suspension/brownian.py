@@ -15,8 +15,8 @@ DIFFUSIVITIES = ("diffusivity", *(f"diffusivity_{direction}" for direction in DI
 
 def displacements(run):
     """Mean square displacement of a component over the lag time, and that of a single sphere in unbounded fluid."""
-    heat, lags = run.scene.thermal_energy, run.statistics.get("lags")
-    if heat <= 0 or lags is None or not lags.has("species", "time"):
+    thermal_energy, lags = run.scene.thermal_energy, run.statistics.get("lags")
+    if thermal_energy <= 0 or lags is None or not lags.has("species", "time"):
         return None
     panel = Panel(run, ("time lag", "time"), ("mean square displacement", "length^2"), log=(True, True))
     axes = [axis for axis in "xyz" if run.scene.flow == "none" or axis != "x"]
@@ -29,15 +29,15 @@ def displacements(run):
             if values is not None:
                 values = positive(values[later])
                 panel.add(rows["time"][later], values, text, colour=colour, line=line, quantities=DIFFUSIVITIES)
-    return _with_reference(panel, run, heat)
+    return _with_reference(panel, run, thermal_energy)
 
 
-def _with_reference(panel, run, heat):
+def _with_reference(panel, run, thermal_energy):
     """2 D t of a single sphere of the first species in unbounded fluid."""
     radius = run.radii[0] if run.radii else np.nan
     if panel and np.isfinite(radius):
         lags = panel.curves[0].x
-        free = 2 * heat / (6 * np.pi * run.scene.viscosity * radius) * lags
+        free = 2 * thermal_energy / (6 * np.pi * run.scene.viscosity * radius) * lags
         panel.add(lags, free, "one sphere alone", colour=GRAY, line="-.")
     return panel
 
