@@ -40,7 +40,7 @@ def requeued(slurm, launcher, out, times):
         stopped = last_step(out)
         slurm.wait(lambda stopped=stopped: has_got_on(out, stopped, log), complaint("the run does not go on"), patience=300)
         slurm.call("scancel", "--batch", "--signal=USR1", job)
-        slurm.wait(lambda: text(log).count("back into the queue") > number, complaint("the job does not stop"))
+        slurm.wait(lambda: text(log).count("requeued, restart") > number, complaint("the job does not stop"))
     slurm.wait(lambda: slurm.state(job) in ("COMPLETED", "FAILED", "TIMEOUT"), complaint("the job does not end"), patience=600)
     if slurm.state(job) != "COMPLETED":
         raise AssertionError(f"the job ended as {slurm.state(job)}:\n{text(log)}")
