@@ -142,7 +142,10 @@ fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<(
         },
         rigid: case.rigid,
         tolerance,
-        lubrication: case.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::CLOSEST)).transpose()?,
+        lubrication: case
+            .lubrication
+            .then(|| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP))
+            .transpose()?,
         method: case.method.alone(),
         costs,
     };

@@ -1,6 +1,6 @@
 //! Short-range repulsion that keeps spheres apart.
 
-use crate::surfaces::PairKind;
+use crate::pair_kind::PairKind;
 use domain::{Number, Vector};
 use thiserror::Error;
 
@@ -42,7 +42,7 @@ pub enum BarrierError {
     Strength(f64),
     /// The activation gap is not a positive number up to 1.
     #[error("barrier range is {}; it is the gap at activation over the mean radius: give a number above 0, at most 1", Number(*.0))]
-    LubricationRange(f64),
+    Range(f64),
 }
 
 impl Barrier {
@@ -57,7 +57,7 @@ impl Barrier {
             return Err(BarrierError::Strength(strength));
         }
         if !(range > 0.0 && range <= 1.0) {
-            return Err(BarrierError::LubricationRange(range));
+            return Err(BarrierError::Range(range));
         }
         Ok(Self { strength, range, radius_power: 0 })
     }
@@ -214,7 +214,7 @@ mod tests {
     fn refuses_senseless_parameters() {
         assert!(matches!(Barrier::new(f64::NAN, 0.1), Err(BarrierError::Strength(_))));
         assert_eq!(Barrier::new(-1.0, 0.1), Err(BarrierError::Strength(-1.0)));
-        assert_eq!(Barrier::new(1.0, 0.0), Err(BarrierError::LubricationRange(0.0)));
+        assert_eq!(Barrier::new(1.0, 0.0), Err(BarrierError::Range(0.0)));
         assert!(Barrier::new(1.0, f64::INFINITY).unwrap_err().to_string().contains("at most 1"));
     }
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::arithmetic::Arithmetic;
+use crate::block_factor::LANES;
 use crate::pair_factor::LEVER;
-use crate::root::LANES;
 
 /// Numbers of a pair from which its coefficients are computed: the lanes of its table, and its sizes.
 pub const RECORD: usize = LANES + 6;
@@ -34,58 +34,58 @@ type Both<X> = [[X; 2]; 2];
 /// the fluid by the motion of one, relative to the ambient flow, are
 ///
 /// ```text
-/// F = along (z.U) z + across (U - (z.U) z) + coupling Omega x z
-/// L = spin (z.Omega) z + roll (Omega - (z.Omega) z) + coupling' z x U
-/// M = pull (z.U) (3 zz - 1) + z s + s z,        s = drag (U - (z.U) z) + turn Omega x z
+/// F = xa (z.U) z + ya (U - (z.U) z) + yb Omega x z
+/// L = xc (z.Omega) z + yc (Omega - (z.Omega) z) + yb' z x U
+/// M = xg (z.U) (3 zz - 1) + z s + s z,        s = yg (U - (z.U) z) + yh Omega x z
 /// ```
 ///
-/// with `coupling'` the coefficient for the two spheres exchanged. A rate of strain `E` of both relative to the
-/// ambient flow, with `t = E z - (z.E z) z`, adds
+/// with `yb'` the coefficient for the two spheres exchanged. A rate of strain `E` of both relative to the ambient
+/// flow, with `t = E z - (z.E z) z`, adds
 ///
 /// ```text
-/// F = push (z.E z) z + slide t,        L = twist z x t
-/// M = E' + stretch (z.E z) (3 zz - 1) + bend (z t + t z),        E' = bulk E
+/// F = xg_strain (z.E z) z + yg_strain t,        L = yh_strain z x t
+/// M = zm E + xm_minus_zm_half (z.E z) (3 zz - 1) + ym_minus_zm (z t + t z)
 /// ```
 ///
-/// In the notation of Jeffrey & Onishi (1984) and Jeffrey (1992), up to constant factors and powers of the radii, the
-/// coefficients are
+/// The names are those of the resistance functions of Jeffrey & Onishi (1984) and Jeffrey (1992), to which the
+/// coefficients are proportional, with constant factors and powers of the radii. Values by strain are sums over the
+/// sphere that strains.
 ///
-/// ```text
-/// along X^A,   across Y^A,   coupling Y^B,   spin X^C,   roll Y^C,   pull X^G,   drag Y^G,   turn Y^H
-/// ```
-///
-/// and, with a sum over the sphere that strains, `push X^G`, `slide Y^G`, `twist Y^H`, `bulk Z^M`, `bend Y^M - Z^M`
-/// and `stretch (X^M - Z^M)/2`.
+/// | load | by `U` along `z` | by `U` across | by `Omega` along `z` | by `Omega` across | by `E` |
+/// |---|---|---|---|---|---|
+/// | force | `xa` | `ya` | | `yb` | `xg_strain`, `yg_strain` |
+/// | torque | | `yb'` | `xc` | `yc` | `yh_strain` |
+/// | first moment | `xg` | `yg` | | `yh` | `zm`, `ym_minus_zm`, `xm_minus_zm_half` |
 #[derive(Debug, Clone, Copy)]
 pub struct Coefficients<X> {
     /// `X^A`: force by velocity along the axis.
-    pub along: Both<X>,
+    pub xa: Both<X>,
     /// `Y^A`: force by velocity normal to the axis.
-    pub across: Both<X>,
+    pub ya: Both<X>,
     /// `X^C`: torque by angular velocity along the axis.
-    pub spin: Both<X>,
+    pub xc: Both<X>,
     /// `Y^C`: torque by angular velocity normal to the axis.
-    pub roll: Both<X>,
+    pub yc: Both<X>,
     /// `Y^B`: force by angular velocity.
-    pub coupling: Both<X>,
+    pub yb: Both<X>,
     /// `X^G`: first moment by velocity along the axis.
-    pub pull: Both<X>,
+    pub xg: Both<X>,
     /// `Y^G`: first moment by velocity normal to the axis.
-    pub drag: Both<X>,
+    pub yg: Both<X>,
     /// `Y^H`: first moment by angular velocity.
-    pub turn: Both<X>,
+    pub yh: Both<X>,
     /// `X^G`: force along the axis by strain.
-    pub push: Each<X>,
+    pub xg_strain: Each<X>,
     /// `Y^G`: force normal to the axis by strain.
-    pub slide: Each<X>,
+    pub yg_strain: Each<X>,
     /// `Y^H`: torque by strain.
-    pub twist: Each<X>,
-    /// `(X^M - Z^M)/2`: first moment by strain along the axis, in addition to `bulk`.
-    pub stretch: Each<X>,
-    /// `Y^M - Z^M`: first moment by shear between the axis and its normal plane, in addition to `bulk`.
-    pub bend: Each<X>,
+    pub yh_strain: Each<X>,
+    /// `(X^M - Z^M)/2`: first moment by strain along the axis, in addition to `zm`.
+    pub xm_minus_zm_half: Each<X>,
+    /// `Y^M - Z^M`: first moment by shear between the axis and its normal plane, in addition to `zm`.
+    pub ym_minus_zm: Each<X>,
     /// `Z^M`: first moment by any strain.
-    pub bulk: Each<X>,
+    pub zm: Each<X>,
 }
 
 impl<X: Arithmetic> Coefficients<X> {
@@ -94,42 +94,42 @@ impl<X: Arithmetic> Coefficients<X> {
     pub fn of(record: &[X; RECORD]) -> Self {
         let zero = X::constant(0.0);
         let mut all = Self {
-            along: [[zero; 2]; 2],
-            across: [[zero; 2]; 2],
-            spin: [[zero; 2]; 2],
-            roll: [[zero; 2]; 2],
-            coupling: [[zero; 2]; 2],
-            pull: [[zero; 2]; 2],
-            drag: [[zero; 2]; 2],
-            turn: [[zero; 2]; 2],
-            push: [zero; 2],
-            slide: [zero; 2],
-            twist: [zero; 2],
-            stretch: [zero; 2],
-            bend: [zero; 2],
-            bulk: [zero; 2],
+            xa: [[zero; 2]; 2],
+            ya: [[zero; 2]; 2],
+            xc: [[zero; 2]; 2],
+            yc: [[zero; 2]; 2],
+            yb: [[zero; 2]; 2],
+            xg: [[zero; 2]; 2],
+            yg: [[zero; 2]; 2],
+            yh: [[zero; 2]; 2],
+            xg_strain: [zero; 2],
+            yg_strain: [zero; 2],
+            yh_strain: [zero; 2],
+            xm_minus_zm_half: [zero; 2],
+            ym_minus_zm: [zero; 2],
+            zm: [zero; 2],
         };
-        let scales = Scales::of(record);
-        all.set_bulk(record, &scales);
-        all.set_along(record, &scales);
+        let scales = CoefficientScales::of(record);
+        all.set_planar(record, &scales);
+        all.set_axial(record, &scales);
         all.set_spin(record, &scales);
-        all.set_across(record, &scales);
+        all.set_transverse(record, &scales);
         all
     }
 
     /// Sets coefficients from the blocks in the normal plane: `M` alone.
     #[inline(always)]
-    fn set_bulk(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
+    fn set_planar(&mut self, record: &[X; RECORD], scales: &CoefficientScales<X>) {
         let moments = scales.moments([record[34], record[35], record[36]]);
         for k in 0..2 {
-            self.bulk[k] = scales.square * (moments[k][0] + moments[k][1]);
+            self.zm[k] = scales.square * (moments[k][0] + moments[k][1]);
         }
     }
 
     /// Sets coefficients from the axial block, in gap coordinates: `w`, the rate at which the gap opens minus the
     /// effect of strain on the poles, and `c`, a mean velocity.
     #[inline(always)]
-    fn set_along(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
+    fn set_axial(&mut self, record: &[X; RECORD], scales: &CoefficientScales<X>) {
         let single = X::constant((6.0 * PI).sqrt());
         let of_mean = single * record[ROOT_OF_SUM];
         let (p, q, s) = (single * record[0], of_mean * record[1], of_mean * record[2]);
@@ -140,7 +140,7 @@ impl<X: Arithmetic> Coefficients<X> {
         for k in 0..2 {
             for l in 0..2 {
                 let opening = sign[k] * sign[l] * ww + (sign[k] * share[l] + sign[l] * share[k]) * wc;
-                self.along[k][l] = opening + share[k] * share[l] * cc;
+                self.xa[k][l] = opening + share[k] * share[l] * cc;
             }
         }
         let lever = [X::constant(LEVER), X::constant(LEVER) * record[RATIO]];
@@ -155,31 +155,31 @@ impl<X: Arithmetic> Coefficients<X> {
         let lengths = scales.radius * to_moment;
         for k in 0..2 {
             for l in 0..2 {
-                self.pull[k][l] = scales.radius * to_tensor * (sign[l] * opening[k] + share[l] * mean[k]);
+                self.xg[k][l] = scales.radius * to_tensor * (sign[l] * opening[k] + share[l] * mean[k]);
             }
-            self.push[k] = lengths * (sign[k] * (opening[0] + opening[1]) + share[k] * (mean[0] + mean[1]));
+            self.xg_strain[k] = lengths * (sign[k] * (opening[0] + opening[1]) + share[k] * (mean[0] + mean[1]));
             let mut moment = zero(ww);
             for l in 0..2 {
                 moment = moment + moments[k][l] - lever[l] * gap[k] - lever[k] * gap[l] + lever[k] * lever[l] * ww;
             }
-            self.stretch[k] = X::constant(0.5) * (scales.square * moment - self.bulk[k]);
+            self.xm_minus_zm_half[k] = X::constant(0.5) * (scales.square * moment - self.zm[k]);
         }
     }
 
     #[inline(always)]
-    fn set_spin(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
+    fn set_spin(&mut self, record: &[X; RECORD], scales: &CoefficientScales<X>) {
         let root = [[record[10], record[11]], [record[11], record[12]]];
         for k in 0..2 {
             for l in 0..2 {
                 let product = root[k][0] * root[l][0] + root[k][1] * root[l][1];
-                self.spin[k][l] = scales.square * scales.factor * scales.turning[k] * scales.turning[l] * product;
+                self.xc[k][l] = scales.square * scales.factor * scales.turning[k] * scales.turning[l] * product;
             }
         }
     }
 
     /// Sets coefficients from the transverse block, in `U1, U2` and the radius times `Omega1, Omega2`.
     #[inline(always)]
-    fn set_across(&mut self, record: &[X; RECORD], scales: &Scales<X>) {
+    fn set_transverse(&mut self, record: &[X; RECORD], scales: &CoefficientScales<X>) {
         let mut root = [[record[0]; 4]; 4];
         let mut next = 13;
         for i in 0..4 {
@@ -212,17 +212,17 @@ impl<X: Arithmetic> Coefficients<X> {
         for k in 0..2 {
             let (mut moved, mut turned) = (zero(record[0]), zero(record[0]));
             for l in 0..2 {
-                self.across[k][l] = matrix[k][l];
-                self.coupling[k][l] = scales.radius * matrix[k][2 + l];
-                self.roll[k][l] = scales.square * matrix[2 + k][2 + l];
-                self.drag[k][l] = scales.radius * root_half * coupling[l][k];
-                self.turn[k][l] = scales.square * root_half * coupling[2 + l][k];
+                self.ya[k][l] = matrix[k][l];
+                self.yb[k][l] = scales.radius * matrix[k][2 + l];
+                self.yc[k][l] = scales.square * matrix[2 + k][2 + l];
+                self.yg[k][l] = scales.radius * root_half * coupling[l][k];
+                self.yh[k][l] = scales.square * root_half * coupling[2 + l][k];
                 moved = moved + coupling[k][l];
                 turned = turned + coupling[2 + k][l];
             }
-            self.slide[k] = root_two * scales.radius * moved;
-            self.twist[k] = root_two * scales.square * turned;
-            self.bend[k] = scales.square * (moments[k][0] + moments[k][1]) - self.bulk[k];
+            self.yg_strain[k] = root_two * scales.radius * moved;
+            self.yh_strain[k] = root_two * scales.square * turned;
+            self.ym_minus_zm[k] = scales.square * (moments[k][0] + moments[k][1]) - self.zm[k];
         }
     }
 }
@@ -235,7 +235,7 @@ fn zero<X: Arithmetic>(_like: X) -> X {
 
 /// Square roots of the resistances of single spheres, by which the table is made dimensionless, and the dimensional
 /// factors.
-struct Scales<X> {
+struct CoefficientScales<X> {
     factor: X,
     radius: X,
     square: X,
@@ -244,7 +244,7 @@ struct Scales<X> {
     strain: [X; 2],
 }
 
-impl<X: Arithmetic> Scales<X> {
+impl<X: Arithmetic> CoefficientScales<X> {
     #[inline(always)]
     fn of(record: &[X; RECORD]) -> Self {
         let cubed = record[RATIO] * record[ROOT];

@@ -1,6 +1,6 @@
 //! Contact of rough spheres: elastic, with friction.
 
-use crate::surfaces::PairKind;
+use crate::pair_kind::PairKind;
 use domain::{ParameterError, Vector};
 
 /// Dependence of the contact force on the overlap.
@@ -107,7 +107,7 @@ impl Contact {
     }
 
     /// Coulomb limit of the tangential force under a normal force, beyond which the contact slides.
-    pub fn cone(&self, normal_force: f64) -> f64 {
+    pub fn coulomb_limit(&self, normal_force: f64) -> f64 {
         self.friction * (normal_force - self.critical_load).max(0.0)
     }
 
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn no_friction_below_the_critical_load() {
         let law = law(Elasticity::Linear);
-        assert_eq!((law.cone(1.0), law.cone(2.0), law.cone(12.0)), (0.0, 0.0, 5.0));
+        assert_eq!((law.coulomb_limit(1.0), law.coulomb_limit(2.0), law.coulomb_limit(12.0)), (0.0, 0.0, 5.0));
     }
 
     #[test]

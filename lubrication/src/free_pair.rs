@@ -5,11 +5,11 @@ use domain::{Traceless, Vector};
 use crate::dense::{Square, inverse, solve};
 use crate::far_field;
 use crate::two_sphere::TwoSphere;
-use crate::two_sphere::blocks::Blocks;
+use crate::two_sphere::blocks::ResistanceBlocks;
 use crate::{LubricationRange, PairForce, PairMotion};
 
 /// Axial and transverse blocks.
-type Pair = (Square<4>, Square<6>);
+type PairBlocks = (Square<4>, Square<6>);
 
 /// Unit tensors of the axial and transverse rates of strain.
 fn strain(axial: bool) -> Traceless {
@@ -18,7 +18,7 @@ fn strain(axial: bool) -> Traceless {
 }
 
 /// Blocks of the lubrication resistance for spheres on the z axis, from loads by unit motions.
-fn lubrication(force: &PairForce, distance: f64) -> Pair {
+fn lubrication(force: &PairForce, distance: f64) -> PairBlocks {
     let motion = |kind: usize, sphere: usize, axial: bool| {
         let mut motion = PairMotion::default();
         match kind {
@@ -53,7 +53,7 @@ fn answers<const N: usize, const M: usize>(block: &Square<N>) -> Vec<f64> {
 
 /// Answers of FCM with lubrication, and exact ones, by block.
 fn compared(ratio: f64, gap: f64, force: &PairForce) -> [(Vec<f64>, Vec<f64>); 2] {
-    let exact = Blocks::exact(&TwoSphere::with_ratio(ratio).unwrap().at(gap), [1.0, ratio]);
+    let exact = ResistanceBlocks::exact(&TwoSphere::with_ratio(ratio).unwrap().at(gap), [1.0, ratio]);
     let far = far_field::resistance([1.0, ratio], 1.0 + ratio + gap);
     let (axial, transverse) = lubrication(force, 1.0 + ratio + gap);
     let sum4: Square<4> = std::array::from_fn(|i| std::array::from_fn(|j| far.axial[i][j] + axial[i][j]));

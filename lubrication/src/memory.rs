@@ -2,13 +2,13 @@
 
 use domain::Bytes;
 
+use crate::factor_table::FactorTable;
 use crate::pair_force::PairForce;
-use crate::root_table::RootTable;
 
 impl PairForce {
     /// Bytes of the tables for all pairs of the given radii.
     pub fn bytes(radii: &[f64]) -> Bytes {
         let ratios = radii.iter().enumerate().flat_map(|(i, a)| radii[i..].iter().map(move |b| a.max(*b) / a.min(*b)));
-        Bytes::keep(ratios.map(RootTable::bytes).sum())
+        Bytes::keep(ratios.map(FactorTable::bytes).sum())
     }
 }

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use domain::{Tensor, Traceless, Vector};
 
+use crate::block_factor::{BlockFactor, PairFactors};
 use crate::pair_motion::{PairLoads, PairMotion};
-use crate::root::{Part, Roots};
 
 /// Velocity of a sphere's pole per radius and unit axial strain, `sqrt(2/3)`.
 pub(crate) const LEVER: f64 = 0.816496580927726;
@@ -20,24 +20,24 @@ pub struct PairFactor {
     order: [usize; 2],
     /// Larger radius over the smaller one.
     ratio: f64,
-    roots: Roots,
+    factors: PairFactors,
     /// Smaller radius.
     radius: f64,
 }
 
 /// Velocities and rates of strain of one block of the resistance, or the conjugate loads.
 #[derive(Debug, Clone, Copy)]
-struct Block<const N: usize> {
+struct BlockComponents<const N: usize> {
     u: [f64; N],
     e: [f64; 2],
 }
 
-/// Motions or loads in the frame of the pair, by block, as in [`Roots`].
+/// Motions or loads in the frame of the pair, by block, as in [`PairFactors`].
 #[derive(Debug, Clone, Copy, Default)]
-struct Components {
-    axial: Block<2>,
+struct PairComponents {
+    axial: BlockComponents<2>,
     spin: [f64; 2],
-    transverse: [Block<4>; 2],
+    transverse: [BlockComponents<4>; 2],
     planar: [[f64; 2]; 2],
 }
 
@@ -47,8 +47,8 @@ impl PairFactor {
 
     /// From factors for radii 1 and `ratio`, which include `sqrt(viscosity * radius)`; `axis` points from the smaller
     /// sphere to the larger.
-    pub(crate) fn new(roots: &Roots, axis: Vector, order: [usize; 2], [radius, ratio]: [f64; 2]) -> Self {
-        Self { frame: frame(axis), order, ratio, roots: *roots, radius }
+    pub(crate) fn new(factors: &PairFactors, axis: Vector, order: [usize; 2], [radius, ratio]: [f64; 2]) -> Self {
+        Self { frame: frame(axis), order, ratio, factors: *factors, radius }
     }
 
     /// `B^T` times a motion.
@@ -64,11 +64,11 @@ impl PairFactor {
     /// Loads in addition to those of the modes: by the rates of strain, and first moments by the velocities.
     pub fn strain_loads(&self, motion: &PairMotion) -> PairLoads {
         let parts = self.components(motion);
-        self.assembled(&Components {
-            axial: self.roots.axial.coupled(&parts.axial),
+        self.assembled(&PairComponents {
+            axial: self.factors.axial.coupled(&parts.axial),
             spin: [0.0; 2],
-            transverse: parts.transverse.map(|block| self.roots.transverse.coupled(&block)),
-            planar: parts.planar.map(|e| apply(&self.roots.planar, &e)),
+            transverse: parts.transverse.map(|block| self.factors.transverse.coupled(&block)),
+            planar: parts.planar.map(|e| apply(&self.factors.planar, &e)),
         })
     }
 
@@ -77,27 +77,28 @@ impl PairFactor {
         self.loads(&self.modes(motion)) + self.strain_loads(motion)
     }
 
-    fn modes_of(&self, parts: &Components) -> [f64; Self::MODES] {
+    fn modes_of(&self, parts: &PairComponents) -> [f64; Self::MODES] {
         let mut modes = [0.0; Self::MODES];
-        adjoint(&self.roots.axial.root, &parts.axial.u, &mut modes[..2]);
-        adjoint(&self.roots.spin, &parts.spin, &mut modes[2..4]);
-        adjoint(&self.roots.transverse.root, &parts.transverse[0].u, &mut modes[4..8]);
-        adjoint(&self.roots.transverse.root, &parts.transverse[1].u, &mut modes[8..]);
+        adjoint(&self.factors.axial.factor, &parts.axial.u, &mut modes[..2]);
+        adjoint(&self.factors.spin, &parts.spin, &mut modes[2..4]);
+        adjoint(&self.factors.transverse.factor, &parts.transverse[0].u, &mut modes[4..8]);
+        adjoint(&self.factors.transverse.factor, &parts.transverse[1].u, &mut modes[8..]);
         modes
     }
 
-    fn components_of(&self, modes: &[f64; Self::MODES]) -> Components {
-        let transverse = |modes: &[f64]| Block { u: apply(&self.roots.transverse.root, modes), e: [0.0; 2] };
-        Components {
-            axial: Block { u: apply(&self.roots.axial.root, &modes[..2]), e: [0.0; 2] },
-            spin: apply(&self.roots.spin, &modes[2..4]),
+    fn components_of(&self, modes: &[f64; Self::MODES]) -> PairComponents {
+        let transverse =
+            |modes: &[f64]| BlockComponents { u: apply(&self.factors.transverse.factor, modes), e: [0.0; 2] };
+        PairComponents {
+            axial: BlockComponents { u: apply(&self.factors.axial.factor, &modes[..2]), e: [0.0; 2] },
+            spin: apply(&self.factors.spin, &modes[2..4]),
             transverse: [transverse(&modes[4..8]), transverse(&modes[8..])],
             planar: [[0.0; 2]; 2],
         }
     }
 
     /// Motions along the unit tensors of the frame, with lengths in units of the smaller radius.
-    fn components(&self, motion: &PairMotion) -> Components {
+    fn components(&self, motion: &PairMotion) -> PairComponents {
         let mut parts = self.rigid_components(motion.velocity, motion.angular_velocity);
         for (k, sphere) in self.order.into_iter().enumerate() {
             let e = self.frame.transpose() * motion.strain_rate[sphere].tensor() * self.frame;
@@ -113,8 +114,8 @@ impl PairFactor {
     }
 
     /// The same for spheres without strain.
-    fn rigid_components(&self, velocity: [Vector; 2], angular_velocity: [Vector; 2]) -> Components {
-        let (mut parts, to_frame) = (Components::default(), self.frame.transpose());
+    fn rigid_components(&self, velocity: [Vector; 2], angular_velocity: [Vector; 2]) -> PairComponents {
+        let (mut parts, to_frame) = (PairComponents::default(), self.frame.transpose());
         let mut along = [0.0; 2];
         for (k, sphere) in self.order.into_iter().enumerate() {
             let u = to_frame * velocity[sphere];
@@ -132,13 +133,13 @@ impl PairFactor {
     }
 
     /// Transpose of `components`.
-    fn assembled(&self, parts: &Components) -> PairLoads {
+    fn assembled(&self, parts: &PairComponents) -> PairLoads {
         let [force, torque] = self.forces(parts);
         PairLoads { force, torque, moment: self.moments(parts) }
     }
 
     /// Transpose of `rigid_components`: forces and torques.
-    fn forces(&self, parts: &Components) -> [[Vector; 2]; 2] {
+    fn forces(&self, parts: &PairComponents) -> [[Vector; 2]; 2] {
         let mut loads = [[Vector::ZERO; 2]; 2];
         let [opening, mean] = parts.axial.u;
         let forces = [mean / (1.0 + self.ratio) - opening, mean * self.ratio / (1.0 + self.ratio) + opening];
@@ -151,9 +152,9 @@ impl PairFactor {
         loads
     }
 
-    fn moments(&self, parts: &Components) -> [Traceless; 2] {
+    fn moments(&self, parts: &PairComponents) -> [Traceless; 2] {
         let mut found = [Traceless::ZERO; 2];
-        let Block { u: [opening, _], e } = parts.axial;
+        let BlockComponents { u: [opening, _], e } = parts.axial;
         let axial = [e[0] - LEVER * opening, e[1] - LEVER * self.ratio * opening];
         let [across, aside] = parts.transverse;
         for (k, sphere) in self.order.into_iter().enumerate() {
@@ -170,16 +171,16 @@ impl PairFactor {
     }
 }
 
-impl<const N: usize> Part<N> {
+impl<const N: usize> BlockFactor<N> {
     /// Coupled loads `C e` and `C^T u + M e`.
-    fn coupled(&self, motion: &Block<N>) -> Block<N> {
+    fn coupled(&self, motion: &BlockComponents<N>) -> BlockComponents<N> {
         let mut moments = apply(&self.strain, &motion.e);
         adjoint(&self.coupling, &motion.u, &mut moments);
-        Block { u: apply(&self.coupling, &motion.e), e: moments }
+        BlockComponents { u: apply(&self.coupling, &motion.e), e: moments }
     }
 }
 
-impl<const N: usize> Default for Block<N> {
+impl<const N: usize> Default for BlockComponents<N> {
     fn default() -> Self {
         Self { u: [0.0; N], e: [0.0; 2] }
     }

@@ -7,10 +7,10 @@ use thiserror::Error;
 
 use crate::arithmetic::Arithmetic;
 use crate::coefficients::{Coefficients, RECORD};
+use crate::factor_table::FactorTable;
+use crate::lubrication_range::LubricationRange;
 use crate::pair_factor::PairFactor;
 use crate::pair_motion::{PairLoads, PairMotion};
-use crate::range::LubricationRange;
-use crate::root_table::RootTable;
 use crate::two_sphere::TwoSphereError;
 
 /// Pair correction `R_lub = R_exact - R_FCM` of the force-coupling method, Dance & Maxey (2003), Yeo & Maxey (2010):
@@ -26,19 +26,19 @@ pub struct PairForce {
     viscosity: f64,
     range: LubricationRange,
     /// Upper triangle of the species, row by row: `i <= j`.
-    tables: Vec<Table>,
+    tables: Vec<SpeciesTable>,
 }
 
 /// Table of two species, with their sizes.
 #[derive(Debug, Clone)]
-struct Table {
-    roots: Arc<RootTable>,
+struct SpeciesTable {
+    factors: Arc<FactorTable>,
     sum: f64,
     small: f64,
     over_small: f64,
     over_large: f64,
     /// Gap below which the resistance is constant.
-    closest: f64,
+    minimum_gap: f64,
 }
 
 /// Error for species between which lubrication cannot be computed.
@@ -68,10 +68,17 @@ impl PairForce {
         let mut tables = Vec::new();
         for (i, &a) in radii.iter().enumerate() {
             for &b in &radii[i..] {
-                let roots =
-                    RootTable::with_ratio(a.max(b) / a.min(b)).map_err(|error| PairForceError::Radii(a, b, error))?;
-                let (small, sum, closest) = (a.min(b), a + b, range.closest() * 0.5 * (a + b));
-                tables.push(Table { roots, sum, small, over_small: 1.0 / small, over_large: 1.0 / a.max(b), closest });
+                let factors =
+                    FactorTable::with_ratio(a.max(b) / a.min(b)).map_err(|error| PairForceError::Radii(a, b, error))?;
+                let (small, sum, minimum_gap) = (a.min(b), a + b, range.minimum_gap() * 0.5 * (a + b));
+                tables.push(SpeciesTable {
+                    factors,
+                    sum,
+                    small,
+                    over_small: 1.0 / small,
+                    over_large: 1.0 / a.max(b),
+                    minimum_gap,
+                });
             }
         }
         Ok(Self { radii: radii.to_vec(), viscosity, range, tables })
@@ -114,8 +121,9 @@ impl PairForce {
         let (order, axis) =
             if first <= second { ([0, 1], separation / distance) } else { ([1, 0], -separation / distance) };
         let factor = (self.viscosity * table.small).sqrt() * self.range.taper(gap * table.over_large);
-        let roots = table.roots.at::<X>(self.range.counted(gap, table.closest) * table.over_small, factor);
-        Some(PairFactor::new(&roots, axis, order, [table.small, first.max(second) / table.small]))
+        let factors =
+            table.factors.at::<X>(self.range.effective_gap(gap, table.minimum_gap) * table.over_small, factor);
+        Some(PairFactor::new(&factors, axis, order, [table.small, first.max(second) / table.small]))
     }
 
     /// Writes the record from which the [`Coefficients`] of a pair are computed, at a distance of the centres within
@@ -123,19 +131,19 @@ impl PairForce {
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
         let table = self.table(species);
-        let share = self.range.share((distance - table.sum) * table.over_large);
-        self.record_of::<X>(table, (distance, share), record);
+        let factor = self.range.taper_factor((distance - table.sum) * table.over_large);
+        self.record_of::<X>(table, distance, factor, record);
     }
 
     /// The same without a cutoff.
     pub(crate) fn whole_record(&self, distance: f64, species: [u32; 2], record: &mut [f64; RECORD]) {
-        self.record_of::<f64>(self.table(species), (distance, 1.0), record);
+        self.record_of::<f64>(self.table(species), distance, 1.0, record);
     }
 
     #[inline(always)]
-    fn record_of<X: Arithmetic>(&self, table: &Table, (distance, share): (f64, f64), record: &mut [f64; RECORD]) {
-        let gap = self.range.counted(distance - table.sum, table.closest);
-        table.roots.record::<X>(gap * table.over_small, [self.viscosity * table.small * share, table.small], record);
+    fn record_of<X: Arithmetic>(&self, table: &SpeciesTable, distance: f64, factor: f64, record: &mut [f64; RECORD]) {
+        let gap = self.range.effective_gap(distance - table.sum, table.minimum_gap);
+        table.factors.record::<X>(gap * table.over_small, [self.viscosity * table.small * factor, table.small], record);
     }
 
     /// Coefficients at a distance of the centres; `None` beyond the cutoff.
@@ -152,7 +160,7 @@ impl PairForce {
     }
 
     #[inline(always)]
-    fn table(&self, species: [u32; 2]) -> &Table {
+    fn table(&self, species: [u32; 2]) -> &SpeciesTable {
         let (low, high) = (species[0].min(species[1]) as usize, species[0].max(species[1]) as usize);
         let before = low * self.radii.len() - low * low.saturating_sub(1) / 2;
         &self.tables[before + high - low]

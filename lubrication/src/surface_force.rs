@@ -1,7 +1,7 @@
 //! Forces between the surfaces of two spheres, along their line of centres.
 
 use crate::barrier::Barrier;
-use crate::surfaces::PairKind;
+use crate::pair_kind::PairKind;
 use domain::Vector;
 use std::f64::consts::PI;
 

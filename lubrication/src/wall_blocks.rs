@@ -7,7 +7,7 @@ use crate::gaussian::widths;
 use crate::two_sphere::{Function, WallFunctions};
 
 /// Resistance over viscosity of a sphere of radius 1: its loads on the fluid against its motions, as in
-/// [`Blocks`](crate::two_sphere::blocks::Blocks) with `d = e_z` from the centre to the wall.
+/// [`ResistanceBlocks`](crate::two_sphere::blocks::ResistanceBlocks) with `d = e_z` from the centre to the wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallBlocks {
     /// `(U, e)` along the normal.
@@ -21,12 +21,12 @@ pub struct WallBlocks {
 }
 
 /// Resistances of an isolated sphere of radius 1 to translation, rotation and strain, over viscosity.
-pub const ALONE: [f64; 3] = [6.0 * PI, 8.0 * PI, 20.0 / 3.0 * PI];
+pub const ISOLATED: [f64; 3] = [6.0 * PI, 8.0 * PI, 20.0 / 3.0 * PI];
 
 impl WallBlocks {
     /// Exact resistance from its scalar functions.
     pub fn exact(f: &WallFunctions) -> Self {
-        let [force, torque, strain] = ALONE;
+        let [force, torque, strain] = ISOLATED;
         let [b, g, h] = [-4.0, 4.0 * 2.0_f64.sqrt(), 8.0 * 2.0_f64.sqrt()].map(|factor| factor * PI);
         let xg = 4.0 * PI * (2.0_f64 / 3.0).sqrt() * f[Function::XG];
         let (yb, yg, yh) = (b * f[Function::YB], g * f[Function::YG], h * f[Function::YH]);
@@ -48,9 +48,9 @@ impl WallBlocks {
     /// The image's flow at and above the wall is biharmonic, so the envelopes of widths `s` of the force and `d` of
     /// torque and stresslet act on it as `1 + (s²/2) lap` exactly, also where they extend through the wall. The
     /// integrals over wavevectors along the wall of powers of `k` times `exp(-2 k z)` are powers of `1/z`.
-    pub fn of_method(z: f64) -> Self {
+    pub fn of_fcm(z: f64) -> Self {
         let [s, d] = widths(1.0).map(|width| width * width);
-        let [force, torque, strain] = ALONE.map(|resistance| 1.0 / resistance);
+        let [force, torque, strain] = ISOLATED.map(|resistance| 1.0 / resistance);
         let power = |n: i32| z.powi(-n) / PI;
         let sum = |terms: &[(i32, f64)]| terms.iter().map(|&(n, factor)| factor * power(n)).sum::<f64>();
         let [root2, root6] = [2.0_f64.sqrt(), 6.0_f64.sqrt()];
@@ -99,7 +99,7 @@ mod tests {
             (3.76, [1.0005, 1.0001, 1.0, 0.9999]),
         ];
         for (distance, expected) in table {
-            let (exact, known) = (exact(distance), WallBlocks::of_method(distance));
+            let (exact, known) = (exact(distance), WallBlocks::of_fcm(distance));
             let pairs = [
                 (known.axial[0][0], exact.axial[0][0]),
                 (known.transverse[0][0], exact.transverse[0][0]),
@@ -117,7 +117,7 @@ mod tests {
     #[test]
     fn the_method_is_exact_far_from_the_wall() {
         for (distance, allowed) in [(4.0, 6e-4), (8.0, 6e-5)] {
-            let (exact, known) = (exact(distance), WallBlocks::of_method(distance));
+            let (exact, known) = (exact(distance), WallBlocks::of_fcm(distance));
             let blocks = [
                 (exact.axial.as_flattened(), known.axial.as_flattened()),
                 (exact.spin.as_flattened(), known.spin.as_flattened()),
@@ -127,7 +127,7 @@ mod tests {
             for (k, (exact, known)) in blocks.into_iter().enumerate() {
                 for (e, n) in exact.iter().zip(known) {
                     let off = (e - n).abs();
-                    assert!(off < allowed * ALONE[0] && off < 0.06 * e.abs(), "{distance}, block {k}: {n}, not {e}");
+                    assert!(off < allowed * ISOLATED[0] && off < 0.06 * e.abs(), "{distance}, block {k}: {n}, not {e}");
                 }
             }
         }

@@ -5,7 +5,7 @@ use domain::{Tensor, Traceless, Vector};
 use crate::pair_factor::{LEVER, frame};
 use crate::sphere_motion::{SphereLoads, SphereMotion};
 use crate::wall_coefficients::{WallCoefficients, axial};
-use crate::wall_table::WallRoots;
+use crate::wall_table::WallFactors;
 
 /// Lubrication resistance of a sphere at a wall. The resistance to its motion is `B B^T`, with 6 modes, the first of
 /// which is the approach of the surfaces; the coupling of motions and rates of strain is stored separately.
@@ -13,7 +13,7 @@ use crate::wall_table::WallRoots;
 pub struct WallFactor {
     /// Columns `x`, `y`, and the unit vector `z` from the centre to the wall.
     frame: Tensor,
-    roots: WallRoots,
+    factors: WallFactors,
     radius: f64,
 }
 
@@ -22,8 +22,8 @@ impl WallFactor {
     pub const MODES: usize = 6;
 
     /// From factors that include `sqrt(viscosity * radius)`; `axis` points to the wall.
-    pub(crate) fn new(roots: &WallRoots, axis: Vector, radius: f64) -> Self {
-        Self { frame: frame(axis), roots: *roots, radius }
+    pub(crate) fn new(factors: &WallFactors, axis: Vector, radius: f64) -> Self {
+        Self { frame: frame(axis), factors: *factors, radius }
     }
 
     /// Unit vector from the centre to the wall.
@@ -33,7 +33,7 @@ impl WallFactor {
 
     /// The resistance as coefficients of tensors of the axis.
     pub fn coefficients(&self) -> WallCoefficients {
-        WallCoefficients::of(&self.roots, self.radius)
+        WallCoefficients::of(&self.factors, self.radius)
     }
 
     /// `B^T` times a motion.
@@ -42,11 +42,11 @@ impl WallFactor {
         let (u, o) = (to_frame * motion.velocity, to_frame * motion.angular_velocity * self.radius);
         let stretch = self.axis().dot(motion.strain_rate.tensor() * self.axis()) * self.radius;
         let parting = -u.z - LEVER * 1.5_f64.sqrt() * stretch;
-        let root = &self.roots.transverse.root;
-        let along = |mode: usize, u: f64, o: f64| root[0][mode] * u + root[1][mode] * o;
+        let factor = &self.factors.transverse.factor;
+        let along = |mode: usize, u: f64, o: f64| factor[0][mode] * u + factor[1][mode] * o;
         [
-            self.roots.axial.root[0][0] * parting,
-            self.roots.spin * o.z,
+            self.factors.axial.factor[0][0] * parting,
+            self.factors.spin * o.z,
             along(0, u.x, o.y),
             along(1, u.x, o.y),
             along(0, u.y, -o.x),
@@ -56,11 +56,11 @@ impl WallFactor {
 
     /// `B` times the amplitudes of the modes.
     pub fn loads(&self, modes: &[f64; Self::MODES]) -> SphereLoads {
-        let root = &self.roots.transverse.root;
-        let of = |row: usize, first: usize| root[row][0] * modes[first] + root[row][1] * modes[first + 1];
-        let pull = self.roots.axial.root[0][0] * modes[0];
+        let factor = &self.factors.transverse.factor;
+        let of = |row: usize, first: usize| factor[row][0] * modes[first] + factor[row][1] * modes[first + 1];
+        let pull = self.factors.axial.factor[0][0] * modes[0];
         let force = Vector::new(of(0, 2), of(0, 4), -pull);
-        let torque = Vector::new(-of(1, 4), of(1, 2), self.roots.spin * modes[1]) * self.radius;
+        let torque = Vector::new(-of(1, 4), of(1, 2), self.factors.spin * modes[1]) * self.radius;
         let moment = axial(self.axis()) * (-LEVER * pull * 1.5_f64.sqrt() / 3.0 * self.radius);
         SphereLoads { force: self.frame * force, torque: self.frame * torque, moment: Traceless::part_of(&moment) }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use domain::Vector;
 
-use crate::range::LubricationRange;
+use crate::lubrication_range::LubricationRange;
 use crate::wall_factor::WallFactor;
 use crate::wall_table::WallTable;
 
@@ -42,8 +42,8 @@ impl WallForce {
             return None;
         }
         let factor = (self.viscosity * radius).sqrt() * self.range.taper(gap);
-        let roots = self.table.at(self.range.counted(gap, self.range.closest()), factor);
-        Some(WallFactor::new(&roots, axis, radius))
+        let factors = self.table.at(self.range.effective_gap(gap, self.range.minimum_gap()), factor);
+        Some(WallFactor::new(&factors, axis, radius))
     }
 }
 
@@ -53,7 +53,7 @@ mod tests {
     use crate::dense::inverse;
     use crate::sphere_motion::SphereMotion;
     use crate::two_sphere::SphereWall;
-    use crate::wall_blocks::{ALONE, WallBlocks};
+    use crate::wall_blocks::{ISOLATED, WallBlocks};
     use domain::Traceless;
 
     /// Unit motions by block, for an axis `z`: axial, spin, transverse in `x` and in `y`, and planar.
@@ -82,7 +82,7 @@ mod tests {
     /// Blocks of FCM with lubrication and of the exact resistance.
     fn compared(gap: f64) -> Vec<(Rows, Rows)> {
         let exact = WallBlocks::exact(&SphereWall::get().resistance(gap).unwrap());
-        let known = WallBlocks::of_method(1.0 + gap);
+        let known = WallBlocks::of_fcm(1.0 + gap);
         let factor = WallForce::new(1.0, LubricationRange::default()).factor(Vector::Z, 1.0 + gap, 1.0);
         let rows = |blocks: &WallBlocks, block: usize| -> Rows {
             match block {
@@ -110,7 +110,7 @@ mod tests {
             for (block, (found, wanted)) in compared(gap).into_iter().enumerate() {
                 for (f, w) in found.iter().flatten().zip(wanted.iter().flatten()) {
                     // Error of the tables.
-                    assert!((f - w).abs() < 2e-7 * (w.abs() + ALONE[0]), "gap {gap}, block {block}: {f}, not {w}");
+                    assert!((f - w).abs() < 2e-7 * (w.abs() + ISOLATED[0]), "gap {gap}, block {block}: {f}, not {w}");
                 }
             }
         }
@@ -122,11 +122,11 @@ mod tests {
     fn a_sphere_that_sank_in_parts_again_if_it_is_to() {
         let factor =
             |range: LubricationRange, gap: f64| WallForce::new(1.0, range).factor(Vector::Z, 1.0 + gap, 1.0).unwrap();
-        let along = |range: LubricationRange, gap: f64| factor(range, gap).coefficients().along;
-        let (kept, parting) = (LubricationRange::default(), LubricationRange::default().parting());
+        let along = |range: LubricationRange, gap: f64| factor(range, gap).coefficients().xa;
+        let (kept, parting) = (LubricationRange::default(), LubricationRange::default().separating());
         let ratio = |a: (LubricationRange, f64), b: (LubricationRange, f64)| along(a.0, a.1) / along(b.0, b.1);
         for (one, other) in [
-            ((kept, -0.03), (kept, 0.5 * LubricationRange::CLOSEST)),
+            ((kept, -0.03), (kept, 0.5 * LubricationRange::MINIMUM_GAP)),
             ((parting, -0.03), (kept, 0.03)),
             ((parting, 0.03), (kept, 0.03)),
         ] {

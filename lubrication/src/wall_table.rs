@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
+use crate::block_factor::{BlockFactor, difference, part, symmetric_root};
 use crate::chebyshev::Chebyshev;
-use crate::root::{Part, difference, part, root};
-use crate::root_table::{CLOSEST, GROWTH, NODES};
+use crate::factor_table::{CLOSEST, GROWTH, NODES};
 use crate::two_sphere::SphereWall;
 use crate::two_sphere::blocks::{change, from_pole_coordinates};
-use crate::wall_blocks::{ALONE, WallBlocks};
+use crate::wall_blocks::{ISOLATED, WallBlocks};
 
 /// Largest tabulated gap over the radius.
 pub const FARTHEST: f64 = 1.5;
@@ -23,13 +23,13 @@ pub struct WallTable {
 
 /// Blocks of a sphere's resistance at a wall; `w` of the axial one is the separation velocity of the surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WallRoots {
+pub struct WallFactors {
     /// `w` and `e` along the normal.
-    pub axial: Part<1, 1>,
+    pub axial: BlockFactor<1, 1>,
     /// `L` for `Omega` along the normal.
     pub spin: f64,
     /// `(U, Omega)` and `e` along the wall.
-    pub transverse: Part<2, 1>,
+    pub transverse: BlockFactor<2, 1>,
     /// `M` for `e` in the plane of the wall.
     pub planar: f64,
 }
@@ -42,10 +42,10 @@ impl WallTable {
     }
 
     /// Factors at a gap from the closest to the farthest, for a resistance larger by `factor` squared.
-    pub fn at(&self, gap: f64, factor: f64) -> WallRoots {
+    pub fn at(&self, gap: f64, factor: f64) -> WallFactors {
         let log = gap.ln();
         let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
-        roots(self.pieces[piece.min(self.pieces.len() - 1)].at(log), factor)
+        wall_factors(self.pieces[piece.min(self.pieces.len() - 1)].at(log), factor)
     }
 
     fn compute(exact: &SphereWall) -> Self {
@@ -61,27 +61,28 @@ impl WallTable {
 
 /// Numbers at one gap, without interpolation.
 fn lanes(exact: &SphereWall, gap: f64) -> [f64; LANES] {
-    let (exact, known) = (WallBlocks::exact(&exact.at(gap)), WallBlocks::of_method(1.0 + gap));
-    let [force, torque, strain] = ALONE.map(f64::sqrt);
+    let (exact, known) = (WallBlocks::exact(&exact.at(gap)), WallBlocks::of_fcm(1.0 + gap));
+    let [force, torque, strain] = ISOLATED.map(f64::sqrt);
     let axial = change(&difference(&exact.axial, &known.axial), &from_pole_coordinates());
-    let spin = root(&[[(exact.spin[0][0] - known.spin[0][0]) / ALONE[1]]])[0][0];
-    let planar = (exact.planar[0][0] - known.planar[0][0]) / ALONE[2];
-    let axial = part(&axial, &[force], &[strain], root);
-    let transverse = part(&difference(&exact.transverse, &known.transverse), &[force, torque], &[strain], root);
+    let spin = symmetric_root(&[[(exact.spin[0][0] - known.spin[0][0]) / ISOLATED[1]]])[0][0];
+    let planar = (exact.planar[0][0] - known.planar[0][0]) / ISOLATED[2];
+    let axial = part(&axial, &[force], &[strain], symmetric_root);
+    let transverse =
+        part(&difference(&exact.transverse, &known.transverse), &[force, torque], &[strain], symmetric_root);
     let mut lanes = [0.0; LANES];
     let values = axial.into_iter().chain([spin]).chain(transverse).chain([planar]);
     lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
     lanes
 }
 
-fn roots(lanes: [f64; LANES], factor: f64) -> WallRoots {
-    let [force, torque, strain] = ALONE.map(f64::sqrt);
+fn wall_factors(lanes: [f64; LANES], factor: f64) -> WallFactors {
+    let [force, torque, strain] = ISOLATED.map(f64::sqrt);
     let mut lanes = lanes.into_iter();
-    WallRoots {
-        axial: Part::from_lanes(&mut lanes, &[force], &[strain], factor),
+    WallFactors {
+        axial: BlockFactor::from_lanes(&mut lanes, &[force], &[strain], factor),
         spin: lanes.next().unwrap_or_default() * torque * factor,
-        transverse: Part::from_lanes(&mut lanes, &[force, torque], &[strain], factor),
-        planar: lanes.next().unwrap_or_default() * ALONE[2] * factor * factor,
+        transverse: BlockFactor::from_lanes(&mut lanes, &[force, torque], &[strain], factor),
+        planar: lanes.next().unwrap_or_default() * ISOLATED[2] * factor * factor,
     }
 }
 
@@ -94,13 +95,14 @@ mod tests {
         let (exact, table) = (SphereWall::get(), WallTable::get());
         for k in 0..54 {
             let gap = 1.3e-6 * 1.29_f64.powi(k);
-            let (found, wanted) = (table.at(gap, 1.0), roots(lanes(&exact, gap), 1.0));
-            let relative = found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0;
+            let (found, wanted) = (table.at(gap, 1.0), wall_factors(lanes(&exact, gap), 1.0));
+            let relative = found.axial.factor[0][0] / wanted.axial.factor[0][0] - 1.0;
             assert!(gap > 0.8 || relative.abs() < 1e-8, "gap {gap}: {relative}");
             // Eigenvalues that change sign perturb the factors beyond a gap of 0.8, where their squares are small.
-            let across = |roots: &WallRoots| roots.transverse.root.map(|row| row.iter().map(|x| x * x).sum::<f64>());
+            let across =
+                |factors: &WallFactors| factors.transverse.factor.map(|row| row.iter().map(|x| x * x).sum::<f64>());
             for (x, y) in across(&found).into_iter().zip(across(&wanted)) {
-                assert!((x - y).abs() < 1e-5 * ALONE[1], "gap {gap}: {x}, not {y}");
+                assert!((x - y).abs() < 1e-5 * ISOLATED[1], "gap {gap}: {x}, not {y}");
             }
         }
     }
@@ -111,20 +113,22 @@ mod tests {
     fn what_resists_motion_is_exact_but_for_what_is_negative() {
         let (exact, table) = (SphereWall::get(), WallTable::get());
         for gap in [1e-6, 1e-4, 0.01, 0.1, 0.5, 1.0, 1.2, 1.49] {
-            let blocks = [WallBlocks::exact(&exact.at(gap)), WallBlocks::of_method(1.0 + gap)];
+            let blocks = [WallBlocks::exact(&exact.at(gap)), WallBlocks::of_fcm(1.0 + gap)];
             let wanted = difference(&blocks[0].transverse, &blocks[1].transverse);
             let found = table.at(gap, 1.0);
-            let allowed = if gap < 1.0 { 1e-7 * (1.0 + wanted[0][0]) } else { 2e-3 } * ALONE[0];
+            let allowed = if gap < 1.0 { 1e-7 * (1.0 + wanted[0][0]) } else { 2e-3 } * ISOLATED[0];
             for i in 0..2 {
                 for j in 0..2 {
-                    let root = &found.transverse.root;
+                    let root = &found.transverse.factor;
                     let product = root[i][0] * root[j][0] + root[i][1] * root[j][1];
                     assert!((product - wanted[i][j]).abs() < allowed, "gap {gap}: {product}, not {}", wanted[i][j]);
                 }
             }
-            let approach = found.axial.root[0][0].powi(2);
+            let approach = found.axial.factor[0][0].powi(2);
             let wanted = blocks[0].axial[0][0] - blocks[1].axial[0][0];
-            assert!((approach - wanted).abs() < 1e-7 * wanted.abs() + 2e-3 * ALONE[0] * f64::from(u8::from(gap > 0.9)));
+            assert!(
+                (approach - wanted).abs() < 1e-7 * wanted.abs() + 2e-3 * ISOLATED[0] * f64::from(u8::from(gap > 0.9))
+            );
         }
     }
 }

@@ -170,10 +170,10 @@ fn nothing_acts_beyond_the_cutoff_and_it_ends_smoothly() {
 /// as well as by coefficients.
 #[test]
 fn spheres_that_overlap_part_again_if_they_are_to() {
-    let parting = PairForce::new(&[1.0, 1.5], 1.0, LubricationRange::default().parting()).unwrap();
+    let parting = PairForce::new(&[1.0, 1.5], 1.0, LubricationRange::default().separating()).unwrap();
     let along = |force: &PairForce, gap: f64| {
         let by_factor = force.loads(Vector::X * (2.5 + gap), [0, 1], &moving(0, Vector::X)).unwrap();
-        [force.coefficients(2.5 + gap, [0, 1]).unwrap().along[0][0], by_factor.force[0].x]
+        [force.coefficients(2.5 + gap, [0, 1]).unwrap().xa[0][0], by_factor.force[0].x]
     };
     let apart = along(&parting, 0.03);
     for (found, wanted) in along(&parting, -0.03).into_iter().zip(apart) {
@@ -208,7 +208,7 @@ fn loads_scale_with_size_and_viscosity() {
 #[test]
 fn refuses_senseless_parameters() {
     assert_eq!(LubricationRange::new(9.0, 1e-4), Err(RangeError::Cutoff(9.0)));
-    assert_eq!(LubricationRange::new(1.0, 0.2), Err(RangeError::Closest(0.2)));
+    assert_eq!(LubricationRange::new(1.0, 0.2), Err(RangeError::MinimumGap(0.2)));
     assert!(LubricationRange::new(f64::NAN, 1e-4).is_err());
     assert!(matches!(
         PairForce::new(&[1.0, -1.0], 1.0, LubricationRange::default()),
@@ -338,16 +338,18 @@ fn loads_by(c: &Coefficients<f64>, direction: Vector, is_swapped: bool, motion: 
         let (mut force, mut torque, mut moment) = (Vector::ZERO, Vector::ZERO, Tensor::ZERO);
         for l in 0..2 {
             let (u, o) = (motion.velocity[order[l]], motion.angular_velocity[order[l]]);
-            force += c.along[k][l] * z.dot(u) * z + c.across[k][l] * across(u) + c.coupling[k][l] * o.cross(z);
-            torque += c.spin[k][l] * z.dot(o) * z + c.roll[k][l] * across(o) + c.coupling[l][k] * z.cross(u);
-            let shear = c.drag[k][l] * across(u) + c.turn[k][l] * o.cross(z);
-            moment += axial * (c.pull[k][l] * z.dot(u)) + product(z, shear) + product(shear, z);
+            force += c.xa[k][l] * z.dot(u) * z + c.ya[k][l] * across(u) + c.yb[k][l] * o.cross(z);
+            torque += c.xc[k][l] * z.dot(o) * z + c.yc[k][l] * across(o) + c.yb[l][k] * z.cross(u);
+            let shear = c.yg[k][l] * across(u) + c.yh[k][l] * o.cross(z);
+            moment += axial * (c.xg[k][l] * z.dot(u)) + product(z, shear) + product(shear, z);
         }
         let strain = motion.strain_rate[0].tensor();
         let (stretch, t) = (z.dot(strain * z), across(strain * z));
-        force += c.push[k] * stretch * z + c.slide[k] * t;
-        torque += c.twist[k] * z.cross(t);
-        moment += strain * c.bulk[k] + axial * (c.stretch[k] * stretch) + (product(z, t) + product(t, z)) * c.bend[k];
+        force += c.xg_strain[k] * stretch * z + c.yg_strain[k] * t;
+        torque += c.yh_strain[k] * z.cross(t);
+        moment += strain * c.zm[k]
+            + axial * (c.xm_minus_zm_half[k] * stretch)
+            + (product(z, t) + product(t, z)) * c.ym_minus_zm[k];
         loads.force[order[k]] = force;
         loads.torque[order[k]] = torque;
         loads.moment[order[k]] = Traceless::part_of(&moment);

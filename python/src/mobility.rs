@@ -54,7 +54,7 @@ impl Mobility {
         let (cell, turn) = CaseBox::bounded(given.0, strain, given.1, (&[], &[])).map_err(|cause| refused(&cause))?;
         let comm = ranks(comm)?;
         let lubrication =
-            lubrication.map(|cutoff| LubricationRange::new(cutoff, LubricationRange::CLOSEST)).transpose();
+            lubrication.map(|cutoff| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP)).transpose();
         let count = radii.len();
         let parameters = MobilityParameters {
             cell,

@@ -63,7 +63,7 @@ fn a_lubricated_sphere_in_poiseuille_flow_moves_as_the_exact_one() {
         (0.25, 0.5, [0.713_250_22, 0.121_003_97]),
         (0.25, 0.8, [0.622_225_95, 0.174_597_15]),
     ];
-    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     for (part, over_place, [velocity, turning]) in exact {
         let (place, height) = (RADIUS / over_place, RADIUS / over_place / part);
         let usual = parameters([24.0, 24.0, height], Boundaries::Walls, 1);

@@ -43,7 +43,7 @@ impl Lattice {
             rigid: true,
             tolerance,
             lubrication: is_lubricated
-                .then(|| LubricationRange::new(LubricationRange::WIDE, LubricationRange::CLOSEST).unwrap()),
+                .then(|| LubricationRange::new(LubricationRange::WIDE, LubricationRange::MINIMUM_GAP).unwrap()),
             method: None,
             costs: Costs::default(),
         };

@@ -108,7 +108,7 @@ fn whitened(root: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
 #[test]
 fn random_motions_have_the_covariance_of_the_mobility() {
     let lubricated = |p: MobilityParameters| MobilityParameters {
-        lubrication: Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap()),
+        lubrication: Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap()),
         ..p
     };
     let free = |p: MobilityParameters| MobilityParameters { rigid: false, ..p };
@@ -159,7 +159,7 @@ fn random_motions_have_the_covariance_of_the_mobility() {
 
 #[test]
 fn ranks_and_the_order_of_draws_do_not_matter() {
-    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let draw = |ranks: usize, draws: std::ops::Range<u64>| {
         let all = Comm::threads(ranks, |comm| {
             let tight = MobilityParameters { lubrication, ..parameters(9.0, 1e-7) };
@@ -181,7 +181,7 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
 /// unit variance, in single and double precision, and agree up to round-off on the grid and the tolerance of the solve.
 #[test]
 fn whitened_draws_are_the_same_on_any_ranks() {
-    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let draws = 8;
     let walls = bounded(Boundaries::Walls);
     let cases = [
@@ -227,7 +227,7 @@ fn root_columns(mobility: &mut Mobility, transposed: bool) -> Vec<Vec<f64>> {
 fn the_root_times_its_transpose_is_the_mobility() {
     let tight = parameters(14.0, 1e-6);
     let walls = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
-    let range = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let range = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let cases = [
         MobilityParameters { lubrication: range, ..tight.clone() },
         MobilityParameters { cell: walls, tolerance: 1e-3, ..tight.clone() },
@@ -279,7 +279,7 @@ fn flat_drift(drift: &suspension::Drift) -> Vec<f64> {
 /// within three and a half standard errors. Without drift the mean would be zero, many standard errors away.
 #[test]
 fn draws_of_the_drift_have_the_mean_that_the_mobility_has_as_its_divergence() {
-    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let mut mobility = mobility(MobilityParameters { lubrication, ..parameters(14.0, 1e-4) }, &Comm::alone());
     let length = 0.02;
     let mut divergence = [0.0; 18];
@@ -309,7 +309,7 @@ fn draws_of_the_drift_have_the_mean_that_the_mobility_has_as_its_divergence() {
 
 #[test]
 fn ranks_agree_on_the_drift() {
-    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let draw = |ranks: usize| {
         let all = Comm::threads(ranks, |comm| {
             let tight = MobilityParameters { lubrication, ..parameters(9.0, 1e-7) };

@@ -103,7 +103,9 @@ fn a_pair_moves_as_its_mobility_says() {
                 multipoles: Multipoles::Dipole,
                 rigid: true,
                 tolerance: 1e-5,
-                lubrication: Some(LubricationRange::new(LubricationRange::WIDE, LubricationRange::CLOSEST).unwrap()),
+                lubrication: Some(
+                    LubricationRange::new(LubricationRange::WIDE, LubricationRange::MINIMUM_GAP).unwrap(),
+                ),
                 method: None,
                 costs: Costs::default(),
             };

@@ -158,7 +158,7 @@ fn along(s: &Traceless) -> [f64; 5] {
 fn drift_and_stress_by_heat_are_divergences() {
     let (far, _) = divergence_in_shear(None, 1e-3);
     let (near, stresslets) =
-        divergence_in_shear(Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap()), 1e-3);
+        divergence_in_shear(Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap()), 1e-3);
     let stresslets: Vec<f64> = stresslets.iter().flat_map(along).collect();
     let minus_moments: Vec<f64> = MOMENTS.concat().into_iter().map(|moment| -moment).collect();
     let errors = [
@@ -174,7 +174,7 @@ fn drift_and_stress_by_heat_are_divergences() {
 /// The error of the finite difference that a step allows is about that of the drift.
 #[test]
 fn rough_changes_are_as_exact_as_they_say() {
-    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let [rough, exact] = [CHANGE, 1e-3].map(|tolerance| divergence_in_shear(lubrication, tolerance).0);
     let found = error(&rough[..9], &exact[..9]);
     assert!(found > 0.0 && found < 2.0 * CHANGE, "{found}");
@@ -222,7 +222,7 @@ fn drift_and_stress_by_heat_are_divergences_near_walls() {
     {
         particles.push(id as u64, Vector::from_array(place), radius, 0);
     }
-    let range = Some(LubricationRange::new(2.5, LubricationRange::CLOSEST).unwrap());
+    let range = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     for (boundaries, lubrication) in
         [(Boundaries::Walls, None), (Boundaries::Walls, range), (Boundaries::Wall, None), (Boundaries::Wall, range)]
     {

@@ -9,7 +9,7 @@ use crate::pairs::matrix::sparse::{Part, ROWS, Slice};
 use crate::six_vector::SixVector;
 use crate::springs::Springs;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
-use lubrication::SIDE;
+use lubrication::SPHERE_ROW;
 use rayon::prelude::*;
 use solver::Real;
 use solver::simd::{Vector as Width, Work};
@@ -65,7 +65,7 @@ impl<T: Stored> Work<f64> for Assembly<'_, T> {
         let [stiff, soft] = self.listed();
         let lubrication = self.arrangement.lubrication;
         let stiff = self.part::<V, _, _, STIFF>(&stiff, || Stiff::new(lubrication));
-        let soft = self.part::<V, _, _, SIDE>(&soft, || Soft(lubrication));
+        let soft = self.part::<V, _, _, SPHERE_ROW>(&soft, || Soft(lubrication));
         Assembled { stiff, soft }
     }
 }

@@ -38,9 +38,9 @@ impl ContactResistances {
         for k in 0..2 {
             for l in 0..2 {
                 let sign = signs[k] * signs[l];
-                coefficients.across[k][l] = coefficients.across[k][l].plus(slip, sign);
-                coefficients.coupling[k][l] = coefficients.coupling[k][l].plus(slip, signs[k] * arms[l]);
-                coefficients.roll[k][l] = coefficients.roll[k][l].plus(slip, arms[k] * arms[l]).plus(rolling, sign);
+                coefficients.ya[k][l] = coefficients.ya[k][l].plus(slip, sign);
+                coefficients.yb[k][l] = coefficients.yb[k][l].plus(slip, signs[k] * arms[l]);
+                coefficients.yc[k][l] = coefficients.yc[k][l].plus(slip, arms[k] * arms[l]).plus(rolling, sign);
             }
         }
     }

@@ -1,14 +1,14 @@
 //! Lubrication between spheres, divided into stiff pairs, which the preconditioner includes, and soft pairs.
 
 use crate::six_vector::SixVector;
-use lubrication::{PairForce, SideTables};
+use lubrication::{PairForce, SphereRowTables};
 
 /// Lubrication between spheres.
 pub struct PairLubrication {
     /// Lubrication of all pairs.
     pub force: PairForce,
     /// Tables for soft pairs.
-    pub soft: SideTables,
+    pub soft: SphereRowTables,
     stiffness: Stiffness,
 }
 
@@ -16,7 +16,7 @@ impl PairLubrication {
     /// Lubrication between species with the single-sphere resistances `single`.
     pub fn new(force: PairForce, single: &[SixVector]) -> Self {
         let stiffness = Stiffness::new(&force, single);
-        let soft = SideTables::new(&force, |species| stiffness.gap(species));
+        let soft = SphereRowTables::new(&force, |species| stiffness.gap(species));
         Self { force, soft, stiffness }
     }
 
@@ -61,8 +61,8 @@ fn largest_gap(force: &PairForce, species: [usize; 2], single: &[SixVector]) -> 
             return false;
         };
         let exceeds = |k: usize| {
-            let (alone, [u, v]) = (single[order[k]].0, [resistance.along[k][k], resistance.across[k][k]]);
-            let [o, p] = [resistance.spin[k][k], resistance.roll[k][k]];
+            let (alone, [u, v]) = (single[order[k]].0, [resistance.xa[k][k], resistance.ya[k][k]]);
+            let [o, p] = [resistance.xc[k][k], resistance.yc[k][k]];
             u.max(v) > STIFF * alone[0] || o.max(p) > STIFF * alone[3]
         };
         exceeds(0) || exceeds(1)

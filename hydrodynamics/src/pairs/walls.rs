@@ -62,10 +62,10 @@ fn in_flow(
 /// Adds the resistances of springs along the axis, to slip and to rolling. With the slip velocity
 /// `v = U_across + distance Omega x z`, the rate of work is `slip v^2 + rolling |2 a Omega x z|^2`.
 fn add_springs(resistance: &mut WallCoefficients, [along, slip, rolling]: [f64; 3], distance: f64, radius: f64) {
-    resistance.along += along;
-    resistance.across += slip;
-    resistance.coupling += slip * distance;
-    resistance.roll += slip * distance * distance + rolling * PairKind::Wall(radius).harmonic_radius().powi(2);
+    resistance.xa += along;
+    resistance.ya += slip;
+    resistance.yb += slip * distance;
+    resistance.yc += slip * distance * distance + rolling * PairKind::Wall(radius).harmonic_radius().powi(2);
 }
 
 impl AtWall {
@@ -79,9 +79,9 @@ impl AtWall {
             })
         };
         DiagonalBlock {
-            force: tensor(r.along, r.across),
-            torque: tensor(r.spin, r.roll),
-            coupling: z.map(|component| r.coupling * component),
+            force: tensor(r.xa, r.ya),
+            torque: tensor(r.xc, r.yc),
+            coupling: z.map(|component| r.yb * component),
         }
     }
 

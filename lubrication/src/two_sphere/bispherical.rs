@@ -17,25 +17,25 @@
 
 use super::double_double::DoubleDouble;
 use super::geometry::{Geometry, side};
-use super::tridiagonal::{self, Block, Row};
+use super::tridiagonal::{self, BlockRow, Matrix2};
 
 /// Velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over
 /// `sqrt 2`.
 #[derive(Debug, Clone, Copy)]
-pub struct Drive {
+pub struct SurfaceVelocity {
     /// Sphere that moves, 0 or 1; the other one is at rest.
     pub sphere: usize,
     /// `v_z`, of order `m`.
-    pub axial: Shape,
+    pub axial: SurfaceFunction,
     /// `(v_rho + v_phi)/2`, of order `m + 1`.
-    pub raised: Shape,
+    pub raised: SurfaceFunction,
     /// `(v_rho - v_phi)/2`, of order `m - 1`.
-    pub lowered: Shape,
+    pub lowered: SurfaceFunction,
 }
 
 /// A function on a sphere that is at most linear in the coordinates.
 #[derive(Debug, Clone, Copy)]
-pub enum Shape {
+pub enum SurfaceFunction {
     /// 0
     Zero,
     /// 1, of order 0
@@ -46,7 +46,7 @@ pub enum Shape {
     Radius(f64),
 }
 
-impl Shape {
+impl SurfaceFunction {
     /// Coefficient of degree `n` over `sqrt 2`, given `exp(-(n+1/2) alpha)`.
     fn coefficient(self, n: usize, decay: DoubleDouble, geometry: &Geometry, sphere: usize) -> DoubleDouble {
         match self {
@@ -63,7 +63,7 @@ impl Shape {
 
 /// Moments of the traction of one sphere on the fluid about its centre, in units of viscosity and `c`.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Load {
+pub struct SphereMoments {
     /// Along `z` for `m = 0`, along `x` for `m = 1`.
     pub force: DoubleDouble,
     /// About `y`, for `m = 1`.
@@ -73,14 +73,24 @@ pub struct Load {
 }
 
 /// Loads of both spheres for each drive of azimuthal order `order`.
-pub fn solve(geometry: &Geometry, order: usize, drives: &[Drive]) -> Vec<[Load; 2]> {
-    let problem = Problem::new(geometry, order);
-    let mut rows: Vec<Row> = (order..problem.decays.len() - 2).map(|n| problem.row(n, drives)).collect();
+pub fn solve(geometry: &Geometry, order: usize, drives: &[SurfaceVelocity]) -> Vec<[SphereMoments; 2]> {
+    let problem = BisphericalProblem::new(geometry, order);
+    let mut rows: Vec<BlockRow> = (order..problem.decays.len() - 2).map(|n| problem.row(n, drives)).collect();
     let y = tridiagonal::solve(&mut rows);
     drives.iter().enumerate().map(|(d, drive)| problem.loads(drive, &y, d)).collect()
 }
 
-struct Problem<'a> {
+/// Unknowns of one sphere in the divergence of one family.
+struct Coupling {
+    /// Degree of the divergence.
+    degree: usize,
+    /// Degree of the unknowns.
+    through: usize,
+    family: usize,
+    sphere: usize,
+}
+
+struct BisphericalProblem<'a> {
     geometry: &'a Geometry,
     order: usize,
     /// `exp(-(n+1/2) alpha_i)`
@@ -89,8 +99,8 @@ struct Problem<'a> {
     amplitudes: Vec<[[DoubleDouble; 2]; 2]>,
 }
 
-impl Problem<'_> {
-    fn new(geometry: &Geometry, order: usize) -> Problem<'_> {
+impl BisphericalProblem<'_> {
+    fn new(geometry: &Geometry, order: usize) -> BisphericalProblem<'_> {
         let decays = geometry.decays();
         let one = DoubleDouble::from(1.0);
         let amplitudes = decays.iter().map(|decay| {
@@ -99,17 +109,17 @@ impl Problem<'_> {
             let other = -(across * own);
             [[own, other], [other, own]]
         });
-        Problem { geometry, order, amplitudes: amplitudes.collect(), decays }
+        BisphericalProblem { geometry, order, amplitudes: amplitudes.collect(), decays }
     }
 
     /// Two equations of degree `n`, one per family.
-    fn row(&self, n: usize, drives: &[Drive]) -> Row {
-        let mut row = Row::new(drives.len());
+    fn row(&self, n: usize, drives: &[SurfaceVelocity]) -> BlockRow {
+        let mut row = BlockRow::new(drives.len());
         for family in 0..2 {
             for (k, growth) in self.neighbours(n, family) {
                 let amplitude = self.amplitudes[k][family].map(|a| a * growth);
                 for (sphere, weight) in amplitude.into_iter().enumerate() {
-                    self.couple(&mut row, (n, k), (family, sphere), weight);
+                    self.couple(&mut row, &Coupling { degree: n, through: k, family, sphere }, weight);
                 }
                 for (d, drive) in drives.iter().enumerate() {
                     row.right[family][d] += -(amplitude[drive.sphere] * self.known(n, k, family, drive));
@@ -127,14 +137,15 @@ impl Problem<'_> {
         below.into_iter().chain([(n, one), (n + 1, one / e)])
     }
 
-    /// Adds the contribution of the unknowns of one sphere, through degree `k` of the four functions, to the
-    /// divergence at `n`.
-    fn couple(&self, row: &mut Row, (n, k): (usize, usize), (family, sphere): (usize, usize), amplitude: DoubleDouble) {
+    /// Adds the contribution of the unknowns of one sphere, of all four functions, to the
+    /// divergence.
+    fn couple(&self, row: &mut BlockRow, coupling: &Coupling, amplitude: DoubleDouble) {
+        let &Coupling { degree: n, through: k, family, sphere } = coupling;
         let (x, m) = (n as f64, self.order as f64);
         let sign = side(family);
         let per_sinh = amplitude / (self.geometry.sinh[sphere] * side(sphere));
         let coth = per_sinh * self.geometry.cosh[sphere];
-        let add = |block: &mut Block, value: DoubleDouble| block[family][sphere] += value;
+        let add = |block: &mut Matrix2, value: DoubleDouble| block[family][sphere] += value;
         if k == n + 1 {
             let half = 0.5 * (x + m + 1.0);
             add(&mut row.above, coth * half + amplitude * (sign * half));
@@ -151,7 +162,7 @@ impl Problem<'_> {
     }
 
     /// Contribution of the prescribed velocity, through degree `k`, to the divergence at `n`.
-    fn known(&self, n: usize, k: usize, family: usize, drive: &Drive) -> DoubleDouble {
+    fn known(&self, n: usize, k: usize, family: usize, drive: &SurfaceVelocity) -> DoubleDouble {
         let (x, m) = (n as f64, self.order as f64);
         let (axial, raised, lowered) = if k == n + 1 {
             (-0.5 * (x + m + 1.0), 0.5 * (x + m + 1.0) * (x + m + 2.0), -0.5)
@@ -160,12 +171,13 @@ impl Problem<'_> {
         } else {
             (-0.5 * (x - m), 0.5 * (x - m) * (x - m - 1.0), -0.5)
         };
-        let value = |shape: Shape| shape.coefficient(k, self.decays[k][drive.sphere], self.geometry, drive.sphere);
+        let value =
+            |shape: SurfaceFunction| shape.coefficient(k, self.decays[k][drive.sphere], self.geometry, drive.sphere);
         value(drive.axial) * (axial * side(family)) + value(drive.raised) * raised + value(drive.lowered) * lowered
     }
 
     /// Loads from the far field of each family.
-    fn loads(&self, drive: &Drive, y: &[Vec<[DoubleDouble; 2]>], d: usize) -> [Load; 2] {
+    fn loads(&self, drive: &SurfaceVelocity, y: &[Vec<[DoubleDouble; 2]>], d: usize) -> [SphereMoments; 2] {
         let m = self.order;
         let at = |n: usize, sphere: usize| {
             n.checked_sub(m).and_then(|i| y.get(i)).map_or(DoubleDouble::default(), |values| values[d][sphere])
@@ -174,7 +186,7 @@ impl Problem<'_> {
         for n in m..m + y.len() {
             let pressure = [0, 1].map(|sphere| self.pressure(n, sphere, &at));
             let axial = [0, 1].map(|sphere| {
-                let moving = if sphere == drive.sphere { drive.axial } else { Shape::Zero };
+                let moving = if sphere == drive.sphere { drive.axial } else { SurfaceFunction::Zero };
                 moving.coefficient(n, self.decays[n][sphere], self.geometry, sphere) - at(n, sphere)
             });
             for (family, sum) in sums.iter_mut().enumerate() {
@@ -197,7 +209,7 @@ impl Problem<'_> {
     }
 
     /// Loads about the sphere's centre from moments about the origin.
-    fn about_centre(&self, family: usize, [first, second, third]: [DoubleDouble; 3]) -> Load {
+    fn about_centre(&self, family: usize, [first, second, third]: [DoubleDouble; 3]) -> SphereMoments {
         let pi = DoubleDouble::pi();
         let sign = side(family);
         let centre = self.geometry.cosh[family] / self.geometry.sinh[family] * sign;
@@ -206,15 +218,15 @@ impl Problem<'_> {
             0 => {
                 let force = pi * first * (8.0 * sign);
                 let stresslet = third_pi * second * 4.0 - ratio(force * centre, 2.0, 3.0);
-                Load { force, stresslet, ..Load::default() }
+                SphereMoments { force, stresslet, ..SphereMoments::default() }
             }
             1 => {
                 let force = pi * first * 8.0;
                 let torque = -(pi * third * 16.0) - force * centre;
                 let stresslet = third_pi * second * sign - force * centre * 0.5;
-                Load { force, torque, stresslet }
+                SphereMoments { force, torque, stresslet }
             }
-            _ => Load { stresslet: third_pi * second, ..Load::default() },
+            _ => SphereMoments { stresslet: third_pi * second, ..SphereMoments::default() },
         }
     }
 }
@@ -245,7 +257,7 @@ fn ratio(x: DoubleDouble, numerator: f64, denominator: f64) -> DoubleDouble {
 ///
 /// The velocity itself is harmonic, of order 1, so the two families follow from its values on the spheres.
 pub fn spin(geometry: &Geometry) -> [[f64; 2]; 2] {
-    let problem = Problem::new(geometry, 1);
+    let problem = BisphericalProblem::new(geometry, 1);
     let mut sums = [[DoubleDouble::default(); 2]; 2];
     for (n, decays) in problem.decays.iter().enumerate().skip(1) {
         for (spins, bears) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -275,7 +287,7 @@ mod tests {
     }
 
     /// Harmonic function of a family, degree and order, with coefficient 1, at `(rho, z)`.
-    fn harmonic((family, n, m): (usize, usize, usize), [rho, z]: [f64; 2]) -> f64 {
+    fn harmonic(family: usize, n: usize, m: usize, [rho, z]: [f64; 2]) -> f64 {
         let square = rho * rho + z * z;
         let (xi, eta) = ((2.0 * z / (square + 1.0)).atanh(), (2.0 * rho).atan2(square - 1.0));
         let growth = ((n as f64 + 0.5) * xi * side(family)).exp();
@@ -288,15 +300,15 @@ mod tests {
     fn the_divergence_of_each_component_is_that_of_its_derivatives() {
         let (geometry, h) = (Geometry::new(1.5, 0.3), 1e-4);
         let component = |which: usize| {
-            let shape = |k: usize| if k == which { Shape::One } else { Shape::Zero };
-            Drive { sphere: 1, axial: shape(0), raised: shape(1), lowered: shape(2) }
+            let shape = |k: usize| if k == which { SurfaceFunction::One } else { SurfaceFunction::Zero };
+            SurfaceVelocity { sphere: 1, axial: shape(0), raised: shape(1), lowered: shape(2) }
         };
         let cases = [(0, 0, 0), (0, 1, 1), (1, 0, 1), (1, 1, 2), (1, 2, 0), (2, 0, 2), (2, 1, 3), (2, 2, 1)];
         for ((m, which, order), k, family) in
             cases.into_iter().flat_map(|case| [3, 4].map(|k| [0, 1].map(|f| (case, k, f)))).flatten()
         {
-            let problem = Problem::new(&geometry, m);
-            let value = |point| harmonic((family, k, order), point);
+            let problem = BisphericalProblem::new(&geometry, m);
+            let value = |point| harmonic(family, k, order, point);
             for [rho, z] in [[0.7, 0.3], [0.4, -0.5], [1.3, 0.9]] {
                 let [across, along] = [[h, 0.0], [0.0, h]]
                     .map(|[r, u]: [f64; 2]| (value([rho + r, z + u]) - value([rho - r, z - u])) / (2.0 * h));
@@ -308,7 +320,7 @@ mod tests {
                 let expected: f64 = (k - 1..=k + 1)
                     .map(|n| problem.known(n, k, family, &component(which)) / problem.decays[k][1])
                     .zip(k - 1..)
-                    .map(|(weight, n)| weight.value() * harmonic((family, n, m), [rho, z]))
+                    .map(|(weight, n)| weight.value() * harmonic(family, n, m, [rho, z]))
                     .sum();
                 // Central differences: h^2 times a third derivative, of degree 4 below 1e3 times the value.
                 assert!(

@@ -12,7 +12,7 @@ use crate::two_sphere::{Function, ResistanceFunctions};
 /// unit tensors, `sqrt(3/2) (dd - 1/3)`, `(dx + xd)/sqrt 2` and `(xx - yy)/sqrt 2`, so that power is the plain
 /// product of loads and motions and every block is symmetric.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Blocks {
+pub struct ResistanceBlocks {
     /// `(U1, U2, e1, e2)` along the line of centres.
     pub axial: Square<4>,
     /// `(Omega1, Omega2)` along the line of centres.
@@ -23,7 +23,7 @@ pub struct Blocks {
     pub planar: Square<2>,
 }
 
-impl Blocks {
+impl ResistanceBlocks {
     /// Exact resistance from its scalar functions.
     pub fn exact(functions: &ResistanceFunctions, radii: [f64; 2]) -> Self {
         let part = |function: Function, power: i32, factor: f64| -> Square<2> {
@@ -32,22 +32,22 @@ impl Blocks {
             [0, 1].map(|i| [0, 1].map(|j| value(i, j)))
         };
         let mut axial = [[0.0; 4]; 4];
-        place(&mut axial, (0, 0), part(Function::XA, 1, 3.0));
-        place(&mut axial, (2, 0), part(Function::XG, 2, (2.0_f64 / 3.0).sqrt()));
-        place(&mut axial, (2, 2), part(Function::XM, 3, 5.0 / 6.0));
+        place(&mut axial, 0, 0, part(Function::XA, 1, 3.0));
+        place(&mut axial, 2, 0, part(Function::XG, 2, (2.0_f64 / 3.0).sqrt()));
+        place(&mut axial, 2, 2, part(Function::XM, 3, 5.0 / 6.0));
         let mut transverse = [[0.0; 6]; 6];
-        place(&mut transverse, (0, 0), part(Function::YA, 1, 3.0));
-        place(&mut transverse, (2, 0), part(Function::YB, 2, -1.0));
-        place(&mut transverse, (2, 2), part(Function::YC, 3, 1.0));
-        place(&mut transverse, (4, 0), part(Function::YG, 2, 2.0_f64.sqrt()));
-        place(&mut transverse, (4, 2), part(Function::YH, 3, 2.0_f64.sqrt()));
-        place(&mut transverse, (4, 4), part(Function::YM, 3, 5.0 / 6.0));
+        place(&mut transverse, 0, 0, part(Function::YA, 1, 3.0));
+        place(&mut transverse, 2, 0, part(Function::YB, 2, -1.0));
+        place(&mut transverse, 2, 2, part(Function::YC, 3, 1.0));
+        place(&mut transverse, 4, 0, part(Function::YG, 2, 2.0_f64.sqrt()));
+        place(&mut transverse, 4, 2, part(Function::YH, 3, 2.0_f64.sqrt()));
+        place(&mut transverse, 4, 4, part(Function::YM, 3, 5.0 / 6.0));
         Self { axial, spin: part(Function::XC, 3, 1.0), transverse, planar: part(Function::ZM, 3, 5.0 / 6.0) }
     }
 }
 
 /// Writes a 2 x 2 part, and its transpose across the diagonal, into a symmetric block.
-pub fn place<const N: usize>(block: &mut Square<N>, (row, column): (usize, usize), part: Square<2>) {
+pub fn place<const N: usize>(block: &mut Square<N>, row: usize, column: usize, part: Square<2>) {
     for i in 0..2 {
         for j in 0..2 {
             block[row + i][column + j] = part[i][j];
@@ -57,7 +57,7 @@ pub fn place<const N: usize>(block: &mut Square<N>, (row, column): (usize, usize
 }
 
 /// A 2 x 2 part of a block.
-pub fn part<const N: usize>(block: &Square<N>, (row, column): (usize, usize)) -> Square<2> {
+pub fn part<const N: usize>(block: &Square<N>, row: usize, column: usize) -> Square<2> {
     [0, 1].map(|i| [0, 1].map(|j| block[row + i][column + j]))
 }
 
@@ -99,7 +99,7 @@ mod tests {
         for ratio in [1.0, 2.5, 4.0, 10.0] {
             let table = TwoSphere::with_ratio(ratio).unwrap();
             for gap in [1e-5, 1e-3, 0.1, 1.0, 10.0, 1e3] {
-                let exact = Blocks::exact(&table.at(gap), [1.0, ratio]);
+                let exact = ResistanceBlocks::exact(&table.at(gap), [1.0, ratio]);
                 let axial = change(&exact.axial, &from_gap_coordinates([1.0, ratio]));
                 let smallest = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
                 let axial = smallest(&eigen(axial).0).min(smallest(&eigen(exact.spin).0));

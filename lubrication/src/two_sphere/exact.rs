@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::bispherical::{self, Drive, Load, Shape};
+use super::bispherical::{self, SphereMoments, SurfaceFunction, SurfaceVelocity};
 use super::functions::{Function, Pairwise, ResistanceFunctions, WallFunctions};
 use super::geometry::Geometry;
 
@@ -18,7 +18,7 @@ pub fn wall_resistance(gap: f64) -> WallFunctions {
 }
 
 fn of(geometry: &Geometry, ratio: f64) -> ResistanceFunctions {
-    let scales = Scales { focus: geometry.focus.value(), ratio };
+    let scales = Normalisation { focus: geometry.focus.value(), ratio };
     let mut functions = ResistanceFunctions([Pairwise::default(); 11]);
     axial(geometry, &scales, &mut functions.0);
     transverse(geometry, &scales, &mut functions.0);
@@ -28,21 +28,31 @@ fn of(geometry: &Geometry, ratio: f64) -> ResistanceFunctions {
 }
 
 /// Converts `[moves][bears]` in units of the focal distance to the hatted normalisation, `[bears][moves]`.
-struct Scales {
+struct Normalisation {
     focus: f64,
     ratio: f64,
 }
 
-impl Scales {
+impl Normalisation {
     fn normalise(&self, power: i32, factor: f64, values: &[[f64; 2]; 2]) -> Pairwise {
         let radii = [1.0, self.ratio];
         [0, 1].map(|i| [0, 1].map(|j| values[j][i] * (self.focus / (radii[i] + radii[j])).powi(power) / factor))
     }
 }
 
-fn axial(geometry: &Geometry, scales: &Scales, functions: &mut [Pairwise; 11]) {
-    let translate = |sphere| Drive { sphere, axial: Shape::One, raised: Shape::Zero, lowered: Shape::Zero };
-    let strain = |sphere| Drive { sphere, axial: Shape::Height, raised: Shape::Radius(-0.5), lowered: Shape::Zero };
+fn axial(geometry: &Geometry, scales: &Normalisation, functions: &mut [Pairwise; 11]) {
+    let translate = |sphere| SurfaceVelocity {
+        sphere,
+        axial: SurfaceFunction::One,
+        raised: SurfaceFunction::Zero,
+        lowered: SurfaceFunction::Zero,
+    };
+    let strain = |sphere| SurfaceVelocity {
+        sphere,
+        axial: SurfaceFunction::Height,
+        raised: SurfaceFunction::Radius(-0.5),
+        lowered: SurfaceFunction::Zero,
+    };
     let loads = bispherical::solve(geometry, 0, &[translate(0), translate(1), strain(0), strain(1)]);
     functions[Function::XA as usize] = scales.normalise(1, 3.0 * PI, &pick(&loads[..2], |load| load.force.value()));
     functions[Function::XG as usize] =
@@ -51,11 +61,11 @@ fn axial(geometry: &Geometry, scales: &Scales, functions: &mut [Pairwise; 11]) {
         scales.normalise(3, 5.0 / 6.0 * PI, &pick(&loads[2..], |load| load.stresslet.value()));
 }
 
-fn transverse(geometry: &Geometry, scales: &Scales, functions: &mut [Pairwise; 11]) {
-    let drive = |sphere, axial, lowered| Drive { sphere, axial, raised: Shape::Zero, lowered };
-    let translate = |sphere| drive(sphere, Shape::Zero, Shape::One);
-    let rotate = |sphere| drive(sphere, Shape::Radius(-1.0), Shape::Height);
-    let strain = |sphere| drive(sphere, Shape::Radius(1.0), Shape::Height);
+fn transverse(geometry: &Geometry, scales: &Normalisation, functions: &mut [Pairwise; 11]) {
+    let drive = |sphere, axial, lowered| SurfaceVelocity { sphere, axial, raised: SurfaceFunction::Zero, lowered };
+    let translate = |sphere| drive(sphere, SurfaceFunction::Zero, SurfaceFunction::One);
+    let rotate = |sphere| drive(sphere, SurfaceFunction::Radius(-1.0), SurfaceFunction::Height);
+    let strain = |sphere| drive(sphere, SurfaceFunction::Radius(1.0), SurfaceFunction::Height);
     let drives = [translate(0), translate(1), rotate(0), rotate(1), strain(0), strain(1)];
     let loads = bispherical::solve(geometry, 1, &drives);
     let (translations, rotations, strains) = (&loads[..2], &loads[2..4], &loads[4..]);
@@ -68,13 +78,18 @@ fn transverse(geometry: &Geometry, scales: &Scales, functions: &mut [Pairwise; 1
         scales.normalise(3, 5.0 / 6.0 * PI, &pick(strains, |load| load.stresslet.value()));
 }
 
-fn planar(geometry: &Geometry, scales: &Scales, functions: &mut [Pairwise; 11]) {
-    let strain = |sphere| Drive { sphere, axial: Shape::Zero, raised: Shape::Zero, lowered: Shape::Radius(1.0) };
+fn planar(geometry: &Geometry, scales: &Normalisation, functions: &mut [Pairwise; 11]) {
+    let strain = |sphere| SurfaceVelocity {
+        sphere,
+        axial: SurfaceFunction::Zero,
+        raised: SurfaceFunction::Zero,
+        lowered: SurfaceFunction::Radius(1.0),
+    };
     let loads = bispherical::solve(geometry, 2, &[strain(0), strain(1)]);
     functions[Function::ZM as usize] =
         scales.normalise(3, 5.0 / 6.0 * PI, &pick(&loads, |load| load.stresslet.value()));
 }
 
-fn pick(loads: &[[Load; 2]], of: impl Fn(&Load) -> f64) -> [[f64; 2]; 2] {
+fn pick(loads: &[[SphereMoments; 2]], of: impl Fn(&SphereMoments) -> f64) -> [[f64; 2]; 2] {
     [0, 1].map(|moves| [0, 1].map(|bears| of(&loads[moves][bears])))
 }

@@ -19,7 +19,7 @@ pub struct Geometry {
 
 /// Radius of the sphere that stands for a plane wall: at a distance of 1000 the smallest function, YB, has an error
 /// of 1e-11.
-const FLAT: f64 = 1e20;
+const WALL_RADIUS: f64 = 1e20;
 
 impl Geometry {
     /// Spheres of radii 1 and `ratio` at a positive `gap`.
@@ -32,7 +32,7 @@ impl Geometry {
     /// wall do not decay, but loads of the first sphere contain the square of its own decay, which ends below 1e-38.
     /// Only the loads of the first sphere by its own motion are valid.
     pub fn at_wall(gap: f64) -> Self {
-        Self::counted(FLAT, gap, |exponential| 44.0 / exponential[0].ln())
+        Self::counted(WALL_RADIUS, gap, |exponential| 44.0 / exponential[0].ln())
     }
 
     fn counted(ratio: f64, gap: f64, degrees: impl Fn([f64; 2]) -> f64) -> Self {

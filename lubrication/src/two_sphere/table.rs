@@ -27,7 +27,7 @@ pub struct TwoSphere {
 }
 
 /// Table of one ratio, computed by the first thread that needs it while others wait.
-type Entry = Arc<OnceLock<Arc<TwoSphere>>>;
+type SharedTwoSphere = Arc<OnceLock<Arc<TwoSphere>>>;
 
 /// Invalid argument of the two-sphere functions.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -44,7 +44,7 @@ impl TwoSphere {
     /// Tables for radii 1 and `ratio`; computed at the first call for a ratio, then shared. Must not be called from a
     /// rayon task, since the first call waits for rayon.
     pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
-        static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
+        static TABLES: OnceLock<Mutex<HashMap<u64, SharedTwoSphere>>> = OnceLock::new();
         if !(1.0 / LARGEST_RATIO..=LARGEST_RATIO).contains(&ratio) {
             return Err(TwoSphereError::Ratio(ratio));
         }

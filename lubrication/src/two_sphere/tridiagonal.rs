@@ -3,36 +3,36 @@
 use super::double_double::DoubleDouble;
 
 /// A 2 x 2 block: `[equation][sphere]`.
-pub type Block = [[DoubleDouble; 2]; 2];
+pub type Matrix2 = [[DoubleDouble; 2]; 2];
 
 /// Two equations: `below y_{n-1} + middle y_n + above y_{n+1} = right`, with several right-hand sides.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct BlockRow {
     /// Coefficients of the previous unknowns.
-    pub below: Block,
+    pub below: Matrix2,
     /// Coefficients of the unknowns of this row.
-    pub middle: Block,
+    pub middle: Matrix2,
     /// Coefficients of the next unknowns.
-    pub above: Block,
+    pub above: Matrix2,
     /// `[equation][right-hand side]`
     pub right: [Vec<DoubleDouble>; 2],
 }
 
-impl Row {
+impl BlockRow {
     /// Zero row for `count` right-hand sides.
     pub fn new(count: usize) -> Self {
         let zeros = vec![DoubleDouble::default(); count];
         Self {
-            below: Block::default(),
-            middle: Block::default(),
-            above: Block::default(),
+            below: Matrix2::default(),
+            middle: Matrix2::default(),
+            above: Matrix2::default(),
             right: [zeros.clone(), zeros],
         }
     }
 }
 
 /// Solution as `[row][right-hand side][sphere]`, by block elimination; destroys the rows.
-pub fn solve(rows: &mut [Row]) -> Vec<Vec<[DoubleDouble; 2]>> {
+pub fn solve(rows: &mut [BlockRow]) -> Vec<Vec<[DoubleDouble; 2]>> {
     for n in 0..rows.len() {
         let (done, rest) = rows.split_at_mut(n);
         let row = &mut rest[0];
@@ -49,7 +49,7 @@ pub fn solve(rows: &mut [Row]) -> Vec<Vec<[DoubleDouble; 2]>> {
     substitute(rows)
 }
 
-fn eliminate(row: &mut Row, before: &Row) {
+fn eliminate(row: &mut BlockRow, before: &BlockRow) {
     let carried = product(&row.below, &before.above);
     for (i, line) in carried.iter().enumerate() {
         for (j, value) in line.iter().enumerate() {
@@ -63,7 +63,7 @@ fn eliminate(row: &mut Row, before: &Row) {
     }
 }
 
-fn substitute(rows: &[Row]) -> Vec<Vec<[DoubleDouble; 2]>> {
+fn substitute(rows: &[BlockRow]) -> Vec<Vec<[DoubleDouble; 2]>> {
     let mut solution: Vec<Vec<[DoubleDouble; 2]>> = Vec::with_capacity(rows.len());
     for row in rows.iter().rev() {
         let values = (0..row.right[0].len()).map(|d| {
@@ -77,15 +77,15 @@ fn substitute(rows: &[Row]) -> Vec<Vec<[DoubleDouble; 2]>> {
     solution
 }
 
-fn apply(block: &Block, x: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
+fn apply(block: &Matrix2, x: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
     [0, 1].map(|i| block[i][0] * x[0] + block[i][1] * x[1])
 }
 
-fn product(a: &Block, b: &Block) -> Block {
+fn product(a: &Matrix2, b: &Matrix2) -> Matrix2 {
     [0, 1].map(|i| [0, 1].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j]))
 }
 
-fn inverse(a: &Block) -> Block {
+fn inverse(a: &Matrix2) -> Matrix2 {
     let scale = DoubleDouble::from(1.0) / (a[0][0] * a[1][1] - a[0][1] * a[1][0]);
     [[a[1][1] * scale, -(a[0][1] * scale)], [-(a[1][0] * scale), a[0][0] * scale]]
 }

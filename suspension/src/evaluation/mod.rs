@@ -75,8 +75,9 @@ impl Dynamics {
     pub fn new(model: &Model, setup: Setup) -> Result<(Self, Particles), StartError> {
         let chosen = &model.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(LubricationRange::WIDE);
-        let range = chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::CLOSEST)).transpose()?;
-        let range = range.map(|range| if model.thermal_energy.is_some() { range.parting() } else { range });
+        let range =
+            chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP)).transpose()?;
+        let range = range.map(|range| if model.thermal_energy.is_some() { range.separating() } else { range });
         let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let radii = [setup.radii.smallest(), setup.radii.largest()];

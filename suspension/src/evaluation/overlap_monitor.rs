@@ -29,7 +29,7 @@ pub struct OverlapMonitor {
 impl OverlapMonitor {
     /// A detector for a model with the given largest radius.
     pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Self {
-        let floor = model.hydrodynamics.lubrication.then_some(LubricationRange::CLOSEST);
+        let floor = model.hydrodynamics.lubrication.then_some(LubricationRange::MINIMUM_GAP);
         let near = NearLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
         Self { near, floor, last: OverlapCounts::default() }
     }
@@ -104,7 +104,7 @@ impl OverlappedSteps {
                 "in {at_minimum_gap} of {steps} steps up to {} had a gap below {} mean radii, where lubrication grows \
                  no more",
                 pairs(most.at_minimum_gap),
-                Number(LubricationRange::CLOSEST)
+                Number(LubricationRange::MINIMUM_GAP)
             )
         });
         let found: Vec<String> = [overlapped, near].into_iter().flatten().collect();

@@ -19,7 +19,7 @@ impl Dynamics {
     /// Lower bounds of gaps, over the mean radius, in the relative loss and in the relative error of a gap: with
     /// lubrication its minimum gap and the tolerance, otherwise the range of the repulsion.
     pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
-        self.lubrication.map_or([self.forces.range(); 2], |range| [range.closest(), tolerance])
+        self.lubrication.map_or([self.forces.range(); 2], |range| [range.minimum_gap(), tolerance])
     }
 
     /// Present box.

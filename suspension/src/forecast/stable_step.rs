@@ -5,7 +5,7 @@ use crate::integrators::adams_bashforth::AdamsBashforth;
 use crate::model::radii::Radii;
 use crate::model::{Integrator, Model, Multipoles};
 use domain::Number;
-use lubrication::{Detail, opening_mobility};
+use lubrication::{PairModel, relative_axial_mobility};
 
 /// Number of gaps within the range of the repulsion at which the stability is evaluated.
 const GAPS: u32 = 16;
@@ -51,17 +51,17 @@ fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
     let range = repulsion.reach(pair) - pair[0] - pair[1];
     let rate = |k: u32| {
         let gap = range * (f64::from(k) + 0.5) / f64::from(GAPS);
-        let mobility = opening_mobility(pair, gap, detail(model)).ok()?;
+        let mobility = relative_axial_mobility(pair, gap, pair_model(model)).ok()?;
         Some(repulsion.stiffness(gap, pair) * mobility / model.viscosity)
     };
     let fastest = (0..GAPS).map(rate).try_fold(0.0, |fastest: f64, rate| Some(fastest.max(rate?)))?;
     (fastest > 0.0).then(|| stable / fastest)
 }
 
-fn detail(model: &Model) -> Detail {
+fn pair_model(model: &Model) -> PairModel {
     match model.hydrodynamics.multipoles {
-        Multipoles::Monopole => Detail::Forces,
-        Multipoles::Dipole if model.hydrodynamics.lubrication => Detail::Exact,
-        Multipoles::Dipole => Detail::Rigid,
+        Multipoles::Monopole => PairModel::Forces,
+        Multipoles::Dipole if model.hydrodynamics.lubrication => PairModel::Exact,
+        Multipoles::Dipole => PairModel::Rigid,
     }
 }

@@ -136,7 +136,7 @@ impl Substep<'_> {
         dynamics: &Dynamics,
     ) -> Known {
         let comm = dynamics.partition().comm();
-        let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.closest(), self.control.tolerance]);
+        let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.minimum_gap(), self.control.tolerance]);
         let carry = dynamics.periodic_cell().carry(step, [0.0; 3]);
         let gaps = approach.carried_by(carry).after_orders(*orders, least, comm);
         let of_gaps = Estimate { error: gaps.error, roughness: gaps.roughness };

@@ -24,7 +24,7 @@ pub fn moved_apart<const N: usize>(
     dynamics: &Dynamics,
 ) -> Option<Vec<Vector>> {
     let Some(range) = dynamics.lubrication() else { return Some(Vec::new()) };
-    approach.apart(weights, range.closest(), dynamics.partition().comm())
+    approach.apart(weights, range.minimum_gap(), dynamics.partition().comm())
 }
 
 /// Largest displacement over the radius, for displacements that are sums of `weights[k]` times column `k`; infinite if

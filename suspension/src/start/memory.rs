@@ -162,7 +162,7 @@ impl Share<'_> {
     fn range(&self) -> Option<LubricationRange> {
         let chosen = &self.model.hydrodynamics;
         let cutoff = chosen.lubrication_cutoff.unwrap_or(LubricationRange::WIDE);
-        chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::CLOSEST).ok()).flatten()
+        chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP).ok()).flatten()
     }
 
     /// Gaps at which forces between near spheres are part of the solve: lubrication, or implicit repulsion.
@@ -170,7 +170,7 @@ impl Share<'_> {
         let springs = || {
             let repulsion = SurfaceForces::of(self.model).ok()?.repulsion.filter(|_| self.is_implicit())?;
             let largest = self.expected.largest_radius();
-            LubricationRange::new(repulsion.reach([largest; 2]) / largest - 2.0, LubricationRange::CLOSEST).ok()
+            LubricationRange::new(repulsion.reach([largest; 2]) / largest - 2.0, LubricationRange::MINIMUM_GAP).ok()
         };
         self.range().or_else(springs)
     }

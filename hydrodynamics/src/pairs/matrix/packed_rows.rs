@@ -6,7 +6,7 @@ use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
 use crate::pairs::matrix::row_sums::{InStrain, Sums};
 use crate::pairs::matrix::sparse::{Group, MomentGroup};
 use domain::{Traceless, Vector};
-use lubrication::{Arithmetic, Coefficients, RECORD, SIDE, Side};
+use lubrication::{Arithmetic, Coefficients, RECORD, SPHERE_ROW, SphereRow};
 use solver::simd::Vector as Width;
 
 /// A pair of a row, with the separation from its particle to the other.
@@ -33,7 +33,7 @@ pub trait Kind<const N: usize> {
     );
 
     /// Resistance coefficients of the rows' spheres, one pair per lane, from these numbers.
-    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> Side<Lanes<V>>;
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> SphereRow<Lanes<V>>;
 }
 
 /// Pairs of one kind from several rows, one pair per lane.
@@ -152,7 +152,7 @@ impl Kind<STIFF> for Stiff<'_> {
     }
 
     #[inline(always)]
-    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; STIFF]) -> Side<Lanes<V>> {
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; STIFF]) -> SphereRow<Lanes<V>> {
         let mut record = [Lanes::<V>::constant(0.0); RECORD];
         for k in 0..RECORD {
             record[k] = Lanes::read(&numbers[k]);
@@ -160,27 +160,27 @@ impl Kind<STIFF> for Stiff<'_> {
         let mut coefficients = Coefficients::of(&record);
         let spring = Lanes::read(&numbers[SPRING]);
         for k in 0..2 {
-            coefficients.along[k][k] = coefficients.along[k][k] + spring;
-            coefficients.along[k][1 - k] = coefficients.along[k][1 - k] - spring;
+            coefficients.xa[k][k] = coefficients.xa[k][k] + spring;
+            coefficients.xa[k][1 - k] = coefficients.xa[k][1 - k] - spring;
         }
         if self.touch {
             self.touching.add_to(&mut coefficients);
         }
-        Side::of(&coefficients, Lanes::read(&numbers[IS_LARGER]))
+        SphereRow::of(&coefficients, Lanes::read(&numbers[IS_LARGER]))
     }
 }
 
 /// Soft pairs, with weak lubrication alone.
 pub struct Soft<'a>(pub Option<&'a PairLubrication>);
 
-impl Kind<SIDE> for Soft<'_> {
+impl Kind<SPHERE_ROW> for Soft<'_> {
     #[inline(always)]
     fn write<V: Width<f64>>(
         &mut self,
         _lane: usize,
         (pair, _radii): (&NearPair, [f64; 2]),
         _spring: Option<&[f64; 3]>,
-        numbers: &mut [f64; SIDE],
+        numbers: &mut [f64; SPHERE_ROW],
     ) {
         if let Some(lubrication) = self.0 {
             lubrication.soft.record::<Lanes<V>>(pair.distance, pair.species, numbers);
@@ -188,33 +188,33 @@ impl Kind<SIDE> for Soft<'_> {
     }
 
     #[inline(always)]
-    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; SIDE]) -> Side<Lanes<V>> {
-        let mut lanes = [Lanes::<V>::constant(0.0); SIDE];
-        for k in 0..SIDE {
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; SPHERE_ROW]) -> SphereRow<Lanes<V>> {
+        let mut lanes = [Lanes::<V>::constant(0.0); SPHERE_ROW];
+        for k in 0..SPHERE_ROW {
             lanes[k] = Lanes::read(&numbers[k]);
         }
-        Side::from_numbers(&lanes)
+        SphereRow::from_numbers(&lanes)
     }
 }
 
 impl<T: Stored> Group<T> {
     /// Sets the coefficients of loads due to the motion of the other particle.
     #[inline(always)]
-    fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
-        T::store(side.across[1], &mut self.across);
-        T::store(side.along[1] - side.across[1], &mut self.along);
-        T::store(side.roll[1], &mut self.roll);
-        T::store(side.spin[1] - side.roll[1], &mut self.spin);
-        T::store(side.coupling[1], &mut self.coupling[0]);
-        T::store(side.leverage, &mut self.coupling[1]);
+    fn set<V: Width<f64>>(&mut self, side: &SphereRow<Lanes<V>>) {
+        T::store(side.ya[1], &mut self.across);
+        T::store(side.xa[1] - side.ya[1], &mut self.along);
+        T::store(side.yc[1], &mut self.roll);
+        T::store(side.xc[1] - side.yc[1], &mut self.spin);
+        T::store(side.yb[1], &mut self.coupling[0]);
+        T::store(side.yb_other, &mut self.coupling[1]);
     }
 }
 
 impl<T: Stored> MomentGroup<T> {
     /// Sets the coefficients of the first moments.
     #[inline(always)]
-    fn set<V: Width<f64>>(&mut self, side: &Side<Lanes<V>>) {
-        for (both, to) in [(side.pull, &mut self.pull), (side.drag, &mut self.drag), (side.turn, &mut self.turn)] {
+    fn set<V: Width<f64>>(&mut self, side: &SphereRow<Lanes<V>>) {
+        for (both, to) in [(side.xg, &mut self.pull), (side.yg, &mut self.drag), (side.yh, &mut self.turn)] {
             T::store(both[0], &mut to[0]);
             T::store(both[1], &mut to[1]);
         }

@@ -5,7 +5,7 @@ use crate::pairs::matrix::lanes::{LANES, Lanes};
 use crate::pairs::matrix::sparse::{add_tensor, scattered};
 use crate::six_vector::SixVector;
 use domain::Traceless;
-use lubrication::{Arithmetic, Side};
+use lubrication::{Arithmetic, SphereRow};
 use solver::simd::Vector as Width;
 
 /// Sums of the diagonal blocks.
@@ -35,9 +35,9 @@ impl<V: Width<f64>> Sums<V> {
 
     /// Adds one pair of each row, along the axes `z`.
     #[inline(always)]
-    pub fn add(&mut self, side: &Side<Lanes<V>>, z: [Lanes<V>; 3]) {
-        let (across, roll, coupling) = (side.across[0], side.roll[0], side.coupling[0]);
-        let (along, spin) = (side.along[0] - across, side.spin[0] - roll);
+    pub fn add(&mut self, side: &SphereRow<Lanes<V>>, z: [Lanes<V>; 3]) {
+        let (across, roll, coupling) = (side.ya[0], side.yc[0], side.yb[0]);
+        let (along, spin) = (side.xa[0] - across, side.xc[0] - roll);
         for (k, (i, j)) in SYMMETRIC.into_iter().enumerate() {
             self.force[k] = self.force[k].plus(along * z[i], z[j]);
             self.torque[k] = self.torque[k].plus(spin * z[i], z[j]);
@@ -78,7 +78,7 @@ impl<V: Width<f64>> InStrain<V> {
     #[inline(always)]
     pub fn add(
         &mut self,
-        side: &Side<Lanes<V>>,
+        side: &SphereRow<Lanes<V>>,
         z: [Lanes<V>; 3],
         (ambient, [sloping_x, sloping_y]): (Traceless, [Lanes<V>; 2]),
     ) {
@@ -94,7 +94,7 @@ impl<V: Width<f64>> InStrain<V> {
         for i in 0..3 {
             across[i] = across[i] - along * z[i];
         }
-        let (push, slide, twist, bend) = (side.push * along, side.slide, side.twist, side.bend);
+        let (push, slide, twist, bend) = (side.xg_strain * along, side.yg_strain, side.yh_strain, side.ym_minus_zm);
         let mut shear = across;
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -102,8 +102,8 @@ impl<V: Width<f64>> InStrain<V> {
             self.torque[i] = self.torque[i].plus(twist, z[j] * across[k] - z[k] * across[j]);
             shear[i] = bend * across[i];
         }
-        add_tensor(side.stretch * along, shear, z, &mut self.moment);
-        let bulk = side.bulk;
+        add_tensor(side.xm_minus_zm_half * along, shear, z, &mut self.moment);
+        let bulk = side.zm;
         for (k, component) in ambient.0.into_iter().enumerate() {
             self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
         }

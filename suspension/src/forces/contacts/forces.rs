@@ -14,7 +14,7 @@ pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) 
     let row = contact.rows[0];
     let normal = law.force(contact.overlap, contact.between);
     let state = match contact.memory.shares[0] {
-        _ if law.cone(normal) <= 0.0 => ContactState::Frictionless,
+        _ if law.coulomb_limit(normal) <= 0.0 => ContactState::Frictionless,
         share if share < 1.0 => ContactState::Sliding,
         _ => ContactState::Sticking,
     };

@@ -43,7 +43,7 @@ impl Measured {
             let moment = Tensor::from_cols(arm * force.x, arm * force.y, arm * force.z);
             moments[contact.rows[0]] += (moment + moment.transpose()) * 0.5;
             sums.contacts += 1.0;
-            sums.frictional += f64::from(u8::from(law.cone(normal) > 0.0));
+            sums.frictional += f64::from(u8::from(law.coulomb_limit(normal) > 0.0));
             sums.sliding += f64::from(u8::from(contact.memory.shares[0] < 1.0));
             let across = [contact.memory.force, contact.memory.rolling];
             // A contact of two spheres is in the sum twice.

@@ -262,7 +262,7 @@ impl ContactForcing {
             let force = contact.memory.force + spring * slip;
             let rolled = contact.rolling(&angular) + self.flow.rolled(contact);
             let rolling = contact.memory.rolling + spring * rolled;
-            let most = [self.law.cone(normal), self.law.rolling_friction * normal];
+            let most = [self.law.coulomb_limit(normal), self.law.rolling_friction * normal];
             let shares = [share(force, most[0]), share(rolling, most[1])];
             let memory = Memory { force: shares[0] * force, rolling: shares[1] * rolling, normal, shares };
             (contact.rows[0], contact.other, memory)

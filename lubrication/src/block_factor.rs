@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::dense::{Square, eigen};
-use crate::two_sphere::blocks::{Blocks, change, from_gap_coordinates};
+use crate::two_sphere::blocks::{ResistanceBlocks, change, from_gap_coordinates};
 
 /// Negative eigenvalues are smoothed to zero over this fraction of the sum of all eigenvalues of a block.
 const SOFTNESS: f64 = 1e-5;
@@ -23,9 +23,9 @@ pub const LANES: usize = 40;
 /// Spheres are rigid, so `e` is known: minus the ambient rate of strain. Only `L L^T` is part of a system of
 /// equations, and it is positive semi-definite for any `L`. `C` and `M` are exact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Part<const N: usize, const K: usize = 2> {
+pub struct BlockFactor<const N: usize, const K: usize = 2> {
     /// `L`; rows are velocities, columns modes.
-    pub root: Square<N>,
+    pub factor: Square<N>,
     /// `C`
     pub coupling: [[f64; K]; N],
     /// `M`
@@ -37,13 +37,13 @@ pub struct Part<const N: usize, const K: usize = 2> {
 /// The axial one is in gap coordinates (see [`from_gap_coordinates`]), with the velocities `(w, c)`. Its first mode
 /// is the approach of the surfaces, the only one that diverges with the inverse gap.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Roots {
+pub struct PairFactors {
     /// `(w, c)` and `(e1, e2)` along the line of centres.
-    pub axial: Part<2>,
+    pub axial: BlockFactor<2>,
     /// `L` for `(Omega1, Omega2)` along the line of centres.
     pub spin: Square<2>,
     /// `(U1, U2, Omega1, Omega2)` and `(e1, e2)` normal to it.
-    pub transverse: Part<4>,
+    pub transverse: BlockFactor<4>,
     /// `M` for `(e1, e2)` in the normal plane.
     pub planar: Square<2>,
 }
@@ -51,14 +51,14 @@ pub struct Roots {
 /// Square roots of the resistances of single spheres of radii 1 and `ratio`, by which the blocks are made
 /// dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scales {
+pub struct FactorScales {
     axial: [f64; 2],
     spin: [f64; 2],
     transverse: [f64; 4],
     strain: [f64; 2],
 }
 
-impl Scales {
+impl FactorScales {
     /// For radii 1 and `ratio`, viscosity 1.
     pub fn new(ratio: f64) -> Self {
         let root = |factor: f64, power: i32| [1.0, ratio].map(|a| (factor * PI * a.powi(power)).sqrt());
@@ -68,17 +68,17 @@ impl Scales {
 }
 
 /// Dimensionless numbers of a pair, lower triangles one after another.
-pub fn flat_roots(exact: &Blocks, known: &Blocks, ratio: f64) -> [f64; LANES] {
-    let scales = Scales::new(ratio);
+pub fn flat_factors(exact: &ResistanceBlocks, known: &ResistanceBlocks, ratio: f64) -> [f64; LANES] {
+    let scales = FactorScales::new(ratio);
     let gap = from_gap_coordinates([1.0, ratio]);
     let axial = difference(&change(&exact.axial, &gap), &change(&known.axial, &gap));
     // Reordered from (c, w, e1, e2).
     let order = [1, 0, 2, 3];
     let axial: Square<4> = std::array::from_fn(|i| std::array::from_fn(|j| axial[order[i]][order[j]]));
-    let axial = part(&axial, &scales.axial, &scales.strain, bordered_root);
-    let spin = root(&reduced(&difference(&exact.spin, &known.spin), &scales.spin));
+    let axial = part(&axial, &scales.axial, &scales.strain, bordered_factor);
+    let spin = symmetric_root(&reduced(&difference(&exact.spin, &known.spin), &scales.spin));
     let transverse = difference(&exact.transverse, &known.transverse);
-    let transverse = part(&transverse, &scales.transverse, &scales.strain, root);
+    let transverse = part(&transverse, &scales.transverse, &scales.strain, symmetric_root);
     let planar = reduced(&difference(&exact.planar, &known.planar), &scales.strain);
     let mut lanes = [0.0; LANES];
     let values = axial.into_iter().chain(lower(&spin)).chain(transverse).chain(lower(&planar));
@@ -86,22 +86,22 @@ pub fn flat_roots(exact: &Blocks, known: &Blocks, ratio: f64) -> [f64; LANES] {
     lanes
 }
 
-impl Roots {
-    /// From the lanes of `flat_roots`, for a resistance larger by `factor` squared.
-    pub fn from_flat(lanes: &[f64; LANES], factor: f64, scales: &Scales) -> Self {
+impl PairFactors {
+    /// From the lanes of `flat_factors`, for a resistance larger by `factor` squared.
+    pub fn from_flat(lanes: &[f64; LANES], factor: f64, scales: &FactorScales) -> Self {
         let lanes = &mut lanes.iter().copied();
-        let mut axial = Part::from_lanes(lanes, &scales.axial, &scales.strain, factor);
-        axial.root[0][1] = 0.0;
+        let mut axial = BlockFactor::from_lanes(lanes, &scales.axial, &scales.strain, factor);
+        axial.factor[0][1] = 0.0;
         Self {
             axial,
             spin: scaled(symmetric(lanes), &scales.spin, [factor; 2]),
-            transverse: Part::from_lanes(lanes, &scales.transverse, &scales.strain, factor),
+            transverse: BlockFactor::from_lanes(lanes, &scales.transverse, &scales.strain, factor),
             planar: scaled(symmetric(lanes), &scales.strain, scales.strain.map(|s| factor * factor * s)),
         }
     }
 }
 
-impl<const N: usize, const K: usize> Part<N, K> {
+impl<const N: usize, const K: usize> BlockFactor<N, K> {
     /// From the next lanes, for a resistance larger by `factor` squared.
     pub fn from_lanes(
         lanes: &mut impl Iterator<Item = f64>,
@@ -111,7 +111,7 @@ impl<const N: usize, const K: usize> Part<N, K> {
     ) -> Self {
         let columns = strain.map(|s| factor * factor * s);
         Self {
-            root: scaled(symmetric(lanes), scales, [factor; N]),
+            factor: scaled(symmetric(lanes), scales, [factor; N]),
             coupling: scaled(rows(lanes), scales, columns),
             strain: scaled(symmetric(lanes), strain, columns),
         }
@@ -160,7 +160,7 @@ fn rows<const N: usize, const M: usize>(lanes: &mut impl Iterator<Item = f64>) -
 
 /// Cholesky factor, so that the first column alone is singular. If no `L` reproduces both entries of the last row,
 /// the diagonal one is changed: the drag of the pair as a whole.
-fn bordered_root(matrix: &Square<2>) -> Square<2> {
+fn bordered_factor(matrix: &Square<2>) -> Square<2> {
     let pivot = matrix[0][0].max(0.0).sqrt();
     // A vanishing pivot, as of spheres far apart, must not amplify the entries below.
     let below = matrix[1][0] * pivot / (pivot * pivot + FAINT);
@@ -170,7 +170,7 @@ fn bordered_root(matrix: &Square<2>) -> Square<2> {
 
 /// Symmetric square root of the positive part: eigenvalues `v` become `(v + sqrt(v² + 4 d²))/2` with a small `d`,
 /// which is smooth where one changes sign.
-pub fn root<const N: usize>(matrix: &Square<N>) -> Square<N> {
+pub fn symmetric_root<const N: usize>(matrix: &Square<N>) -> Square<N> {
     let (values, vectors) = eigen(*matrix);
     let softness = SOFTNESS * values.iter().map(|v| v.abs()).sum::<f64>();
     let roots = values.map(|v| positive_part(v, softness).sqrt());

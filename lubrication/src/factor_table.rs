@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::arithmetic::Arithmetic;
+use crate::block_factor::{FactorScales, LANES, PairFactors, flat_factors};
 use crate::chebyshev::{Chebyshev, Powers, Samples};
 use crate::coefficients::{RECORD, sizes};
 use crate::far_field;
-use crate::root::{LANES, Roots, Scales, flat_roots};
-use crate::two_sphere::blocks::Blocks;
+use crate::two_sphere::blocks::ResistanceBlocks;
 use crate::two_sphere::{TwoSphere, TwoSphereError};
 
 /// Smallest tabulated gap over the smaller radius.
@@ -24,15 +24,15 @@ pub const NODES: usize = 8;
 /// `h` relative to the piece's geometric mean `m`, as functions of `(h - m) / (h + m)`: nearly half the logarithm of
 /// `h / m`, and as smooth, but computed without a logarithm.
 #[derive(Debug)]
-pub struct RootTable {
-    pieces: Vec<Piece>,
-    scales: Scales,
+pub struct FactorTable {
+    pieces: Vec<TablePiece>,
+    scales: FactorScales,
     sizes: [f64; 4],
 }
 
 /// Table between two gaps.
 #[derive(Debug)]
-struct Piece {
+struct TablePiece {
     /// Geometric mean of the two gaps.
     mean: f64,
     powers: Powers<LANES, NODES>,
@@ -43,12 +43,12 @@ const FIRST: i32 = -24;
 const _: () = assert!(CLOSEST > 1.0 / (1_u64 << -FIRST) as f64, "the closest gap is in a piece");
 
 /// Table of one ratio, computed by the first thread that needs it while others wait.
-type Entry = Arc<OnceLock<Arc<RootTable>>>;
+type SharedTable = Arc<OnceLock<Arc<FactorTable>>>;
 
-impl RootTable {
+impl FactorTable {
     /// Table of a ratio of at least 1; computed at the first call, then shared.
     pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
-        static TABLES: OnceLock<Mutex<HashMap<u64, Entry>>> = OnceLock::new();
+        static TABLES: OnceLock<Mutex<HashMap<u64, SharedTable>>> = OnceLock::new();
         let exact = TwoSphere::with_ratio(ratio)?;
         let tables = TABLES.get_or_init(Mutex::default);
         let entry =
@@ -58,10 +58,10 @@ impl RootTable {
 
     /// Factors at a gap between the closest and the farthest, times `factor`, with numbers of any width.
     #[inline(always)]
-    pub fn at<X: Arithmetic>(&self, gap: f64, factor: f64) -> Roots {
+    pub fn at<X: Arithmetic>(&self, gap: f64, factor: f64) -> PairFactors {
         let mut lanes = [0.0; LANES];
         self.write::<X>(gap, &mut lanes);
-        Roots::from_flat(&lanes, factor, &self.scales)
+        PairFactors::from_flat(&lanes, factor, &self.scales)
     }
 
     /// Writes the record from which coefficients are computed, at such a gap and for a given smaller radius, for a
@@ -82,7 +82,7 @@ impl RootTable {
 
     /// Bytes of the table of a ratio.
     pub fn bytes(ratio: f64) -> f64 {
-        Self::pieces_of(ratio) as f64 * (size_of::<Piece>() + size_of::<Samples<LANES, NODES>>()) as f64
+        Self::pieces_of(ratio) as f64 * (size_of::<TablePiece>() + size_of::<Samples<LANES, NODES>>()) as f64
     }
 
     fn pieces_of(ratio: f64) -> usize {
@@ -92,11 +92,11 @@ impl RootTable {
     fn compute(exact: &TwoSphere) -> Self {
         let piece = |k: usize| {
             let mean = mean_of(k);
-            Piece { mean, powers: of_gaps(mean, |gap| roots(exact, gap)) }
+            TablePiece { mean, powers: of_gaps(mean, |gap| factors_at(exact, gap)) }
         };
         Self {
             pieces: (0..Self::pieces_of(exact.ratio())).map(piece).collect(),
-            scales: Scales::new(exact.ratio()),
+            scales: FactorScales::new(exact.ratio()),
             sizes: sizes(exact.ratio()),
         }
     }
@@ -131,10 +131,10 @@ pub fn piece_of(gap: f64) -> usize {
 }
 
 /// Factors at one gap, without interpolation.
-fn roots(exact: &TwoSphere, gap: f64) -> [f64; LANES] {
+fn factors_at(exact: &TwoSphere, gap: f64) -> [f64; LANES] {
     let radii = [1.0, exact.ratio()];
     let known = far_field::resistance(radii, radii[0] + radii[1] + gap);
-    flat_roots(&Blocks::exact(&exact.at(gap), radii), &known, exact.ratio())
+    flat_factors(&ResistanceBlocks::exact(&exact.at(gap), radii), &known, exact.ratio())
 }
 
 #[cfg(test)]
@@ -142,18 +142,18 @@ mod tests {
     use super::*;
 
     /// `L L^T` of the largest block.
-    fn product(roots: &Roots) -> Vec<f64> {
-        let root = &roots.transverse.root;
-        let entry = |i: usize, j: usize| (0..4).map(|k| root[i][k] * root[j][k]).sum();
+    fn product(factors: &PairFactors) -> Vec<f64> {
+        let factor = &factors.transverse.factor;
+        let entry = |i: usize, j: usize| (0..4).map(|k| factor[i][k] * factor[j][k]).sum();
         (0..16).map(|k| entry(k / 4, k % 4)).collect()
     }
 
     #[test]
     fn bytes_are_those_of_its_pieces() {
         for ratio in [1.0, 2.0] {
-            let table = RootTable::with_ratio(ratio).unwrap();
+            let table = FactorTable::with_ratio(ratio).unwrap();
             let piece = size_of_val(&table.pieces[0]) + size_of::<Samples<LANES, NODES>>();
-            assert_eq!(RootTable::bytes(ratio) as usize, table.pieces.len() * piece);
+            assert_eq!(FactorTable::bytes(ratio) as usize, table.pieces.len() * piece);
         }
     }
 
@@ -161,14 +161,14 @@ mod tests {
     fn interpolates_between_the_nodes() {
         for ratio in [1.0, 2.0] {
             let exact = TwoSphere::with_ratio(ratio).unwrap();
-            let table = RootTable::with_ratio(ratio).unwrap();
+            let table = FactorTable::with_ratio(ratio).unwrap();
             for k in 0..60 {
                 let gap = 1.3e-6 * 1.29_f64.powi(k);
                 let (wanted, found) =
-                    (Roots::from_flat(&roots(&exact, gap), 1.0, &table.scales), table.at::<f64>(gap, 1.0));
+                    (PairFactors::from_flat(&factors_at(&exact, gap), 1.0, &table.scales), table.at::<f64>(gap, 1.0));
                 // The approach of the surfaces is smooth; eigenvalues that change sign perturb the other modes by
                 // 1e-4 of the drag.
-                assert!(gap > 1.0 || (found.axial.root[0][0] / wanted.axial.root[0][0] - 1.0).abs() < 1e-9);
+                assert!(gap > 1.0 || (found.axial.factor[0][0] / wanted.axial.factor[0][0] - 1.0).abs() < 1e-9);
                 let worst =
                     product(&found).iter().zip(product(&wanted)).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
                 assert!(worst < 1e-3 * 6.0 * std::f64::consts::PI, "ratio {ratio} gap {gap}: off by {worst}");

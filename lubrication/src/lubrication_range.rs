@@ -2,20 +2,20 @@
 
 use thiserror::Error;
 
-use crate::root_table::{CLOSEST, FARTHEST};
+use crate::factor_table::{CLOSEST, FARTHEST};
 use crate::wall_table;
 
 /// Range of gaps of the lubrication correction: its cutoff over the larger radius of a pair, with which the errors of
 /// the far field scale, and the gap below which the correction is constant, over the mean radius.
 ///
 /// At gaps above `TAPER * cutoff` the correction is multiplied by a factor that falls to zero at the cutoff with two
-/// continuous derivatives. Below the gap `closest` the correction is constant, also for spheres that overlap unless
-/// they are to separate again, see [`Self::parting`].
+/// continuous derivatives. Below the gap `minimum_gap` the correction is constant, also for spheres that overlap unless
+/// they are to separate again, see [`Self::separating`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LubricationRange {
     cutoff: f64,
-    closest: f64,
-    parts: bool,
+    minimum_gap: f64,
+    separates_overlaps: bool,
 }
 
 /// An invalid range.
@@ -32,7 +32,7 @@ pub enum RangeError {
         "closest gap of lubrication is {0}; it is a gap over the mean radius: give a number from 1e-6 to a tenth of \
          the cutoff"
     )]
-    Closest(f64),
+    MinimumGap(f64),
 }
 
 impl LubricationRange {
@@ -41,19 +41,19 @@ impl LubricationRange {
     /// Cutoff of Dance & Maxey (2003) and Yeo & Maxey (2010); the correction is still large there.
     pub const NARROW: f64 = 0.2;
     /// Default of the gap below which lubrication is constant.
-    pub const CLOSEST: f64 = 1e-6;
+    pub const MINIMUM_GAP: f64 = 1e-6;
     /// Fraction of the cutoff up to which the correction is not tapered.
     pub const TAPER: f64 = 0.75;
 
-    /// Lubrication at gaps up to `cutoff`, constant below the gap `closest`.
-    pub fn new(cutoff: f64, closest: f64) -> Result<Self, RangeError> {
+    /// Lubrication at gaps up to `cutoff`, constant below the gap `minimum_gap`.
+    pub fn new(cutoff: f64, minimum_gap: f64) -> Result<Self, RangeError> {
         if !(cutoff > 1e-3 && cutoff <= FARTHEST) {
             return Err(RangeError::Cutoff(cutoff));
         }
-        if !(closest >= 10.0 * CLOSEST && closest <= 0.1 * cutoff) {
-            return Err(RangeError::Closest(closest));
+        if !(minimum_gap >= 10.0 * CLOSEST && minimum_gap <= 0.1 * cutoff) {
+            return Err(RangeError::MinimumGap(minimum_gap));
         }
-        Ok(Self { cutoff, closest, parts: false })
+        Ok(Self { cutoff, minimum_gap, separates_overlaps: false })
     }
 
     /// Gap at which the correction ends, over the larger radius.
@@ -62,23 +62,23 @@ impl LubricationRange {
     }
 
     /// Gap below which the correction is constant, over the mean radius.
-    pub fn closest(&self) -> f64 {
-        self.closest
+    pub fn minimum_gap(&self) -> f64 {
+        self.minimum_gap
     }
 
     /// The same for spheres that Brownian displacements bring into overlap: overlapping spheres are lubricated as at
     /// a gap equal to the overlap. At the closest gap they would separate a million times more slowly under forces,
     /// and hardly at all by Brownian motion.
     #[must_use]
-    pub fn parting(self) -> Self {
-        Self { parts: true, ..self }
+    pub fn separating(self) -> Self {
+        Self { separates_overlaps: true, ..self }
     }
 
-    /// Gap at which the correction of a pair is evaluated, bounded below by `closest`.
+    /// Gap at which the correction of a pair is evaluated, bounded below by `minimum_gap`.
     #[inline(always)]
-    pub(crate) fn counted(&self, gap: f64, closest: f64) -> f64 {
-        let gap = if self.parts { gap.abs() } else { gap };
-        gap.max(closest)
+    pub(crate) fn effective_gap(&self, gap: f64, minimum_gap: f64) -> f64 {
+        let gap = if self.separates_overlaps { gap.abs() } else { gap };
+        gap.max(minimum_gap)
     }
 
     /// Range for a sphere and a wall, with gaps over its radius: the errors of the far field extend less far than
@@ -91,12 +91,12 @@ impl LubricationRange {
     /// Taper of the factor `B` of the correction at a gap over the larger radius: the square root of a quintic step
     /// from 1 to 0.
     pub(crate) fn taper(&self, gap: f64) -> f64 {
-        self.share(gap).sqrt()
+        self.taper_factor(gap).sqrt()
     }
 
     /// Taper of the correction itself.
     #[inline(always)]
-    pub(crate) fn share(&self, gap: f64) -> f64 {
+    pub(crate) fn taper_factor(&self, gap: f64) -> f64 {
         let x = ((1.0 - gap / self.cutoff) / (1.0 - Self::TAPER)).clamp(0.0, 1.0);
         x * x * x * (10.0 - x * (15.0 - 6.0 * x))
     }
@@ -104,6 +104,6 @@ impl LubricationRange {
 
 impl Default for LubricationRange {
     fn default() -> Self {
-        Self { cutoff: Self::WIDE, closest: Self::CLOSEST, parts: false }
+        Self { cutoff: Self::WIDE, minimum_gap: Self::MINIMUM_GAP, separates_overlaps: false }
     }
 }

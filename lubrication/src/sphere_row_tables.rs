@@ -3,59 +3,59 @@
 use crate::arithmetic::Arithmetic;
 use crate::chebyshev::Powers;
 use crate::coefficients::{Coefficients, RECORD};
+use crate::factor_table::{NODES, mean_of, of_gaps, piece_of, relative};
+use crate::lubrication_range::LubricationRange;
 use crate::pair_force::PairForce;
-use crate::range::LubricationRange;
-use crate::root_table::{NODES, mean_of, of_gaps, piece_of, relative};
-use crate::side::{SIDE, Side};
+use crate::sphere_row::{SPHERE_ROW, SphereRow};
 
 /// Coefficients of each sphere of a pair by the correction of a [`PairForce`], interpolated between the same gaps as
 /// its factors, for pairs beyond some gap. There they take half the numbers, and no products of them. Near contact,
 /// where resistances are large and nearly cancel, only products of factors are positive semi-definite whatever the
 /// rounding.
 #[derive(Debug)]
-pub struct SideTables {
+pub struct SphereRowTables {
     species: usize,
     range: LubricationRange,
     /// By pair of species, the species of the sphere itself first.
-    tables: Vec<SideTable>,
+    tables: Vec<SphereRowTable>,
 }
 
 #[derive(Debug)]
-struct SideTable {
+struct SphereRowTable {
     sum: f64,
     over_small: f64,
     over_large: f64,
     /// Index of its first piece among those of the factors.
     first: usize,
-    pieces: Vec<(f64, Powers<SIDE, NODES>)>,
+    pieces: Vec<(f64, Powers<SPHERE_ROW, NODES>)>,
 }
 
-impl SideTables {
+impl SphereRowTables {
     /// For pairs of species at gaps from `least` on.
     pub fn new(force: &PairForce, least: impl Fn([u32; 2]) -> f64) -> Self {
         let species = force.radii().len();
         let table = |k: usize| {
             let pair = [(k / species) as u32, (k % species) as u32];
-            SideTable::new(force, pair, least(pair))
+            SphereRowTable::new(force, pair, least(pair))
         };
         Self { species, range: force.range(), tables: (0..species * species).map(table).collect() }
     }
 
-    /// Writes the numbers of a [`Side`] for the first of two spheres of these species, at a distance of the centres
-    /// within the cutoff, with numbers of any width.
+    /// Writes the numbers of a [`SphereRow`] for the first of two spheres of these species, at a distance of the
+    /// centres within the cutoff, with numbers of any width.
     #[inline(always)]
-    pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; SIDE]) {
+    pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; SPHERE_ROW]) {
         let table = &self.tables[species[0] as usize * self.species + species[1] as usize];
         let gap = distance - table.sum;
         let scaled = gap * table.over_small;
         let piece = piece_of(scaled).saturating_sub(table.first).min(table.pieces.len() - 1);
         let (mean, powers) = &table.pieces[piece];
         powers.write::<X, 3>(relative(scaled, *mean), record);
-        record[SIDE - 1] = self.range.share(gap * table.over_large);
+        record[SPHERE_ROW - 1] = self.range.taper_factor(gap * table.over_large);
     }
 }
 
-impl SideTable {
+impl SphereRowTable {
     fn new(force: &PairForce, pair: [u32; 2], least: f64) -> Self {
         let [own, other] = pair.map(|s| force.radii()[s as usize]);
         let (small, large) = (own.min(other), own.max(other));
@@ -63,7 +63,7 @@ impl SideTable {
         let side = |gap: f64| {
             let mut record = [0.0; RECORD];
             force.whole_record(own + other + gap * small, pair, &mut record);
-            Side::of(&Coefficients::of(&record), is_larger).numbers()
+            SphereRow::of(&Coefficients::of(&record), is_larger).numbers()
         };
         let of_piece = |piece: usize| (mean_of(piece), of_gaps(mean_of(piece), side));
         let (first, last) = (piece_of(least / small), piece_of(force.range().cutoff() * large / small));
@@ -86,17 +86,17 @@ mod tests {
     fn sides_are_those_of_the_coefficients() {
         let force = PairForce::new(&[1.0, 1.7], 0.8, LubricationRange::default()).unwrap();
         let least = 0.3;
-        let sides = SideTables::new(&force, |_| least);
+        let sides = SphereRowTables::new(&force, |_| least);
         for pair in [[0, 0], [0, 1], [1, 0], [1, 1]] {
             let [own, other] = pair.map(|s: u32| force.radii()[s as usize]);
             let (mut worst, mut gap) = (0.0_f64, least);
             while gap < 2.5 * own.max(other) {
                 let distance = own + other + gap;
                 let coefficients = force.coefficients(distance, pair).unwrap();
-                let expected = Side::of(&coefficients, f64::from(u8::from(own > other))).numbers();
-                let mut record = [0.0; SIDE];
+                let expected = SphereRow::of(&coefficients, f64::from(u8::from(own > other))).numbers();
+                let mut record = [0.0; SPHERE_ROW];
                 sides.record::<f64>(distance, pair, &mut record);
-                let found = Side::from_numbers(&record).numbers();
+                let found = SphereRow::from_numbers(&record).numbers();
                 let scale = 6.0 * std::f64::consts::PI * 0.8 * own.max(other).powi(3);
                 let off = found.iter().zip(expected).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
                 worst = worst.max(off / scale);
