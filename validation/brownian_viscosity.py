@@ -31,8 +31,8 @@ MEMORY = 1.5
 
 
 def rows(rate, step, length, every, frames=0):
-    """The time series of a run at a rate, with step and length in times of diffusion, a row every so many steps, and so many
-    configurations."""
+    """The time series of a run at a shear rate. The step and the length are in times of diffusion; a row is written every `every`
+    steps, and `frames` configurations in all."""
     scene = f"""seed = 5
 box.edges = [{EDGE}, {EDGE}, {EDGE}]
 fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}

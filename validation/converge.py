@@ -35,7 +35,7 @@ def made(name, quantity, settings):
     command = [PROGRAM, "converge", scene, "--of", quantity, "--out", folder, *sets]
     ended = subprocess.run(command, stdout=subprocess.PIPE, text=True)
     if ended.returncode:
-        raise SystemExit(f"{name} ended with {ended.returncode}: the same command goes on")
+        raise SystemExit(f"{name} ended with {ended.returncode}: the same command continues")
     typed = " ".join([f"fcm-solve converge {name}.toml --of {quantity}", *map(words, settings)])
     print(ended.stdout, flush=True)
     return ["```console", f"$ fcm-solve new {name} > {name}.toml", f"$ {typed}", *ended.stdout.splitlines(), "```", ""]

@@ -119,7 +119,7 @@ def free(case, row):
 
 
 def two_walls(lubrication):
-    """The motion of one sphere between two walls beside the exact one, the largest relative error of its velocities up to
+    """The motion of one sphere between two walls and the exact one, the largest relative error of its velocities up to
     `WIDEST`, and that of its velocity across up to `WIDEST_ACROSS`."""
     lines, errors, across = [], [], []
     for row in rows_of("sphere-two-walls.csv"):

@@ -70,7 +70,7 @@ class Kills:
             return f"unreadable files: {broken}"
         code, said = self.run.call(self.run.go_on(self.out), None, self.patience)
         if code != 0:
-            return f"going on ended with {code}: {said}"
+            return f"continuing ended with {code}: {said}"
         return self.wrong()
 
     def stop_for_a_while(self, seconds):

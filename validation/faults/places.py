@@ -103,7 +103,7 @@ class Place:
         if code != 0:
             code, said = self.call(self.run.go_on(self.out))
             if code != 0:
-                return f"going on ended with {code}: {said}"
+                return f"continuing ended with {code}: {said}"
         missed = differences(end_state(self.out), self.expected)
         return f"other results: {missed}" if missed else None
 
