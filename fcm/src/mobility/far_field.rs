@@ -67,7 +67,7 @@ pub(crate) struct Far<T: Real> {
     /// Divergence of the last velocity field, which computing it overwrites.
     divergence: Option<f64>,
     kernels: SpreadingKernels<T>,
-    /// SpreadingKernels of points of the fluid, made when first needed.
+    /// Spreading kernels of points of the fluid, made when first needed.
     point_kernels: Option<SpreadingKernels<T>>,
     stencils: Vec<Stencil>,
 }
@@ -216,7 +216,7 @@ impl<T: Real> SpreadingKernels<T> {
         Self::for_envelopes(plan, grid, &envelopes(plan))
     }
 
-    /// SpreadingKernels of the plan's spheres, or of other envelopes that share its common Gaussian.
+    /// Spreading kernels of the plan's spheres, or of other envelopes that share its common Gaussian.
     fn for_envelopes(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         match (plan.window(), plan.common()) {
             (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, envelopes)),

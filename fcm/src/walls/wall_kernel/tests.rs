@@ -14,7 +14,7 @@ fn all() -> WallKernel {
     WallKernel::with(0.0025, 0.005, &vec![0.005 / TAU; 4000])
 }
 
-/// WallKernel of a wavevector at the height `z`, without envelopes.
+/// Kernel of a wavevector at the height `z`, without envelopes.
 fn at_height(k: f64, angle: f64, z: f64) -> [Wave; 3] {
     let (n, e, x) = ([angle.cos(), angle.sin()], (-k * z).exp(), k * z);
     let wave = |along: f64, across: f64, up: f64| {
