@@ -4,7 +4,7 @@ use crate::number::{fraction, ratio, tolerance};
 use crate::streams;
 use clap::ValueEnum;
 use domain::Comm;
-use fcm::{Costs, Fixed, MethodName};
+use fcm::{Costs, Fixed, Method};
 use serde::Serialize;
 use suspension::benchmark::{Case, Kind, Measurement, Spheres, Task};
 
@@ -115,8 +115,8 @@ impl Args {
     fn task(&self, tolerance: f64, costs: Costs) -> Task {
         let method = match self.method {
             Choice::Auto => None,
-            Choice::Direct => Some(MethodName::Direct),
-            Choice::Split => Some(MethodName::Split),
+            Choice::Direct => Some(Method::Direct),
+            Choice::Split => Some(Method::Split),
         };
         Task {
             tolerance,

@@ -9,7 +9,7 @@ mod common;
 use common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Vector};
 use fcm::accuracy::{Brackets, cutoff_error, direct_grid_error, split_grid_error, stencil_error, window_error};
-use fcm::{Fixed, Loads, Method, MethodName, Motion, Multipoles, Output, Plan, Precision, Problem};
+use fcm::{Fixed, Loads, Method, Motion, Multipoles, Output, Plan, Precision, Problem, Split};
 
 /// A suspension, its loads and the exact motion.
 #[derive(Clone)]
@@ -37,7 +37,7 @@ impl Case {
     }
 
     /// The most accurate plan of a method, of which one parameter at a time is degraded.
-    fn tightest(&self, method: MethodName) -> Plan {
+    fn tightest(&self, method: Method) -> Plan {
         let fixed = Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() };
         let problem = Problem { fixed, multipoles: self.multipoles, ..self.suspension.problem(1e-12) };
         Plan::choose(&problem).expect("a tolerance that is kept")
@@ -56,9 +56,9 @@ impl Case {
 
 /// Width of the narrowest Gaussian on the grid, which sets the spacing, and of the widest, which sets the stencil.
 fn widths(plan: &Plan) -> [f64; 2] {
-    match plan.method {
-        Method::Split { width, .. } => [width; 2],
-        Method::Direct => {
+    match plan.split {
+        Some(Split { width, .. }) => [width; 2],
+        None => {
             let of = |radius: &f64| fcm::Envelope::of_sphere(*radius);
             let [first, last] = [plan.radii.first(), plan.radii.last()].map(|a| of(a.expect("a plan has radii")));
             [own(plan, first), last.monopole]
@@ -74,21 +74,21 @@ struct Row {
 }
 
 /// Error by `Sigma / h`: grids from coarse to fine, with stencils and cutoffs of negligible error.
-fn by_resolution(case: &Case, method: MethodName) -> Vec<Row> {
+fn by_resolution(case: &Case, method: Method) -> Vec<Row> {
     let tight = case.tightest(method);
     let [narrowest, widest] = widths(&tight);
     let row = |points: usize| {
         let plan = on_grid(&tight, points);
         let spacing = plan.edges.x / points as f64;
         // At eight widths to either side a Gaussian is exp(-32).
-        let support = if method == MethodName::Split { 16 } else { (16.0 * widest / spacing).ceil() as usize };
+        let support = if method == Method::Split { 16 } else { (16.0 * widest / spacing).ceil() as usize };
         let resolution = narrowest / spacing;
         Row {
             number: format!("{resolution:.2}"),
             error: case.error(&with_support(&plan, support)),
             bound: match method {
-                MethodName::Direct => direct_grid_error(case.multipoles, resolution),
-                MethodName::Split => split_grid_error(case.multipoles, resolution, brackets(&tight)),
+                Method::Direct => direct_grid_error(case.multipoles, resolution),
+                _ => split_grid_error(case.multipoles, resolution, brackets(&tight)),
             },
         }
     };
@@ -122,7 +122,7 @@ fn is_good(points: usize) -> bool {
 
 /// Error by half the stencil over the width: the direct method's stencils from short to long on the finest grid.
 fn by_reach(case: &Case) -> Vec<Row> {
-    let tight = case.tightest(MethodName::Direct);
+    let tight = case.tightest(Method::Direct);
     let row = |support: usize| {
         let plan = with_support(&tight, support);
         let reach = plan.support.reach / widths(&tight)[1];
@@ -133,7 +133,7 @@ fn by_reach(case: &Case) -> Vec<Row> {
 
 /// Errors of the split method's windows, by number of points and by grid.
 fn by_window(case: &Case) -> Vec<Row> {
-    let tight = case.tightest(MethodName::Split);
+    let tight = case.tightest(Method::Split);
     let brackets = brackets(&tight);
     let mut rows = Vec::new();
     for support in [4, 5, 6, 7, 8, 10, 12, 14, 16] {
@@ -164,10 +164,10 @@ fn brackets(plan: &Plan) -> Brackets {
 
 /// Error by the cutoff over the width: cutoffs from short to long on the finest grid.
 fn by_cutoff(case: &Case) -> Vec<Row> {
-    let tight = case.tightest(MethodName::Split);
+    let tight = case.tightest(Method::Split);
     let row = |tenths: i32| {
         let (width, reach) = (widths(&tight)[0], 0.1 * f64::from(tenths));
-        let plan = Plan { method: Method::Split { width, cutoff: reach * width }, ..tight.clone() };
+        let plan = Plan { split: Some(Split { width, cutoff: reach * width }), ..tight.clone() };
         Row {
             number: format!("{reach:.1}"),
             error: case.error(&plan),
@@ -195,7 +195,7 @@ fn main() {
     let cases = [of(Multipoles::Dipole), of(Multipoles::Monopole)].concat();
     println!("# Errors by one number at a time\n\nThe largest of the relative errors of velocities, angular");
     println!("velocities and rates of strain; the number in units of the width of the Gaussian on the grid.");
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         print(&format!("{method:?}: width over grid spacing"), &cases, |case| by_resolution(case, method));
     }
     print("Direct: half a stencil over the width", &cases, by_reach);

@@ -65,7 +65,7 @@ pub use plan::accuracy;
 pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use plan::costs::Costs;
 pub use plan::plan_comparison::is_same_plan;
-pub use plan::problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
+pub use plan::problem::{Fixed, Loading, Method, Multipoles, Precision, Problem, Split};
 pub use plan::sample_points::SamplePoints;
 pub use plan::{Plan, PlanError};
 pub use rigid::conjugate_gradients::{Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, on_ranks};
 use domain::{Comm, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Loads, MethodName, Motion, Plan, Problem, SolveError, StressletSolver};
+use fcm::{Fixed, Loads, Method, Motion, Plan, Problem, SolveError, StressletSolver};
 use std::sync::Mutex;
 
 fn problem() -> Problem {
@@ -103,7 +103,7 @@ fn fixed_choices_that_are_none() {
 #[test]
 fn fixed_choices_are_kept() {
     let fixed = Fixed {
-        method: Some(MethodName::Split),
+        method: Some(Method::Split),
         grid: Some([18, 20, 24]),
         support: Some(10),
         width: Some(1.3),
@@ -112,7 +112,7 @@ fn fixed_choices_are_kept() {
         iteration_tolerance: Some(1e-5),
     };
     let plan = Plan::choose(&Problem { fixed, ..problem() }).unwrap();
-    assert_eq!(plan.method, fcm::Method::Split { width: 1.3, cutoff: 3.3 });
+    assert_eq!(plan.split, Some(fcm::Split { width: 1.3, cutoff: 3.3 }));
     assert_eq!((plan.grid, plan.precision), ([18, 20, 24], fcm::Precision::Double));
     assert_eq!((plan.support.lanes, plan.support.support), (16, 10), "whole vectors along x");
     assert!((plan.iteration_tolerance - 1e-5).abs() < 1e-20);
@@ -122,7 +122,7 @@ fn fixed_choices_are_kept() {
 #[test]
 fn fixed_choices_change_what_is_expected() {
     let expected = |fixed| Plan::choose(&Problem { fixed, ..problem() }).unwrap().predicted_error;
-    let split = Fixed { method: Some(MethodName::Split), width: Some(1.3), ..Fixed::default() };
+    let split = Fixed { method: Some(Method::Split), width: Some(1.3), ..Fixed::default() };
     let at_best = expected(split);
     for worse in [
         Fixed { grid: Some([6; 3]), ..split },
@@ -171,7 +171,7 @@ fn a_solve_that_does_not_converge_is_an_error_on_all_ranks() {
 #[test]
 fn loads_that_are_not_numbers_are_an_error_on_all_ranks() {
     let suspension = Suspension::random(3, 1.2, PeriodicBox::new(Vector::splat(7.0)).unwrap(), 2);
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         let plan = suspension.plan(1e-2, Fixed { method: Some(method), ..Fixed::default() });
         for bad in [f64::NAN, f64::INFINITY] {
             let mut loads = suspension.loads(1);
@@ -190,7 +190,7 @@ fn loads_that_are_not_numbers_are_an_error_on_all_ranks() {
 fn particles_at_one_point_have_a_motion() {
     let cell = PeriodicBox::new(Vector::splat(7.0)).unwrap();
     let suspension = Suspension { cell, viscosity: 1.0, positions: vec![Vector::splat(1.0); 2], radii: vec![1.0; 2] };
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         let plan = suspension.plan(1e-4, Fixed { method: Some(method), ..Fixed::default() });
         let mut hydrodynamics =
             StressletSolver::new(&plan, &Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]));

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, on_ranks, worst};
 use domain::{PeriodicBox, Vector};
-use fcm::{Fixed, Loads, MethodName, Mobility, Output, Plan, Precision};
+use fcm::{Fixed, Loads, Method, Mobility, Output, Plan, Precision};
 
 /// Points along each axis, with factors 11, 13, 23 and 53, and a tolerance for which they suffice.
 const GRIDS: [(usize, f64); 4] = [(22, 1e-2), (26, 1e-3), (46, 1e-6), (106, 1e-10)];
@@ -11,12 +11,12 @@ fn suspension() -> Suspension {
     Suspension::random(8, 1.3, PeriodicBox::sheared(Vector::splat(7.5), 0.2).unwrap(), 4)
 }
 
-fn plan(suspension: &Suspension, (points, tolerance): (usize, f64), method: MethodName) -> Plan {
+fn plan(suspension: &Suspension, (points, tolerance): (usize, f64), method: Method) -> Plan {
     let fixed = Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() };
     let free = suspension.plan(tolerance, fixed);
     let plan = suspension.plan(tolerance, Fixed { grid: Some([points; 3]), ..fixed });
     assert_eq!(plan.grid, [points; 3]);
-    if method == MethodName::Direct {
+    if method == Method::Direct {
         assert!(free.grid.into_iter().all(|n| n <= points), "{points} are not enough: {:?}", free.grid);
     }
     plan
@@ -27,7 +27,7 @@ fn any_even_grid_keeps_the_tolerance() {
     let suspension = suspension();
     let loads = suspension.loads(11);
     let exact = suspension.motion(&loads);
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         for grid in GRIDS {
             let error = worst(&suspension.evaluate(&plan(&suspension, grid, method), &loads), &exact);
             assert!(error < grid.1, "{method:?} on {grid:?}: {error:e}");
@@ -52,7 +52,7 @@ fn single_precision_keeps_the_tolerance() {
 fn ranks_agree_on_any_even_grid() {
     let suspension = suspension();
     let loads = suspension.loads(13);
-    let plan = plan(&suspension, GRIDS[1], MethodName::Split);
+    let plan = plan(&suspension, GRIDS[1], Method::Split);
     let alone = suspension.evaluate(&plan, &loads);
     for table in [[1, 2], [3, 1], [1, 7], [7, 1], [2, 2]] {
         let answer = |partition: &domain::Partition, particles: &domain::Particles, loads: &Loads| {

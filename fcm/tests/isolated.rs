@@ -2,7 +2,7 @@
 
 use crate::common::Suspension;
 use domain::{Comm, Partition, Traceless, Vector};
-use fcm::{Fixed, Loads, MethodName, Motion, Multipoles, Plan, Problem, StressletSolver};
+use fcm::{Fixed, Loads, Method, Motion, Multipoles, Plan, Problem, StressletSolver};
 use std::f64::consts::PI;
 
 /// Constant of the simple cubic lattice: Hasimoto (1959), eq. (31), to more digits.
@@ -20,7 +20,7 @@ fn direction() -> Vector {
 fn answers(edge: f64, loads: &Loads) -> Vec<Motion> {
     let single = Suspension::single(edge);
     let by = |method| single.evaluate(&single.plan(1e-12, Fixed { method: Some(method), ..Fixed::default() }), loads);
-    vec![by(MethodName::Direct), by(MethodName::Split), single.motion(loads)]
+    vec![by(Method::Direct), by(Method::Split), single.motion(loads)]
 }
 
 /// `6 pi mu a V / F = 1 - 2.837 a/L + 4 (a/L)^3`; overlapping envelopes of the images add a relative

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Fixed, Loads, MethodName, Motion, Multipoles, Output, Plan, Precision, Problem};
+use fcm::{Fixed, Loads, Method, Motion, Multipoles, Output, Plan, Precision, Problem};
 
 fn turned(list: &[Vector], turn: &Tensor) -> Vec<Vector> {
     list.iter().map(|vector| *turn * *vector).collect()
@@ -12,7 +12,7 @@ fn turned_tensors(list: &[Traceless], turn: &Tensor) -> Vec<Traceless> {
     list.iter().map(|tensor| Traceless::part_of(&(*turn * tensor.tensor() * turn.transpose()))).collect()
 }
 
-fn fixed(method: MethodName) -> Fixed {
+fn fixed(method: Method) -> Fixed {
     Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() }
 }
 
@@ -35,7 +35,7 @@ fn a_turned_box_has_turned_motions() {
         torques: turned(&loads.torques, &turn),
         stresslets: turned_tensors(&loads.stresslets, &turn),
     };
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         let plan = suspension.plan(1e-3, fixed(method));
         let motion = suspension.evaluate(&plan, &loads);
         let expected = Motion {
@@ -100,7 +100,7 @@ fn a_leaning_lattice_keeps_any_tolerance() {
 fn envelopes_on_a_leaning_grid_are_refused() {
     let vectors = [Vector::X * 9.0, Vector::Y * 9.0, Vector::new(2.0, 0.0, 9.0)];
     let suspension = Suspension::random(4, 1.0, PeriodicBox::of_lattice(vectors).unwrap(), 1);
-    let problem = Problem { fixed: fixed(MethodName::Direct), ..suspension.problem(1e-3) };
+    let problem = Problem { fixed: fixed(Method::Direct), ..suspension.problem(1e-3) };
     let error = Plan::choose(&problem).unwrap_err().to_string();
     assert!(error.contains("hydrodynamics.method is \"direct\"") && error.contains("at right angles"), "{error}");
 }

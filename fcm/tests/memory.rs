@@ -6,7 +6,7 @@ mod heap;
 
 use common::Suspension;
 use domain::{Boundaries, Comm, ExpectedCounts, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Footprint, MethodName, Mobility, Plan, Problem, StressletSolver};
+use fcm::{Fixed, Footprint, Method, Mobility, Plan, Problem, StressletSolver};
 use heap::measured;
 
 const COUNT: usize = 3000;
@@ -23,7 +23,7 @@ fn predictions_are_what_is_allocated() {
     let suspension = Suspension::random(COUNT, 1.0, cell, 1);
     let (particles, loads) = (suspension.particles(), suspension.loads(1));
     let moved = suspension.displaced(Vector::splat(3.0)).particles();
-    for (method, tolerance) in [(MethodName::Direct, 1e-2), (MethodName::Split, 1e-3), (MethodName::Split, 1e-6)] {
+    for (method, tolerance) in [(Method::Direct, 1e-2), (Method::Split, 1e-3), (Method::Split, 1e-6)] {
         let fixed = Fixed { method: Some(method), ..Fixed::default() };
         let plan = Plan::choose(&Problem { rigid: true, fixed, ..suspension.problem(tolerance) }).unwrap();
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
@@ -89,7 +89,7 @@ fn boxes_that_lean() {
     let cell = PeriodicBox::of_lattice(vectors).unwrap();
     let particles = Suspension::random(20, 1.0, cell, 1).particles();
     let upright = Suspension::random(20, 1.0, cell, 1).problem(1e-2);
-    let fixed = Fixed { method: Some(MethodName::Split), grid: Some([240, 240, 10]), ..Fixed::default() };
+    let fixed = Fixed { method: Some(Method::Split), grid: Some([240, 240, 10]), ..Fixed::default() };
     let plan = Plan::choose(&Problem { rigid: true, fixed, ..upright }).unwrap();
     assert!(plan.is_tilted);
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);

@@ -4,7 +4,7 @@
 use crate::common::Suspension;
 use domain::{Comm, Partition, PeriodicBox, Random, Traceless, Vector};
 use fcm::{
-    DrawDiagnostics, Envelope, Fixed, Loads, MethodName, Mobility, Motion, Multipoles, Output, Plan, Problem, Stream,
+    DrawDiagnostics, Envelope, Fixed, Loads, Method, Mobility, Motion, Multipoles, Output, Plan, Problem, Stream,
 };
 
 /// 40 spheres at independent random positions, half of them of another radius: equal ones in a cube of edge 4 have
@@ -40,7 +40,7 @@ fn on_the_grid_alone_draws_of_overlapping_spheres_have_the_covariance_of_the_mob
         CASES.into_iter().flat_map(|c| [(c, Multipoles::Monopole), (c, Multipoles::Dipole)])
     {
         let suspension = random(ratio, edge);
-        let fixed = Fixed { method: Some(MethodName::Direct), ..Fixed::default() };
+        let fixed = Fixed { method: Some(Method::Direct), ..Fixed::default() };
         let mut mobility = mobility(&suspension, multipoles, fixed);
         let mut directions: Vec<Loads> = (0..8).map(|seed| suspension.loads(seed)).collect();
         for (sphere, loads) in directions.iter_mut().take(4).enumerate() {
@@ -79,7 +79,7 @@ fn the_split_method_says_what_it_leaves_out() {
     for (ratio, edge) in CASES {
         let suspension = random(ratio, edge);
         let width = Some(Envelope::of_sphere(ratio).monopole);
-        let fixed = Fixed { method: Some(MethodName::Split), width, ..Fixed::default() };
+        let fixed = Fixed { method: Some(Method::Split), width, ..Fixed::default() };
         let mut mobility = mobility(&suspension, Multipoles::Dipole, fixed);
         let clipped = (0..4).map(|number| draw(&mut mobility, number).1.clipped).fold(0.0, f64::max);
         println!("1:{ratio}: {clipped:.1e}");

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, error, vectors, worst};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Fixed, Loads, MethodName, Mobility, Motion, Output, Precision};
+use fcm::{Fixed, Loads, Method, Mobility, Motion, Output, Precision};
 
 /// Basis of traceless tensors, orthonormal in the full contraction.
 fn strains() -> [Traceless; 5] {
@@ -63,11 +63,11 @@ fn is_positive_definite(matrix: &[Vec<f64>]) -> bool {
     true
 }
 
-fn fixed(method: MethodName) -> Fixed {
+fn fixed(method: Method) -> Fixed {
     Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() }
 }
 
-const METHODS: [MethodName; 2] = [MethodName::Direct, MethodName::Split];
+const METHODS: [Method; 2] = [Method::Direct, Method::Split];
 
 /// Spreading and interpolation are adjoint and the pair correction is symmetric in the pair, so the mobility is
 /// symmetric to round-off at any tolerance.
@@ -93,7 +93,7 @@ fn the_mobility_of_a_leaning_box_is_symmetric_and_positive_definite() {
     let vectors = [Vector::new(7.0, 1.0, -0.5), Vector::new(-1.0, 7.5, 2.0), Vector::new(2.5, -2.0, 7.0)];
     let suspension = Suspension::random(5, 1.6, PeriodicBox::of_lattice(vectors).unwrap(), 2);
     for tolerance in [0.3, 1e-2, 1e-8] {
-        let mut mobility = suspension.mobility(&suspension.plan(tolerance, fixed(MethodName::Split)));
+        let mut mobility = suspension.mobility(&suspension.plan(tolerance, fixed(Method::Split)));
         let matrix = matrix(&suspension, &mut mobility);
         assert!(asymmetry(&matrix) < 1e-13, "at {tolerance:e}: asymmetry {:e}", asymmetry(&matrix));
         assert!(is_positive_definite(&matrix), "at {tolerance:e}");

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, error, on_ranks, tensors, vectors, worst};
 use domain::{PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Loads, MethodName, Mobility, Motion, Output, Plan, Precision, StressletSolver};
+use fcm::{Fixed, Loads, Method, Mobility, Motion, Output, Plan, Precision, StressletSolver};
 
 /// Tables in which ranks own slabs, pencils, or nothing.
 const TABLES: [[usize; 2]; 12] =
@@ -31,7 +31,7 @@ fn rigid(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loads)
     })
 }
 
-fn fixed(method: MethodName) -> Fixed {
+fn fixed(method: Method) -> Fixed {
     Fixed { method: Some(method), precision: Some(Precision::Double), ..Fixed::default() }
 }
 
@@ -41,7 +41,7 @@ fn fixed(method: MethodName) -> Fixed {
 fn any_table_of_ranks_agrees_with_one_rank() {
     let suspension = suspension();
     let loads = suspension.loads(7);
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         let plan = suspension.plan(1e-3, fixed(method));
         let alone = suspension.evaluate(&plan, &loads);
         for table in TABLES {
@@ -55,7 +55,7 @@ fn any_table_of_ranks_agrees_with_one_rank() {
 fn rigid_spheres_agree_on_any_table_of_ranks() {
     let suspension = suspension();
     let loads = suspension.loads(8);
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         let plan = suspension.plan(1e-3, fixed(method));
         let (alone, stresslets) = rigid(&suspension, &plan, [1, 1], &loads);
         for table in TABLES {
@@ -72,7 +72,7 @@ fn more_ranks_than_lines_and_ranks_without_particles() {
     let cell = PeriodicBox::new(Vector::new(8.0, 4.0, 4.0)).unwrap();
     let suspension = Suspension::random(2, 1.5, cell, 4);
     let loads = suspension.loads(9);
-    for method in [MethodName::Direct, MethodName::Split] {
+    for method in [Method::Direct, Method::Split] {
         let choice = Fixed { grid: Some([16, 4, 4]), ..fixed(method) };
         let plan = suspension.plan(0.1, choice);
         let alone = rigid(&suspension, &plan, [1, 1], &loads);
@@ -95,9 +95,7 @@ fn kinds_of_load_are_known_to_all_ranks() {
         Loads { torques: all.torques, ..Loads::default() },
         Loads { stresslets: all.stresslets, ..Loads::default() },
     ];
-    for (method, loads) in
-        [MethodName::Direct, MethodName::Split].iter().flat_map(|m| kinds.iter().map(move |k| (m, k)))
-    {
+    for (method, loads) in [Method::Direct, Method::Split].iter().flat_map(|m| kinds.iter().map(move |k| (m, k))) {
         let plan = suspension.plan(1e-2, fixed(*method));
         let alone = suspension.evaluate(&plan, loads);
         let four = mobility(&suspension, &plan, [2, 2], loads);
@@ -116,10 +114,10 @@ fn any_number_of_threads_gives_the_same_bits() {
     let suspension = Suspension::random(150, 1.3, cell, 1);
     let loads = suspension.loads(2);
     for (method, precision) in [
-        (MethodName::Direct, Precision::Single),
-        (MethodName::Direct, Precision::Double),
-        (MethodName::Split, Precision::Single),
-        (MethodName::Split, Precision::Double),
+        (Method::Direct, Precision::Single),
+        (Method::Direct, Precision::Double),
+        (Method::Split, Precision::Single),
+        (Method::Split, Precision::Double),
     ] {
         let plan = suspension.plan(1e-3, Fixed { precision: Some(precision), ..fixed(method) });
         let [one, two, three] = [1, 2, 3].map(|threads| {

@@ -2,7 +2,7 @@
 
 use crate::common::{self, Suspension, at_surfaces, difference, errors, worst};
 use domain::{PeriodicBox, Random, Vector};
-use fcm::{Fixed, Loads, MethodName, Multipoles, Plan, Precision, Problem};
+use fcm::{Fixed, Loads, Method, Multipoles, Plan, Precision, Problem};
 use std::f64::consts::PI;
 
 /// Random suspension of 8 to 48 particles of radii from 1 to at most 4, at volume fractions of 1% to 40%, in a box
@@ -144,7 +144,7 @@ fn errors_are_below_the_tolerance_by_either_method_in_either_precision() {
         let suspension = random_case(name, sheared);
         let loads = suspension.loads(name);
         let exact = suspension.motion(&loads);
-        for method in [MethodName::Direct, MethodName::Split] {
+        for method in [Method::Direct, Method::Split] {
             for (precision, digits) in [(Precision::Single, 1..=6), (Precision::Double, 1..=10)] {
                 for digits in digits {
                     let tolerance = 10f64.powi(-digits);
@@ -173,9 +173,7 @@ fn each_kind_of_load_alone_keeps_the_tolerance() {
         for (kind, loads) in kinds.iter().enumerate() {
             let exact = suspension.motion(loads);
             let scale = at_surfaces(&suspension, &exact).iter().map(|m| m * m).sum::<f64>().sqrt();
-            for (method, digits) in
-                [MethodName::Direct, MethodName::Split].iter().flat_map(|m| [(m, 2), (m, 4), (m, 8)])
-            {
+            for (method, digits) in [Method::Direct, Method::Split].iter().flat_map(|m| [(m, 2), (m, 4), (m, 8)]) {
                 let tolerance = 10f64.powi(-digits);
                 let plan = suspension.plan(tolerance, Fixed { method: Some(*method), ..Fixed::default() });
                 let found = suspension.evaluate(&plan, loads);
@@ -198,7 +196,7 @@ fn monopoles_alone_keep_the_tolerance_on_a_coarser_grid() {
         let forces = suspension.loads(name).forces;
         let loads = Loads { forces, ..Loads::default() };
         let exact = suspension.motion(&loads);
-        for method in [None, Some(MethodName::Direct), Some(MethodName::Split)] {
+        for method in [None, Some(Method::Direct), Some(Method::Split)] {
             for digits in [1, 2, 3, 5, 7, 9, 10] {
                 let fixed = Fixed { method, ..Fixed::default() };
                 let tolerance = 10f64.powi(-digits);
@@ -209,7 +207,7 @@ fn monopoles_alone_keep_the_tolerance_on_a_coarser_grid() {
                 let error = common::error(&common::vectors(&found.velocities), &common::vectors(&exact.velocities));
                 assert!(error < tolerance, "case {name} at {tolerance:e}: error {error:e} by {plan:?}");
                 assert!(found.angular_velocities.is_empty() && found.strain_rates.is_empty());
-                if method == Some(MethodName::Direct) {
+                if method == Some(Method::Direct) {
                     let points = |plan: &Plan| plan.grid.iter().product::<usize>();
                     assert!(points(&plan) < points(&suspension.plan(tolerance, fixed)));
                 }

@@ -2,7 +2,7 @@
 
 use crate::common::{Suspension, error, tensors, vectors};
 use domain::{Comm, Number, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Loads, MethodName, Motion, Multipoles, Output, Plan, PlanError, Precision, Problem, StressletSolver};
+use fcm::{Fixed, Loads, Method, Motion, Multipoles, Output, Plan, PlanError, Precision, Problem, StressletSolver};
 
 /// Units of length, viscosity and force as numbers in other units.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +75,7 @@ fn powers() -> Vec<Scales> {
 struct Kind {
     multipoles: Multipoles,
     rigid: bool,
-    method: MethodName,
+    method: Method,
     precision: Precision,
     strain: f64,
 }
@@ -84,7 +84,7 @@ fn kinds() -> Vec<Kind> {
     let mut kinds = Vec::new();
     for (multipoles, rigid) in [(Multipoles::Monopole, false), (Multipoles::Dipole, false), (Multipoles::Dipole, true)]
     {
-        for method in [MethodName::Direct, MethodName::Split] {
+        for method in [Method::Direct, Method::Split] {
             for (precision, strain) in [(Precision::Single, 0.0), (Precision::Double, 0.0), (Precision::Double, 0.3)] {
                 kinds.push(Kind { multipoles, rigid, method, precision, strain });
             }
@@ -216,7 +216,7 @@ fn anything_is_planned_or_refused() {
         };
         Problem { fixed, ..suspension.problem(1e-3) }
     };
-    let direct = Fixed { method: Some(MethodName::Direct), ..Fixed::default() };
+    let direct = Fixed { method: Some(Method::Direct), ..Fixed::default() };
     for radius in [1e-1, 1e-2, 1e-3, 1e-5, 1e-9] {
         assert!(Plan::choose(&problem(&[radius, 1.0], [10.0; 3], Fixed::default())).is_ok());
         let refused =
@@ -225,7 +225,7 @@ fn anything_is_planned_or_refused() {
     }
     for edges in [[1e9; 3], [1e9, 10.0, 10.0], [10.0, 1e9, 1e6], [1e5; 3]] {
         let plan = Plan::choose(&problem(&[1.0], edges, Fixed::default())).unwrap();
-        assert!(plan.method.cutoff() <= 60.0 * plan.edges.min_element(), "{}", plan.in_short());
+        assert!(plan.cutoff() <= 60.0 * plan.edges.min_element(), "{}", plan.in_short());
     }
     for points in [8, 1000, 8192, 65536] {
         let fixed = Fixed { grid: Some([points; 3]), ..direct };
@@ -241,7 +241,7 @@ fn anything_is_planned_or_refused() {
 /// The cause of an infeasible plan is named.
 #[test]
 fn hopeless_plans_say_what_makes_them_so() {
-    let infeasible = |radii: &[(f64, usize)], edge: f64, method: Option<MethodName>| {
+    let infeasible = |radii: &[(f64, usize)], edge: f64, method: Option<Method>| {
         let suspension = Suspension::single(edge);
         let radii = radii.to_vec();
         let problem = Problem { radii, fixed: Fixed { method, ..Fixed::default() }, ..suspension.problem(1e-3) };
@@ -249,13 +249,13 @@ fn hopeless_plans_say_what_makes_them_so() {
     };
     let of = |radii: &[(f64, usize)], edge, method| infeasible(radii, edge, method).expect("hopeless");
     assert_eq!(infeasible(&[(1.0, 1000)], 40.0, None), None);
-    let direct = Some(MethodName::Direct);
+    let direct = Some(Method::Direct);
     assert!(of(&[(1.0, 2)], 2e4, direct).contains("the box is 20000 of the smallest radii long along x; leave hydro"));
     assert!(of(&[(1.0, 1), (0.01, 10_000)], 10.0, direct).contains("the largest radius is 100 times the smallest"));
     let many = [(1.0, 1), (0.001, 10_000_000)];
     let why = of(&many, 10.0, None);
     let problem = Problem { radii: many.to_vec(), ..Suspension::single(10.0).problem(1e-3) };
-    let within = Number(Plan::choose(&problem).unwrap().method.cutoff().powi(3) * 4.19 * 1e4);
+    let within = Number(Plan::choose(&problem).unwrap().cutoff().powi(3) * 4.19 * 1e4);
     assert!(why.contains(&format!("particles with {within:.2} others each within the cutoff")), "{why}");
     assert!(!["e-1 ", "e0 ", "e1 "].iter().any(|power| why.contains(power)), "{why}");
 }

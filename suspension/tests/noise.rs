@@ -1,7 +1,7 @@
 //! Random motions whose covariance is the mobility.
 
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
-use fcm::{Costs, Loads, Method, MethodName, Multipoles, Precision};
+use fcm::{Costs, Loads, Method, Multipoles, Precision};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use suspension::{Mobility, MobilityParameters};
@@ -113,7 +113,7 @@ fn random_motions_have_the_covariance_of_the_mobility() {
     };
     let free = |p: MobilityParameters| MobilityParameters { rigid: false, ..p };
     let radii = vec![0.7, 1.0, 1.6];
-    let [direct, split] = [MethodName::Direct, MethodName::Split].map(Some);
+    let [direct, split] = [Method::Direct, Method::Split].map(Some);
     let cases = [
         ("raw, in f32", free(parameters(14.0, 1e-3)), 11),
         ("raw, in f64", free(parameters(9.0, 1e-7)), 11),

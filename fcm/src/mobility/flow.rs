@@ -9,7 +9,6 @@ use crate::envelope::Envelope;
 use crate::mobility::loads::Loads;
 use crate::pairs::table::{PairFunctions, Table};
 use crate::plan::Plan;
-use crate::plan::problem::Method;
 use crate::plan::sample_points::SamplePoints;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
@@ -133,7 +132,7 @@ struct NearPoints {
 
 impl NearPoints {
     fn new(plan: &Plan) -> Self {
-        let Method::Split { cutoff, .. } = plan.method else { unreachable!("it was checked") };
+        let cutoff = plan.cutoff();
         let common = plan.common().expect("the split method has a common Gaussian");
         let of_radius = |&radius: &f64| {
             let functions = PairFunctions::new(Envelope::POINT, Envelope::of_sphere(radius), common);

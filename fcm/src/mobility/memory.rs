@@ -61,11 +61,11 @@ impl<'a> Footprint<'a> {
     fn tables<T: Real>(&self) -> f64 {
         let Some(common) = self.plan.common() else { return 0.0 };
         let envelopes: Vec<_> = self.plan.radii.iter().map(|&a| Envelope::of_sphere(a)).collect();
-        PairCorrection::<T>::table_bytes(&envelopes, common, self.plan.method.cutoff(), self.plan.table_tolerance())
+        PairCorrection::<T>::table_bytes(&envelopes, common, self.plan.cutoff(), self.plan.table_tolerance())
     }
 
     fn neighbours(&self) -> Bytes {
-        let cutoff = self.plan.method.cutoff();
+        let cutoff = self.plan.cutoff();
         if cutoff == 0.0 {
             return Bytes::default();
         }
@@ -78,7 +78,7 @@ impl<'a> Footprint<'a> {
         let spacing = self.plan.spacing();
         let mismatch = self.plan.mismatch();
         let stencil = 0.5 * self.plan.support.support as f64 * spacing.y.max(spacing.z) + mismatch[0].max(mismatch[1]);
-        self.expected.present(stencil.max(self.plan.method.cutoff()))
+        self.expected.present(stencil.max(self.plan.cutoff()))
     }
 
     /// An evaluation, from loads to motions: loads of the particles present, also in the grid's precision; motions as
@@ -148,7 +148,7 @@ impl<'a> Footprint<'a> {
 
     fn tables_of_points(&self) -> f64 {
         let Some(common) = self.plan.common() else { return 0.0 };
-        let (cutoff, tolerance) = (self.plan.method.cutoff(), self.plan.table_tolerance());
+        let (cutoff, tolerance) = (self.plan.cutoff(), self.plan.table_tolerance());
         let functions = |&a: &f64| PairFunctions::new(Envelope::POINT, Envelope::of_sphere(a), common);
         let bytes = |functions: PairFunctions| Table::<f64>::bytes(&functions, cutoff, tolerance).unwrap_or(0.0);
         self.plan.radii.iter().map(functions).map(bytes).sum()

@@ -76,7 +76,7 @@ impl Mobility {
             positions: Vec::new(),
             classes: Vec::new(),
         };
-        let verlet_list = VerletList::new(own.method.cutoff(), partition);
+        let verlet_list = VerletList::new(own.cutoff(), partition);
         Self {
             plan: plan.clone(),
             units,
@@ -239,7 +239,7 @@ fn parts<T: Real>(
         return (far, None);
     };
     let envelopes = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-    let (cutoff, tolerance) = (plan.method.cutoff(), plan.table_tolerance());
+    let (cutoff, tolerance) = (plan.cutoff(), plan.table_tolerance());
     (far, Some(Box::new(PairCorrection::<T>::new(envelopes, common, cutoff, plan.viscosity, tolerance))))
 }
 

@@ -3,7 +3,7 @@
 use crate::envelope::{Common, Envelope};
 use crate::grid::window::Window;
 use crate::plan::Plan;
-use crate::plan::problem::{Method, Multipoles, Problem};
+use crate::plan::problem::{Multipoles, Problem, Split};
 use crate::plan::wavenumber_split::{SplitInput, WavenumberSplit};
 use domain::{Boundaries, Number, PeriodicBox, Vector};
 
@@ -122,7 +122,7 @@ impl Problem {
 impl Plan {
     /// Wavenumbers of the walls' flow that the grid resolves.
     pub(crate) fn wavenumber_split(&self) -> WavenumberSplit {
-        let Method::Split { width, cutoff } = self.method else {
+        let Some(Split { width, cutoff }) = self.split else {
             return WavenumberSplit::none(self.spacing().max_element());
         };
         let (smallest, largest) = self.extremes();

@@ -3,7 +3,7 @@
 use crate::envelope::Envelope;
 use crate::grid::window::Window;
 use crate::plan::PlanError;
-use crate::plan::problem::{Fixed, MethodName, Problem};
+use crate::plan::problem::{Fixed, Method, Problem};
 use domain::{Boundaries, Number, PeriodicBox, Vector};
 use solver::Grid;
 
@@ -24,7 +24,7 @@ impl Fixed {
             return Err(PlanError::Fixed("hydrodynamics.support is 0; a stencil needs at least 1 point".to_owned()));
         }
         let [fewest, most] = Window::POINTS;
-        if let (Some(MethodName::Split), Some(points)) = (self.method, self.support)
+        if let (Some(Method::Split), Some(points)) = (self.method, self.support)
             && !(fewest..=most).contains(&points)
         {
             return Err(PlanError::Fixed(format!(
@@ -69,7 +69,7 @@ impl Problem {
     /// Refuses choices that need a periodic box.
     fn check_bounded(&self) -> Result<(), PlanError> {
         let found = [
-            (self.fixed.method == Some(MethodName::Direct)).then_some("hydrodynamics.method \"direct\" is"),
+            (self.fixed.method == Some(Method::Direct)).then_some("hydrodynamics.method \"direct\" is"),
             self.fixed.grid.map(|_| "hydrodynamics.grid is"),
             (self.largest_strain > 0.0).then_some("a sheared box is"),
         ];
@@ -106,7 +106,7 @@ impl Problem {
         if self.boundaries != Boundaries::Periodic {
             self.check_bounded()?;
         }
-        if self.is_tilted() && self.fixed.method == Some(MethodName::Direct) {
+        if self.is_tilted() && self.fixed.method == Some(Method::Direct) {
             return Err(PlanError::Fixed(
                 "hydrodynamics.method is \"direct\", which is for boxes with a lattice vector at right angles to the \
                  other two; leave it out"

@@ -3,7 +3,7 @@
 use crate::grid::gaussian::length;
 use crate::plan::Plan;
 use crate::plan::costs::Costs;
-use crate::plan::problem::{Method, Multipoles, Precision};
+use crate::plan::problem::{Method, Multipoles, Precision, Split};
 
 /// Bytes of a grid that stay in the caches: a few megabytes.
 const CACHE: f64 = 3.3e6;
@@ -39,17 +39,14 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
             rows * if single { 18e-9 } else { 17e-9 }
         }
         // Rows of eight points, or of sixteen in two vectors.
-        Method::Split { .. } => {
+        _ => {
             let rows = (plan.support.support * plan.support.support) as f64;
             rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()
         }
     };
-    let neighbours = match plan.method {
-        Method::Direct => 0.0,
-        Method::Split { cutoff, .. } => {
-            particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)
-        }
-    };
+    let neighbours = plan.split.map_or(0.0, |Split { cutoff, .. }| {
+        particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)
+    });
     let transform = if single { 0.31e-9 + 0.15e-9 * spilt } else { 0.6e-9 + 0.28e-9 * spilt };
     let sent = 2.0 * bytes * (1.0 - 1.0 / ranks.max(1) as f64);
     Costs {

@@ -1,6 +1,6 @@
 //! Refinement of the grids of lattices that are not orthogonal.
 
-use crate::plan::problem::{Method, MethodName, Problem};
+use crate::plan::problem::{Method, Problem};
 use crate::plan::{LONG, Plan};
 use domain::{Boundaries, Vector};
 use solver::Grid;
@@ -8,9 +8,7 @@ use solver::Grid;
 impl Plan {
     /// Whether the grid is that of the least sheared lattice with the same points: see [`Grid::reduced`].
     pub(crate) fn is_reduced(&self) -> bool {
-        self.method != Method::Direct
-            && !self.is_tilted
-            && is_long(self.boundaries, self.smallest_edge_ratio, self.edges)
+        self.split.is_some() && !self.is_tilted && is_long(self.boundaries, self.smallest_edge_ratio, self.edges)
     }
 }
 
@@ -53,16 +51,16 @@ impl Problem {
     /// Refinement of a method's grid along each axis. A reduced one is sheared by at most half of `hx/hy`. If `hx` is
     /// at most the spacing `h` that an orthogonal grid needs, then `hy = h sqrt(3)/2` is enough for
     /// `hy^2 + (hx/2)^2 <= h^2`.
-    pub(crate) fn lengthened_for(&self, method: MethodName) -> Vector {
-        if method == MethodName::Direct || !self.is_reduced() {
+    pub(crate) fn lengthened_for(&self, method: Method) -> Vector {
+        if method == Method::Direct || !self.is_reduced() {
             return self.lengthened();
         }
         Vector::new(1.0, of_strain(self.largest_strain.min(3f64.sqrt().recip())), 1.0)
     }
 
     /// Lengths of the lattice vectors of a method's grid over its given spacings.
-    pub(crate) fn lengthened_on(&self, method: Method, spacing: Vector) -> Vector {
-        if method == Method::Direct || !self.is_reduced() {
+    pub(crate) fn lengthened_on(&self, is_split: bool, spacing: Vector) -> Vector {
+        if !is_split || !self.is_reduced() {
             return self.lengthened();
         }
         Vector::new(1.0, of_strain(self.largest_strain.min(0.5 * spacing.x / spacing.y)), 1.0)
@@ -73,7 +71,7 @@ impl Problem {
         if !self.is_reduced() {
             return self.stretch();
         }
-        let needed = self.edges.y / spacing * self.lengthened_for(MethodName::Split).y;
+        let needed = self.edges.y / spacing * self.lengthened_for(Method::Split).y;
         let points = Grid::good_size((needed - 1e-9).ceil() as usize);
         let strain = 0.5 * spacing * points as f64 / self.edges.y;
         of_strain(self.largest_strain.min(strain))

@@ -54,7 +54,7 @@ impl Plan {
                  spheres or a larger tolerance",
                 Number(edge / smallest)
             ),
-            Method::Split { .. } => format!(
+            Method::Split | Method::Dense => format!(
                 "{nx} x {ny} x {nz} points, since the box is {:.2} of the largest radii long along {axis}; take a \
                  smaller box, fewer spheres or a larger tolerance",
                 Number(edge / largest)
@@ -71,13 +71,15 @@ impl Plan {
                  are nearer to each other",
                 Number(largest / smallest)
             ),
-            Method::Split { .. } => format!("there are {particles} particles; take fewer, or a larger tolerance"),
+            Method::Split | Method::Dense => {
+                format!("there are {particles} particles; take fewer, or a larger tolerance")
+            }
         }
     }
 
     fn infeasible_by_pairs(&self, particles: usize) -> String {
         let density = particles as f64 / self.edges.element_product();
-        let neighbours = Number(density * 4.19 * self.method.cutoff().powi(3));
+        let neighbours = Number(density * 4.19 * self.cutoff().powi(3));
         let (smallest, largest) = self.extremes();
         format!(
             "{particles} particles with {neighbours:.2} others each within the cutoff, since the common Gaussian is \

@@ -18,7 +18,7 @@ use crate::envelope::{Common, Envelope};
 use crate::grid::stencil::Support;
 use crate::grid::window::Window;
 use crate::plan::costs::Costs;
-use crate::plan::problem::{Fixed, Loading, Method, MethodName, Multipoles, Precision, Problem};
+use crate::plan::problem::{Fixed, Loading, Method, Multipoles, Precision, Problem, Split};
 use domain::{AxisRotation, Boundaries, Number, PeriodicBox, Units, Vector};
 
 /// Reason why there is no plan.
@@ -115,8 +115,10 @@ pub struct Plan {
     pub wavenumber_split_tolerance: f64,
     /// Fraction of a sphere's mobility below which its images in walls are left out.
     pub image_cutoff: f64,
-    /// Direct or split, with the width and cutoff of the split.
+    /// Method of evaluation.
     pub method: Method,
+    /// Parameters of the split method.
+    pub split: Option<Split>,
     /// Precision of the grid.
     pub precision: Precision,
     /// Grid points along each edge.
@@ -170,7 +172,7 @@ impl Plan {
             threads: 1,
             ranks: 1,
             costs: Costs::default(),
-            fixed: Fixed { method: Some(MethodName::Direct), ..Fixed::default() },
+            fixed: Fixed { method: Some(Method::Direct), ..Fixed::default() },
         };
         Self::choose(&problem)
     }
@@ -190,20 +192,22 @@ impl Plan {
     /// The same plan in other units of length and viscosity.
     pub(crate) fn in_units(&self, units: &Units) -> Self {
         let length = |given: f64| given / units.length;
-        let method = match self.method {
-            Method::Direct => Method::Direct,
-            Method::Split { width, cutoff } => Method::Split { width: length(width), cutoff: length(cutoff) },
-        };
+        let split = self.split.map(|split| Split { width: length(split.width), cutoff: length(split.cutoff) });
         Self {
             edges: self.edges / units.length,
             period: self.period / units.length,
             fluid_margin: self.fluid_margin.map(length),
             radii: self.radii.iter().map(|&radius| length(radius)).collect(),
             viscosity: self.viscosity / units.viscosity,
-            method,
+            split,
             support: Support { reach: length(self.support.reach), ..self.support },
             ..self.clone()
         }
+    }
+
+    /// Distance beyond which pairs of the split method are left out; 0 with other methods.
+    pub fn cutoff(&self) -> f64 {
+        self.split.map_or(0.0, |split| split.cutoff)
     }
 
     /// Smallest and largest radius.
@@ -220,18 +224,14 @@ impl Plan {
     /// Function that the split method spreads in place of the envelopes. If all radii are equal, dipoles need no
     /// bracket on the grid.
     pub(crate) fn common(&self) -> Option<Common> {
-        let Method::Split { width, .. } = self.method else {
-            return None;
-        };
+        let Split { width, .. } = self.split?;
         let narrowest = |&radius: &f64| self.multipoles.narrowest(Envelope::of_sphere(radius));
         Some(Common::new(width, self.radii.iter().map(narrowest)))
     }
 
     /// Window that the split method uses on the grid.
     pub(crate) fn window(&self) -> Option<Window> {
-        let Method::Split { width, .. } = self.method else {
-            return None;
-        };
+        let Split { width, .. } = self.split?;
         Some(Window::new(self.support.support, width / self.spacing().max_element()))
     }
 
@@ -257,7 +257,7 @@ impl Plan {
     /// The same in the user's axes, which `turn` maps to those of the box.
     pub fn in_short_for(&self, turn: AxisRotation) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
-        let method = if self.method == Method::Direct { "direct" } else { "split" };
+        let method = self.method.name();
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
         let (points, error) = (self.support.support, self.predicted_error);
         format!("{method}, {nx} x {ny} x {nz} in {precision}, {points} points along an axis, error {error:.1e}")
@@ -272,9 +272,9 @@ impl Plan {
     pub fn describe_for(&self, turn: AxisRotation) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let [px, py, pz] = turn.inverse().list(self.support.along_axes());
-        let method = match self.method {
-            Method::Direct => "direct: every envelope on the grid".to_owned(),
-            Method::Split { width, cutoff } => {
+        let method = match self.split {
+            None => "direct: every envelope on the grid".to_owned(),
+            Some(Split { width, cutoff }) => {
                 format!("split: common Gaussian of width {:.5}, pairs within {:.5}", Number(width), Number(cutoff))
             }
         };

@@ -8,7 +8,7 @@ use crate::plan::Plan;
 use crate::plan::accuracy::{self, Accuracy, Brackets};
 use crate::plan::bounded::WallGrid;
 use crate::plan::cost;
-use crate::plan::problem::{Method, MethodName, Multipoles, Precision, Problem};
+use crate::plan::problem::{Method, Multipoles, Precision, Problem, Split};
 use crate::plan::tolerance_shares::ITERATION_SHARE;
 use crate::plan::wavenumber_split::ENOUGH;
 use domain::{Boundaries, Vector};
@@ -32,7 +32,7 @@ fn coarser(points: usize) -> f64 {
 /// One way to keep a tolerance: method, resolution and stencil, and width of the Gaussian.
 #[derive(Clone, Copy)]
 struct Candidate {
-    method: MethodName,
+    method: Method,
     accuracy: Accuracy,
     width: f64,
 }
@@ -72,7 +72,7 @@ impl Problem {
         for candidate in self.direct().into_iter().chain(self.split()) {
             for precision in self.precisions() {
                 for WallCandidate { candidate, keeps } in self.at_walls(&candidate, precision) {
-                    let is_within = |plan: &Plan| plan.method.cutoff() <= FARTHEST * self.edges.min_element();
+                    let is_within = |plan: &Plan| plan.cutoff() <= FARTHEST * self.edges.min_element();
                     let Some(plan) = self.plan(&candidate, precision).filter(is_within) else { continue };
                     if !keeps {
                         if least.as_ref().is_none_or(|least| plan.predicted_error < least.predicted_error) {
@@ -81,7 +81,7 @@ impl Problem {
                         continue;
                     }
                     let alike = |other: &&mut Plan| {
-                        let same_method = (other.method == Method::Direct) == (plan.method == Method::Direct);
+                        let same_method = other.method == plan.method;
                         same_method && (other.precision, other.support.support) == (precision, plan.support.support)
                     };
                     match best.iter_mut().find(alike) {
@@ -98,7 +98,7 @@ impl Problem {
         best
     }
 
-    fn allows(&self, method: MethodName) -> bool {
+    fn allows(&self, method: Method) -> bool {
         self.fixed.method.is_none_or(|fixed| fixed == method)
     }
 
@@ -113,10 +113,10 @@ impl Problem {
     }
 
     fn direct(&self) -> Vec<Candidate> {
-        if !self.allows(MethodName::Direct) || self.boundaries != Boundaries::Periodic || self.is_tilted() {
+        if !self.allows(Method::Direct) || self.boundaries != Boundaries::Periodic || self.is_tilted() {
             return Vec::new();
         }
-        let (method, width) = (MethodName::Direct, self.own_width(self.smallest_radius()));
+        let (method, width) = (Method::Direct, self.own_width(self.smallest_radius()));
         let all = Accuracy::direct(self.multipoles, self.tolerance * self.tolerance_share()).into_iter();
         all.map(|accuracy| Candidate { method, accuracy, width }).collect()
     }
@@ -130,7 +130,7 @@ impl Problem {
     /// numbers, of which steps of a few percent skip some.
     fn split(&self) -> Vec<Candidate> {
         let [fewest, most] = Window::POINTS;
-        if !self.allows(MethodName::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
+        if !self.allows(Method::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
             return Vec::new();
         }
         let least = Envelope::of_sphere(self.largest_radius()).monopole;
@@ -162,7 +162,7 @@ impl Problem {
     fn of_width(&self, width: f64) -> Vec<Candidate> {
         let brackets = |resolution: f64| self.brackets(width, self.stretch_at(width / resolution));
         let all = Accuracy::split(self.multipoles, self.tolerance * self.tolerance_share(), brackets).into_iter();
-        all.map(|accuracy| Candidate { method: MethodName::Split, accuracy, width }).collect()
+        all.map(|accuracy| Candidate { method: Method::Split, accuracy, width }).collect()
     }
 
     /// Candidates with a given grid spacing.
@@ -170,7 +170,7 @@ impl Problem {
         let stretch = self.stretch_at(spacing);
         let brackets = |resolution: f64| self.brackets(spacing * resolution, stretch);
         let all = Accuracy::split(self.multipoles, self.tolerance * self.tolerance_share(), brackets).into_iter();
-        let method = MethodName::Split;
+        let method = Method::Split;
         all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
     }
 
@@ -304,16 +304,12 @@ impl Problem {
         let period = self.period(candidate, grid);
         let spacing = period / Vector::from_array(grid.map(|n| n as f64));
         let widest = match method {
-            MethodName::Split => width,
-            MethodName::Direct => Envelope::of_sphere(self.largest_radius()).monopole,
+            Method::Split => width,
+            _ => Envelope::of_sphere(self.largest_radius()).monopole,
         };
         let support = self.support(candidate, spacing, widest);
-        let method = match method {
-            MethodName::Direct => Method::Direct,
-            MethodName::Split => {
-                Method::Split { width, cutoff: self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width)) }
-            }
-        };
+        let split = (method == Method::Split)
+            .then(|| Split { width, cutoff: self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width)) });
         let round_off = if precision == Precision::Single { accuracy::ROUND_OFF } else { 0.0 };
         let mut plan = Plan {
             edges: self.edges,
@@ -330,10 +326,11 @@ impl Problem {
             wavenumber_split_tolerance: self.allowed_of_wavenumber_split(),
             image_cutoff: self.image_cutoff(),
             method,
+            split,
             precision,
             grid,
             support,
-            predicted_error: self.expected(method, [width, widest], spacing, support).hypot(round_off),
+            predicted_error: self.expected(split, [width, widest], spacing, support).hypot(round_off),
             predicted_seconds: 0.0,
         };
         let parts = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks);
@@ -354,7 +351,7 @@ impl Problem {
     /// Stencils that a candidate needs on a grid.
     fn support(&self, candidate: &Candidate, spacing: Vector, widest: f64) -> Support {
         let needed = candidate.accuracy.points;
-        if candidate.method == MethodName::Split {
+        if candidate.method == Method::Split {
             let support = self.fixed.support.unwrap_or(needed);
             return Support {
                 lanes: support.next_multiple_of(STEP),
@@ -376,12 +373,12 @@ impl Problem {
 
     /// Error expected of the final choice, with the parameters that the user fixed and the narrowest and the widest
     /// Gaussian on the grid.
-    fn expected(&self, method: Method, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
-        let lengthened = self.lengthened_on(method, spacing);
+    fn expected(&self, split: Option<Split>, [narrowest, widest]: [f64; 2], spacing: Vector, support: Support) -> f64 {
+        let lengthened = self.lengthened_on(split.is_some(), spacing);
         let resolution = narrowest / (spacing * lengthened).max_element();
-        match method {
-            Method::Direct => accuracy::direct_error(self.multipoles, resolution, support.reach / widest),
-            Method::Split { width, cutoff } => {
+        match split {
+            None => accuracy::direct_error(self.multipoles, resolution, support.reach / widest),
+            Some(Split { width, cutoff }) => {
                 let stretch = if self.is_reduced() { lengthened.y } else { self.stretch() };
                 let brackets = self.brackets(width, stretch);
                 accuracy::split_error(self.multipoles, resolution, support.support, brackets)

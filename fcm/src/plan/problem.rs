@@ -4,28 +4,35 @@ use crate::envelope::Envelope;
 use crate::plan::costs::Costs;
 use domain::{Boundaries, PeriodicBox, Vector};
 
-/// Method of evaluation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Method of evaluation of the far field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
-    /// Direct: each envelope itself is spread, so the smallest one sets the grid.
+    /// Each envelope itself is spread, so the smallest one sets the grid.
     Direct,
-    /// Split: all particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
-    Split {
-        /// Width of the common Gaussian.
-        width: f64,
-        /// Distance beyond which pairs are left out.
-        cutoff: f64,
-    },
+    /// All particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
+    Split,
+    /// A matrix of exact sums over all pairs, for few particles.
+    Dense,
 }
 
 impl Method {
-    /// Distance beyond which pairs are left out; 0 for the direct method.
-    pub fn cutoff(&self) -> f64 {
-        match *self {
-            Self::Direct => 0.0,
-            Self::Split { cutoff, .. } => cutoff,
+    /// Name of the method in scenes and descriptions.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Split => "split",
+            Self::Dense => "dense",
         }
     }
+}
+
+/// Parameters of the split method.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Split {
+    /// Width of the common Gaussian.
+    pub width: f64,
+    /// Distance beyond which pairs are left out.
+    pub cutoff: f64,
 }
 
 /// Precision of the values on the grid; everything else is in `f64`.
@@ -133,8 +140,8 @@ impl Problem {
 /// Choices that a user may fix; the planner makes the others.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Fixed {
-    /// Direct or split.
-    pub method: Option<MethodName>,
+    /// Method of evaluation.
+    pub method: Option<Method>,
     /// Grid points along each edge.
     pub grid: Option<[usize; 3]>,
     /// Grid points of a stencil along each axis.
@@ -147,13 +154,4 @@ pub struct Fixed {
     pub precision: Option<Precision>,
     /// Relative error allowed in the stresslets.
     pub iteration_tolerance: Option<f64>,
-}
-
-/// Name of a [`Method`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MethodName {
-    /// [`Method::Direct`]
-    Direct,
-    /// [`Method::Split`]
-    Split,
 }

@@ -26,11 +26,8 @@ impl Plan {
         let (smallest, largest) = self.extremes();
         let (beyond, between) = ((reach - smallest).max(0.0), (self.edges.z - 2.0 * smallest).max(largest));
         let density = particles / (self.edges.x * self.edges.y * between);
-        let pairs = if self.wavenumber_split().is_sharp() {
-            0.0
-        } else {
-            density * PI * self.method.cutoff().powi(2) * 2.0 * beyond
-        };
+        let pairs =
+            if self.wavenumber_split().is_sharp() { 0.0 } else { density * PI * self.cutoff().powi(2) * 2.0 * beyond };
         self.boundaries.walls() as f64 * beyond / between * (1.0 + pairs)
     }
 }
@@ -82,7 +79,7 @@ struct SphereClass {
 impl WallImages {
     /// Images of the spheres of a plan; `None` without walls.
     pub fn new(plan: &Plan) -> Option<Self> {
-        let (walls, cutoff) = (plan.boundaries.walls(), plan.method.cutoff());
+        let (walls, cutoff) = (plan.boundaries.walls(), plan.cutoff());
         if walls == 0 {
             return None;
         }

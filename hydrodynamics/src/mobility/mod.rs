@@ -20,7 +20,7 @@ use crate::mobility::overlaps::Overlaps;
 use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
 use domain::{AxisRotation, Bytes, Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
-    Costs, DrawDiagnostics, Fixed, Loading, Loads, MethodName, Motion, Multipoles, Output, OutsideError, Plan, Problem,
+    Costs, DrawDiagnostics, Fixed, Loading, Loads, Method, Motion, Multipoles, Output, OutsideError, Plan, Problem,
     SolveError, Stream, check_inside,
 };
 use lubrication::LubricationRange;
@@ -44,7 +44,7 @@ pub struct MobilityParameters {
     /// Gaps at which lubrication acts between rigid spheres, if it does.
     pub lubrication: Option<LubricationRange>,
     /// Method of the far field; `None` for the faster one.
-    pub method: Option<MethodName>,
+    pub method: Option<Method>,
     /// Costs of the parts of an evaluation on the machine.
     pub costs: Costs,
 }

@@ -1,24 +1,26 @@
 //! Method of a case, as the user specifies it.
 
-use fcm::MethodName;
+use fcm::Method;
 use serde::{Deserialize, Serialize};
 
 /// Evaluation method of the far field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseMethod {
-    /// The faster one.
+    /// The fastest one.
     #[default]
     Auto,
     /// The envelopes themselves on the grid.
     Direct,
     /// Wider envelopes on a coarser grid, and a pair correction for the difference.
     Split,
+    /// A matrix of exact sums over all pairs.
+    Dense,
 }
 
 /// An unknown method.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("method is {0:?}; it needs to be \"auto\", \"direct\" or \"split\"")]
+#[error("method is {0:?}; it needs to be \"auto\", \"direct\", \"split\" or \"dense\"")]
 pub struct UnknownMethod(String);
 
 impl CaseMethod {
@@ -28,11 +30,12 @@ impl CaseMethod {
     }
 
     /// The only method that a plan may use, or `None` if there is a choice.
-    pub fn alone(self) -> Option<MethodName> {
+    pub fn alone(self) -> Option<Method> {
         match self {
             Self::Auto => None,
-            Self::Direct => Some(MethodName::Direct),
-            Self::Split => Some(MethodName::Split),
+            Self::Direct => Some(Method::Direct),
+            Self::Split => Some(Method::Split),
+            Self::Dense => Some(Method::Dense),
         }
     }
 }

@@ -3,9 +3,7 @@
 use super::BenchmarkError;
 use super::spheres::{Kind, Spheres, loads};
 use domain::{Bytes, Comm, Particles, Partition, Vector};
-use fcm::{
-    Costs, Fixed, Loading, Method, MethodName, Mobility, Motion, Multipoles, Output, Plan, Precision, Problem, Seconds,
-};
+use fcm::{Costs, Fixed, Loading, Method, Mobility, Motion, Multipoles, Output, Plan, Precision, Problem, Seconds};
 use hydrodynamics::SingleEvaluation;
 use serde::Serialize;
 use std::time::Instant;
@@ -70,7 +68,7 @@ impl Task {
         let error = if self.with_error { Some(self.error(&found, spheres, comm)?) } else { None };
         Ok(Measurement {
             tolerance: self.tolerance,
-            method: if plan.method == Method::Direct { "direct" } else { "split" },
+            method: plan.method.name(),
             precision: if plan.precision == Precision::Single { "f32" } else { "f64" },
             grid: plan.grid,
             support: plan.support.support,
@@ -165,7 +163,7 @@ impl Task {
 
     /// Largest relative error against an evaluation with a tolerance 100 times smaller.
     fn error(&self, found: &[Vec<f64>; 3], spheres: &Spheres, comm: &Comm) -> Result<f64, BenchmarkError> {
-        let fixed = Fixed { method: Some(MethodName::Split), ..Fixed::default() };
+        let fixed = Fixed { method: Some(Method::Split), ..Fixed::default() };
         let tighter = Self { tolerance: (self.tolerance * 1e-2).max(1e-12), fixed, ..*self };
         let plan = tighter.plan(spheres, comm)?;
         let (_, _, exact) = tighter.evaluate(&plan, spheres, comm, self.repeats..=self.repeats);
@@ -246,7 +244,7 @@ mod tests {
         assert_eq!(parts(&even), [3, -3, 1, 9, 7, 30]);
     }
 
-    fn task(kind: Kind, tolerance: f64, method: MethodName) -> Task {
+    fn task(kind: Kind, tolerance: f64, method: Method) -> Task {
         let fixed = Fixed { method: Some(method), ..Fixed::default() };
         Task { tolerance, kind, repeats: 1, with_error: true, fixed, costs: Costs::default() }
     }
@@ -261,7 +259,7 @@ mod tests {
     #[test]
     fn the_measured_error_is_that_of_the_plan() {
         for (kind, tolerance) in [(Kind::All, 1e-3), (Kind::Forces, 1e-2), (Kind::Stresslets, 1e-4)] {
-            for (method, ranks) in [(MethodName::Direct, 1), (MethodName::Split, 1), (MethodName::Split, 2)] {
+            for (method, ranks) in [(Method::Direct, 1), (Method::Split, 1), (Method::Split, 2)] {
                 let error = measured(task(kind, tolerance, method), ranks)[0].error.unwrap();
                 let likely = 1e-3 * tolerance..=tolerance;
                 assert!(likely.contains(&error), "{kind:?} at {tolerance:e} on {ranks} ranks: {error:e}");

@@ -1,9 +1,10 @@
 //! Pairs that Brownian displacements bring into overlap or below the minimum gap of lubrication.
 
 use crate::error::gap::Gap;
-use crate::model::{BrownianScheme, Evaluation, Extension, Integrator, Model};
+use crate::model::{BrownianScheme, Extension, Integrator, Model};
 use crate::neighbourhood::NearLists;
 use domain::{Boundaries, Number, Particles, Partition, PeriodicBox};
+use fcm::Method;
 use lubrication::LubricationRange;
 
 /// Pairs, of two spheres or a sphere and a wall, that are too close at the positions where the motions were solved for.
@@ -131,7 +132,7 @@ impl Remedies {
     /// Changes that are possible in a scene.
     pub fn of(model: &Model) -> Self {
         let is_midpoint = matches!(model.integrator, Integrator::Brownian(BrownianScheme::Midpoint));
-        let may_be_direct = model.hydrodynamics.method != Evaluation::Direct
+        let may_be_direct = model.hydrodynamics.method != Some(Method::Direct)
             && model.cell.boundaries() == Boundaries::Periodic
             && matches!(model.flow.extension(), None | Some(Extension::Planar));
         Self { repels: model.repulsion.is_some(), is_midpoint, may_be_direct }
@@ -232,9 +233,9 @@ mod tests {
             "try hydrodynamics.method = \"direct\", which leaves nothing out, a shorter time.step, a [repulsion]";
         assert!(said(&parameters).contains("up to 1.2e-2 of the weight"));
         assert!(said(&parameters).contains(direct), "{}", said(&parameters));
-        parameters.hydrodynamics.method = Evaluation::Direct;
+        parameters.hydrodynamics.method = Some(Method::Direct);
         assert!(said(&parameters).contains("try a shorter time.step"), "{}", said(&parameters));
-        parameters.hydrodynamics.method = Evaluation::Split;
+        parameters.hydrodynamics.method = Some(Method::Split);
         assert!(said(&parameters).contains(direct));
         parameters.cell = parameters.cell.with_boundaries(Boundaries::Walls).unwrap();
         assert!(said(&parameters).contains("try a shorter time.step"), "{}", said(&parameters));

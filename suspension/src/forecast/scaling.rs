@@ -118,7 +118,7 @@ impl Scaling {
         let point = if plan.precision == Precision::Single { 12.0 } else { 24.0 };
         let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
         let expected = ExpectedCounts::new(plan.edges, self.planned.radii.kinds(), &place);
-        let images = expected.present(plan.method.cutoff().max(plan.support.reach)) - expected.owned();
+        let images = expected.present(plan.cutoff().max(plan.support.reach)) - expected.owned();
         2.0 * point * points * self.largest_share(ranks) * others + IMAGE * images
     }
 

@@ -10,7 +10,7 @@ use crate::model::{Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes};
-use fcm::{Method, Plan, Precision, Problem};
+use fcm::{Plan, Precision, Problem, Split};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
 use simulation::Outline;
@@ -199,12 +199,9 @@ fn with_cost(outline: Outline, (plan, turn): (&Plan, AxisRotation), others: &[Pl
 
 /// A plan as named values; `turn` is the rotation from the reader's axes to those of the box.
 pub fn plan_values(plan: &Plan, turn: AxisRotation) -> Value {
-    let (method, width, cutoff) = match plan.method {
-        Method::Direct => ("direct", None, None),
-        Method::Split { width, cutoff } => ("split", Some(width), Some(cutoff)),
-    };
+    let (width, cutoff) = plan.split.map(|Split { width, cutoff }| (width, cutoff)).unzip();
     json!({
-        "method": method,
+        "method": plan.method.name(),
         "width": width,
         "cutoff": cutoff,
         "precision": if plan.precision == Precision::Single { "f32" } else { "f64" },

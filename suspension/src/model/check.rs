@@ -2,10 +2,10 @@
 
 use super::species::check_species;
 use super::{
-    Axis, Evaluation, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps,
-    travel,
+    Axis, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps, travel,
 };
 use domain::{Boundaries, Number, ParameterError};
+use fcm::Method;
 use hydrodynamics::lengths::check_lubricated;
 use statistics::FEWEST_SAMPLES;
 use std::f64::consts::TAU;
@@ -231,7 +231,7 @@ fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError
             "is set, but velocity fields are those of straight and sheared boxes; leave it out in an extension";
         return Err(ParameterError::new("output.fields_every", message));
     }
-    if p.hydrodynamics.method == Evaluation::Direct && kind != Extension::Planar {
+    if p.hydrodynamics.method == Some(Method::Direct) && kind != Extension::Planar {
         let message = format!(
             "is \"direct\", which is for boxes with a lattice vector at right angles to the other two; that of {} has \
              none: leave it out",

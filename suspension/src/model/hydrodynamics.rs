@@ -2,6 +2,7 @@
 
 use crate::model::box_axes::UserAxes;
 use domain::{Number, ParameterError};
+use fcm::Method;
 
 /// Parameters of the hydrodynamic interactions; those that are `None` are chosen from the tolerance.
 #[derive(Debug, Clone, PartialEq)]
@@ -10,8 +11,8 @@ pub struct Hydrodynamics {
     pub multipoles: Multipoles,
     /// Relative error that the user accepts.
     pub tolerance: f64,
-    /// Evaluation of the far field.
-    pub method: Evaluation,
+    /// Method of the far field; `None` for the fastest.
+    pub method: Option<Method>,
     /// Grid points along x, y and z.
     pub grid: Option<[usize; 3]>,
     /// Width of a stencil in grid points.
@@ -39,23 +40,12 @@ pub enum Multipoles {
     Dipole,
 }
 
-/// Evaluation of the far field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Evaluation {
-    /// Whichever is faster.
-    Auto,
-    /// The envelopes themselves on the grid.
-    Direct,
-    /// Wider envelopes on a coarser grid, with a pair correction for the difference.
-    Split,
-}
-
 impl Default for Hydrodynamics {
     fn default() -> Self {
         Self {
             multipoles: Multipoles::Dipole,
             tolerance: 1e-3,
-            method: Evaluation::Auto,
+            method: None,
             grid: None,
             support: None,
             iteration_tolerance: None,

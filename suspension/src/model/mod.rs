@@ -31,7 +31,7 @@ use domain::{AxisRotation, Boundaries, ParameterError, PeriodicBox, Tensor, Vect
 pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
-pub use hydrodynamics::{Evaluation, Hydrodynamics, Multipoles};
+pub use hydrodynamics::{Hydrodynamics, Multipoles};
 pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use protocol::{Protocol, RateChange, ShearRates};
 pub use sizes::{SizeClass, SizeDistribution};

@@ -1,9 +1,9 @@
 //! Plan of the far field of a scene.
 
 use crate::model::radii::Radii;
-use crate::model::{Evaluation, Flow, Model, Multipoles, Start};
+use crate::model::{Flow, Model, Multipoles, Start};
 use domain::{PeriodicBox, Vector};
-use fcm::{Costs, Fixed, Loading, MethodName, Plan, PlanError, Problem};
+use fcm::{Costs, Fixed, Loading, Plan, PlanError, Problem};
 
 /// The plan for a scene with particles of these radii. It is made for one rank with one thread, so that the same scene
 /// is computed in the same way, with the same results, on any number of them.
@@ -86,14 +86,9 @@ pub fn largest_strain(model: &Model) -> f64 {
 /// Parts of the plan that the scene fixes.
 fn fixed(model: &Model) -> Fixed {
     let chosen = &model.hydrodynamics;
-    let method = match chosen.method {
-        Evaluation::Auto => None,
-        Evaluation::Direct => Some(MethodName::Direct),
-        Evaluation::Split => Some(MethodName::Split),
-    };
     // With contacts, motions jump at the onset of sliding or sticking: steps gain nothing from solves tighter than the
     // tolerance.
     let usual = model.contacts.map(|_| chosen.tolerance);
     let iteration_tolerance = chosen.iteration_tolerance.or(usual);
-    Fixed { method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
+    Fixed { method: chosen.method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
 }

@@ -46,7 +46,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
         let bracket = |k: Vector| (1.0 + widening * k.length_squared()).powi(2);
         let multiplier = |k: Vector| plane(k.x, k.y) * axis(k.z) * bracket(k);
         // Beyond the cutoff the flow of common Gaussians is that of the envelopes.
-        let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.method.cutoff());
+        let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.cutoff());
         return Stokes::in_open_space(grid, kernel);
     }
     let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });

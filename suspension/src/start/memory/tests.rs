@@ -1,7 +1,8 @@
 use super::*;
-use crate::model::{Evaluation, Hydrodynamics, Parameters, Statistics};
+use crate::model::{Hydrodynamics, Parameters, Statistics};
 use crate::start::plan::plan;
 use domain::PeriodicBox;
+use fcm::Method;
 
 /// Sedimenting spheres of radius 1 at a volume fraction.
 fn settling(count: u64, fraction: f64) -> Parameters {
@@ -24,12 +25,12 @@ fn needed(parameters: Parameters, ranks: usize) -> Vec<f64> {
 #[test]
 fn predictions_are_those_that_were_compared_with_peaks() {
     let cases: [(_, _, &[f64]); 6] = [
-        (Evaluation::Split, false, &[330.0]),
-        (Evaluation::Split, false, &[248.0, 241.0]),
-        (Evaluation::Split, true, &[821.0]),
-        (Evaluation::Split, true, &[493.0, 486.0]),
-        (Evaluation::Direct, true, &[1387.0]),
-        (Evaluation::Direct, false, &[565.0, 558.0]),
+        (Some(Method::Split), false, &[330.0]),
+        (Some(Method::Split), false, &[248.0, 241.0]),
+        (Some(Method::Split), true, &[821.0]),
+        (Some(Method::Split), true, &[493.0, 486.0]),
+        (Some(Method::Direct), true, &[1387.0]),
+        (Some(Method::Direct), false, &[565.0, 558.0]),
     ];
     let found = cases.map(|(method, lubrication, expected)| {
         let hydrodynamics = Hydrodynamics { method, lubrication, ..Hydrodynamics::default() };
