@@ -129,7 +129,7 @@ impl Command {
             Self::TwoSphere(args) => two_sphere::run(args, comm)?,
             Self::New(args) => new::run(args, comm)?,
             Self::Info(args) => info::run(args, comm)?,
-            Self::Schema => streams::print(comm, &streams::json(&io::scene_schema()))?,
+            Self::Schema => streams::print(comm, &streams::json(&scene::scene_schema()))?,
             Self::Man(pages) => manual::pages(pages, Args::command(), comm)?,
             Self::Completions { shell } => manual::completions(*shell, &mut Args::command(), comm)?,
         }

@@ -88,7 +88,7 @@ struct Line {
 
 /// Runs all cases. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let costs = io::kept_costs(comm)?;
+    let costs = run::kept_costs(comm)?;
     for case in args.cases() {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {

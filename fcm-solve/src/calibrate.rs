@@ -10,8 +10,8 @@ use suspension::benchmark::measured_costs;
 pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
     // Each rank measures by itself, with its share of the machine.
     let costs = measured_costs(&Comm::alone())?;
-    let kept = if comm.is_first() { io::keep_costs(costs) } else { Ok(PathBuf::new()) };
-    let path = comm.agree(kept.map_err(|e| io::in_full(&e)))?;
+    let kept = if comm.is_first() { run::keep_costs(costs) } else { Ok(PathBuf::new()) };
+    let path = comm.agree(kept.map_err(|e| scene::in_full(&e)))?;
     let Costs { stencils, transforms, pairs } = costs;
     let text = format!(
         "stencils   {stencils:.2}\ntransforms {transforms:.2}\npairs      {pairs:.2}\ntimes those of the machine that \

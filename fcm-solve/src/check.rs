@@ -6,7 +6,8 @@ use crate::scene_file::read_any;
 use crate::streams::{self, json};
 use anyhow::{bail, ensure};
 use domain::Comm;
-use io::{ScaledTrial, SceneFile};
+use run::ScaledTrial;
+use scene::SceneFile;
 use std::path::PathBuf;
 use suspension::{Asked, Ranks};
 

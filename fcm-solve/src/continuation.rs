@@ -6,7 +6,8 @@ use crate::signals::Signals;
 use crate::streams;
 use anyhow::Context;
 use domain::Comm;
-use io::{Resumption, RunFolder, Scene};
+use run::{Resumption, RunFolder};
+use scene::Scene;
 use std::process::ExitCode;
 
 /// Continues a run to the end of its scene, and logs damaged checkpoints and changed keys. Collective.

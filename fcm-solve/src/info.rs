@@ -5,7 +5,8 @@ use crate::family;
 use crate::streams::{self, json};
 use anyhow::{Context, anyhow, ensure};
 use domain::Comm;
-use io::{Contents, FamilyFolder, FolderContents};
+use files::{Contents, FolderContents};
+use run::FamilyFolder;
 use std::path::{Path, PathBuf};
 
 /// File or folder to describe, and the form of the output.

@@ -7,8 +7,9 @@ use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{AxisRotation, Bytes, Comm, Tensor, Traceless, Vector};
 use fcm::{Costs, DrawDiagnostics, Loads, Motion, Multipoles, Plan};
-use io::{Answer, Case, NOISE_NUMBERS, Noise, Terms};
+use files::{Answer, FileError, parse_case, read_case};
 use lubrication::LubricationRange;
+use scene::{Case, NOISE_NUMBERS, Noise, Terms};
 use solver::BackgroundFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -70,7 +71,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 
 /// Evaluates a case; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
-    let (parameters, turn) = parameters(case, (tolerance, io::kept_costs(comm)?))?;
+    let (parameters, turn) = parameters(case, (tolerance, run::kept_costs(comm)?))?;
     case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
@@ -106,13 +107,13 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     Ok(answer)
 }
 
-fn read(path: &Path) -> Result<Case, io::FileError> {
+fn read(path: &Path) -> Result<Case, FileError> {
     if path != Path::new("-") {
-        return Case::read(path);
+        return read_case(path);
     }
     let name = Path::new("the standard input");
-    let unreadable = |error: std::io::Error| io::FileError::Read { path: name.to_owned(), reason: error.to_string() };
-    Case::parse(&std::io::read_to_string(std::io::stdin()).map_err(unreadable)?, name)
+    let unreadable = |error: std::io::Error| FileError::Read { path: name.to_owned(), reason: error.to_string() };
+    parse_case(&std::io::read_to_string(std::io::stdin()).map_err(unreadable)?, name)
 }
 
 /// Warnings about a case that can be evaluated but whose answer is questionable.

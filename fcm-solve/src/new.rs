@@ -3,7 +3,7 @@
 use crate::streams;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use domain::Comm;
-use io::{TEMPLATES, Template};
+use scene::{TEMPLATES, Template};
 
 /// Scene to print.
 #[derive(clap::Args)]

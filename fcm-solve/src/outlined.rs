@@ -3,7 +3,8 @@
 use crate::part_progress::PartProgress;
 use crate::prepared_scene::{Prepared, prepared};
 use domain::Comm;
-use io::{RunError, Scene, Trial};
+use run::{RunError, Trial};
+use scene::Scene;
 use simulation::Outline;
 use suspension::Asked;
 
@@ -20,17 +21,17 @@ pub struct Outlined {
 pub fn outlined(scene: Scene, asked: Asked, is_tried: bool, comm: &Comm) -> anyhow::Result<Outlined> {
     let Prepared { scene, notes } = prepared(scene, is_tried, comm)?;
     let placing = PartProgress::start(comm, "the particles are placed");
-    let outline = io::outline(scene.kind(), asked, comm)?;
+    let outline = run::outline(scene.kind(), asked, comm)?;
     drop(placing);
     let outline = notes.iter().fold(outline, |outline, (label, note)| outline.line(label, note));
     if !is_tried || outline.refused().is_some() {
         return Ok(Outlined { scene, outline, trial: None });
     }
     let _trying = PartProgress::start_late(comm, "the first steps are tried");
-    match io::trial(&scene, comm) {
+    match run::trial(&scene, comm) {
         Err(RunError::Simulation(error)) => {
             let outline = outline.line("trial", "the first steps fail");
-            Ok(Outlined { scene, outline: outline.refusal(Some(io::in_full(&error))), trial: None })
+            Ok(Outlined { scene, outline: outline.refusal(Some(scene::in_full(&error))), trial: None })
         }
         trial => Ok(Outlined { trial: trial?, scene, outline }),
     }

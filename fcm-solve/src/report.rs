@@ -23,6 +23,6 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 
 fn write(args: &Args) -> anyhow::Result<()> {
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("report.html"));
-    io::write_report(&args.folder, &out)?;
+    report::write_report(&args.folder, &out)?;
     streams::print_here(&format!("report     {}\n", out.display()))
 }

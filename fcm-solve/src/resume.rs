@@ -9,7 +9,8 @@ use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
 use anyhow::{bail, ensure};
 use domain::Comm;
-use io::{ExistingRun, FamilyFolder, Resumption, RunFolder, SceneFile, WholeScene};
+use run::{ExistingRun, FamilyFolder, Resumption, RunFolder, WholeScene};
+use scene::SceneFile;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -32,15 +33,15 @@ pub struct Args {
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
     let signals = comm.agree(Signals::watch(comm, command, &args.stops))?;
-    comm.agree(io::check_accepted(&args.accept))?;
+    comm.agree(scene::check_accepted(&args.accept))?;
     if comm.any(comm.is_first() && FamilyFolder::holds_family(&args.folder)) {
         return resume_family(args, comm, &signals);
     }
     let folder = comm.agree(RunFolder::reopen(&args.folder, comm).map_err(|e| in_full(&e.into())))?;
     let scene = kept_scene(&folder, args.steps, comm)?;
     if let Some(work) = WholeScene::of(&scene) {
-        io::check_ranks(scene.kind(), comm.size())?;
-        io::check_memory(scene.kind(), comm)?;
+        run::check_ranks(scene.kind(), comm.size())?;
+        run::check_memory(scene.kind(), comm)?;
         return carry_out(&work, (&scene, &folder), comm);
     }
     go_on(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)

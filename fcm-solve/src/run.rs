@@ -13,10 +13,9 @@ use crate::streams;
 use crate::whole_scene::carry_out;
 use anyhow::ensure;
 use domain::Comm;
-use io::{
-    Checkpoints, Difference, ExistingRun, Family, Recorder, Resumption, RunFolder, Scene, SceneFile, WholeScene,
-    some_of,
-};
+use files::Checkpoints;
+use run::{ExistingRun, Recorder, Resumption, RunFolder, WholeScene};
+use scene::{Difference, Family, Scene, SceneFile, some_of};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -53,8 +52,8 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
         SceneFile::Scene(scene) => *scene,
         SceneFile::Family(family) => return run_family(args, &family, comm),
     };
-    io::check_ranks(scene.kind(), comm.size())?;
-    comm.agree(io::check_accepted(&args.accept))?;
+    run::check_ranks(scene.kind(), comm.size())?;
+    comm.agree(scene::check_accepted(&args.accept))?;
     ensure!(args.part.is_none(), "--part goes with families, scenes with [ensemble] or [sweep]; leave it out");
     let path = args.folder(scene.kind().folder());
     let signals = Signals::watch(comm, args.command(&path), &args.stops);
@@ -68,7 +67,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 
 /// Makes the missing members of a family.
 fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitCode> {
-    io::check_accepted(&args.accept).map_err(anyhow::Error::msg)?;
+    scene::check_accepted(&args.accept).map_err(anyhow::Error::msg)?;
     let path = args.folder(family.output_folder().as_deref());
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
     let work = Work { family, part: args.part.unwrap_or(Part::WHOLE), accepted: &args.accept };
@@ -84,13 +83,13 @@ fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) ->
         streams::inform(format_args!("{label:<10} {note}"));
     }
     if let Some(work) = WholeScene::of(&scene) {
-        io::check_memory(scene.kind(), comm)?;
+        run::check_memory(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
         return carry_out(&work, (&scene, &folder), comm);
     }
     let mut preparing = PartProgress::start(comm, "the particles are placed");
-    let mut started = io::start(&scene, comm, &mut |part| preparing.show(part))?;
+    let mut started = run::start(&scene, comm, &mut |part| preparing.show(part))?;
     drop(preparing);
     let mut recorder = Recorder::create(folder, &scene, &mut *started)?;
     run_to_end(&mut *started, &mut recorder, scene.kind().steps(), signals)

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::signals::Signals;
 use crate::stop::Stop;
 use anyhow::bail;
-use io::Recorder;
+use run::Recorder;
 use simulation::Simulation;
 use std::process::ExitCode;
 
@@ -43,7 +43,7 @@ pub fn run_to_end(
         progress.show(simulation);
     }
     let (answers, warning) = recorder.finish(simulation)?;
-    let answers = io::answers_in_lines(answers);
+    let answers = report::answers_in_lines(answers);
     if let Some(warning) = warning {
         progress.say(&format!("warning: {warning}"));
     }

@@ -1,7 +1,7 @@
 //! Choice of the frames of a trajectory for statistics, and the missing ones among them.
 
 use crate::streams;
-use io::{MissingSteps, TrajectoryReader};
+use files::{MissingSteps, TrajectoryReader};
 use std::ops::RangeInclusive;
 use std::path::Path;
 

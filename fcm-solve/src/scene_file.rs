@@ -4,7 +4,8 @@ use crate::causes::in_full;
 use crate::streams;
 use anyhow::{Context, bail, ensure};
 use domain::Comm;
-use io::{Scene, SceneError, SceneFile};
+use files::SCENES;
+use scene::{Scene, SceneError, SceneFile};
 use std::path::Path;
 
 /// Reads a scene on the first rank and shares it. Collective.
@@ -24,7 +25,7 @@ pub fn read_any(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Resul
         Some(SceneFile::Scene(scene)) => scene.text(),
         _ => "",
     });
-    let shared = || Scene::parse(&text, &path.display().to_string(), &[]).context("as the first rank sent it");
+    let shared = || SCENES.parse(&text, &path.display().to_string(), &[]).context("as the first rank sent it");
     read.map_or_else(|| Ok(SceneFile::Scene(Box::new(shared()?))), Ok)
 }
 
@@ -47,7 +48,7 @@ fn read_here(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<S
 
 fn any_of(path: &Path, overrides: &[String]) -> Result<SceneFile, SceneError> {
     if path != Path::new("-") {
-        return SceneFile::read(path, overrides);
+        return SCENES.read_file(path, overrides);
     }
-    SceneFile::read_from(std::io::stdin(), "standard input", overrides)
+    SCENES.read_file_from(std::io::stdin(), "standard input", overrides)
 }

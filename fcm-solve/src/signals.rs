@@ -203,7 +203,7 @@ impl Requests {
 
     fn tell_steps_taken(&self, steps: u64) {
         let Some(path) = self.steps_taken.as_ref().filter(|_| self.is_first) else { return };
-        if let Err(error) = io::replace_file(path, format!("{steps}\n").as_bytes()) {
+        if let Err(error) = files::replace_file(path, format!("{steps}\n").as_bytes()) {
             streams::log(format_args!("warning: {error}"));
         }
     }

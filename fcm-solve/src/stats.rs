@@ -7,9 +7,10 @@ use crate::streams::{self, json};
 use crate::trajectory_statistics::{Options, TrajectoryStatistics};
 use anyhow::bail;
 use domain::Comm;
-use io::{
-    AnswerRange, FamilyFolder, Kind, Provenance, RunAnswer, Scene, answers_in_json, answers_in_lines, run_answers,
-};
+use files::{Provenance, SCENES};
+use report::{AnswerRange, RunAnswer, answers_in_json, answers_in_lines, run_answers};
+use run::FamilyFolder;
+use scene::{Kind, Scene};
 use serde_json::{Value, json};
 use simulation::Table;
 use std::path::PathBuf;
@@ -66,8 +67,8 @@ impl Args {
     fn scene(&self) -> anyhow::Result<Scene> {
         let (kept, table) = (self.folder.join("scene.toml"), self.folder.join("observables.csv"));
         match Provenance::of_folder(&self.folder)? {
-            Some(recorded) => Ok(Scene::parse(&recorded.scene, "the scene of the run", &[])?),
-            None if table.is_file() => Ok(Scene::read(&kept, &[])?),
+            Some(recorded) => Ok(SCENES.parse(&recorded.scene, "the scene of the run", &[])?),
+            None if table.is_file() => Ok(SCENES.read(&kept, &[])?),
             None => bail!(
                 "{}: no results of a run: neither trajectory.h5 nor observables.csv; name the folder of a run that \
                  has begun",

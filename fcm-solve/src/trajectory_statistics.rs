@@ -5,7 +5,9 @@ use crate::sampled_frames::SampledFrames;
 use crate::streams;
 use anyhow::{Context, anyhow, bail, ensure};
 use domain::{Comm, MemoryNeed, Particles, Partition, Process};
-use io::{Manifest, Provenance, Scene, SuspensionScene, TrajectoryReader, provenance, write_tables};
+use files::{Manifest, Provenance, TrajectoryReader, write_tables};
+use run::provenance;
+use scene::{Scene, SuspensionScene};
 use simulation::Table;
 use std::path::{Path, PathBuf};
 use suspension::{

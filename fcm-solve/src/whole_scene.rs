@@ -3,7 +3,8 @@
 use crate::part_progress::PartProgress;
 use crate::streams;
 use domain::Comm;
-use io::{Listener, RunFolder, Scene, WholeScene};
+use run::{Listener, RunFolder, WholeScene};
+use scene::Scene;
 use std::process::ExitCode;
 
 /// Listener that shows messages together with the progress.

@@ -1,8 +1,9 @@
 //! Errors of the libraries as Python exceptions.
 
-use io::{RunError, SceneError};
 use pyo3::prelude::*;
 use pyo3::types::PyType;
+use run::RunError;
+use scene::SceneError;
 use std::error::Error;
 
 /// An exception `Error` with this message.
@@ -25,12 +26,12 @@ fn raised(kind: &str, message: String) -> PyErr {
 
 /// The exception `Error` for an error of a library, with all its causes.
 pub fn explained(cause: &dyn Error) -> PyErr {
-    error(io::in_full(cause))
+    error(scene::in_full(cause))
 }
 
 /// The exception `InputError` for an error about an argument, with all its causes.
 pub fn refused(cause: &dyn Error) -> PyErr {
-    input_error(io::in_full(cause))
+    input_error(scene::in_full(cause))
 }
 
 /// The exception for an error of a run: `InputError` if it is about the scene, else `Error`.

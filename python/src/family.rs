@@ -1,12 +1,14 @@
 //! Families of runs, whose members are run in Python processes.
 
 use crate::error::{explained, input_error, of_scene};
-use io::{ExistingRun, Family, FamilyFolder, MemberState, SceneFile};
+use files::SCENES;
 use pyo3::prelude::*;
+use run::{ExistingRun, FamilyFolder, MemberState};
+use scene::{Family, SceneFile};
 use std::path::{Path, PathBuf};
 
 fn family(text: &str, name: &str) -> PyResult<Family> {
-    match SceneFile::parse(text, name, &[]).map_err(|cause| of_scene(&cause))? {
+    match SCENES.parse_file(text, name, &[]).map_err(|cause| of_scene(&cause))? {
         SceneFile::Family(family) => Ok(family),
         SceneFile::Scene(_) => {
             Err(input_error(format!("{name} is a scene of one run; a family has [ensemble] or [sweep]")))

@@ -7,10 +7,10 @@ use crate::error::{explained, refused};
 use crate::signals::Signals;
 use domain::{AxisRotation, Bytes, Comm, Tensor, Vector};
 use fcm::{Loads, Motion, Multipoles};
-use io::{CaseBoundary, CaseBox, CaseMethod};
 use lubrication::LubricationRange;
 use numpy::PyArray2;
 use pyo3::prelude::*;
+use scene::{CaseBoundary, CaseBox, CaseMethod};
 use solver::BackgroundFlow;
 use std::time::Instant;
 use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
@@ -65,7 +65,7 @@ impl Mobility {
             tolerance,
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
             method: CaseMethod::of_word(method).map_err(|cause| refused(&cause))?.alone(),
-            costs: without_lock(py, || io::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
+            costs: without_lock(py, || run::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
         };
         Self::planned(py, (parameters, turn), (count, &comm))
     }

@@ -4,8 +4,10 @@ use crate::own_loads::{OwnFunction, Raised};
 use crate::signals::Signals;
 use crate::snapshot::{Snapshot, count, shared};
 use domain::Comm;
-use io::{ExistingRun, Recorder, Resumption, RunError, RunFolder, Scene};
+use files::SCENES;
 use pyo3::prelude::*;
+use run::{ExistingRun, Recorder, Resumption, RunError, RunFolder};
+use scene::Scene;
 use simulation::{Rearrangement, Simulation};
 use std::path::Path;
 
@@ -46,22 +48,22 @@ impl Run {
     /// Starts a scene. Collective.
     pub fn start(scene: Scene, folder: Option<(&Path, ExistingRun)>, comm: &Comm) -> Result<Self, RunError> {
         let claim = |(path, former)| RunFolder::claim(path, comm, former);
-        let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| io::in_full(&cause)))?;
-        let (scene, _) = io::with_start_file(scene, comm)?;
-        let (scene, _) = io::with_least_repulsion(io::on_this_machine(scene, comm)?, comm)?;
-        let simulation = io::start(&scene, comm, &mut |_| ())?;
+        let folder = comm.agree(folder.map(claim).transpose().map_err(|cause| scene::in_full(&cause)))?;
+        let (scene, _) = run::with_start_file(scene, comm)?;
+        let (scene, _) = run::with_least_repulsion(run::on_this_machine(scene, comm)?, comm)?;
+        let simulation = run::start(&scene, comm, &mut |_| ())?;
         Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))
     }
 
     /// Resumes the run of a folder from its last checkpoint; returns notes on damaged checkpoints and changed keys,
     /// too. Collective.
     pub fn resume(path: &Path, accepted: &[String], comm: &Comm) -> Result<(Self, Vec<String>), RunError> {
-        let folder = comm.agree(RunFolder::reopen(path, comm).map_err(|cause| io::in_full(&cause)))?;
-        let read = if comm.is_first() { Scene::read(&folder.scene(), &[]).map(Some) } else { Ok(None) };
+        let folder = comm.agree(RunFolder::reopen(path, comm).map_err(|cause| scene::in_full(&cause)))?;
+        let read = if comm.is_first() { SCENES.read(&folder.scene(), &[]).map(Some) } else { Ok(None) };
         let read = comm.agree(read)?;
         let name = folder.scene().display().to_string();
         let text = comm.broadcast_text(read.as_ref().map_or("", Scene::text));
-        let scene = read.map_or_else(|| Scene::parse(&text, &name, &[]), Ok)?;
+        let scene = read.map_or_else(|| SCENES.parse(&text, &name, &[]), Ok)?;
         let mut resumption = Resumption::of(folder, scene, accepted, comm)?;
         let notes = resumption.damaged().iter().chain(resumption.notes()).cloned().collect();
         let mut simulation = resumption.simulation(comm)?;
@@ -103,7 +105,7 @@ impl Run {
         let state = comm.agree(snapshot.state_for(&self.scene, count(&now, &comm)))?;
         let change = shared(change, &comm);
         let state = if change.is_empty() { state } else { self.simulation.rearranged(state, &change)? };
-        let mut simulation = io::resume(&self.scene, Some(state), &comm)?;
+        let mut simulation = run::resume(&self.scene, Some(state), &comm)?;
         simulation.listen(self.signals.interrupt());
         self.own_loads.iter().try_for_each(|loads| simulation.add_loads(self.raised.loads(loads.clone())))?;
         self.output = match std::mem::replace(&mut self.output, Output::Nowhere) {
@@ -157,7 +159,7 @@ impl Run {
         let is_longer = target > self.end();
         if is_longer {
             let end = [format!("time.steps={target}")];
-            self.scene = Scene::parse(self.scene.text(), "the scene with another end", &end)?;
+            self.scene = SCENES.parse(self.scene.text(), "the scene with another end", &end)?;
         }
         self.output = match std::mem::replace(&mut self.output, Output::Nowhere) {
             Output::Folder(folder) => {

@@ -1,8 +1,10 @@
 //! Reading and checking scenes, as the program does.
 
 use crate::error::{input_error, of_scene};
-use io::{Scene, TEMPLATES, Template, WholeScene};
+use files::SCENES;
 use pyo3::prelude::*;
+use run::WholeScene;
+use scene::{Scene, TEMPLATES, Template};
 use std::path::Path;
 
 /// The text of a scene that comes with the program.
@@ -18,7 +20,7 @@ pub fn template(name: &str) -> PyResult<&'static str> {
 /// Reads and checks a scene file.
 #[pyfunction]
 pub fn read(path: &str) -> PyResult<String> {
-    Ok(Scene::read(Path::new(path), &[]).map_err(|cause| of_scene(&cause))?.text().to_owned())
+    Ok(SCENES.read(Path::new(path), &[]).map_err(|cause| of_scene(&cause))?.text().to_owned())
 }
 
 /// Checks the text of a scene with some keys set, each `key=value`. Returns the new text, and whether the scene is
@@ -31,5 +33,5 @@ pub fn check(text: &str, name: &str, overrides: Vec<String>) -> PyResult<(String
 
 /// Parses the text of a scene.
 pub fn parsed(text: &str, name: &str, overrides: &[String]) -> PyResult<Scene> {
-    Scene::parse(text, name, overrides).map_err(|cause| of_scene(&cause))
+    SCENES.parse(text, name, overrides).map_err(|cause| of_scene(&cause))
 }

@@ -2,8 +2,8 @@
 
 use crate::arrays::{Rows, list_of};
 use domain::{Comm, Vector};
-use io::{Kind, Scene};
 use pyo3::prelude::*;
+use scene::{Kind, Scene};
 use simulation::{Rearrangement, State};
 use std::mem::{Discriminant, discriminant};
 

@@ -5,8 +5,9 @@ use crate::error::{error, of_run};
 use crate::scene::parsed;
 use crate::threads::check_this_thread;
 use domain::Comm;
-use io::{ExistingRun, Listener, RunError, RunFolder, Scene, WholeScene};
 use pyo3::prelude::*;
+use run::{ExistingRun, Listener, RunError, RunFolder, WholeScene};
+use scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// Listener that passes lines on to a Python function.
@@ -48,7 +49,7 @@ fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &Tol
     let comm = Comm::alone();
     let work = WholeScene::of(scene).ok_or(RunError::NoSteps)?;
     let mut folder = RunFolder::claim(path, &comm, former)?;
-    io::check_memory(scene.kind(), &comm)?;
+    run::check_memory(scene.kind(), &comm)?;
     if former != ExistingRun::Continue || !folder.holds_run(&comm) {
         folder.start_with(scene.text())?;
     }

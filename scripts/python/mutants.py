@@ -17,7 +17,8 @@ VERDICTS = ROOT / "validation" / "data" / "mutants.jsonl"
 OUTCOMES = ("detected", "timed out", "missed", "equivalent", "unviable", "not yet tested")
 
 # Crates before those that depend on them, so that each is built once.
-ORDER = "domain solver lubrication statistics fcm granular simulation suspension io fcm-solve".split()
+ORDER = """domain solver lubrication statistics fcm hydrodynamics granular simulation suspension io/scene io/files io/report
+    io/run fcm-solve""".split()
 
 
 class Kept:
@@ -42,14 +43,15 @@ def outcome_of(mutation, kept, equal):
 
 
 def table(sample, kept, equal):
-    """Lines of Markdown: the numbers of outcomes by crate, and the missed changes."""
-    counts = collections.Counter((one.crate, outcome_of(one, kept, equal)) for one in sample)
+    """Lines of Markdown: the numbers of outcomes by folder, and the missed changes."""
+    counts = collections.Counter((one.folder, outcome_of(one, kept, equal)) for one in sample)
     row = lambda cells: "| " + " | ".join(map(str, cells)) + " |"
     yield row(["crate", *OUTCOMES])
     yield row(["---"] * (1 + len(OUTCOMES)))
-    for crate in ORDER:
-        yield row([crate, *(counts[crate, outcome] for outcome in OUTCOMES)])
-    total = {outcome: sum(counts[crate, outcome] for crate in ORDER) for outcome in OUTCOMES}
+    folders = list(dict.fromkeys(crate.split("/")[0] for crate in ORDER))
+    for folder in folders:
+        yield row([folder, *(counts[folder, outcome] for outcome in OUTCOMES)])
+    total = {outcome: sum(counts[folder, outcome] for folder in folders) for outcome in OUTCOMES}
     yield row(["all", *total.values()])
     detected, missed = total["detected"] + total["timed out"], total["missed"]
     if detected + missed:

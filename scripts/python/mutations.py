@@ -26,6 +26,11 @@ class Mutation:
     function: tuple | None
 
     @property
+    def folder(self):
+        """The folder at the root of the repository, which may hold several crates."""
+        return self.crate.split("/")[0]
+
+    @property
     def place(self):
         return f"{self.file}:{self.start[0]}"
 
@@ -58,7 +63,7 @@ def all_mutations(root):
         seen[key] += 1
         key += f" ({seen[key]})" if seen[key] > 1 else ""
         function = edges(one["function"]["span"]) if one["function"] else None
-        yield Mutation(key, file.split("/")[0], file, start, end, one["replacement"], function)
+        yield Mutation(key, file.split("/src/")[0], file, start, end, one["replacement"], function)
 
 
 def sampled(mutations, seed):

@@ -147,9 +147,9 @@ class Check(unittest.TestCase):
                 self.compare(self.folder / f"{kind}.toml", sets, f"{kind}{number}")
 
     def test_every_scene_has_the_same_verdict(self):
-        for scene in sorted((ROOT / "io" / "tests" / "bad").glob("*.toml")):
+        for scene in sorted((ROOT / "io" / "scene" / "tests" / "bad").glob("*.toml")):
             self.assertEqual(self.compare(scene, [], scene.stem), 1, scene)
-        for scene in sorted((ROOT / "io" / "tests" / "good").glob("*.toml")):
+        for scene in sorted((ROOT / "io" / "scene" / "tests" / "good").glob("*.toml")):
             self.compare(scene, ["time.steps=1"], scene.stem)
         for scene in sorted((ROOT / "scenes").glob("*.toml")):
             sets = [f"{key}={value}" for key, value in SMALLER.get(scene.stem, {}).items()]

@@ -14,7 +14,8 @@ TOKEN = re.compile(
 GAP = re.compile(r"\S+ \S.*? {2,}\S")
 # Longer texts are pages, which have columns.
 PAGE = 4
-PACKAGES = "domain solver fcm lubrication statistics simulation suspension granular io fcm-solve python fuzz".split()
+PACKAGES = """domain solver fcm lubrication hydrodynamics statistics simulation suspension granular io/scene io/files
+    io/report io/run fcm-solve python fuzz""".split()
 
 
 def gaps(source):

@@ -5,7 +5,8 @@ use crate::outlined::{Outlined, outlined};
 use crate::streams::json;
 use anyhow::{anyhow, bail, ensure};
 use domain::{Comm, Number, readable_bytes};
-use io::{Family, Member, Trial};
+use run::Trial;
+use scene::{Family, Member};
 use serde_json::{Value, json};
 use simulation::Outline;
 use std::fmt::Write as _;
@@ -29,7 +30,7 @@ pub fn check(family: &Family, is_tried: bool, as_json: bool) -> anyhow::Result<S
             Err(error) => refused.push(format!("{error:#}")),
         }
     }
-    ensure!(refused.is_empty(), "{}", io::some_of(&refused));
+    ensure!(refused.is_empty(), "{}", scene::some_of(&refused));
     let members: Vec<&Member> = family.members().iter().collect();
     let at_once = at_once(family, &members)?.min(members.len());
     let seconds = points.iter().map(|point| point.trial.as_ref().map(|trial| trial.run * point.runs as f64));
@@ -57,7 +58,7 @@ fn words(points: &[Checked], at_once: usize, seconds: Option<f64>) -> String {
     for Checked { member, outline, trial, .. } in points {
         let values = outline.to_json();
         let particles = values["particles"].as_u64().map(|count| format!("{count} particles"));
-        let time = trial.as_ref().map(|trial| format!("about {} a run", io::time_in_words(trial.run)));
+        let time = trial.as_ref().map(|trial| format!("about {} a run", run::time_in_words(trial.run)));
         let about = [Some(member.described()), particles, time].into_iter().flatten().filter(|words| !words.is_empty());
         writeln!(text, "{} {}", member.point_name(), about.collect::<Vec<_>>().join(", ")).expect("text grows");
         for warning in values["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str) {
@@ -70,7 +71,7 @@ fn words(points: &[Checked], at_once: usize, seconds: Option<f64>) -> String {
         .expect("text grows");
     match seconds {
         Some(seconds) => {
-            writeln!(text, "time       about {} in all, {at_once} runs at a time", io::time_in_words(seconds))
+            writeln!(text, "time       about {} in all, {at_once} runs at a time", run::time_in_words(seconds))
         }
         None => writeln!(text, "time       unknown: not every point was tried"),
     }

@@ -2,7 +2,8 @@
 
 use super::outcome::Outcome;
 use anyhow::Context;
-use io::{Family, FamilyFolder, Member};
+use run::FamilyFolder;
+use scene::{Family, Member};
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::os::unix::process::CommandExt;

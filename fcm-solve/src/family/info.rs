@@ -1,14 +1,16 @@
 //! `fcm-solve info` of the folder of a family: its members and their states.
 
 use anyhow::bail;
-use io::{FamilyFolder, MemberState, SceneFile};
+use files::SCENES;
+use run::{FamilyFolder, MemberState};
+use scene::SceneFile;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// The states of a family's members, in words and as JSON.
 pub fn info(path: &Path) -> anyhow::Result<(String, Value)> {
-    let SceneFile::Family(family) = SceneFile::read(&path.join("scene.toml"), &[])? else {
+    let SceneFile::Family(family) = SCENES.read_file(&path.join("scene.toml"), &[])? else {
         bail!("{} holds no family", path.display());
     };
     let folder = FamilyFolder::of(path);

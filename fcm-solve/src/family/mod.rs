@@ -16,9 +16,10 @@ use anyhow::{bail, ensure};
 pub use check::check;
 use domain::{AvailableMemory, Comm};
 pub use info::info;
-use io::{ExistingRun, Family, FamilyFolder, Member, MemberState};
 pub use part::Part;
 use pool::Pool;
+use run::{ExistingRun, FamilyFolder, MemberState};
+use scene::{Family, Member};
 pub use stats::stats;
 use std::path::Path;
 use std::process::ExitCode;
@@ -74,8 +75,8 @@ fn at_once(family: &Family, missing: &[&Member]) -> anyhow::Result<usize> {
     let mut most = 0.0_f64;
     for members in missing.chunk_by(|one, other| one.point == other.point) {
         let scene = family.scene(members[0])?;
-        let bytes = io::predicted_memory(scene.kind(), 1)
-            .map_err(|e| anyhow::anyhow!("{}: {}", members[0], io::in_full(&e)))?;
+        let bytes = run::predicted_memory(scene.kind(), 1)
+            .map_err(|e| anyhow::anyhow!("{}: {}", members[0], scene::in_full(&e)))?;
         most = most.max(bytes.unwrap_or_default());
     }
     let room = AvailableMemory::of_machine().map_or(f64::INFINITY, |room| room.bytes);

@@ -1,6 +1,6 @@
 //! Parts of a family, for job arrays.
 
-use io::Member;
+use scene::Member;
 use std::fmt::{Display, Formatter};
 use std::str::FromStr;
 
@@ -49,6 +49,7 @@ impl FromStr for Part {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use scene::SceneFile;
 
     #[test]
     fn parts_are_read_and_those_that_are_none_are_refused() {
@@ -63,10 +64,10 @@ mod tests {
     #[test]
     fn every_member_is_in_one_part() {
         let text = include_str!("../../../scenes/settling.toml").to_owned() + "[ensemble]\nseeds = 7\n";
-        let Ok(io::SceneFile::Family(family)) = io::SceneFile::parse(&text, "f.toml", &[]) else { panic!("a family") };
+        let Ok(SceneFile::Family(family)) = SceneFile::parse(&text, "f.toml", &[]) else { panic!("a family") };
         let part = |number| Part { number, count: 3 }.of(family.members());
         assert_eq!([1, 2, 3].map(|number| part(number).len()), [3, 2, 2]);
-        let mut all: Vec<_> = [1, 2, 3].into_iter().flat_map(part).map(io::Member::folder).collect();
+        let mut all: Vec<_> = [1, 2, 3].into_iter().flat_map(part).map(scene::Member::folder).collect();
         all.sort();
         all.dedup();
         assert_eq!(all.len(), 7);

@@ -3,13 +3,15 @@
 use crate::streams::json;
 use anyhow::bail;
 use domain::Number;
-use io::{FamilyFolder, SceneFile};
+use files::SCENES;
+use run::FamilyFolder;
+use scene::SceneFile;
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Writes the table of a family anew, and returns it in words or as JSON.
 pub fn stats(path: &Path, as_json: bool) -> anyhow::Result<String> {
-    let SceneFile::Family(family) = SceneFile::read(&path.join("scene.toml"), &[])? else {
+    let SceneFile::Family(family) = SCENES.read_file(&path.join("scene.toml"), &[])? else {
         bail!("{} holds no family", path.display());
     };
     let folder = FamilyFolder::of(path);

@@ -2,7 +2,7 @@
 
 pub mod ended;
 
-use io::{Kind, Scene};
+use scene::{Kind, Scene};
 use suspension::Model;
 
 /// The model of a scene, with overrides of keys.

@@ -1,0 +1,73 @@
+//! Export of trajectories to the formats of other programs.
+
+mod contacts;
+mod gsd;
+mod range;
+#[cfg(test)]
+mod tests;
+mod vtp;
+mod xyz;
+
+pub use contacts::{ContactFormat, export_contacts};
+pub use range::FrameRange;
+
+use crate::trajectory_reader::{Snapshot, TrajectoryReader};
+use crate::{FileError, Manifest, atomic_file};
+use scene::{Kind, Scene};
+use std::io::BufWriter;
+use std::path::Path;
+
+/// Format of another program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// Extended XYZ: text, all frames in one file.
+    Xyz,
+    /// GSD of HOOMD-blue: binary, single precision, all frames in one file.
+    Gsd,
+    /// `PolyData` of VTK, one file per frame, and a `.pvd` file that lists them with their times.
+    Vtp,
+}
+
+impl Format {
+    /// Extension of the file name; for VTP that of the list.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Xyz => "xyz",
+            Self::Gsd => "gsd",
+            Self::Vtp => "pvd",
+        }
+    }
+}
+
+/// Writes frames of a trajectory to a file, which is entered in the manifest if it is in the manifest's folder. The
+/// file appears under its name when it is complete.
+pub fn export(
+    recorded: &TrajectoryReader,
+    frames: &mut dyn Iterator<Item = Snapshot>,
+    format: Format,
+    (path, run): (&Path, &Manifest),
+) -> Result<(), FileError> {
+    if path.exists() && !path.is_file() {
+        return Err(FileError::write(path, &"it is no file"));
+    }
+    run.enter(path)?;
+    match format {
+        Format::Xyz => atomic_file::put(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
+        Format::Gsd => {
+            atomic_file::put(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames))
+        }
+        Format::Vtp => vtp::write((path, run), frames),
+    }
+}
+
+/// Names of the species according to the scene, or else their numbers.
+fn species(recorded: &TrajectoryReader) -> Vec<String> {
+    let count = recorded.species().iter().max().map_or(0, |last| *last as usize + 1);
+    let mut names: Vec<String> = (0..count).map(|number| number.to_string()).collect();
+    if let Ok(scene) = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[])
+        && let Kind::Suspension(scene) = scene.kind()
+    {
+        names.iter_mut().zip(&scene.model.species).for_each(|(name, species)| name.clone_from(&species.name));
+    }
+    names
+}

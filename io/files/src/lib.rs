@@ -1,0 +1,56 @@
+//! Files of runs: trajectories, time series, checkpoints, tables, their provenance and manifest, exports to other
+//! formats, and the files that runs start from.
+
+mod atomic_file;
+mod atomic_hdf5;
+mod case;
+pub mod checkpoint;
+mod checksum;
+mod claimed_size;
+mod contacts;
+mod contents;
+mod error;
+mod export;
+mod fields;
+mod folder_contents;
+mod frames;
+mod manifest;
+mod missing_steps;
+mod observables;
+mod origin;
+pub mod positions;
+mod provenance;
+mod scene_history;
+mod series;
+mod signatures;
+mod stored_inside;
+mod stored_table;
+mod tables;
+mod text;
+mod trajectory;
+mod trajectory_reader;
+mod verified;
+mod watched_file;
+
+pub use atomic_file::replace as replace_file;
+pub use case::{Answer, parse_case, read_case};
+pub use checkpoint::{Checkpoints, Latest, OutputKind, SceneRecord};
+pub use contacts::{RecordedContacts, drop_contacts_after, write_contacts};
+pub use contents::{Contents, DatasetShape, FrameSpan, stored_rows};
+pub use error::FileError;
+pub use export::{ContactFormat, Format, FrameRange, export, export_contacts};
+pub use fields::{drop_fields_after, write_field};
+pub use folder_contents::{FolderContents, FolderFile};
+pub use frames::Damage;
+pub use manifest::{MANIFEST, Manifest, Obstacles, SCENE};
+pub use missing_steps::{MissingSteps, Period};
+pub use observables::{Observables, Observed};
+pub use positions::{FileBox, SCENES, StartFile, TakenFrame, read_start};
+pub use provenance::Provenance;
+pub use scene_history::SceneHistory;
+pub use series::Series;
+pub use signatures::{ANSWERS, ANSWERS_START, REPORT_START, starts_with};
+pub use stored_table::StoredTable;
+pub use tables::{read_rows, write_tables};
+pub use trajectory::Trajectory;
+pub use trajectory_reader::{Snapshot, TrajectoryReader};

@@ -1,0 +1,145 @@
+//! Reader of the time series of a run.
+
+mod text_table;
+
+use crate::frames::Sums;
+use crate::{FileError, claimed_size, stored_inside, text};
+use hdf5::Group;
+use hdf5::types::VarLenUnicode;
+use simulation::csv_words;
+use std::path::Path;
+
+/// The time series of a run: all complete rows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Observables {
+    /// Times of the rows.
+    pub times: Vec<f64>,
+    /// Step of the last row in the file.
+    pub last_step: Option<u64>,
+    /// The quantities.
+    pub quantities: Vec<Observed>,
+    /// Damage of the damaged rows, which are left out.
+    pub damage: Vec<String>,
+}
+
+/// One quantity of a time series.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Observed {
+    /// Name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Names of the rows of a table, such as species; empty for a number.
+    pub rows: Vec<String>,
+    /// Names of the columns, such as components.
+    pub columns: Vec<String>,
+    /// For each time the numbers, row by row.
+    values: Vec<f64>,
+}
+
+impl Observables {
+    /// Reads the file. `None` if a run wrote no such file.
+    pub fn read(path: &Path) -> Result<Option<Self>, FileError> {
+        if !path.is_file() {
+            return Ok(None);
+        }
+        Self::try_read(path, &|_| true).map(Some).map_err(|e| FileError::damaged(path, &e))
+    }
+
+    /// The time series in the folder of a run, restricted to the quantities that `names` selects: from the table if
+    /// the HDF5 file is missing.
+    pub fn of_folder(folder: &Path, names: &dyn Fn(&str) -> bool) -> Result<Option<Self>, FileError> {
+        let (path, table) = (folder.join("observables.h5"), folder.join("observables.csv"));
+        if path.is_file() {
+            return Self::try_read(&path, names).map(Some).map_err(|e| FileError::damaged(&path, &e));
+        }
+        if table.is_file() { text_table::read(&table, names).map(Some) } else { Ok(None) }
+    }
+
+    fn try_read(path: &Path, names: &dyn Fn(&str) -> bool) -> hdf5::Result<Self> {
+        let file = stored_inside::open(path)?;
+        let groups = file.group("observables")?.groups()?;
+        let Some(clock) = groups.first() else { return Err("it has no observables".into()) };
+        let (steps, times): (Vec<u64>, Vec<f64>) =
+            (claimed_size::read(clock, "step")?, claimed_size::read(clock, "time")?);
+        let count = steps.len().min(times.len());
+        let quantities = groups
+            .iter()
+            .filter(|group| names(&name_of(group)))
+            .map(|group| Observed::read(group, count))
+            .collect::<hdf5::Result<_>>()?;
+        let times = times[..count].to_vec();
+        let read = Self { times, last_step: steps.last().copied(), quantities, damage: Vec::new() };
+        Ok(match Sums::open(&file)? {
+            Some(sums) => read.without_damage(&sums),
+            None => read,
+        })
+    }
+
+    fn without_damage(mut self, sums: &Sums) -> Self {
+        let mut keep = vec![true; self.times.len()];
+        for (row, keep) in keep.iter_mut().enumerate() {
+            if let Some(damage) = sums.damage(row) {
+                *keep = false;
+                self.damage.push(damage.to_string());
+            }
+        }
+        let chosen = |values: &[f64], width: usize| -> Vec<f64> {
+            let rows = values.chunks_exact(width.max(1)).zip(&keep);
+            rows.filter(|(_, keep)| **keep).flat_map(|(row, _)| row.to_vec()).collect()
+        };
+        self.times = chosen(&self.times, 1);
+        self.quantities.iter_mut().for_each(|quantity| quantity.values = chosen(&quantity.values, quantity.width()));
+        self
+    }
+
+    /// The quantity of this name.
+    pub fn get(&self, name: &str) -> Option<&Observed> {
+        self.quantities.iter().find(|quantity| quantity.name == name)
+    }
+
+    /// The quantity of this name, which is a single number, and its values over time.
+    pub fn line(&self, name: &str) -> Option<(&Observed, Vec<[f64; 2]>)> {
+        let quantity = self.get(name)?;
+        Some((quantity, self.over_time(quantity.column(0, 0))))
+    }
+
+    /// Pairs of time and value.
+    pub fn over_time(&self, values: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
+        self.times.iter().zip(values).map(|(&time, value)| [time, value]).collect()
+    }
+}
+
+fn name_of(group: &Group) -> String {
+    group.name().rsplit('/').next().unwrap_or_default().to_owned()
+}
+
+impl Observed {
+    fn read(group: &Group, count: usize) -> hdf5::Result<Self> {
+        let dataset = claimed_size::dataset(group, "value")?;
+        let names = |attribute: &str| -> hdf5::Result<Vec<String>> {
+            let Ok(attribute) = group.attr(attribute) else { return Ok(Vec::new()) };
+            Ok(csv_words(&attribute.read_scalar::<VarLenUnicode>()?))
+        };
+        let name = name_of(group);
+        let (rows, columns) = (names("rows")?, names("columns")?);
+        let mut read = Self { name, unit: text::read_dimensions(&dataset), rows, columns, values: dataset.read_raw()? };
+        let needed = count * read.width();
+        if read.values.len() < needed {
+            return Err(format!("{} has {} numbers, but needs {needed}", group.name(), read.values.len()).into());
+        }
+        read.values.truncate(needed);
+        Ok(read)
+    }
+
+    /// Number of values per time.
+    fn width(&self) -> usize {
+        self.rows.len().max(1) * self.columns.len().max(1)
+    }
+
+    /// The numbers in a row and a column of the table, over time.
+    pub fn column(&self, row: usize, column: usize) -> impl Iterator<Item = f64> {
+        let place = row * self.columns.len().max(1) + column;
+        self.values.chunks_exact(self.width()).map(move |values| values[place])
+    }
+}

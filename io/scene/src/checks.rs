@@ -1,0 +1,30 @@
+//! Range checks of numbers.
+
+use crate::error::Fault;
+use domain::ParameterError;
+use suspension::MAX_SPHERES;
+
+pub(super) fn positive(key: &str, value: f64) -> Result<f64, Fault> {
+    Ok(ParameterError::require_positive(key, value)?)
+}
+
+/// Limits a number of `things` that follows from a key; `found` describes how.
+pub(super) fn few_enough(key: &str, found: &str, (count, things): (f64, &str)) -> Result<(), Fault> {
+    if count <= MAX_SPHERES {
+        return Ok(());
+    }
+    let message = format!(
+        "is {found}: the scene has {count:.1e} {things}, but they are numbered in 32 bits, {MAX_SPHERES:.1e} at most; \
+         take fewer, or a smaller box"
+    );
+    Err(Fault::new(key, message))
+}
+
+/// Limits the rows of a table that is kept in memory, and rewritten often.
+pub(super) fn rows(key: &str, rows: usize) -> Result<usize, Fault> {
+    const MOST: usize = 1_000_000;
+    if rows <= MOST {
+        return Ok(rows);
+    }
+    Err(Fault::new(key, format!("is {rows}; tables have at most {MOST} rows")))
+}

@@ -1,0 +1,21 @@
+//! The values of a file in TOML, JSON or HDF5, and one strict reader for all of them: a list must have exactly the
+//! expected length, a section is not a list, and no value is converted to another type if anything is lost.
+
+mod deserializer;
+mod excerpt;
+mod json;
+mod misfit;
+mod names;
+mod number_or;
+mod toml_text;
+mod value;
+
+pub use excerpt::{bounded, excerpt};
+pub use misfit::Misfit;
+pub use names::known;
+pub use number_or::{Alternative, NumberOr};
+pub use toml_text::line;
+pub use value::{Entry, Node, Value, Whole};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,129 @@
+//! A checked scene, and the reading of one.
+
+use crate::document::{Node, excerpt, known};
+use crate::error::{Explain, Fault};
+use crate::granular_disks::GranularDisksScene;
+use crate::kind::{KINDS, Kind};
+use crate::shear_cell::ShearCellScene;
+use crate::shear_cell_continuum::ContinuumScene;
+use crate::start_box::EdgesOfStartFile;
+use crate::suspension::SuspensionScene;
+use crate::{SceneError, family_sections, kept_paths, overrides, start_box};
+use std::path::{Path, PathBuf};
+
+/// A checked scene: every number is in its range, and every missing key has its default. Created by [`Scene::read`],
+/// [`Scene::parse`] and [`SceneReader`](crate::SceneReader) only.
+#[derive(Debug)]
+pub struct Scene {
+    text: String,
+    folder: PathBuf,
+    kind: Kind,
+    edges_of: EdgesOfStartFile,
+}
+
+/// Text of a scene, with all that its meaning depends on.
+#[derive(Clone, Copy)]
+pub(crate) struct SceneText<'a> {
+    /// The text.
+    pub(crate) text: &'a str,
+    /// Name of the text in messages.
+    pub(crate) name: &'a str,
+    /// Folder to which paths are relative.
+    pub(crate) folder: &'a Path,
+    /// Keys to set, each as `key=value`.
+    pub(crate) overrides: &'a [String],
+    /// Sections to leave out.
+    pub(crate) without: &'a [&'a str],
+    /// Reader of boxes in start files.
+    pub(crate) edges_of: EdgesOfStartFile,
+}
+
+impl Scene {
+    /// The same scene with some keys set; `purpose` describes them in messages. Paths are still
+    /// relative to the original folder.
+    pub fn with(&self, purpose: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        let name = format!("the scene with {purpose}");
+        let (text, folder, edges_of) = (self.text.as_str(), self.folder.as_path(), self.edges_of);
+        Self::of_text(SceneText { text, name: &name, folder, overrides, without: &[], edges_of })
+    }
+
+    /// Checks a text with the keys of `overrides` set, and without some sections.
+    pub(crate) fn of_text(source: SceneText) -> Result<Self, SceneError> {
+        let SceneText { text, name, folder, overrides, without, edges_of } = source;
+        let explain = Explain { text, written: None, name, overrides: &[] };
+        let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
+        let explain = Explain { written: Some(&written), overrides, ..explain };
+        let set = |text: &str, keys: &[String]| {
+            let text = overrides::apply(text, keys, without).map_err(|message| SceneError::Override { message })?;
+            let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
+            Ok((text, document))
+        };
+        let is_as_written = overrides.is_empty() && without.is_empty();
+        let mut changed = if is_as_written { None } else { Some(set(text, overrides)?) };
+        let document = changed.as_ref().map_or(&written, |(_, document)| document);
+        let missing_edges = start_box::missing_edges(document, folder, edges_of);
+        if let Some(edges) = missing_edges.map_err(|fault| explain.fault(&fault))? {
+            changed = Some(set(changed.as_ref().map_or(text, |(text, _)| text), &[edges])?);
+        }
+        let (text, document) = changed.as_ref().map_or((text, &written), |(text, document)| (text.as_str(), document));
+        Reading { document, folder, explain, edges_of }.scene(text)
+    }
+
+    /// The scene as TOML including the overrides, as stored with the results.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Kind of the scene, with its parameters.
+    pub fn kind(&self) -> &Kind {
+        &self.kind
+    }
+
+    /// Reader of boxes in start files with which the scene was read.
+    pub(crate) fn edges_of(&self) -> EdgesOfStartFile {
+        self.edges_of
+    }
+}
+
+/// A parsed document to be converted to a scene.
+struct Reading<'a> {
+    document: &'a Node,
+    folder: &'a Path,
+    explain: Explain<'a>,
+    edges_of: EdgesOfStartFile,
+}
+
+impl Reading<'_> {
+    /// The scene with this text.
+    fn scene(&self, text: &str) -> Result<Scene, SceneError> {
+        if let Some(section) = family_sections::section_of(self.document, text) {
+            let message = "makes a family of many runs, which `fcm-solve run`, `check` and `resume` take, but which \
+                is no scene of one";
+            return Err(self.explain.fault(&Fault::new(section, message)));
+        }
+        let kind = match self.document.get("kind").and_then(Node::text).unwrap_or(KINDS[0]) {
+            "suspension" => Kind::Suspension(self.check(SuspensionScene::checked)?),
+            "granular-disks" => {
+                Kind::GranularDisks(self.check(|raw, folder| GranularDisksScene::checked(&raw, folder))?)
+            }
+            "shear-cell" => Kind::ShearCell(self.check(|raw, _| ShearCellScene::checked(raw))?),
+            "shear-cell-continuum" => Kind::Continuum(self.check(|raw, _| ContinuumScene::checked(raw))?),
+            other => {
+                let message = format!("is \"{}\"; {}", excerpt(other), known(other, &KINDS));
+                return Err(self.explain.fault(&Fault::new("kind", message)));
+            }
+        };
+        let text = kept_paths::with_absolute_paths(text, self.folder).unwrap_or_else(|| text.to_owned());
+        Ok(Scene { text, folder: self.folder.to_owned(), kind, edges_of: self.edges_of })
+    }
+
+    /// Reads the keys of the file, then checks their values.
+    fn check<Raw: serde::de::DeserializeOwned, Checked>(
+        &self,
+        checked: impl FnOnce(Raw, &Path) -> Result<Checked, Fault>,
+    ) -> Result<Box<Checked>, SceneError> {
+        let raw = self.document.read().map_err(|misfit| self.explain.structure(&misfit))?;
+        let scene = checked(raw, self.folder).map_err(|fault| self.explain.fault(&fault))?;
+        Ok(Box::new(scene))
+    }
+}

@@ -1,0 +1,91 @@
+//! Scenes of the continuum shear cell.
+
+mod raw;
+
+use crate::checks::rows;
+use crate::error::Fault;
+use domain::Number;
+use granular::kinetic_theory::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
+pub(super) use raw::Raw;
+use std::path::PathBuf;
+
+/// A checked scene of the continuum shear cell; only [`Scene`](crate::Scene) makes one.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ContinuumScene {
+    /// Title in plots and files.
+    pub title: String,
+    /// The problems to solve: every pressure at every speed, ordered by pressure.
+    pub problems: Vec<Problem>,
+    /// Number of heights in each profile.
+    pub points: usize,
+    /// Results folder; `None` if the caller chooses it.
+    pub folder: Option<PathBuf>,
+}
+
+/// Largest number of problems of a scene.
+const MOST_PROBLEMS: f64 = 100_000.0;
+/// Default number of heights in a profile.
+const POINTS: usize = 101;
+
+impl ContinuumScene {
+    pub(super) fn checked(raw: Raw) -> Result<Self, Fault> {
+        for (key, list) in [("cell.speeds", &raw.cell.speeds), ("cell.pressures", &raw.cell.pressures)] {
+            if list.is_empty() {
+                return Err(Fault::new(key, "is empty; list at least one value"));
+            }
+        }
+        let problems = raw.cell.speeds.len() as f64 * raw.cell.pressures.len() as f64;
+        if problems > MOST_PROBLEMS {
+            let message =
+                format!("and cell.pressures make {problems:.1e} problems; at most {MOST_PROBLEMS} are solved");
+            return Err(Fault::new("cell.speeds", message));
+        }
+        let points = rows("output.points", raw.output.points.unwrap_or(POINTS))?;
+        if points < 2 {
+            return Err(Fault::new("output.points", format!("is {points}; a profile needs at least 2 heights")));
+        }
+        let (grains, wall) = (grains(&raw.grains), wall(&raw)?);
+        let start = raw.start.map_or(Start::Densest, Start::SolidFraction);
+        let mut problems = Vec::new();
+        for &pressure in &raw.cell.pressures {
+            for &speed in &raw.cell.speeds {
+                problems.push(Problem::new(Parameters { gap: raw.cell.gap, speed, pressure, grains, wall, start })?);
+            }
+        }
+        Ok(Self { title: raw.title.unwrap_or_default(), problems, points, folder: raw.output.folder })
+    }
+}
+
+fn grains(raw: &raw::Grains) -> Grains {
+    let radial = match raw.radial_distribution {
+        raw::RadialDistribution::CarnahanStarling => RadialDistribution::CarnahanStarling,
+        raw::RadialDistribution::LunSavage => RadialDistribution::LunSavage,
+        raw::RadialDistribution::JohnsonJackson => RadialDistribution::JohnsonJackson,
+        raw::RadialDistribution::SinclairJackson => RadialDistribution::SinclairJackson,
+        raw::RadialDistribution::MaAhmadi => RadialDistribution::MaAhmadi,
+        raw::RadialDistribution::Torquato => RadialDistribution::Torquato,
+    };
+    Grains { diameter: raw.diameter, density: raw.density, restitution: raw.restitution, radial }
+}
+
+fn wall(raw: &Raw) -> Result<Wall, Fault> {
+    let walls = &raw.walls;
+    let degrees = walls.theta.unwrap_or(90.0);
+    if !(degrees > 0.0 && degrees <= 90.0) {
+        let message = format!("is {}; it needs 0 < theta <= 90 (degrees)", Number(degrees));
+        return Err(Fault::new("walls.theta", message));
+    }
+    let shape = match walls.shape {
+        raw::Shape::Disk => WallShape::Disk,
+        raw::Shape::Sphere => WallShape::Sphere,
+    };
+    Ok(Wall {
+        shape,
+        theta: degrees.to_radians(),
+        gradient: walls.gradient,
+        diameter: walls.diameter.unwrap_or(raw.grains.diameter),
+        restitution: walls.restitution,
+        roughness: Roughness { r5: walls.r5, r6: walls.r6, r7: walls.r7, r8: walls.r8 },
+    })
+}

@@ -1,0 +1,115 @@
+//! Keys of forces between spheres, bonds and traps.
+
+use super::Elasticity;
+use crate::document::{Alternative, NumberOr};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct Repulsion {
+    /// Force at contact.
+    pub(in crate::suspension) strength: f64,
+    /// Gap at which it begins, over the mean radius of the two spheres.
+    pub(in crate::suspension) range: Option<f64>,
+    /// Debye length of charged spheres, with a repulsion that decays exponentially with the gap; a barrier by default.
+    pub(in crate::suspension) screening_length: Option<f64>,
+    /// The strength is proportional to this power, 0, 1 or 2, of the harmonic mean radius of the two spheres.
+    #[serde(default)]
+    pub(in crate::suspension) radius_power: u8,
+    /// Whether to search for the smallest strength that prevents overlap, starting from the given one.
+    #[serde(default)]
+    pub(in crate::suspension) calibrate: bool,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct Attraction {
+    /// Kind of attraction: van der Waals, or depletion by small spheres that are excluded from between large ones.
+    pub(in crate::suspension) kind: AttractionKind,
+    /// Hamaker constant, an energy, for "van-der-waals".
+    pub(in crate::suspension) hamaker: Option<f64>,
+    /// Smallest gap in the force law, which bounds the force at contact, over the mean radius of the two spheres, for
+    /// "van-der-waals"; 0.01 by default.
+    pub(in crate::suspension) closest: Option<f64>,
+    /// Gap at which it ends, over the mean radius of the two spheres, for "van-der-waals"; 1 by default.
+    pub(in crate::suspension) range: Option<f64>,
+    /// Osmotic pressure of the small spheres, for "depletion".
+    pub(in crate::suspension) pressure: Option<f64>,
+    /// Radius of the small spheres, for "depletion".
+    pub(in crate::suspension) depletant_radius: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::suspension) enum AttractionKind {
+    VanDerWaals,
+    Depletion,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct Contacts {
+    /// Coefficient of friction.
+    pub(in crate::suspension) friction: f64,
+    /// Gap at which spheres are in contact, over the mean radius of the two; 0.005 by default.
+    pub(in crate::suspension) roughness: Option<f64>,
+    /// Normal force over overlap and mean radius; by default "auto", which adapts it to the target overlap.
+    pub(in crate::suspension) stiffness: Option<Stiffness>,
+    /// Strain over which "auto" adapts the stiffness from an estimate, in a steady flow; by default 2, or under a
+    /// given stress 0, which keeps the estimate.
+    pub(in crate::suspension) settling: Option<f64>,
+    /// Stiffness found by "auto", which a run adds to the scene in its folder: the stiffness from the start.
+    pub(in crate::suspension) settled_stiffness: Option<f64>,
+    /// Target of the largest overlap, over the roughness; 0.3 by default.
+    pub(in crate::suspension) overlap: Option<f64>,
+    /// Tangential stiffness over normal stiffness; 0.4 by default.
+    pub(in crate::suspension) tangential_ratio: Option<f64>,
+    /// Largest force of rolling resistance over the normal force; 0 by default.
+    pub(in crate::suspension) rolling_friction: Option<f64>,
+    /// Normal force below which there is no friction; 0 by default.
+    pub(in crate::suspension) critical_load: Option<f64>,
+    /// Law of the normal force as a function of the overlap; "linear" by default.
+    pub(in crate::suspension) law: Option<Elasticity>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct Bonds {
+    /// Pairs of spheres by their ids, which count from 0.
+    pub(in crate::suspension) pairs: Vec<[u64; 2]>,
+    /// Rest length between centres; by default the initial distance.
+    pub(in crate::suspension) length: Option<f64>,
+    /// Force over the elongation from the rest length.
+    pub(in crate::suspension) stiffness: f64,
+    /// Tension at which a bond breaks; by default it never breaks.
+    pub(in crate::suspension) breaking_force: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct Traps {
+    /// Name of the trapped species; or particles; all spheres by default.
+    pub(in crate::suspension) species: Option<String>,
+    /// Ids of the trapped spheres, which count from 0.
+    pub(in crate::suspension) particles: Option<Vec<u64>>,
+    /// One centre for all of them; by default each sphere is trapped at its initial position.
+    pub(in crate::suspension) centre: Option<[f64; 3]>,
+    /// A centre for each of the listed particles.
+    pub(in crate::suspension) centres: Option<Vec<[f64; 3]>>,
+    /// Force over the distance from the centre.
+    pub(in crate::suspension) stiffness: f64,
+}
+
+/// A stiffness, or "auto".
+pub(in crate::suspension) type Stiffness = NumberOr<Auto>;
+
+impl Alternative for Auto {
+    const WORDS: &'static str = "a number or \"auto\"";
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::suspension) enum Auto {
+    Auto,
+}
