@@ -7,8 +7,8 @@ use domain::{Neighbours, Particles, Partition, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
 use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
 use rayon::prelude::*;
+use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
-use solver::simd::{Vector as Width, Work};
 
 /// Keys of the random streams for pairs and for spheres at walls.
 const OF_PAIR: u64 = 3;
@@ -64,7 +64,7 @@ struct Pairs<'a> {
     rows: [usize; 2],
 }
 
-impl Work<f64> for Pairs<'_> {
+impl VectorKernel<f64> for Pairs<'_> {
     type Output = Vec<(usize, [Vector; 2])>;
 
     #[inline(always)]

@@ -6,8 +6,8 @@ use crate::six_vector::{SixVector, SixVectors, dot};
 use domain::{Comm, Interrupt};
 use fcm::{Limits, Linear, Step, Sums, System, conjugate_gradients};
 use rayon::prelude::*;
+use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
-use solver::simd::{Vector as Width, Work};
 
 /// The matrix `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs:
 /// resistance to rigid-body motions of particles that interact only through the lubrication of stiff pairs.
@@ -189,7 +189,7 @@ struct Look<'a> {
     z: &'a mut [SixVector],
 }
 
-impl Work<f64> for Look<'_> {
+impl VectorKernel<f64> for Look<'_> {
     type Output = Sums;
 
     #[inline(always)]

@@ -28,7 +28,6 @@ mod layout;
 mod memory;
 mod open_space;
 mod shared;
-pub mod simd;
 mod stokes;
 mod transform;
 

@@ -3,10 +3,10 @@
 mod leaning;
 mod waves;
 
-use crate::simd::{Vector, Work};
 use crate::{Channel, Grid, OpenSpace, Real};
 use leaning::Leaning;
 use rayon::prelude::*;
+use simd::{SimdVector, VectorKernel};
 pub(crate) use waves::Waves;
 
 /// Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`]; it includes
@@ -166,11 +166,11 @@ struct Multiply<'a, T> {
     components: [*mut T; 3],
 }
 
-impl<T: Real> Work<T> for Multiply<'_, T> {
+impl<T: Real> VectorKernel<T> for Multiply<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let Stokes { points, k1, k2, plane, inverse, k3, axis, widening, .. } = self.operator;
         let nz = points[2];
         let [block, mode] = self.place;
@@ -206,7 +206,7 @@ impl<T: Real> Work<T> for Multiply<'_, T> {
 /// # Safety
 /// The columns have that element.
 #[inline(always)]
-unsafe fn project<T: Real, V: Vector<T>>(components: [*mut T; 3], k: [V; 3], [inverse, factor]: [V; 2], m3: usize) {
+unsafe fn project<T: Real, V: SimdVector<T>>(components: [*mut T; 3], k: [V; 3], [inverse, factor]: [V; 2], m3: usize) {
     for part in [0, T::LANES] {
         let [x, y, z] = components;
         // SAFETY: guaranteed by the caller.
@@ -225,7 +225,7 @@ unsafe fn project<T: Real, V: Vector<T>>(components: [*mut T; 3], k: [V; 3], [in
 
 /// As many values of a table as a vector has.
 #[inline(always)]
-fn part<T: Real, V: Vector<T>>(table: &[T], first: usize) -> V {
+fn part<T: Real, V: SimdVector<T>>(table: &[T], first: usize) -> V {
     let values = &table[first..first + T::LANES];
     // SAFETY: the slice has as many values as a vector.
     unsafe { V::load(values.as_ptr()) }

@@ -14,7 +14,7 @@ TOKEN = re.compile(
 GAP = re.compile(r"\S+ \S.*? {2,}\S")
 # Longer texts are pages, which have columns.
 PAGE = 4
-PACKAGES = """domain solver fcm lubrication hydrodynamics statistics simulation suspension granular io/scene io/files
+PACKAGES = """domain simd solver fcm lubrication hydrodynamics statistics simulation suspension granular io/scene io/files
     io/report io/run fcm-solve python fuzz""".split()
 
 

@@ -4,7 +4,7 @@ use crate::grid::kernel::{Kernel, Slab};
 use crate::grid::stencil::Stencil;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
-use solver::simd::{Vector as Lanes, Work};
+use simd::{SimdVector as Lanes, VectorKernel};
 use solver::{Field, Physical, Real};
 
 /// Targets of the interpolation: stencils, and the class of each particle present.
@@ -62,7 +62,7 @@ struct Weigh<'a, T, K> {
     by_row: &'a ByRow,
 }
 
-impl<T: Real, K: Kernel<T>> Work<T> for Weigh<'_, T, K> {
+impl<T: Real, K: Kernel<T>> VectorKernel<T> for Weigh<'_, T, K> {
     type Output = ();
 
     #[inline(always)]

@@ -3,8 +3,8 @@
 
 use crate::grid::stencil::Stencil;
 use domain::{Tensor, Vector};
+use simd::SimdVector as Lanes;
 use solver::Real;
-use solver::simd::Vector as Lanes;
 use std::ops::Range;
 
 /// Spreading of a particle's load to the grid and interpolation of the grid's velocities to the particle, each the

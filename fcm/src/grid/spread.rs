@@ -3,7 +3,7 @@
 use crate::grid::kernel::{Kernel, Load, Slab};
 use crate::grid::stencil::Stencil;
 use rayon::prelude::*;
-use solver::simd::{Vector as Lanes, Work};
+use simd::{SimdVector as Lanes, VectorKernel};
 use solver::{Field, Physical, Real};
 
 /// Sources of the spreading: stencils, and the class and load of each particle present.
@@ -42,7 +42,7 @@ struct Fill<'a, T, K> {
     slab: Slab<&'a mut [T]>,
 }
 
-impl<T: Real, K: Kernel<T>> Work<T> for Fill<'_, T, K> {
+impl<T: Real, K: Kernel<T>> VectorKernel<T> for Fill<'_, T, K> {
     type Output = ();
 
     #[inline(always)]

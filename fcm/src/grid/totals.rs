@@ -1,6 +1,6 @@
 //! Sums over the lanes of vectors.
 
-use solver::simd::Vector as Lanes;
+use simd::{SimdVector as Lanes, StridedRows};
 use solver::{Memory, Real};
 
 /// Number of sums taken at once, padded with zeros: a multiple of the lanes of any vector.
@@ -59,7 +59,10 @@ impl<T: Real> Totals<T> {
             let to = self.turned.values_mut().as_mut_ptr();
             // SAFETY: there are `SUMS` sums, a multiple of the lanes, and room for a square.
             unsafe {
-                V::transpose((from, V::LANES), (to, V::LANES));
+                V::transpose(
+                    StridedRows { first: from, stride: V::LANES },
+                    StridedRows { first: to, stride: V::LANES },
+                );
                 let mut total = V::load(to);
                 for lane in 1..V::LANES {
                     total = total.add(V::load(to.add(lane * V::LANES)));

@@ -16,7 +16,7 @@ use crate::grid::totals::Totals;
 use crate::pairs::table::{PairFunctions, Table};
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
-use solver::simd::{Vector as Lanes, Work};
+use simd::{SimdVector as Lanes, StridedRows, VectorKernel};
 use solver::{Memory, Real};
 
 /// Number of radii above which tables for all pairs of them cost more than they save.
@@ -183,7 +183,7 @@ struct Batch<'a, T> {
     motions: &'a mut [(Vector, Tensor)],
 }
 
-impl<T: Real> Work<T> for Batch<'_, T> {
+impl<T: Real> VectorKernel<T> for Batch<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -284,7 +284,12 @@ impl<T: Real> Group<T> {
             for first in (0..RECORD).step_by(V::LANES) {
                 let (from, to) = (&from.values()[first..], &mut to.values_mut()[first * V::LANES..]);
                 // SAFETY: there are as many records as lanes, and room for as many vectors as a record has values.
-                unsafe { V::transpose((from.as_ptr(), RECORD), (to.as_mut_ptr(), V::LANES)) };
+                unsafe {
+                    V::transpose(
+                        StridedRows { first: from.as_ptr(), stride: RECORD },
+                        StridedRows { first: to.as_mut_ptr(), stride: V::LANES },
+                    );
+                }
             }
         }
     }

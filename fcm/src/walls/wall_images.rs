@@ -8,7 +8,7 @@ use crate::plan::bounded::NEAREST_WALL;
 use crate::walls::wall_kernel::{SourceAtWall, WallKernel, WallMobilityBlock};
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
-use solver::simd::vectorised;
+use simd::vectorised;
 use std::f64::consts::PI;
 
 impl Plan {

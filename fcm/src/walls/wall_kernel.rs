@@ -17,7 +17,7 @@
 use crate::plan::wavenumber_split::WavenumberSplit;
 use crate::walls::bessel::{LANES, ORDERS, bessel};
 use domain::{Tensor, Vector};
-use solver::simd::vectorised;
+use simd::vectorised;
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Number of entries of a velocity and its gradient, or of a force and a dipole: columns `d_j u` and `G_j` one after

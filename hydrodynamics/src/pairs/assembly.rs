@@ -11,8 +11,8 @@ use crate::springs::Springs;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::SPHERE_ROW;
 use rayon::prelude::*;
+use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
-use solver::simd::{Vector as Width, Work};
 use std::marker::PhantomData;
 
 /// Local particles, ghosts and neighbour lists.
@@ -57,7 +57,7 @@ struct Listed {
     ends: Vec<usize>,
 }
 
-impl<T: Stored> Work<f64> for Assembly<'_, T> {
+impl<T: Stored> VectorKernel<f64> for Assembly<'_, T> {
     type Output = Assembled<T>;
 
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use crate::pairs::matrix::lanes::{LANES, Lanes};
 use lubrication::{Arithmetic, Coefficients};
-use solver::simd::Vector as Width;
+use simd::SimdVector as Width;
 
 /// Resistances of contacts to slip and to rolling, one per lane, and the arms of the smaller and the larger sphere.
 #[derive(Default)]

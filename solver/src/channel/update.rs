@@ -4,8 +4,8 @@ use super::kernel::{FUNCTIONS, Kernel};
 use super::{ChannelFaces, ChannelWeights, Faces};
 use crate::fourier::At;
 use crate::layout::Layout;
-use crate::simd::vectorised;
 use crate::{Grid, Real};
+use simd::vectorised;
 use std::marker::PhantomData;
 use std::ops::Range;
 

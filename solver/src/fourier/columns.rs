@@ -3,8 +3,8 @@
 use super::butterfly::{Butterfly, Pair};
 use super::{Direction, root_of_unity};
 use crate::Real;
-use crate::simd::{Vector, Work, prefetch};
 use num_complex::Complex;
+use simd::{SimdVector, VectorKernel, prefetch};
 
 /// Plan for columns of `n` elements: Stockham passes of radix 8, 4, 2, 3, 5, 7, which end in natural order. Neither
 /// direction scales. Element `i` of the columns is a vector of real parts followed by one of imaginary parts.
@@ -120,11 +120,11 @@ struct Butterflies<'a, T, const R: usize> {
 
 macro_rules! work {
     ($($radix:literal)*) => {$(
-        impl<T: Real> Work<T> for Butterflies<'_, T, $radix> {
+        impl<T: Real> VectorKernel<T> for Butterflies<'_, T, $radix> {
             type Output = ();
 
             #[inline(always)]
-            fn run<V: Vector<T>>(self) {
+            fn run<V: SimdVector<T>>(self) {
                 // SAFETY: guaranteed by the caller of `Columns::run`.
                 unsafe { self.all::<V>() }
             }
@@ -136,7 +136,7 @@ work!(2 3 4 5 7 8);
 
 impl<T: Real, const R: usize> Butterflies<'_, T, R> {
     #[inline(always)]
-    unsafe fn all<V: Vector<T>>(&self)
+    unsafe fn all<V: SimdVector<T>>(&self)
     where
         [Pair<V, T>; R]: Butterfly,
     {
@@ -156,7 +156,7 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
     /// Reads elements, transforms them, multiplies all but the first by a root of unity, and writes them;
     /// `[first, distance]` select the elements.
     #[inline(always)]
-    unsafe fn one<V: Vector<T>>(&self, source: [usize; 2], target: [usize; 2], roots: Option<&[Complex<T>]>)
+    unsafe fn one<V: SimdVector<T>>(&self, source: [usize; 2], target: [usize; 2], roots: Option<&[Complex<T>]>)
     where
         [Pair<V, T>; R]: Butterfly,
     {

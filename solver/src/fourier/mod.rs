@@ -8,7 +8,7 @@ mod rows;
 
 pub(crate) use any_length::AnyLength;
 pub(crate) use columns::At;
-pub(crate) use rows::{Batch, Rows};
+pub(crate) use rows::Rows;
 
 use crate::Real;
 use num_complex::Complex;

@@ -4,8 +4,8 @@ use super::butterfly::Pair;
 use super::columns::At;
 use super::{AnyLength, Direction, root_of_unity};
 use crate::Real;
-use crate::simd::{Vector, Work, prefetch};
 use num_complex::Complex;
+use simd::{SimdVector, StridedRows, VectorKernel, prefetch};
 
 /// Plan for rows of `n` real values and their `n/2` coefficients `0 <= k < n/2`; the coefficient `n/2` is dropped,
 /// and taken as zero in the backward direction. Neither direction scales.
@@ -20,13 +20,6 @@ pub(crate) struct Rows<T> {
     /// `-i/2 exp(-2 pi i k / n)`
     roots: Vec<Complex<T>>,
     halo: usize,
-}
-
-/// Neighbouring rows in memory, and the distance in values from one to the next.
-#[derive(Clone, Copy)]
-pub(crate) struct Batch<T> {
-    pub first: *mut T,
-    pub stride: usize,
 }
 
 impl<T: Real> Rows<T> {
@@ -56,7 +49,7 @@ impl<T: Real> Rows<T> {
     /// # Safety
     /// The rows can be read and written up to their stride, which is a multiple of [`Real::LANES`] and has room for
     /// values, halo and blocks, with no concurrent access; each buffer has [`Self::room`].
-    pub unsafe fn run(&self, direction: Direction, rows: Batch<T>, [values, first, second]: [*mut T; 3]) {
+    pub unsafe fn run(&self, direction: Direction, rows: StridedRows<*mut T>, [values, first, second]: [*mut T; 3]) {
         let columns = At { first: values, stride: 2 * T::LANES };
         let transform = || {
             // SAFETY: the buffers have room for half as many complex elements.
@@ -80,15 +73,15 @@ impl<T: Real> Rows<T> {
 /// Adds the halos, and transposes values into lanes.
 struct Gather<'a, T> {
     plan: &'a Rows<T>,
-    rows: Batch<T>,
+    rows: StridedRows<*mut T>,
     values: *mut T,
 }
 
-impl<T: Real> Work<T> for Gather<'_, T> {
+impl<T: Real> VectorKernel<T> for Gather<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let Self { plan, rows, values } = self;
         let length = 2 * plan.half.length();
         for r in 0..T::LANES {
@@ -107,7 +100,12 @@ impl<T: Real> Work<T> for Gather<'_, T> {
                 prefetch(rows.first.wrapping_add(r * rows.stride + x));
             }
             // SAFETY: rows and buffer have room up to the next multiple of the lanes.
-            unsafe { V::transpose((rows.first.add(x), rows.stride), (values.add(x * T::LANES), T::LANES)) };
+            unsafe {
+                V::transpose(
+                    rows.from_column(x).cast_const(),
+                    StridedRows { first: values.add(x * T::LANES), stride: T::LANES },
+                );
+            }
         }
     }
 }
@@ -115,20 +113,25 @@ impl<T: Real> Work<T> for Gather<'_, T> {
 /// Transposes values back into rows, and fills the halos.
 struct Scatter<'a, T> {
     plan: &'a Rows<T>,
-    rows: Batch<T>,
+    rows: StridedRows<*mut T>,
     values: *mut T,
 }
 
-impl<T: Real> Work<T> for Scatter<'_, T> {
+impl<T: Real> VectorKernel<T> for Scatter<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let Self { plan, rows, values } = self;
         let length = 2 * plan.half.length();
         for x in (0..length).step_by(T::LANES) {
             // SAFETY: rows and buffer have room up to the next multiple of the lanes.
-            unsafe { V::transpose((values.add(x * T::LANES), T::LANES), (rows.first.add(x), rows.stride)) };
+            unsafe {
+                V::transpose(
+                    StridedRows { first: values.add(x * T::LANES).cast_const(), stride: T::LANES },
+                    rows.from_column(x),
+                );
+            }
         }
         for r in 0..T::LANES {
             // SAFETY: a row has room for its values and its halo.
@@ -144,15 +147,15 @@ impl<T: Real> Work<T> for Scatter<'_, T> {
 /// Converts the transform of the pairs to coefficients, and writes these into blocks of the rows.
 struct Spectrum<'a, T> {
     plan: &'a Rows<T>,
-    rows: Batch<T>,
+    rows: StridedRows<*mut T>,
     values: *mut T,
 }
 
-impl<T: Real> Work<T> for Spectrum<'_, T> {
+impl<T: Real> VectorKernel<T> for Spectrum<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let Self { plan, rows, values } = self;
         let h = plan.half.length();
         let half = V::splat(T::from_f64(0.5));
@@ -173,7 +176,7 @@ impl<T: Real> Work<T> for Spectrum<'_, T> {
             }
             for part in 0..2 * plan.blocks() {
                 let from = values.add((part / 2) * 2 * T::LANES * T::LANES + (part % 2) * T::LANES);
-                V::transpose((from, 2 * T::LANES), (rows.first.add(part * T::LANES), rows.stride));
+                V::transpose(StridedRows { first: from, stride: 2 * T::LANES }, rows.from_column(part * T::LANES));
             }
         }
     }
@@ -182,15 +185,15 @@ impl<T: Real> Work<T> for Spectrum<'_, T> {
 /// Converts the blocks of the rows to the input of the backward transform of the pairs.
 struct FromSpectrum<'a, T> {
     plan: &'a Rows<T>,
-    rows: Batch<T>,
+    rows: StridedRows<*mut T>,
     values: *mut T,
 }
 
-impl<T: Real> Work<T> for FromSpectrum<'_, T> {
+impl<T: Real> VectorKernel<T> for FromSpectrum<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let Self { plan, rows, values } = self;
         let h = plan.half.length();
         let two = V::splat(T::from_f64(2.0));
@@ -198,7 +201,10 @@ impl<T: Real> Work<T> for FromSpectrum<'_, T> {
         unsafe {
             for part in 0..2 * plan.blocks() {
                 let to = values.add((part / 2) * 2 * T::LANES * T::LANES + (part % 2) * T::LANES);
-                V::transpose((rows.first.add(part * T::LANES), rows.stride), (to, 2 * T::LANES));
+                V::transpose(
+                    rows.from_column(part * T::LANES).cast_const(),
+                    StridedRows { first: to, stride: 2 * T::LANES },
+                );
             }
             let first = element::<T, V>(values, 0);
             put(values, 0, Pair::new(first.re, first.re));
@@ -216,23 +222,23 @@ impl<T: Real> Work<T> for FromSpectrum<'_, T> {
 }
 
 #[inline(always)]
-fn root<T: Real, V: Vector<T>>(root: Complex<T>) -> Pair<V, T> {
+fn root<T: Real, V: SimdVector<T>>(root: Complex<T>) -> Pair<V, T> {
     Pair::new(V::splat(root.re), V::splat(root.im))
 }
 
 #[inline(always)]
-fn conjugate<T: Real, V: Vector<T>>(value: Pair<V, T>) -> Pair<V, T> {
+fn conjugate<T: Real, V: SimdVector<T>>(value: Pair<V, T>) -> Pair<V, T> {
     Pair::new(value.re, V::splat(T::default()).sub(value.im))
 }
 
 #[inline(always)]
-unsafe fn element<T: Real, V: Vector<T>>(values: *mut T, index: usize) -> Pair<V, T> {
+unsafe fn element<T: Real, V: SimdVector<T>>(values: *mut T, index: usize) -> Pair<V, T> {
     // SAFETY: guaranteed by the caller.
     unsafe { Pair::load(values.add(index * 2 * T::LANES), [0, T::LANES]) }
 }
 
 #[inline(always)]
-unsafe fn put<T: Real, V: Vector<T>>(values: *mut T, index: usize, value: Pair<V, T>) {
+unsafe fn put<T: Real, V: SimdVector<T>>(values: *mut T, index: usize, value: Pair<V, T>) {
     // SAFETY: guaranteed by the caller.
     unsafe { value.store(values.add(index * 2 * T::LANES), [0, T::LANES]) };
 }

@@ -1,6 +1,7 @@
 use super::columns::Columns;
 use super::*;
 use crate::memory::Memory;
+use simd::StridedRows;
 use std::f64::consts::TAU;
 
 /// Reproducible pseudo-random number between -1 and 1: mixed bits of a product.
@@ -108,10 +109,10 @@ fn rows<T: Real>(length: usize, halo: usize) -> [Memory<T>; 3] {
     let plan = Rows::<T>::new(AnyLength::new(length / 2), halo);
     let mut buffers = [(); 3].map(|()| Memory::<T>::zero(plan.room()));
     let buffers = buffers.each_mut().map(|b| b.values_mut().as_mut_ptr());
-    let batch = Batch { first: memory.values_mut().as_mut_ptr(), stride };
+    let batch = StridedRows { first: memory.values_mut().as_mut_ptr(), stride };
     unsafe { plan.run(Direction::Forward, batch, buffers) };
     let spectrum = memory.clone();
-    let batch = Batch { first: memory.values_mut().as_mut_ptr(), stride };
+    let batch = StridedRows { first: memory.values_mut().as_mut_ptr(), stride };
     unsafe { plan.run(Direction::Backward, batch, buffers) };
     [before, spectrum, memory]
 }

@@ -3,9 +3,9 @@
 
 mod kernel;
 
-use crate::simd::{Vector, Work};
 use crate::{Grid, Real};
 use kernel::{ENTRIES, transforms};
+use simd::{SimdVector, VectorKernel};
 
 /// Decaying Stokes kernel with a multiplier of the wavenumber, between the points in the first half of a grid along
 /// each axis: its transform, with zero padding (Hockney 1970).
@@ -55,11 +55,11 @@ struct Multiply<'a, T> {
     components: [*mut T; 3],
 }
 
-impl<T: Real> Work<T> for Multiply<'_, T> {
+impl<T: Real> VectorKernel<T> for Multiply<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let OpenSpace { points, table, blocks } = self.kernel;
         let [_, ny, nz] = *points;
         let [block, mode] = self.place;

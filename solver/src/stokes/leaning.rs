@@ -1,8 +1,8 @@
 //! Stokes solve in a box whose third lattice vector is tilted.
 
 use super::{Multiplier, Stokes, part, project};
-use crate::simd::{Vector, Work, exponential};
 use crate::{Grid, Real};
+use simd::{SimdVector, VectorKernel, exponential};
 
 /// Additional tables of the solve in a lattice whose third vector is tilted by `t` and `r`: the wavevector's third
 /// component is `k3 + shift(k1, k2)`, and the Gaussian of its square is no product of functions along the axes. So
@@ -58,11 +58,11 @@ pub(super) struct Multiply<'a, T> {
     pub components: [*mut T; 3],
 }
 
-impl<T: Real> Work<T> for Multiply<'_, T> {
+impl<T: Real> VectorKernel<T> for Multiply<'_, T> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) {
+    fn run<V: SimdVector<T>>(self) {
         let Stokes { points, k1, k2, plane, inverse, k3, widening, .. } = self.operator;
         let Leaning { shift, level, axis, falling } = self.leaning;
         let nz = points[2];

@@ -1,9 +1,9 @@
 //! Random fields whose covariance is an operator.
 
 use super::Transform;
-use crate::simd::vectorised;
 use crate::stokes::Waves;
 use crate::{Field, Physical, Real, Spectral, Stokes};
+use simd::vectorised;
 
 /// Consecutive modes along x whose random numbers are drawn at once.
 pub const MODES: usize = 16;

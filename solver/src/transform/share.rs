@@ -1,12 +1,13 @@
 //! Transforms local to a rank: planes along x and y, and columns along z.
 
 use super::transposition::{Columns, Packing};
-use crate::fourier::{AnyLength, At, Batch, Direction, Rows};
+use crate::fourier::{AnyLength, At, Direction, Rows};
 use crate::layout::Layout;
 use crate::memory::Memory;
 use crate::shared::Shared;
 use crate::{Real, Stokes};
 use rayon::prelude::*;
+use simd::StridedRows;
 use std::sync::{Mutex, PoisonError};
 
 /// Operation on a plane.
@@ -101,14 +102,18 @@ impl<T: Real> Share<T> {
                 unsafe {
                     let place = memory.at(plane + row * stride);
                     if row + T::LANES <= rows {
-                        let rows = Batch { first: place, stride };
+                        let rows = StridedRows { first: place, stride };
                         self.rows.run(direction, rows, [values, first, second]);
                         continue;
                     }
                     let last = std::slice::from_raw_parts_mut(place, (rows - row) * stride);
                     batch[..last.len()].copy_from_slice(last);
                     batch[last.len()..].fill(T::default());
-                    self.rows.run(direction, Batch { first: batch.as_mut_ptr(), stride }, [values, first, second]);
+                    self.rows.run(
+                        direction,
+                        StridedRows { first: batch.as_mut_ptr(), stride },
+                        [values, first, second],
+                    );
                     last.copy_from_slice(&batch[..last.len()]);
                 }
             }

@@ -1,7 +1,7 @@
 //! A stencil along one axis.
 
 use crate::grid::gaussian::shape::{Shape, Sources};
-use solver::simd::{Vector as Lanes, exponential};
+use simd::{SimdVector as Lanes, exponential};
 use solver::{Memory, Real};
 
 /// Points of a stencil along one axis: their distances from the particle, and the Gaussians

@@ -7,7 +7,7 @@ use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, StencilOffsets, Weigh
 use crate::grid::stencil::{Stencil, Support};
 use crate::grid::totals::Totals;
 use domain::Vector;
-use solver::simd::Vector as Lanes;
+use simd::SimdVector as Lanes;
 use solver::{Grid, Memory, Real};
 use std::marker::PhantomData;
 

@@ -13,8 +13,8 @@
 //! spreading.
 
 use crate::envelope::Source;
+use simd::{SimdVector as Lanes, exponential};
 use solver::Real;
-use solver::simd::{Vector as Lanes, exponential};
 
 /// Gaussians of a particle, and the strain of the lattice.
 #[derive(Debug, Clone, Copy)]

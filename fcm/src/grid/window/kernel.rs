@@ -17,7 +17,7 @@ use crate::grid::totals::Totals;
 use crate::grid::window::Lattice;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use crate::grid::window::lattice::{SECOND, Slants, UPRIGHT};
-use solver::simd::Vector as Lanes;
+use simd::SimdVector as Lanes;
 use solver::{Memory, Real};
 
 /// Kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for forces

@@ -2,7 +2,7 @@
 
 use crate::grid::window::Window;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
-use solver::simd::Vector as Lanes;
+use simd::SimdVector as Lanes;
 use solver::{Memory, Real};
 use std::f64::consts::PI;
 

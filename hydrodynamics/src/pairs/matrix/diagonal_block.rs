@@ -4,7 +4,7 @@ use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, Lanes, turn};
 use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
-use solver::simd::{Vector as Width, Work};
+use simd::{SimdVector as Width, VectorKernel};
 
 /// Diagonal block of the resistance matrix: forces by velocities and torques by angular velocities, each a symmetric
 /// matrix with the components xx, xy, xz, yy, yz, zz, and the vector `c` of the coupling `F = Omega x c`, `L = c x U`.
@@ -133,7 +133,7 @@ pub struct Inverses<'a> {
     pub blocks: &'a mut [Block],
 }
 
-impl Work<f64> for Inverses<'_> {
+impl VectorKernel<f64> for Inverses<'_> {
     type Output = ();
 
     #[inline(always)]

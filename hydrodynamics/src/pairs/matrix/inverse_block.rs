@@ -3,7 +3,7 @@
 use crate::pairs::matrix::lanes::{LANES, Lanes};
 use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
-use solver::simd::{Vector as Width, Work};
+use simd::{SimdVector as Width, VectorKernel};
 
 /// Symmetric 6x6 mobility of one particle, from load to motion, stored row by row and padded with zeros to whole SIMD
 /// vectors.
@@ -35,7 +35,7 @@ pub struct Products<'a> {
     pub results: &'a mut [SixVector],
 }
 
-impl Work<f64> for Products<'_> {
+impl VectorKernel<f64> for Products<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! SIMD vectors as scalars of the pair kernels.
 
 use lubrication::Arithmetic;
-use solver::simd::Vector;
+use simd::{SimdVector, StridedRows};
 use std::ops::{Add, Mul, Sub};
 
 /// One number of each of several pairs, one pair per lane.
@@ -13,7 +13,7 @@ pub const LANES: usize = 8;
 
 /// Transposition: eight numbers of each record, starting at `first`, become the lanes of eight vectors.
 #[inline(always)]
-pub fn turn<V: Vector<f64>, const N: usize>(
+pub fn turn<V: SimdVector<f64>, const N: usize>(
     records: &[[f64; N]; LANES],
     first: usize,
     lanes: &mut [[f64; LANES]; LANES],
@@ -21,10 +21,13 @@ pub fn turn<V: Vector<f64>, const N: usize>(
     const { assert!(V::LANES == LANES) };
     assert!(first + LANES <= N, "eight numbers of a record");
     // SAFETY: there are LANES records, `N` numbers apart, and each has eight numbers from `first` on.
-    unsafe { V::transpose((records.as_ptr().cast::<f64>().add(first), N), (lanes.as_mut_ptr().cast(), LANES)) };
+    unsafe {
+        let rows = StridedRows { first: records.as_ptr().cast::<f64>().add(first), stride: N };
+        V::transpose(rows, StridedRows { first: lanes.as_mut_ptr().cast(), stride: LANES });
+    }
 }
 
-impl<V: Vector<f64>> Arithmetic for Lanes<V> {
+impl<V: SimdVector<f64>> Arithmetic for Lanes<V> {
     const WIDTH: usize = LANES;
 
     #[inline(always)]
@@ -59,7 +62,7 @@ impl<V: Vector<f64>> Arithmetic for Lanes<V> {
     }
 }
 
-impl<V: Vector<f64>> Add for Lanes<V> {
+impl<V: SimdVector<f64>> Add for Lanes<V> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -67,7 +70,7 @@ impl<V: Vector<f64>> Add for Lanes<V> {
     }
 }
 
-impl<V: Vector<f64>> Sub for Lanes<V> {
+impl<V: SimdVector<f64>> Sub for Lanes<V> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -75,7 +78,7 @@ impl<V: Vector<f64>> Sub for Lanes<V> {
     }
 }
 
-impl<V: Vector<f64>> Mul for Lanes<V> {
+impl<V: SimdVector<f64>> Mul for Lanes<V> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -86,32 +89,32 @@ impl<V: Vector<f64>> Mul for Lanes<V> {
 /// Storage format of the numbers in the lanes.
 pub trait Stored: bytemuck::Zeroable + Copy + Send + Sync {
     /// Loads stored numbers into lanes.
-    fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V>;
+    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> Lanes<V>;
 
     /// Stores lanes, rounding if necessary.
-    fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]);
+    fn store<V: SimdVector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]);
 }
 
 impl Stored for f64 {
     #[inline(always)]
-    fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
+    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
         Lanes::read(stored)
     }
 
     #[inline(always)]
-    fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
+    fn store<V: SimdVector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
         lanes.write(to);
     }
 }
 
 impl Stored for f32 {
     #[inline(always)]
-    fn lanes<V: Vector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
+    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
         Lanes::read(&stored.map(f64::from))
     }
 
     #[inline(always)]
-    fn store<V: Vector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
+    fn store<V: SimdVector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
         let mut wide = [0.0; LANES];
         lanes.write(&mut wide);
         *to = wide.map(|number| number as Self);

@@ -7,7 +7,7 @@ use crate::pairs::matrix::row_sums::{InStrain, Sums};
 use crate::pairs::matrix::sparse::{Group, MomentGroup};
 use domain::{Traceless, Vector};
 use lubrication::{Arithmetic, Coefficients, RECORD, SPHERE_ROW, SphereRow};
-use solver::simd::Vector as Width;
+use simd::SimdVector as Width;
 
 /// A pair of a row, with the separation from its particle to the other.
 pub struct NearPair {

@@ -6,7 +6,7 @@ use crate::pairs::matrix::sparse::{add_tensor, scattered};
 use crate::six_vector::SixVector;
 use domain::Traceless;
 use lubrication::{Arithmetic, SphereRow};
-use solver::simd::Vector as Width;
+use simd::SimdVector as Width;
 
 /// Sums of the diagonal blocks.
 pub struct Sums<V> {

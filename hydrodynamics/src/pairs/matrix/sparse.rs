@@ -8,8 +8,8 @@ use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
 use lubrication::Arithmetic;
 use rayon::prelude::*;
+use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
-use solver::simd::{Vector as Width, Work};
 
 /// Number of rows that one thread processes at a time.
 pub const ROWS: usize = 64;
@@ -236,7 +236,7 @@ struct Product<'a, T> {
     loads: &'a mut [SixVector],
 }
 
-impl<T: Stored> Work<f64> for Product<'_, T> {
+impl<T: Stored> VectorKernel<f64> for Product<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -292,7 +292,7 @@ struct MomentRows<'a, T> {
     sums: &'a mut [Traceless],
 }
 
-impl<T: Stored> Work<f64> for MomentRows<'_, T> {
+impl<T: Stored> VectorKernel<f64> for MomentRows<'_, T> {
     type Output = ();
 
     #[inline(always)]

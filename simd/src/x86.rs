@@ -2,12 +2,13 @@
 
 #![allow(clippy::needless_range_loop, reason = "loops over registers, by index so that they unroll")]
 
-use super::Vector;
+use super::{SimdVector, StridedRows};
 use crate::Real;
 #[allow(clippy::wildcard_imports, reason = "the instructions")]
 use std::arch::x86_64::*;
 
-pub(super) fn has_avx512() -> bool {
+#[inline]
+pub fn has_avx512() -> bool {
     is_x86_feature_detected!("avx512f")
         && is_x86_feature_detected!("avx512bw")
         && is_x86_feature_detected!("avx512dq")
@@ -15,19 +16,20 @@ pub(super) fn has_avx512() -> bool {
         && has_avx2()
 }
 
-pub(super) fn has_avx2() -> bool {
+#[inline]
+pub fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
 /// Runs work compiled for AVX-512, as far as it is inlined.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
-pub(crate) fn avx512<R>(work: impl FnOnce() -> R) -> R {
+pub fn avx512<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
 /// Runs work compiled for AVX2, as far as it is inlined.
 #[target_feature(enable = "avx2,fma")]
-pub(crate) fn avx2<R>(work: impl FnOnce() -> R) -> R {
+pub fn avx2<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
@@ -40,7 +42,7 @@ pub struct Two<R>(R, R);
 macro_rules! one_register {
     ($real:ty, $register:ty, $half:ty, $lanes:literal, $transpose:path, $scale:path, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
      $mul:ident, $div:ident, $fma:ident, $fnma:ident, $max:ident) => {
-        impl Vector<$real> for $register {
+        impl SimdVector<$real> for $register {
             const LANES: usize = $lanes;
             type Half = $half;
 
@@ -100,7 +102,7 @@ macro_rules! one_register {
             }
 
             #[inline(always)]
-            unsafe fn transpose(from: (*const $real, usize), to: (*mut $real, usize)) {
+            unsafe fn transpose(from: StridedRows<*const $real>, to: StridedRows<*mut $real>) {
                 unsafe { $transpose(from, to) }
             }
         }
@@ -110,7 +112,7 @@ macro_rules! one_register {
 macro_rules! two_registers {
     ($real:ty, $register:ty, $lanes:literal, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
      $mul:ident, $div:ident, $fma:ident, $fnma:ident) => {
-        impl Vector<$real> for Two<$register> {
+        impl SimdVector<$real> for Two<$register> {
             const LANES: usize = 2 * $lanes;
             type Half = $register;
 
@@ -173,7 +175,7 @@ macro_rules! two_registers {
             }
 
             #[inline(always)]
-            unsafe fn transpose(from: (*const $real, usize), to: (*mut $real, usize)) {
+            unsafe fn transpose(from: StridedRows<*const $real>, to: StridedRows<*mut $real>) {
                 unsafe { transpose_plainly::<$real, { 2 * $lanes }>(from, to) }
             }
         }
@@ -301,25 +303,25 @@ unsafe fn times_power_of_two_f32(value: __m256, exponent: __m256) -> __m256 {
 
 /// Transposes as on any machine; rarely used here.
 #[inline(always)]
-unsafe fn transpose_plainly<T: Real, const LANES: usize>(from: (*const T, usize), to: (*mut T, usize)) {
-    unsafe { <[T; LANES] as Vector<T>>::transpose(from, to) }
+unsafe fn transpose_plainly<T: Real, const LANES: usize>(from: StridedRows<*const T>, to: StridedRows<*mut T>) {
+    unsafe { <[T; LANES] as SimdVector<T>>::transpose(from, to) }
 }
 
 /// Transposes 8 x 8 values: neighbours in pairs of rows first, then the quarters of four such pairs.
 #[inline(always)]
-unsafe fn transpose_8((from, from_stride): (*const f64, usize), (to, to_stride): (*mut f64, usize)) {
+unsafe fn transpose_8(from: StridedRows<*const f64>, to: StridedRows<*mut f64>) {
     unsafe {
         let mut pairs = [[_mm512_setzero_pd(); 4]; 2];
         for g in 0..4 {
-            let a = _mm512_loadu_pd(from.add(2 * g * from_stride));
-            let b = _mm512_loadu_pd(from.add((2 * g + 1) * from_stride));
+            let a = _mm512_loadu_pd(from.first.add(2 * g * from.stride));
+            let b = _mm512_loadu_pd(from.first.add((2 * g + 1) * from.stride));
             pairs[0][g] = _mm512_unpacklo_pd(a, b);
             pairs[1][g] = _mm512_unpackhi_pd(a, b);
         }
         for j in 0..2 {
             let columns = transpose_quarters(pairs[j]);
             for quarter in 0..4 {
-                _mm512_storeu_pd(to.add((2 * quarter + j) * to_stride), columns[quarter]);
+                _mm512_storeu_pd(to.first.add((2 * quarter + j) * to.stride), columns[quarter]);
             }
         }
     }
@@ -327,14 +329,14 @@ unsafe fn transpose_8((from, from_stride): (*const f64, usize), (to, to_stride):
 
 /// Transposes 16 x 16 values: groups of four rows first, then the quarters of four such groups.
 #[inline(always)]
-unsafe fn transpose_16((from, from_stride): (*const f32, usize), (to, to_stride): (*mut f32, usize)) {
+unsafe fn transpose_16(from: StridedRows<*const f32>, to: StridedRows<*mut f32>) {
     unsafe {
         let mut groups = [[_mm512_setzero_pd(); 4]; 4];
         for g in 0..4 {
-            let a = _mm512_loadu_ps(from.add(4 * g * from_stride));
-            let b = _mm512_loadu_ps(from.add((4 * g + 1) * from_stride));
-            let c = _mm512_loadu_ps(from.add((4 * g + 2) * from_stride));
-            let d = _mm512_loadu_ps(from.add((4 * g + 3) * from_stride));
+            let a = _mm512_loadu_ps(from.first.add(4 * g * from.stride));
+            let b = _mm512_loadu_ps(from.first.add((4 * g + 1) * from.stride));
+            let c = _mm512_loadu_ps(from.first.add((4 * g + 2) * from.stride));
+            let d = _mm512_loadu_ps(from.first.add((4 * g + 3) * from.stride));
             let (ab_low, ab_high) = (_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
             let (cd_low, cd_high) = (_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
             let (ab_low, cd_low) = (_mm512_castps_pd(ab_low), _mm512_castps_pd(cd_low));
@@ -347,7 +349,7 @@ unsafe fn transpose_16((from, from_stride): (*const f32, usize), (to, to_stride)
         for j in 0..4 {
             let columns = transpose_quarters(groups[j]);
             for quarter in 0..4 {
-                _mm512_storeu_ps(to.add((4 * quarter + j) * to_stride), _mm512_castpd_ps(columns[quarter]));
+                _mm512_storeu_ps(to.first.add((4 * quarter + j) * to.stride), _mm512_castpd_ps(columns[quarter]));
             }
         }
     }

@@ -1,45 +1,48 @@
 //! Vectors of the widest instruction set of the machine at run time.
 //!
-//! The crates are compiled for any processor of their family; this module compiles a kernel again for each set of
+//! The crates are compiled for any processor of their family; this crate compiles a kernel again for each set of
 //! vector instructions and selects the best at run time. Products and sums are fused everywhere (`mul_add`, rounded
 //! once), so each set gives the same bits. Machines without fused instructions compute them in software: correctly,
 //! but slowly.
 //!
 //! - [`vectorised`] runs a closure of plain loops, which the compiler vectorises.
-//! - [`Work`] is a kernel written in [`Vector`]s, for code that the compiler does not vectorise by itself.
+//! - [`VectorKernel`] is a kernel written in [`SimdVector`]s, for code that the compiler does not vectorise by itself.
 //!
 //! In both, functions that are called but not inlined are compiled for any processor. So every function of a kernel
 //! is `#[inline(always)]`, and loops are used instead of `std::array::from_fn` or `map`, which need not be inlined.
 
 mod exponential;
 mod portable;
+mod precisions;
 mod real;
+mod strided_rows;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod x86;
+mod x86;
 
 pub use exponential::exponential;
 pub use real::Real;
+pub use strided_rows::StridedRows;
 
 /// As many neighbouring values as fill a cache line of 64 bytes, processed at once.
 ///
-/// All functions are meant to be inlined into [`Work::run`].
-pub trait Vector<T: Real>: Copy {
+/// All functions are meant to be inlined into [`VectorKernel::run`].
+pub trait SimdVector<T: Real>: Copy {
     /// Number of values: [`Real::LANES`], or half of them.
     const LANES: usize;
 
     /// Vector of half as many values, for short lists; its own half is itself.
-    type Half: Vector<T>;
+    type Half: SimdVector<T>;
 
     /// Reads neighbouring values.
     ///
     /// # Safety
-    /// [`Vector::LANES`] values can be read at `from`.
+    /// [`SimdVector::LANES`] values can be read at `from`.
     unsafe fn load(from: *const T) -> Self;
 
     /// Writes neighbouring values.
     ///
     /// # Safety
-    /// [`Vector::LANES`] values can be written at `to`.
+    /// [`SimdVector::LANES`] values can be written at `to`.
     unsafe fn store(self, to: *mut T);
 
     /// The same value in every lane.
@@ -77,27 +80,27 @@ pub trait Vector<T: Real>: Copy {
     #[must_use]
     fn times_power_of_two(self, exponent: Self) -> Self;
 
-    /// Transposes a square of [`Vector::LANES`] rows and columns:
-    /// `to[j * to_stride + i] = from[i * from_stride + j]`.
+    /// Transposes a square of [`SimdVector::LANES`] rows and columns:
+    /// `to[j][i] = from[i][j]`.
     ///
     /// # Safety
     /// The rows can be read and written, and the two squares do not overlap.
-    unsafe fn transpose(from: (*const T, usize), to: (*mut T, usize));
+    unsafe fn transpose(from: StridedRows<*const T>, to: StridedRows<*mut T>);
 }
 
 /// A kernel in terms of vectors, compiled for each set of instructions; [`Real::dispatch`] runs it.
-pub trait Work<T: Real> {
+pub trait VectorKernel<T: Real> {
     /// Return type.
     type Output;
 
     /// Does the work. Implementations, and all functions that they call, are `#[inline(always)]`: only then are they
     /// compiled for the instruction set of the caller.
-    fn run<V: Vector<T>>(self) -> Self::Output;
+    fn run<V: SimdVector<T>>(self) -> Self::Output;
 }
 
 /// Sets of vector instructions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Level {
+pub enum InstructionSet {
     /// Instructions of every machine for which the program was compiled.
     Portable,
     /// AVX2 and FMA.
@@ -108,7 +111,7 @@ pub enum Level {
     Avx512,
 }
 
-impl Level {
+impl InstructionSet {
     /// Widest set of this machine.
     #[inline]
     pub fn detect() -> Self {
@@ -127,7 +130,7 @@ impl Level {
 
 /// Prefetches the cache line of an address, which need not be valid.
 #[inline(always)]
-pub(crate) fn prefetch<T>(address: *const T) {
+pub fn prefetch<T>(address: *const T) {
     // SAFETY: a prefetch reads nothing.
     #[cfg(target_arch = "x86_64")]
     unsafe {
@@ -139,14 +142,14 @@ pub(crate) fn prefetch<T>(address: *const T) {
 /// wider registers and fused `mul_add`. Write `vectorised(#[inline(always)] || ...)`; functions that it calls have to
 /// be inlined as well, or they stay compiled for any processor.
 pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
-    match Level::detect() {
-        Level::Portable => work(),
+    match InstructionSet::detect() {
+        InstructionSet::Portable => work(),
         // SAFETY: the machine has these instructions.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx2 => unsafe { x86::avx2(work) },
+        InstructionSet::Avx2 => unsafe { x86::avx2(work) },
         // SAFETY: the machine has these instructions.
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512 => unsafe { x86::avx512(work) },
+        InstructionSet::Avx512 => unsafe { x86::avx512(work) },
     }
 }
 

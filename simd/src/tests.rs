@@ -3,11 +3,11 @@ use super::*;
 /// Every function of a vector on the same numbers.
 struct Everything;
 
-impl<T: Real> Work<T> for Everything {
+impl<T: Real> VectorKernel<T> for Everything {
     type Output = Vec<T>;
 
     #[inline(always)]
-    fn run<V: Vector<T>>(self) -> Vec<T> {
+    fn run<V: SimdVector<T>>(self) -> Vec<T> {
         let lanes = T::LANES;
         let numbers = |seed: usize| -> Vec<T> {
             (0..lanes * lanes).map(|i| T::from_f64(((i * 7 + seed) as f64 * 0.731).sin() + 2.0)).collect()
@@ -22,7 +22,8 @@ impl<T: Real> Work<T> for Everything {
             for first in [0, V::Half::LANES] {
                 every::<T, V::Half>(from.map(|p| p.add(first)), to.add(first));
             }
-            V::transpose((a.as_ptr(), lanes), (to.add(10 * lanes), lanes));
+            let rows = StridedRows { first: a.as_ptr(), stride: lanes };
+            V::transpose(rows, StridedRows { first: to.add(10 * lanes), stride: lanes });
         }
         results
     }
@@ -30,7 +31,7 @@ impl<T: Real> Work<T> for Everything {
 
 /// Result of each function, a cache line apart.
 #[inline(always)]
-unsafe fn every<T: Real, V: Vector<T>>([a, b, c]: [*const T; 3], to: *mut T) {
+unsafe fn every<T: Real, V: SimdVector<T>>([a, b, c]: [*const T; 3], to: *mut T) {
     unsafe {
         let [x, y, z] = [V::load(a), V::load(b), V::load(c)];
         let exponent = V::splat(T::from_f64(-17.0));
@@ -52,11 +53,11 @@ unsafe fn every<T: Real, V: Vector<T>>([a, b, c]: [*const T; 3], to: *mut T) {
     }
 }
 
-fn all_levels() -> Vec<Level> {
-    let mut levels = vec![Level::Portable];
+fn all_levels() -> Vec<InstructionSet> {
+    let mut levels = vec![InstructionSet::Portable];
     #[cfg(target_arch = "x86_64")]
-    levels.extend([Level::Avx2, Level::Avx512].into_iter().filter(|&level| match level {
-        Level::Avx512 => x86::has_avx512(),
+    levels.extend([InstructionSet::Avx2, InstructionSet::Avx512].into_iter().filter(|&level| match level {
+        InstructionSet::Avx512 => x86::has_avx512(),
         _ => x86::has_avx2(),
     }));
     levels
@@ -68,7 +69,7 @@ fn same_bits_on_all_levels<T: Real>() {
         // SAFETY: the machine has this level.
         let found = unsafe { T::dispatch_at(level, Everything) };
         // SAFETY: every machine has this level.
-        let expected = unsafe { T::dispatch_at(Level::Portable, Everything) };
+        let expected = unsafe { T::dispatch_at(InstructionSet::Portable, Everything) };
         assert_eq!(found, expected, "{level:?}");
         let a = |i: usize| T::from_f64(((i * 7 + 1) as f64 * 0.731).sin() + 2.0);
         for (i, j) in (0..lanes).flat_map(|i| (0..lanes).map(move |j| (i, j))) {

@@ -1,7 +1,7 @@
 //! Exponential function of vectors.
 
 use crate::Real;
-use crate::simd::Vector as Lanes;
+use crate::SimdVector as Lanes;
 
 /// `exp(x)` to a few units in the last place, for `x` up to 87 (`f32`) or 700 (`f64`); below the same negative bound
 /// it stays constant.
@@ -51,15 +51,15 @@ const COEFFICIENTS: [f64; 14] = [
 mod tests {
     use super::exponential;
     use crate::Real;
-    use crate::simd::{Vector, Work};
+    use crate::{SimdVector, VectorKernel};
 
     struct Exponentials<'a, T>(&'a [T]);
 
-    impl<T: Real> Work<T> for Exponentials<'_, T> {
+    impl<T: Real> VectorKernel<T> for Exponentials<'_, T> {
         type Output = Vec<T>;
 
         #[inline(always)]
-        fn run<V: Vector<T>>(self) -> Vec<T> {
+        fn run<V: SimdVector<T>>(self) -> Vec<T> {
             let mut values = self.0.to_vec();
             for chunk in values.chunks_exact_mut(V::LANES) {
                 // SAFETY: a chunk has as many values as a vector.

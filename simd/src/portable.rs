@@ -1,6 +1,6 @@
 //! Vectors for any machine.
 
-use super::Vector;
+use super::{SimdVector, StridedRows};
 use crate::Real;
 
 /// An array element by element, as a loop: `std::array::from_fn` need not be inlined.
@@ -14,7 +14,7 @@ macro_rules! each {
     }};
 }
 
-impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
+impl<T: Real, const LANES: usize> SimdVector<T> for [T; LANES] {
     const LANES: usize = LANES;
     type Half = T::Half;
 
@@ -76,11 +76,11 @@ impl<T: Real, const LANES: usize> Vector<T> for [T; LANES] {
     }
 
     #[inline(always)]
-    unsafe fn transpose((from, from_stride): (*const T, usize), (to, to_stride): (*mut T, usize)) {
+    unsafe fn transpose(from: StridedRows<*const T>, to: StridedRows<*mut T>) {
         for i in 0..LANES {
             for j in 0..LANES {
                 // SAFETY: guaranteed by the caller.
-                unsafe { *to.add(j * to_stride + i) = *from.add(i * from_stride + j) };
+                unsafe { *to.first.add(j * to.stride + i) = *from.first.add(i * from.stride + j) };
             }
         }
     }
