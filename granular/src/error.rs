@@ -33,7 +33,7 @@ pub enum StartError {
         missing: domain::NotEnoughMemory,
     },
     /// A state without the data that a run resumes from.
-    #[error("the checkpoint has no progress of disks; start the run anew")]
+    #[error("the checkpoint has no progress of disks; start afresh")]
     State,
 }
 

@@ -18,7 +18,6 @@ mod fraction;
 pub mod kinetic_theory;
 mod parameter;
 pub mod shear_cell;
-mod simd;
 
 pub use error::StartError;
 pub use parameter::ParameterError;

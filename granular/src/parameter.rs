@@ -1,64 +1,12 @@
-//! Checks of the drivers' parameters.
+//! Checks of parameters, with errors that state the value found and the values allowed.
 
 pub use domain::ParameterError;
+
 use domain::{Number, Vector};
+use std::fmt::{Display, Formatter, Result as FormatResult};
 
-/// Values that an error message can show.
-pub(crate) trait Found {
-    /// The value in words or digits.
-    fn shown(&self) -> String;
-}
-
-impl Found for f64 {
-    fn shown(&self) -> String {
-        Number(*self).to_string()
-    }
-}
-
-impl Found for Vector {
-    fn shown(&self) -> String {
-        format!("[{}, {}, {}]", Number(self.x), Number(self.y), Number(self.z))
-    }
-}
-
-impl Found for glam::DVec2 {
-    fn shown(&self) -> String {
-        format!("[{}, {}]", Number(self.x), Number(self.y))
-    }
-}
-
-impl Found for u64 {
-    fn shown(&self) -> String {
-        self.to_string()
-    }
-}
-
-impl Found for usize {
-    fn shown(&self) -> String {
-        self.to_string()
-    }
-}
-
-impl Found for i32 {
-    fn shown(&self) -> String {
-        self.to_string()
-    }
-}
-
-impl Found for &str {
-    fn shown(&self) -> String {
-        (*self).to_owned()
-    }
-}
-
-impl Found for String {
-    fn shown(&self) -> String {
-        self.clone()
-    }
-}
-
-/// An error that states the value found and the values allowed.
-pub(crate) fn refused(key: &'static str, found: &str, allowed: &str) -> ParameterError {
+/// Error that states the value found and the values allowed.
+pub(crate) fn refused(key: &'static str, found: impl Display, allowed: impl Display) -> ParameterError {
     ParameterError::new(key, format!("is {found}; it needs {allowed}"))
 }
 
@@ -66,20 +14,51 @@ pub(crate) fn refused(key: &'static str, found: &str, allowed: &str) -> Paramete
 pub(crate) fn require(
     holds: bool,
     key: &'static str,
-    found: &impl Found,
-    allowed: impl Into<String>,
+    found: impl Display,
+    allowed: impl Display,
 ) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(refused(key, &found.shown(), &allowed.into())) }
+    if holds { Ok(()) } else { Err(refused(key, found, allowed)) }
+}
+
+/// The components of a vector, as an error shows them.
+pub(crate) struct Components<V>(pub(crate) V);
+
+impl Display for Components<glam::DVec2> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FormatResult {
+        write!(f, "[{}, {}]", Number(self.0.x), Number(self.0.y))
+    }
+}
+
+impl Display for Components<Vector> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FormatResult {
+        write!(f, "[{}, {}, {}]", Number(self.0.x), Number(self.0.y), Number(self.0.z))
+    }
 }
 
 /// Accepts 0 and numbers of magnitude `10^-power` to `10^power`: products of larger ones would leave the range of
 /// floating-point numbers. Measurable quantities are within it in any units from 1e-30 to 1e30.
 pub(crate) fn of_sensible_size(key: &'static str, found: f64, power: i32) -> Result<(), ParameterError> {
     let sensible = found == 0.0 || (found.abs().log10()).abs() <= f64::from(power);
-    require(sensible, key, &found, format!("a size from 1e-{power} to 1e{power}: take another unit"))
+    let allowed = format_args!("a size from 1e-{power} to 1e{power}: take another unit");
+    require(sensible, key, Number(found), allowed)
 }
 
 /// Accepts a positive, finite number.
 pub(crate) fn positive(key: &'static str, found: f64) -> Result<(), ParameterError> {
-    require(found > 0.0 && found.is_finite(), key, &found, "a positive, finite number")
+    require(found > 0.0 && found.is_finite(), key, Number(found), "a positive, finite number")
+}
+
+/// Accepts a positive, finite number, or zero.
+pub(crate) fn not_negative(key: &'static str, found: f64) -> Result<(), ParameterError> {
+    require(found >= 0.0 && found.is_finite(), key, Number(found), "a finite number, not negative")
+}
+
+/// Accepts a finite number.
+pub(crate) fn finite(key: &'static str, found: f64) -> Result<(), ParameterError> {
+    require(found.is_finite(), key, Number(found), "a finite number")
+}
+
+/// Accepts a coefficient of restitution from 0 to 1.
+pub(crate) fn restitution(key: &'static str, found: f64) -> Result<(), ParameterError> {
+    require((0.0..=1.0).contains(&found), key, Number(found), "0 <= restitution <= 1")
 }

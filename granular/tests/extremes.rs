@@ -2,7 +2,7 @@
 
 use domain::{Particles, Vector};
 use granular::disks::{Disks, Parameters as DiskParameters};
-use granular::shear_cell::{Collisions, Engine, Model, Parameters, Run, Sampling, Top};
+use granular::shear_cell::{CollisionDetection, Engine, Model, Parameters, Sampling, ShearCell, Top};
 
 fn loaded(pressure: f64) -> Model {
     let top = Top::Free { pressure, mass_per_area: 0.2 };
@@ -13,8 +13,9 @@ fn loaded(pressure: f64) -> Model {
 fn run(pressure: f64, step: f64) -> Result<(), String> {
     let model = loaded(pressure);
     let mut grains = model.pack(model.count(0.2).unwrap(), 1).unwrap();
-    grains.stir(&model, 0.07, 1);
-    let mut run = Run::new(&model, &grains, Collisions::TimeStepped { step }, Sampling::default()).unwrap();
+    grains.set_velocities(&model, 0.07, 1);
+    let mut run =
+        ShearCell::new(&model, &grains, CollisionDetection::TimeStepped { step }, Sampling::default()).unwrap();
     for _ in 0..4 {
         if !run.measure(1e-4, &|| true) {
             return Err(run.engine().failure().unwrap().to_string());
@@ -41,7 +42,7 @@ fn loads_too_large_for_the_time_step_are_named_with_a_step_that_is_not() {
 fn loads_too_large_for_the_contact_time_are_named() {
     let model = loaded(1e20);
     let grains = model.pack(20, 1).unwrap();
-    let error = Engine::new(&model, &grains, Collisions::EventDriven).err().unwrap().to_string();
+    let error = Engine::new(&model, &grains, CollisionDetection::EventDriven).err().unwrap().to_string();
     assert!(error.starts_with("grains.contact_time is 1e-7; it needs at most 1.77e-13"), "{error}");
 }
 

@@ -1,6 +1,9 @@
 //! The continuum shear cell against check values, closed forms and the table of an independent prototype.
 
-use granular::kinetic_theory::{Parameters, Problem, RadialDistribution, Solution, SolveError, Start, WallShape};
+use super::kinetic_theory_coefficients::{coefficients, reduced, wall_coefficients};
+use granular::kinetic_theory::{
+    Parameters, Problem, RadialDistribution, Solution, SolutionStart, SolveError, WallShape,
+};
 
 fn solve(change: impl FnOnce(&mut Parameters)) -> Solution {
     let mut parameters = Parameters::default();
@@ -28,8 +31,8 @@ fn constitutive_functions_take_their_check_values() {
         (LunSavage, [10.8352, 5.92814, 27523.2, 19.4151, -6.15977, 1.12902e7, 7.0744, -2.61558, 39949.9, -0.104971]),
     ];
     for (radial, expected) in values {
-        let grains = granular::kinetic_theory::Grains { radial, ..Parameters::default().grains };
-        let (c, b) = (grains.coefficients(0.5), grains.reduced(0.5, 5500.0));
+        let grains = granular::kinetic_theory::GrainProperties { radial, ..Parameters::default().grains };
+        let (c, b) = (coefficients(&grains, 0.5), reduced(&grains, 0.5, 5500.0));
         let found = [radial.at(0.5), c.c1, c.c2, c.c3, c.c4, c.c6, b.b1, b.b2, b.b3, b.b4];
         for (found, expected) in found.into_iter().zip(expected) {
             close(found, expected, 5e-6);
@@ -41,13 +44,13 @@ fn constitutive_functions_take_their_check_values() {
 #[test]
 fn reduced_coefficients_are_those_of_numeric_derivatives() {
     for radial in RadialDistribution::ALL {
-        let grains = granular::kinetic_theory::Grains { radial, ..Parameters::default().grains };
+        let grains = granular::kinetic_theory::GrainProperties { radial, ..Parameters::default().grains };
         for v in [0.05, 0.3, 0.52, 0.6] {
             let (h, pressure) = (1e-5, 5500.0);
             let slope = |f: &dyn Fn(f64) -> f64, v: f64| (f(v + h) - f(v - h)) / (2.0 * h);
-            let c = |v| grains.coefficients(v);
+            let c = |v| coefficients(&grains, v);
             let conduction = |v: f64| c(v).c3 * slope(&|v| c(v).c2.ln(), v) - c(v).c4;
-            let b = grains.reduced(v, pressure);
+            let b = reduced(&grains, v, pressure);
             let scale = 1.0 / (grains.radial.packed() - v);
             let near = |found: f64, expected: f64, size: f64| {
                 assert!((found - expected).abs() < 2e-6 * size.max(expected.abs()));
@@ -73,11 +76,11 @@ fn solutions_meet_the_wall_laws_as_printed() {
         parameters.wall.gradient = gradient;
         let solution = Problem::new(parameters).unwrap().solve().unwrap();
         let (grains, slip, wall) = (parameters.grains, solution.slip(), solution.at(0.0));
-        let (c, r) = (grains.coefficients(wall.solid_fraction), parameters.wall.roughness);
-        let b = parameters.wall.coefficients(&grains, wall.solid_fraction, parameters.pressure);
+        let (c, r) = (coefficients(&grains, wall.solid_fraction), parameters.wall.roughness);
+        let b = wall_coefficients(&parameters.wall, &grains, wall.solid_fraction, parameters.pressure);
         let gradient = solution.shear_stress() / (c.c1 * wall.temperature.sqrt());
         close(gradient, r.r5 * b.b5 * slip, 1e-10);
-        let b4 = grains.reduced(wall.solid_fraction, parameters.pressure).b4;
+        let b4 = reduced(&grains, wall.solid_fraction, parameters.pressure).b4;
         let conduction = -c.c1 * c.c2 / (b4 * parameters.pressure);
         let slope = wall.energy_flux / (conduction * wall.temperature.powf(1.5));
         let expected = r.r7 * b.b7 * slip * slip + r.r8 * b.b8 * slip * gradient - r.r6 * b.b6;
@@ -207,7 +210,7 @@ fn the_upper_half_mirrors_the_lower() {
     close(low.energy_flux, -high.energy_flux, 1e-12);
     // The power of the walls, S U, is dissipated: integrates C6 T^(3/2) and adds the wall losses.
     let profile = solution.profile(401);
-    let c6 = |v| Parameters::default().grains.coefficients(v).c6;
+    let c6 = |v| coefficients(&Parameters::default().grains, v).c6;
     let heat = profile.iter().map(|p| c6(p.solid_fraction) * p.temperature.powf(1.5));
     let simpson =
         heat.enumerate().map(|(i, h)| h * [2.0, 4.0][i % 2] * if i % 400 == 0 { 0.5 } else { 1.0 }).sum::<f64>();
@@ -238,8 +241,8 @@ fn walls_as_smooth_as_they_may_be_slip() {
 #[test]
 fn where_there_are_two_solutions_start_chooses() {
     let branch = |start| solve(|p| (p.wall.gradient, p.start) = (true, start)).mean_solid_fraction();
-    assert!((branch(Start::Densest) - 0.572).abs() < 1e-3);
-    assert!((branch(Start::SolidFraction(0.077)) - 0.077).abs() < 1e-3);
+    assert!((branch(SolutionStart::Densest) - 0.572).abs() < 1e-3);
+    assert!((branch(SolutionStart::SolidFraction(0.077)) - 0.077).abs() < 1e-3);
 }
 
 /// With the gradient term and half-disks no flow carries 1 kPa at 2.8 m/s: the two branches have merged above it.
@@ -273,5 +276,8 @@ fn bad_input_is_refused_by_key() {
         refused(|p| p.wall.roughness.r5 = 1e-13),
         "walls.r5 is 1e-13; it needs 1e-12 <= r5 <= 1: a smooth wall drives no flow"
     );
-    assert_eq!(refused(|p| p.start = Start::SolidFraction(0.7)), "start is 0.7; it needs 0 < solid fraction < 0.65");
+    assert_eq!(
+        refused(|p| p.start = SolutionStart::SolidFraction(0.7)),
+        "start is 0.7; it needs 0 < solid fraction < 0.65"
+    );
 }

@@ -1,6 +1,7 @@
 //! The continuum shear cell solved again as in the paper: Runge-Kutta integration of eqs (11) and (12) across the whole
 //! gap, with the solid fraction and the velocity at the lower wall iterated until the laws of the upper wall hold.
 
+use super::kinetic_theory_coefficients::{reduced, wall_coefficients};
 use granular::kinetic_theory::{Parameters, Problem, RadialDistribution, WallShape};
 
 /// `[u, u', v, v']` at a height.
@@ -10,13 +11,13 @@ struct Shooting(Parameters);
 
 impl Shooting {
     fn rates(&self, [_, du, v, dv]: State) -> State {
-        let b = self.0.grains.reduced(v, self.0.pressure);
+        let b = reduced(&self.0.grains, v, self.0.pressure);
         [du, -b.b1 * dv * du, dv, -b.b2 * dv * dv - b.b3 - b.b4 * du * du]
     }
 
     /// `u'` and `v'` along the normal into the flow according to the wall laws, at a slip and a solid fraction.
     fn wall(&self, slip: f64, v: f64) -> (f64, f64) {
-        let (b, r) = (self.0.wall.coefficients(&self.0.grains, v, self.0.pressure), self.0.wall.roughness);
+        let (b, r) = (wall_coefficients(&self.0.wall, &self.0.grains, v, self.0.pressure), self.0.wall.roughness);
         let gradient = r.r5 * b.b5 * slip;
         (gradient, r.r7 * b.b7 * slip * slip + r.r8 * b.b8 * slip * gradient - r.r6 * b.b6)
     }

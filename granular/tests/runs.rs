@@ -1,8 +1,8 @@
 //! Runs of grains as seen by the code that writes their results.
 
 use domain::Comm;
-use granular::disks::{self, Course, DiskRun, Preparation};
-use granular::shear_cell::{self, CellRun, Collisions, Experiment, Sampling};
+use granular::disks::{self, DiskRun, Preparation, RunLength};
+use granular::shear_cell::{self, CellRun, CollisionDetection, Experiment, Sampling};
 use simulation::Simulation;
 
 /// Asserts that the observed values match the columns in number, and are not NaN.
@@ -19,8 +19,8 @@ fn a_run_of_disks_says_its_plan_and_what_it_observes() {
     let preparation = Preparation { settled: 2.0, mixed: 4.0, ..disks::Parameters::default().preparation };
     let parameters = disks::Parameters { edges: [40.0; 2], preparation, ..disks::Parameters::default() };
     let model = disks::Model::new(parameters).unwrap();
-    let course = Course { steps: 10, profile_strips: 4 };
-    let mut run = DiskRun::start(&model, course, None, (&Comm::alone(), &mut |_| {})).unwrap();
+    let length = RunLength { steps: 10, profile_strips: 4 };
+    let mut run = DiskRun::start(&model, length, None, &Comm::alone(), &mut |_| {}).unwrap();
     assert_eq!(run.plan(), disks::outline(&model, 10).text());
     run.advance(10).unwrap();
     is_observed_as_named(&mut run);
@@ -34,7 +34,7 @@ fn a_run_of_a_shear_cell_says_its_plan_and_what_it_observes() {
         seed: 1,
         count: 20,
         agitation: 0.1,
-        collisions: Collisions::EventDriven,
+        collisions: CollisionDetection::EventDriven,
         sampling: Sampling { layers: 4, pixels: [3, 2], ..Sampling::default() },
         settle: 0,
         time_step: 1e-3,

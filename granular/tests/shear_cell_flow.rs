@@ -1,27 +1,32 @@
 //! Whole runs of the shear cell.
 
-use granular::shear_cell::{Collisions, Engine, Model, Parameters, Report, Run, Sampling, Side, Top};
+use granular::shear_cell::{CellReport, CollisionDetection, Engine, Model, Parameters, Sampling, ShearCell, Side, Top};
 
 /// Half a microsecond, as in the paper.
 const STEP: f64 = 5e-7;
-const STEPPED: Collisions = Collisions::TimeStepped { step: STEP };
+const STEPPED: CollisionDetection = CollisionDetection::TimeStepped { step: STEP };
 
 /// The paper's cell, shorter and narrower.
 fn small() -> Parameters {
     Parameters { length: 8e-3, width: 8e-3, ..Parameters::default() }
 }
 
-fn report(parameters: Parameters, solid_fraction: f64, collisions: Collisions, [settle, measure]: [f64; 2]) -> Report {
+fn report(
+    parameters: Parameters,
+    solid_fraction: f64,
+    collisions: CollisionDetection,
+    [settle, measure]: [f64; 2],
+) -> CellReport {
     let model = Model::new(parameters).unwrap();
     let mut grains = model.pack(model.count(solid_fraction).unwrap(), 1).unwrap();
-    grains.stir(&model, 0.05 * parameters.speed, 7);
-    let mut run = Run::new(&model, &grains, collisions, Sampling::default()).unwrap();
+    grains.set_velocities(&model, 0.05 * parameters.speed, 7);
+    let mut run = ShearCell::new(&model, &grains, collisions, Sampling::default()).unwrap();
     assert!(run.settle(settle, &|| true));
     assert!(run.measure(measure, &|| true));
     run.report()
 }
 
-fn wall(report: &Report, side: Side) -> (f64, f64) {
+fn wall(report: &CellReport, side: Side) -> (f64, f64) {
     let normal = report.walls[side as usize].normal;
     (normal.mean, normal.error)
 }
@@ -29,7 +34,7 @@ fn wall(report: &Report, side: Side) -> (f64, f64) {
 /// Stresses and temperature agree within four standard errors; balances close; the bottom wall bears the weight.
 #[test]
 fn the_engines_agree() {
-    let [stepped, driven] = [STEPPED, Collisions::EventDriven].map(|c| report(small(), 0.45, c, [0.03, 0.05]));
+    let [stepped, driven] = [STEPPED, CollisionDetection::EventDriven].map(|c| report(small(), 0.45, c, [0.03, 0.05]));
     for side in [Side::Bottom, Side::Top] {
         let ((a, da), (b, db)) = (wall(&stepped, side), wall(&driven, side));
         assert!((a - b).abs() < 4.0 * da.hypot(db), "{side:?}: {a} +- {da}, {b} +- {db}");
@@ -53,15 +58,15 @@ fn the_engines_agree() {
 }
 
 /// Normal stresses on the walls at `factor` times the speed, its square times gravity, and `1/factor` times all times.
-fn scaled(collisions: Collisions, factor: f64) -> [f64; 4] {
+fn scaled(collisions: CollisionDetection, factor: f64) -> [f64; 4] {
     let (speed, gravity) = (1.4 * factor, 9.81 * factor * factor);
     let slow = Model::new(small()).unwrap();
     let model = Model::new(Parameters { speed, gravity, contact_time: 1e-7 / factor, ..small() }).unwrap();
     let mut grains = slow.pack(slow.count(0.4).unwrap(), 3).unwrap();
-    grains.stir(&slow, 0.1, 3);
+    grains.set_velocities(&slow, 0.1, 3);
     grains.motions.iter_mut().for_each(|m| m.velocity *= factor);
     let sampling = Sampling { window: 5e-5 / factor, ..Sampling::default() };
-    let mut run = Run::new(&model, &grains, collisions, sampling).unwrap();
+    let mut run = ShearCell::new(&model, &grains, collisions, sampling).unwrap();
     assert!(run.measure(2e-3 / factor, &|| true));
     run.report().walls.map(|w| w.normal.mean)
 }
@@ -70,8 +75,8 @@ fn scaled(collisions: Collisions, factor: f64) -> [f64; 4] {
 /// exactly so in binary arithmetic.
 #[test]
 fn stress_scales_with_the_square_of_the_speed() {
-    let twice = Collisions::TimeStepped { step: 0.5 * STEP };
-    for (slow, fast) in [(STEPPED, twice), (Collisions::EventDriven, Collisions::EventDriven)] {
+    let twice = CollisionDetection::TimeStepped { step: 0.5 * STEP };
+    for (slow, fast) in [(STEPPED, twice), (CollisionDetection::EventDriven, CollisionDetection::EventDriven)] {
         for (slow, fast) in scaled(slow, 1.0).into_iter().zip(scaled(fast, 2.0)) {
             assert!((fast - 4.0 * slow).abs() <= 1e-10 * fast, "{fast} {slow}");
         }
@@ -83,7 +88,7 @@ fn stress_scales_with_the_square_of_the_speed() {
 fn a_free_lid_is_borne_by_the_grains() {
     // Light, so that it responds within the run.
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
-    for collisions in [STEPPED, Collisions::EventDriven] {
+    for collisions in [STEPPED, CollisionDetection::EventDriven] {
         let r = report(Parameters { top, ..small() }, 0.45, collisions, [0.02, 0.04]);
         let (normal, error) = wall(&r, Side::Top);
         assert!((normal - 300.0).abs() < 5.0 * error.max(3.0), "{collisions:?}: {normal} +- {error}");
@@ -95,7 +100,12 @@ fn a_free_lid_is_borne_by_the_grains() {
 /// With a step of 25 us fast grains overlap deeply, and the run warns of it.
 #[test]
 fn deep_overlaps_are_reported() {
-    let r = report(Parameters { speed: 5.6, ..small() }, 0.5, Collisions::TimeStepped { step: 2.5e-5 }, [0.0, 4e-3]);
+    let r = report(
+        Parameters { speed: 5.6, ..small() },
+        0.5,
+        CollisionDetection::TimeStepped { step: 2.5e-5 },
+        [0.0, 4e-3],
+    );
     assert!(r.tally.largest_overlap > 0.02);
     assert!(r.warnings[0].starts_with("the largest overlap was"), "{:?}", r.warnings);
 }
@@ -118,21 +128,21 @@ fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
     let narrow = Parameters { length: 5e-3, width: 5e-3, ..small() };
     let model = Model::new(narrow).unwrap();
     let mut grains = model.pack(model.count(0.57).unwrap(), 2).unwrap();
-    grains.stir(&model, 0.07, 3);
+    grains.set_velocities(&model, 0.07, 3);
     let advanced = |model: &Model, collisions, time: f64| {
         let mut engine = Engine::new(model, &grains, collisions).unwrap();
         let arrived = engine.advance(time, &|| true);
         (arrived, engine.is_jammed(), engine.tally().time)
     };
-    let (arrived, jammed, time) = advanced(&model, Collisions::EventDriven, 1.0);
+    let (arrived, jammed, time) = advanced(&model, CollisionDetection::EventDriven, 1.0);
     assert!(!arrived && jammed && time < 0.1, "{time}");
     let (arrived, jammed, _) = advanced(&model, STEPPED, 2e-3);
     assert!(arrived && !jammed);
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
     let free = Model::new(Parameters { top, ..narrow }).unwrap();
-    let (arrived, jammed, _) = advanced(&free, Collisions::EventDriven, 0.02);
+    let (arrived, jammed, _) = advanced(&free, CollisionDetection::EventDriven, 0.02);
     assert!(arrived && !jammed);
-    for collisions in [STEPPED, Collisions::EventDriven] {
+    for collisions in [STEPPED, CollisionDetection::EventDriven] {
         let mut engine = Engine::new(&free, &grains, collisions).unwrap();
         assert!(!engine.advance(1e9, &|| false) && !engine.is_jammed());
     }
@@ -143,17 +153,17 @@ fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
 fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
     let model = Model::new(small()).unwrap();
     let mut grains = model.pack(300, 5).unwrap();
-    grains.stir(&model, 0.1, 5);
-    for collisions in [STEPPED, Collisions::EventDriven] {
+    grains.set_velocities(&model, 0.1, 5);
+    for collisions in [STEPPED, CollisionDetection::EventDriven] {
         let [mut once, mut twice] = [0, 1].map(|_| {
-            let mut run = Run::new(&model, &grains, collisions, Sampling::default()).unwrap();
+            let mut run = ShearCell::new(&model, &grains, collisions, Sampling::default()).unwrap();
             assert!(run.measure(1e-3, &|| true));
             run.renew().unwrap();
             run
         });
         let how = (collisions, Sampling::default());
-        let mut resumed = Run::resume(&model, &once.engine().grains(), how, &once.save()).unwrap();
-        assert!(Run::resume(&model, &grains, how, &once.save()[8..]).is_err());
+        let mut resumed = ShearCell::resume(&model, &once.engine().grains(), how.0, how.1, &once.save()).unwrap();
+        assert!(ShearCell::resume(&model, &grains, how.0, how.1, &once.save()[8..]).is_err());
         assert!(twice.measure(1e-3, &|| true));
         twice.go_back().unwrap();
         for run in [&mut once, &mut twice, &mut resumed] {
@@ -166,8 +176,13 @@ fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
     }
 }
 
-fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> Report {
-    report(Parameters { speed, ..Parameters::default() }, solid_fraction, Collisions::EventDriven, [settle, measure])
+fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> CellReport {
+    report(
+        Parameters { speed, ..Parameters::default() },
+        solid_fraction,
+        CollisionDetection::EventDriven,
+        [settle, measure],
+    )
 }
 
 /// `cargo test --release -p fcm-solve-granular --test all shear_cell_flow -- --ignored`: a few minutes. Bands from an
@@ -216,10 +231,10 @@ fn bad_input_is_refused_by_key() {
     );
     let mut grains = model.pack(20, 1).unwrap();
     let window = Sampling { window: 7e-7, ..Sampling::default() };
-    let error = Run::new(&model, &grains, STEPPED, window).err().unwrap().to_string();
+    let error = ShearCell::new(&model, &grains, STEPPED, window).err().unwrap().to_string();
     assert!(error.starts_with("measure.window is 7e-7; it needs a whole number of time steps"), "{error}");
     grains.positions[1] = grains.positions[0];
-    let error = Engine::new(&model, &grains, Collisions::EventDriven).err().unwrap().to_string();
+    let error = Engine::new(&model, &grains, CollisionDetection::EventDriven).err().unwrap().to_string();
     assert!(error.starts_with("overlap is 1.00e0 diameters; it needs grains apart"), "{error}");
     grains.positions[1].y = 1.0;
     assert!(Engine::new(&model, &grains, STEPPED).err().unwrap().to_string().starts_with("position is"));
@@ -231,8 +246,8 @@ fn resuming_is_going_on() {
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
     let model = Model::new(Parameters { top, ..small() }).unwrap();
     let mut grains = model.pack(300, 5).unwrap();
-    grains.stir(&model, 0.1, 5);
-    for collisions in [STEPPED, Collisions::EventDriven] {
+    grains.set_velocities(&model, 0.1, 5);
+    for collisions in [STEPPED, CollisionDetection::EventDriven] {
         let mut engine = Engine::new(&model, &grains, collisions).unwrap();
         engine.advance(1e-3, &|| true);
         let state = engine.checkpoint(&model).unwrap();
@@ -240,8 +255,8 @@ fn resuming_is_going_on() {
         engine.advance(1e-3, &|| true);
         resumed.advance(1e-3, &|| true);
         assert_eq!(engine.grains(), resumed.grains());
-        assert_eq!((engine.tally(), engine.lid()), (resumed.tally(), resumed.lid()));
-        assert!(engine.tally().hits() > state.tally.hits());
+        assert_eq!((engine.tally(), engine.top_wall()), (resumed.tally(), resumed.top_wall()));
+        assert!(engine.tally().collisions() > state.tally.collisions());
     }
 }
 
@@ -250,7 +265,7 @@ fn resuming_is_going_on() {
 fn grains_pass_through_the_particle_store() {
     let model = Model::new(small()).unwrap();
     let mut grains = model.pack(50, 1).unwrap();
-    grains.stir(&model, 0.1, 2);
+    grains.set_velocities(&model, 0.1, 2);
     let mut particles = grains.to_particles(&model);
     particles.check().unwrap();
     assert_eq!(granular::shear_cell::Grains::from_particles(&model, &particles).unwrap(), grains);

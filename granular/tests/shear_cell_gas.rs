@@ -1,15 +1,15 @@
 //! The event-driven engine against the kinetic theory of a granular gas.
 
 use domain::Vector;
-use granular::shear_cell::{Contact, EventDriven, FrictionLaw, Grains, Model, State};
+use granular::shear_cell::{CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, Grains, Model};
 use std::f64::consts::PI;
 
 fn gas(count: usize, solid_fraction: f64, restitution: f64, friction: f64) -> (Model, Grains) {
     let edge = (count as f64 * PI / 6.0 / solid_fraction).cbrt();
-    let contact = Contact { restitution, friction, law: FrictionLaw::Box };
+    let contact = CollisionRule { restitution, friction, law: FrictionLaw::Box };
     let model = Model::gas(Vector::splat(edge), 1.0, 6.0 / PI, contact).unwrap();
     let mut grains = model.pack(count, 11).unwrap();
-    grains.stir(&model, 1.0, 12);
+    grains.set_velocities(&model, 1.0, 12);
     (model, grains)
 }
 
@@ -24,11 +24,11 @@ fn enskog(solid_fraction: f64, temperature: f64) -> f64 {
 fn elastic_grains_hit_at_enskogs_rate_and_keep_their_energy() {
     for solid_fraction in [0.05, 0.2, 0.4] {
         let (model, grains) = gas(3000, solid_fraction, 1.0, 0.0);
-        let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
-        engine.advance_hits(30_000);
-        let (time, hits) = (engine.tally().time, engine.tally().pair_hits);
-        engine.advance_hits(90_000);
-        let rate = 2.0 * (engine.tally().pair_hits - hits) as f64 / 3000.0 / (engine.tally().time - time);
+        let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();
+        engine.advance_collisions(30_000);
+        let (time, collisions) = (engine.tally().time, engine.tally().pair_collisions);
+        engine.advance_collisions(90_000);
+        let rate = 2.0 * (engine.tally().pair_collisions - collisions) as f64 / 3000.0 / (engine.tally().time - time);
         let expected = enskog(solid_fraction, engine.grains().temperature());
         assert!((rate / expected - 1.0).abs() < 0.01, "{solid_fraction}: {rate} {expected}");
         let after = engine.grains();
@@ -44,10 +44,10 @@ fn elastic_grains_hit_at_enskogs_rate_and_keep_their_energy() {
 #[test]
 fn inelastic_grains_cool_by_haffs_law() {
     let (model, grains) = gas(8000, 0.02, 0.9, 0.0);
-    let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
+    let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();
     // Two collisions per grain: the velocity distribution relaxes.
-    engine.advance_hits(8000);
-    let (start, hits, hot) = (engine.tally().time, engine.tally().pair_hits, engine.grains().temperature());
+    engine.advance_collisions(8000);
+    let (start, collisions, hot) = (engine.tally().time, engine.tally().pair_collisions, engine.grains().temperature());
     let rate = (1.0 - 0.81) * enskog(0.02, hot) / 6.0;
     for _ in 0..5 {
         engine.advance(0.5 / rate, &|| true);
@@ -58,14 +58,14 @@ fn inelastic_grains_cool_by_haffs_law() {
     }
     // From 1 to a twelfth, with the number of collisions that the rates at all temperatures add up to.
     let expected = 4000.0 * enskog(0.02, hot) * 3.5_f64.ln() / rate;
-    assert!(((engine.tally().pair_hits - hits) as f64 / expected - 1.0).abs() < 0.01);
+    assert!(((engine.tally().pair_collisions - collisions) as f64 / expected - 1.0).abs() < 0.01);
 }
 
 #[test]
 fn energy_lost_is_energy_booked() {
     let (model, grains) = gas(500, 0.3, 0.7, 0.4);
-    let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
-    engine.advance_hits(20_000);
+    let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();
+    engine.advance_collisions(20_000);
     let lost = grains.energy(&model) - engine.grains().energy(&model);
     assert!((engine.tally().dissipated / lost - 1.0).abs() < 1e-12);
 }
@@ -74,10 +74,10 @@ fn energy_lost_is_energy_booked() {
 #[test]
 fn very_inelastic_grains_do_not_collapse() {
     let (model, grains) = gas(1000, 0.3, 0.2, 0.0);
-    let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
-    engine.advance_hits(150_000);
+    let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();
+    engine.advance_collisions(150_000);
     let tally = engine.tally();
-    assert!(tally.elastic_hits > 0 && tally.elastic_hits < tally.pair_hits);
+    assert!(tally.elastic_collisions > 0 && tally.elastic_collisions < tally.pair_collisions);
     assert!(engine.grains().deepest_overlap(&model) < 1e-12);
 }
 
@@ -85,8 +85,8 @@ fn very_inelastic_grains_do_not_collapse() {
 fn the_same_start_gives_the_same_bits() {
     let twice = [0, 1].map(|_| {
         let (model, grains) = gas(400, 0.3, 0.9, 0.3);
-        let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
-        engine.advance_hits(5000);
+        let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();
+        engine.advance_collisions(5000);
         engine.grains()
     });
     assert_eq!(twice[0], twice[1]);
@@ -99,9 +99,9 @@ fn the_same_start_gives_the_same_bits() {
 #[ignore = "long"]
 fn ten_million_hits_leave_no_overlap() {
     let (model, grains) = gas(10_000, 0.5, 1.0, 0.0);
-    let mut engine = EventDriven::new(&model, &State::new(&model, &grains)).unwrap();
+    let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();
     for _ in 0..10 {
-        engine.advance_hits(1_000_000);
+        engine.advance_collisions(1_000_000);
         assert!(engine.grains().deepest_overlap(&model) < 1e-12);
     }
     assert!(engine.tally().largest_overlap < 1e-12);

@@ -3,7 +3,7 @@
 
 use granular::disks::{Disks, LengthUnit, Model as DiskModel, Parameters as DiskParameters, Sizes, Species};
 use granular::kinetic_theory;
-use granular::shear_cell::{Collisions, Model, Parameters, Run, Sampling, Side, Top};
+use granular::shear_cell::{CollisionDetection, Model, Parameters, Sampling, ShearCell, Side, Top};
 
 /// Factors of length, time and mass.
 #[derive(Debug, Clone, Copy)]
@@ -89,15 +89,18 @@ fn cell(units: &Units) -> Parameters {
 fn flow(units: &Units, is_time_stepped: bool) -> [Vec<f64>; 3] {
     let model = Model::new(cell(units)).unwrap();
     let mut grains = model.pack(model.count(0.3).unwrap(), 5).unwrap();
-    grains.stir(&model, 0.07 * units.speed(), 5);
-    let collisions =
-        if is_time_stepped { Collisions::TimeStepped { step: 5e-7 * units.time } } else { Collisions::EventDriven };
+    grains.set_velocities(&model, 0.07 * units.speed(), 5);
+    let collisions = if is_time_stepped {
+        CollisionDetection::TimeStepped { step: 5e-7 * units.time }
+    } else {
+        CollisionDetection::EventDriven
+    };
     let sampling = Sampling { window: 5e-5 * units.time, every: 2, layers: 5, pixels: [3, 3] };
-    let mut run = Run::new(&model, &grains, collisions, sampling).unwrap();
+    let mut run = ShearCell::new(&model, &grains, collisions, sampling).unwrap();
     assert!(run.measure(4.0 * sampling.window, &|| true));
     let grains = run.engine().grains();
     let report = run.report();
-    assert!(report.tally.hits() > 10 && report.warnings.is_empty(), "{:?}", report.warnings);
+    assert!(report.tally.collisions() > 10 && report.warnings.is_empty(), "{:?}", report.warnings);
     [
         grains.positions.iter().flat_map(|x| (*x / units.length).to_array()).collect(),
         grains.motions.iter().flat_map(|m| (m.velocity / units.speed()).to_array()).collect(),
@@ -142,7 +145,7 @@ fn the_continuum_is_the_same_in_any_units() {
         p.grains.density *= units.density();
         p.wall.diameter *= units.length;
         let solution = kinetic_theory::Problem::new(p).unwrap().solve().unwrap();
-        let flow = |point: &kinetic_theory::Point| {
+        let flow = |point: &kinetic_theory::FlowPoint| {
             let flux = units.stress() * units.speed();
             [
                 point.velocity / units.speed(),

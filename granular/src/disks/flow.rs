@@ -19,7 +19,7 @@ pub enum Flow {
 
 /// Velocity profile of a flow in a cell of given height: one quadratic, evaluated at `y` inside `[low, high)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Profile {
+pub(super) struct VelocityProfile {
     coefficients: [f64; 3],
     low: f64,
     high: f64,
@@ -31,8 +31,8 @@ pub(super) struct Profile {
 }
 
 impl Flow {
-    pub(super) fn profile(&self, height: f64) -> Profile {
-        let whole = |coefficients, lattice_rate: f64| Profile {
+    pub(super) fn profile(&self, height: f64) -> VelocityProfile {
+        let whole = |coefficients, lattice_rate: f64| VelocityProfile {
             coefficients,
             low: f64::NEG_INFINITY,
             high: f64::INFINITY,
@@ -46,7 +46,7 @@ impl Flow {
             Self::Poiseuille { peak } => {
                 let slope = 4.0 * peak / height;
                 let coefficients = [0.0, slope, -slope / height];
-                Profile { low: 0.0, high: height, steepest: slope.abs(), ..whole(coefficients, 0.0) }
+                VelocityProfile { low: 0.0, high: height, steepest: slope.abs(), ..whole(coefficients, 0.0) }
             }
         }
     }
@@ -66,7 +66,7 @@ impl Flow {
     }
 }
 
-impl Profile {
+impl VelocityProfile {
     /// Velocity along x at a height less than one period outside the cell.
     #[inline(always)]
     pub(super) fn speed(&self, y: f64) -> f64 {

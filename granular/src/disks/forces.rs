@@ -2,15 +2,15 @@
 
 use super::for_each_part;
 use super::stage::Law;
-use super::state::{Body, CHUNK, Identity, State};
+use super::state::{Body, CHUNK, DiskState, Identity};
 use super::sums::ContactSums;
-use super::verlet_list::{Batch, Chunk, Image, List, Pair};
+use super::verlet_list::{DiskPair, ImageBatch, ImageMotion, List, PairChunk};
 use domain::Vector;
 use glam::DVec2;
 
 /// Input of the pair forces: the disks and the parameters of the contacts.
 #[derive(Clone, Copy)]
-struct View<'a> {
+struct ForceInput<'a> {
     bodies: &'a [Body],
     identities: &'a [Identity],
     damping: f64,
@@ -19,8 +19,8 @@ struct View<'a> {
 }
 
 /// Work of one thread on a chunk.
-struct Part<'a> {
-    chunk: &'a mut Chunk,
+struct ForcePart<'a> {
+    chunk: &'a mut PairChunk,
     /// Forces on the chunk's own rows.
     forces: &'a mut [DVec2],
     sums: ContactSums,
@@ -29,9 +29,15 @@ struct Part<'a> {
 impl List {
     /// Adds the contact forces at a step to those of the state. Measures energies and stresses on request; contacts
     /// that begin are always counted.
-    pub(super) fn push_apart(&mut self, state: &mut State, law: &Law, step: u64, measure: bool) -> ContactSums {
+    pub(super) fn add_contact_forces(
+        &mut self,
+        state: &mut DiskState,
+        law: &Law,
+        step: u64,
+        measure: bool,
+    ) -> ContactSums {
         self.move_images(law, step);
-        let view = View {
+        let view = ForceInput {
             bodies: &state.bodies,
             identities: &state.identities,
             damping: 2.0 * law.contact.damping(),
@@ -39,8 +45,8 @@ impl List {
             step: step as u32,
         };
         let chunks = self.chunks.iter_mut().zip(state.forces.chunks_mut(CHUNK));
-        let part = |(chunk, forces)| Part { chunk, forces, sums: ContactSums::default() };
-        let mut parts: Vec<Part> = chunks.map(part).collect();
+        let part = |(chunk, forces)| ForcePart { chunk, forces, sums: ContactSums::default() };
+        let mut parts: Vec<ForcePart> = chunks.map(part).collect();
         for_each_part(&mut parts, |part| if measure { part.push::<true>(&view) } else { part.push::<false>(&view) });
         let sums = parts.iter().fold(ContactSums::default(), |sum, part| sum + part.sums);
         for chunk in &mut self.chunks {
@@ -53,10 +59,10 @@ impl List {
     }
 }
 
-impl Part<'_> {
-    fn push<const MEASURE: bool>(&mut self, view: &View) {
+impl ForcePart<'_> {
+    fn push<const MEASURE: bool>(&mut self, view: &ForceInput) {
         let Self { chunk, forces, sums } = self;
-        let Chunk { rows, inner, border, found, pushes } = chunk;
+        let PairChunk { rows, inner, border, found, pushes } = chunk;
         let start = rows.start as u32;
         for batch in inner {
             batch.push::<MEASURE>(view, found, sums, |pair, force| {
@@ -70,15 +76,15 @@ impl Part<'_> {
     }
 }
 
-impl Pair {
+impl DiskPair {
     #[inline(always)]
-    fn touches(&self, bodies: &[Body], image: &Image) -> bool {
-        let d = bodies[self.j as usize].place - bodies[self.i as usize].place + image.shift;
-        d.length_squared() < self.reach * self.reach
+    fn touches(&self, bodies: &[Body], image: &ImageMotion) -> bool {
+        let d = bodies[self.j as usize].position - bodies[self.i as usize].position + image.shift;
+        d.length_squared() < self.contact_distance * self.contact_distance
     }
 }
 
-impl Batch {
+impl ImageBatch {
     /// Finds the pairs in contact, without a branch, and writes their indices.
     #[inline(always)]
     fn find<'a>(&self, bodies: &[Body], found: &'a mut [u32]) -> &'a [u32] {
@@ -94,23 +100,23 @@ impl Batch {
     #[inline(always)]
     fn push<const MEASURE: bool>(
         &mut self,
-        view: &View,
+        view: &ForceInput,
         found: &mut [u32],
         sums: &mut ContactSums,
-        mut apply: impl FnMut(Pair, DVec2),
+        mut apply: impl FnMut(DiskPair, DVec2),
     ) {
         for &p in self.find(view.bodies, found) {
             let pair = self.pairs[p as usize];
             let (first, second) = (&view.bodies[pair.i as usize], &view.bodies[pair.j as usize]);
-            let d = second.place - first.place + self.image.shift;
+            let d = second.position - first.position + self.image.shift;
             let mut u = second.velocity - first.velocity;
-            u.x += self.image.jump;
+            u.x += self.image.velocity;
             let square = larger(d.length_squared(), f64::MIN_POSITIVE);
             let distance = square.sqrt();
             let parting = d.dot(u);
             // Multiplied by distance over reduced mass.
-            let push = larger((pair.reach - distance) * distance - view.damping * parting, view.floor);
-            let force = d * (push / (square * pair.lightness));
+            let push = larger((pair.contact_distance - distance) * distance - view.damping * parting, view.floor);
+            let force = d * (push / (square * pair.inverse_mass_sum));
             apply(pair, force);
             let last = std::mem::replace(&mut self.touched[p as usize], view.step);
             if last != view.step.wrapping_sub(1) {
@@ -119,7 +125,7 @@ impl Batch {
             }
             if MEASURE {
                 sums.contacts += 1;
-                sums.jump_work += force.x * self.image.jump;
+                sums.image_work += force.x * self.image.velocity;
                 sums.measure(&pair, d, parting / distance, force);
             }
         }
@@ -128,10 +134,10 @@ impl Batch {
 
 impl ContactSums {
     /// Adds a pair with given separation, rate of separation and force.
-    fn measure(&mut self, pair: &Pair, d: DVec2, parting: f64, force: DVec2) {
+    fn measure(&mut self, pair: &DiskPair, d: DVec2, parting: f64, force: DVec2) {
         let distance = d.length();
-        let overlap = pair.reach - distance;
-        let tension = overlap / pair.lightness;
+        let overlap = pair.contact_distance - distance;
+        let tension = overlap / pair.inverse_mass_sum;
         self.spring += 0.5 * tension * overlap;
         self.loss -= (force.dot(d) / distance - tension) * parting;
         self.virial += Vector::new(d.x * force.x, d.x * force.y, d.y * force.y);

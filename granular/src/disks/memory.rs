@@ -1,8 +1,8 @@
 //! Predicted memory of runs of disks.
 
 use super::observe::{AveragedProfile, Disk};
-use super::state::{Block, Body, Identity, LANES, Motion};
-use super::verlet_list::{Chunk, Grid, ListMargin, Pair, cell_of};
+use super::state::{Body, DiskBlock, DiskMotion, Identity, LANES};
+use super::verlet_list::{DiskCells, DiskPair, ListMargin, PairChunk, cell_of};
 use super::{Model, Size};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
@@ -17,7 +17,7 @@ impl Model {
         let profile = Bytes::keep(strips as f64 * AveragedProfile::STRIP);
         let pictures = Bytes::list::<(Disk, usize)>(count).freed();
         let stored = Particles::bytes(count, STORED);
-        let copies = Bytes::list::<(usize, Motion)>(count).then(self.state()).freed();
+        let copies = Bytes::list::<(usize, DiskMotion)>(count).then(self.state()).freed();
         let checkpoint = Bytes::keep(GROWING * stored.kept).then(copies).then(stored).freed();
         let passes = self.search().or(pictures).or(checkpoint);
         Self::size_bytes(count).then(self.state()).then(self.pairs()).then(profile).then(passes)
@@ -31,12 +31,12 @@ impl Model {
     fn state(&self) -> Bytes {
         let count = self.sizes().len() as f64;
         Bytes::list::<(Identity, [i32; 2], Body, DVec2)>(count)
-            .then(Bytes::list::<Block>((count / LANES as f64).ceil()))
+            .then(Bytes::list::<DiskBlock>((count / LANES as f64).ceil()))
     }
 
     /// The Verlet list: each pair once, and the last step at which it touched.
     fn pairs(&self) -> Bytes {
-        Bytes::list::<(Pair, u32)>(GROWING * self.listed()).then(Bytes::list::<Chunk>(1.0))
+        Bytes::list::<(DiskPair, u32)>(GROWING * self.listed()).then(Bytes::list::<PairChunk>(1.0))
     }
 
     /// The rebuild of the list while the old one still exists: the disks in the order of cells, and the pairs in
@@ -52,7 +52,7 @@ impl Model {
     fn cells(&self) -> f64 {
         let (sizes, edges) = (self.sizes(), DVec2::from_array(self.parameters().edges));
         let mean = sizes.iter().map(|s| s.radius).sum::<f64>() / sizes.len() as f64;
-        Grid::counts(edges, cell_of(mean), sizes.len()).element_product()
+        DiskCells::counts(edges, cell_of(mean), sizes.len()).element_product()
     }
 
     /// Pairs that a list has: those nearer than the cutoff, as many as in a circle of that radius less the disk itself.
@@ -60,12 +60,13 @@ impl Model {
         let sizes = self.sizes();
         let count = sizes.len() as f64;
         let moment = |power: i32| sizes.iter().map(|s| s.radius.powi(power)).sum::<f64>() / count;
-        let slack = ListMargin::new(self.smallest(), self.largest());
-        let (skin, [mean, square]) = (slack.cutoff(0.0), [moment(1), moment(2)]);
-        let stretch = slack.cutoff(1.0) - skin;
+        let margin = ListMargin::new(self.smallest(), self.largest());
+        let (skin, [mean, square]) = (margin.cutoff(0.0), [moment(1), moment(2)]);
+        let stretch = margin.cutoff(1.0) - skin;
         // The mean square of `stretch (a + b) + skin`.
-        let reach = stretch * stretch * 2.0 * (square + mean * mean) + 4.0 * stretch * skin * mean + skin * skin;
+        let contact_distance =
+            stretch * stretch * 2.0 * (square + mean * mean) + 4.0 * stretch * skin * mean + skin * skin;
         let [length, height] = self.parameters().edges;
-        0.5 * count * (count * std::f64::consts::PI * reach / (length * height) - 1.0).max(0.0)
+        0.5 * count * (count * std::f64::consts::PI * contact_distance / (length * height) - 1.0).max(0.0)
     }
 }

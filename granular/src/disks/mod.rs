@@ -5,7 +5,6 @@ mod contact;
 mod flow;
 mod forces;
 mod gear;
-mod lane_sums;
 mod memory;
 mod motion;
 mod observe;
@@ -28,12 +27,12 @@ pub use contact::Contact;
 pub use flow::Flow;
 pub use gear::Gear;
 pub use observe::{
-    AveragedProfile, Disk, Lanes, MeanProfileStrip, ProfileStrip, Record, Snapshot, Strips, estimated_free_path,
-    segment, viscous_length,
+    AveragedProfile, AveragedStrip, Disk, LaneOrder, ProfileStrip, RECORD_COLUMNS, Snapshot, Strips,
+    estimated_free_path, segment, viscous_length,
 };
 pub use parameters::{Model, Parameters, Preparation};
 pub use progress::Progress;
-pub use run::{Course, DiskRun, outline, run_bytes};
+pub use run::{DiskRun, RunLength, outline, run_bytes};
 pub use sizes::{LengthUnit, Size, Sizes, Species};
 use stage::Law;
 pub use stage::Stage;

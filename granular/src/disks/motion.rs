@@ -1,18 +1,19 @@
 //! Motion of the disks: one pass over all of them corrects one step and predicts the next.
 
-use super::flow::Profile;
+use super::flow::VelocityProfile;
 use super::for_each_part;
 use super::gear::{Coordinate, Corrector};
-use super::lane_sums::LaneSums;
 use super::stage::Law;
-use super::state::{Block, Body, CHUNK, LANES, State};
+use super::state::{Body, CHUNK, DiskBlock, DiskState, LANES, LaneValues};
 use super::sums::MotionSums;
-use crate::simd::{self, Kernel};
 use glam::DVec2;
+use simd::vectorised;
 
 /// Task of a pass over the disks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Task {
+pub(super) enum PassTask {
+    /// Measures in the present state, with its forces.
+    Measure,
     /// Predicts the first step.
     Predict,
     /// Corrects the last step.
@@ -23,58 +24,59 @@ pub(super) enum Task {
 
 /// Parameters of a pass, the same for all disks.
 #[derive(Clone, Copy)]
-struct Pass {
+struct StepPass {
     corrector: Corrector,
-    profile: Profile,
+    profile: VelocityProfile,
     /// Time from the construction of the neighbour list to the predicted step.
     age: f64,
     dt: f64,
 }
 
 /// Disks that one thread processes.
-struct Rows<'a> {
+struct DiskRows<'a> {
     bodies: &'a mut [Body],
-    blocks: &'a mut [Block],
+    blocks: &'a mut [DiskBlock],
     forces: &'a mut [DVec2],
-    sums: LaneSums,
+    sums: MotionSums<LaneValues>,
 }
 
-/// A pass over these disks.
-struct PassOver<'p, 'r, 's, const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> {
-    pass: &'p Pass,
-    rows: &'r mut Rows<'s>,
-}
-
-impl State {
+impl DiskState {
     /// Does a task. `age` is the number of steps from the construction of the neighbour list to the predicted step.
     /// On request, measures in the corrected state.
-    pub(super) fn advance(&mut self, law: &Law, task: Task, age: u64, measure: bool) -> MotionSums {
-        let pass = Pass { corrector: law.corrector(), profile: law.profile, age: age as f64 * law.dt, dt: law.dt };
+    pub(super) fn advance(&mut self, law: &Law, task: PassTask, age: u64, measure: bool) -> MotionSums {
+        let pass = StepPass { corrector: law.corrector(), profile: law.profile, age: age as f64 * law.dt, dt: law.dt };
         let mut parts = self.parts();
         for_each_part(&mut parts, |rows| match (task, measure) {
-            (Task::Predict, _) => simd::run(PassOver::<false, false, true> { pass: &pass, rows }),
-            (Task::Correct, false) => simd::run(PassOver::<true, false, false> { pass: &pass, rows }),
-            (Task::Correct, true) => simd::run(PassOver::<true, true, false> { pass: &pass, rows }),
-            (Task::Both, false) => simd::run(PassOver::<true, false, true> { pass: &pass, rows }),
-            (Task::Both, true) => simd::run(PassOver::<true, true, true> { pass: &pass, rows }),
+            (PassTask::Measure, _) => rows.pass::<false, true, false>(&pass),
+            (PassTask::Predict, _) => vectorised(
+                #[inline(always)]
+                || rows.pass::<false, false, true>(&pass),
+            ),
+            (PassTask::Correct, false) => vectorised(
+                #[inline(always)]
+                || rows.pass::<true, false, false>(&pass),
+            ),
+            (PassTask::Correct, true) => vectorised(
+                #[inline(always)]
+                || rows.pass::<true, true, false>(&pass),
+            ),
+            (PassTask::Both, false) => vectorised(
+                #[inline(always)]
+                || rows.pass::<true, false, true>(&pass),
+            ),
+            (PassTask::Both, true) => vectorised(
+                #[inline(always)]
+                || rows.pass::<true, true, true>(&pass),
+            ),
         });
         parts.iter().fold(MotionSums::default(), |sum, rows| sum + rows.sums.total())
     }
 
-    /// Measures in the present state, with its forces.
-    pub(super) fn measure(&mut self, law: &Law) -> MotionSums {
-        let pass = Pass { corrector: law.corrector(), profile: law.profile, age: 0.0, dt: law.dt };
-        let mut parts = self.parts();
-        for rows in &mut parts {
-            PassOver::<false, true, false> { pass: &pass, rows }.run();
-        }
-        parts.iter().fold(MotionSums::default(), |sum, rows| sum + rows.sums.total())
-    }
-
-    fn parts(&mut self) -> Vec<Rows<'_>> {
+    fn parts(&mut self) -> Vec<DiskRows<'_>> {
         let bodies = self.bodies.chunks_mut(CHUNK).zip(self.forces.chunks_mut(CHUNK));
         let rows = bodies.zip(self.blocks.chunks_mut(CHUNK / LANES));
-        rows.map(|((bodies, forces), blocks)| Rows { bodies, blocks, forces, sums: LaneSums::default() }).collect()
+        rows.map(|((bodies, forces), blocks)| DiskRows { bodies, blocks, forces, sums: MotionSums::default() })
+            .collect()
     }
 
     /// Sets the higher derivatives from the forces, which are cleared: the acceleration is exact, the next two
@@ -83,7 +85,7 @@ impl State {
         for row in 0..self.len() {
             let mut motion = self.motion(row);
             let (radius, force) = (self.identities[row].radius, std::mem::take(&mut self.forces[row]));
-            let (y, v, mass) = (motion.body.place.y, motion.body.velocity, masses(radius));
+            let (y, v, mass) = (motion.body.position.y, motion.body.velocity, masses(radius));
             let rate = law.drag(radius) / mass;
             let along = |x: f64| DVec2::new(x, 0.0);
             let a = force / mass - (v - along(law.profile.speed(y))) * rate;
@@ -98,14 +100,12 @@ impl State {
     }
 }
 
-impl<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> Kernel
-    for PassOver<'_, '_, '_, CORRECT, MEASURE, PREDICT>
-{
+impl DiskRows<'_> {
     #[inline(always)]
-    fn run(self) {
+    fn pass<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool>(&mut self, pass: &StepPass) {
         // Local copies tell the compiler that nothing else writes to them.
-        let (pass, mut sums) = (*self.pass, LaneSums::default());
-        let Rows { bodies, blocks, forces, .. } = self.rows;
+        let (pass, mut sums) = (*pass, MotionSums::default());
+        let DiskRows { bodies, blocks, forces, .. } = self;
         let disks = bodies.as_chunks_mut::<LANES>().0.iter_mut().zip(forces.as_chunks_mut::<LANES>().0);
         for ((bodies, forces), block) in disks.zip(blocks.iter_mut()) {
             if MEASURE {
@@ -116,23 +116,25 @@ impl<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool> Kernel
                 forces.fill(DVec2::ZERO);
             }
         }
-        self.rows.sums = sums;
+        self.sums = sums;
     }
 }
 
-impl Pass {
+impl StepPass {
     #[inline(always)]
     fn advance<const CORRECT: bool, const PREDICT: bool>(
         &self,
         bodies: &mut [Body; LANES],
-        block: &mut Block,
+        block: &mut DiskBlock,
         forces: &[DVec2; LANES],
-        sums: &mut LaneSums,
+        sums: &mut MotionSums<LaneValues>,
     ) {
         for k in 0..LANES {
-            let Body { place, velocity } = bodies[k];
-            let mut x = Coordinate { x: place.x, v: velocity.x, q: [block.qx[0][k], block.qx[1][k], block.qx[2][k]] };
-            let mut y = Coordinate { x: place.y, v: velocity.y, q: [block.qy[0][k], block.qy[1][k], block.qy[2][k]] };
+            let Body { position, velocity } = bodies[k];
+            let mut x =
+                Coordinate { x: position.x, v: velocity.x, q: [block.qx[0][k], block.qx[1][k], block.qx[2][k]] };
+            let mut y =
+                Coordinate { x: position.y, v: velocity.y, q: [block.qy[0][k], block.qy[1][k], block.qy[2][k]] };
             if CORRECT {
                 let (kick, drag) = (block.kick[k], block.drag[k]);
                 let excess = x.v - self.profile.speed(y.x);
@@ -148,7 +150,7 @@ impl Pass {
                 let squared = drift[0] * drift[0] + drift[1] * drift[1];
                 sums.drift_squared[k] = if squared > sums.drift_squared[k] { squared } else { sums.drift_squared[k] };
             }
-            bodies[k] = Body { place: DVec2::new(x.x, y.x), velocity: DVec2::new(x.v, y.v) };
+            bodies[k] = Body { position: DVec2::new(x.x, y.x), velocity: DVec2::new(x.v, y.v) };
             for d in 0..3 {
                 (block.qx[d][k], block.qy[d][k]) = (x.q[d], y.q[d]);
             }
@@ -156,10 +158,16 @@ impl Pass {
     }
 
     #[inline(always)]
-    fn measure(&self, bodies: &[Body; LANES], block: &Block, forces: &[DVec2; LANES], sums: &mut LaneSums) {
+    fn measure(
+        &self,
+        bodies: &[Body; LANES],
+        block: &DiskBlock,
+        forces: &[DVec2; LANES],
+        sums: &mut MotionSums<LaneValues>,
+    ) {
         for k in 0..LANES {
-            let Body { place, velocity } = bodies[k];
-            let (liquid, slope) = (self.profile.speed(place.y), self.profile.slope(place.y));
+            let Body { position, velocity } = bodies[k];
+            let (liquid, slope) = (self.profile.speed(position.y), self.profile.slope(position.y));
             let excess = [velocity.x - liquid, velocity.y];
             let mass = 0.5 * self.dt * self.dt / block.kick[k];
             let square = excess[0] * excess[0] + excess[1] * excess[1];
@@ -178,7 +186,7 @@ impl Pass {
 mod tests {
     use super::super::{
         Contact, Flow, Gear,
-        state::{Identity, Motion},
+        state::{DiskMotion, Identity},
     };
     use super::*;
     use std::f64::consts::PI;
@@ -196,9 +204,9 @@ mod tests {
             dt: 1.0,
             steps: None,
         };
-        let disk = Identity { id: 0, species: 0, radius: 1.0, rank: 0, is_large: false, lightness: 1.0 };
-        let body = Body { place: DVec2::new(0.0, 2.5), velocity: DVec2::new(0.0, 1.0) };
-        let mut state = State::new(vec![disk], &[Motion { body, ..Motion::default() }]);
+        let disk = Identity { id: 0, species: 0, radius: 1.0, rank: 0, is_large: false, inverse_mass: 1.0 };
+        let body = Body { position: DVec2::new(0.0, 2.5), velocity: DVec2::new(0.0, 1.0) };
+        let mut state = DiskState::new(vec![disk], &[DiskMotion { body, ..DiskMotion::default() }]);
         state.start(&law, |_| 1.0);
         let derivatives = [DVec2::new(1.5, -1.0), DVec2::new(-1.1, 1.0), DVec2::new(0.54, -1.0)];
         for ((found, derivative), factorial) in state.motion(0).higher.iter().zip(derivatives).zip([2.0, 6.0, 24.0]) {

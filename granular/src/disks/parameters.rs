@@ -1,7 +1,7 @@
 //! Checked parameters of a system of disks.
 
 use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
-use crate::parameter::{ParameterError, positive, refused, require};
+use crate::parameter::{ParameterError, finite, positive, refused, require};
 use domain::{Comm, MemoryNeed, Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
 
@@ -83,15 +83,6 @@ impl Default for Parameters {
     }
 }
 
-impl Parameters {
-    /// Parameters with the units that reproduce the viscous lengths quoted with Fig. 6 of the paper:
-    /// the smallest radius is 1.
-    #[must_use]
-    pub fn santra1996_zeta() -> Self {
-        Self { length_unit: LengthUnit::Smallest, ..Self::default() }
-    }
-}
-
 /// A system of disks with checked parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Model {
@@ -106,14 +97,10 @@ impl Model {
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
-        require(p.strain.is_finite(), "box.strain", &p.strain, "a finite number")?;
+        finite("box.strain", p.strain)?;
         let covers = p.area_fraction > 0.0 && p.area_fraction <= 0.84;
-        require(
-            covers,
-            "particles.area_fraction",
-            &p.area_fraction,
-            "0 < area_fraction <= 0.84: disks at random jam there",
-        )?;
+        let allowed = "0 < area_fraction <= 0.84: disks at random jam there";
+        require(covers, "particles.area_fraction", Number(p.area_fraction), allowed)?;
         p.sizes.check()?;
         let area = p.area_fraction * p.edges[0] * p.edges[1];
         Self::check_count(p.sizes.count(area, p.length_unit), p.area_fraction)?;
@@ -131,37 +118,33 @@ impl Model {
 
     /// Refuses more disks than row numbers can count, or than there is memory to list.
     fn check_count(count: f64, fraction: f64) -> Result<(), ParameterError> {
-        let found = || format!("{fraction}, which takes {count:.1e} disks");
-        let key = "particles.area_fraction";
-        let most = f64::from(u32::MAX);
-        require(
-            count <= most,
-            key,
-            &found(),
-            format!("at most {most:.1e} disks: a smaller box.edges, or larger radii"),
-        )?;
+        let found = format!("{fraction}, which takes {count:.1e} disks");
+        let (key, most) = ("particles.area_fraction", f64::from(u32::MAX));
+        let allowed = format_args!("at most {most:.1e} disks: a smaller box.edges, or larger radii");
+        require(count <= most, key, &found, allowed)?;
         let need = MemoryNeed { resident: 2.0 * Self::size_bytes(count).most, ..MemoryNeed::default() };
         let fits = Comm::check_memory_of(&[need]);
-        fits.map_err(|error| refused(key, &found(), &format!("fewer, or larger radii: {error}")))
+        fits.map_err(|error| refused(key, &found, format_args!("fewer, or larger radii: {error}")))
     }
 
     fn of(parameters: Parameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
-        require(!sizes.is_empty(), "particles.area_fraction", &p.area_fraction, "enough for one disk")?;
+        require(!sizes.is_empty(), "particles.area_fraction", Number(p.area_fraction), "enough for one disk")?;
         check_radii(&p.sizes, &sizes)?;
-        require((1..=3).contains(&p.mass_exponent), "particles.mass_exponent", &p.mass_exponent, "1, 2 or 3")?;
+        require((1..=3).contains(&p.mass_exponent), "particles.mass_exponent", p.mass_exponent, "1, 2 or 3")?;
         check_restitution("contact.restitution", p.restitution)?;
         check_restitution("preparation.restitution", p.preparation.restitution)?;
         check_step("time.step", p.time_step)?;
         check_step("preparation.time_step", p.preparation.time_step)?;
         let (settled, mixed) = (p.preparation.settled, p.preparation.mixed);
-        require(settled >= 0.0 && settled.is_finite(), "preparation.settled", &settled, "a time, not negative")?;
+        let is_time = settled >= 0.0 && settled.is_finite();
+        require(is_time, "preparation.settled", Number(settled), "a time, not negative")?;
         let ordered = mixed >= settled && mixed.is_finite();
-        require(ordered, "preparation.mixed", &mixed, "a time that is not before preparation.settled")?;
-        let countable = mixed / p.preparation.time_step < MOST_STEPS;
-        require(countable, "preparation.mixed", &mixed, format!("less than {} steps", Number(MOST_STEPS)))?;
-        require(p.measure_every > 0, "output.measure_every", &p.measure_every, "at least one step")?;
+        require(ordered, "preparation.mixed", Number(mixed), "a time that is not before preparation.settled")?;
+        let (countable, most) = (mixed / p.preparation.time_step < MOST_STEPS, Number(MOST_STEPS));
+        require(countable, "preparation.mixed", Number(mixed), format_args!("less than {most} steps"))?;
+        require(p.measure_every > 0, "output.measure_every", p.measure_every, "at least one step")?;
         let radii = || sizes.iter().map(|s| s.radius);
         let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
         let model = Self { parameters, sizes, smallest, largest };
@@ -172,34 +155,24 @@ impl Model {
 
     fn check_box(&self) -> Result<(), ParameterError> {
         let least = 6.0 * self.largest();
-        self.parameters.edges.iter().try_for_each(|edge| {
-            require(
-                *edge >= least,
-                "box.edges",
-                edge,
-                format!("at least three of the largest diameters, {:.6}", Number(least)),
-            )
-        })
+        let allowed = format!("at least three of the largest diameters, {:.6}", Number(least));
+        self.parameters.edges.iter().try_for_each(|edge| require(*edge >= least, "box.edges", Number(*edge), &allowed))
     }
 
     fn check_flow(&self) -> Result<(), ParameterError> {
         let p = &self.parameters;
         match p.flow {
             Flow::Still => {}
-            Flow::Shear { rate } => require(rate.is_finite(), "flow.rate", &rate, "a finite number")?,
-            Flow::Poiseuille { peak } => require(peak.is_finite(), "flow.peak", &peak, "a finite number")?,
+            Flow::Shear { rate } => finite("flow.rate", rate)?,
+            Flow::Poiseuille { peak } => finite("flow.peak", peak)?,
         }
         let turn = p.flow.profile(p.edges[1]).steepest * p.time_step;
-        require(turn <= 0.1, "flow", &format!("{:?}", p.flow), "a velocity gradient of at most 0.1 / time_step")?;
+        require(turn <= 0.1, "flow", format_args!("{:?}", p.flow), "a velocity gradient of at most 0.1 / time_step")?;
         let bound = if p.gear == Gear::FourValue { 0.5 } else { 0.3 };
         let most = bound / (self.fastest_drag() * p.time_step);
         let stable = p.viscosity >= 0.0 && p.viscosity <= most;
-        require(
-            stable,
-            "fluid.viscosity",
-            &p.viscosity,
-            format!("0 <= viscosity <= {:.3}, where the integrator is stable", Number(most)),
-        )
+        let allowed = format_args!("0 <= viscosity <= {:.3}, where the integrator is stable", Number(most));
+        require(stable, "fluid.viscosity", Number(p.viscosity), allowed)
     }
 
     /// The parameters.
@@ -296,14 +269,14 @@ fn check_radii(asked: &Sizes, sizes: &[Size]) -> Result<(), ParameterError> {
             Sizes::Species(_) => ("species", "radii and shares less far apart"),
             Sizes::Spread { .. } => ("particles.spread", "radii less far apart, or an exponent nearer to 0"),
         };
-        require(false, key, &format!("a mixture with a disk of radius {:e}", size.radius), allowed)
+        Err(refused(key, format_args!("a mixture with a disk of radius {:e}", size.radius), allowed))
     })
 }
 
 fn check_restitution(key: &'static str, found: f64) -> Result<(), ParameterError> {
-    require(found > 0.0 && found <= 1.0, key, &found, "0 < restitution <= 1")
+    require(found > 0.0 && found <= 1.0, key, Number(found), "0 < restitution <= 1")
 }
 
 fn check_step(key: &'static str, found: f64) -> Result<(), ParameterError> {
-    require(found > 0.0 && found <= 0.5, key, &found, "0 < time_step <= 0.5: a contact lasts pi")
+    require(found > 0.0 && found <= 0.5, key, Number(found), "0 < time_step <= 0.5: a contact lasts pi")
 }

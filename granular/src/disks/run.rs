@@ -1,7 +1,7 @@
 //! A run of sheared disks as a simulation whose steps are those of the flow.
 
 use super::{
-    AveragedProfile, Disks, MeanProfileStrip, Model, Progress, Record, Stage, estimated_free_path, viscous_length,
+    AveragedProfile, AveragedStrip, Disks, Model, Progress, RECORD_COLUMNS, Stage, estimated_free_path, viscous_length,
 };
 use crate::StartError;
 use domain::{Bytes, Comm, GivenPositions, MemoryNeed, Number, Particles, Process};
@@ -24,21 +24,31 @@ pub struct DiskRun {
 }
 
 /// State of a checkpoint apart from the disks.
-struct Kept {
+struct DiskCheckpoint {
     progress: Vec<f64>,
     profile: AveragedProfile,
 }
 
-impl Stored for Kept {
+impl Stored for DiskCheckpoint {
     fn visit(&mut self, store: &mut dyn Store) {
         store.numbers(&mut self.progress);
         self.profile.visit(store);
     }
 }
 
+impl DiskCheckpoint {
+    /// The progress and the profile in a state; `profile` has the same number of strips.
+    fn load_from(state: &State, profile: AveragedProfile) -> Result<(Progress, AveragedProfile), StartError> {
+        let mut kept = Self { progress: Vec::new(), profile };
+        let fits = kept.load(&state.statistics.concat());
+        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
+        Ok((progress, kept.profile))
+    }
+}
+
 /// Length of a run of disks and resolution of its profile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Course {
+pub struct RunLength {
     /// Last step.
     pub steps: u64,
     /// Strips over the height in the profile.
@@ -50,51 +60,51 @@ impl DiskRun {
     /// and then with the completed fraction of the preparation.
     pub fn start(
         model: &Model,
-        course: Course,
+        length: RunLength,
         placed: Option<&GivenPositions>,
-        (comm, tell): (&Comm, &mut dyn FnMut(f64)),
+        comm: &Comm,
+        tell: &mut dyn FnMut(f64),
     ) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let disks = match placed {
             None => Disks::prepare_and_tell(model, tell)?,
-            Some(placed) => flowing(model, course, placed, comm)?,
+            Some(placed) => flowing(model, length, placed, comm)?,
         };
-        Ok(Self::of(disks, course, AveragedProfile::new(course.profile_strips), comm))
+        Ok(Self::of(disks, length, AveragedProfile::new(length.profile_strips), comm))
     }
 
     /// Disks in the state of a checkpoint; disks from a file have their own sizes.
     pub fn resume(
         model: &Model,
-        course: Course,
-        (state, from_file): (&State, bool),
+        length: RunLength,
+        state: &State,
+        from_file: bool,
         comm: &Comm,
     ) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
-        let mut kept = Kept { progress: Vec::new(), profile: AveragedProfile::new(course.profile_strips) };
-        let fits = kept.load(&state.statistics.concat());
-        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
+        let (progress, profile) = DiskCheckpoint::load_from(state, AveragedProfile::new(length.profile_strips))?;
         let model = if from_file {
             Model::with_particles(model.parameters().clone(), &state.particles)?
         } else {
             model.clone()
         };
-        Ok(Self::of(Disks::resume(&model, &state.particles, &progress)?, course, kept.profile, comm))
+        Ok(Self::of(Disks::resume(&model, &state.particles, &progress)?, length, profile, comm))
     }
 
-    fn of(disks: Disks, course: Course, profile: AveragedProfile, comm: &Comm) -> Self {
+    fn of(disks: Disks, length: RunLength, profile: AveragedProfile, comm: &Comm) -> Self {
         debug_assert!(disks.stage() == Stage::Flow, "states are kept in the flow");
         let clock = Clock::at(disks.steps(), disks.model().parameters().time_step);
-        let plan = outline(disks.model(), course.steps).text().to_owned();
+        let plan = outline(disks.model(), length.steps).text().to_owned();
         Self { disks, clock, profile, plan, comm: comm.clone() }
     }
 }
 
 /// Disks at given positions, if there is enough memory for them.
-fn flowing(model: &Model, course: Course, placed: &GivenPositions, comm: &Comm) -> Result<Disks, StartError> {
+fn flowing(model: &Model, length: RunLength, placed: &GivenPositions, comm: &Comm) -> Result<Disks, StartError> {
     let (parameters, particles) = (model.parameters(), given(placed));
     let refused = |source| StartError::Given { name: placed.name.clone(), source };
     let model = Model::with_particles(parameters.clone(), &particles).map_err(refused)?;
-    let resident = Process::ALONE.resident(run_bytes(&model, course.profile_strips).most);
+    let resident = Process::ALONE.resident(run_bytes(&model, length.profile_strips).most);
     let fits = comm.check_memory(MemoryNeed { resident, ..MemoryNeed::default() });
     fits.map_err(|missing| StartError::Memory { disks: particles.len(), missing })?;
     Disks::flowing(parameters.clone(), &particles).map_err(refused)
@@ -164,7 +174,7 @@ impl Simulation for DiskRun {
     }
 
     fn quantities(&self) -> Vec<Quantity> {
-        Record::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit)).collect()
+        RECORD_COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit)).collect()
     }
 
     /// Averages are over the time since the previous row. The profile is sampled at each row.
@@ -172,11 +182,11 @@ impl Simulation for DiskRun {
         self.profile.add(&self.disks.snapshot());
         let record = self.disks.record();
         self.disks.restart_tally();
-        record.values().map(|value| vec![value]).to_vec()
+        record.map(|value| vec![value]).to_vec()
     }
 
     fn look(&mut self) -> Vec<Vec<f64>> {
-        self.disks.record().values().map(|value| vec![value]).to_vec()
+        self.disks.record().map(|value| vec![value]).to_vec()
     }
 
     fn state(&mut self) -> State {
@@ -186,7 +196,7 @@ impl Simulation for DiskRun {
             strain: self.disks.cell().strain(),
             plan: self.plan.clone(),
             particles,
-            statistics: vec![Kept { progress: progress.to_numbers(), profile: self.profile.clone() }.save()],
+            statistics: vec![DiskCheckpoint { progress: progress.to_numbers(), profile: self.profile.clone() }.save()],
         }
     }
 
@@ -201,16 +211,14 @@ impl Simulation for DiskRun {
         if let Some(&(id, _)) = change.positions.iter().chain(&change.velocities).find(|(_, vector)| vector.z != 0.0) {
             return refused(RearrangementError::OffThePlane(id));
         }
-        let mut kept = Kept { progress: Vec::new(), profile: self.profile.clone() };
-        let fits = kept.load(&state.statistics.concat());
-        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits);
-        let progress = progress.ok_or(StartError::State).map_err(SimulationError::new)?;
+        let loaded = DiskCheckpoint::load_from(&state, self.profile.clone());
+        let (progress, profile) = loaded.map_err(SimulationError::new)?;
         let ids = state.particles.ids.clone();
         let disks = Disks::resume(self.disks.model(), &state.particles, &progress).map_err(SimulationError::new)?;
         Rearrangement::put(&change.positions, &ids, &mut state.particles.positions);
         Rearrangement::put(&change.velocities, &ids, state.particles.vectors("velocity"));
         let (particles, progress) = disks.rearranged(&state.particles).map_err(SimulationError::new)?.store();
-        state.statistics = vec![Kept { progress: progress.to_numbers(), ..kept }.save()];
+        state.statistics = vec![DiskCheckpoint { progress: progress.to_numbers(), profile }.save()];
         Ok(State { particles, ..state })
     }
 
@@ -219,7 +227,7 @@ impl Simulation for DiskRun {
         for (name, unit) in PROFILE {
             table.columns.extend([(name.to_owned(), unit), (format!("{name}_error"), unit)]);
         }
-        for MeanProfileStrip { height, count, velocity, excess, temperature } in self.profile.strips() {
+        for AveragedStrip { height, count, velocity, excess, temperature } in self.profile.strips() {
             let [v, w, t] = [velocity, excess, temperature].map(|e| [e.mean, e.error]);
             table.add(&[], &[&[height, count.mean], &v[..], &w, &t].concat());
         }

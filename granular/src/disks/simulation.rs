@@ -1,12 +1,12 @@
 //! A system of disks and its time stepping.
 
-use super::motion::Task;
+use super::motion::PassTask;
 use super::stage::Law;
-use super::state::State;
+use super::state::DiskState;
 use super::verlet_list::List;
 use super::{Measurement, Model, Stage, Tally};
-use crate::parameter::{ParameterError, require};
-use domain::{Particles, PeriodicBox, Random};
+use crate::parameter::{ParameterError, refused, require};
+use domain::{Number, Particles, PeriodicBox, Random};
 use glam::DVec2;
 
 /// A system of disks in motion.
@@ -16,7 +16,7 @@ pub struct Disks {
     pub(super) stage: Stage,
     pub(super) law: Law,
     pub(super) step: u64,
-    pub(super) state: State,
+    pub(super) state: DiskState,
     pub(super) list: List,
     pub(super) tally: Tally,
     /// Whether a disk has moved relative to the liquid by more than half the cell between two checks.
@@ -32,11 +32,11 @@ impl Disks {
         let (mut particles, edges) = (Particles::default(), model.cell(0.0).edges());
         for (id, size) in model.sizes().iter().enumerate() {
             let point = Random::new(model.parameters().seed, id as u64).point();
-            let place = (point * edges).with_z(0.0);
-            particles.push(id as u64, place, size.radius, size.species);
+            let position = (point * edges).with_z(0.0);
+            particles.push(id as u64, position, size.radius, size.species);
         }
         particles.vectors("velocity");
-        Self::given(model, &particles, Stage::Settle).expect("places and velocities are finite")
+        Self::given(model, &particles, Stage::Settle).expect("positions and velocities are finite")
     }
 
     /// A random start after the stages of preparation, at rest relative to the liquid.
@@ -68,43 +68,43 @@ impl Disks {
     pub fn check(&self) -> Result<(), ParameterError> {
         let key = if self.stage == Stage::Flow { "time.step" } else { "preparation.time_step" };
         let allowed = format!(
-            "to be shorter, an integrator that bears it (\"gear-four\"), or a start without deep overlaps: disks flew \
+            "to be shorter, an integrator that is stable (\"gear-four\"), or a start without deep overlaps: disks flew \
              off at step {}",
             self.step
         );
-        require(!self.lost, key, &self.law.dt, allowed)
+        require(!self.lost, key, Number(self.law.dt), allowed)
     }
 
     /// Disks of a particle store, in the stage with flow. Without a column `velocity` they move with the liquid.
     pub fn flowing(parameters: super::Parameters, particles: &Particles) -> Result<Self, ParameterError> {
         let model = Model::with_particles(parameters, particles)?;
-        check_places(&model, model.parameters().strain, particles)?;
+        check_positions(&model, model.parameters().strain, particles)?;
         Self::given(&model, particles, Stage::Flow)
     }
 
     fn given(model: &Model, particles: &Particles, stage: Stage) -> Result<Self, ParameterError> {
         let law = model.law(stage);
-        let mut state = State::given(particles, &law, model)?;
+        let mut state = DiskState::given(particles, &law, model)?;
         state.set_response(&law, model);
         Ok(Self::begin(model.clone(), stage, 0, state))
     }
 
-    /// The same disks at the same step at the places and with the velocities of a store, as if they had only begun to
-    /// move: counts begin anew.
+    /// The same disks at the same step, with the positions and velocities of a store, as if they had just begun to
+    /// move: counts start afresh.
     pub fn rearranged(&self, particles: &Particles) -> Result<Self, ParameterError> {
-        check_places(&self.model, self.law.strain(self.step), particles)?;
-        let mut state = State::given(particles, &self.law, &self.model)?;
+        check_positions(&self.model, self.law.strain(self.step), particles)?;
+        let mut state = DiskState::given(particles, &self.law, &self.model)?;
         state.set_response(&self.law, &self.model);
         Ok(Self::begin(self.model.clone(), self.stage, self.step, state))
     }
 
-    /// Starts a stage, or goes on with it after some steps, from places and velocities.
-    fn begin(model: Model, stage: Stage, step: u64, mut state: State) -> Self {
+    /// Starts a stage, or goes on with it after some steps, from positions and velocities.
+    fn begin(model: Model, stage: Stage, step: u64, mut state: DiskState) -> Self {
         let law = model.law(stage);
-        let list = List::make(&mut state, &model, &law, step, None);
+        let list = List::build(&mut state, &model, &law, step, None);
         let mut disks = Self { model, stage, law, step, state, list, tally: Tally::default(), lost: false };
-        let contact = disks.list.push_apart(&mut disks.state, &law, step, true);
-        let motion = disks.state.measure(&law);
+        let contact = disks.list.add_contact_forces(&mut disks.state, &law, step, true);
+        let motion = disks.state.advance(&law, PassTask::Measure, 0, true);
         disks.state.start(&law, |radius| disks.model.mass(radius));
         disks.tally = Tally::begin(disks.measurement(&motion, &contact));
         disks
@@ -119,7 +119,7 @@ impl Disks {
         if stage == Stage::Flow {
             state.wrap(&self.model.cell(0.0), &self.law, 0);
             for body in &mut state.bodies {
-                body.velocity = DVec2::new(law.profile.speed(body.place.y), 0.0);
+                body.velocity = DVec2::new(law.profile.speed(body.position.y), 0.0);
             }
         }
         state.set_response(&law, &self.model);
@@ -133,7 +133,8 @@ impl Disks {
         }
         let [length, height] = self.model.parameters().edges;
         let (first, farthest) = (self.step + 1, 0.25 * length.min(height).powi(2));
-        let mut drift = self.state.advance(&self.law, Task::Predict, first - self.list.born, false).drift_squared;
+        let mut drift =
+            self.state.advance(&self.law, PassTask::Predict, first - self.list.built_at_step, false).drift_squared;
         for left in (0..steps).rev() {
             self.step += 1;
             if drift > farthest {
@@ -141,12 +142,12 @@ impl Disks {
                 return;
             }
             if self.list.is_stale(&self.law, self.step, drift.sqrt()) {
-                self.list = List::make(&mut self.state, &self.model, &self.law, self.step, Some(&self.list));
+                self.list = List::build(&mut self.state, &self.model, &self.law, self.step, Some(&self.list));
             }
             let measure = self.step.is_multiple_of(self.model.parameters().measure_every);
-            let contact = self.list.push_apart(&mut self.state, &self.law, self.step, measure);
-            let task = if left > 0 { Task::Both } else { Task::Correct };
-            let motion = self.state.advance(&self.law, task, self.step + 1 - self.list.born, measure);
+            let contact = self.list.add_contact_forces(&mut self.state, &self.law, self.step, measure);
+            let task = if left > 0 { PassTask::Both } else { PassTask::Correct };
+            let motion = self.state.advance(&self.law, task, self.step + 1 - self.list.built_at_step, measure);
             drift = motion.drift_squared;
             for (total, begun) in self.tally.collisions.iter_mut().zip(contact.encounters) {
                 *total += begun;
@@ -169,10 +170,10 @@ impl Disks {
     }
 
     /// Number of lattice periods by which the strain was reduced since the list was built.
-    pub(super) fn turns_since_list(&self) -> i32 {
+    pub(super) fn lattice_shifts_since_list(&self) -> i32 {
         let [length, height] = self.model.parameters().edges;
-        let turns = |step| (self.law.strain(step) * height / length + 0.5).floor() as i32;
-        turns(self.step) - turns(self.list.born)
+        let lattice_shifts = |step| (self.law.strain(step) * height / length + 0.5).floor() as i32;
+        lattice_shifts(self.step) - lattice_shifts(self.list.built_at_step)
     }
 
     /// The model.
@@ -217,14 +218,13 @@ impl Disks {
 }
 
 /// Two disks at one point exert no force on each other.
-fn check_places(model: &Model, strain: f64, particles: &Particles) -> Result<(), ParameterError> {
+fn check_positions(model: &Model, strain: f64, particles: &Particles) -> Result<(), ParameterError> {
     let cell = model.cell(strain);
-    let mut places: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();
-    places.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    match places.windows(2).find(|pair| pair[0] == pair[1]) {
-        Some(pair) => {
-            require(false, "particles.position", &format!("{} of two disks", pair[0]), "a place of its own for each")
-        }
-        None => Ok(()),
-    }
+    let mut positions: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();
+    positions.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let twins = positions.windows(2).find(|pair| pair[0] == pair[1]);
+    twins.map_or(Ok(()), |pair| {
+        let found = format_args!("{} of two disks", pair[0]);
+        Err(refused("particles.position", found, "a place of its own for each"))
+    })
 }

@@ -1,7 +1,8 @@
 //! The distribution of the disks' radii.
 
 use crate::fraction::ratio;
-use crate::parameter::{ParameterError, positive, require};
+use crate::parameter::{ParameterError, finite, positive, require};
+use domain::Number;
 
 /// Disks of one radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,7 +63,7 @@ impl Sizes {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         match self {
             Self::Species(list) => {
-                require(!list.is_empty(), "species", &"an empty list", "at least one species")?;
+                require(!list.is_empty(), "species", "an empty list", "at least one species")?;
                 list.iter().try_for_each(|s| {
                     positive("species.radius", s.radius)?;
                     positive("species.share", s.share)
@@ -71,13 +72,9 @@ impl Sizes {
             &Self::Spread { smallest, largest, exponent } => {
                 positive("particles.spread.smallest", smallest)?;
                 let above = largest >= smallest && largest.is_finite();
-                require(
-                    above,
-                    "particles.spread.largest",
-                    &largest,
-                    "a finite number, at least particles.spread.smallest",
-                )?;
-                require(exponent.is_finite(), "particles.spread.exponent", &exponent, "a finite number")
+                let allowed = "a finite number, at least particles.spread.smallest";
+                require(above, "particles.spread.largest", Number(largest), allowed)?;
+                finite("particles.spread.exponent", exponent)
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The three stages of a run, and the contacts, drag, flow and integrator of each.
 
-use super::flow::Profile;
+use super::flow::VelocityProfile;
 use super::gear::Corrector;
 use super::{Contact, Gear};
 use std::f64::consts::PI;
@@ -32,7 +32,7 @@ impl Stage {
 pub(super) struct Law {
     pub(super) contact: Contact,
     pub(super) viscosity: f64,
-    pub(super) profile: Profile,
+    pub(super) profile: VelocityProfile,
     pub(super) gear: Gear,
     /// Strain of the lattice before the first step.
     pub(super) start_strain: f64,

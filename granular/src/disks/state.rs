@@ -11,32 +11,32 @@ pub(super) const LANES: usize = 32;
 pub(super) const CHUNK: usize = 256 * LANES;
 
 /// One number for each disk of a block.
-pub(super) type Lanes = [f64; LANES];
+pub(super) type LaneValues = [f64; LANES];
 
 /// The part of a disk's state that pair forces need. The position may be slightly outside the cell: it is wrapped
 /// when the neighbour list is built.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C, align(32))]
 pub(super) struct Body {
-    pub(super) place: DVec2,
+    pub(super) position: DVec2,
     pub(super) velocity: DVec2,
 }
 
 /// The rest of the state of a block of disks: higher derivatives, reference positions and response factors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
-pub(super) struct Block {
+pub(super) struct DiskBlock {
     /// `q_k = dt^k x^(k) / k!` for k = 2, 3, 4, along x.
-    pub(super) qx: [Lanes; 3],
+    pub(super) qx: [LaneValues; 3],
     /// The same along y.
-    pub(super) qy: [Lanes; 3],
+    pub(super) qy: [LaneValues; 3],
     /// Position when the list was built.
-    pub(super) x0: Lanes,
-    pub(super) y0: Lanes,
+    pub(super) x0: LaneValues,
+    pub(super) y0: LaneValues,
     /// `dt^2 / 2` over the mass.
-    pub(super) kick: Lanes,
+    pub(super) kick: LaneValues,
     /// The kick times the drag per unit of velocity.
-    pub(super) drag: Lanes,
+    pub(super) drag: LaneValues,
 }
 
 /// Properties of a disk that do not change during a run.
@@ -48,12 +48,12 @@ pub(super) struct Identity {
     /// Rank of its radius among all disks.
     pub(super) rank: u32,
     pub(super) is_large: bool,
-    pub(super) lightness: f64,
+    pub(super) inverse_mass: f64,
 }
 
 /// Complete state of motion of a disk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(super) struct Motion {
+pub(super) struct DiskMotion {
     pub(super) body: Body,
     pub(super) higher: [DVec2; 3],
     /// Position when the list was built.
@@ -64,24 +64,24 @@ pub(super) struct Motion {
 
 /// All disks, one row each. The last block may have unused lanes.
 #[derive(Debug, Clone, Default)]
-pub(super) struct State {
+pub(super) struct DiskState {
     pub(super) identities: Vec<Identity>,
     pub(super) steps: Vec<[i32; 2]>,
     pub(super) bodies: Vec<Body>,
-    pub(super) blocks: Vec<Block>,
+    pub(super) blocks: Vec<DiskBlock>,
     /// Contact forces; zero between steps.
     pub(super) forces: Vec<DVec2>,
 }
 
-impl State {
-    pub(super) fn new(identities: Vec<Identity>, motions: &[Motion]) -> Self {
+impl DiskState {
+    pub(super) fn new(identities: Vec<Identity>, motions: &[DiskMotion]) -> Self {
         let count = identities.len();
         let (blocks, lanes) = (count.div_ceil(LANES), count.next_multiple_of(LANES));
         let mut state = Self {
             identities,
             steps: vec![[0; 2]; count],
             bodies: vec![Body::default(); lanes],
-            blocks: vec![Block::default(); blocks],
+            blocks: vec![DiskBlock::default(); blocks],
             forces: vec![DVec2::ZERO; lanes],
         };
         for (row, motion) in motions.iter().enumerate() {
@@ -95,9 +95,9 @@ impl State {
     }
 
     /// The motion of a disk.
-    pub(super) fn motion(&self, row: usize) -> Motion {
+    pub(super) fn motion(&self, row: usize) -> DiskMotion {
         let (block, lane) = (&self.blocks[row / LANES], row % LANES);
-        Motion {
+        DiskMotion {
             body: self.bodies[row],
             higher: std::array::from_fn(|k| DVec2::new(block.qx[k][lane], block.qy[k][lane])),
             reference: DVec2::new(block.x0[lane], block.y0[lane]),
@@ -111,7 +111,7 @@ impl State {
         DVec2::new(block.x0[lane], block.y0[lane])
     }
 
-    pub(super) fn set_motion(&mut self, row: usize, motion: &Motion) {
+    pub(super) fn set_motion(&mut self, row: usize, motion: &DiskMotion) {
         let (block, lane) = (&mut self.blocks[row / LANES], row % LANES);
         self.bodies[row] = motion.body;
         self.steps[row] = motion.steps;
@@ -126,7 +126,7 @@ impl State {
     pub(super) fn set_response(&mut self, law: &Law, model: &Model) {
         for lane in self.len()..self.bodies.len() {
             let (block, lane_of) = (&mut self.blocks[lane / LANES], lane % LANES);
-            self.bodies[lane].place.y = law.profile.rest_height();
+            self.bodies[lane].position.y = law.profile.rest_height();
             (block.y0[lane_of], block.kick[lane_of]) = (law.profile.rest_height(), 1.0);
         }
         for (row, disk) in self.identities.iter().enumerate() {
@@ -142,24 +142,24 @@ impl State {
         for_each_part(&mut parts, |(bodies, blocks)| {
             for (bodies, block) in bodies.chunks_exact(LANES).zip(blocks.iter_mut()) {
                 for (k, body) in bodies.iter().enumerate() {
-                    (block.x0[k], block.y0[k]) = (body.place.x, body.place.y);
+                    (block.x0[k], block.y0[k]) = (body.position.x, body.position.y);
                 }
             }
         });
     }
 
     /// Wraps all positions into the cell; the velocity of a disk that crosses into another row of images changes by
-    /// that row's velocity. The lattice's strain has been reduced by `turns` periods since the last time.
-    pub(super) fn wrap(&mut self, cell: &PeriodicBox, law: &Law, turns: i32) {
+    /// that row's velocity. The lattice's strain has been reduced by `lattice_shifts` periods since the last time.
+    pub(super) fn wrap(&mut self, cell: &PeriodicBox, law: &Law, lattice_shifts: i32) {
         let jump = law.profile.lattice_rate * cell.edges().y;
         let mut parts: Vec<_> = self.bodies.chunks_mut(CHUNK).zip(self.steps.chunks_mut(CHUNK)).collect();
         for_each_part(&mut parts, |(bodies, steps)| {
             for (body, steps) in bodies.iter_mut().zip(steps.iter_mut()) {
-                steps[0] += turns * steps[1];
-                let xi = body.place.x - cell.strain() * body.place.y;
-                if !(0.0..cell.edges().x).contains(&xi) || !(0.0..cell.edges().y).contains(&body.place.y) {
-                    let (wrapped, taken) = cell.wrap(Vector::new(body.place.x, body.place.y, 0.0));
-                    body.place = wrapped.truncate();
+                steps[0] += lattice_shifts * steps[1];
+                let xi = body.position.x - cell.strain() * body.position.y;
+                if !(0.0..cell.edges().x).contains(&xi) || !(0.0..cell.edges().y).contains(&body.position.y) {
+                    let (wrapped, taken) = cell.wrap(Vector::new(body.position.x, body.position.y, 0.0));
+                    body.position = wrapped.truncate();
                     body.velocity.x -= jump * f64::from(taken[1]);
                     *steps = [steps[0] + taken[0], steps[1] + taken[1]];
                 }
@@ -169,7 +169,7 @@ impl State {
 
     /// Puts the rows in a new order.
     pub(super) fn arrange(&mut self, order: &[u32], law: &Law, model: &Model) {
-        let motions: Vec<Motion> = order.iter().map(|&row| self.motion(row as usize)).collect();
+        let motions: Vec<DiskMotion> = order.iter().map(|&row| self.motion(row as usize)).collect();
         let identities = order.iter().map(|&row| self.identities[row as usize]).collect();
         *self = Self::new(identities, &motions);
         self.set_response(law, model);
@@ -185,7 +185,7 @@ impl Identity {
             radius,
             rank: 0,
             is_large: model.is_large(radius),
-            lightness: 1.0 / model.mass(radius),
+            inverse_mass: 1.0 / model.mass(radius),
         };
         let mut all: Vec<Self> = disks.map(of).collect();
         let mut order: Vec<usize> = (0..all.len()).collect();
@@ -197,7 +197,7 @@ impl Identity {
     }
 }
 
-impl Default for Block {
+impl Default for DiskBlock {
     fn default() -> Self {
         let none = [0.0; LANES];
         Self { qx: [none; 3], qy: [none; 3], x0: none, y0: none, kick: none, drag: none }

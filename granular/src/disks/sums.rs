@@ -1,5 +1,6 @@
 //! Sums computed in a time step with measurement.
 
+use super::state::LaneValues;
 use domain::Vector;
 use std::ops::Add;
 
@@ -14,7 +15,7 @@ pub(super) struct ContactSums {
     /// Power dissipated by damping.
     pub(super) loss: f64,
     /// Force on the second disk times the velocity of the flow at its image relative to that at the disk itself.
-    pub(super) jump_work: f64,
+    pub(super) image_work: f64,
     /// xx, xy and yy components of separation times force.
     pub(super) virial: Vector,
 }
@@ -28,27 +29,42 @@ impl Add for ContactSums {
             contacts: self.contacts + other.contacts,
             spring: self.spring + other.spring,
             loss: self.loss + other.loss,
-            jump_work: self.jump_work + other.jump_work,
+            image_work: self.image_work + other.image_work,
             virial: self.virial + other.virial,
         }
     }
 }
 
-/// Sums over the disks; `w` is the velocity relative to the liquid.
+/// Sums over the disks, one for each SIMD lane or over all lanes; `w` is the velocity relative to the liquid.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct MotionSums {
+pub(super) struct MotionSums<T = f64> {
     /// `m w^2 / 2`.
-    pub(super) kinetic: f64,
+    pub(super) kinetic: T,
     /// xx, xy and yy components of `m w w`.
-    pub(super) flux: Vector,
+    pub(super) flux: [T; 3],
     /// `|w|`.
-    pub(super) excess: f64,
+    pub(super) excess: T,
     /// Power dissipated by drag, `6 pi r viscosity w^2`.
-    pub(super) drag: f64,
+    pub(super) drag: T,
     /// `m u' w_x w_y + F_x u`, the negative of the power from the flow.
-    pub(super) flow_work: f64,
+    pub(super) flow_work: T,
     /// Largest squared distance of a disk from the point to which the flow would have carried it.
-    pub(super) drift_squared: f64,
+    pub(super) drift_squared: T,
+}
+
+impl MotionSums<LaneValues> {
+    /// The sums over all lanes.
+    pub(super) fn total(&self) -> MotionSums {
+        let sum = |lanes: &LaneValues| lanes.iter().sum::<f64>();
+        MotionSums {
+            kinetic: sum(&self.kinetic),
+            flux: self.flux.each_ref().map(sum),
+            excess: sum(&self.excess),
+            drag: sum(&self.drag),
+            flow_work: sum(&self.flow_work),
+            drift_squared: self.drift_squared.iter().copied().fold(0.0, f64::max),
+        }
+    }
 }
 
 impl Add for MotionSums {
@@ -57,7 +73,7 @@ impl Add for MotionSums {
     fn add(self, other: Self) -> Self {
         Self {
             kinetic: self.kinetic + other.kinetic,
-            flux: self.flux + other.flux,
+            flux: std::array::from_fn(|k| self.flux[k] + other.flux[k]),
             excess: self.excess + other.excess,
             drag: self.drag + other.drag,
             flow_work: self.flow_work + other.flow_work,

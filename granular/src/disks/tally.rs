@@ -34,11 +34,11 @@ impl Measurement {
             time,
             kinetic: motion.kinetic,
             elastic: contact.spring,
-            kinetic_stress: motion.flux / area,
+            kinetic_stress: Vector::from_array(motion.flux) / area,
             contact_stress: contact.virial / area,
             mean_speed: motion.excess / count as f64,
             contacts: contact.contacts,
-            input: -motion.flow_work - contact.jump_work,
+            input: -motion.flow_work - contact.image_work,
             drag: motion.drag,
             damping: contact.loss,
         }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 /// `intervals + 1` Chebyshev-Lobatto points and the matrix of the integrals from 0 to each of them, exact for the
 /// polynomial through the values at the points.
+#[derive(Debug)]
 pub struct Collocation {
     pub points: Vec<f64>,
     integrals: Vec<f64>,

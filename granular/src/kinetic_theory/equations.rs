@@ -53,7 +53,7 @@ impl Problem {
     fn wall_laws(&self, [z, w, u, s]: [f64; 4], energy: f64) -> [[f64; 5]; 2] {
         let (v, turn) = self.logistic(z);
         let f = self.parameters().grains.functions(v);
-        let bumps = self.bumps(f.contact);
+        let bumps = self.bump_integrals(f.contact);
         let Roughness { r5, r6, r7, r8 } = self.parameters().wall.roughness;
         let p = self.load();
         let slip = 1.0 - u;

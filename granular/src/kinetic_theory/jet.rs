@@ -17,10 +17,12 @@ impl Jet {
         Self([c, 0.0, 0.0])
     }
 
+    /// `f`.
     pub fn value(self) -> f64 {
         self.0[0]
     }
 
+    /// `f'`.
     pub fn slope(self) -> f64 {
         self.0[1]
     }

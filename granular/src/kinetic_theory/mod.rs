@@ -25,10 +25,11 @@ mod solve;
 mod uniform;
 mod wall;
 
-pub use constitutive::{Coefficients, Grains, ReducedCoefficients};
-pub use problem::{Parameters, Problem, Start};
+pub use constitutive::{GrainProperties, StressFunctions};
+pub use jet::Jet;
+pub use problem::{Parameters, Problem, SolutionStart};
 pub use radial::RadialDistribution;
-pub use solution::{Point, Solution};
+pub use solution::{FlowPoint, Solution};
 pub use solve::SolveError;
 pub use uniform::Uniform;
-pub use wall::{Roughness, Wall, WallCoefficients, WallShape};
+pub use wall::{BumpIntegrals, Roughness, Wall, WallShape};

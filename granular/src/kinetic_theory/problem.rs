@@ -1,7 +1,7 @@
 //! The checked input of the boundary value problem.
 
-use super::{Grains, RadialDistribution, Roughness, Wall, WallShape, wall::Bumps};
-use crate::parameter::{ParameterError, of_sensible_size, positive, require};
+use super::{GrainProperties, RadialDistribution, Roughness, Wall, WallShape, jet::Jet, wall::BumpIntegrals};
+use crate::parameter::{ParameterError, of_sensible_size, positive, require, restitution};
 use domain::Number;
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,7 +10,7 @@ const SMOOTHEST: f64 = 1e-12;
 
 /// Choice between several solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Start {
+pub enum SolutionStart {
     /// The densest that the solver finds.
     #[default]
     Densest,
@@ -30,11 +30,11 @@ pub struct Parameters {
     /// Normal stress `P` on the walls.
     pub pressure: f64,
     /// Properties of the grains.
-    pub grains: Grains,
+    pub grains: GrainProperties,
     /// Properties of both walls.
     pub wall: Wall,
     /// Choice of the solution.
-    pub start: Start,
+    pub start: SolutionStart,
 }
 
 impl Default for Parameters {
@@ -44,7 +44,12 @@ impl Default for Parameters {
             gap: 4e-3,
             speed: 1.4,
             pressure: 5500.0,
-            grains: Grains { diameter, density: 2550.0, restitution: 0.9, radial: RadialDistribution::SinclairJackson },
+            grains: GrainProperties {
+                diameter,
+                density: 2550.0,
+                restitution: 0.9,
+                radial: RadialDistribution::SinclairJackson,
+            },
             wall: Wall {
                 shape: WallShape::Disk,
                 theta: FRAC_PI_2,
@@ -53,7 +58,7 @@ impl Default for Parameters {
                 restitution: 0.9,
                 roughness: Roughness { r5: 0.5, r6: 0.5, r7: 0.5, r8: 0.5 },
             },
-            start: Start::Densest,
+            start: SolutionStart::Densest,
         }
     }
 }
@@ -68,37 +73,31 @@ impl Problem {
     /// Checks the parameters.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let Parameters { gap, speed, pressure, grains, wall, start } = parameters;
-        positive("cell.gap", gap)?;
-        positive("cell.speeds", speed)?;
-        positive("cell.pressures", pressure)?;
-        positive("grains.diameter", grains.diameter)?;
-        positive("grains.density", grains.density)?;
-        // For e < 1/3 the theory of nearly elastic spheres has negative terms in its viscosity.
-        let e = grains.restitution;
-        require((1.0 / 3.0..1.0).contains(&e), "grains.restitution", &e, "1/3 <= restitution < 1")?;
-        positive("walls.diameter", wall.diameter)?;
-        let theta = wall.theta;
-        require(theta > 0.0 && theta <= FRAC_PI_2, "walls.theta", &theta, "0 < theta <= pi/2 (radians)")?;
-        let e = wall.restitution;
-        require((0.0..=1.0).contains(&e), "walls.restitution", &e, "0 <= restitution <= 1")?;
-        let Roughness { r5, r6, r7, r8 } = wall.roughness;
-        let allowed = format!("{} <= r5 <= 1: a smooth wall drives no flow", Number(SMOOTHEST));
-        require((SMOOTHEST..=1.0).contains(&r5), "walls.r5", &r5, allowed)?;
-        for (key, r) in [("walls.r6", r6), ("walls.r7", r7), ("walls.r8", r8)] {
-            require((0.0..=1.0).contains(&r), key, &r, "a factor from 0 (smooth) to 1 (rough)")?;
-        }
         let sizes = [
             ("cell.gap", gap, 40),
-            ("grains.diameter", grains.diameter, 40),
-            ("walls.diameter", wall.diameter, 40),
             ("cell.speeds", speed, 70),
-            ("grains.density", grains.density, 130),
             ("cell.pressures", pressure, 130),
+            ("grains.diameter", grains.diameter, 40),
+            ("grains.density", grains.density, 130),
+            ("walls.diameter", wall.diameter, 40),
         ];
+        sizes.into_iter().try_for_each(|(key, value, _)| positive(key, value))?;
+        // For e < 1/3 the theory of nearly elastic spheres has negative terms in its viscosity.
+        let e = grains.restitution;
+        require((1.0 / 3.0..1.0).contains(&e), "grains.restitution", Number(e), "1/3 <= restitution < 1")?;
+        let theta = wall.theta;
+        require(theta > 0.0 && theta <= FRAC_PI_2, "walls.theta", Number(theta), "0 < theta <= pi/2 (radians)")?;
+        restitution("walls.restitution", wall.restitution)?;
+        let Roughness { r5, r6, r7, r8 } = wall.roughness;
+        let allowed = format_args!("{} <= r5 <= 1: a smooth wall drives no flow", Number(SMOOTHEST));
+        require((SMOOTHEST..=1.0).contains(&r5), "walls.r5", Number(r5), allowed)?;
+        for (key, r) in [("walls.r6", r6), ("walls.r7", r7), ("walls.r8", r8)] {
+            require((0.0..=1.0).contains(&r), key, Number(r), "a factor from 0 (smooth) to 1 (rough)")?;
+        }
         sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))?;
-        if let Start::SolidFraction(v) = start {
+        if let SolutionStart::SolidFraction(v) = start {
             let packed = grains.radial.packed();
-            require(v > 0.0 && v < packed, "start", &v, format!("0 < solid fraction < {packed}"))?;
+            require(v > 0.0 && v < packed, "start", Number(v), format_args!("0 < solid fraction < {packed}"))?;
         }
         Ok(Self { parameters })
     }
@@ -118,7 +117,7 @@ impl Problem {
         self.parameters.pressure / (self.parameters.grains.density * self.parameters.speed.powi(2))
     }
 
-    pub(super) fn bumps(&self, contact: super::jet::Jet) -> Bumps {
-        self.parameters.wall.bumps(&self.parameters.grains, contact)
+    pub(super) fn bump_integrals(&self, contact: Jet) -> BumpIntegrals {
+        self.parameters.wall.bump_integrals(&self.parameters.grains, contact)
     }
 }

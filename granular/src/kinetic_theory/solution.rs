@@ -4,7 +4,7 @@ use super::{Problem, collocation::Collocation, equations::WIDTH};
 
 /// The flow at a height.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub struct FlowPoint {
     /// Height above the lower wall.
     pub y: f64,
     /// Velocity along the flow.
@@ -18,7 +18,7 @@ pub struct Point {
 }
 
 /// The solution of a [`Problem`].
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct Solution {
     problem: Problem,
     grid: std::sync::Arc<Collocation>,
@@ -35,7 +35,7 @@ impl Solution {
 
     /// The flow at a height from 0 to `H`; heights outside are clamped to the nearer wall. The upper half mirrors the
     /// lower: `u(H - y) = U - u(y)`.
-    pub fn at(&self, y: f64) -> Point {
+    pub fn at(&self, y: f64) -> FlowPoint {
         let p = self.problem.parameters();
         let y = y.clamp(0.0, p.gap);
         let upper = y > 0.5 * p.gap;
@@ -43,7 +43,7 @@ impl Solution {
         let [z, w, u] = self.interpolated(x);
         let solid_fraction = self.problem.solid_fraction(z);
         let flux = w * p.pressure * (p.pressure / p.grains.density).sqrt();
-        Point {
+        FlowPoint {
             y,
             velocity: p.speed * if upper { 1.0 - u } else { u },
             solid_fraction,
@@ -53,7 +53,7 @@ impl Solution {
     }
 
     /// The flow at `count` (at least 2) evenly spaced heights from wall to wall.
-    pub fn profile(&self, count: usize) -> Vec<Point> {
+    pub fn profile(&self, count: usize) -> Vec<FlowPoint> {
         let step = self.problem.parameters().gap / (count.max(2) - 1) as f64;
         (0..count.max(2)).map(|i| self.at(i as f64 * step)).collect()
     }
@@ -145,17 +145,5 @@ impl Solution {
             }
         }
         worst
-    }
-}
-
-impl std::fmt::Debug for Solution {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Solution")
-            .field("mean_solid_fraction", &self.mean_solid_fraction())
-            .field("slip", &self.slip())
-            .field("shear_stress", &self.shear_stress())
-            .field("intervals", &self.intervals())
-            .field("residual", &self.residual())
-            .finish_non_exhaustive()
     }
 }

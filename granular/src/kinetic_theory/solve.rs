@@ -1,6 +1,6 @@
 //! Newton's method with continuation in the energy that crosses the walls, on successively finer collocation grids.
 
-use super::{Problem, Solution, Start, Uniform, collocation::Collocation, equations::WIDTH, linear};
+use super::{Problem, Solution, SolutionStart, Uniform, collocation::Collocation, equations::WIDTH, linear};
 use domain::Number;
 
 /// Intervals of the grids for the continuation: the second, with the first start only, is for problems that do not
@@ -62,7 +62,7 @@ pub enum SolveError {
 
 /// A failure of Newton's method to converge: index of the equation with the largest residual, that
 /// residual, and the unknowns.
-struct Stall {
+struct NotConverged {
     equation: usize,
     residual: f64,
     unknowns: Vec<f64>,
@@ -90,8 +90,8 @@ impl Problem {
         let at = |solid_fraction| Uniform { solid_fraction, slip: 0.1, stress_ratio: 0.3 };
         let packed = self.parameters().grains.radial.packed();
         match self.parameters().start {
-            Start::SolidFraction(v) => vec![at(v)],
-            Start::Densest => self.uniform().into_iter().chain(LAST.map(|part| at(part * packed))).collect(),
+            SolutionStart::SolidFraction(v) => vec![at(v)],
+            SolutionStart::Densest => self.uniform().into_iter().chain(LAST.map(|part| at(part * packed))).collect(),
         }
     }
 
@@ -106,7 +106,7 @@ impl Problem {
                     step *= 2.0;
                 }
                 Err(_) if step > SMALLEST => step *= 0.5,
-                Err(stall) => return Err(self.explain(grid, &stall, start.solid_fraction, energy)),
+                Err(not_converged) => return Err(self.explain(grid, &not_converged, start.solid_fraction, energy)),
             }
         }
         Ok(unknowns)
@@ -121,7 +121,7 @@ impl Problem {
     }
 
     /// Damped Newton method: the logit moves by at most 1 per step, and each step must reduce the residuals.
-    fn newton(&self, grid: &Collocation, mut unknowns: Vec<f64>, energy: f64) -> Result<Vec<f64>, Stall> {
+    fn newton(&self, grid: &Collocation, mut unknowns: Vec<f64>, energy: f64) -> Result<Vec<f64>, NotConverged> {
         let norm = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
         let (mut residual, mut jacobian) = self.linearise(grid, &unknowns, energy);
         for _ in 0..STEPS {
@@ -138,20 +138,24 @@ impl Problem {
                 }
                 fraction *= 0.5;
                 if fraction < 1e-3 {
-                    return if largest(&residual) < SMALL[1] { Ok(unknowns) } else { Err(stall(&residual, unknowns)) };
+                    return if largest(&residual) < SMALL[1] {
+                        Ok(unknowns)
+                    } else {
+                        Err(not_converged(&residual, unknowns))
+                    };
                 }
             }
             if size < 1e-9 && largest(&residual) < SMALL[0] {
                 return Ok(unknowns);
             }
         }
-        Err(stall(&residual, unknowns))
+        Err(not_converged(&residual, unknowns))
     }
 
-    fn explain(&self, grid: &Collocation, stall: &Stall, start: f64, energy: f64) -> SolveError {
+    fn explain(&self, grid: &Collocation, not_converged: &NotConverged, start: f64, energy: f64) -> SolveError {
         let (names, last) = (["solid fraction's flux law", "energy balance", "shear stress law"], grid.intervals());
-        let (equation, point) = match stall.equation.checked_sub(WIDTH * last) {
-            None => (names[stall.equation % WIDTH], stall.equation / WIDTH + 1),
+        let (equation, point) = match not_converged.equation.checked_sub(WIDTH * last) {
+            None => (names[not_converged.equation % WIDTH], not_converged.equation / WIDTH + 1),
             Some(boundary) => (
                 ["wall's momentum", "wall's energy", "mid-plane's energy", "mid-plane's velocity"][boundary],
                 if boundary < 2 { 0 } else { last },
@@ -161,9 +165,9 @@ impl Problem {
             start,
             energy,
             equation,
-            residual: stall.residual,
+            residual: not_converged.residual,
             y: 0.5 * self.parameters().gap * grid.points[point],
-            solid_fraction: self.solid_fraction(stall.unknowns[WIDTH * point]),
+            solid_fraction: self.solid_fraction(not_converged.unknowns[WIDTH * point]),
         }
     }
 
@@ -179,7 +183,7 @@ impl Problem {
             unknowns = before.unknowns_at(&grid.points);
             unknowns = self
                 .newton(&grid, unknowns, 1.0)
-                .map_err(|stall| self.explain(&grid, &stall, before.mean_solid_fraction(), 1.0))?;
+                .map_err(|not_converged| self.explain(&grid, &not_converged, before.mean_solid_fraction(), 1.0))?;
             let after = Solution::new(*self, grid, unknowns);
             if after.difference(&before) < RESOLVED && after.residual() < RESOLVED {
                 return Ok(after);
@@ -193,10 +197,10 @@ fn largest(numbers: &[f64]) -> f64 {
     numbers.iter().map(|x| x.abs()).fold(0.0, f64::max)
 }
 
-fn stall(residual: &[f64], unknowns: Vec<f64>) -> Stall {
+fn not_converged(residual: &[f64], unknowns: Vec<f64>) -> NotConverged {
     let worst = |&(_, a): &(usize, &f64), &(_, b): &(usize, &f64)| a.abs().total_cmp(&b.abs());
     let (equation, &residual) = residual.iter().enumerate().max_by(worst).expect("there are equations");
-    Stall { equation, residual, unknowns }
+    NotConverged { equation, residual, unknowns }
 }
 
 #[cfg(test)]

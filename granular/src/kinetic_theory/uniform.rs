@@ -40,7 +40,7 @@ impl Problem {
     fn uniform_at(&self, v: f64) -> (Uniform, f64) {
         let f = self.parameters().grains.functions(v);
         let (c1, c2, c6) = (f.c1.value(), f.c2.value(), f.c6.value());
-        let bumps = self.bumps(f.contact);
+        let bumps = self.bump_integrals(f.contact);
         let slip_length = (c1 / c2 - bumps.gradient.value()) / (self.parameters().wall.roughness.r5 * bumps.slip);
         let gradient = 1.0 / (2.0 * self.half_gap() + 2.0 * slip_length);
         let load = c1 * c2 / c6 * gradient * gradient;

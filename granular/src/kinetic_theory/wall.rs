@@ -1,6 +1,6 @@
 //! Boundary conditions at a bumpy, frictionless wall (Jenkins and Richman 1986).
 
-use super::{Grains, constitutive::Functions, jet::Jet};
+use super::{GrainProperties, jet::Jet};
 use std::f64::consts::PI;
 
 /// Shape of the wall's bumps.
@@ -44,26 +44,15 @@ pub struct Wall {
     pub roughness: Roughness,
 }
 
-/// Coefficients of the wall laws, with `n` into the flow: `|u'| = R5 B5 u_slip` and
-/// `dv/dn = R7 B7 u_slip^2 + R8 B8 u_slip |u'| - R6 B6`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WallCoefficients {
-    /// One over length.
-    pub b5: f64,
-    /// One over length.
-    pub b6: f64,
-    /// Length over velocity squared over length squared.
-    pub b7: f64,
-    /// One over velocity squared.
-    pub b8: f64,
-}
-
 /// The integrals over a bump, in units of the grains' density and diameter: traction
 /// `(P/sqrt T)(slip u_slip + gradient |u'|)`, dissipation `P sqrt(T) loss`.
 #[derive(Debug, Clone, Copy)]
-pub struct Bumps {
+pub struct BumpIntegrals {
+    /// Traction by slip.
     pub slip: f64,
+    /// Traction by the velocity gradient.
     pub gradient: Jet,
+    /// Dissipation.
     pub loss: f64,
 }
 
@@ -77,7 +66,7 @@ impl Wall {
     /// spheres: a = [2(1 - cos)/sin^2 - cos]/3,   b = sin^2/4,  d = 2(1 - cos)/sin^2,
     ///          Bk = pi/(12 sqrt 2)(1 + 5/(8 v g0)) D/sigma
     /// ```
-    pub(super) fn bumps(&self, grains: &Grains, contact: Jet) -> Bumps {
+    pub fn bump_integrals(&self, grains: &GrainProperties, contact: Jet) -> BumpIntegrals {
         let (sin, cos) = self.theta.sin_cos();
         let sigma = 0.5 * (1.0 + self.diameter / grains.diameter);
         let (a, b, d, scale, dilute) = match self.shape {
@@ -91,24 +80,10 @@ impl Wall {
         };
         let correction = (Jet::constant(dilute) / contact + 1.0) * (scale / sigma);
         let root = (8.0 / PI).sqrt();
-        Bumps {
+        BumpIntegrals {
             slip: root * a,
             gradient: (correction + 1.0) * if self.gradient { root * b * sigma } else { 0.0 },
             loss: (1.0 - self.restitution) * (2.0 / PI).sqrt() * d,
-        }
-    }
-
-    /// B5 to B8 at a solid fraction in `(0, packed)` under the given pressure.
-    pub fn coefficients(&self, grains: &Grains, solid_fraction: f64, pressure: f64) -> WallCoefficients {
-        let Functions { c1, c2, conduction, contact, .. } = grains.functions(solid_fraction);
-        let bumps = self.bumps(grains, contact);
-        let (c1, c2, k, gradient) = (c1.value(), c2.value(), conduction.value(), bumps.gradient.value());
-        let energy = c2 * c2 / k * grains.density / pressure;
-        WallCoefficients {
-            b5: c2 * bumps.slip / (c1 - c2 * gradient) / grains.diameter,
-            b6: bumps.loss * c2 / k / grains.diameter,
-            b7: energy * bumps.slip / grains.diameter,
-            b8: energy * gradient,
         }
     }
 }

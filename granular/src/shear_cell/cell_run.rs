@@ -1,7 +1,7 @@
 //! A run of grains in a shear cell as a simulation whose steps are the intervals of observation.
 
 use super::tables::{WALLS, tables};
-use super::{Collisions, Grains, Model, Run, Sample, Sampling, Side};
+use super::{CellSample, CollisionDetection, Grains, Model, Sampling, ShearCell, Side};
 use crate::StartError;
 use domain::{Comm, Interrupt, Number, Particles, PeriodicBox, Vector};
 use simulation::{
@@ -20,7 +20,7 @@ pub struct Experiment {
     /// Standard deviation of each velocity component at the start.
     pub agitation: f64,
     /// Method of collision detection.
-    pub collisions: Collisions,
+    pub collisions: CollisionDetection,
     /// Averages to measure; the grains are sampled at each step.
     pub sampling: Sampling,
     /// Number of steps before measuring.
@@ -36,14 +36,14 @@ impl Experiment {
     pub fn outline(&self) -> Outline {
         let fraction = self.solid_fraction();
         let engine = match self.collisions {
-            Collisions::EventDriven => "at their exact times".to_owned(),
-            Collisions::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
+            CollisionDetection::EventDriven => "at their exact times".to_owned(),
+            CollisionDetection::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
         };
         let [end, from] = [self.steps, self.settle].map(|steps| steps as f64 * self.time_step);
         let steps = format!("{}, until time {:.6}; measured from time {:.6}", self.steps, Number(end), Number(from));
         Outline::default()
             .line("grains", format_args!("{}, solid fraction {:.4}", self.count, Number(fraction)))
-            .line("top", if self.model.is_lid_free() { "free under its load" } else { "fixed" })
+            .line("top", if self.model.is_top_wall_free() { "free under its load" } else { "fixed" })
             .line("collisions", engine)
             .line("steps", steps)
             .value("particles", self.count)
@@ -77,22 +77,19 @@ impl Experiment {
     "the grains jam at time {:.6}: rigid grains without room to move hit each other without end; lower {}, or take \
      collisions = \"time-stepped\"",
     Number(*time),
-    if *lid_is_free { "top.pressure" } else { "grains.solid_fraction, let the top go with top.kind = \"free\"" }
+    if *top_wall_is_free { "top.pressure" } else { "grains.solid_fraction, let the top go with top.kind = \"free\"" }
 )]
 struct Jammed {
     time: f64,
-    lid_is_free: bool,
+    top_wall_is_free: bool,
 }
 
 /// A run of the shear cell. A step is an interval of observation.
 pub struct CellRun {
-    run: Run,
-    model: Model,
+    experiment: Experiment,
+    run: ShearCell,
     clock: Clock,
-    settle: u64,
-    sample: Option<Sample>,
-    plan: String,
-    caution: Option<String>,
+    sample: Option<CellSample>,
     interrupt: Interrupt,
     comm: Comm,
 }
@@ -104,9 +101,9 @@ impl CellRun {
         StartError::unless_alone(comm)?;
         let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
         let mut grains = model.pack_and_tell(count, seed, tell)?;
-        grains.stir(&model, agitation, seed);
-        let run = Run::new(&model, &grains, collisions, sampling)?;
-        Ok(Self::of(experiment, run, (0, comm)))
+        grains.set_velocities(&model, agitation, seed);
+        let run = ShearCell::new(&model, &grains, collisions, sampling)?;
+        Ok(Self::of(experiment, run, 0, comm))
     }
 
     /// An experiment in the state of a checkpoint.
@@ -114,19 +111,16 @@ impl CellRun {
         StartError::unless_alone(comm)?;
         let Experiment { model, collisions, sampling, .. } = experiment;
         let grains = Grains::from_particles(model, &state.particles)?;
-        let run = Run::resume(model, &grains, (*collisions, *sampling), &state.statistics.concat())?;
-        Ok(Self::of(experiment, run, (state.step, comm)))
+        let run = ShearCell::resume(model, &grains, *collisions, *sampling, &state.statistics.concat())?;
+        Ok(Self::of(experiment, run, state.step, comm))
     }
 
-    fn of(experiment: &Experiment, run: Run, (step, comm): (u64, &Comm)) -> Self {
+    fn of(experiment: &Experiment, run: ShearCell, step: u64, comm: &Comm) -> Self {
         Self {
+            experiment: *experiment,
             run,
-            model: experiment.model,
             clock: Clock::at(step, experiment.time_step),
-            settle: experiment.settle,
             sample: None,
-            plan: experiment.outline().text().to_owned(),
-            caution: experiment.caution(),
             interrupt: Interrupt::NEVER,
             comm: comm.clone(),
         }
@@ -143,7 +137,7 @@ impl Simulation for CellRun {
     }
 
     fn plan(&mut self) -> String {
-        self.plan.clone()
+        self.experiment.outline().text().to_owned()
     }
 
     fn listen(&mut self, interrupt: Interrupt) {
@@ -151,7 +145,7 @@ impl Simulation for CellRun {
     }
 
     fn cautions(&self) -> Vec<String> {
-        self.caution.iter().cloned().collect()
+        self.experiment.caution().into_iter().collect()
     }
 
     /// Takes one step. The engine is restarted after each step, as from a checkpoint, so that the results of a run do
@@ -159,15 +153,15 @@ impl Simulation for CellRun {
     fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
         let before = *self.run.engine().tally();
         let go_on = || !self.interrupt.is_requested();
-        let is_settling = self.clock.step() < self.settle;
-        let take = if is_settling { Run::settle } else { Run::measure };
+        let is_settling = self.clock.step() < self.experiment.settle;
+        let take = if is_settling { ShearCell::settle } else { ShearCell::measure };
         let is_taken = take(&mut self.run, self.clock.dt(), &go_on);
         if let Some(failure) = self.run.engine().failure() {
             return Err(SimulationError::new(failure));
         }
         if self.run.engine().is_jammed() {
-            let (time, lid_is_free) = (self.run.engine().tally().time, self.model.is_lid_free());
-            return Err(SimulationError::new(Jammed { time, lid_is_free }));
+            let (time, top_wall_is_free) = (self.run.engine().tally().time, self.experiment.model.is_top_wall_free());
+            return Err(SimulationError::new(Jammed { time, top_wall_is_free }));
         }
         if !is_taken {
             return self.run.go_back().map_err(SimulationError::new);
@@ -180,9 +174,9 @@ impl Simulation for CellRun {
 
     fn frame(&self) -> Frame {
         let engine = self.run.engine();
-        let edges = Vector { y: engine.lid().height, ..self.model.edges() };
+        let edges = Vector { y: engine.top_wall().height, ..self.experiment.model.edges() };
         let cell = PeriodicBox::new(edges).expect("a cell's edges are positive");
-        Frame { particles: engine.grains().to_particles(&self.model), cell, periodic: [true, false, false] }
+        Frame { particles: engine.grains().to_particles(&self.experiment.model), cell, periodic: [true, false, false] }
     }
 
     fn quantities(&self) -> Vec<Quantity> {
@@ -191,7 +185,7 @@ impl Simulation for CellRun {
             unit: "force/length^2",
             table: Some((WALLS.map(String::from).to_vec(), ["normal", "along", "across"].map(String::from).to_vec())),
         };
-        let numbers = Sample::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit));
+        let numbers = CellSample::COLUMNS.iter().map(|(name, unit)| Quantity::number(name, unit));
         [stress].into_iter().chain(numbers).collect()
     }
 
@@ -200,15 +194,15 @@ impl Simulation for CellRun {
         let none = *self.run.engine().tally();
         let sample = self.sample.unwrap_or_else(|| self.run.sample_since(&none));
         let stresses = Side::ALL.iter().flat_map(|&side| sample.stresses[side as usize]).collect();
-        [stresses].into_iter().chain(sample.values().map(|value| vec![value])).collect()
+        [stresses].into_iter().chain(sample.values.map(|value| vec![value])).collect()
     }
 
     fn state(&mut self) -> State {
         State {
             step: self.clock.step(),
             strain: 0.0,
-            plan: self.plan.clone(),
-            particles: self.run.engine().grains().to_particles(&self.model),
+            plan: self.plan(),
+            particles: self.run.engine().grains().to_particles(&self.experiment.model),
             statistics: vec![self.run.save()],
         }
     }
@@ -217,8 +211,9 @@ impl Simulation for CellRun {
         if !change.radii.is_empty() {
             return Err(SimulationError::new(RearrangementError::FixedRadii));
         }
-        let grains =
-            |particles: &Particles| Grains::from_particles(&self.model, particles).map_err(SimulationError::new);
+        let grains = |particles: &Particles| {
+            Grains::from_particles(&self.experiment.model, particles).map_err(SimulationError::new)
+        };
         let before = grains(&state.particles)?;
         let particles = &mut state.particles;
         let ids = particles.ids.clone();
@@ -231,7 +226,7 @@ impl Simulation for CellRun {
     }
 
     fn averages(&mut self) -> Option<TableSet> {
-        let is_measured = self.clock.step() > self.settle;
+        let is_measured = self.clock.step() > self.experiment.settle;
         is_measured.then(|| TableSet { folder: None, name: "averages", tables: tables(&self.run.report()) })
     }
 

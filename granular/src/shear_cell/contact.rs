@@ -9,7 +9,7 @@ pub const INERTIA: f64 = 0.4;
 
 /// Translational and angular velocity of a grain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
+pub struct GrainMotion {
     /// Velocity of the centre.
     pub velocity: Vector,
     /// Angular velocity.
@@ -28,7 +28,7 @@ pub enum FrictionLaw {
 
 /// Collision parameters of two surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct CollisionRule {
     /// Coefficient of restitution.
     pub restitution: f64,
     /// Coefficient of friction.
@@ -39,7 +39,7 @@ pub struct Contact {
 
 /// A wall at the time of a collision.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Face {
+pub struct WallContact {
     /// Axis of its normal.
     pub axis: usize,
     /// Whether the grains are on its positive side.
@@ -50,7 +50,7 @@ pub struct Face {
     pub mass_ratio: f64,
 }
 
-impl Face {
+impl WallContact {
     /// Unit normal into the grains.
     pub fn normal(&self) -> Vector {
         let mut n = Vector::ZERO;
@@ -59,7 +59,7 @@ impl Face {
     }
 }
 
-impl Motion {
+impl GrainMotion {
     /// Kinetic energy per mass of a grain of radius `radius`.
     pub fn energy(&self, radius: f64) -> f64 {
         0.5 * (self.velocity.length_squared() + INERTIA * radius * radius * self.spin.length_squared())
@@ -77,7 +77,7 @@ impl Motion {
     }
 }
 
-impl Contact {
+impl CollisionRule {
     /// Collision of two equal grains of radius `radius` along the unit vector `n` from the first to the second:
     ///
     /// ```text
@@ -86,7 +86,13 @@ impl Contact {
     ///
     /// with `vn` the rate at which their centres separate, `g` the growth rate of their diameter, and `s` the slip
     /// between their surfaces. Returns the impulse on the second grain, per mass.
-    pub fn strike_pair(&self, pair: [&mut Motion; 2], n: Vector, radius: f64, [growth, least]: [f64; 2]) -> Vector {
+    pub fn strike_pair(
+        &self,
+        pair: [&mut GrainMotion; 2],
+        n: Vector,
+        radius: f64,
+        [growth, least]: [f64; 2],
+    ) -> Vector {
         let [a, b] = pair;
         let arm = n * radius;
         let approach = growth - (b.velocity - a.velocity).dot(n);
@@ -104,7 +110,13 @@ impl Contact {
     /// Collision of a grain of radius `radius` with a wall: `vn -> -e vn` relative to the wall, and for each tangential
     /// component `Ji = min(mu Jn, 2/7 |si|)` against the slip `si` (or both together for the cone); a wall that is free
     /// to move along its normal recoils, `Jn = (1 + e)|vn| / (1 + m/M)`. Returns the impulse on the grain, per mass.
-    pub fn strike_wall(&self, grain: &mut Motion, face: &Face, radius: f64, [growth, least]: [f64; 2]) -> Vector {
+    pub fn strike_wall(
+        &self,
+        grain: &mut GrainMotion,
+        face: &WallContact,
+        radius: f64,
+        [growth, least]: [f64; 2],
+    ) -> Vector {
         let n = face.normal();
         let arm = -n * radius;
         let approach = growth - (grain.velocity - face.velocity).dot(n);
@@ -131,12 +143,12 @@ mod tests {
     const RADIUS: f64 = 0.4;
     const STILL: [f64; 2] = [0.0; 2];
 
-    fn contact(friction: f64, law: FrictionLaw) -> Contact {
-        Contact { restitution: 0.9, friction, law }
+    fn contact(friction: f64, law: FrictionLaw) -> CollisionRule {
+        CollisionRule { restitution: 0.9, friction, law }
     }
 
-    fn floor(speed: f64) -> Face {
-        Face { axis: 1, below: true, velocity: Vector::X * speed, mass_ratio: 0.0 }
+    fn floor(speed: f64) -> WallContact {
+        WallContact { axis: 1, below: true, velocity: Vector::X * speed, mass_ratio: 0.0 }
     }
 
     fn near(a: Vector, b: Vector) {
@@ -147,7 +159,7 @@ mod tests {
     /// 0.19 with mu = 0.05.
     #[test]
     fn wall_hits_follow_the_closed_form() {
-        let start = Motion { velocity: Vector::new(1.0, -2.0, 0.5), spin: Vector::ZERO };
+        let start = GrainMotion { velocity: Vector::new(1.0, -2.0, 0.5), spin: Vector::ZERO };
         let hit = |mu, law| {
             let mut grain = start;
             contact(mu, law).strike_wall(&mut grain, &floor(0.0), RADIUS, STILL);
@@ -167,8 +179,8 @@ mod tests {
     /// Galilean invariance: the same relative to a moving wall.
     #[test]
     fn a_moving_wall_is_a_wall_at_rest_seen_in_passing() {
-        let mut still = Motion { velocity: Vector::new(1.0, -2.0, 0.5), spin: Vector::new(0.3, 2.0, -1.0) };
-        let mut moving = Motion { velocity: still.velocity + Vector::X * 3.0, ..still };
+        let mut still = GrainMotion { velocity: Vector::new(1.0, -2.0, 0.5), spin: Vector::new(0.3, 2.0, -1.0) };
+        let mut moving = GrainMotion { velocity: still.velocity + Vector::X * 3.0, ..still };
         let rule = contact(0.1, FrictionLaw::Box);
         rule.strike_wall(&mut still, &floor(0.0), RADIUS, STILL);
         rule.strike_wall(&mut moving, &floor(3.0), RADIUS, STILL);
@@ -176,13 +188,14 @@ mod tests {
         near(still.spin, moving.spin);
     }
 
-    /// A lid of three grain masses: momentum along the normal is shared, the relative velocity is multiplied by -e.
+    /// A top wall of three grain masses: momentum along the normal is shared, the relative velocity is multiplied by
+    /// -e.
     #[test]
     fn a_lid_with_mass_takes_its_share() {
-        let mut grain = Motion { velocity: Vector::Y * 2.0, spin: Vector::ZERO };
-        let lid = Face { axis: 1, below: false, velocity: Vector::Y * -1.0, mass_ratio: 1.0 / 3.0 };
-        let impulse = contact(0.0, FrictionLaw::Box).strike_wall(&mut grain, &lid, RADIUS, STILL);
-        let after = lid.velocity - impulse * lid.mass_ratio;
+        let mut grain = GrainMotion { velocity: Vector::Y * 2.0, spin: Vector::ZERO };
+        let top_wall = WallContact { axis: 1, below: false, velocity: Vector::Y * -1.0, mass_ratio: 1.0 / 3.0 };
+        let impulse = contact(0.0, FrictionLaw::Box).strike_wall(&mut grain, &top_wall, RADIUS, STILL);
+        let after = top_wall.velocity - impulse * top_wall.mass_ratio;
         assert!((after.y - grain.velocity.y - 0.9 * 3.0).abs() < 1e-12);
         assert!((3.0 * after.y + grain.velocity.y + 1.0).abs() < 1e-12);
     }
@@ -191,8 +204,8 @@ mod tests {
     #[test]
     fn pair_hits_follow_the_closed_form() {
         let hit = |mu| {
-            let mut a = Motion { velocity: Vector::new(1.0, 1.0, 0.0), spin: Vector::ZERO };
-            let mut b = Motion { velocity: Vector::new(-1.0, 0.0, 0.0), spin: Vector::ZERO };
+            let mut a = GrainMotion { velocity: Vector::new(1.0, 1.0, 0.0), spin: Vector::ZERO };
+            let mut b = GrainMotion { velocity: Vector::new(-1.0, 0.0, 0.0), spin: Vector::ZERO };
             contact(mu, FrictionLaw::Box).strike_pair([&mut a, &mut b], Vector::X, RADIUS, STILL);
             (a, b)
         };
@@ -218,15 +231,15 @@ mod tests {
         ) {
             prop_assume!(n.length() > 0.1);
             let n = n.normalize();
-            let mut a = Motion { velocity: v[0], spin: v[1] * 3.0 };
-            let mut b = Motion { velocity: v[2], spin: v[3] * 3.0 };
+            let mut a = GrainMotion { velocity: v[0], spin: v[1] * 3.0 };
+            let mut b = GrainMotion { velocity: v[2], spin: v[3] * 3.0 };
             prop_assume!((b.velocity - a.velocity).dot(n) < 0.0);
             // About the point of contact: orbits of -n R and n R.
-            let angular = |a: &Motion, b: &Motion| {
+            let angular = |a: &GrainMotion, b: &GrainMotion| {
                 (a.spin + b.spin) * INERTIA * RADIUS * RADIUS + (n * RADIUS).cross(b.velocity - a.velocity)
             };
             let before = (a.velocity + b.velocity, angular(&a, &b), a.energy(RADIUS) + b.energy(RADIUS));
-            Contact { restitution: e, friction: mu, law: FrictionLaw::Box }
+            CollisionRule { restitution: e, friction: mu, law: FrictionLaw::Box }
                 .strike_pair([&mut a, &mut b], n, RADIUS, STILL);
             prop_assert!((a.velocity + b.velocity - before.0).length() < 1e-12);
             prop_assert!((angular(&a, &b) - before.1).length() < 1e-12);
@@ -235,7 +248,7 @@ mod tests {
 
         #[test]
         fn a_wall_at_rest_never_gives_energy(v in vectors(), w in vectors(), mu in 0.0..1.5, cone in any::<bool>()) {
-            let mut grain = Motion { velocity: v - Vector::Y, spin: w * 3.0 };
+            let mut grain = GrainMotion { velocity: v - Vector::Y, spin: w * 3.0 };
             let before = grain.energy(RADIUS);
             let law = if cone { FrictionLaw::Cone } else { FrictionLaw::Box };
             contact(mu, law).strike_wall(&mut grain, &floor(0.0), RADIUS, STILL);

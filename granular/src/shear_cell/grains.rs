@@ -1,6 +1,6 @@
 //! The grains of a shear cell, and their conversion to and from the particle store.
 
-use super::{Model, Motion};
+use super::{GrainMotion, Model};
 use crate::parameter::{ParameterError, require};
 use domain::{Number, Particles, PeriodicBox, Random, Vector};
 
@@ -10,7 +10,7 @@ pub struct Grains {
     /// Centres; their coordinates along periodic axes are inside the box.
     pub positions: Vec<Vector>,
     /// Velocities and angular velocities.
-    pub motions: Vec<Motion>,
+    pub motions: Vec<GrainMotion>,
 }
 
 impl Grains {
@@ -25,16 +25,12 @@ impl Grains {
         let motions = vectors("velocity").into_iter().zip(vectors("angular_velocity"));
         let grains = Self {
             positions: particles.positions.clone(),
-            motions: motions.map(|(velocity, spin)| Motion { velocity, spin }).collect(),
+            motions: motions.map(|(velocity, spin)| GrainMotion { velocity, spin }).collect(),
         };
         let radius = model.radius();
         for r in &particles.radii {
-            require(
-                (r / radius - 1.0).abs() < 1e-12,
-                "radius",
-                r,
-                format!("half the cell's diameter, {}", Number(radius)),
-            )?;
+            let allowed = format_args!("half the cell's diameter, {}", Number(radius));
+            require((r / radius - 1.0).abs() < 1e-12, "radius", Number(*r), allowed)?;
         }
         Ok(grains)
     }
@@ -52,13 +48,13 @@ impl Grains {
 
     /// Sets the velocities: the linear profile between the walls plus, in each component, a normal deviate of
     /// standard deviation `agitation`; no spin.
-    pub fn stir(&mut self, model: &Model, agitation: f64, seed: u64) {
+    pub fn set_velocities(&mut self, model: &Model, agitation: f64, seed: u64) {
         let p = model.parameters();
         for (i, (position, motion)) in self.positions.iter().zip(&mut self.motions).enumerate() {
             let mut random = Random::new(seed, i as u64);
             let noise = Vector::from(std::array::from_fn(|_| normal(&mut random)));
             let along = Vector::X * p.speed * (1.0 - position.y / p.height);
-            *motion = Motion { velocity: along + noise * agitation, spin: Vector::ZERO };
+            *motion = GrainMotion { velocity: along + noise * agitation, spin: Vector::ZERO };
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::event_driven;
 use super::measure::profile_bytes;
-use super::{Collisions, Grains, Model, Motion, Sampling};
+use super::{CollisionDetection, GrainMotion, Grains, Model, Sampling};
 use domain::{Bytes, GROWING, Pairs, Particles, Vector};
 
 /// Values of a grain in the particle store: velocity and spin.
@@ -11,12 +11,12 @@ const STORED: usize = 6;
 impl Sampling {
     /// Predicted memory of a run with `count` grains: engine, grains at the last step and measurements, and
     /// temporarily packing, a step or a checkpoint.
-    pub fn bytes(&self, model: &Model, count: usize, collisions: Collisions) -> Bytes {
+    pub fn bytes(&self, model: &Model, count: usize, collisions: CollisionDetection) -> Bytes {
         let count = count as f64;
         let grains = Grains::bytes(count);
         let engine = match collisions {
-            Collisions::EventDriven => event_driven::bytes(model, count),
-            Collisions::TimeStepped { .. } => stepped(count),
+            CollisionDetection::EventDriven => event_driven::bytes(model, count),
+            CollisionDetection::TimeStepped { .. } => stepped(count),
         };
         let measured = Bytes::keep(profile_bytes(self.layers, self.pixels));
         // Measurements: the current ones, those of the last restart, and copies for a checkpoint.
@@ -31,7 +31,7 @@ impl Sampling {
 impl Grains {
     /// Bytes of `count` grains.
     fn bytes(count: f64) -> Bytes {
-        Bytes::list::<(Vector, Motion)>(count)
+        Bytes::list::<(Vector, GrainMotion)>(count)
     }
 }
 

@@ -1,7 +1,9 @@
 //! Random packings by the algorithm of Lubachevsky and Stillinger (1990): grains that grow while they move.
 
 use super::lengths::without_unit;
-use super::{Contact, EventDriven, FrictionLaw, Grains, Model, Motion, Parameters, State, Top};
+use super::{
+    CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters, Top,
+};
 use crate::error::PackingError;
 use domain::{Random, Vector};
 use std::collections::HashMap;
@@ -30,13 +32,13 @@ impl Model {
     pub fn pack_and_tell(&self, count: usize, seed: u64, tell: &mut dyn FnMut(f64)) -> Result<Grains, PackingError> {
         let p = self.parameters();
         let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);
-        let calm = self.calm([length, height, width].map(|edge| edge / diameter));
+        let elastic_at_rest = self.elastic_at_rest([length, height, width].map(|edge| edge / diameter));
         let fraction = count as f64 * std::f64::consts::PI / 6.0 * diameter.powi(3) / (length * height * width);
         let mut reached: f64 = 0.0;
         for growth in GROWTH {
-            match calm.grow((count, seed), [f64::cbrt(SEEDED / fraction), growth], tell) {
+            match elastic_at_rest.grow(count, seed, [f64::cbrt(SEEDED / fraction), growth], tell) {
                 Ok(mut grains) => {
-                    grains.motions.fill(Motion::default());
+                    grains.motions.fill(GrainMotion::default());
                     grains.positions.iter_mut().for_each(|x| *x *= self.parameters().diameter);
                     return Ok(grains);
                 }
@@ -47,8 +49,8 @@ impl Model {
     }
 
     /// The same cell at rest with elastic, smooth contacts, in units of the diameter and the thermal speed.
-    fn calm(&self, [length, height, width]: [f64; 3]) -> Model {
-        let contact = Contact { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
+    fn elastic_at_rest(&self, [length, height, width]: [f64; 3]) -> Model {
+        let contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
         self.with(Parameters {
             length,
             height,
@@ -69,14 +71,15 @@ impl Model {
     /// Grows grains from the fraction `small` of their diameter at the rate `growth`; on failure, the diameter reached.
     fn grow(
         &self,
-        (count, seed): (usize, u64),
+        count: usize,
+        seed: u64,
         [small, growth]: [f64; 2],
         tell: &mut dyn FnMut(f64),
     ) -> Result<Grains, f64> {
         let start = f64::min(small, 1.0);
         let mut grains = self.scatter(count, start, seed).ok_or(0.0)?;
-        grains.stir(self, 1.0, seed);
-        let mut engine = EventDriven::growing(self, &State::new(self, &grains), [start, growth]);
+        grains.set_velocities(self, 1.0, seed);
+        let mut engine = EventDriven::growing(self, &CellState::new(self, &grains), [start, growth]);
         let lap = LAP * count as u64;
         while engine.diameter() < 1.0 - 1e-13 {
             let (before, left) = (engine.tally().time, (1.0 - engine.diameter()) / growth);
@@ -88,7 +91,7 @@ impl Model {
             engine.scale_velocities(1.0 / engine.grains().temperature().sqrt());
         }
         // The last flights end at a diameter that differs from the full one by round-off.
-        let mut engine = EventDriven::growing(self, &State::new(self, &engine.grains()), [1.0, 0.0]);
+        let mut engine = EventDriven::growing(self, &CellState::new(self, &engine.grains()), [1.0, 0.0]);
         engine.run(f64::INFINITY, lap, &|| true);
         Ok(engine.grains())
     }
@@ -123,6 +126,6 @@ impl Model {
             taken.entry(home).or_default().push(place);
             positions.push(place);
         }
-        Some(Grains { motions: vec![Motion::default(); count], positions })
+        Some(Grains { motions: vec![GrainMotion::default(); count], positions })
     }
 }

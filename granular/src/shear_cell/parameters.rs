@@ -1,8 +1,8 @@
 //! Checked parameters of the shear cell.
 
-use super::{Contact, Face, FrictionLaw, Side};
-use crate::parameter::{ParameterError, of_sensible_size, positive, require};
-use domain::Vector;
+use super::{CollisionRule, FrictionLaw, Side, WallContact};
+use crate::parameter::{ParameterError, not_negative, of_sensible_size, positive, require, restitution};
+use domain::{Number, Vector};
 use std::f64::consts::PI;
 
 /// Constraint of the top wall.
@@ -35,9 +35,9 @@ pub struct Parameters {
     /// Density of their material.
     pub density: f64,
     /// Contact between grains.
-    pub grain_contact: Contact,
+    pub grain_contact: CollisionRule,
     /// Contact of a grain with a wall.
-    pub wall_contact: Contact,
+    pub wall_contact: CollisionRule,
     /// Speed of the bottom and side walls along x.
     pub speed: f64,
     /// Constraint of the top wall.
@@ -54,7 +54,7 @@ pub struct Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        let contact = Contact { restitution: 0.9, friction: 0.3, law: FrictionLaw::Box };
+        let contact = CollisionRule { restitution: 0.9, friction: 0.3, law: FrictionLaw::Box };
         Self {
             length: 0.03,
             height: 4e-3,
@@ -91,16 +91,19 @@ impl Model {
             positive(key, value)?;
         }
         for (key, value) in &edges[1..] {
-            require(*value > p.diameter, key, value, "more than a diameter")?;
+            require(*value > p.diameter, key, Number(*value), "more than a diameter")?;
         }
-        require(p.length > 3.0 * p.diameter, "cell.length", &p.length, "more than three diameters")?;
-        check_contact("grains.restitution", "grains.friction", &p.grain_contact)?;
-        check_contact("walls.restitution", "walls.friction", &p.wall_contact)?;
+        require(p.length > 3.0 * p.diameter, "cell.length", Number(p.length), "more than three diameters")?;
+        restitution("grains.restitution", p.grain_contact.restitution)?;
+        not_negative("grains.friction", p.grain_contact.friction)?;
+        restitution("walls.restitution", p.wall_contact.restitution)?;
+        not_negative("walls.friction", p.wall_contact.friction)?;
         not_negative("cell.speed", p.speed)?;
         not_negative("cell.gravity", p.gravity)?;
         if let Some(around) = p.circumference {
             let wide = around.is_finite() && around > PI * p.width;
-            require(wide, "cell.circumference", &around, "more than pi times the width: the inner wall has a radius")?;
+            let allowed = "more than pi times the width: the inner wall has a radius";
+            require(wide, "cell.circumference", Number(around), allowed)?;
         }
         if let Top::Free { pressure, mass_per_area } = p.top {
             positive("top.pressure", pressure)?;
@@ -112,10 +115,10 @@ impl Model {
     }
 
     /// A box that is periodic along all three axes, without walls, gravity or curvature: a granular gas.
-    pub fn gas(edges: Vector, diameter: f64, density: f64, contact: Contact) -> Result<Self, ParameterError> {
+    pub fn gas(edges: Vector, diameter: f64, density: f64, contact: CollisionRule) -> Result<Self, ParameterError> {
         let [length, height, width] = edges.to_array();
         for (key, value) in [("cell.length", length), ("cell.height", height), ("cell.width", width)] {
-            require(value > 3.0 * diameter, key, &value, "more than three diameters")?;
+            require(value > 3.0 * diameter, key, Number(value), "more than three diameters")?;
         }
         let gas = Parameters {
             length,
@@ -163,12 +166,9 @@ impl Model {
 
     /// Number of grains whose mean solid fraction is nearest to the given one.
     pub fn count(&self, solid_fraction: f64) -> Result<usize, ParameterError> {
-        require(
-            solid_fraction > 0.0 && solid_fraction <= 0.62,
-            "grains.solid_fraction",
-            &solid_fraction,
-            "0 < solid_fraction <= 0.62: more can't be packed at random",
-        )?;
+        let fits = solid_fraction > 0.0 && solid_fraction <= 0.62;
+        let allowed = "0 < solid_fraction <= 0.62: more can't be packed at random";
+        require(fits, "grains.solid_fraction", Number(solid_fraction), allowed)?;
         let volume = self.edges().element_product();
         Ok((solid_fraction * volume / (PI / 6.0 * self.parameters.diameter.powi(3))).round() as usize)
     }
@@ -188,21 +188,21 @@ impl Model {
         self.parameters.length * if side.axis() == 1 { self.parameters.width } else { self.parameters.height }
     }
 
-    /// A wall at a collision; `lid` is the upward velocity of a free top wall.
-    pub(super) fn face(&self, side: Side, lid: f64) -> Face {
+    /// A wall at a collision; `top_wall` is the upward velocity of a free top wall.
+    pub(super) fn wall_contact(&self, side: Side, top_wall: f64) -> WallContact {
         let (p, top) = (&self.parameters, side == Side::Top);
-        let velocity = if top { Vector::Y * lid } else { Vector::X * p.speed };
-        let mass_ratio = if top { self.lid_mass().map_or(0.0, |mass| self.mass() / mass) } else { 0.0 };
-        Face { axis: side.axis(), below: side.is_below(), velocity, mass_ratio }
+        let velocity = if top { Vector::Y * top_wall } else { Vector::X * p.speed };
+        let mass_ratio = if top { self.top_wall_mass().map_or(0.0, |mass| self.mass() / mass) } else { 0.0 };
+        WallContact { axis: side.axis(), below: side.is_below(), velocity, mass_ratio }
     }
 
     /// Whether the top wall is free to move.
-    pub fn is_lid_free(&self) -> bool {
-        self.lid_mass().is_some()
+    pub fn is_top_wall_free(&self) -> bool {
+        self.top_wall_mass().is_some()
     }
 
     /// Mass of a free top wall.
-    pub(super) fn lid_mass(&self) -> Option<f64> {
+    pub(super) fn top_wall_mass(&self) -> Option<f64> {
         match self.parameters.top {
             Top::Free { mass_per_area, .. } if self.walled => Some(mass_per_area * self.area(Side::Top)),
             _ => None,
@@ -210,7 +210,7 @@ impl Model {
     }
 
     /// Downward acceleration of a free top wall due to its load.
-    pub(super) fn lid_fall(&self) -> f64 {
+    pub(super) fn top_wall_fall(&self) -> f64 {
         match self.parameters.top {
             Top::Free { pressure, mass_per_area } if self.walled => pressure / mass_per_area,
             _ => 0.0,
@@ -220,12 +220,12 @@ impl Model {
     /// Typical upper bound on the difference between two neighbours' accelerations: gravity and
     /// the curvature of the path.
     pub(super) fn turning(&self) -> f64 {
-        self.parameters.gravity + self.parameters.speed.powi(2) / self.mid_radius + self.lid_fall()
+        self.parameters.gravity + self.parameters.speed.powi(2) / self.mid_radius + self.top_wall_fall()
     }
 
     /// Whether grains or the top wall accelerate between collisions.
     pub(super) fn has_body_force(&self) -> bool {
-        self.parameters.gravity > 0.0 || self.mid_radius.is_finite() || self.lid_mass().is_some()
+        self.parameters.gravity > 0.0 || self.mid_radius.is_finite() || self.top_wall_mass().is_some()
     }
 
     /// Acceleration of a grain: gravity along -y; in a curved trough of mid radius `r_m` also `a_z = -v_x^2/r` toward
@@ -261,14 +261,4 @@ fn check_sizes(p: &Parameters) -> Result<(), ParameterError> {
         ("grains.contact_time", p.contact_time, 60),
     ];
     sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))
-}
-
-fn check_contact(restitution: &'static str, friction: &'static str, contact: &Contact) -> Result<(), ParameterError> {
-    let e = contact.restitution;
-    require((0.0..=1.0).contains(&e), restitution, &e, "0 <= restitution <= 1")?;
-    not_negative(friction, contact.friction)
-}
-
-fn not_negative(key: &'static str, found: f64) -> Result<(), ParameterError> {
-    require(found >= 0.0 && found.is_finite(), key, &found, "a finite number, not negative")
 }

@@ -1,8 +1,9 @@
 //! A run of the shear cell: one of the two engines, and its measurements.
 
 use super::{
-    Balance, Collisions, DensityMap, Engine, Grains, Layer, Lid, Model, Sample, Side, State, Tally, WallStress,
-    measure::{Measured, Start},
+    Balance, CellSample, CellState, CollisionDetection, DensityMap, Engine, Grains, Layer, Model, Side, Tally, TopWall,
+    WallStress,
+    measure::{InitialBalance, Measurements},
 };
 use crate::parameter::{ParameterError, positive, require};
 use domain::Number;
@@ -30,43 +31,48 @@ impl Default for Sampling {
 
 impl Sampling {
     /// Refuses counts of zero, and a window that the engine cannot measure.
-    pub fn check(&self, collisions: Collisions) -> Result<(), ParameterError> {
+    pub fn check(&self, collisions: CollisionDetection) -> Result<(), ParameterError> {
         positive("measure.window", self.window)?;
-        require(self.every > 0, "measure.every", &self.every, "at least 1")?;
-        require(self.layers > 0, "measure.layers", &self.layers, "at least 1")?;
+        require(self.every > 0, "measure.every", self.every, "at least 1")?;
+        require(self.layers > 0, "measure.layers", self.layers, "at least 1")?;
         let pixels = self.pixels;
         let some = pixels[0] > 0 && pixels[1] > 0;
-        require(some, "measure.pixels", &format!("{pixels:?}"), "at least 1 along each edge")?;
-        let Collisions::TimeStepped { step } = collisions else { return Ok(()) };
+        require(some, "measure.pixels", format_args!("{pixels:?}"), "at least 1 along each edge")?;
+        let CollisionDetection::TimeStepped { step } = collisions else { return Ok(()) };
         positive("time.collision_step", step)?;
         let steps = self.window / step;
         let whole = steps >= 0.5 && (steps - steps.round()).abs() < 1e-6 * steps;
-        require(whole, "measure.window", &self.window, format!("a whole number of time steps of {}", Number(step)))
+        require(
+            whole,
+            "measure.window",
+            Number(self.window),
+            format_args!("a whole number of time steps of {}", Number(step)),
+        )
     }
 }
 
 /// A run with its measurements.
-pub struct Run {
+pub struct ShearCell {
     model: Model,
     engine: Engine,
     sampling: Sampling,
-    start: Start,
-    measured: Measured,
+    start: InitialBalance,
+    measured: Measurements,
     /// The state at the last restart of the engine, and the measurements up to then.
-    mark: (State, Measured),
+    mark: (CellState, Measurements),
 }
 
 /// State of a checkpoint apart from the grains.
-struct Kept {
-    lid: Lid,
+struct CellCheckpoint {
+    top_wall: TopWall,
     tally: Tally,
-    start: Start,
-    measured: Measured,
+    start: InitialBalance,
+    measured: Measurements,
 }
 
-impl statistics::State for Kept {
+impl statistics::State for CellCheckpoint {
     fn visit(&mut self, store: &mut dyn Store) {
-        self.lid.visit(store);
+        self.top_wall.visit(store);
         self.tally.visit(store);
         self.start.visit(store);
         self.measured.visit(store);
@@ -75,7 +81,7 @@ impl statistics::State for Kept {
 
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Report {
+pub struct CellReport {
     /// Duration of the measurements.
     pub measured: f64,
     /// Stress on each wall.
@@ -103,21 +109,21 @@ const OVERLAP: f64 = 0.02;
 /// Largest relative error of the balances of energy and momentum that round-off explains.
 const UNBALANCED: f64 = 1e-9;
 
-impl Run {
+impl ShearCell {
     /// Starts a run.
     pub fn new(
         model: &Model,
         grains: &Grains,
-        collisions: Collisions,
+        collisions: CollisionDetection,
         sampling: Sampling,
     ) -> Result<Self, ParameterError> {
         sampling.check(collisions)?;
         let engine = Engine::new(model, grains, collisions)?;
-        let start = Start::new(model, &engine);
+        let start = InitialBalance::new(model, &engine);
         // A free top wall may rise.
-        let height = model.parameters().height * if model.is_lid_free() { 1.25 } else { 1.0 };
-        let measured = Measured::new(model, height, &sampling);
-        let mark = (State::new(model, grains), measured.clone());
+        let height = model.parameters().height * if model.is_top_wall_free() { 1.25 } else { 1.0 };
+        let measured = Measurements::new(model, height, &sampling);
+        let mark = (CellState::new(model, grains), measured.clone());
         Ok(Self { model: *model, engine, sampling, start, measured, mark })
     }
 
@@ -127,7 +133,7 @@ impl Run {
         self.engine.advance(duration, go_on)
     }
 
-    /// Like [`Run::settle`], but measures, for the nearest whole number of windows.
+    /// Like [`ShearCell::settle`], but measures, for the nearest whole number of windows.
     pub fn measure(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
         for _ in 0..(duration / self.sampling.window).round() as u64 {
             let before = *self.engine.tally();
@@ -155,18 +161,21 @@ impl Run {
     /// State of a checkpoint apart from the grains. A run whose engine was restarted and one that is resumed
     /// continue with the same bits.
     pub fn save(&self) -> Vec<u8> {
-        let (lid, tally) = (self.engine.lid(), *self.engine.tally());
-        Kept { lid, tally, start: self.start, measured: self.measured.clone() }.save()
+        self.checkpoint().save()
+    }
+
+    fn checkpoint(&self) -> CellCheckpoint {
+        let (top_wall, tally) = (self.engine.top_wall(), *self.engine.tally());
+        CellCheckpoint { top_wall, tally, start: self.start, measured: self.measured.clone() }
     }
 
     /// The saved part of a checkpoint, for other grains than it was saved with: the balances do not count what the user
     /// has done. None if it is of another form.
     pub fn saved_with(&self, saved: &[u8], [before, after]: [&Grains; 2]) -> Option<Vec<u8>> {
-        let (lid, tally, measured) = (self.engine.lid(), *self.engine.tally(), self.measured.clone());
-        let mut kept = Kept { lid, tally, start: self.start, measured };
-        kept.load(saved).then(|| {
-            kept.start = kept.start.with_replaced(&self.model, [before, after]);
-            kept.save()
+        let mut checkpoint = self.checkpoint();
+        checkpoint.load(saved).then(|| {
+            checkpoint.start = checkpoint.start.with_replaced(&self.model, [before, after]);
+            checkpoint.save()
         })
     }
 
@@ -174,15 +183,14 @@ impl Run {
     pub fn resume(
         model: &Model,
         grains: &Grains,
-        (collisions, sampling): (Collisions, Sampling),
+        collisions: CollisionDetection,
+        sampling: Sampling,
         saved: &[u8],
     ) -> Result<Self, ParameterError> {
-        let run = Self::new(model, grains, collisions, sampling)?;
-        let State { grains, lid, tally } = State::new(model, grains);
-        let mut kept = Kept { lid, tally, start: run.start, measured: run.measured };
-        require(kept.load(saved), "checkpoint", &"of another form", "what a run of this scene keeps")?;
-        let Kept { lid, tally, start, measured } = kept;
-        let state = State { grains, lid, tally };
+        let mut checkpoint = Self::new(model, grains, collisions, sampling)?.checkpoint();
+        require(checkpoint.load(saved), "checkpoint", "of another form", "what a run of this scene keeps")?;
+        let CellCheckpoint { top_wall, tally, start, measured } = checkpoint;
+        let state = CellState { grains: grains.clone(), top_wall, tally };
         let engine = Engine::resume(model, &state, collisions)?;
         Ok(Self { model: *model, engine, sampling, start, mark: (state, measured.clone()), measured })
     }
@@ -193,18 +201,18 @@ impl Run {
     }
 
     /// The present state of the cell, and averages since an earlier tally.
-    pub fn sample_since(&self, before: &Tally) -> Sample {
-        Sample::of(&self.model, &self.engine, (before, self.start.balance(&self.model, &self.engine)))
+    pub fn sample_since(&self, before: &Tally) -> CellSample {
+        CellSample::of(&self.model, &self.engine, before, self.start.balance(&self.model, &self.engine))
     }
 
     /// The results so far; stresses and profiles are averages over the time measured.
-    pub fn report(&self) -> Report {
+    pub fn report(&self) -> CellReport {
         let (model, tally, measured) = (&self.model, *self.engine.tally(), &self.measured);
         let height = measured.heights.estimate();
         let p = model.parameters();
         let volume = self.engine.grains().len() as f64 * PI / 6.0 * p.diameter.powi(3);
         let balance = self.start.balance(model, &self.engine);
-        Report {
+        CellReport {
             measured: measured.windows() as f64 * self.sampling.window,
             walls: Side::ALL.map(|side| measured.walls[side as usize].stress(side)),
             height,

@@ -1,5 +1,7 @@
 //! The four walls of a shear cell.
 
+use domain::Vector;
+
 /// The walls, in the order of their tallies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
@@ -25,6 +27,11 @@ impl Side {
     /// Whether the grains are on the wall's positive side.
     pub fn is_below(self) -> bool {
         (self as usize).is_multiple_of(2)
+    }
+
+    /// Direction across the flow in the plane of the wall: along z on bottom and top, along y on the sides.
+    pub(super) fn across(self) -> Vector {
+        if self.axis() == 1 { Vector::Z } else { Vector::Y }
     }
 
     /// The wall that bounds an axis (1 or 2) from below or above.

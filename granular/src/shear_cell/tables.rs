@@ -1,6 +1,6 @@
 //! The averages of a shear cell as tables.
 
-use super::Report;
+use super::CellReport;
 use domain::Vector;
 use simulation::Table;
 use statistics::Estimate;
@@ -9,11 +9,11 @@ use statistics::Estimate;
 pub const WALLS: [&str; 4] = ["bottom", "top", "outer", "inner"];
 
 /// All tables of a report.
-pub fn tables(report: &Report) -> Vec<Table> {
+pub fn tables(report: &CellReport) -> Vec<Table> {
     vec![walls(report), profile(report), map(report), totals(report)]
 }
 
-fn walls(report: &Report) -> Table {
+fn walls(report: &CellReport) -> Table {
     let columns = ["normal", "normal_error", "along", "along_error", "across", "across_error", "deviation"];
     let mut table = Table::new("walls", &["wall"], &columns.map(|name| (name, "force/length^2")));
     let pair = |e: Estimate| [e.mean, e.error];
@@ -24,7 +24,7 @@ fn walls(report: &Report) -> Table {
     table
 }
 
-fn profile(report: &Report) -> Table {
+fn profile(report: &CellReport) -> Table {
     let [speed, squared] = ["length/time", "length^2/time^2"];
     let velocities = ["velocity_x", "velocity_y", "velocity_z"].map(|name| (name, speed));
     let errors = [("solid_fraction_error", ""), ("velocity_x_error", speed), ("temperature_error", squared)];
@@ -37,7 +37,7 @@ fn profile(report: &Report) -> Table {
     table
 }
 
-fn map(report: &Report) -> Table {
+fn map(report: &CellReport) -> Table {
     let mut table = Table::new("map", &[], &[("z", "length"), ("y", "length"), ("solid_fraction", "")]);
     let [across, up] = report.map.middles();
     let places = up.iter().flat_map(|&y| across.iter().map(move |&z| [z, y]));
@@ -47,7 +47,7 @@ fn map(report: &Report) -> Table {
     table
 }
 
-fn totals(report: &Report) -> Table {
+fn totals(report: &CellReport) -> Table {
     let (tally, balance) = (&report.tally, &report.balance);
     let totals = [
         ("measured_time", "time", report.measured),
@@ -59,7 +59,7 @@ fn totals(report: &Report) -> Table {
         ("momentum_imbalance", "", balance.momentum),
         ("largest_overlap", "", tally.largest_overlap),
         ("mean_overlap", "", tally.mean_overlap()),
-        ("hits", "", tally.hits() as f64),
+        ("hits", "", tally.collisions() as f64),
     ];
     let mut table = Table::new("totals", &[], &totals.map(|(name, unit, _)| (name, unit)));
     table.add(&[], &totals.map(|(_, _, value)| value));

@@ -1,6 +1,6 @@
 //! Sums of impulses, work and losses over a run, from which stresses and balances follow.
 
-use super::{Lid, Model, Side, contact::Face};
+use super::{Model, Side, TopWall, contact::WallContact};
 use domain::Vector;
 use statistics::{State, Store};
 
@@ -12,7 +12,7 @@ pub struct WallTally {
     /// Work done by the moving wall on the grains.
     pub work: f64,
     /// Number of collisions.
-    pub hits: u64,
+    pub collisions: u64,
 }
 
 /// Sums over a run so far.
@@ -31,9 +31,9 @@ pub struct Tally {
     /// Energy lost in collisions.
     pub dissipated: f64,
     /// Collisions between grains.
-    pub pair_hits: u64,
+    pub pair_collisions: u64,
     /// Collisions treated as elastic because one of the grains had collided within the contact time.
-    pub elastic_hits: u64,
+    pub elastic_collisions: u64,
     /// Largest overlap so far, over the diameter.
     pub largest_overlap: f64,
     /// Sum of the overlaps in collisions between grains, over the diameter.
@@ -42,54 +42,52 @@ pub struct Tally {
 
 impl Tally {
     /// Number of all collisions.
-    pub fn hits(&self) -> u64 {
-        self.pair_hits + self.walls.iter().map(|w| w.hits).sum::<u64>()
+    pub fn collisions(&self) -> u64 {
+        self.pair_collisions + self.walls.iter().map(|w| w.collisions).sum::<u64>()
     }
 
     /// Mean overlap in a collision between grains, over the diameter.
     pub fn mean_overlap(&self) -> f64 {
-        if self.pair_hits == 0 { 0.0 } else { self.overlaps / self.pair_hits as f64 }
+        if self.pair_collisions == 0 { 0.0 } else { self.overlaps / self.pair_collisions as f64 }
     }
-}
 
-impl Tally {
     /// Adds a collision with a wall: the impulse per mass on the grain, and the energy per mass that the grain
     /// gained. A free top wall recoils.
     pub(super) fn strike_wall(
         &mut self,
         model: &Model,
-        (side, face): (Side, &Face),
+        face: &WallContact,
         impulse: Vector,
         gain: f64,
-        lid: &mut Lid,
+        top_wall: &mut TopWall,
     ) {
         let mass = model.mass();
-        let before = lid.energy(model);
+        let before = top_wall.energy(model);
         if face.mass_ratio > 0.0 {
-            lid.velocity -= impulse.y * face.mass_ratio;
+            top_wall.velocity -= impulse.y * face.mass_ratio;
         }
         let held = if face.mass_ratio > 0.0 { Vector::ZERO } else { face.velocity };
-        let wall = &mut self.walls[side as usize];
+        let wall = &mut self.walls[Side::of(face.axis, face.below) as usize];
         wall.impulse -= impulse * mass;
         wall.work += impulse.dot(held) * mass;
-        wall.hits += 1;
-        self.dissipated += (impulse.dot(held) - gain) * mass - (lid.energy(model) - before);
+        wall.collisions += 1;
+        self.dissipated += (impulse.dot(held) - gain) * mass - (top_wall.energy(model) - before);
     }
 }
 
 impl State for Tally {
     fn visit(&mut self, store: &mut dyn Store) {
         let Self { time, walls, body_impulse, body_work, load_work, dissipated, largest_overlap, overlaps, .. } = self;
-        for WallTally { impulse, work, hits } in walls {
+        for WallTally { impulse, work, collisions } in walls {
             impulse.as_mut().iter_mut().for_each(|component| store.number(component));
             store.number(work);
-            store.count(hits);
+            store.count(collisions);
         }
         body_impulse.as_mut().iter_mut().for_each(|component| store.number(component));
         for number in [time, body_work, load_work, dissipated, largest_overlap, overlaps] {
             store.number(number);
         }
-        store.count(&mut self.pair_hits);
-        store.count(&mut self.elastic_hits);
+        store.count(&mut self.pair_collisions);
+        store.count(&mut self.elastic_collisions);
     }
 }

@@ -4,7 +4,7 @@ use crate::outline;
 use crate::{Listener, RunError, provenance};
 use domain::{Comm, Number};
 use files::{Manifest, read_rows, write_tables};
-use granular::kinetic_theory::{Point, Problem, Solution};
+use granular::kinetic_theory::{FlowPoint, Problem, Solution};
 use scene::{ContinuumScene, Scene, in_full};
 use simulation::Table;
 use std::path::Path;
@@ -108,9 +108,9 @@ fn profile() -> Table {
     )
 }
 
-fn add_profile(table: &mut Table, problem: &Problem, points: &[Point]) {
+fn add_profile(table: &mut Table, problem: &Problem, points: &[FlowPoint]) {
     let p = problem.parameters();
-    for Point { y, velocity, solid_fraction, temperature, energy_flux } in points {
+    for FlowPoint { y, velocity, solid_fraction, temperature, energy_flux } in points {
         table.add(&[], &[p.speed, p.pressure, *y, *velocity, *solid_fraction, *temperature, *energy_flux]);
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{RunError, check_ranks, memory, start, start_positions};
 use domain::{Comm, Number};
-use granular::shear_cell::Collisions;
+use granular::shear_cell::CollisionDetection;
 use scene::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use simulation::Outline;
 use suspension::Asked;
@@ -42,7 +42,7 @@ fn of_disks(scene: &GranularDisksScene) -> Outline {
 
 /// Estimated seconds of a run of the cell, if its collisions are time-stepped.
 fn cell_seconds(scene: &ShearCellScene) -> Option<f64> {
-    let Collisions::TimeStepped { step } = scene.experiment.collisions else { return None };
+    let CollisionDetection::TimeStepped { step } = scene.experiment.collisions else { return None };
     Some(scene.experiment.count as f64 * scene.time.end() / step / GRAIN_STEPS)
 }
 

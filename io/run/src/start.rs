@@ -6,7 +6,7 @@ use crate::start_file;
 use domain::{Comm, GivenPositions};
 use files::FileError;
 use files::positions::Fitted;
-use granular::disks::{Course, DiskRun};
+use granular::disks::{DiskRun, RunLength};
 use granular::shear_cell::CellRun;
 use scene::{GranularDisksScene, Kind, Scene, SuspensionScene};
 use simulation::{Simulation, State};
@@ -20,7 +20,7 @@ pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Bo
         Kind::Suspension(scene) => Box::new(Observed::start(&scene.model, start_positions(scene, comm)?, comm)?),
         Kind::GranularDisks(scene) => {
             let placed = disk_positions(scene, comm)?;
-            Box::new(DiskRun::start(&scene.model, course(scene), placed.as_ref(), (comm, tell))?)
+            Box::new(DiskRun::start(&scene.model, run_length(scene), placed.as_ref(), comm, tell)?)
         }
         Kind::ShearCell(scene) => Box::new(CellRun::start(&scene.experiment, comm, tell)?),
         Kind::Continuum(_) => return Err(RunError::NoSteps),
@@ -34,7 +34,7 @@ pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dy
         (Kind::Suspension(scene), state) => Box::new(Observed::resume(&scene.model, state, comm)?),
         (Kind::GranularDisks(scene), Some(state)) => {
             let from_file = scene.start.is_some();
-            Box::new(DiskRun::resume(&scene.model, course(scene), (&state, from_file), comm)?)
+            Box::new(DiskRun::resume(&scene.model, run_length(scene), &state, from_file, comm)?)
         }
         (Kind::ShearCell(scene), Some(state)) => Box::new(CellRun::resume(&scene.experiment, &state, comm)?),
         _ => return Err(RunError::NoSteps),
@@ -59,6 +59,6 @@ fn on_first(
     Ok(comm.agree(read)?.map(|fitted| fitted.given))
 }
 
-fn course(scene: &GranularDisksScene) -> Course {
-    Course { steps: scene.time.steps, profile_strips: scene.profile_strips }
+fn run_length(scene: &GranularDisksScene) -> RunLength {
+    RunLength { steps: scene.time.steps, profile_strips: scene.profile_strips }
 }

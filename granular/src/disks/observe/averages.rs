@@ -1,38 +1,28 @@
 //! The profile over the height, averaged over a run.
 
-use super::{ProfileStrip, Snapshot};
+use super::Snapshot;
 use statistics::{Blocks, Estimate, State, Store};
 
 /// Averages over the times at which a profile was sampled, strip by strip from the bottom up, with errors by blocks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AveragedProfile {
-    strips: Vec<AveragedStrip>,
+    strips: Vec<AveragedStrip<Blocks>>,
 }
 
-/// Time series of a strip's averages. Times at which the strip was empty count in the number of disks only.
-#[derive(Debug, Clone, Default, PartialEq)]
-struct AveragedStrip {
-    height: f64,
-    count: Blocks,
-    velocity: Blocks,
-    excess: Blocks,
-    temperature: Blocks,
-}
-
-/// A strip of an averaged profile; see [`ProfileStrip`]. Averages of a strip that never had a disk are NaN, except
-/// the number of disks, which is zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MeanProfileStrip {
+/// A strip of an averaged profile. Times at which the strip was empty count in the number of disks only: averages of a
+/// strip that never had a disk are NaN, except the number of disks, which is zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct AveragedStrip<T = Estimate> {
     /// Height of the strip's middle.
     pub height: f64,
     /// Number of disks.
-    pub count: Estimate,
+    pub count: T,
     /// Their velocity along x.
-    pub velocity: Estimate,
+    pub velocity: T,
     /// The same in excess of the liquid's.
-    pub excess: Estimate,
+    pub excess: T,
     /// Their granular temperature.
-    pub temperature: Estimate,
+    pub temperature: T,
 }
 
 /// The number of disks in a strip that was never sampled.
@@ -40,7 +30,7 @@ const NONE: Estimate = Estimate { mean: 0.0, error: f64::INFINITY, converged: fa
 
 impl AveragedProfile {
     /// Bytes of a strip after any number of samples: four series, each of blocks of a few dozen lengths.
-    pub(in crate::disks) const STRIP: f64 = (size_of::<AveragedStrip>() + 4 * Blocks::MOST_BYTES) as f64;
+    pub(in crate::disks) const STRIP: f64 = (size_of::<AveragedStrip<Blocks>>() + 4 * Blocks::MOST_BYTES) as f64;
 
     /// An empty profile with the given number of strips.
     pub fn new(strips: usize) -> Self {
@@ -49,23 +39,21 @@ impl AveragedProfile {
 
     /// Adds a sample.
     pub fn add(&mut self, snapshot: &Snapshot) {
-        let stripes = snapshot.profile(self.strips.len());
-        for (strip, ProfileStrip { height, count, velocity, excess, covariance, .. }) in
-            self.strips.iter_mut().zip(stripes)
-        {
-            strip.height = height;
-            strip.count.add(count as f64);
-            if count > 0 {
-                strip.velocity.add(velocity[0]);
-                strip.excess.add(excess);
-                strip.temperature.add(0.5 * (covariance.x + covariance.z));
+        let profile = snapshot.profile(self.strips.len());
+        for (strip, now) in self.strips.iter_mut().zip(profile) {
+            strip.height = now.height;
+            strip.count.add(now.count as f64);
+            if now.count > 0 {
+                strip.velocity.add(now.velocity[0]);
+                strip.excess.add(now.excess);
+                strip.temperature.add(0.5 * (now.covariance.x + now.covariance.z));
             }
         }
     }
 
     /// The averages so far.
-    pub fn strips(&self) -> impl Iterator<Item = MeanProfileStrip> {
-        self.strips.iter().map(|strip| MeanProfileStrip {
+    pub fn strips(&self) -> impl Iterator<Item = AveragedStrip> {
+        self.strips.iter().map(|strip| AveragedStrip {
             height: strip.height,
             count: Some(strip.count.estimate()).filter(|count| !count.mean.is_nan()).unwrap_or(NONE),
             velocity: strip.velocity.estimate(),
@@ -111,7 +99,7 @@ mod tests {
         for (x, y) in [(4.0, 1.0), (6.0, 2.0), (9.0, 7.0), (5.0, 3.0)] {
             profile.add(&moment(x, y));
         }
-        let [low, high]: [MeanProfileStrip; 2] = profile.strips().collect::<Vec<_>>().try_into().unwrap();
+        let [low, high]: [AveragedStrip; 2] = profile.strips().collect::<Vec<_>>().try_into().unwrap();
         assert_eq!((low.height, low.count.mean, high.count.mean), (2.5, 0.75, 0.25));
         assert!((low.velocity.mean - 5.0).abs() < 1e-15 && (low.excess.mean - 4.0).abs() < 1e-15);
         // Samples 4, 6 and 5: a variance of 1 over three samples.

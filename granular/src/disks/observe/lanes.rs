@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 /// Strongest periodic component of the disks' heights.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lanes {
+pub struct LaneOrder {
     /// Peak of `|sum exp(i k y)|^2 / N^2`: 1 for perfect lanes, about `1/N` for none.
     pub peak: f64,
     /// Distance between two lanes, `2 pi / k`.
@@ -15,12 +15,12 @@ pub struct Lanes {
 
 impl Snapshot {
     /// The strongest period that fits into the height, no shorter than the mean radius.
-    pub fn lanes(&self) -> Lanes {
+    pub fn lanes(&self) -> LaneOrder {
         let (count, height) = (self.disks.len() as f64, self.edges[1]);
         let radius = self.disks.iter().map(|d| d.radius).sum::<f64>() / count;
         let turns: Vec<DVec2> = self.disks.iter().map(|d| DVec2::from_angle(TAU * d.position.y / height)).collect();
         let mut waves = vec![DVec2::X; turns.len()];
-        let mut strongest = Lanes { peak: 0.0, spacing: height };
+        let mut strongest = LaneOrder { peak: 0.0, spacing: height };
         for periods in 1..=(height / radius) as u32 {
             let mut sum = DVec2::ZERO;
             for (wave, turn) in waves.iter_mut().zip(&turns) {
@@ -30,7 +30,7 @@ impl Snapshot {
             }
             let peak = sum.length_squared() / (count * count);
             if peak > strongest.peak {
-                strongest = Lanes { peak, spacing: height / f64::from(periods) };
+                strongest = LaneOrder { peak, spacing: height / f64::from(periods) };
             }
         }
         strongest

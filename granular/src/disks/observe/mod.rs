@@ -8,10 +8,10 @@ mod record;
 mod snapshot;
 mod strips;
 
-pub use averages::{AveragedProfile, MeanProfileStrip};
-pub use lanes::Lanes;
+pub use averages::{AveragedProfile, AveragedStrip};
+pub use lanes::LaneOrder;
 pub use lengths::{estimated_free_path, viscous_length};
 pub use profile::ProfileStrip;
-pub use record::Record;
+pub use record::RECORD_COLUMNS;
 pub use snapshot::{Disk, Snapshot};
 pub use strips::{Strips, segment};

@@ -1,6 +1,7 @@
 //! Snapshots of all disks.
 
 use crate::disks::Disks;
+use crate::disks::state::Body;
 use glam::DVec2;
 
 /// One disk.
@@ -47,7 +48,7 @@ impl Disks {
         let state = self.wrapped();
         let disk = |row: usize| {
             let (identity, body) = (&state.identities[row], &state.bodies[row]);
-            let (position, velocity) = (body.place, body.velocity);
+            let Body { position, velocity } = *body;
             Disk {
                 id: identity.id,
                 position,

@@ -1,25 +1,25 @@
 //! Cell list: disks sorted into cells of the sheared lattice.
 
 use crate::disks::for_each_part;
-use crate::disks::state::{CHUNK, Identity, State};
+use crate::disks::state::{CHUNK, DiskState, Identity};
 use domain::PeriodicBox;
 use glam::DVec2;
 use std::ops::Range;
 
 /// Data of a disk for the search, next to its neighbours in memory.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Entry {
-    pub(super) place: DVec2,
+pub(super) struct CellEntry {
+    pub(super) position: DVec2,
     pub(super) radius: f64,
     pub(super) row: u32,
     /// Rank of its radius among all disks.
     pub(super) rank: u32,
 }
 
-impl Entry {
-    pub(super) fn of(state: &State, row: usize) -> Self {
+impl CellEntry {
+    pub(super) fn of(state: &DiskState, row: usize) -> Self {
         let Identity { radius, rank, .. } = state.identities[row];
-        Self { place: state.reference(row), radius, row: row as u32, rank }
+        Self { position: state.reference(row), radius, row: row as u32, rank }
     }
 }
 
@@ -29,21 +29,21 @@ const MOST_CELLS: f64 = 64.0;
 /// Cells in lattice coordinates `(x - s y, y)`, stored row by row, so that cells adjacent in x
 /// are one range of entries.
 #[derive(Debug)]
-pub(in crate::disks) struct Grid {
+pub(in crate::disks) struct DiskCells {
     counts: [i64; 2],
     starts: Vec<u32>,
-    entries: Vec<Entry>,
+    entries: Vec<CellEntry>,
     edges: DVec2,
     strain: f64,
 }
 
-impl Grid {
+impl DiskCells {
     /// Sorts the reference positions of the drift, which are inside the box, into cells of about the given edges.
-    pub(super) fn sort(cell: &PeriodicBox, state: &State, about: DVec2) -> Self {
+    pub(super) fn sort(cell: &PeriodicBox, state: &DiskState, about: DVec2) -> Self {
         let edges = cell.edges().truncate();
         let counts = Self::counts(edges, about, state.len());
         let counts = counts.to_array().map(|c| c as i64);
-        let none = Entry { place: DVec2::ZERO, radius: 0.0, row: 0, rank: 0 };
+        let none = CellEntry { position: DVec2::ZERO, radius: 0.0, row: 0, rank: 0 };
         let starts = vec![0; (counts[0] * counts[1]) as usize + 1];
         let mut grid = Self { counts, starts, entries: vec![none; state.len()], edges, strain: cell.strain() };
         let mut homes = vec![0_u32; state.len()];
@@ -61,9 +61,9 @@ impl Grid {
         }
         let mut next = grid.starts.clone();
         for (row, &home) in homes.iter().enumerate() {
-            let place = &mut next[home as usize];
-            grid.entries[*place as usize] = Entry::of(state, row);
-            *place += 1;
+            let slot = &mut next[home as usize];
+            grid.entries[*slot as usize] = CellEntry::of(state, row);
+            *slot += 1;
         }
         grid
     }
@@ -78,7 +78,7 @@ impl Grid {
     }
 
     /// The disks in the order of their cells.
-    pub(super) fn entries(&self) -> &[Entry] {
+    pub(super) fn entries(&self) -> &[CellEntry] {
         &self.entries
     }
 
@@ -89,16 +89,17 @@ impl Grid {
 
     /// Visits the entries that may be within a distance, less than a cell's edge, of a position, in ranges, each with
     /// the lattice steps to its image.
-    pub(super) fn for_each_near(&self, place: DVec2, distance: f64, mut visit: impl FnMut([i32; 2], Range<usize>)) {
+    pub(super) fn for_each_near(&self, position: DVec2, distance: f64, mut visit: impl FnMut([i32; 2], Range<usize>)) {
         let per_cell = DVec2::new(self.counts[0] as f64, self.counts[1] as f64) / self.edges;
-        let xi = place.x - self.strain * place.y;
+        let xi = position.x - self.strain * position.y;
         // Within this distance, the first lattice coordinate differs by up to sqrt(1 + s^2) times it.
         let spread = distance * (1.0 + self.strain * self.strain).sqrt();
         // Adding one box edge makes the numbers positive, so that the conversion rounds down.
         let [columns, rows] = self.counts;
         let cell = |x: f64, edge: f64, per_cell: f64, count: i64| ((x + edge) * per_cell) as i64 - count;
         let [left, right] = [xi - spread, xi + spread].map(|x| cell(x, self.edges.x, per_cell.x, columns));
-        let [low, high] = [place.y - distance, place.y + distance].map(|y| cell(y, self.edges.y, per_cell.y, rows));
+        let [low, high] =
+            [position.y - distance, position.y + distance].map(|y| cell(y, self.edges.y, per_cell.y, rows));
         for row in low..=high {
             let (up, row) = split(row, rows);
             let mut column = left;
@@ -113,8 +114,8 @@ impl Grid {
         }
     }
 
-    fn home(&self, place: DVec2) -> u32 {
-        let inside = DVec2::new(place.x - self.strain * place.y, place.y) / self.edges;
+    fn home(&self, position: DVec2) -> u32 {
+        let inside = DVec2::new(position.x - self.strain * position.y, position.y) / self.edges;
         let index = |fraction: f64, count: i64| ((fraction * count as f64) as i64).clamp(0, count - 1);
         (index(inside.y, self.counts[1]) * self.counts[0] + index(inside.x, self.counts[0])) as u32
     }
@@ -138,7 +139,7 @@ mod tests {
     #[test]
     fn the_last_cell_has_what_round_off_puts_on_the_edge() {
         let edges = DVec2::new(30.0, 20.0);
-        let grid = Grid { counts: [3, 2], starts: vec![], entries: vec![], edges, strain: 0.0 };
-        assert_eq!([DVec2::ZERO, 0.5 * edges, edges].map(|place| grid.home(place)), [0, 4, 5]);
+        let grid = DiskCells { counts: [3, 2], starts: vec![], entries: vec![], edges, strain: 0.0 };
+        assert_eq!([DVec2::ZERO, 0.5 * edges, edges].map(|position| grid.home(position)), [0, 4, 5]);
     }
 }

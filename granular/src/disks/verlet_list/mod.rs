@@ -2,95 +2,98 @@
 
 mod build;
 mod grid;
-mod skin;
+mod margin;
 #[cfg(test)]
 mod tests;
-mod touching;
+mod touching_pairs;
 
 use super::stage::Law;
 use glam::DVec2;
 use std::ops::Range;
 
 pub(super) use build::cell_of;
-pub(super) use grid::Grid;
-pub(super) use skin::ListMargin;
+pub(super) use grid::DiskCells;
+pub(super) use margin::ListMargin;
 
 /// Two disks that may touch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Pair {
+pub(super) struct DiskPair {
     pub(super) i: u32,
     pub(super) j: u32,
     /// Sum of the radii.
-    pub(super) reach: f64,
+    pub(super) contact_distance: f64,
     /// Sum of the inverse masses.
-    pub(super) lightness: f64,
+    pub(super) inverse_mass_sum: f64,
 }
 
 /// Pairs whose second disk is shifted by the same lattice steps.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Batch {
+pub(super) struct ImageBatch {
     /// Lattice steps added to the position of the second disk.
     pub(super) steps: [i32; 2],
-    pub(super) pairs: Vec<Pair>,
+    pub(super) pairs: Vec<DiskPair>,
     /// Present shift of those images.
-    pub(super) image: Image,
+    pub(super) image: ImageMotion,
     /// The last step, modulo 2^32, at which each pair touched.
     pub(super) touched: Vec<u32>,
 }
 
 /// Displacement and relative velocity of the images of a batch.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Image {
+pub(super) struct ImageMotion {
     pub(super) shift: DVec2,
-    pub(super) jump: f64,
+    pub(super) velocity: f64,
 }
 
 /// The lattice of images at one time.
 #[derive(Debug, Clone, Copy)]
-struct Images {
+struct ImageLattice {
     edges: DVec2,
     strain: f64,
     rate: f64,
 }
 
-impl Images {
-    fn of(&self, steps: [i32; 2]) -> Image {
+impl ImageLattice {
+    fn of(&self, steps: [i32; 2]) -> ImageMotion {
         let [along, up] = steps.map(f64::from);
         let height = up * self.edges.y;
-        Image { shift: DVec2::new(along * self.edges.x + self.strain * height, height), jump: self.rate * height }
+        ImageMotion {
+            shift: DVec2::new(along * self.edges.x + self.strain * height, height),
+            velocity: self.rate * height,
+        }
     }
 }
 
 /// The pairs that one thread processes: the first disk is in a range of rows. The second disk of the `inner`
 /// pairs is in that range, too.
 #[derive(Debug, Clone)]
-pub(super) struct Chunk {
+pub(super) struct PairChunk {
     pub(super) rows: Range<usize>,
-    pub(super) inner: Vec<Batch>,
-    pub(super) border: Vec<Batch>,
+    pub(super) inner: Vec<ImageBatch>,
+    pub(super) border: Vec<ImageBatch>,
     /// Buffer for the indices of the pairs in contact.
     pub(super) found: Vec<u32>,
     /// Forces of pairs whose second disk is in another range.
-    pub(super) pushes: Vec<(Pair, DVec2)>,
+    pub(super) pushes: Vec<(DiskPair, DVec2)>,
 }
 
 /// All pairs, the step at which they were found, and the margin that decides how long they remain valid.
 #[derive(Debug, Clone)]
 pub(super) struct List {
     /// Step at which the list was built.
-    pub(super) born: u64,
+    pub(super) built_at_step: u64,
     /// Strain of the lattice at that step, reduced to its range.
     strain: f64,
     edges: DVec2,
-    slack: ListMargin,
-    pub(super) chunks: Vec<Chunk>,
+    margin: ListMargin,
+    pub(super) chunks: Vec<PairChunk>,
 }
 
 impl List {
     /// The lattice of images at a step.
-    fn images(&self, law: &Law, step: u64) -> Images {
-        let strain = self.strain + law.strain_in(step - self.born);
-        Images { edges: self.edges, strain, rate: law.profile.lattice_rate }
+    fn images(&self, law: &Law, step: u64) -> ImageLattice {
+        let strain = self.strain + law.strain_in(step - self.built_at_step);
+        ImageLattice { edges: self.edges, strain, rate: law.profile.lattice_rate }
     }
 
     /// Updates the images of all batches to a step.
@@ -104,11 +107,11 @@ impl List {
     /// Whether a pair that is not in the list may be in contact at a step, if no disk has moved by more than
     /// `drift` relative to the liquid.
     pub(super) fn is_stale(&self, law: &Law, step: u64, drift: f64) -> bool {
-        self.slack.is_used_up(law.profile.steepest * law.dt * (step - self.born) as f64, drift)
+        self.margin.is_used_up(law.profile.steepest * law.dt * (step - self.built_at_step) as f64, drift)
     }
 
     /// All batches, mutable.
-    pub(super) fn batches_mut(&mut self) -> impl Iterator<Item = &mut Batch> {
+    pub(super) fn batches_mut(&mut self) -> impl Iterator<Item = &mut ImageBatch> {
         self.chunks.iter_mut().flat_map(|c| c.inner.iter_mut().chain(&mut c.border))
     }
 
@@ -119,7 +122,7 @@ impl List {
     }
 
     /// All batches.
-    pub(super) fn batches(&self) -> impl Iterator<Item = &Batch> + Clone {
+    pub(super) fn batches(&self) -> impl Iterator<Item = &ImageBatch> + Clone {
         self.chunks.iter().flat_map(|c| c.inner.iter().chain(&c.border))
     }
 }

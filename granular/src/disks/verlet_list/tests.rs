@@ -30,10 +30,10 @@ fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
         let image = list.images(&disks.law, disks.step).of(batch.steps);
         for pair in &batch.pairs {
             let (i, j) = (pair.i as usize, pair.j as usize);
-            let distance = (state.bodies[j].place - state.bodies[i].place + image.shift).length();
-            if distance < pair.reach {
+            let distance = (state.bodies[j].position - state.bodies[i].position + image.shift).length();
+            if distance < pair.contact_distance {
                 let (a, b) = (state.identities[i].id, state.identities[j].id);
-                all.push((a.min(b), a.max(b), pair.reach - distance));
+                all.push((a.min(b), a.max(b), pair.contact_distance - distance));
             }
         }
     }
@@ -79,7 +79,7 @@ fn a_new_list_remembers_who_touched() {
         touched.filter(|&&last| last == step as u32).count()
     };
     let before = marked(&disks, disks.step);
-    let list = List::make(&mut disks.state, &disks.model, &disks.law, disks.step + 1, Some(&disks.list));
+    let list = List::build(&mut disks.state, &disks.model, &disks.law, disks.step + 1, Some(&disks.list));
     disks.list = list;
     assert!(before > 50 && marked(&disks, disks.step) == before);
 }

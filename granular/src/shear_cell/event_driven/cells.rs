@@ -12,7 +12,7 @@ pub const NEAR: usize = 512;
 
 /// A grid of cells over the box. A walled axis begins and ends at its walls; the last cell along y extends up to the
 /// top wall, wherever that is.
-pub struct Cells {
+pub struct GrainCells {
     pub counts: [usize; 3],
     pub edges: Vector,
     pub walled: [bool; 3],
@@ -23,12 +23,12 @@ pub struct Cells {
 }
 
 /// The grains in a block of cells.
-pub struct Near {
+pub struct NearGrains {
     list: [u32; NEAR],
     count: usize,
 }
 
-impl Near {
+impl NearGrains {
     pub fn new() -> Self {
         Self { list: [0; NEAR], count: 0 }
     }
@@ -38,14 +38,14 @@ impl Near {
     }
 }
 
-impl Cells {
+impl GrainCells {
     /// Cells for `count` grains under a top wall at `height`, about one per grain.
     pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
         let p = model.parameters();
         let walled = std::array::from_fn(|k| model.is_walled(k));
         let extent = Vector { y: if walled[1] { height } else { p.height }, ..model.edges() };
         let aim = (extent.element_product() / count.max(1) as f64).cbrt();
-        Self::new(extent, walled, Self::counts((extent, walled), (p.diameter, aim), count as f64))
+        Self::new(extent, walled, Self::counts(extent, walled, p.diameter, aim, count as f64))
     }
 
     /// Bytes of the cells for `count` grains.
@@ -53,13 +53,13 @@ impl Cells {
         let p = model.parameters();
         let walled = std::array::from_fn(|k| model.is_walled(k));
         let aim = (model.edges().element_product() / count.max(1.0)).cbrt();
-        let counts = Self::counts((model.edges(), walled), (p.diameter, aim), count);
+        let counts = Self::counts(model.edges(), walled, p.diameter, aim, count);
         counts.iter().product::<f64>() * (size_of::<u32>() * (1 + ROOM)) as f64
     }
 
     /// Numbers of cells along the edges of the box: with edges no shorter than `least` and near `aim` if that is
     /// larger; longer where a box is so elongated that there would be many more cells than grains.
-    fn counts((extent, walled): (Vector, [bool; 3]), (least, aim): (f64, f64), grains: f64) -> [f64; 3] {
+    fn counts(extent: Vector, walled: [bool; 3], least: f64, aim: f64, grains: f64) -> [f64; 3] {
         let mut counts: [f64; 3] = std::array::from_fn(|k| {
             let fitting = (extent[k] / least).floor().clamp(1.0, f64::from(u32::MAX));
             let wanted = (extent[k] / aim.max(least)).floor();
@@ -138,13 +138,13 @@ impl Cells {
     /// Lists the grains in the cells at offsets `reach` from `home` along each axis: across periodic
     /// faces, but not across walls.
     #[inline]
-    pub fn near(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near) {
+    pub fn near(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut NearGrains) {
         // With the usual capacity as a constant, the copies become two moves.
         if self.room == ROOM { self.copy(home, reach, near, ROOM) } else { self.copy(home, reach, near, self.room) }
     }
 
     #[inline(always)]
-    fn copy(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut Near, room: usize) {
+    fn copy(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut NearGrains, room: usize) {
         let [xs, ys, zs] =
             [self.row(0, home[0], reach[0]), self.row(1, home[1], reach[1]), self.row(2, home[2], reach[2])];
         near.count = 0;
@@ -162,9 +162,9 @@ impl Cells {
     }
 
     #[inline(always)]
-    fn row(&self, axis: usize, place: usize, [from, to]: [isize; 2]) -> Row {
+    fn row(&self, axis: usize, place: usize, [from, to]: [isize; 2]) -> AxisCells {
         let n = self.counts[axis] as isize;
-        let mut row = Row { places: [0; 3], count: 0 };
+        let mut row = AxisCells { places: [0; 3], count: 0 };
         for step in from..=to {
             let c = place as isize + step;
             let outside = c < 0 || c >= n;
@@ -179,7 +179,7 @@ impl Cells {
 }
 
 /// The cells around a cell along an axis.
-struct Row {
+struct AxisCells {
     places: [usize; 3],
     count: usize,
 }
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn a_long_box_has_no_more_cells_than_allowed_for_its_grains() {
         let extent = |length| Vector::new(length, 8.0, 1.0);
-        let counts = |length| Cells::counts((extent(length), [true; 3]), (1.0, 0.5), 1.0).map(|n| n as u32);
+        let counts = |length| GrainCells::counts(extent(length), [true; 3], 1.0, 0.5, 1.0).map(|n| n as u32);
         assert_eq!(counts(8.0), [8, 8, 1]);
         assert_eq!(counts(9.0), [5, 8, 1]);
         assert_eq!(counts(16.0), [8, 8, 1]);

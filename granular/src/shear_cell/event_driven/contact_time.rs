@@ -4,7 +4,7 @@ use domain::Vector;
 
 /// The separation of two grains at one time and its motion from then on: `r + w t + a t^2/2`.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct RelativeMotion {
+pub struct RelativeFlight {
     /// Vector from the first to the second grain.
     pub separation: Vector,
     /// Relative velocity.
@@ -65,7 +65,7 @@ fn first_root(c: f64, b: f64, a: f64) -> Option<f64> {
     }
 }
 
-impl RelativeMotion {
+impl RelativeFlight {
     /// Squared distance minus squared diameter, half its rate, and half the minimum of its second derivative within a
     /// window: a parabola that is a lower bound.
     #[inline]
@@ -95,7 +95,7 @@ impl RelativeMotion {
 /// time on, `f` stays above the parabola `f + f' t + m t^2/2` with `m` the minimum of `f''` in the window; the first
 /// root of the parabola is reached without passing a contact, and the next parabola starts there. Without
 /// acceleration the first parabola is exact.
-pub fn curved(start: &RelativeMotion, diameter: f64, window: f64) -> Option<f64> {
+pub fn curved(start: &RelativeFlight, diameter: f64, window: f64) -> Option<f64> {
     let mut elapsed = 0.0;
     // Each parabola squares the error; sixty are for grazing contacts, where the roots are nearly double.
     for _ in 0..60 {
@@ -177,7 +177,7 @@ mod tests {
             let gap = |t: f64| (r + w * t + a * (0.5 * t * t)).length() - 1.0;
             let steps = 4000;
             let crossing = (0..=steps).map(|k| f64::from(k) / f64::from(steps)).find(|&t| gap(t) < 0.0);
-            let found = curved(&RelativeMotion { separation: r, velocity: w, acceleration: a }, 1.0, 1.0);
+            let found = curved(&RelativeFlight { separation: r, velocity: w, acceleration: a }, 1.0, 1.0);
             match (found, crossing) {
                 (Some(t), Some(c)) =>
                     prop_assert!(t <= c && c - t < 1.0 / f64::from(steps) + 1e-9 && gap(t).abs() < 1e-12),

@@ -3,8 +3,8 @@
 use super::cells::NEAR;
 use super::contact_time::Straight;
 use super::grain::Grain;
-use crate::simd::{self, Kernel};
 use domain::Vector;
+use simd::vectorised;
 
 /// One number for each nearby grain.
 type Lane = [f64; NEAR];
@@ -23,7 +23,7 @@ pub struct Flights {
 }
 
 /// Input of a selection, the same for all nearby grains.
-pub struct View<'a> {
+pub struct FlightInput<'a> {
     pub grains: &'a [Grain],
     /// The grain that they may meet, at the present time.
     pub grain: &'a Grain,
@@ -48,8 +48,14 @@ impl Flights {
 
     /// The first grain of the list, other than `i` itself, that is met earlier than the best so far;
     /// otherwise the best so far.
-    pub fn first(&mut self, i: usize, list: &[u32], view: &View, mut best: (f64, u32)) -> (f64, u32) {
-        simd::run(Sift { flights: self, list, view });
+    pub fn first(&mut self, i: usize, list: &[u32], view: &FlightInput, mut best: (f64, u32)) -> (f64, u32) {
+        vectorised(
+            #[inline(always)]
+            || {
+                self.gather(list, view);
+                self.pair(list.len(), view);
+            },
+        );
         let mut count = 0;
         for (k, &j) in list.iter().enumerate() {
             // Most pairs miss each other or separate: they are dropped without a branch.
@@ -67,27 +73,10 @@ impl Flights {
         }
         best
     }
-}
 
-/// The computation for all grains of a list.
-struct Sift<'a, 'b> {
-    flights: &'a mut Flights,
-    list: &'a [u32],
-    view: &'a View<'b>,
-}
-
-impl Kernel for Sift<'_, '_> {
-    #[inline(always)]
-    fn run(self) {
-        self.flights.gather(self.list, self.view);
-        self.flights.pair(self.list.len(), self.view);
-    }
-}
-
-impl Flights {
     /// Computes separations at the present time and relative velocities.
     #[inline(always)]
-    fn gather(&mut self, list: &[u32], view: &View) {
+    fn gather(&mut self, list: &[u32], view: &FlightInput) {
         let Grain { position, velocity, .. } = *view.grain;
         for (k, &j) in list.iter().enumerate().take(NEAR) {
             let grain = &view.grains[j as usize];
@@ -102,7 +91,7 @@ impl Flights {
 
     /// Takes the nearest images, and determines which flights may end in a contact.
     #[inline(always)]
-    fn pair(&mut self, count: usize, view: &View) {
+    fn pair(&mut self, count: usize, view: &FlightInput) {
         let (periods, size) = (view.periods, view.size);
         let Self { separations: [x, y, z], velocities: [u, v, w], pairs: [a, b, c], may_meet, .. } = self;
         for k in 0..count.next_multiple_of(GROUP).min(NEAR) {

@@ -1,10 +1,10 @@
-//! State and plan of a grain between two events.
+//! State and next event of a grain between two events.
 
 use domain::Vector;
 
 /// A grain in free flight: its state at its own `time`, from which it follows `x + v t + a t^2/2`. All data for
 /// predicting a contact without acceleration are in one cache line.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 #[repr(C, align(64))]
 pub struct Grain {
     pub position: Vector,
@@ -19,7 +19,7 @@ pub struct Grain {
 #[derive(Debug, Clone, Copy)]
 pub struct Rest {
     pub spin: Vector,
-    pub last_hit: f64,
+    pub last_collision: f64,
 }
 
 impl Grain {
@@ -35,8 +35,8 @@ impl Grain {
 }
 
 /// Next event of a grain: the planned contact with a partner, or the exit from its cell.
-#[derive(Debug, Clone, Copy)]
-pub struct Plan {
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NextEvent {
     /// Time of the contact.
     pub contact: f64,
     pub partner: u32,
@@ -50,10 +50,11 @@ pub struct Plan {
 }
 
 /// The way in which a grain's stay in a cell ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Exit {
     /// Through the face of this axis, up or down: into the next cell or against a wall.
     Face { axis: u8, up: bool },
     /// The stored acceleration is no longer valid.
+    #[default]
     Renewal,
 }

@@ -11,21 +11,21 @@
 //! contact time. Both keep the number of events in any time finite.
 
 mod cells;
+mod collisions;
 mod contact_time;
 mod flights;
 mod grain;
-mod hits;
-mod lid;
 mod plan;
 mod queue;
+mod top_wall;
 
-use super::{Grains, Lid, Model, Motion, State, Tally};
-use crate::parameter::ParameterError;
-use cells::{Cells, NEAR, Near};
-use contact_time::RelativeMotion;
+use super::{CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Tally, TopWall};
+use crate::parameter::{ParameterError, require};
+use cells::{GrainCells, NEAR, NearGrains};
+use contact_time::RelativeFlight;
 use domain::{Number, Vector};
 use flights::Flights;
-use grain::{Exit, Grain, Plan, Rest};
+use grain::{Exit, Grain, NextEvent, Rest};
 use queue::Queue;
 
 /// Displacement, over the diameter, that the relative acceleration of two grains may cause before it is renewed.
@@ -47,14 +47,14 @@ pub struct EventDriven {
     grains: Vec<Grain>,
     accelerations: Vec<Vector>,
     rest: Vec<Rest>,
-    plans: Vec<Plan>,
+    plans: Vec<NextEvent>,
     /// One entry per grain, and the last for the top wall.
     queue: Queue,
-    cells: Cells,
-    near: Box<Near>,
+    cells: GrainCells,
+    near: Box<NearGrains>,
     flights: Box<Flights>,
     /// Buffer for the nearby grains on curved trajectories that a grain may meet.
-    curving: Vec<(u32, RelativeMotion)>,
+    curving: Vec<(u32, RelativeFlight)>,
     /// Time since the grains were last advanced together, the origin of time of plans and grains.
     now: f64,
     /// Diameter at that time, and its growth rate (packing only).
@@ -62,7 +62,7 @@ pub struct EventDriven {
     /// Time for which a stored acceleration is valid.
     horizon: f64,
     accelerated: bool,
-    lid: lid::Moving,
+    top_wall: top_wall::MovingWall,
     tally: Tally,
     events: Events,
     jammed: bool,
@@ -70,15 +70,17 @@ pub struct EventDriven {
 
 /// Predicted memory of the engine with `count` grains: about one cell per grain, and a tree of times as the queue.
 pub fn bytes(model: &Model, count: f64) -> domain::Bytes {
-    let grains = domain::Bytes::list::<(u32, Grain, Vector, Rest, Plan)>(count);
-    grains.then(domain::Bytes::list::<f64>(8.0 / 7.0 * count)).then(domain::Bytes::keep(Cells::bytes(model, count)))
+    let grains = domain::Bytes::list::<(u32, Grain, Vector, Rest, NextEvent)>(count);
+    grains
+        .then(domain::Bytes::list::<f64>(8.0 / 7.0 * count))
+        .then(domain::Bytes::keep(GrainCells::bytes(model, count)))
 }
 
 /// Numbers of events.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Events {
     /// Collisions between grains and with walls.
-    pub hits: u64,
+    pub collisions: u64,
     /// Transitions between cells.
     pub passages: u64,
     /// Plans made again because the partner had collided first, or because the stored acceleration had expired.
@@ -87,62 +89,46 @@ pub struct Events {
 
 impl EventDriven {
     /// Starts from grains inside the cell that overlap by round-off at most.
-    pub fn new(model: &Model, state: &State) -> Result<Self, ParameterError> {
+    pub fn new(model: &Model, state: &CellState) -> Result<Self, ParameterError> {
         state.check(model)?;
         let deepest = state.grains.deepest_overlap(model);
         let apart = "grains apart: the event-driven engine can't start from overlaps";
-        crate::parameter::require(deepest < 1e-9, "overlap", &format!("{deepest:.2e} diameters"), apart)?;
+        require(deepest < 1e-9, "overlap", format_args!("{deepest:.2e} diameters"), apart)?;
         let (contact, horizon) = (model.parameters().contact_time, horizon(model));
-        let longest = format!(
+        let longest = format_args!(
             "at most {:.3}: in a longer time gravity, the curved path or the load of the top move a grain by a \
              hundredth of its diameter; take a shorter one, or less of those",
             Number(horizon)
         );
-        crate::parameter::require(contact <= horizon, "grains.contact_time", &contact, longest)?;
+        require(contact <= horizon, "grains.contact_time", Number(contact), longest)?;
         Ok(Self::growing(model, state, [model.parameters().diameter, 0.0]))
     }
 
     /// Like [`EventDriven::new`], with a diameter that grows to the model's.
-    pub(super) fn growing(model: &Model, state: &State, size: [f64; 2]) -> Self {
+    pub(super) fn growing(model: &Model, state: &CellState, size: [f64; 2]) -> Self {
         let accelerated = model.has_body_force();
-        let cells = Cells::fitting(model, state.lid.height, state.grains.len());
+        let cells = GrainCells::fitting(model, state.top_wall.height, state.grains.len());
         let (ids, grains) = in_order(&cells, &state.grains);
-        let fly = |(&position, motion): (&Vector, &Motion)| Grain {
-            position,
-            velocity: motion.velocity,
-            time: 0.0,
-            cell: 0,
-            stamp: 0,
-        };
-        let pull = |(&position, motion): (&Vector, &Motion)| {
-            if accelerated { model.acceleration(position, motion.velocity) } else { Vector::ZERO }
-        };
-        let states = || grains.positions.iter().zip(&grains.motions);
-        let never = Plan {
-            contact: f64::INFINITY,
-            partner: NONE,
-            stamp: 0,
-            renewal: f64::INFINITY,
-            exit: f64::INFINITY,
-            exit_by: Exit::Renewal,
-        };
+        let states = || grains.positions.iter().copied().zip(grains.motions.iter().map(|motion| motion.velocity));
+        let fly = |(position, velocity)| Grain { position, velocity, ..Grain::default() };
+        let pull = |(x, v)| if accelerated { model.acceleration(x, v) } else { Vector::ZERO };
         let mut engine = Self {
             model: *model,
             ids,
             grains: states().map(fly).collect(),
             accelerations: states().map(pull).collect(),
-            rest: grains.motions.iter().map(|m| Rest { spin: m.spin, last_hit: f64::NEG_INFINITY }).collect(),
-            plans: vec![never; grains.len()],
+            rest: grains.motions.iter().map(|m| Rest { spin: m.spin, last_collision: f64::NEG_INFINITY }).collect(),
+            plans: vec![NextEvent::default(); grains.len()],
             queue: Queue::new(grains.len() + 1),
             cells,
-            near: Box::new(Near::new()),
+            near: Box::new(NearGrains::new()),
             flights: Box::new(Flights::new()),
-            curving: vec![(NONE, RelativeMotion::default()); NEAR],
+            curving: vec![(NONE, RelativeFlight::default()); NEAR],
             now: 0.0,
             size,
             horizon: horizon(model),
             accelerated,
-            lid: lid::Moving::new(state.lid, -model.lid_fall()),
+            top_wall: top_wall::MovingWall::new(state.top_wall, -model.top_wall_fall()),
             tally: state.tally,
             events: Events::default(),
             jammed: false,
@@ -151,52 +137,25 @@ impl EventDriven {
         engine
     }
 
-    /// Runs for a duration while the grains are not jammed and `go_on` returns true. Returns
-    /// whether it reached the end.
-    pub fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
-        let mut left = duration;
-        while !self.jammed {
-            let before = self.tally.time;
-            left = self.run(left, LOOK, go_on);
-            if left == 0.0 {
-                return true;
-            }
-            if !go_on() {
-                return false;
-            }
-            // A collision involves two grains.
-            let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * LOOK) as f64;
-            self.jammed = pause < self.model.parameters().contact_time;
-        }
-        false
-    }
-
-    /// Whether the grains have jammed: the collision rate of rigid grains without room to move grows without
-    /// bound, so that time does not advance. They count as jammed when the mean time between a grain's collisions
-    /// is less than the contact time.
-    pub fn is_jammed(&self) -> bool {
-        self.jammed
-    }
-
-    /// Runs until `hits` more collisions have happened; stops early if no event is left.
-    pub fn advance_hits(&mut self, hits: u64) {
-        self.run(f64::INFINITY, hits, &|| true);
+    /// Runs until `collisions` more collisions have happened; stops early if no event is left.
+    pub fn advance_collisions(&mut self, collisions: u64) {
+        self.run(f64::INFINITY, collisions, &|| true);
     }
 
     /// Runs for a time or a number of collisions, whichever ends first, while `go_on` returns
     /// true. Returns the time left.
-    pub(super) fn run(&mut self, duration: f64, hits: u64, go_on: &dyn Fn() -> bool) -> f64 {
-        let (enough, mut look) = (self.events.hits.saturating_add(hits), self.events.total() + LOOK);
+    pub(super) fn run(&mut self, duration: f64, collisions: u64, go_on: &dyn Fn() -> bool) -> f64 {
+        let (enough, mut look) = (self.events.collisions.saturating_add(collisions), self.events.total() + LOOK);
         let mut left = duration;
         loop {
             let lap = self.events.total() + LAPS * self.grains.len() as u64;
             let limit = f64::min(left, f64::MAX);
             let mut next = self.queue.earliest();
-            while next.1 <= limit && self.events.hits < enough && self.events.total() < lap {
-                self.happen(next);
+            while next.1 <= limit && self.events.collisions < enough && self.events.total() < lap {
+                self.happen(next.0, next.1);
                 next = self.queue.earliest();
             }
-            let (idle, enough) = (next.1 > limit, self.events.hits >= enough);
+            let (idle, enough) = (next.1 > limit, self.events.collisions >= enough);
             if idle && left.is_finite() {
                 self.now = f64::max(self.now, left);
             }
@@ -215,31 +174,9 @@ impl EventDriven {
         }
     }
 
-    /// Sums so far.
-    pub fn tally(&self) -> &Tally {
-        &self.tally
-    }
-
     /// Numbers of events so far.
     pub fn events(&self) -> Events {
         self.events
-    }
-
-    /// The top wall.
-    pub fn lid(&self) -> Lid {
-        self.lid.at(self.now)
-    }
-
-    /// The grains now.
-    pub fn grains(&self) -> Grains {
-        let count = self.grains.len();
-        let mut grains = Grains { positions: vec![Vector::ZERO; count], motions: vec![Motion::default(); count] };
-        for (row, &id) in self.ids.iter().enumerate() {
-            (grains.positions[id as usize], grains.motions[id as usize]) =
-                (self.grains[row].position, self.motion(row));
-        }
-        super::grains::wrap(&self.model, &mut grains.positions);
-        grains
     }
 
     /// The diameter now.
@@ -256,10 +193,10 @@ impl EventDriven {
     }
 
     /// Processes the event of an entry at its time.
-    fn happen(&mut self, (i, time): (usize, f64)) {
+    fn happen(&mut self, i: usize, time: f64) {
         self.now = f64::max(self.now, time);
         if i == self.grains.len() {
-            return self.lid_event();
+            return self.top_wall_event();
         }
         let plan = self.plans[i];
         if plan.contact <= plan.exit {
@@ -290,11 +227,11 @@ impl EventDriven {
         (grain.position, grain.velocity, grain.time) = (position, velocity, self.now);
     }
 
-    fn motion(&self, i: usize) -> Motion {
-        Motion { velocity: self.grains[i].velocity, spin: self.rest[i].spin }
+    fn motion(&self, i: usize) -> GrainMotion {
+        GrainMotion { velocity: self.grains[i].velocity, spin: self.rest[i].spin }
     }
 
-    fn set_motion(&mut self, i: usize, motion: Motion) {
+    fn set_motion(&mut self, i: usize, motion: GrainMotion) {
         (self.grains[i].velocity, self.rest[i].spin) = (motion.velocity, motion.spin);
     }
 
@@ -320,13 +257,13 @@ impl EventDriven {
         for i in 0..self.grains.len() {
             self.bring(i);
             self.grains[i].time = 0.0;
-            self.rest[i].last_hit -= self.now;
+            self.rest[i].last_collision -= self.now;
             let plan = &mut self.plans[i];
             for time in [&mut plan.contact, &mut plan.exit, &mut plan.renewal] {
                 *time -= self.now;
             }
         }
-        self.lid.rebase(self.now);
+        self.top_wall.rebase(self.now);
         self.queue.rebase(self.now);
         self.tally.time += self.now;
         self.size[0] = self.diameter();
@@ -335,14 +272,62 @@ impl EventDriven {
 
     /// Sorts all grains, at the same time, into cells that fit the present box, and plans all events.
     fn sort_and_plan(&mut self) {
-        self.cells = Cells::fitting(&self.model, self.lid().height, self.grains.len());
+        self.cells = GrainCells::fitting(&self.model, self.top_wall().height, self.grains.len());
         for i in 0..self.grains.len() {
             let cell = self.cells.at(self.grains[i].position);
             self.cells.enter(i as u32, cell);
             self.grains[i].cell = cell;
         }
         (0..self.grains.len()).for_each(|i| self.plan(i));
-        self.plan_lid();
+        self.plan_top_wall();
+    }
+}
+
+impl CollisionEngine for EventDriven {
+    fn collisions(&self) -> CollisionDetection {
+        CollisionDetection::EventDriven
+    }
+
+    fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+        let mut left = duration;
+        while !self.jammed {
+            let before = self.tally.time;
+            left = self.run(left, LOOK, go_on);
+            if left == 0.0 {
+                return true;
+            }
+            if !go_on() {
+                return false;
+            }
+            // A collision involves two grains.
+            let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * LOOK) as f64;
+            self.jammed = pause < self.model.parameters().contact_time;
+        }
+        false
+    }
+
+    /// They count as jammed when the mean time between a grain's collisions is less than the contact time.
+    fn is_jammed(&self) -> bool {
+        self.jammed
+    }
+
+    fn grains(&self) -> Grains {
+        let count = self.grains.len();
+        let mut grains = Grains { positions: vec![Vector::ZERO; count], motions: vec![GrainMotion::default(); count] };
+        for (row, &id) in self.ids.iter().enumerate() {
+            (grains.positions[id as usize], grains.motions[id as usize]) =
+                (self.grains[row].position, self.motion(row));
+        }
+        super::grains::wrap(&self.model, &mut grains.positions);
+        grains
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    fn top_wall(&self) -> TopWall {
+        self.top_wall.at(self.now)
     }
 }
 
@@ -353,7 +338,7 @@ fn horizon(model: &Model) -> f64 {
 }
 
 /// Ids and grains in the order of their cells.
-fn in_order(cells: &Cells, grains: &Grains) -> (Vec<u32>, Grains) {
+fn in_order(cells: &GrainCells, grains: &Grains) -> (Vec<u32>, Grains) {
     let mut ids: Vec<u32> = (0..grains.len() as u32).collect();
     ids.sort_by_key(|&id| cells.at(grains.positions[id as usize]));
     let of = |&id: &u32| (grains.positions[id as usize], grains.motions[id as usize]);
@@ -364,6 +349,6 @@ fn in_order(cells: &Cells, grains: &Grains) -> (Vec<u32>, Grains) {
 impl Events {
     /// Number of events of all kinds.
     pub fn total(&self) -> u64 {
-        self.hits + self.passages + self.renewals
+        self.collisions + self.passages + self.renewals
     }
 }

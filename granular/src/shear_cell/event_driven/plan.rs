@@ -2,9 +2,9 @@
 
 use super::{
     EventDriven, NONE,
-    contact_time::{RelativeMotion, curved, reach},
-    flights::View,
-    grain::{Exit, Plan},
+    contact_time::{RelativeFlight, curved, reach},
+    flights::FlightInput,
+    grain::{Exit, NextEvent},
 };
 
 impl EventDriven {
@@ -12,9 +12,9 @@ impl EventDriven {
     pub(super) fn plan(&mut self, i: usize) {
         let renewal = self.now + self.horizon;
         let (exit, exit_by) = self.exit(i, renewal);
-        self.plans[i] = Plan { contact: f64::INFINITY, partner: NONE, stamp: 0, renewal, exit, exit_by };
+        self.plans[i] = NextEvent { contact: f64::INFINITY, partner: NONE, stamp: 0, renewal, exit, exit_by };
         self.plan_contacts(i, [[-1, 1]; 3]);
-        self.plan_lid_hit(i);
+        self.plan_top_wall_collision(i);
     }
 
     /// Predicts the next event of a grain that has just entered its cell: keeps the planned contact, and considers
@@ -26,7 +26,7 @@ impl EventDriven {
         let mut reach = [[-1, 1]; 3];
         reach[axis] = if up { [1, 1] } else { [-1, -1] };
         self.plan_contacts(i, reach);
-        self.plan_lid_hit(i);
+        self.plan_top_wall_collision(i);
     }
 
     fn plan_contacts(&mut self, i: usize, reach: [[isize; 2]; 3]) {
@@ -48,7 +48,7 @@ impl EventDriven {
         let (t, partner) = if ACCELERATED {
             self.first_curved(i, best)
         } else {
-            let view = View { grains, grain, now: *now, periods: cells.periods(), size };
+            let view = FlightInput { grains, grain, now: *now, periods: cells.periods(), size };
             flights.first(i, near.list(), &view, best)
         };
         (partner != NONE).then_some((self.now + t, partner))
@@ -65,7 +65,7 @@ impl EventDriven {
         for &j in self.near.list() {
             let pull = self.accelerations[j as usize];
             let (there, speed) = self.grains[j as usize].at(self.now, Some(pull));
-            let start = RelativeMotion {
+            let start = RelativeFlight {
                 separation: self.nearest(there - position),
                 velocity: speed - velocity,
                 acceleration: pull - acceleration,
@@ -100,7 +100,7 @@ impl EventDriven {
             let down =
                 if walled && home[axis] == 0 { reach(x - radius, growth - v, -a) } else { reach(x - low, -v, -a) };
             let up = if walled && home[axis] + 1 == self.cells.counts[axis] {
-                if axis == 1 && self.lid.is_free() {
+                if axis == 1 && self.top_wall.is_free() {
                     f64::INFINITY
                 } else {
                     reach(edge * self.cells.counts[axis] as f64 - radius - x, growth + v, a)

@@ -15,15 +15,15 @@ pub struct Balance {
 
 /// Energy and momentum at the start.
 #[derive(Debug, Clone, Copy)]
-pub struct Start {
+pub struct InitialBalance {
     energy: f64,
     momentum: Vector,
 }
 
-impl Start {
+impl InitialBalance {
     pub fn new(model: &Model, engine: &Engine) -> Self {
         let grains = engine.grains();
-        Self { energy: grains.energy(model) + engine.lid().energy(model), momentum: grains.momentum(model) }
+        Self { energy: grains.energy(model) + engine.top_wall().energy(model), momentum: grains.momentum(model) }
     }
 
     /// The same where a user has replaced the grains of a later time by others.
@@ -50,7 +50,7 @@ impl Start {
     }
 }
 
-impl State for Start {
+impl State for InitialBalance {
     fn visit(&mut self, store: &mut dyn Store) {
         store.number(&mut self.energy);
         self.momentum.as_mut().iter_mut().for_each(|component| store.number(component));

@@ -1,25 +1,25 @@
 //! The measurements of a run so far.
 
 use super::super::{Engine, Model, Sampling, Side, Tally};
-use super::{DensityMap, Profile, WallSeries};
+use super::{DensityMap, LayerProfile, WallSeries};
 use statistics::{Blocks, State, Store};
 
 /// Stresses and heights for each window; profile and map for each sample.
 #[derive(Debug, Clone)]
-pub struct Measured {
+pub struct Measurements {
     pub walls: [WallSeries; 4],
     pub heights: Blocks,
-    pub profile: Profile,
+    pub profile: LayerProfile,
     pub map: DensityMap,
 }
 
-impl Measured {
+impl Measurements {
     /// No measurements yet; profile and map up to `height`.
     pub fn new(model: &Model, height: f64, sampling: &Sampling) -> Self {
         Self {
             walls: Default::default(),
             heights: Blocks::default(),
-            profile: Profile::new(model, height, sampling.layers),
+            profile: LayerProfile::new(model, height, sampling.layers),
             map: DensityMap::new(model, height, sampling.pixels),
         }
     }
@@ -30,7 +30,7 @@ impl Measured {
             let impulse = engine.tally().walls[side as usize].impulse - before.walls[side as usize].impulse;
             wall.add(model, side, impulse, sampling.window);
         }
-        self.heights.add(engine.lid().height);
+        self.heights.add(engine.top_wall().height);
         if self.windows().is_multiple_of(sampling.every) {
             let grains = engine.grains();
             self.profile.add(model, &grains);
@@ -44,7 +44,7 @@ impl Measured {
     }
 }
 
-impl State for Measured {
+impl State for Measurements {
     fn visit(&mut self, store: &mut dyn Store) {
         self.walls.iter_mut().for_each(|wall| wall.visit(store));
         self.heights.visit(store);

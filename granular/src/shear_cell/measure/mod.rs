@@ -10,9 +10,9 @@ mod stress;
 #[cfg(test)]
 mod tests;
 
-pub use balance::{Balance, Start};
+pub use balance::{Balance, InitialBalance};
 pub use map::DensityMap;
-pub use measured::Measured;
-pub use profile::{Layer, Profile, profile_bytes};
-pub use sample::Sample;
+pub use measured::Measurements;
+pub use profile::{Layer, LayerProfile, profile_bytes};
+pub use sample::CellSample;
 pub use stress::{WallSeries, WallStress};

@@ -22,30 +22,30 @@ pub struct Layer {
 
 /// Bytes of a profile with `layers` layers and of a map with `pixels` pixels.
 pub fn profile_bytes(layers: usize, pixels: [usize; 2]) -> f64 {
-    let layer = size_of::<Sums>() + size_of::<[Blocks; 3]>() + 3 * Blocks::MOST_BYTES;
+    let layer = size_of::<LayerSums>() + size_of::<[Blocks; 3]>() + 3 * Blocks::MOST_BYTES;
     layers as f64 * layer as f64 + pixels.iter().map(|&n| n as f64).product::<f64>() * size_of::<f64>() as f64
 }
 
 /// Sums over samples, layer by layer.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Profile {
+pub struct LayerProfile {
     height: f64,
     area: f64,
     samples: u64,
-    layers: Vec<Sums>,
+    layers: Vec<LayerSums>,
     /// Time series of solid fraction, velocity along the flow and temperature of each layer.
     series: Vec<[Blocks; 3]>,
 }
 
 /// Sums over the grains of a layer: volume, and volume times velocity and times squared velocity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-struct Sums {
+struct LayerSums {
     volume: f64,
     velocity: Vector,
     square: f64,
 }
 
-impl Sums {
+impl LayerSums {
     /// Mean velocity and granular temperature; NaN without grains.
     fn means(&self) -> (Vector, f64) {
         let velocity = self.velocity / self.volume;
@@ -53,7 +53,7 @@ impl Sums {
     }
 }
 
-impl Profile {
+impl LayerProfile {
     /// `layers` of equal thickness from the bottom to `height`.
     pub fn new(model: &Model, height: f64, layers: usize) -> Self {
         let edges = model.edges();
@@ -61,7 +61,7 @@ impl Profile {
             height,
             area: edges.x * edges.z,
             samples: 0,
-            layers: vec![Sums::default(); layers],
+            layers: vec![LayerSums::default(); layers],
             series: vec![Default::default(); layers],
         }
     }
@@ -89,14 +89,14 @@ impl Profile {
         self.height / self.layers.len() as f64
     }
 
-    fn sums(&self, radius: f64, grains: &Grains) -> Vec<Sums> {
+    fn sums(&self, radius: f64, grains: &Grains) -> Vec<LayerSums> {
         let (thickness, top) = (self.thickness(), self.layers.len() - 1);
         // Volume of the part of a sphere below a plane at t above its centre.
         let below = |t: f64| {
             let h = (t + radius).clamp(0.0, 2.0 * radius);
             PI * h * h * (radius - h / 3.0)
         };
-        let mut layers = vec![Sums::default(); self.layers.len()];
+        let mut layers = vec![LayerSums::default(); self.layers.len()];
         for (x, motion) in grains.positions.iter().zip(&grains.motions) {
             let first = ((x.y - radius) / thickness).max(0.0) as usize;
             let last = (((x.y + radius) / thickness) as usize).min(top);
@@ -115,7 +115,7 @@ impl Profile {
     /// The layers from the bottom up.
     pub fn layers(&self) -> Vec<Layer> {
         let thickness = self.thickness();
-        let layer = |(k, (sums, series)): (usize, (&Sums, &[Blocks; 3]))| {
+        let layer = |(k, (sums, series)): (usize, (&LayerSums, &[Blocks; 3]))| {
             let (velocity, temperature) = sums.means();
             Layer {
                 y: (k as f64 + 0.5) * thickness,
@@ -136,10 +136,10 @@ impl Profile {
     }
 }
 
-impl State for Profile {
+impl State for LayerProfile {
     fn visit(&mut self, store: &mut dyn Store) {
         store.count(&mut self.samples);
-        for Sums { volume, velocity, square } in &mut self.layers {
+        for LayerSums { volume, velocity, square } in &mut self.layers {
             store.number(volume);
             velocity.as_mut().iter_mut().for_each(|component| store.number(component));
             store.number(square);

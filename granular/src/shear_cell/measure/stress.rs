@@ -19,35 +19,28 @@ pub struct WallStress {
     pub deviation: f64,
 }
 
-/// Time series of the stress on a wall, one value per window.
+/// Time series of the normal stress, the shear stress along the flow and that across it on a wall, by windows.
 #[derive(Debug, Clone, Default)]
-pub struct WallSeries {
-    normal: Blocks,
-    along: Blocks,
-    across: Blocks,
-}
+pub struct WallSeries([Blocks; 3]);
 
 impl WallSeries {
     /// Adds the impulse on a wall during a window.
     pub fn add(&mut self, model: &Model, side: Side, impulse: Vector, window: f64) {
         let stress = impulse / (model.area(side) * window);
-        let across = if side.axis() == 1 { Vector::Z } else { Vector::Y };
-        self.normal.add(-stress.dot(model.face(side, 0.0).normal()));
-        self.along.add(stress.x);
-        self.across.add(stress.dot(across));
+        let normal = model.wall_contact(side, 0.0).normal();
+        let stresses = [-stress.dot(normal), stress.x, stress.dot(side.across())];
+        self.0.iter_mut().zip(stresses).for_each(|(blocks, stress)| blocks.add(stress));
     }
 
     /// The averages so far.
     pub fn stress(&self, side: Side) -> WallStress {
-        let [normal, along, across] = [&self.normal, &self.along, &self.across].map(Blocks::estimate);
-        WallStress { side, normal, along, across, deviation: self.normal.deviation() }
+        let [normal, along, across] = self.0.each_ref().map(Blocks::estimate);
+        WallStress { side, normal, along, across, deviation: self.0[0].deviation() }
     }
 }
 
 impl State for WallSeries {
     fn visit(&mut self, store: &mut dyn Store) {
-        for blocks in [&mut self.normal, &mut self.along, &mut self.across] {
-            blocks.visit(store);
-        }
+        self.0.iter_mut().for_each(|blocks| blocks.visit(store));
     }
 }

@@ -1,17 +1,17 @@
-use super::{DensityMap, Profile};
-use crate::shear_cell::{Contact, FrictionLaw, Grains, Model, Motion};
+use super::{DensityMap, LayerProfile};
+use crate::shear_cell::{CollisionRule, FrictionLaw, GrainMotion, Grains, Model};
 use domain::Vector;
 use std::f64::consts::PI;
 
 fn gas() -> Model {
-    let contact = Contact { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
+    let contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
     Model::gas(Vector::new(5.0, 4.0, 6.0), 1.0, 1.0, contact).unwrap()
 }
 
 /// Grains at given heights with given velocities.
 fn grains(given: &[(f64, Vector)]) -> Grains {
     let place = |&(y, _): &(f64, Vector)| Vector::new(1.0, y, 1.5);
-    let motion = |&(_, velocity): &(f64, Vector)| Motion { velocity, spin: Vector::ZERO };
+    let motion = |&(_, velocity): &(f64, Vector)| GrainMotion { velocity, spin: Vector::ZERO };
     Grains { positions: given.iter().map(place).collect(), motions: given.iter().map(motion).collect() }
 }
 
@@ -19,7 +19,7 @@ fn grains(given: &[(f64, Vector)]) -> Grains {
 #[test]
 fn grains_count_by_their_volume_in_a_layer() {
     let (model, [up, along]) = (gas(), [Vector::new(1.0, 2.0, -3.0), Vector::new(4.0, 0.0, 0.0)]);
-    let mut profile = Profile::new(&model, 4.0, 2);
+    let mut profile = LayerProfile::new(&model, 4.0, 2);
     profile.add(&model, &grains(&[(1.0, up), (2.0, along)]));
     profile.add(&model, &grains(&[(1.2, up), (2.0, 2.0 * along)]));
     let [low, high] = profile.layers()[..] else { panic!("two layers") };

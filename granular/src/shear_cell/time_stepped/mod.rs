@@ -2,10 +2,13 @@
 
 mod neighbours;
 
-use super::{Grains, Lid, Model, Motion, Side, State, Tally, Top, contact::Face, grains::wrap};
+use super::{
+    CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Side, Tally, Top, TopWall,
+    contact::WallContact, grains::wrap,
+};
 use crate::parameter::{ParameterError, positive, refused};
 use domain::{Number, Vector};
-use neighbours::Neighbours;
+use neighbours::GrainPairs;
 
 /// Number of grains times steps between two checks whether to continue: a fraction of a second.
 const LOOK: u64 = 5_000_000;
@@ -23,8 +26,8 @@ pub struct TimeStepped {
     positions: Vec<Vector>,
     velocities: Vec<Vector>,
     spins: Vec<Vector>,
-    lid: Lid,
-    near: Neighbours,
+    top_wall: TopWall,
+    near: GrainPairs,
     tally: Tally,
     /// Speed of the fastest grain at the start.
     fastest: f64,
@@ -34,7 +37,7 @@ pub struct TimeStepped {
 
 impl TimeStepped {
     /// Starts from grains inside the cell.
-    pub fn new(model: &Model, state: &State, step: f64) -> Result<Self, ParameterError> {
+    pub fn new(model: &Model, state: &CellState, step: f64) -> Result<Self, ParameterError> {
         let grains = &state.grains;
         positive("time.collision_step", step)?;
         state.check(model)?;
@@ -44,23 +47,18 @@ impl TimeStepped {
             positions: grains.positions.clone(),
             velocities: grains.motions.iter().map(|m| m.velocity).collect(),
             spins: grains.motions.iter().map(|m| m.spin).collect(),
-            lid: state.lid,
-            near: Neighbours::default(),
+            top_wall: state.top_wall,
+            near: GrainPairs::default(),
             tally: state.tally,
             fastest: grains.motions.iter().map(|m| m.velocity.length()).fold(0.0, f64::max),
             escaped: false,
         };
-        engine.near.search(model, &mut engine.positions, &engine.velocities, engine.lid.height);
+        engine.near.search(model, &mut engine.positions, &engine.velocities, engine.top_wall.height);
         Ok(engine)
     }
 
-    /// Time step.
-    pub fn step(&self) -> f64 {
-        self.step
-    }
-
     /// Takes a number of steps while no grain escapes and `go_on` returns true. Returns whether it took them all.
-    pub fn advance(&mut self, steps: u64, go_on: &dyn Fn() -> bool) -> bool {
+    fn take_steps(&mut self, steps: u64, go_on: &dyn Fn() -> bool) -> bool {
         let look = (LOOK / self.positions.len().max(1) as u64).max(1);
         for step in 1..=steps {
             self.take_step();
@@ -74,17 +72,12 @@ impl TimeStepped {
         true
     }
 
-    /// Whether a grain has passed through a wall, or the top wall has reached the bottom: the step is too long.
-    pub fn has_escaped(&self) -> bool {
-        self.escaped
-    }
-
     /// The reason why grains escape, and a step that would do: one in which nothing moves by more than `WAY`
     /// diameters, at the speed of the walls plus that to which gravity and the load can accelerate the top wall,
     /// `sqrt(2 (g + P/M) H)`; and at most a tenth of the present step.
-    pub fn too_long(&self) -> ParameterError {
+    fn too_long(&self) -> ParameterError {
         let p = self.model.parameters();
-        let fall = (2.0 * (p.gravity + self.model.lid_fall()) * p.height).sqrt();
+        let fall = (2.0 * (p.gravity + self.model.top_wall_fall()) * p.height).sqrt();
         let enough = (WAY * p.diameter / (p.speed + self.fastest + fall)).min(0.1 * self.step);
         let load = match p.top {
             Top::Free { pressure, .. } => format!(" under top.pressure = {}, or a lower pressure", Number(pressure)),
@@ -95,37 +88,19 @@ impl TimeStepped {
             Number(enough),
             Number(self.tally.time)
         );
-        refused("time.collision_step", &Number(self.step).to_string(), &allowed)
+        refused("time.collision_step", Number(self.step), allowed)
     }
 
     fn take_step(&mut self) {
         self.drift();
-        self.lower_lid();
+        self.lower_top_wall();
         self.strike_walls();
         if self.escaped {
             return;
         }
-        self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.lid.height);
+        self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.top_wall.height);
         self.strike_pairs();
         self.tally.time += self.step;
-    }
-
-    /// Sums so far.
-    pub fn tally(&self) -> &Tally {
-        &self.tally
-    }
-
-    /// The top wall.
-    pub fn lid(&self) -> Lid {
-        self.lid
-    }
-
-    /// The grains now.
-    pub fn grains(&self) -> Grains {
-        let motions = self.velocities.iter().zip(&self.spins).map(|(&velocity, &spin)| Motion { velocity, spin });
-        let mut grains = Grains { positions: self.positions.clone(), motions: motions.collect() };
-        wrap(&self.model, &mut grains.positions);
-        grains
     }
 
     fn drift(&mut self) {
@@ -145,12 +120,13 @@ impl TimeStepped {
         self.near.moved(fastest.sqrt() * dt);
     }
 
-    fn lower_lid(&mut self) {
-        let kick = -self.model.lid_fall() * self.step;
-        self.tally.load_work += self.model.lid_mass().unwrap_or(0.0) * kick * (self.lid.velocity + 0.5 * kick);
-        self.lid.velocity += kick;
-        self.lid.height += self.lid.velocity * self.step;
-        self.escaped |= self.lid.height <= self.model.parameters().diameter;
+    fn lower_top_wall(&mut self) {
+        let kick = -self.model.top_wall_fall() * self.step;
+        self.tally.load_work +=
+            self.model.top_wall_mass().unwrap_or(0.0) * kick * (self.top_wall.velocity + 0.5 * kick);
+        self.top_wall.velocity += kick;
+        self.top_wall.height += self.top_wall.velocity * self.step;
+        self.escaped |= self.top_wall.height <= self.model.parameters().diameter;
     }
 
     fn strike_walls(&mut self) {
@@ -158,7 +134,7 @@ impl TimeStepped {
             return;
         }
         let radius = self.model.radius();
-        let (top, inner) = (self.lid.height - radius, self.model.edges().z - radius);
+        let (top, inner) = (self.top_wall.height - radius, self.model.edges().z - radius);
         for i in 0..self.positions.len() {
             let x = self.positions[i];
             if x.y < radius || x.y > top || x.z < radius || x.z > inner {
@@ -171,16 +147,16 @@ impl TimeStepped {
 
     fn strike_wall(&mut self, i: usize, side: Side) {
         let (model, radius) = (&self.model, self.model.radius());
-        let face: Face = model.face(side, self.lid.velocity);
+        let face: WallContact = model.wall_contact(side, self.top_wall.velocity);
         let (x, normal) = (self.positions[i], face.normal());
         let plane = match side {
             Side::Bottom | Side::Outer => 0.0,
-            Side::Top => self.lid.height,
+            Side::Top => self.top_wall.height,
             Side::Inner => model.edges().z,
         };
         let overlap = radius - (x[face.axis] - plane) * normal[face.axis];
         self.escaped |= overlap > model.parameters().diameter;
-        let mut motion = Motion { velocity: self.velocities[i], spin: self.spins[i] };
+        let mut motion = GrainMotion { velocity: self.velocities[i], spin: self.spins[i] };
         if overlap <= 0.0 || (motion.velocity - face.velocity).dot(normal) >= 0.0 {
             return;
         }
@@ -188,23 +164,23 @@ impl TimeStepped {
         let impulse = model.parameters().wall_contact.strike_wall(&mut motion, &face, radius, [0.0; 2]);
         (self.velocities[i], self.spins[i]) = (motion.velocity, motion.spin);
         let gain = motion.energy(radius) - before;
-        self.tally.strike_wall(model, (side, &face), impulse, gain, &mut self.lid);
+        self.tally.strike_wall(model, &face, impulse, gain, &mut self.top_wall);
         self.tally.largest_overlap = self.tally.largest_overlap.max(overlap / model.parameters().diameter);
     }
 
     fn strike_pairs(&mut self) {
         let (model, radius, diameter) = (&self.model, self.model.radius(), self.model.parameters().diameter);
         let rule = model.parameters().grain_contact;
-        let (mut lost, mut hits, mut overlaps, mut deepest) = (0.0, 0, 0.0, self.tally.largest_overlap);
+        let (mut lost, mut collisions, mut overlaps, mut deepest) = (0.0, 0, 0.0, self.tally.largest_overlap);
         let mut strike = |i: usize, j: usize, d: Vector, v: &mut [Vector], w: &mut [Vector]| {
-            let mut a = Motion { velocity: v[i], spin: w[i] };
-            let mut b = Motion { velocity: v[j], spin: w[j] };
+            let mut a = GrainMotion { velocity: v[i], spin: w[i] };
+            let mut b = GrainMotion { velocity: v[j], spin: w[j] };
             let (distance, before) = (d.length(), a.energy(radius) + b.energy(radius));
             rule.strike_pair([&mut a, &mut b], d / distance, radius, [0.0; 2]);
             (v[i], w[i], v[j], w[j]) = (a.velocity, a.spin, b.velocity, b.spin);
             let overlap = 1.0 - distance / diameter;
             lost += before - a.energy(radius) - b.energy(radius);
-            hits += 1;
+            collisions += 1;
             overlaps += overlap;
             deepest = f64::max(deepest, overlap);
         };
@@ -223,8 +199,41 @@ impl TimeStepped {
             }
         }
         self.tally.dissipated += lost * model.mass();
-        self.tally.pair_hits += hits;
+        self.tally.pair_collisions += collisions;
         self.tally.overlaps += overlaps;
         self.tally.largest_overlap = deepest;
+    }
+}
+
+impl CollisionEngine for TimeStepped {
+    fn collisions(&self) -> CollisionDetection {
+        CollisionDetection::TimeStepped { step: self.step }
+    }
+
+    fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+        self.take_steps((duration / self.step).round() as u64, go_on)
+    }
+
+    fn failure(&self) -> Option<ParameterError> {
+        self.escaped.then(|| self.too_long())
+    }
+
+    fn cause(&self, _error: ParameterError) -> ParameterError {
+        self.too_long()
+    }
+
+    fn grains(&self) -> Grains {
+        let motions = self.velocities.iter().zip(&self.spins).map(|(&velocity, &spin)| GrainMotion { velocity, spin });
+        let mut grains = Grains { positions: self.positions.clone(), motions: motions.collect() };
+        wrap(&self.model, &mut grains.positions);
+        grains
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    fn top_wall(&self) -> TopWall {
+        self.top_wall
     }
 }

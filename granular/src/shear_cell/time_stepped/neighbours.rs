@@ -12,7 +12,7 @@ const SKINS: [f64; 2] = [0.4, 0.06];
 /// Pairs closer than a diameter and a skin, valid until a grain may have moved by half the skin
 /// relative to the common motion.
 #[derive(Default)]
-pub struct Neighbours {
+pub struct GrainPairs {
     wide: Vec<(u32, u32, Vector)>,
     /// Pairs inside the box.
     pub within: Vec<(u32, u32)>,
@@ -23,7 +23,7 @@ pub struct Neighbours {
     travelled: [f64; 2],
 }
 
-impl Neighbours {
+impl GrainPairs {
     /// Adds an upper bound of the grains' displacements relative to the reference.
     pub fn moved(&mut self, distance: f64) {
         for travelled in &mut self.travelled {

@@ -3,7 +3,7 @@
 use super::folder::FamilyFolder;
 use super::spread::Spread;
 use files::{FileError, Observables};
-use granular::disks::{Record, estimated_free_path, viscous_length};
+use granular::disks::{RECORD_COLUMNS, estimated_free_path, viscous_length};
 use scene::{Family, GranularDisksScene, Kind, Member};
 use simulation::Table;
 
@@ -24,7 +24,7 @@ type Records = Vec<Vec<f64>>;
 
 /// The tables of the records that there are by now; none for a family of other scenes.
 pub(super) fn tables(folder: &FamilyFolder, family: &Family) -> Result<Vec<Table>, FileError> {
-    let columns = Record::COLUMNS.iter().flat_map(|(name, unit)| [((*name).to_owned(), *unit), error_of(name, unit)]);
+    let columns = RECORD_COLUMNS.iter().flat_map(|(name, unit)| [((*name).to_owned(), *unit), error_of(name, unit)]);
     let mut averages = Table::new("averages", &WORDS, &OF);
     averages.columns.extend(columns);
     let mut branches = Table::new("branches", &WORDS, &[&OF[..], &BRANCH].concat());
@@ -46,10 +46,10 @@ fn error_of(name: &str, unit: &'static str) -> (String, &'static str) {
 
 /// The records of a run, so far as all of its quantities have them.
 fn records(folder: &FamilyFolder, member: &Member) -> Result<Records, FileError> {
-    let is_one = |name: &str| Record::COLUMNS.iter().any(|(column, _)| *column == name);
+    let is_one = |name: &str| RECORD_COLUMNS.iter().any(|(column, _)| *column == name);
     let Some(series) = Observables::of_folder(&folder.member(member), &is_one)? else { return Ok(Vec::new()) };
     let columns: Option<Vec<Vec<f64>>> =
-        Record::COLUMNS.iter().map(|(name, _)| Some(series.get(name)?.column(0, 0).collect())).collect();
+        RECORD_COLUMNS.iter().map(|(name, _)| Some(series.get(name)?.column(0, 0).collect())).collect();
     let Some(columns) = columns else { return Ok(Vec::new()) };
     let count = columns.iter().map(Vec::len).min().unwrap_or_default();
     Ok((0..count).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
@@ -67,7 +67,7 @@ fn add(averages: &mut Table, branches: &mut Table, (member, disks, runs): (&Memb
     };
     let shortest = runs.iter().map(Vec::len).min().unwrap_or_default();
     for row in 0..shortest {
-        let numbers = (0..Record::COLUMNS.len()).flat_map(|c| mean(runs.iter().map(|run| run[row][c]).collect()));
+        let numbers = (0..RECORD_COLUMNS.len()).flat_map(|c| mean(runs.iter().map(|run| run[row][c]).collect()));
         averages.add(&words, &[&of[..], &numbers.collect::<Vec<_>>()].concat());
     }
     let last = mean(runs.iter().map(|records| last_segregation(records)).collect());
@@ -77,7 +77,7 @@ fn add(averages: &mut Table, branches: &mut Table, (member, disks, runs): (&Memb
 
 /// The mean segregation in the last tenth of some records.
 fn last_segregation(records: &[Vec<f64>]) -> f64 {
-    let place = Record::COLUMNS.iter().position(|(name, _)| *name == "segregation").unwrap_or_default();
+    let place = RECORD_COLUMNS.iter().position(|(name, _)| *name == "segregation").unwrap_or_default();
     let last = &records[records.len() - records.len().div_ceil(10)..];
     last.iter().map(|record| record[place]).sum::<f64>() / last.len() as f64
 }
@@ -97,7 +97,7 @@ mod tests {
         let text = scene::Template::named("disk-sweep").unwrap().text;
         let Ok(SceneFile::Family(family)) = SceneFile::parse(text, "d.toml", &[]) else { panic!("a family") };
         let folder = FamilyFolder::claim(place.path(), &family, ExistingRun::Keep).unwrap();
-        let names: Vec<&str> = Record::COLUMNS.iter().map(|(name, _)| *name).collect();
+        let names: Vec<&str> = RECORD_COLUMNS.iter().map(|(name, _)| *name).collect();
         for (member, values) in family.members().iter().zip([SERIES[0], SERIES[1], SERIES[0]]) {
             let rows = values.iter().enumerate().map(|(step, value)| {
                 let numbers = names.iter().map(|name| if *name == "segregation" { *value } else { step as f64 });

@@ -7,7 +7,9 @@ use crate::checks::{few_enough, rows};
 use crate::error::Fault;
 use crate::time_and_output::{Output, Time};
 use domain::{Number, ParameterError};
-use granular::shear_cell::{Collisions, Contact, Experiment, FrictionLaw, Model, Parameters, Sampling, Top};
+use granular::shear_cell::{
+    CollisionDetection, CollisionRule, Experiment, FrictionLaw, Model, Parameters, Sampling, Top,
+};
 pub(super) use raw::Raw;
 use suspension::MAX_SPHERES;
 
@@ -81,8 +83,8 @@ fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, Fault> {
         width: cell.width,
         diameter: grains.diameter,
         density: grains.density,
-        grain_contact: Contact { restitution: grains.restitution, friction: grains.friction, law },
-        wall_contact: Contact { restitution: walls.restitution, friction: walls.friction, law },
+        grain_contact: CollisionRule { restitution: grains.restitution, friction: grains.friction, law },
+        wall_contact: CollisionRule { restitution: walls.restitution, friction: walls.friction, law },
         speed: cell.speed,
         top: top(&raw.top)?,
         gravity: cell.gravity,
@@ -105,21 +107,21 @@ fn top(raw: &raw::Top) -> Result<Top, Fault> {
     }
 }
 
-fn collisions(raw: &Raw) -> Result<Collisions, Fault> {
+fn collisions(raw: &Raw) -> Result<CollisionDetection, Fault> {
     let key = "time.collision_step";
     match (raw.collisions, raw.time.collision_step) {
-        (raw::Collisions::EventDriven, None) => Ok(Collisions::EventDriven),
+        (raw::Collisions::EventDriven, None) => Ok(CollisionDetection::EventDriven),
         (raw::Collisions::EventDriven, Some(_)) => {
             Err(Fault::new(key, "goes with collisions = \"time-stepped\" only; leave it out or change that"))
         }
-        (raw::Collisions::TimeStepped, Some(step)) => Ok(Collisions::TimeStepped { step }),
+        (raw::Collisions::TimeStepped, Some(step)) => Ok(CollisionDetection::TimeStepped { step }),
         (raw::Collisions::TimeStepped, None) => Err(Fault::new(key, "is missing; time-stepped collisions need it")),
     }
 }
 
 const WINDOW: &str = "measure.window";
 
-fn sampling(raw: &Raw, collisions: Collisions) -> Result<Sampling, Fault> {
+fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, Fault> {
     let usual = Sampling::default();
     let sampling = Sampling {
         window: raw.measure.window.unwrap_or(raw.time.step),

@@ -5,7 +5,9 @@ mod raw;
 use crate::checks::rows;
 use crate::error::Fault;
 use domain::Number;
-use granular::kinetic_theory::{Grains, Parameters, Problem, RadialDistribution, Roughness, Start, Wall, WallShape};
+use granular::kinetic_theory::{
+    GrainProperties, Parameters, Problem, RadialDistribution, Roughness, SolutionStart, Wall, WallShape,
+};
 pub(super) use raw::Raw;
 use std::path::PathBuf;
 
@@ -46,7 +48,7 @@ impl ContinuumScene {
             return Err(Fault::new("output.points", format!("is {points}; a profile needs at least 2 heights")));
         }
         let (grains, wall) = (grains(&raw.grains), wall(&raw)?);
-        let start = raw.start.map_or(Start::Densest, Start::SolidFraction);
+        let start = raw.start.map_or(SolutionStart::Densest, SolutionStart::SolidFraction);
         let mut problems = Vec::new();
         for &pressure in &raw.cell.pressures {
             for &speed in &raw.cell.speeds {
@@ -57,7 +59,7 @@ impl ContinuumScene {
     }
 }
 
-fn grains(raw: &raw::Grains) -> Grains {
+fn grains(raw: &raw::Grains) -> GrainProperties {
     let radial = match raw.radial_distribution {
         raw::RadialDistribution::CarnahanStarling => RadialDistribution::CarnahanStarling,
         raw::RadialDistribution::LunSavage => RadialDistribution::LunSavage,
@@ -66,7 +68,7 @@ fn grains(raw: &raw::Grains) -> Grains {
         raw::RadialDistribution::MaAhmadi => RadialDistribution::MaAhmadi,
         raw::RadialDistribution::Torquato => RadialDistribution::Torquato,
     };
-    Grains { diameter: raw.diameter, density: raw.density, restitution: raw.restitution, radial }
+    GrainProperties { diameter: raw.diameter, density: raw.density, restitution: raw.restitution, radial }
 }
 
 fn wall(raw: &Raw) -> Result<Wall, Fault> {

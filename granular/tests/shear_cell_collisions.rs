@@ -2,12 +2,13 @@
 
 use domain::Vector;
 use granular::shear_cell::{
-    Collisions, Contact, Engine, FrictionLaw, Grains, Model, Motion, Parameters, Side, State, TimeStepped, Top,
+    CellState, CollisionDetection, CollisionEngine, CollisionRule, Engine, FrictionLaw, GrainMotion, Grains, Model,
+    Parameters, Side, TimeStepped, Top,
 };
 
 /// A cell of 20 x 10 x 10 for grains of diameter 1 and mass 1.
 fn parameters() -> Parameters {
-    let contact = Contact { restitution: 0.8, friction: 0.1, law: FrictionLaw::Box };
+    let contact = CollisionRule { restitution: 0.8, friction: 0.1, law: FrictionLaw::Box };
     Parameters {
         length: 20.0,
         height: 10.0,
@@ -28,13 +29,14 @@ fn parameters() -> Parameters {
 fn thrown(list: &[([f64; 3], [f64; 3])]) -> Grains {
     Grains {
         positions: list.iter().map(|(x, _)| Vector::from(*x)).collect(),
-        motions: list.iter().map(|(_, v)| Motion { velocity: Vector::from(*v), spin: Vector::ZERO }).collect(),
+        motions: list.iter().map(|(_, v)| GrainMotion { velocity: Vector::from(*v), spin: Vector::ZERO }).collect(),
     }
 }
 
-const ENGINES: [Collisions; 2] = [Collisions::EventDriven, Collisions::TimeStepped { step: 1.0 / 1024.0 }];
+const ENGINES: [CollisionDetection; 2] =
+    [CollisionDetection::EventDriven, CollisionDetection::TimeStepped { step: 1.0 / 1024.0 }];
 
-fn run(parameters: Parameters, grains: &Grains, collisions: Collisions, time: f64) -> Engine {
+fn run(parameters: Parameters, grains: &Grains, collisions: CollisionDetection, time: f64) -> Engine {
     let model = Model::new(parameters).unwrap();
     let mut engine = Engine::new(&model, grains, collisions).unwrap();
     assert!(engine.advance(time, &|| true));
@@ -56,7 +58,7 @@ fn a_grain_hits_each_wall() {
         near(grain.spin, Vector::new(0.0, 0.0, 4.0 / 7.0 / (0.4 * 0.5)));
         let bottom = engine.tally().walls[Side::Bottom as usize];
         near(bottom.impulse, Vector::new(-4.0 / 7.0, -7.2, 0.0));
-        assert!((bottom.work - 8.0 / 7.0).abs() < 1e-12 && bottom.hits == 1);
+        assert!((bottom.work - 8.0 / 7.0).abs() < 1e-12 && bottom.collisions == 1);
         // The top wall is at rest: no slip, no friction. Both side walls slide.
         let engine = run(parameters(), &thrown(&[([5.0, 8.5, 5.0], [0.0, 4.0, 0.0])]), collisions, 0.5);
         near(engine.grains().motions[0].velocity, Vector::new(0.0, -3.2, 0.0));
@@ -76,8 +78,8 @@ fn two_grains_meet_across_the_periodic_face() {
         let after = engine.grains();
         near(after.motions[0].velocity, Vector::new(-0.8, 0.0, 0.0));
         near(after.motions[1].velocity, Vector::new(0.8, 0.0, 0.0));
-        assert_eq!(engine.tally().pair_hits, 1);
-        if collisions == Collisions::EventDriven {
+        assert_eq!(engine.tally().pair_collisions, 1);
+        if collisions == CollisionDetection::EventDriven {
             near(after.positions[0], Vector::new(19.1, 5.0, 5.0));
             near(after.positions[1], Vector::new(0.9, 5.0, 5.0));
         }
@@ -91,7 +93,7 @@ fn an_oblique_hit_slides_within_the_cone() {
     let start = Vector::new(5.0, 5.0, 5.0);
     let contact = start + Vector::new(0.6, 0.8, 0.0);
     let grains = thrown(&[((start - Vector::X * 0.25).into(), [1.0, 0.0, 0.0]), (contact.into(), [0.0; 3])]);
-    let after = run(parameters(), &grains, Collisions::EventDriven, 0.5).grains();
+    let after = run(parameters(), &grains, CollisionDetection::EventDriven, 0.5).grains();
     let impulse = Vector::new(0.6, 0.8, 0.0) * 0.54 + Vector::new(0.8, -0.6, 0.0) * 0.054;
     near(after.motions[1].velocity, impulse);
     near(after.motions[0].velocity, Vector::X - impulse);
@@ -103,7 +105,7 @@ fn an_oblique_hit_slides_within_the_cone() {
 fn a_ball_bounces_as_it_should_under_gravity() {
     let parameters = Parameters { gravity: 2.0, speed: 0.0, ..parameters() };
     let fall = 8.5_f64.sqrt();
-    let engine = run(parameters, &thrown(&[([5.0, 9.0, 5.0], [0.0; 3])]), Collisions::EventDriven, 3.0 * fall);
+    let engine = run(parameters, &thrown(&[([5.0, 9.0, 5.0], [0.0; 3])]), CollisionDetection::EventDriven, 3.0 * fall);
     // Down in `fall`, up and down with 0.8 and then 0.64 of the speed: 1.6 and 1.28 times `fall`.
     let t = 0.4 * fall;
     let speed = 0.64 * 2.0 * fall;
@@ -132,38 +134,38 @@ fn a_curved_trough_throws_outward() {
     }
 }
 
-/// A lid of mass 100 (area 200, 0.5 per area) falls under a load of 20 (pressure 0.1): acceleration 0.2. It meets a
-/// grain that rests in mid-air with its centre at 8 when at 8.5, after sqrt(15), at speed 0.2 sqrt(15).
+/// A top wall of mass 100 (area 200, 0.5 per area) falls under a load of 20 (pressure 0.1): acceleration 0.2. It meets
+/// a grain that rests in mid-air with its centre at 8 when at 8.5, after sqrt(15), at speed 0.2 sqrt(15).
 #[test]
 fn a_free_lid_falls_and_pushes() {
     let top = Top::Free { pressure: 0.1, mass_per_area: 0.5 };
     let parameters = Parameters { top, ..parameters() };
     let time = 4.0_f64;
-    let engine = run(parameters, &thrown(&[([5.0, 8.0, 5.0], [0.0; 3])]), Collisions::EventDriven, time);
+    let engine = run(parameters, &thrown(&[([5.0, 8.0, 5.0], [0.0; 3])]), CollisionDetection::EventDriven, time);
     let (met, speed) = (15f64.sqrt(), 0.2 * 15f64.sqrt());
     let given = 1.8 * speed / (1.0 + 1.0 / 100.0);
     assert!((engine.grains().motions[0].velocity.y + given).abs() < 1e-12);
     assert!((engine.grains().positions[0].y - (8.0 - given * (time - met))).abs() < 1e-12);
     let t = time - met;
     let expected = 8.5 - (speed - given / 100.0) * t - 0.1 * t * t;
-    assert!((engine.lid().height - expected).abs() < 1e-12);
+    assert!((engine.top_wall().height - expected).abs() < 1e-12);
     let stepped = run(parameters, &thrown(&[([5.0, 8.0, 5.0], [0.0; 3])]), ENGINES[1], time);
     // First order in the step of 1/1024.
-    assert!((stepped.lid().height - expected).abs() < 2e-3);
+    assert!((stepped.top_wall().height - expected).abs() < 2e-3);
 }
 
 /// The neighbour lists find the same pairs as a search of all pairs: 800 elastic grains, after each of 200 steps.
 #[test]
 fn neighbour_lists_miss_no_pair() {
     let mut parameters = parameters();
-    parameters.grain_contact = Contact { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
+    parameters.grain_contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
     let model = Model::new(parameters).unwrap();
     let mut grains = model.pack(800, 4).unwrap();
-    grains.stir(&model, 1.0, 4);
+    grains.set_velocities(&model, 1.0, 4);
     let step = 1e-3;
-    let mut engine = TimeStepped::new(&model, &State::new(&model, &grains), step).unwrap();
+    let mut engine = TimeStepped::new(&model, &CellState::new(&model, &grains), step).unwrap();
     for _ in 0..200 {
-        engine.advance(1, &|| true);
+        engine.advance(step, &|| true);
         let now = engine.grains();
         let overlapping_and_closing = (0..800).any(|i| {
             (0..i).any(|j| {
@@ -176,5 +178,5 @@ fn neighbour_lists_miss_no_pair() {
         });
         assert!(!overlapping_and_closing);
     }
-    assert!(engine.tally().pair_hits > 200);
+    assert!(engine.tally().pair_collisions > 200);
 }

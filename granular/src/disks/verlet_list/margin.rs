@@ -6,7 +6,7 @@ pub(crate) struct ListMargin {
     skin: f64,
     stretch: f64,
     /// Smallest and largest sum of two radii.
-    reaches: [f64; 2],
+    contact_distances: [f64; 2],
 }
 
 /// Skin in units of the smallest sum of radii; the fastest of those tried for the mixture of the paper.
@@ -16,20 +16,22 @@ const STRAIN: f64 = 0.05;
 
 impl ListMargin {
     pub(crate) fn new(smallest: f64, largest: f64) -> Self {
-        let reaches = [2.0 * smallest, 2.0 * largest];
-        Self { skin: SKIN * reaches[0], stretch: norm(STRAIN) - 1.0, reaches }
+        let contact_distances = [2.0 * smallest, 2.0 * largest];
+        Self { skin: SKIN * contact_distances[0], stretch: norm(STRAIN) - 1.0, contact_distances }
     }
 
     /// Distance below which a pair is listed.
-    pub(crate) fn cutoff(&self, reach: f64) -> f64 {
-        reach * (1.0 + self.stretch) + self.skin
+    pub(crate) fn cutoff(&self, contact_distance: f64) -> f64 {
+        contact_distance * (1.0 + self.stretch) + self.skin
     }
 
     /// Whether a pair that was not listed may be in contact now. Two disks in contact, `|d| < R`, were at
     /// `d_0 = S^-1 (d - e)` with a shear `S` of at most `strain` and `|e| <= 2 drift`, so that
     /// `|d_0| < |S^-1| (R + 2 drift)`. The list is used up when that can exceed the cutoff; both are linear in `R`.
     pub(crate) fn is_used_up(&self, strain: f64, drift: f64) -> bool {
-        self.reaches.iter().any(|reach| norm(strain) * (reach + 2.0 * drift) > self.cutoff(*reach))
+        self.contact_distances
+            .iter()
+            .any(|contact_distance| norm(strain) * (contact_distance + 2.0 * drift) > self.cutoff(*contact_distance))
     }
 }
 
@@ -56,9 +58,9 @@ mod tests {
 
     #[test]
     fn drift_and_strain_use_it_up() {
-        let slack = ListMargin::new(1.0, 4.0);
-        assert!(!slack.is_used_up(0.0, 0.5 * SKIN * 2.0));
-        assert!(slack.is_used_up(0.0, 1.1 * SKIN * 2.0));
-        assert!(slack.is_used_up(0.5, 0.0));
+        let margin = ListMargin::new(1.0, 4.0);
+        assert!(!margin.is_used_up(0.0, 0.5 * SKIN * 2.0));
+        assert!(margin.is_used_up(0.0, 1.1 * SKIN * 2.0));
+        assert!(margin.is_used_up(0.5, 0.0));
     }
 }

@@ -2,20 +2,20 @@
 
 /// Hash table of the pairs in contact, each in one of the slots of its earlier row, or after them.
 #[derive(Debug)]
-pub(super) struct Touching {
+pub(super) struct TouchingPairs {
     /// Two rows, the earlier first, or [`NOTHING`].
     slots: Vec<u64>,
 }
 
 const NOTHING: u64 = u64::MAX;
 
-impl Default for Touching {
+impl Default for TouchingPairs {
     fn default() -> Self {
         Self { slots: vec![NOTHING; 2] }
     }
 }
 
-impl Touching {
+impl TouchingPairs {
     /// The table for pairs of `rows` rows.
     pub(super) fn of(pairs: impl Iterator<Item = [u32; 2]> + Clone, rows: usize) -> Self {
         let slots = (4 * rows).max(2 * pairs.clone().count());

@@ -1,13 +1,13 @@
 //! The events: collisions with grains and walls, and transitions between cells.
 
 use super::{
-    super::{Contact, Side},
+    super::{CollisionRule, Side},
     EventDriven,
 };
 use domain::Vector;
 
 impl EventDriven {
-    /// Contact of two grains.
+    /// Collision of two grains.
     pub(super) fn pair_event(&mut self, i: usize, j: usize) {
         self.bring(i);
         self.bring(j);
@@ -25,13 +25,13 @@ impl EventDriven {
         self.set_motion(j, b);
         let tally = &mut self.tally;
         tally.dissipated += (before - a.energy(radius) - b.energy(radius)) * model.mass();
-        tally.pair_hits += 1;
+        tally.pair_collisions += 1;
         let overlap = f64::max(1.0 - distance / diameter, 0.0);
         tally.overlaps += overlap;
         tally.largest_overlap = tally.largest_overlap.max(overlap);
-        self.events.hits += 1;
+        self.events.collisions += 1;
         for k in [i, j] {
-            self.rest[k].last_hit = self.now;
+            self.rest[k].last_collision = self.now;
             self.turn(k);
         }
         self.plan(i);
@@ -62,35 +62,35 @@ impl EventDriven {
     /// Collision with a wall of a grain that has been advanced to the present time.
     pub(super) fn wall_event(&mut self, i: usize, side: Side) {
         let (model, radius) = (self.model, 0.5 * self.diameter());
-        let mut lid = self.lid.at(self.now);
-        let face = model.face(side, lid.velocity);
+        let mut top_wall = self.top_wall.at(self.now);
+        let face = model.wall_contact(side, top_wall.velocity);
         let rule = self.rule(model.parameters().wall_contact, &[i]);
         let mut motion = self.motion(i);
         let before = motion.energy(radius);
         let mut pressed = -self.accelerations[i].dot(face.normal());
         if face.mass_ratio > 0.0 {
-            pressed += model.lid_fall();
+            pressed += model.top_wall_fall();
         }
         let impulse = rule.strike_wall(&mut motion, &face, radius, [0.5 * self.size[1], self.least(pressed)]);
         self.set_motion(i, motion);
-        self.tally.strike_wall(&model, (side, &face), impulse, motion.energy(radius) - before, &mut lid);
-        self.events.hits += 1;
-        self.rest[i].last_hit = self.now;
+        self.tally.strike_wall(&model, &face, impulse, motion.energy(radius) - before, &mut top_wall);
+        self.events.collisions += 1;
+        self.rest[i].last_collision = self.now;
         self.turn(i);
         if face.mass_ratio > 0.0 {
-            self.lid.set(lid, self.now);
+            self.top_wall.set(top_wall, self.now);
         }
         self.plan(i);
     }
 
     /// Collision parameters for a collision now: elastic if one of the grains collided within the contact time.
-    fn rule(&mut self, rule: Contact, grains: &[usize]) -> Contact {
-        let since = |&i: &usize| self.now - self.rest[i].last_hit;
+    fn rule(&mut self, rule: CollisionRule, grains: &[usize]) -> CollisionRule {
+        let since = |&i: &usize| self.now - self.rest[i].last_collision;
         if grains.iter().map(since).fold(f64::INFINITY, f64::min) >= self.model.parameters().contact_time {
             return rule;
         }
-        self.tally.elastic_hits += 1;
-        Contact { restitution: 1.0, ..rule }
+        self.tally.elastic_collisions += 1;
+        CollisionRule { restitution: 1.0, ..rule }
     }
 
     /// Rebound speed that keeps two bodies apart for the contact time under an acceleration that presses them together.
@@ -115,7 +115,7 @@ impl EventDriven {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::{Grains, Model, Parameters, State};
+    use super::super::super::{CellState, Grains, Model, Parameters};
     use super::*;
 
     #[test]
@@ -124,7 +124,7 @@ mod tests {
         let parameters = Parameters { length: 24.0, height: 8.0, width: 8.0, diameter: 1.0, ..straight };
         let model = Model::new(parameters).unwrap();
         let grains = Grains { positions: vec![], motions: vec![] };
-        let engine = EventDriven::growing(&model, &State::new(&model, &grains), [1.0, 0.0]);
+        let engine = EventDriven::growing(&model, &CellState::new(&model, &grains), [1.0, 0.0]);
         for (distance, nearest) in [(3.0, 3.0), (12.0, 12.0), (15.0, -9.0)] {
             let separation = Vector::new(distance, 5.0, -6.0);
             let expected = Vector::new(nearest, 5.0, -6.0);
