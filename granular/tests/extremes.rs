@@ -20,7 +20,7 @@ fn run(pressure: f64, step: f64) -> Result<(), String> {
         if !run.measure(1e-4, &|| true) {
             return Err(run.engine().failure().unwrap().to_string());
         }
-        run.renew().map_err(|error| error.to_string())?;
+        run.restart().map_err(|error| error.to_string())?;
     }
     Ok(())
 }

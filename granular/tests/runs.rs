@@ -36,7 +36,7 @@ fn a_run_of_a_shear_cell_says_its_plan_and_what_it_observes() {
         agitation: 0.1,
         collisions: CollisionDetection::EventDriven,
         sampling: Sampling { layers: 4, pixels: [3, 2], ..Sampling::default() },
-        settle: 0,
+        transient: 0,
         time_step: 1e-3,
         steps: 1,
     };

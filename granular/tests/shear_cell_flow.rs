@@ -15,13 +15,13 @@ fn report(
     parameters: Parameters,
     solid_fraction: f64,
     collisions: CollisionDetection,
-    [settle, measure]: [f64; 2],
+    [transient, measure]: [f64; 2],
 ) -> CellReport {
     let model = Model::new(parameters).unwrap();
     let mut grains = model.pack(model.count(solid_fraction).unwrap(), 1).unwrap();
     grains.set_velocities(&model, 0.05 * parameters.speed, 7);
     let mut run = ShearCell::new(&model, &grains, collisions, Sampling::default()).unwrap();
-    assert!(run.settle(settle, &|| true));
+    assert!(run.run_transient(transient, &|| true));
     assert!(run.measure(measure, &|| true));
     run.report()
 }
@@ -158,14 +158,14 @@ fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
         let [mut once, mut twice] = [0, 1].map(|_| {
             let mut run = ShearCell::new(&model, &grains, collisions, Sampling::default()).unwrap();
             assert!(run.measure(1e-3, &|| true));
-            run.renew().unwrap();
+            run.restart().unwrap();
             run
         });
         let how = (collisions, Sampling::default());
         let mut resumed = ShearCell::resume(&model, &once.engine().grains(), how.0, how.1, &once.save()).unwrap();
         assert!(ShearCell::resume(&model, &grains, how.0, how.1, &once.save()[8..]).is_err());
         assert!(twice.measure(1e-3, &|| true));
-        twice.go_back().unwrap();
+        twice.return_to_restart().unwrap();
         for run in [&mut once, &mut twice, &mut resumed] {
             assert!(run.measure(1e-3, &|| true));
         }
@@ -176,12 +176,12 @@ fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
     }
 }
 
-fn paper(speed: f64, solid_fraction: f64, settle: f64, measure: f64) -> CellReport {
+fn paper(speed: f64, solid_fraction: f64, transient: f64, measure: f64) -> CellReport {
     report(
         Parameters { speed, ..Parameters::default() },
         solid_fraction,
         CollisionDetection::EventDriven,
-        [settle, measure],
+        [transient, measure],
     )
 }
 

@@ -224,7 +224,7 @@ impl Model {
 
     /// Number of steps of the stages before the flow.
     pub(super) fn preparing_steps(&self) -> u64 {
-        [Stage::Settle, Stage::Mix].into_iter().filter_map(|stage| self.law(stage).steps).sum()
+        [Stage::RemoveOverlaps, Stage::Equilibrate].into_iter().filter_map(|stage| self.law(stage).steps).sum()
     }
 
     /// Contacts, drag, flow and integrator of a stage.
@@ -242,8 +242,10 @@ impl Model {
         };
         let until = |time: f64| (time / p.preparation.time_step).round() as u64;
         match stage {
-            Stage::Settle => prepare(p.preparation.restitution, Some(until(p.preparation.settled))),
-            Stage::Mix => prepare(1.0, Some(until(p.preparation.mixed).saturating_sub(until(p.preparation.settled)))),
+            Stage::RemoveOverlaps => prepare(p.preparation.restitution, Some(until(p.preparation.settled))),
+            Stage::Equilibrate => {
+                prepare(1.0, Some(until(p.preparation.mixed).saturating_sub(until(p.preparation.settled))))
+            }
             Stage::Flow => Law {
                 contact: Contact::new(p.restitution, p.clip_attraction),
                 viscosity: p.viscosity,

@@ -17,7 +17,7 @@ pub struct Progress {
     pub touching: Vec<[u32; 2]>,
 }
 
-const STAGES: [Stage; 3] = [Stage::Settle, Stage::Mix, Stage::Flow];
+const STAGES: [Stage; 3] = [Stage::RemoveOverlaps, Stage::Equilibrate, Stage::Flow];
 
 /// Called with each number of a state in turn: it reads the number or sets it.
 type Visitor<'a> = &'a mut dyn FnMut(&mut f64);

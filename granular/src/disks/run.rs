@@ -67,7 +67,7 @@ impl DiskRun {
     ) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let disks = match placed {
-            None => Disks::prepare_and_tell(model, tell)?,
+            None => Disks::prepare_with_progress(model, tell)?,
             Some(placed) => flowing(model, length, placed, comm)?,
         };
         Ok(Self::of(disks, length, AveragedProfile::new(length.profile_strips), comm))

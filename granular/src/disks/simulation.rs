@@ -20,7 +20,7 @@ pub struct Disks {
     pub(super) list: List,
     pub(super) tally: Tally,
     /// Whether a disk has moved relative to the liquid by more than half the cell between two checks.
-    pub(super) lost: bool,
+    pub(super) escaped: bool,
 }
 
 /// Largest number of disks times steps in one call during the preparation.
@@ -36,16 +36,16 @@ impl Disks {
             particles.push(id as u64, position, size.radius, size.species);
         }
         particles.vectors("velocity");
-        Self::given(model, &particles, Stage::Settle).expect("positions and velocities are finite")
+        Self::given(model, &particles, Stage::RemoveOverlaps).expect("positions and velocities are finite")
     }
 
     /// A random start after the stages of preparation, at rest relative to the liquid.
     pub fn prepared(model: &Model) -> Result<Self, ParameterError> {
-        Self::prepare_and_tell(model, &mut |_| {})
+        Self::prepare_with_progress(model, &mut |_| {})
     }
 
     /// Like [`Disks::prepared`]; `tell` is called now and then with the completed fraction of the steps.
-    pub fn prepare_and_tell(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
+    pub fn prepare_with_progress(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
         let moment = (MOMENT / disks.state.len() as u64).max(1);
         let all = model.preparing_steps();
@@ -72,7 +72,7 @@ impl Disks {
              off at step {}",
             self.step
         );
-        require(!self.lost, key, Number(self.law.dt), allowed)
+        require(!self.escaped, key, Number(self.law.dt), allowed)
     }
 
     /// Disks of a particle store, in the stage with flow. Without a column `velocity` they move with the liquid.
@@ -102,7 +102,7 @@ impl Disks {
     fn begin(model: Model, stage: Stage, step: u64, mut state: DiskState) -> Self {
         let law = model.law(stage);
         let list = List::build(&mut state, &model, &law, step, None);
-        let mut disks = Self { model, stage, law, step, state, list, tally: Tally::default(), lost: false };
+        let mut disks = Self { model, stage, law, step, state, list, tally: Tally::default(), escaped: false };
         let contact = disks.list.add_contact_forces(&mut disks.state, &law, step, true);
         let motion = disks.state.advance(&law, PassTask::Measure, 0, true);
         disks.state.start(&law, |radius| disks.model.mass(radius));
@@ -138,7 +138,7 @@ impl Disks {
         for left in (0..steps).rev() {
             self.step += 1;
             if drift > farthest {
-                self.lost = true;
+                self.escaped = true;
                 return;
             }
             if self.list.is_stale(&self.law, self.step, drift.sqrt()) {
@@ -153,7 +153,7 @@ impl Disks {
                 *total += begun;
             }
             if measure {
-                self.lost |= !motion.kinetic.is_finite();
+                self.escaped |= !motion.kinetic.is_finite();
                 self.tally.add(self.measurement(&motion, &contact));
             }
         }

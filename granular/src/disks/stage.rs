@@ -9,9 +9,9 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stage {
     /// Almost plastic contacts remove the overlaps of a random start.
-    Settle,
+    RemoveOverlaps,
     /// Elastic contacts bring the disks close to equilibrium.
-    Mix,
+    Equilibrate,
     /// The run itself: flow, drag and the contacts of the parameters.
     Flow,
 }
@@ -20,8 +20,8 @@ impl Stage {
     /// The stage after this one.
     pub(super) fn next(self) -> Option<Self> {
         match self {
-            Self::Settle => Some(Self::Mix),
-            Self::Mix => Some(Self::Flow),
+            Self::RemoveOverlaps => Some(Self::Equilibrate),
+            Self::Equilibrate => Some(Self::Flow),
             Self::Flow => None,
         }
     }

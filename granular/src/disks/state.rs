@@ -137,7 +137,7 @@ impl DiskState {
     }
 
     /// Sets the reference positions of the drift to the present ones.
-    pub(super) fn refer(&mut self) {
+    pub(super) fn set_references(&mut self) {
         let mut parts: Vec<_> = self.bodies.chunks(CHUNK).zip(self.blocks.chunks_mut(CHUNK / LANES)).collect();
         for_each_part(&mut parts, |(bodies, blocks)| {
             for (bodies, block) in bodies.chunks_exact(LANES).zip(blocks.iter_mut()) {
@@ -168,7 +168,7 @@ impl DiskState {
     }
 
     /// Puts the rows in a new order.
-    pub(super) fn arrange(&mut self, order: &[u32], law: &Law, model: &Model) {
+    pub(super) fn reorder(&mut self, order: &[u32], law: &Law, model: &Model) {
         let motions: Vec<DiskMotion> = order.iter().map(|&row| self.motion(row as usize)).collect();
         let identities = order.iter().map(|&row| self.identities[row as usize]).collect();
         *self = Self::new(identities, &motions);

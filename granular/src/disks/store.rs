@@ -62,7 +62,7 @@ impl Disks {
         state.set_response(&law, model);
         let list = List::rebuild(&state, model, &law, progress);
         let (model, stage, step) = (model.clone(), progress.stage, progress.step);
-        Ok(Self { model, stage, law, step, state, list, tally: progress.tally, lost: false })
+        Ok(Self { model, stage, law, step, state, list, tally: progress.tally, escaped: false })
     }
 }
 

@@ -31,5 +31,5 @@ pub use problem::{Parameters, Problem, SolutionStart};
 pub use radial::RadialDistribution;
 pub use solution::{FlowPoint, Solution};
 pub use solve::SolveError;
-pub use uniform::Uniform;
+pub use uniform::UniformFlow;
 pub use wall::{BumpIntegrals, Roughness, Wall, WallShape};

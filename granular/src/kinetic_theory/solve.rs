@@ -1,24 +1,24 @@
 //! Newton's method with continuation in the energy that crosses the walls, on successively finer collocation grids.
 
-use super::{Problem, Solution, SolutionStart, Uniform, collocation::Collocation, equations::WIDTH, linear};
+use super::{Problem, Solution, SolutionStart, UniformFlow, collocation::Collocation, equations::WIDTH, linear};
 use domain::Number;
 
 /// Intervals of the grids for the continuation: the second, with the first start only, is for problems that do not
 /// converge on the first grid.
-const COARSE: [usize; 2] = [24, 96];
+const FIRST_GRIDS: [usize; 2] = [24, 96];
 /// Intervals beyond which the solver gives up.
-const FINEST: usize = 384;
+const FINEST_GRID: usize = 384;
 /// Newton steps on one problem.
-const STEPS: usize = 40;
+const NEWTON_STEPS: usize = 40;
 /// Smallest step of the continuation.
-const SMALLEST: f64 = 1.0 / 256.0;
+const SMALLEST_STEP: f64 = 1.0 / 256.0;
 /// Change of the solution between two grids, and residual between points, at which it counts as resolved.
-const RESOLVED: f64 = 1e-9;
+const RESOLUTION: f64 = 1e-9;
 /// Target residual of Newton's method, and the largest residual accepted where round-off stops it: near packing
 /// `1 - v/v0` has lost digits.
-const SMALL: [f64; 2] = [1e-12, 1e-9];
+const RESIDUALS: [f64; 2] = [1e-12, 1e-9];
 /// Solid fractions of the last starts, over that of packing.
-const LAST: [f64; 4] = [0.75, 0.25, 0.05, 0.01];
+const LAST_STARTS: [f64; 4] = [0.75, 0.25, 0.05, 0.01];
 
 /// Why there is no solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -75,7 +75,7 @@ impl Problem {
     pub fn solve(&self) -> Result<Solution, SolveError> {
         let mut failure = None;
         let starts = self.starts();
-        let tries = starts.iter().map(|&start| (COARSE[0], start)).chain([(COARSE[1], starts[0])]);
+        let tries = starts.iter().map(|&start| (FIRST_GRIDS[0], start)).chain([(FIRST_GRIDS[1], starts[0])]);
         for (intervals, start) in tries {
             let grid = Collocation::new(intervals);
             match self.follow(&grid, start).and_then(|unknowns| self.refine(grid, unknowns)) {
@@ -86,16 +86,18 @@ impl Problem {
         Err(failure.expect("there is always a start"))
     }
 
-    fn starts(&self) -> Vec<Uniform> {
-        let at = |solid_fraction| Uniform { solid_fraction, slip: 0.1, stress_ratio: 0.3 };
+    fn starts(&self) -> Vec<UniformFlow> {
+        let at = |solid_fraction| UniformFlow { solid_fraction, slip: 0.1, stress_ratio: 0.3 };
         let packed = self.parameters().grains.radial.packed();
         match self.parameters().start {
             SolutionStart::SolidFraction(v) => vec![at(v)],
-            SolutionStart::Densest => self.uniform().into_iter().chain(LAST.map(|part| at(part * packed))).collect(),
+            SolutionStart::Densest => {
+                self.uniform().into_iter().chain(LAST_STARTS.map(|part| at(part * packed))).collect()
+            }
         }
     }
 
-    fn follow(&self, grid: &Collocation, start: Uniform) -> Result<Vec<f64>, SolveError> {
+    fn follow(&self, grid: &Collocation, start: UniformFlow) -> Result<Vec<f64>, SolveError> {
         let mut unknowns = self.constant(grid, start);
         let (mut energy, mut step) = (0.0, 1.0);
         while energy < 1.0 {
@@ -105,14 +107,14 @@ impl Problem {
                     (unknowns, energy) = (solved, next);
                     step *= 2.0;
                 }
-                Err(_) if step > SMALLEST => step *= 0.5,
+                Err(_) if step > SMALLEST_STEP => step *= 0.5,
                 Err(not_converged) => return Err(self.explain(grid, &not_converged, start.solid_fraction, energy)),
             }
         }
         Ok(unknowns)
     }
 
-    fn constant(&self, grid: &Collocation, start: Uniform) -> Vec<f64> {
+    fn constant(&self, grid: &Collocation, start: UniformFlow) -> Vec<f64> {
         let z = self.logit(start.solid_fraction);
         let speed = |x: f64| 1.0 - start.slip - (0.5 - start.slip) * x;
         let mut unknowns: Vec<f64> = grid.points.iter().flat_map(|&x| [z, 0.0, speed(x)]).collect();
@@ -124,7 +126,7 @@ impl Problem {
     fn newton(&self, grid: &Collocation, mut unknowns: Vec<f64>, energy: f64) -> Result<Vec<f64>, NotConverged> {
         let norm = |r: &[f64]| r.iter().map(|x| x * x).sum::<f64>();
         let (mut residual, mut jacobian) = self.linearise(grid, &unknowns, energy);
-        for _ in 0..STEPS {
+        for _ in 0..NEWTON_STEPS {
             let Some(change) = linear::solve(&mut jacobian, residual.clone()) else { break };
             let turn = change.chunks(WIDTH).map(|c| c[0].abs()).fold(0.0, f64::max);
             let size = largest(&change);
@@ -138,14 +140,14 @@ impl Problem {
                 }
                 fraction *= 0.5;
                 if fraction < 1e-3 {
-                    return if largest(&residual) < SMALL[1] {
+                    return if largest(&residual) < RESIDUALS[1] {
                         Ok(unknowns)
                     } else {
                         Err(not_converged(&residual, unknowns))
                     };
                 }
             }
-            if size < 1e-9 && largest(&residual) < SMALL[0] {
+            if size < 1e-9 && largest(&residual) < RESIDUALS[0] {
                 return Ok(unknowns);
             }
         }
@@ -175,7 +177,7 @@ impl Problem {
         let mut before = Solution::new(*self, grid, unknowns.clone());
         loop {
             let intervals = 2 * before.intervals();
-            if intervals > FINEST {
+            if intervals > FINEST_GRID {
                 let (residual, y) = before.worst();
                 return Err(SolveError::Unresolved { intervals: before.intervals(), residual, y });
             }
@@ -185,7 +187,7 @@ impl Problem {
                 .newton(&grid, unknowns, 1.0)
                 .map_err(|not_converged| self.explain(&grid, &not_converged, before.mean_solid_fraction(), 1.0))?;
             let after = Solution::new(*self, grid, unknowns);
-            if after.difference(&before) < RESOLVED && after.residual() < RESOLVED {
+            if after.difference(&before) < RESOLUTION && after.residual() < RESOLUTION {
                 return Ok(after);
             }
             before = after;

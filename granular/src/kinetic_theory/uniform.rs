@@ -5,7 +5,7 @@ use super::Problem;
 
 /// A uniform flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Uniform {
+pub struct UniformFlow {
     /// Solid fraction.
     pub solid_fraction: f64,
     /// Slip at each wall over `U`.
@@ -15,18 +15,18 @@ pub struct Uniform {
 }
 
 /// Intervals of the scan for roots, equally spaced in the logit of the solid fraction.
-const SCAN: usize = 400;
+const SCAN_INTERVALS: usize = 400;
 /// Range of logits of the scan: solid fractions from 1e-6 of packing to 1e-6 below it.
 const LOGIT: f64 = 14.0;
 
 impl Problem {
     /// All uniform solutions of the problem without energy through its walls, densest first: `R5 B5 u_slip = |u'|`,
     /// `U = 2 u_slip + |u'| H`, `P = (C1 C2 / C6) u'^2`.
-    pub fn uniform(&self) -> Vec<Uniform> {
+    pub fn uniform(&self) -> Vec<UniformFlow> {
         let excess = |z: f64| self.uniform_at(self.solid_fraction(z)).1;
-        let logit = |i: usize| LOGIT * (1.0 - 2.0 * i as f64 / SCAN as f64);
+        let logit = |i: usize| LOGIT * (1.0 - 2.0 * i as f64 / SCAN_INTERVALS as f64);
         let mut found = Vec::new();
-        for i in 0..SCAN {
+        for i in 0..SCAN_INTERVALS {
             let (high, low) = (logit(i), logit(i + 1));
             if excess(high) * excess(low) <= 0.0 {
                 found.push(self.uniform_at(self.solid_fraction(bisect(excess, low, high))).0);
@@ -37,14 +37,14 @@ impl Problem {
 
     /// The uniform flow at a solid fraction, and the logarithm of the pressure that it needs over the given pressure
     /// (NaN where the walls cannot drive such a flow).
-    fn uniform_at(&self, v: f64) -> (Uniform, f64) {
+    fn uniform_at(&self, v: f64) -> (UniformFlow, f64) {
         let f = self.parameters().grains.functions(v);
         let (c1, c2, c6) = (f.c1.value(), f.c2.value(), f.c6.value());
         let bumps = self.bump_integrals(f.contact);
         let slip_length = (c1 / c2 - bumps.gradient.value()) / (self.parameters().wall.roughness.r5 * bumps.slip);
         let gradient = 1.0 / (2.0 * self.half_gap() + 2.0 * slip_length);
         let load = c1 * c2 / c6 * gradient * gradient;
-        let flow = Uniform {
+        let flow = UniformFlow {
             solid_fraction: v,
             slip: slip_length * gradient,
             stress_ratio: (c6 / c2).sqrt() * (c1 / c2).sqrt(),

@@ -24,7 +24,7 @@ pub struct Experiment {
     /// Averages to measure; the grains are sampled at each step.
     pub sampling: Sampling,
     /// Number of steps before measuring.
-    pub settle: u64,
+    pub transient: u64,
     /// Interval of observation.
     pub time_step: f64,
     /// Last step.
@@ -39,7 +39,7 @@ impl Experiment {
             CollisionDetection::EventDriven => "at their exact times".to_owned(),
             CollisionDetection::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
         };
-        let [end, from] = [self.steps, self.settle].map(|steps| steps as f64 * self.time_step);
+        let [end, from] = [self.steps, self.transient].map(|steps| steps as f64 * self.time_step);
         let steps = format!("{}, until time {:.6}; measured from time {:.6}", self.steps, Number(end), Number(from));
         Outline::default()
             .line("grains", format_args!("{}, solid fraction {:.4}", self.count, Number(fraction)))
@@ -56,8 +56,8 @@ impl Experiment {
 
     /// A warning if nothing is measured until the end of the run.
     fn caution(&self) -> Option<String> {
-        let [end, from] = [self.steps, self.settle].map(|steps| Number(steps as f64 * self.time_step));
-        (self.settle > 0 && self.settle >= self.steps).then(|| {
+        let [end, from] = [self.steps, self.transient].map(|steps| Number(steps as f64 * self.time_step));
+        (self.transient > 0 && self.transient >= self.steps).then(|| {
             format!(
                 "time.settle = {from:.6}, but the run ends at time {end:.6}: nothing is measured, and there will be \
                  no profiles unless the run goes on for longer"
@@ -100,7 +100,7 @@ impl CellRun {
     pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
         let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
-        let mut grains = model.pack_and_tell(count, seed, tell)?;
+        let mut grains = model.pack_with_progress(count, seed, tell)?;
         grains.set_velocities(&model, agitation, seed);
         let run = ShearCell::new(&model, &grains, collisions, sampling)?;
         Ok(Self::of(experiment, run, 0, comm))
@@ -152,10 +152,10 @@ impl Simulation for CellRun {
     /// not depend on interruptions; an interrupted step is discarded.
     fn advance(&mut self, _last: u64) -> Result<(), SimulationError> {
         let before = *self.run.engine().tally();
-        let go_on = || !self.interrupt.is_requested();
-        let is_settling = self.clock.step() < self.experiment.settle;
-        let take = if is_settling { ShearCell::settle } else { ShearCell::measure };
-        let is_taken = take(&mut self.run, self.clock.dt(), &go_on);
+        let may_continue = || !self.interrupt.is_requested();
+        let is_transient = self.clock.step() < self.experiment.transient;
+        let take = if is_transient { ShearCell::run_transient } else { ShearCell::measure };
+        let is_taken = take(&mut self.run, self.clock.dt(), &may_continue);
         if let Some(failure) = self.run.engine().failure() {
             return Err(SimulationError::new(failure));
         }
@@ -164,9 +164,9 @@ impl Simulation for CellRun {
             return Err(SimulationError::new(Jammed { time, top_wall_is_free }));
         }
         if !is_taken {
-            return self.run.go_back().map_err(SimulationError::new);
+            return self.run.return_to_restart().map_err(SimulationError::new);
         }
-        self.run.renew().map_err(SimulationError::new)?;
+        self.run.restart().map_err(SimulationError::new)?;
         self.sample = Some(self.run.sample_since(&before));
         self.clock.tick();
         Ok(())
@@ -221,12 +221,12 @@ impl Simulation for CellRun {
         Rearrangement::put(&change.velocities, &ids, particles.vectors("velocity"));
         Rearrangement::put(&change.angular_velocities, &ids, particles.vectors("angular_velocity"));
         let after = grains(particles)?;
-        let saved = self.run.saved_with(&state.statistics.concat(), [&before, &after]).ok_or(StartError::State);
+        let saved = self.run.saved_with_grains(&state.statistics.concat(), [&before, &after]).ok_or(StartError::State);
         Ok(State { statistics: vec![saved.map_err(SimulationError::new)?], ..state })
     }
 
     fn averages(&mut self) -> Option<TableSet> {
-        let is_measured = self.clock.step() > self.experiment.settle;
+        let is_measured = self.clock.step() > self.experiment.transient;
         is_measured.then(|| TableSet { folder: None, name: "averages", tables: tables(&self.run.report()) })
     }
 

@@ -59,9 +59,9 @@ pub trait CollisionEngine {
     fn collisions(&self) -> CollisionDetection;
 
     /// Runs for a duration, rounded to whole time steps by the time-stepped engine, while nothing fails, the grains are
-    /// not jammed, and `go_on`, which is called several times a second, returns true. Returns whether it reached the
-    /// end.
-    fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool;
+    /// not jammed, and `may_continue`, which is called several times a second, returns true. Returns whether it reached
+    /// the end.
+    fn advance(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool;
 
     /// The error of an engine that stopped early because of its time step.
     fn failure(&self) -> Option<ParameterError> {

@@ -9,14 +9,14 @@ use domain::{Random, Vector};
 use std::collections::HashMap;
 
 /// Solid fraction of the random sequential addition at the start.
-const SEEDED: f64 = 0.2;
+const INITIAL_FRACTION: f64 = 0.2;
 /// Growth rates over the thermal speed, tried in turn: slower growth reaches denser packings.
-const GROWTH: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
+const GROWTH_RATES: [f64; 4] = [0.1, 0.03, 0.01, 0.003];
 /// The grains count as jammed when a lap takes less than this time, in units of the diameter over the thermal speed.
-const JAMMED: f64 = 3e-4;
+const JAMMED_LAP: f64 = 3e-4;
 /// Collisions per grain between two times at which velocities are rescaled to remove the heat of
 /// growth, and after growth.
-const LAP: u64 = 10;
+const COLLISIONS_PER_GRAIN: u64 = 10;
 /// Positions tried for each grain.
 const TRIES: usize = 10_000;
 
@@ -24,19 +24,24 @@ impl Model {
     /// `count` grains at random positions, without overlap, at rest. The same seed gives the same positions, in
     /// diameters, in any unit of length.
     pub fn pack(&self, count: usize, seed: u64) -> Result<Grains, PackingError> {
-        self.pack_and_tell(count, seed, &mut |_| {})
+        self.pack_with_progress(count, seed, &mut |_| {})
     }
 
     /// Like [`Model::pack`]; `tell` is called now and then with the fraction of the diameter
     /// that the grains have reached.
-    pub fn pack_and_tell(&self, count: usize, seed: u64, tell: &mut dyn FnMut(f64)) -> Result<Grains, PackingError> {
+    pub fn pack_with_progress(
+        &self,
+        count: usize,
+        seed: u64,
+        tell: &mut dyn FnMut(f64),
+    ) -> Result<Grains, PackingError> {
         let p = self.parameters();
         let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);
         let elastic_at_rest = self.elastic_at_rest([length, height, width].map(|edge| edge / diameter));
         let fraction = count as f64 * std::f64::consts::PI / 6.0 * diameter.powi(3) / (length * height * width);
         let mut reached: f64 = 0.0;
-        for growth in GROWTH {
-            match elastic_at_rest.grow(count, seed, [f64::cbrt(SEEDED / fraction), growth], tell) {
+        for growth in GROWTH_RATES {
+            match elastic_at_rest.grow(count, seed, [f64::cbrt(INITIAL_FRACTION / fraction), growth], tell) {
                 Ok(mut grains) => {
                     grains.motions.fill(GrainMotion::default());
                     grains.positions.iter_mut().for_each(|x| *x *= self.parameters().diameter);
@@ -80,12 +85,12 @@ impl Model {
         let mut grains = self.scatter(count, start, seed).ok_or(0.0)?;
         grains.set_velocities(self, 1.0, seed);
         let mut engine = EventDriven::growing(self, &CellState::new(self, &grains), [start, growth]);
-        let lap = LAP * count as u64;
+        let lap = COLLISIONS_PER_GRAIN * count as u64;
         while engine.diameter() < 1.0 - 1e-13 {
             let (before, left) = (engine.tally().time, (1.0 - engine.diameter()) / growth);
             engine.run(left, lap, &|| true);
             tell(engine.diameter());
-            if engine.tally().time - before < f64::min(JAMMED, 0.5 * left) {
+            if engine.tally().time - before < f64::min(JAMMED_LAP, 0.5 * left) {
                 return Err(engine.diameter());
             }
             engine.scale_velocities(1.0 / engine.grains().temperature().sqrt());

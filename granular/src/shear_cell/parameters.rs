@@ -210,7 +210,7 @@ impl Model {
     }
 
     /// Downward acceleration of a free top wall due to its load.
-    pub(super) fn top_wall_fall(&self) -> f64 {
+    pub(super) fn top_wall_acceleration(&self) -> f64 {
         match self.parameters.top {
             Top::Free { pressure, mass_per_area } if self.walled => pressure / mass_per_area,
             _ => 0.0,
@@ -219,8 +219,8 @@ impl Model {
 
     /// Typical upper bound on the difference between two neighbours' accelerations: gravity and
     /// the curvature of the path.
-    pub(super) fn turning(&self) -> f64 {
-        self.parameters.gravity + self.parameters.speed.powi(2) / self.mid_radius + self.top_wall_fall()
+    pub(super) fn acceleration_bound(&self) -> f64 {
+        self.parameters.gravity + self.parameters.speed.powi(2) / self.mid_radius + self.top_wall_acceleration()
     }
 
     /// Whether grains or the top wall accelerate between collisions.

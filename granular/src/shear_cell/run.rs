@@ -127,17 +127,17 @@ impl ShearCell {
         Ok(Self { model: *model, engine, sampling, start, measured, mark })
     }
 
-    /// Runs for a duration without measuring, while the grains are not jammed and `go_on` returns true. Returns
+    /// Runs for a duration without measuring, while the grains are not jammed and `may_continue` returns true. Returns
     /// whether it reached the end.
-    pub fn settle(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
-        self.engine.advance(duration, go_on)
+    pub fn run_transient(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool {
+        self.engine.advance(duration, may_continue)
     }
 
-    /// Like [`ShearCell::settle`], but measures, for the nearest whole number of windows.
-    pub fn measure(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+    /// Like [`ShearCell::run_transient`], but measures, for the nearest whole number of windows.
+    pub fn measure(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool {
         for _ in 0..(duration / self.sampling.window).round() as u64 {
             let before = *self.engine.tally();
-            if !go_on() || !self.engine.advance(self.sampling.window, go_on) {
+            if !may_continue() || !self.engine.advance(self.sampling.window, may_continue) {
                 return false;
             }
             self.measured.add(&self.model, &self.engine, &before, &self.sampling);
@@ -146,13 +146,13 @@ impl ShearCell {
     }
 
     /// Restarts the engine from the present state, as a resumed run does.
-    pub fn renew(&mut self) -> Result<(), ParameterError> {
+    pub fn restart(&mut self) -> Result<(), ParameterError> {
         self.mark = (self.engine.checkpoint(&self.model)?, self.measured.clone());
         Ok(())
     }
 
     /// Returns to the last restart of the engine.
-    pub fn go_back(&mut self) -> Result<(), ParameterError> {
+    pub fn return_to_restart(&mut self) -> Result<(), ParameterError> {
         self.engine = Engine::resume(&self.model, &self.mark.0, self.engine.collisions())?;
         self.measured = self.mark.1.clone();
         Ok(())
@@ -171,7 +171,7 @@ impl ShearCell {
 
     /// The saved part of a checkpoint, for other grains than it was saved with: the balances do not count what the user
     /// has done. None if it is of another form.
-    pub fn saved_with(&self, saved: &[u8], [before, after]: [&Grains; 2]) -> Option<Vec<u8>> {
+    pub fn saved_with_grains(&self, saved: &[u8], [before, after]: [&Grains; 2]) -> Option<Vec<u8>> {
         let mut checkpoint = self.checkpoint();
         checkpoint.load(saved).then(|| {
             checkpoint.start = checkpoint.start.with_replaced(&self.model, [before, after]);

@@ -41,11 +41,11 @@ impl List {
         let lattice_shifts = |step: u64| (law.strain(step) * cell.edges().y / cell.edges().x + 0.5).floor() as i32;
         let built_at_step = before.map_or(step, |list| list.built_at_step);
         state.wrap(&cell, law, lattice_shifts(step) - lattice_shifts(built_at_step));
-        state.refer();
+        state.set_references();
         let mut rows: Vec<u32> = (0..state.len() as u32).collect();
         if before.is_none_or(|list| list.built_at_step / SORT_EVERY < step / SORT_EVERY) {
             let order = DiskCells::sort(&cell, state, cell_edges(&state.identities)).order();
-            state.arrange(&order, law, model);
+            state.reorder(&order, law, model);
             for (new, &old) in order.iter().enumerate() {
                 rows[old as usize] = new as u32;
             }
@@ -120,7 +120,7 @@ impl PairSearch<'_> {
                 chunk.list(self.pair(first, second), candidate.steps.map(i32::from), touched);
             }
         }
-        chunk.make_room();
+        chunk.resize_buffer();
     }
 
     /// Adds the entries of a range that are within the cutoff of a disk and below it in rank, without a branch.
@@ -176,7 +176,7 @@ impl PairChunk {
         batches[index].touched.push(touched);
     }
 
-    fn make_room(&mut self) {
+    fn resize_buffer(&mut self) {
         let longest = self.inner.iter().chain(&self.border).map(|b| b.pairs.len()).max().unwrap_or(0);
         self.found.resize(longest, 0);
     }

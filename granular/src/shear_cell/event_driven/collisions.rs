@@ -9,8 +9,8 @@ use domain::Vector;
 impl EventDriven {
     /// Collision of two grains.
     pub(super) fn pair_event(&mut self, i: usize, j: usize) {
-        self.bring(i);
-        self.bring(j);
+        self.advance_grain(i);
+        self.advance_grain(j);
         let (model, diameter) = (self.model, self.diameter());
         let radius = 0.5 * diameter;
         let separation = self.nearest(self.grains[j].position - self.grains[i].position);
@@ -19,8 +19,8 @@ impl EventDriven {
         let rule = self.rule(model.parameters().grain_contact, &[i, j]);
         let (mut a, mut b) = (self.motion(i), self.motion(j));
         let before = a.energy(radius) + b.energy(radius);
-        let pressed = if self.accelerated { (self.accelerations[i] - self.accelerations[j]).dot(n) } else { 0.0 };
-        rule.strike_pair([&mut a, &mut b], n, radius, [self.size[1], self.least(pressed)]);
+        let pressing = if self.accelerated { (self.accelerations[i] - self.accelerations[j]).dot(n) } else { 0.0 };
+        rule.strike_pair([&mut a, &mut b], n, radius, [self.size[1], self.least(pressing)]);
         self.set_motion(i, a);
         self.set_motion(j, b);
         let tally = &mut self.tally;
@@ -31,8 +31,8 @@ impl EventDriven {
         tally.largest_overlap = tally.largest_overlap.max(overlap);
         self.events.collisions += 1;
         for k in [i, j] {
-            self.rest[k].last_collision = self.now;
-            self.turn(k);
+            self.rotations[k].last_collision = self.now;
+            self.change_path(k);
         }
         self.plan(i);
         self.plan(j);
@@ -40,7 +40,7 @@ impl EventDriven {
 
     /// A grain reaches a face of its cell: a wall, or the boundary of the next cell.
     pub(super) fn face_event(&mut self, i: usize, axis: usize, up: bool) {
-        self.bring(i);
+        self.advance_grain(i);
         let (cells, grain) = (&mut self.cells, &mut self.grains[i]);
         let (mut home, n) = (cells.coordinates(grain.cell), cells.counts[axis]);
         let outermost = home[axis] == if up { n - 1 } else { 0 };
@@ -67,16 +67,16 @@ impl EventDriven {
         let rule = self.rule(model.parameters().wall_contact, &[i]);
         let mut motion = self.motion(i);
         let before = motion.energy(radius);
-        let mut pressed = -self.accelerations[i].dot(face.normal());
+        let mut pressing = -self.accelerations[i].dot(face.normal());
         if face.mass_ratio > 0.0 {
-            pressed += model.top_wall_fall();
+            pressing += model.top_wall_acceleration();
         }
-        let impulse = rule.strike_wall(&mut motion, &face, radius, [0.5 * self.size[1], self.least(pressed)]);
+        let impulse = rule.strike_wall(&mut motion, &face, radius, [0.5 * self.size[1], self.least(pressing)]);
         self.set_motion(i, motion);
         self.tally.strike_wall(&model, &face, impulse, motion.energy(radius) - before, &mut top_wall);
         self.events.collisions += 1;
-        self.rest[i].last_collision = self.now;
-        self.turn(i);
+        self.rotations[i].last_collision = self.now;
+        self.change_path(i);
         if face.mass_ratio > 0.0 {
             self.top_wall.set(top_wall, self.now);
         }
@@ -85,7 +85,7 @@ impl EventDriven {
 
     /// Collision parameters for a collision now: elastic if one of the grains collided within the contact time.
     fn rule(&mut self, rule: CollisionRule, grains: &[usize]) -> CollisionRule {
-        let since = |&i: &usize| self.now - self.rest[i].last_collision;
+        let since = |&i: &usize| self.now - self.rotations[i].last_collision;
         if grains.iter().map(since).fold(f64::INFINITY, f64::min) >= self.model.parameters().contact_time {
             return rule;
         }
@@ -94,8 +94,8 @@ impl EventDriven {
     }
 
     /// Rebound speed that keeps two bodies apart for the contact time under an acceleration that presses them together.
-    fn least(&self, pressed: f64) -> f64 {
-        0.5 * self.model.parameters().contact_time * f64::max(pressed, 0.0)
+    fn least(&self, pressing: f64) -> f64 {
+        0.5 * self.model.parameters().contact_time * f64::max(pressing, 0.0)
     }
 
     /// Nearest image of the separation of two grains in neighbouring cells.

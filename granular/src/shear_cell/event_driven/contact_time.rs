@@ -19,13 +19,13 @@ const TOUCH: f64 = 1e-13;
 /// A pair without relative acceleration, with a growing diameter: the squared distance minus the squared
 /// diameter is `c + 2 b t + a t^2`.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Straight {
+pub struct StraightFlight {
     pub a: f64,
     pub b: f64,
     pub c: f64,
 }
 
-impl Straight {
+impl StraightFlight {
     /// From the separation, the relative velocity, and `[diameter, growth]`.
     #[inline]
     pub fn new(r: Vector, w: Vector, [diameter, growth]: [f64; 2]) -> Self {
@@ -69,9 +69,9 @@ impl RelativeFlight {
     /// Squared distance minus squared diameter, half its rate, and half the minimum of its second derivative within a
     /// window: a parabola that is a lower bound.
     #[inline]
-    fn below(&self, diameter: f64, window: f64) -> Straight {
+    fn below(&self, diameter: f64, window: f64) -> StraightFlight {
         let Self { separation: r, velocity: w, acceleration: g } = *self;
-        Straight {
+        StraightFlight {
             a: w.length_squared() + r.dot(g) + f64::min(0.0, 3.0 * w.dot(g) * window),
             b: r.dot(w),
             c: f64::max(r.length_squared() - diameter * diameter, 0.0),
@@ -95,13 +95,13 @@ impl RelativeFlight {
 /// time on, `f` stays above the parabola `f + f' t + m t^2/2` with `m` the minimum of `f''` in the window; the first
 /// root of the parabola is reached without passing a contact, and the next parabola starts there. Without
 /// acceleration the first parabola is exact.
-pub fn curved(start: &RelativeFlight, diameter: f64, window: f64) -> Option<f64> {
+pub fn curved_contact_time(start: &RelativeFlight, diameter: f64, window: f64) -> Option<f64> {
     let mut elapsed = 0.0;
     // Each parabola squares the error; sixty are for grazing contacts, where the roots are nearly double.
     for _ in 0..60 {
         let left = window - elapsed;
         let parabola = start.after(elapsed).below(diameter, left);
-        let Straight { b, c, .. } = parabola;
+        let StraightFlight { b, c, .. } = parabola;
         if b < 0.0 && c < if elapsed > 0.0 { TOUCH * diameter * diameter } else { f64::MIN_POSITIVE } {
             break;
         }
@@ -116,7 +116,7 @@ pub fn curved(start: &RelativeFlight, diameter: f64, window: f64) -> Option<f64>
 /// First time, not before 0, at which a point at `distance` from a plane reaches it while moving toward it, with
 /// speed `v` and acceleration `a` toward the plane. A distance that is negative by round-off counts as zero.
 #[inline]
-pub fn reach(distance: f64, v: f64, a: f64) -> f64 {
+pub fn time_to_plane(distance: f64, v: f64, a: f64) -> f64 {
     let d = f64::max(distance, 0.0);
     let square = v * v + 2.0 * a * d;
     if square < 0.0 {
@@ -139,7 +139,7 @@ mod tests {
     fn straight_flights_meet_where_the_quadratic_says() {
         let v = Vector::new;
         let straight = |r, w, size| {
-            let pair = Straight::new(r, w, size);
+            let pair = StraightFlight::new(r, w, size);
             assert!(pair.may_meet() || pair.time().is_none());
             pair.time()
         };
@@ -157,12 +157,12 @@ mod tests {
 
     #[test]
     fn planes_are_reached_where_the_parabola_says() {
-        assert!((reach(1.0, 2.0, 0.0) - 0.5).abs() < 1e-15);
+        assert!((time_to_plane(1.0, 2.0, 0.0) - 0.5).abs() < 1e-15);
         // Thrown up at 3 under gravity 10: reaches the plane 0.4 above at 0.2, the one 1 above never, and the
         // starting height again at 0.6.
-        assert!((reach(0.4, 3.0, -10.0) - 0.2).abs() < 1e-15);
-        assert!(reach(1.0, 3.0, -10.0).is_infinite());
-        assert!((reach(0.0, -3.0, 10.0) - 0.6).abs() < 1e-15);
+        assert!((time_to_plane(0.4, 3.0, -10.0) - 0.2).abs() < 1e-15);
+        assert!(time_to_plane(1.0, 3.0, -10.0).is_infinite());
+        assert!((time_to_plane(0.0, -3.0, 10.0) - 0.6).abs() < 1e-15);
     }
 
     proptest! {
@@ -177,7 +177,7 @@ mod tests {
             let gap = |t: f64| (r + w * t + a * (0.5 * t * t)).length() - 1.0;
             let steps = 4000;
             let crossing = (0..=steps).map(|k| f64::from(k) / f64::from(steps)).find(|&t| gap(t) < 0.0);
-            let found = curved(&RelativeFlight { separation: r, velocity: w, acceleration: a }, 1.0, 1.0);
+            let found = curved_contact_time(&RelativeFlight { separation: r, velocity: w, acceleration: a }, 1.0, 1.0);
             match (found, crossing) {
                 (Some(t), Some(c)) =>
                     prop_assert!(t <= c && c - t < 1.0 / f64::from(steps) + 1e-9 && gap(t).abs() < 1e-12),

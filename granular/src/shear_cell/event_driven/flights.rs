@@ -1,7 +1,7 @@
 //! Selection of the neighbours in straight flight that may collide with a grain, computed in SIMD vectors.
 
 use super::cells::NEAR;
-use super::contact_time::Straight;
+use super::contact_time::StraightFlight;
 use super::grain::Grain;
 use domain::Vector;
 use simd::vectorised;
@@ -52,7 +52,7 @@ impl Flights {
         vectorised(
             #[inline(always)]
             || {
-                self.gather(list, view);
+                self.relative_motions(list, view);
                 self.pair(list.len(), view);
             },
         );
@@ -64,7 +64,7 @@ impl Flights {
         }
         for &k in &self.chosen[..count] {
             let k = k as usize;
-            let pair = Straight { a: self.pairs[0][k], b: self.pairs[1][k], c: self.pairs[2][k] };
+            let pair = StraightFlight { a: self.pairs[0][k], b: self.pairs[1][k], c: self.pairs[2][k] };
             if let Some(t) = pair.time()
                 && t < best.0
             {
@@ -76,7 +76,7 @@ impl Flights {
 
     /// Computes separations at the present time and relative velocities.
     #[inline(always)]
-    fn gather(&mut self, list: &[u32], view: &FlightInput) {
+    fn relative_motions(&mut self, list: &[u32], view: &FlightInput) {
         let Grain { position, velocity, .. } = *view.grain;
         for (k, &j) in list.iter().enumerate().take(NEAR) {
             let grain = &view.grains[j as usize];
@@ -101,7 +101,7 @@ impl Flights {
                 x - back + forth
             };
             let separation = Vector::new(image(x[k], periods[0]), image(y[k], periods[1]), image(z[k], periods[2]));
-            let pair = Straight::new(separation, Vector::new(u[k], v[k], w[k]), size);
+            let pair = StraightFlight::new(separation, Vector::new(u[k], v[k], w[k]), size);
             (a[k], b[k], c[k], may_meet[k]) = (pair.a, pair.b, pair.c, pair.may_meet());
         }
     }

@@ -17,7 +17,7 @@ pub struct Grain {
 
 /// The rest of a grain's state.
 #[derive(Debug, Clone, Copy)]
-pub struct Rest {
+pub struct Rotation {
     pub spin: Vector,
     pub last_collision: f64,
 }

@@ -25,19 +25,19 @@ use cells::{GrainCells, NEAR, NearGrains};
 use contact_time::RelativeFlight;
 use domain::{Number, Vector};
 use flights::Flights;
-use grain::{Exit, Grain, NextEvent, Rest};
+use grain::{Exit, Grain, NextEvent, Rotation};
 use queue::Queue;
 
 /// Displacement, over the diameter, that the relative acceleration of two grains may cause before it is renewed.
-const TURN: f64 = 0.01;
+const DRIFT_TOLERANCE: f64 = 0.01;
 /// Events per grain between two times at which all grains are advanced to the same time.
-const LAPS: u64 = 16;
+const EVENTS_PER_GRAIN: u64 = 16;
 
 /// Number of collisions, or events, between two checks whether to continue: a fraction of a second.
-const LOOK: u64 = 200_000;
+const CHECK_INTERVAL: u64 = 200_000;
 
 /// No grain.
-const NONE: u32 = u32::MAX;
+const NO_GRAIN: u32 = u32::MAX;
 
 /// The event-driven engine.
 pub struct EventDriven {
@@ -46,7 +46,7 @@ pub struct EventDriven {
     ids: Vec<u32>,
     grains: Vec<Grain>,
     accelerations: Vec<Vector>,
-    rest: Vec<Rest>,
+    rotations: Vec<Rotation>,
     plans: Vec<NextEvent>,
     /// One entry per grain, and the last for the top wall.
     queue: Queue,
@@ -54,7 +54,7 @@ pub struct EventDriven {
     near: Box<NearGrains>,
     flights: Box<Flights>,
     /// Buffer for the nearby grains on curved trajectories that a grain may meet.
-    curving: Vec<(u32, RelativeFlight)>,
+    curved_flights: Vec<(u32, RelativeFlight)>,
     /// Time since the grains were last advanced together, the origin of time of plans and grains.
     now: f64,
     /// Diameter at that time, and its growth rate (packing only).
@@ -70,7 +70,7 @@ pub struct EventDriven {
 
 /// Predicted memory of the engine with `count` grains: about one cell per grain, and a tree of times as the queue.
 pub fn bytes(model: &Model, count: f64) -> domain::Bytes {
-    let grains = domain::Bytes::list::<(u32, Grain, Vector, Rest, NextEvent)>(count);
+    let grains = domain::Bytes::list::<(u32, Grain, Vector, Rotation, NextEvent)>(count);
     grains
         .then(domain::Bytes::list::<f64>(8.0 / 7.0 * count))
         .then(domain::Bytes::keep(GrainCells::bytes(model, count)))
@@ -117,18 +117,22 @@ impl EventDriven {
             ids,
             grains: states().map(fly).collect(),
             accelerations: states().map(pull).collect(),
-            rest: grains.motions.iter().map(|m| Rest { spin: m.spin, last_collision: f64::NEG_INFINITY }).collect(),
+            rotations: grains
+                .motions
+                .iter()
+                .map(|m| Rotation { spin: m.spin, last_collision: f64::NEG_INFINITY })
+                .collect(),
             plans: vec![NextEvent::default(); grains.len()],
             queue: Queue::new(grains.len() + 1),
             cells,
             near: Box::new(NearGrains::new()),
             flights: Box::new(Flights::new()),
-            curving: vec![(NONE, RelativeFlight::default()); NEAR],
+            curved_flights: vec![(NO_GRAIN, RelativeFlight::default()); NEAR],
             now: 0.0,
             size,
             horizon: horizon(model),
             accelerated,
-            top_wall: top_wall::MovingWall::new(state.top_wall, -model.top_wall_fall()),
+            top_wall: top_wall::MovingWall::new(state.top_wall, -model.top_wall_acceleration()),
             tally: state.tally,
             events: Events::default(),
             jammed: false,
@@ -142,17 +146,18 @@ impl EventDriven {
         self.run(f64::INFINITY, collisions, &|| true);
     }
 
-    /// Runs for a time or a number of collisions, whichever ends first, while `go_on` returns
+    /// Runs for a time or a number of collisions, whichever ends first, while `may_continue` returns
     /// true. Returns the time left.
-    pub(super) fn run(&mut self, duration: f64, collisions: u64, go_on: &dyn Fn() -> bool) -> f64 {
-        let (enough, mut look) = (self.events.collisions.saturating_add(collisions), self.events.total() + LOOK);
+    pub(super) fn run(&mut self, duration: f64, collisions: u64, may_continue: &dyn Fn() -> bool) -> f64 {
+        let (enough, mut look) =
+            (self.events.collisions.saturating_add(collisions), self.events.total() + CHECK_INTERVAL);
         let mut left = duration;
         loop {
-            let lap = self.events.total() + LAPS * self.grains.len() as u64;
+            let lap = self.events.total() + EVENTS_PER_GRAIN * self.grains.len() as u64;
             let limit = f64::min(left, f64::MAX);
             let mut next = self.queue.earliest();
             while next.1 <= limit && self.events.collisions < enough && self.events.total() < lap {
-                self.happen(next.0, next.1);
+                self.process_event(next.0, next.1);
                 next = self.queue.earliest();
             }
             let (idle, enough) = (next.1 > limit, self.events.collisions >= enough);
@@ -160,14 +165,14 @@ impl EventDriven {
                 self.now = f64::max(self.now, left);
             }
             left -= self.now;
-            self.gather();
+            self.advance_all();
             if idle || enough {
                 return if idle { 0.0 } else { left };
             }
             // There may be many other events per collision.
             if self.events.total() >= look {
-                look = self.events.total() + LOOK;
-                if !go_on() {
+                look = self.events.total() + CHECK_INTERVAL;
+                if !may_continue() {
                     return left;
                 }
             }
@@ -193,7 +198,7 @@ impl EventDriven {
     }
 
     /// Processes the event of an entry at its time.
-    fn happen(&mut self, i: usize, time: f64) {
+    fn process_event(&mut self, i: usize, time: f64) {
         self.now = f64::max(self.now, time);
         if i == self.grains.len() {
             return self.top_wall_event();
@@ -201,13 +206,13 @@ impl EventDriven {
         let plan = self.plans[i];
         if plan.contact <= plan.exit {
             let j = plan.partner as usize;
-            if self.grains[j].stamp == plan.stamp { self.pair_event(i, j) } else { self.renew(i) }
+            if self.grains[j].stamp == plan.stamp { self.pair_event(i, j) } else { self.plan_again(i) }
         } else {
             match plan.exit_by {
                 Exit::Renewal => {
-                    self.bring(i);
-                    self.turn(i);
-                    self.renew(i);
+                    self.advance_grain(i);
+                    self.change_path(i);
+                    self.plan_again(i);
                 }
                 Exit::Face { axis, up } => self.face_event(i, axis as usize, up),
             }
@@ -215,7 +220,7 @@ impl EventDriven {
     }
 
     /// Advances a grain to the present time.
-    fn bring(&mut self, i: usize) {
+    fn advance_grain(&mut self, i: usize) {
         let pull = self.accelerated.then_some(self.accelerations[i]);
         let grain = &mut self.grains[i];
         let (position, velocity) = grain.at(self.now, pull);
@@ -228,22 +233,22 @@ impl EventDriven {
     }
 
     fn motion(&self, i: usize) -> GrainMotion {
-        GrainMotion { velocity: self.grains[i].velocity, spin: self.rest[i].spin }
+        GrainMotion { velocity: self.grains[i].velocity, spin: self.rotations[i].spin }
     }
 
     fn set_motion(&mut self, i: usize, motion: GrainMotion) {
-        (self.grains[i].velocity, self.rest[i].spin) = (motion.velocity, motion.spin);
+        (self.grains[i].velocity, self.rotations[i].spin) = (motion.velocity, motion.spin);
     }
 
     /// Plans the next event of a grain whose trajectory is unchanged.
-    fn renew(&mut self, i: usize) {
+    fn plan_again(&mut self, i: usize) {
         self.events.renewals += 1;
-        self.bring(i);
+        self.advance_grain(i);
         self.plan(i);
     }
 
     /// Marks a grain's trajectory as changed.
-    fn turn(&mut self, i: usize) {
+    fn change_path(&mut self, i: usize) {
         let grain = &mut self.grains[i];
         grain.stamp = grain.stamp.wrapping_add(1);
         if self.accelerated {
@@ -252,12 +257,12 @@ impl EventDriven {
     }
 
     /// Advances everything to the present time and makes it the origin of time, so that times stay exact.
-    fn gather(&mut self) {
-        self.book_load();
+    fn advance_all(&mut self) {
+        self.add_load_work();
         for i in 0..self.grains.len() {
-            self.bring(i);
+            self.advance_grain(i);
             self.grains[i].time = 0.0;
-            self.rest[i].last_collision -= self.now;
+            self.rotations[i].last_collision -= self.now;
             let plan = &mut self.plans[i];
             for time in [&mut plan.contact, &mut plan.exit, &mut plan.renewal] {
                 *time -= self.now;
@@ -288,19 +293,19 @@ impl CollisionEngine for EventDriven {
         CollisionDetection::EventDriven
     }
 
-    fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
+    fn advance(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool {
         let mut left = duration;
         while !self.jammed {
             let before = self.tally.time;
-            left = self.run(left, LOOK, go_on);
+            left = self.run(left, CHECK_INTERVAL, may_continue);
             if left == 0.0 {
                 return true;
             }
-            if !go_on() {
+            if !may_continue() {
                 return false;
             }
             // A collision involves two grains.
-            let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * LOOK) as f64;
+            let pause = (self.tally.time - before) * self.grains.len() as f64 / (2 * CHECK_INTERVAL) as f64;
             self.jammed = pause < self.model.parameters().contact_time;
         }
         false
@@ -333,8 +338,8 @@ impl CollisionEngine for EventDriven {
 
 /// Time for which a stored acceleration is valid.
 fn horizon(model: &Model) -> f64 {
-    let turned = 2.0 * TURN * model.parameters().diameter;
-    if model.has_body_force() { (turned / model.turning()).sqrt() } else { f64::INFINITY }
+    let turned = 2.0 * DRIFT_TOLERANCE * model.parameters().diameter;
+    if model.has_body_force() { (turned / model.acceleration_bound()).sqrt() } else { f64::INFINITY }
 }
 
 /// Ids and grains in the order of their cells.

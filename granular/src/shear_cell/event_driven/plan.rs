@@ -1,8 +1,8 @@
 //! Prediction of a grain's next event.
 
 use super::{
-    EventDriven, NONE,
-    contact_time::{RelativeFlight, curved, reach},
+    EventDriven, NO_GRAIN,
+    contact_time::{RelativeFlight, curved_contact_time, time_to_plane},
     flights::FlightInput,
     grain::{Exit, NextEvent},
 };
@@ -12,7 +12,7 @@ impl EventDriven {
     pub(super) fn plan(&mut self, i: usize) {
         let renewal = self.now + self.horizon;
         let (exit, exit_by) = self.exit(i, renewal);
-        self.plans[i] = NextEvent { contact: f64::INFINITY, partner: NONE, stamp: 0, renewal, exit, exit_by };
+        self.plans[i] = NextEvent { contact: f64::INFINITY, partner: NO_GRAIN, stamp: 0, renewal, exit, exit_by };
         self.plan_contacts(i, [[-1, 1]; 3]);
         self.plan_top_wall_collision(i);
     }
@@ -40,27 +40,27 @@ impl EventDriven {
 
     /// Earliest contact with a grain in the cells at offsets `reach`, if it is earlier than the planned one.
     fn contact<const ACCELERATED: bool>(&mut self, i: usize, reach: [[isize; 2]; 3]) -> Option<(f64, u32)> {
-        let best = (self.plans[i].contact - self.now, NONE);
+        let best = (self.plans[i].contact - self.now, NO_GRAIN);
         let size = [self.diameter(), self.size[1]];
         let Self { grains, cells, near, flights, now, .. } = self;
         let grain = &grains[i];
         cells.near(cells.coordinates(grain.cell), reach, near);
         let (t, partner) = if ACCELERATED {
-            self.first_curved(i, best)
+            self.first_on_curved_paths(i, best)
         } else {
             let view = FlightInput { grains, grain, now: *now, periods: cells.periods(), size };
             flights.first(i, near.list(), &view, best)
         };
-        (partner != NONE).then_some((self.now + t, partner))
+        (partner != NO_GRAIN).then_some((self.now + t, partner))
     }
 
     /// The first of the nearby grains that is met earlier than the best so far, for trajectories
     /// with different curvature.
-    fn first_curved(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
+    fn first_on_curved_paths(&mut self, i: usize, mut best: (f64, u32)) -> (f64, u32) {
         let (position, velocity) = (self.grains[i].position, self.grains[i].velocity);
         let acceleration = self.accelerations[i];
         let (diameter, limit) = (self.diameter(), self.plans[i].renewal - self.now);
-        let mut chosen = std::mem::take(&mut self.curving);
+        let mut chosen = std::mem::take(&mut self.curved_flights);
         let mut count = 0;
         for &j in self.near.list() {
             let pull = self.accelerations[j as usize];
@@ -74,13 +74,13 @@ impl EventDriven {
             count += usize::from(start.may_meet(diameter, limit)) & usize::from(j as usize != i);
         }
         for (j, start) in &chosen[..count] {
-            if let Some(t) = curved(start, diameter, f64::min(best.0, limit))
+            if let Some(t) = curved_contact_time(start, diameter, f64::min(best.0, limit))
                 && t < best.0
             {
                 best = (t, *j);
             }
         }
-        self.curving = chosen;
+        self.curved_flights = chosen;
         best
     }
 
@@ -97,16 +97,19 @@ impl EventDriven {
             let low = home[axis] as f64 * edge;
             let walled = self.cells.walled[axis];
             let (radius, growth) = (0.5 * self.diameter(), 0.5 * self.size[1]);
-            let down =
-                if walled && home[axis] == 0 { reach(x - radius, growth - v, -a) } else { reach(x - low, -v, -a) };
+            let down = if walled && home[axis] == 0 {
+                time_to_plane(x - radius, growth - v, -a)
+            } else {
+                time_to_plane(x - low, -v, -a)
+            };
             let up = if walled && home[axis] + 1 == self.cells.counts[axis] {
                 if axis == 1 && self.top_wall.is_free() {
                     f64::INFINITY
                 } else {
-                    reach(edge * self.cells.counts[axis] as f64 - radius - x, growth + v, a)
+                    time_to_plane(edge * self.cells.counts[axis] as f64 - radius - x, growth + v, a)
                 }
             } else {
-                reach(low + edge - x, v, a)
+                time_to_plane(low + edge - x, v, a)
             };
             for (time, up) in [(down, false), (up, true)] {
                 if time < first {

@@ -1,7 +1,7 @@
 //! The event queue: a tree of minima.
 
 /// Children of a node: eight times fill a cache line.
-const FAN: usize = 8;
+const CHILDREN: usize = 8;
 
 /// The next time of each of a fixed number of entries, and the earliest of them.
 pub struct Queue {
@@ -15,8 +15,8 @@ impl Queue {
         let mut levels = Vec::new();
         let mut count = entries.max(1);
         loop {
-            let blocks = count.div_ceil(FAN);
-            levels.push(vec![f64::INFINITY; blocks * FAN]);
+            let blocks = count.div_ceil(CHILDREN);
+            levels.push(vec![f64::INFINITY; blocks * CHILDREN]);
             if blocks == 1 {
                 return Self { levels };
             }
@@ -34,8 +34,8 @@ impl Queue {
                 return;
             }
             level[place] = time;
-            place /= FAN;
-            time = least(level[place * FAN..].first_chunk().expect("levels are whole blocks"));
+            place /= CHILDREN;
+            time = least(level[place * CHILDREN..].first_chunk().expect("levels are whole blocks"));
         }
     }
 
@@ -45,9 +45,9 @@ impl Queue {
         let mut place = 0;
         let mut time = f64::INFINITY;
         for level in self.levels.iter().rev() {
-            let block = &level[place * FAN..(place + 1) * FAN];
+            let block = &level[place * CHILDREN..(place + 1) * CHILDREN];
             time = least(block.first_chunk().expect("a block"));
-            place = place * FAN + block.iter().position(|&t| t == time).expect("a block has its minimum");
+            place = place * CHILDREN + block.iter().position(|&t| t == time).expect("a block has its minimum");
         }
         (place, time)
     }
@@ -59,7 +59,7 @@ impl Queue {
 }
 
 #[inline]
-fn least(t: &[f64; FAN]) -> f64 {
+fn least(t: &[f64; CHILDREN]) -> f64 {
     let min = |a: f64, b: f64| if b < a { b } else { a };
     let four: [f64; 4] = std::array::from_fn(|k| min(t[k], t[k + 4]));
     min(min(four[0], four[2]), min(four[1], four[3]))

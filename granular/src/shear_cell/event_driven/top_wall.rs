@@ -2,7 +2,7 @@
 //! found. Its collisions are predicted with the grains in the top layer of cells.
 
 use super::super::{Side, TopWall};
-use super::{EventDriven, NONE, contact_time::reach};
+use super::{EventDriven, NO_GRAIN, contact_time::time_to_plane};
 
 /// The moving top wall and its next collision.
 pub struct MovingWall {
@@ -21,7 +21,7 @@ const HIGHEST: f64 = 2.25;
 
 impl MovingWall {
     pub fn new(start: TopWall, acceleration: f64) -> Self {
-        Self { start, since: 0.0, acceleration, next: f64::INFINITY, grain: NONE, stamp: 0 }
+        Self { start, since: 0.0, acceleration, next: f64::INFINITY, grain: NO_GRAIN, stamp: 0 }
     }
 
     pub fn is_free(&self) -> bool {
@@ -52,10 +52,10 @@ impl EventDriven {
     /// Event of the wall: a collision, a planned collision that is void as the grain's trajectory
     /// has changed, or a renewal.
     pub(super) fn top_wall_event(&mut self) {
-        self.book_load();
+        self.add_load_work();
         let MovingWall { grain, stamp, .. } = self.top_wall;
-        if grain != NONE && self.grains[grain as usize].stamp == stamp {
-            self.bring(grain as usize);
+        if grain != NO_GRAIN && self.grains[grain as usize].stamp == stamp {
+            self.advance_grain(grain as usize);
             self.wall_event(grain as usize, Side::Top);
         } else {
             self.events.renewals += 1;
@@ -73,10 +73,10 @@ impl EventDriven {
         let above = self.top_wall.at(self.now).height - 0.5 * self.diameter() - layers as f64 * self.cells.edges.y;
         let misplaced = (layers > 0 && above < LOWEST * self.cells.edges.y) || above > HIGHEST * self.cells.edges.y;
         if misplaced {
-            self.gather();
+            self.advance_all();
             return self.sort_and_plan();
         }
-        (self.top_wall.next, self.top_wall.grain) = (self.now + self.horizon, NONE);
+        (self.top_wall.next, self.top_wall.grain) = (self.now + self.horizon, NO_GRAIN);
         for z in 0..self.cells.counts[2] {
             for x in 0..self.cells.counts[0] {
                 let cell = self.cells.index([x, layers, z]);
@@ -101,17 +101,17 @@ impl EventDriven {
         let fall = self.accelerations[i];
         let (position, velocity) = grain.at(self.now, Some(fall));
         let gap = top_wall.height - 0.5 * self.diameter() - position.y;
-        let time = self.now + reach(gap, velocity.y - top_wall.velocity, fall.y - self.top_wall.acceleration);
+        let time = self.now + time_to_plane(gap, velocity.y - top_wall.velocity, fall.y - self.top_wall.acceleration);
         if time < self.top_wall.next {
             (self.top_wall.next, self.top_wall.grain, self.top_wall.stamp) = (time, i as u32, grain.stamp);
         }
     }
 
     /// Adds the work of the load since the wall was last updated, and updates the wall to the present time.
-    pub(super) fn book_load(&mut self) {
+    pub(super) fn add_load_work(&mut self) {
         let top_wall = self.top_wall.at(self.now);
         let fallen = self.top_wall.start.height - top_wall.height;
-        self.tally.load_work += self.model.top_wall_mass().unwrap_or(0.0) * self.model.top_wall_fall() * fallen;
+        self.tally.load_work += self.model.top_wall_mass().unwrap_or(0.0) * self.model.top_wall_acceleration() * fallen;
         self.top_wall.set(top_wall, self.now);
     }
 }

@@ -11,11 +11,11 @@ use domain::{Number, Vector};
 use neighbours::GrainPairs;
 
 /// Number of grains times steps between two checks whether to continue: a fraction of a second.
-const LOOK: u64 = 5_000_000;
+const CHECK_INTERVAL: u64 = 5_000_000;
 
 /// Displacement of the fastest grain in a step, over the diameter, at which loads up to a million times the weight of
 /// a layer of grains were found to be carried.
-const WAY: f64 = 0.0025;
+const SAFE_DISPLACEMENT: f64 = 0.0025;
 
 /// The time-stepped engine. Each step: `v += a dt`, `x += v dt`; then the collision rule for every wall that a grain
 /// penetrates and approaches; then that for every pair that overlaps and approaches, in a fixed order.
@@ -57,28 +57,28 @@ impl TimeStepped {
         Ok(engine)
     }
 
-    /// Takes a number of steps while no grain escapes and `go_on` returns true. Returns whether it took them all.
-    fn take_steps(&mut self, steps: u64, go_on: &dyn Fn() -> bool) -> bool {
-        let look = (LOOK / self.positions.len().max(1) as u64).max(1);
+    /// Takes a number of steps while no grain escapes and `may_continue` returns true. Returns whether it took all.
+    fn take_steps(&mut self, steps: u64, may_continue: &dyn Fn() -> bool) -> bool {
+        let look = (CHECK_INTERVAL / self.positions.len().max(1) as u64).max(1);
         for step in 1..=steps {
             self.take_step();
             if self.escaped {
                 return false;
             }
-            if step.is_multiple_of(look) && step < steps && !go_on() {
+            if step.is_multiple_of(look) && step < steps && !may_continue() {
                 return false;
             }
         }
         true
     }
 
-    /// The reason why grains escape, and a step that would do: one in which nothing moves by more than `WAY`
-    /// diameters, at the speed of the walls plus that to which gravity and the load can accelerate the top wall,
-    /// `sqrt(2 (g + P/M) H)`; and at most a tenth of the present step.
+    /// The reason why grains escape, and a step that would do: at most a tenth of the present step, and one in which
+    /// nothing moves by more than `SAFE_DISPLACEMENT` diameters, at the speed of the walls plus that to which gravity
+    /// and the load can accelerate the top wall, `sqrt(2 (g + P/M) H)`.
     fn too_long(&self) -> ParameterError {
         let p = self.model.parameters();
-        let fall = (2.0 * (p.gravity + self.model.top_wall_fall()) * p.height).sqrt();
-        let enough = (WAY * p.diameter / (p.speed + self.fastest + fall)).min(0.1 * self.step);
+        let fall = (2.0 * (p.gravity + self.model.top_wall_acceleration()) * p.height).sqrt();
+        let enough = (SAFE_DISPLACEMENT * p.diameter / (p.speed + self.fastest + fall)).min(0.1 * self.step);
         let load = match p.top {
             Top::Free { pressure, .. } => format!(" under top.pressure = {}, or a lower pressure", Number(pressure)),
             Top::Fixed => String::new(),
@@ -121,7 +121,7 @@ impl TimeStepped {
     }
 
     fn lower_top_wall(&mut self) {
-        let kick = -self.model.top_wall_fall() * self.step;
+        let kick = -self.model.top_wall_acceleration() * self.step;
         self.tally.load_work +=
             self.model.top_wall_mass().unwrap_or(0.0) * kick * (self.top_wall.velocity + 0.5 * kick);
         self.top_wall.velocity += kick;
@@ -210,8 +210,8 @@ impl CollisionEngine for TimeStepped {
         CollisionDetection::TimeStepped { step: self.step }
     }
 
-    fn advance(&mut self, duration: f64, go_on: &dyn Fn() -> bool) -> bool {
-        self.take_steps((duration / self.step).round() as u64, go_on)
+    fn advance(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool {
+        self.take_steps((duration / self.step).round() as u64, may_continue)
     }
 
     fn failure(&self) -> Option<ParameterError> {

@@ -53,5 +53,5 @@ pub(super) fn of_shear_cell(series: &Observables) -> Vec<Course> {
 
 /// The time from which a cell is measured.
 pub(super) fn measured_from(scene: &ShearCellScene) -> f64 {
-    scene.experiment.settle as f64 * scene.experiment.time_step
+    scene.experiment.transient as f64 * scene.experiment.time_step
 }

@@ -44,9 +44,10 @@ impl ShearCellScene {
         let count = count(&raw.grains, &model)?;
         let output = raw.output.checked(time.steps, time.steps);
         output.check(time.steps, count as f64)?;
-        let settle = whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?;
+        let transient = whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?;
         let (seed, time_step, steps) = (raw.seed, time.step, time.steps);
-        let experiment = Experiment { model, seed, count, agitation, collisions, sampling, settle, time_step, steps };
+        let experiment =
+            Experiment { model, seed, count, agitation, collisions, sampling, transient, time_step, steps };
         let answers_from = RawAnswers::start(raw.answers, &time)?;
         Ok(Self { title: raw.title.unwrap_or_default(), experiment, time, answers_from, output })
     }
