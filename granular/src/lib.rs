@@ -1,4 +1,10 @@
-//! Granular flows without a fluid: sheared disks, the shear cell of hard spheres, and its kinetic theory.
+//! Granular flows without a fluid grid, in three modules that do not import each other:
+//!
+//! - [`disks`]: disks in a plane with soft contacts, sheared by a liquid that drags them;
+//! - [`shear_cell`]: frictional hard spheres between walls, with an event-driven and a time-stepped engine;
+//! - [`kinetic_theory`]: the continuum model of that cell, solved by collocation.
+//!
+//! Both particle models are [`simulation::Simulation`]s on the particle store of `domain`, with averages by `statistics`.
 //!
 //! Sheared disks, in units of the mean radius, the mass of a disk of that radius, and the contact time over pi:
 //! ```

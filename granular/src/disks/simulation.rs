@@ -36,7 +36,7 @@ impl Disks {
             particles.push(id as u64, position, size.radius, size.species);
         }
         particles.vectors("velocity");
-        Self::given(model, &particles, Stage::RemoveOverlaps).expect("positions and velocities are finite")
+        Self::given(model, &particles, Stage::RemoveOverlaps, 0).expect("positions and velocities are finite")
     }
 
     /// A random start after the stages of preparation, at rest relative to the liquid.
@@ -79,23 +79,21 @@ impl Disks {
     pub fn flowing(parameters: super::Parameters, particles: &Particles) -> Result<Self, ParameterError> {
         let model = Model::with_particles(parameters, particles)?;
         check_positions(&model, model.parameters().strain, particles)?;
-        Self::given(&model, particles, Stage::Flow)
+        Self::given(&model, particles, Stage::Flow, 0)
     }
 
-    fn given(model: &Model, particles: &Particles, stage: Stage) -> Result<Self, ParameterError> {
+    fn given(model: &Model, particles: &Particles, stage: Stage, step: u64) -> Result<Self, ParameterError> {
         let law = model.law(stage);
         let mut state = DiskState::given(particles, &law, model)?;
         state.set_response(&law, model);
-        Ok(Self::begin(model.clone(), stage, 0, state))
+        Ok(Self::begin(model.clone(), stage, step, state))
     }
 
     /// The same disks at the same step, with the positions and velocities of a store, as if they had just begun to
     /// move: counts start afresh.
     pub fn rearranged(&self, particles: &Particles) -> Result<Self, ParameterError> {
         check_positions(&self.model, self.law.strain(self.step), particles)?;
-        let mut state = DiskState::given(particles, &self.law, &self.model)?;
-        state.set_response(&self.law, &self.model);
-        Ok(Self::begin(self.model.clone(), self.stage, self.step, state))
+        Self::given(&self.model, particles, self.stage, self.step)
     }
 
     /// Starts a stage, or goes on with it after some steps, from positions and velocities.

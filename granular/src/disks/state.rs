@@ -23,7 +23,7 @@ pub(super) struct Body {
 }
 
 /// The rest of the state of a block of disks: higher derivatives, reference positions and response factors.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C, align(64))]
 pub(super) struct DiskBlock {
     /// `q_k = dt^k x^(k) / k!` for k = 2, 3, 4, along x.
@@ -194,12 +194,5 @@ impl Identity {
             all[row].rank = rank as u32;
         }
         all
-    }
-}
-
-impl Default for DiskBlock {
-    fn default() -> Self {
-        let none = [0.0; LANES];
-        Self { qx: [none; 3], qy: [none; 3], x0: none, y0: none, kick: none, drag: none }
     }
 }

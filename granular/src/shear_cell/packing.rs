@@ -2,7 +2,7 @@
 
 use super::lengths::without_unit;
 use super::{
-    CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters, Top,
+    CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters,
 };
 use crate::error::PackingError;
 use domain::{Random, Vector};
@@ -65,11 +65,10 @@ impl Model {
             grain_contact: contact,
             wall_contact: contact,
             speed: 0.0,
-            top: Top::Fixed,
             gravity: 0.0,
             circumference: None,
-            coriolis: false,
             contact_time: 1e-12,
+            ..Parameters::default()
         })
     }
 
