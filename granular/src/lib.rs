@@ -4,7 +4,7 @@
 //! - [`shear_cell`]: frictional hard spheres between walls, with an event-driven and a time-stepped engine;
 //! - [`kinetic_theory`]: the continuum model of that cell, solved by collocation.
 //!
-//! Both particle models are [`simulation::Simulation`]s on the particle store of `domain`, with averages by `statistics`.
+//! Both particle models are [`simulation::Simulation`]s on the particle store of `domain`; `statistics` averages them.
 //!
 //! Sheared disks, in units of the mean radius, the mass of a disk of that radius, and the contact time over pi:
 //! ```

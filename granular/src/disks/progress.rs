@@ -54,7 +54,9 @@ impl Progress {
         visit_count(&mut self.list_built, visitor);
         [input, drag, damping, path].into_iter().for_each(&mut *visitor);
         stress.as_mut().iter_mut().for_each(&mut *visitor);
-        collisions.iter_mut().for_each(|count| visit_count(count, visitor));
+        for count in collisions {
+            visit_count(count, visitor);
+        }
         first.visit(visitor);
         latest.visit(visitor);
     }
@@ -64,7 +66,7 @@ impl Measurement {
     fn visit(&mut self, visitor: Visitor) {
         [&mut self.time, &mut self.kinetic, &mut self.elastic].into_iter().for_each(&mut *visitor);
         let stresses = [&mut self.kinetic_stress, &mut self.contact_stress];
-        stresses.into_iter().flat_map(|stress| stress.as_mut()).for_each(&mut *visitor);
+        stresses.into_iter().flat_map(AsMut::as_mut).for_each(&mut *visitor);
         visitor(&mut self.mean_speed);
         visit_count(&mut self.contacts, visitor);
         [&mut self.input, &mut self.drag, &mut self.damping].into_iter().for_each(&mut *visitor);

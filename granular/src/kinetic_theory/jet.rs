@@ -29,11 +29,13 @@ impl Jet {
 
     /// The derivative as a function. Its own second derivative is unknown and set to zero: only the value and the
     /// slope of the result may be used.
+    #[must_use]
     pub fn derivative(self) -> Self {
         Self([self.0[1], self.0[2], 0.0])
     }
 
     /// `f^p` for positive `f`.
+    #[must_use]
     pub fn power(self, p: f64) -> Self {
         let [f, d, dd] = self.0;
         let outer = [f.powf(p), p * f.powf(p - 1.0), p * (p - 1.0) * f.powf(p - 2.0)];
