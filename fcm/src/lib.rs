@@ -64,7 +64,7 @@ pub use mobility::{Flow, Mobility};
 pub use plan::accuracy;
 pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use plan::costs::Costs;
-pub use plan::plan_comparison::is_same_plan;
+pub use plan::plan_identity::PlanIdentity;
 pub use plan::problem::{Fixed, Loading, Method, Multipoles, Precision, Problem, Split};
 pub use plan::sample_points::SamplePoints;
 pub use plan::{Plan, PlanError};

@@ -2,6 +2,7 @@
 
 mod at_walls;
 mod common;
+mod dense;
 mod errors;
 mod flow;
 mod flow_at_walls;

@@ -115,7 +115,7 @@ impl Suspension {
             has_applied_loads,
             comm,
         };
-        if then.is_some_and(|plan| !fcm::is_same_plan(&plan, &resumed.plan())) {
+        if then.is_some_and(|plan| !resumed.dynamics.has_plan(&plan)) {
             resumed.caution = Some(OTHER_PLAN.to_owned());
         }
         if !resumed.particles.columns.iter().any(|column| column.name == VELOCITY) {

@@ -1,5 +1,6 @@
 //! Loads on the particles and their motions.
 
+use crate::plan::problem::Multipoles;
 use domain::{Tensor, Traceless, Vector};
 
 /// Loads that the particles apply to the fluid, one entry per particle; an empty list stands for zeros and costs
@@ -53,6 +54,14 @@ impl Motion {
         add(&mut self.angular_velocities, &other.angular_velocities);
         for (e, &d) in self.strain_rates.iter_mut().zip(&other.strain_rates) {
             *e += d * factor;
+        }
+    }
+
+    /// The motion without what a plan of these multipoles has not: with monopoles, velocities alone.
+    pub(crate) fn of(self, multipoles: Multipoles) -> Self {
+        match multipoles {
+            Multipoles::Monopole => Self { velocities: self.velocities, ..Self::default() },
+            Multipoles::Dipole => self,
         }
     }
 

@@ -3,6 +3,7 @@
 use crate::envelope::Envelope;
 use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
+use crate::mobility::noise::Components;
 use crate::pairs::pair_correction::{self, PairCorrection};
 use crate::pairs::table::{PairFunctions, Table};
 use crate::plan::Plan;
@@ -34,6 +35,9 @@ impl<'a> Footprint<'a> {
 
     /// [`crate::Mobility`] with its particles arranged, and temporaries of the arrangement.
     pub fn mobility(&self) -> Bytes {
+        if !self.plan.has_grid() {
+            return self.matrix();
+        }
         let grid = match self.plan.precision {
             Precision::Single => self.grid_in::<f32>(),
             Precision::Double => self.grid_in::<f64>(),
@@ -44,6 +48,14 @@ impl<'a> Footprint<'a> {
         let stencils = Bytes::list::<Stencil>(present).then(Bytes::list::<Stencil>(2.0 * present).freed());
         let images = Bytes::keep(WallImages::bytes(self.plan, owned, self.expected.total()));
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
+    }
+
+    /// Rows of the matrix and of its factor, and the whole matrix while it is factorised.
+    fn matrix(&self) -> Bytes {
+        let (owned, total) = (self.expected.owned(), self.expected.total());
+        let whole = self.plan.multipoles.matrix_bytes(total);
+        let rows = if total > 0.0 { whole * owned / total } else { 0.0 };
+        Bytes::keep(2.0 * rows).then(Bytes::keep(whole).freed())
     }
 
     fn grid_in<T: Real>(&self) -> Bytes {
@@ -84,6 +96,9 @@ impl<'a> Footprint<'a> {
     /// An evaluation, from loads to motions: loads of the particles present, also in the grid's precision; motions as
     /// they are found, sorted, and returned to their owners.
     pub fn evaluation(&self) -> Bytes {
+        if !self.plan.has_grid() {
+            return Bytes::list::<Components>(3.0 * self.expected.total()).freed().then(self.motion());
+        }
         type Found = (Vector, Tensor);
         let (owned, present) = (self.expected.owned(), self.present());
         let dipoles = self.plan.multipoles == Multipoles::Dipole;
@@ -177,6 +192,9 @@ impl<'a> Footprint<'a> {
 
     /// Upper bound of the memory of other ranks on the same machine that is mapped here: the columns of all others.
     pub fn mapped_bytes(&self, ranks: usize) -> f64 {
+        if !self.plan.has_grid() {
+            return 0.0;
+        }
         let own = match self.plan.precision {
             Precision::Single => self.grid.columns_bytes::<f32>(),
             Precision::Double => self.grid.columns_bytes::<f64>(),
@@ -186,6 +204,9 @@ impl<'a> Footprint<'a> {
 
     /// Memory that is resident on this rank but belongs to other ranks on the same machine.
     pub fn remote_resident_bytes(&self) -> f64 {
+        if !self.plan.has_grid() {
+            return 0.0;
+        }
         match self.plan.precision {
             Precision::Single => self.grid.reached_bytes::<f32>(),
             Precision::Double => self.grid.reached_bytes::<f64>(),

@@ -1,31 +1,23 @@
 //! Mobility: the linear map from loads to motions.
 
-pub(crate) mod far_field;
-mod flow;
-mod fluctuations;
+mod dense_far_field;
+mod far_field;
+mod grid_far_field;
 pub(crate) mod loads;
 pub(crate) mod memory;
 pub(crate) mod noise;
 pub(crate) mod rank_one;
 pub(crate) mod work;
 
-pub use flow::Flow;
-
-use crate::envelope::Envelope;
-use crate::mobility::far_field::{Far, FarField, FarLoads};
-use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
-use crate::mobility::rank_one::Constraint;
-use crate::mobility::work::{Clock, Work};
-use crate::pairs::pair_correction::{LoadedParticles, NearField, PairCorrection};
 use crate::plan::Plan;
-use crate::plan::problem::Precision;
+use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
-use crate::walls::wall_images::WallImages;
-use domain::{
-    Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
-};
-use rayon::prelude::*;
-use solver::Real;
+use domain::{Particles, Partition, PeriodicBox, Vector};
+use far_field::{Draw, FarField, FlowAtPoints, of_plan};
+use loads::{Loads, Motion, Output};
+use noise::{DrawDiagnostics, Stream};
+use rank_one::Constraint;
+use work::Work;
 
 /// Grand mobility of the force-coupling method, `(F, T, S) -> (V, Omega, E)`, in a periodic box with no mean flow. As
 /// a map from `(F, T, -S)` it is symmetric and positive definite.
@@ -33,63 +25,33 @@ use solver::Real;
 /// An evaluation is collective. Particles are those that the rank owns; their positions are set by
 /// [`Mobility::arrange`] and hold for any number of evaluations.
 ///
-/// All arguments and results are in the units of the plan. Internally, units of length and viscosity make those of
-/// the plan about 1, and in each evaluation a unit of force makes the loads about 1. The units are powers of two, so
-/// results have the same digits in any units, and the same bits if the units differ by powers of two.
+/// All arguments and results are in the units of the plan. Results have the same digits in any units, and the same
+/// bits if the units differ by powers of two.
 pub struct Mobility {
     plan: Plan,
-    /// Units of length and viscosity, and of force in the last evaluation.
-    units: Units,
     partition: Partition,
     far: Box<dyn FarField>,
-    near: Option<Box<dyn NearField>>,
-    wall_images: Option<WallImages>,
     /// Made when first needed.
     wall_drift: Option<WallDrift>,
-    arrangement: Arrangement,
-    verlet_list: VerletList,
     constraint: Option<Constraint>,
-    work: Work,
 }
 
-/// Quantities that depend on the positions alone, in internal units.
-struct Arrangement {
-    cell: PeriodicBox,
-    halo: Halo,
-    positions: Vec<Vector>,
-    classes: Vec<u32>,
+/// Flow of given loads, at points of a box.
+pub struct Flow<'a>(Box<dyn FlowAtPoints + 'a>);
+
+impl Flow<'_> {
+    /// Velocities relative to the background flow at the points of the `k`-th plane of a raster across z, row by row
+    /// along x; on all ranks. Collective.
+    pub fn plane(&mut self, raster: &SamplePoints, k: usize) -> Vec<Vector> {
+        self.0.plane(raster, k)
+    }
 }
 
 impl Mobility {
     /// Sets up the mobility of a plan, on ranks that share the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
-        let units = plan.units();
-        let own = plan.in_units(&units);
-        let cell = own.cell();
-        let (far, near) = match plan.precision {
-            Precision::Single => parts::<f32>(&own, partition, &cell),
-            Precision::Double => parts::<f64>(&own, partition, &cell),
-        };
-        let arrangement = Arrangement {
-            cell,
-            halo: Halo::plan(partition, &cell, &[], [0.0; 2]),
-            positions: Vec::new(),
-            classes: Vec::new(),
-        };
-        let verlet_list = VerletList::new(own.cutoff(), partition);
-        Self {
-            plan: plan.clone(),
-            units,
-            partition: partition.clone(),
-            far,
-            near,
-            wall_images: WallImages::new(&own),
-            wall_drift: None,
-            arrangement,
-            verlet_list,
-            constraint: None,
-            work: Work::default(),
-        }
+        let (far, partition) = (of_plan(plan, partition), partition.clone());
+        Self { plan: plan.clone(), partition, far, wall_drift: None, constraint: None }
     }
 
     /// The plan that is followed.
@@ -99,7 +61,7 @@ impl Mobility {
 
     /// Work done so far.
     pub fn work(&self) -> Work {
-        self.work
+        self.far.work()
     }
 
     /// Adds a flow whose amplitude follows from the loads to all motions of [`Self::apply`] from now on; `None`
@@ -110,172 +72,60 @@ impl Mobility {
 
     /// Sets the box and the particles of this rank, which are inside it and have radii of the plan.
     pub fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let mut clock = Clock::start();
-        let inverse = 1.0 / self.units.length;
-        let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
-        let mut present: Vec<Vector> = positions.collect();
-        let owned = present.len();
-        let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
-        let reach = self.reach(cell).map(|stencil| stencil.max(cutoff));
-        let halo = Halo::plan(&self.partition, cell, &present, reach);
-        let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
-        halo.extend(&mut present);
-        halo.extend(&mut classes);
-        clock.stop(&mut self.work.seconds.exchange);
-        self.far.arrange(cell, &present);
-        clock.stop(&mut self.work.seconds.spread);
-        if self.near.is_some() {
-            let mut ids = particles.ids.clone();
-            halo.extend(&mut ids);
-            self.verlet_list.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &present });
-            self.work.searches = self.verlet_list.searches();
-        }
-        self.arrangement = Arrangement { cell: *cell, halo, positions: present, classes };
-        if let Some(images) = &mut self.wall_images {
-            images.arrange(&self.arrangement.loaded(&[], &[]), self.verlet_list.neighbours(), owned);
-        }
-        clock.stop(&mut self.work.seconds.near);
-    }
-
-    /// Distance along y and z by which stencils extend beyond a rank's share of the box.
-    fn reach(&self, cell: &PeriodicBox) -> [f64; 2] {
-        let half = 0.5 * self.plan.support.support as f64;
-        let grid = &self.plan.grid;
-        if cell.boundaries() == Boundaries::Periodic {
-            let edges = cell.edges();
-            return [edges.y / grid[1] as f64, edges.z / grid[2] as f64].map(|h| half * h);
-        }
-        let own = self.plan.in_units(&self.units);
-        let (spacing, mismatch) = (own.spacing(), own.mismatch());
-        [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
+        self.far.arrange(cell, particles);
     }
 
     /// Motions that the loads cause. Lists of loads have an entry for each particle that the rank owns, or none.
     pub fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
-        self.work.evaluations += 1;
-        let mut clock = Clock::start();
-        let kinds = self.kinds_of(loads);
-        let (forces, dipoles) = self.present(loads, kinds);
-        clock.stop(&mut self.work.seconds.exchange);
-        let arrangement = &self.arrangement;
-        let far_loads = arrangement.far_loads(&forces, &dipoles);
-        let mut motions = self.far.motions(&far_loads, output, &mut self.work);
-        clock.restart();
-        arrangement.collect(&mut motions);
-        clock.stop(&mut self.work.seconds.exchange);
-        if let Some(near) = &self.near {
-            let gradients = output != Output::Velocities || !dipoles.is_empty();
-            let loaded = arrangement.loaded(&forces, &dipoles);
-            let neighbours = self.verlet_list.neighbours();
-            near.add(&loaded, neighbours, gradients, &mut motions);
-            if let Some(images) = &self.wall_images {
-                images.add(&loaded, gradients, &mut motions);
-            }
-            self.work.neighbours += neighbours.count() as u64;
-            clock.stop(&mut self.work.seconds.near);
-        }
-        let mut motion = motion(&motions, output, &self.units);
+        let mut motion = self.far.apply(loads, output);
         if let Some(constraint) = &self.constraint {
             constraint.add_to(&mut motion, loads, self.partition.comm());
         }
         motion
     }
 
-    /// Whether there are forces, torques and stresslets on any rank; sets the unit of force by the largest of them.
-    /// Collective.
-    fn kinds_of(&mut self, loads: &Loads) -> [bool; 3] {
-        // A rank without particles has empty lists, but takes part in the exchange.
-        let [forced, twisted, strained] =
-            [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
-                .map(|some| f64::from(u8::from(some)));
-        let mut all = [forced, twisted, strained, loads.largest(self.units.length)];
-        self.partition.comm().max(&mut all);
-        let [forced, twisted, strained, largest] = all;
-        self.units = self.units.with_force(largest);
-        [forced, twisted, strained].map(|kind| kind > 0.0)
+    /// Random motions of the arranged particles with these ids, whose covariance is the mobility itself: velocities,
+    /// and with dipoles angular velocities and rates of strain. Square roots that are found by iteration have a
+    /// relative error of `tolerance`. Collective.
+    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, DrawDiagnostics) {
+        self.far.noise(&Draw { ids, tolerance, stream })
     }
 
-    /// Forces and dipoles of all particles present, in internal units.
-    fn present(&self, loads: &Loads, [forced, twisted, strained]: [bool; 3]) -> (Vec<Vector>, Vec<Tensor>) {
-        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
-        let mut forces = Vec::new();
-        if forced {
-            forces = loads.forces.iter().map(|&force| force * of_force).collect();
-            self.arrangement.halo.extend(&mut forces);
+    /// Divergence of the mobility from forces to motions with respect to the positions of all particles. It vanishes
+    /// without walls (`None`); near walls it is that of each sphere's own images.
+    pub fn divergence_at_walls(&mut self, cell: &PeriodicBox, particles: &Particles) -> Option<Motion> {
+        if self.plan.boundaries.walls() == 0 {
+            return None;
         }
-        let mut dipoles = Vec::new();
-        if twisted || strained {
-            let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
-            let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
-            let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
-            dipoles = (0..self.arrangement.halo.owned()).map(dipole).collect();
-            self.arrangement.halo.extend(&mut dipoles);
-        }
-        (forces, dipoles)
+        let plan = &self.plan;
+        let drift = &*self.wall_drift.get_or_insert_with(|| WallDrift::new(plan));
+        let places = particles.positions.iter().zip(&particles.radii);
+        let (velocities, strain_rates) = places.map(|(x, &radius)| drift.at(x.z - cell.origin().z, radius)).unzip();
+        let motion = Motion { velocities, angular_velocities: vec![Vector::ZERO; particles.len()], strain_rates };
+        Some(motion.of(plan.multipoles))
+    }
+
+    /// Flow of loads, as of [`Mobility::apply`], at points of the fluid. Particles are arranged; the box is not
+    /// periodic along all axes, and the plan is one [`Plan::with_points`]. Collective.
+    ///
+    /// # Panics
+    /// In a periodic box, and if the plan does not use the split method.
+    pub fn flow(&mut self, loads: &Loads) -> Flow<'_> {
+        Flow(self.far.flow(loads).expect("a box that does not repeat along all axes has the split method"))
     }
 
     /// Velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest.
     /// With the split method it is the flow of the common wide Gaussians.
+    ///
+    /// # Panics
+    /// If the plan has no grid.
     pub fn velocity_field(&self) -> Vec<f64> {
-        let unit = self.units.velocity();
-        self.far.velocity_field().into_iter().map(|value| value * unit).collect()
+        self.far.velocity_field().expect("the plan of a velocity field has a grid")
     }
 
     /// Largest `|k . u| / (|k| |u|)` over all modes of the last velocity field, whose memory it overwrites: call
-    /// [`Self::velocity_field`] before it, if at all.
-    pub fn divergence(&mut self) -> f64 {
+    /// [`Self::velocity_field`] before it, if at all. `None` without a grid.
+    pub fn divergence(&mut self) -> Option<f64> {
         self.far.divergence()
     }
-}
-
-/// Far field of a plan, and near field if it has one, in one precision.
-fn parts<T: Real>(
-    plan: &Plan,
-    partition: &Partition,
-    cell: &PeriodicBox,
-) -> (Box<dyn FarField>, Option<Box<dyn NearField>>) {
-    let far = Box::new(Far::<T>::new(plan, partition, cell));
-    let Some(common) = plan.common() else {
-        return (far, None);
-    };
-    let envelopes = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-    let (cutoff, tolerance) = (plan.cutoff(), plan.table_tolerance());
-    (far, Some(Box::new(PairCorrection::<T>::new(envelopes, common, cutoff, plan.viscosity, tolerance))))
-}
-
-impl Arrangement {
-    /// Loads of the particles present, for the grid.
-    fn far_loads<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> FarLoads<'a> {
-        FarLoads { classes: &self.classes, forces, dipoles }
-    }
-
-    /// The particles present with their loads, for the near field.
-    fn loaded<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> LoadedParticles<'a> {
-        LoadedParticles { cell: &self.cell, positions: &self.positions, classes: &self.classes, forces, dipoles }
-    }
-
-    /// Returns the sums that ranks made for each other's particles to the owners.
-    fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
-        let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
-        self.halo.collect(&mut velocities);
-        motions.iter_mut().zip(velocities).for_each(|(motion, velocity)| motion.0 = velocity);
-        let mut gradients: Vec<Tensor> = motions.iter().map(|m| m.1).collect();
-        self.halo.collect(&mut gradients);
-        motions.iter_mut().zip(gradients).for_each(|(motion, gradient)| motion.1 = gradient);
-        motions.truncate(self.halo.owned());
-    }
-}
-
-/// The motions that were requested, in the plan's units.
-fn motion(motions: &[(Vector, Tensor)], output: Output, units: &Units) -> Motion {
-    let (velocity, rate) = (units.velocity(), units.rate());
-    let mut motion = Motion::default();
-    if output != Output::Gradients {
-        motion.velocities = motions.par_iter().map(|m| m.0 * velocity).collect();
-    }
-    if output != Output::Velocities {
-        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1) * rate).collect();
-        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1) * rate).collect();
-    }
-    motion
 }

@@ -1,7 +1,7 @@
 //! Random motions whose covariance is the mobility.
 
-use crate::mobility::loads::Motion;
-use domain::{Comm, Random, RandomLanes, Traceless, Vector};
+use crate::mobility::loads::{Motion, angular_velocity};
+use domain::{Comm, Random, RandomLanes, Tensor, Traceless, Vector};
 use solver::{Complexes, Draw, MODES};
 
 /// Source of the random numbers of one draw: the same numbers for the same modes and particles, on any number of
@@ -59,7 +59,10 @@ impl Draw for Stream {
 
 /// Components of a particle's motion or loads: three of the velocity, three of the angular velocity, and five of the
 /// rate of strain in an orthonormal basis.
-pub(crate) type Components = [f64; 11];
+pub(crate) type Components = [f64; COMPONENTS];
+
+/// Number of components of a motion with dipoles.
+pub(crate) const COMPONENTS: usize = 11;
 
 /// Diagnostics of a draw.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -154,7 +157,7 @@ pub fn square_root_times<const N: usize, E>(
 }
 
 /// Inner product of two lists, summed in independent lanes.
-fn product(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn product(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
     let mut lanes = [0.0; LANES];
@@ -232,6 +235,16 @@ fn eigen(mut matrix: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
         }
     }
     ((0..count).map(|k| matrix[k][k]).collect(), vectors)
+}
+
+/// Velocity, angular velocity and rate of strain as components, from a velocity and its gradient.
+pub(crate) fn components((velocity, gradient): &(Vector, Tensor)) -> Components {
+    let (rotation, strain) = (angular_velocity(gradient), orthonormal(Traceless::part_of(gradient)));
+    let mut components = [0.0; COMPONENTS];
+    components[..3].copy_from_slice(&velocity.to_array());
+    components[3..6].copy_from_slice(&rotation.to_array());
+    components[6..].copy_from_slice(&strain);
+    components
 }
 
 /// Motion of particles from their components.

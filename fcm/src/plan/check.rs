@@ -70,6 +70,7 @@ impl Problem {
     fn check_bounded(&self) -> Result<(), PlanError> {
         let found = [
             (self.fixed.method == Some(Method::Direct)).then_some("hydrodynamics.method \"direct\" is"),
+            (self.fixed.method == Some(Method::Dense)).then_some("hydrodynamics.method \"dense\" is"),
             self.fixed.grid.map(|_| "hydrodynamics.grid is"),
             (self.largest_strain > 0.0).then_some("a sheared box is"),
         ];
@@ -105,6 +106,9 @@ impl Problem {
         }
         if self.boundaries != Boundaries::Periodic {
             self.check_bounded()?;
+        }
+        if self.fixed.method == Some(Method::Dense) {
+            self.check_dense()?;
         }
         if self.is_tilted() && self.fixed.method == Some(Method::Direct) {
             return Err(PlanError::Fixed(

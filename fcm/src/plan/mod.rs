@@ -5,9 +5,10 @@ pub(crate) mod bounded;
 pub(crate) mod check;
 pub(crate) mod cost;
 pub(crate) mod costs;
+pub(crate) mod dense;
 pub(crate) mod grid_refinement;
 pub(crate) mod infeasible;
-pub(crate) mod plan_comparison;
+pub(crate) mod plan_identity;
 pub(crate) mod planner;
 pub(crate) mod problem;
 pub(crate) mod sample_points;
@@ -249,6 +250,11 @@ impl Plan {
         (0.01 * self.tolerance).max(1e-14)
     }
 
+    /// Whether there is a grid: with the dense method, its points are only those by which ranks share the box.
+    pub fn has_grid(&self) -> bool {
+        self.method != Method::Dense
+    }
+
     /// One-line summary of the plan.
     pub fn in_short(&self) -> String {
         self.in_short_for(AxisRotation::default())
@@ -259,6 +265,9 @@ impl Plan {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let method = self.method.name();
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
+        if !self.has_grid() {
+            return format!("{method}, exact sums in {precision}, error {:.1e}", self.predicted_error);
+        }
         let (points, error) = (self.support.support, self.predicted_error);
         format!("{method}, {nx} x {ny} x {nz} in {precision}, {points} points along an axis, error {error:.1e}")
     }
@@ -273,16 +282,22 @@ impl Plan {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let [px, py, pz] = turn.inverse().list(self.support.along_axes());
         let method = match self.split {
+            None if !self.has_grid() => "dense: matrix of exact sums over all pairs in f64".to_owned(),
             None => "direct: every envelope on the grid".to_owned(),
             Some(Split { width, cutoff }) => {
                 format!("split: common Gaussian of width {:.5}, pairs within {:.5}", Number(width), Number(cutoff))
             }
         };
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
+        let grid = format!(
+            "grid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} points a particle\n"
+        );
         format!(
-            "method     {method}\ngrid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} \
-             points a particle\ntolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the stresslets\n",
-            self.tolerance, self.predicted_error, self.iteration_tolerance
+            "method     {method}\n{}tolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the stresslets\n",
+            if self.has_grid() { grid.as_str() } else { "" },
+            self.tolerance,
+            self.predicted_error,
+            self.iteration_tolerance
         )
     }
 }

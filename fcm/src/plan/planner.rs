@@ -68,6 +68,9 @@ impl Problem {
     /// Plans that keep the tolerance: the best of each method, precision and stencil. If none keeps it at walls, the
     /// one with the smallest error there.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
+        if self.fixed.method == Some(Method::Dense) {
+            return vec![self.dense()];
+        }
         let (mut best, mut least): (Vec<Plan>, Option<Plan>) = (Vec::new(), None);
         for candidate in self.direct().into_iter().chain(self.split()) {
             for precision in self.precisions() {
@@ -261,7 +264,7 @@ impl Problem {
             boundaries: self.boundaries,
             radii: [self.smallest_radius(), self.largest_radius()],
             multipoles: self.multipoles,
-            allowed: self.allowed_of_wavenumber_split(),
+            allowed: self.wavenumber_split_tolerance(),
             width,
             cutoff,
             spacing,
@@ -323,7 +326,7 @@ impl Problem {
             multipoles: self.multipoles,
             tolerance: self.tolerance,
             iteration_tolerance: self.iteration_tolerance(),
-            wavenumber_split_tolerance: self.allowed_of_wavenumber_split(),
+            wavenumber_split_tolerance: self.wavenumber_split_tolerance(),
             image_cutoff: self.image_cutoff(),
             method,
             split,

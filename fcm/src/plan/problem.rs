@@ -54,6 +54,19 @@ pub enum Multipoles {
 }
 
 impl Multipoles {
+    /// Bytes of the mobility of spheres as a matrix.
+    pub(crate) fn matrix_bytes(self, spheres: f64) -> f64 {
+        8.0 * (spheres * self.components() as f64).powi(2)
+    }
+
+    /// Components of the loads, and of the motions, of a sphere.
+    pub(crate) fn components(self) -> usize {
+        match self {
+            Self::Monopole => 3,
+            Self::Dipole => 11,
+        }
+    }
+
     /// Width of a sphere's narrowest envelope.
     pub(crate) fn narrowest(self, envelope: Envelope) -> f64 {
         match self {

@@ -147,11 +147,11 @@ impl Problem {
 
     /// Relative error allowed for the walls' flow.
     pub(crate) fn allowed_at_walls(&self) -> f64 {
-        if self.rigid { self.allowed_of_wavenumber_split() } else { GIVEN_SHARE * self.tolerance }
+        if self.rigid { self.wavenumber_split_tolerance() } else { GIVEN_SHARE * self.tolerance }
     }
 
     /// Relative error allowed for the split between wavenumbers on the grid and between spheres.
-    pub(crate) fn allowed_of_wavenumber_split(&self) -> f64 {
+    pub(crate) fn wavenumber_split_tolerance(&self) -> f64 {
         let share = match (self.rigid, self.loading) {
             (false, _) => GIVEN_CUT_SHARE,
             (true, Loading::Varied) => RIGID_SHARE,

@@ -6,7 +6,7 @@ use crate::evaluation::velocity_field::{self, FluidVelocity};
 use crate::forces::contacts::Measured;
 use crate::forces::{Surface, user};
 use domain::{Boundaries, Particles, Partition, PeriodicBox, Tensor};
-use fcm::PlanError;
+use fcm::{PlanError, PlanIdentity};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 
@@ -84,6 +84,12 @@ impl Dynamics {
         self.hydrodynamics.mobility().plan().describe_for(turn)
     }
 
+    /// Whether a description stands for the present numerical method.
+    pub fn has_plan(&mut self, description: &str) -> bool {
+        let present = PlanIdentity::of(self.hydrodynamics.mobility().plan(), self.axes.turn());
+        PlanIdentity::read(description).is_some_and(|plan| plan.is_same(&present))
+    }
+
     /// Number of evaluations of the mobility since the start.
     pub fn evaluations(&mut self) -> u64 {
         let before = self.following.as_ref().map_or(0, Following::evaluations);
@@ -94,7 +100,7 @@ impl Dynamics {
     /// periodic. Collective.
     pub fn divergence(&mut self) -> Option<f64> {
         let is_periodic = self.cell().boundaries() == Boundaries::Periodic;
-        is_periodic.then(|| self.hydrodynamics.mobility().divergence())
+        is_periodic.then(|| self.hydrodynamics.mobility().divergence()).flatten()
     }
 
     /// Velocity of the fluid relative to the background flow at the present positions. Fails if no grid can resolve it.

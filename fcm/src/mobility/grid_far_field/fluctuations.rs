@@ -1,11 +1,11 @@
-//! Random motions whose covariance is the mobility, and the divergence of the mobility.
+//! Random motions whose covariance is the mobility.
 
-use super::Mobility;
-use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
+use super::GridFarField;
+use crate::mobility::far_field::{Draw, FarField};
+use crate::mobility::loads::{Loads, Motion, Output, dipole};
 use crate::mobility::noise::{self, Components, DrawDiagnostics, Stream, square_root_times};
 use crate::plan::problem::Multipoles;
-use crate::walls::wall_drift::WallDrift;
-use domain::{Boundaries, Particles, PeriodicBox, Tensor, Traceless, Vector};
+use domain::{Boundaries, Tensor, Vector};
 use std::convert::Infallible;
 use std::f64::consts::PI;
 
@@ -17,26 +17,26 @@ const MOST_ITERATIONS: usize = 100;
 const WITH_DIPOLES: usize = 11;
 const WITHOUT: usize = 3;
 
-impl Mobility {
-    /// Random motions of the arranged particles with these ids, whose covariance is the mobility itself: velocities,
-    /// and with dipoles angular velocities and rates of strain. Collective.
+impl GridFarField {
+    /// Random motions as of [`FarField::noise`].
     ///
     /// In a box that is periodic along all axes the square root of the far field is taken mode by mode, see
     /// [`solver::Transform::noise`], and interpolation is the adjoint of spreading; the square root of the near
     /// field, if there is one, is applied by Lanczos' iteration, to a tolerance. In all other boxes Lanczos'
     /// iteration applies the square root of the whole mobility, with one evaluation per iteration.
-    pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, DrawDiagnostics) {
+    pub(super) fn random_motion(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
+        let &Draw { ids, stream, .. } = draw;
         if self.plan.boundaries != Boundaries::Periodic {
-            return self.whole_noise(ids, tolerance, stream);
+            return self.whole_noise(draw);
         }
         let output = if self.has_dipoles() { Output::All } else { Output::Velocities };
-        let mut far = self.far.noise(&self.arrangement.classes, output, stream);
+        let mut far = self.grid.noise(&self.arrangement.classes, output, stream);
         self.arrangement.collect(&mut far);
         self.work.transforms += 1;
-        let (near, drawn) = self.near_noise(ids, tolerance, stream);
+        let (near, drawn) = self.near_noise(draw);
         let kept = self.components();
         let sum = far[..ids.len()].iter().enumerate().map(|(row, motion)| {
-            let mut sum = components(motion);
+            let mut sum = noise::components(motion);
             if let Some(near) = near.get(row) {
                 sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += near);
             }
@@ -50,11 +50,12 @@ impl Mobility {
         motion.velocities.iter_mut().for_each(|v| *v *= velocity);
         motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
         motion.strain_rates.iter_mut().for_each(|e| *e = *e * rate);
-        (self.with_dipoles_or_not(motion), drawn)
+        (motion.of(self.plan.multipoles), drawn)
     }
 
     /// Near-field part. Collective.
-    fn near_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Vec<Components>, DrawDiagnostics) {
+    fn near_noise(&mut self, draw: &Draw) -> (Vec<Components>, DrawDiagnostics) {
+        let &Draw { ids, tolerance, stream } = draw;
         let Some(near) = &self.near else { return (Vec::new(), DrawDiagnostics::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
         let has_dipoles = self.has_dipoles();
@@ -74,7 +75,7 @@ impl Mobility {
             }
             let mut motions = vec![(Vector::ZERO, Tensor::ZERO); ids.len()];
             near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
-            Ok::<_, Infallible>(scales.divide(&motions.iter().map(components).collect::<Vec<_>>()))
+            Ok::<_, Infallible>(scales.divide(&motions.iter().map(noise::components).collect::<Vec<_>>()))
         };
         let start = self.start(ids, stream);
         let Ok((root, drawn)) = square_root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
@@ -83,11 +84,11 @@ impl Mobility {
     }
 
     /// Random motions by the square root of the whole mobility. Collective.
-    fn whole_noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, DrawDiagnostics) {
+    fn whole_noise(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
+        let &Draw { ids, tolerance, stream } = draw;
         let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
         let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
         let output = if has_dipoles { Output::All } else { Output::Velocities };
-        let constraint = self.constraint.take();
         let start = self.start(ids, stream);
         let apply = |scaled: &[Components]| {
             let mut loads = Loads::default();
@@ -112,22 +113,7 @@ impl Mobility {
             Ok::<_, Infallible>(scales.divide(&components.collect::<Vec<_>>()))
         };
         let Ok((root, drawn)) = square_root_times(&comm, &start, (tolerance, MOST_ITERATIONS), apply);
-        self.constraint = constraint;
-        (self.with_dipoles_or_not(noise::motion(scales.times(&root).into_iter())), drawn)
-    }
-
-    /// Divergence of the mobility from forces to motions with respect to the positions of all particles. It vanishes
-    /// without walls (`None`); near walls it is that of each sphere's own images.
-    pub fn divergence_at_walls(&mut self, cell: &PeriodicBox, particles: &Particles) -> Option<Motion> {
-        if self.plan.boundaries.walls() == 0 {
-            return None;
-        }
-        let plan = &self.plan;
-        let drift = &*self.wall_drift.get_or_insert_with(|| WallDrift::new(plan));
-        let places = particles.positions.iter().zip(&particles.radii);
-        let (velocities, strain_rates) = places.map(|(x, &radius)| drift.at(x.z - cell.origin().z, radius)).unzip();
-        let motion = Motion { velocities, angular_velocities: vec![Vector::ZERO; particles.len()], strain_rates };
-        Some(self.with_dipoles_or_not(motion))
+        (noise::motion(scales.times(&root).into_iter()).of(self.plan.multipoles), drawn)
     }
 
     fn has_dipoles(&self) -> bool {
@@ -137,13 +123,6 @@ impl Mobility {
     /// Number of components of a motion.
     fn components(&self) -> usize {
         if self.has_dipoles() { WITH_DIPOLES } else { WITHOUT }
-    }
-
-    fn with_dipoles_or_not(&self, mut motion: Motion) -> Motion {
-        if !self.has_dipoles() {
-            (motion.angular_velocities, motion.strain_rates) = (Vec::new(), Vec::new());
-        }
-        motion
     }
 
     /// Random numbers to which a square root is applied.
@@ -185,14 +164,4 @@ impl Scales {
         };
         list.iter().zip(&self.0).map(scaled).collect()
     }
-}
-
-/// Velocity, angular velocity and rate of strain as components, from a velocity and its gradient.
-fn components((velocity, gradient): &(Vector, Tensor)) -> Components {
-    let (turn, strain) = (angular_velocity(gradient), noise::orthonormal(Traceless::part_of(gradient)));
-    let mut components = [0.0; WITH_DIPOLES];
-    components[..3].copy_from_slice(&velocity.to_array());
-    components[3..6].copy_from_slice(&turn.to_array());
-    components[6..].copy_from_slice(&strain);
-    components
 }

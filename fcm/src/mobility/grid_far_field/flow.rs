@@ -4,8 +4,9 @@
 //! Gaussian and a bracket in its place, and the pair correction between a sphere and a point makes up the difference,
 //! as between two spheres.
 
-use super::Mobility;
+use super::GridFarField;
 use crate::envelope::Envelope;
+use crate::mobility::far_field::FlowAtPoints;
 use crate::mobility::loads::Loads;
 use crate::pairs::table::{PairFunctions, Table};
 use crate::plan::Plan;
@@ -14,53 +15,48 @@ use domain::{Tensor, Vector};
 use rayon::prelude::*;
 
 /// Flow of given loads, at points of a box.
-pub struct Flow<'a> {
-    mobility: &'a mut Mobility,
+pub(super) struct GridFlow<'a> {
+    far: &'a mut GridFarField,
     forces: Vec<Vector>,
     dipoles: Vec<Tensor>,
     near: NearPoints,
 }
 
-impl Mobility {
-    /// Flow of loads, as of [`Mobility::apply`], at points of the fluid. Particles are arranged; the box is not
-    /// periodic along all axes, and the plan is one [`Plan::with_points`]. Collective.
-    ///
-    /// # Panics
-    /// In a periodic box, and if the plan does not use the split method.
-    pub fn flow(&mut self, loads: &Loads) -> Flow<'_> {
-        assert!(self.near.is_some(), "a box that does not repeat along all axes has the split method");
+impl GridFarField {
+    /// Flow of loads at points of the fluid, in a box that is not periodic along all axes.
+    pub(super) fn flow_of(&mut self, loads: &Loads) -> GridFlow<'_> {
         self.work.evaluations += 1;
         let kinds = self.kinds_of(loads);
         let (mut forces, mut dipoles) = self.present(loads, kinds);
-        self.far.solve(&self.arrangement.far_loads(&forces, &dipoles), &mut self.work);
+        self.grid.solve(&self.arrangement.grid_loads(&forces, &dipoles), &mut self.work);
         let owned = self.arrangement.halo.owned();
         forces.truncate(owned);
         forces.shrink_to_fit();
         dipoles.truncate(owned);
         dipoles.shrink_to_fit();
         let near = NearPoints::new(&self.plan.in_units(&self.units));
-        Flow { mobility: self, forces, dipoles, near }
+        GridFlow { far: self, forces, dipoles, near }
     }
 }
 
-impl Flow<'_> {
-    /// Velocities relative to the background flow at the points of the `k`-th plane of a raster across z, row by row
-    /// along x; on all ranks. Collective.
-    pub fn plane(&mut self, raster: &SamplePoints, k: usize) -> Vec<Vector> {
-        let inverse = 1.0 / self.mobility.units.length;
+impl FlowAtPoints for GridFlow<'_> {
+    fn plane(&mut self, raster: &SamplePoints, k: usize) -> Vec<Vector> {
+        let inverse = 1.0 / self.far.units.length;
         let raster =
             SamplePoints { first: raster.first * inverse, spacing: raster.spacing * inverse, points: raster.points };
         let points: Vec<Vector> = raster.plane(k).collect();
-        let mut velocities = self.mobility.far.velocities_at(&self.mobility.arrangement.cell, &points);
+        let mut velocities = self.far.grid.velocities_at(&self.far.arrangement.cell, &points);
         self.add_near(&raster, k, &mut velocities);
-        self.mobility.partition.comm().sum(bytemuck::cast_slice_mut(&mut velocities));
-        let unit = self.mobility.units.velocity();
+        self.far.partition.comm().sum(bytemuck::cast_slice_mut(&mut velocities));
+        let unit = self.far.units.velocity();
         for velocity in &mut velocities {
             *velocity *= unit;
         }
         velocities
     }
+}
 
+impl GridFlow<'_> {
     /// Adds the near field of this rank's own particles, in the order of the particles.
     fn add_near(&self, raster: &SamplePoints, k: usize, velocities: &mut [Vector]) {
         let (near, images) = (&self.near, self.images(raster, k));
@@ -78,8 +74,8 @@ impl Flow<'_> {
                     let point = raster.point([i, j, k]);
                     let x = point - image.place;
                     row[i] += near.velocity(image, x);
-                    if let Some(images) = &self.mobility.wall_images {
-                        let cell = &self.mobility.arrangement.cell;
+                    if let Some(images) = &self.far.wall_images {
+                        let cell = &self.far.arrangement.cell;
                         row[i] += images.velocity_at(cell, (x, point.z), image.class, (image.force, &image.dipole));
                     }
                 }
@@ -89,7 +85,7 @@ impl Flow<'_> {
 
     /// Particles, and their images along periodic axes, whose near field reaches a plane.
     fn images(&self, raster: &SamplePoints, k: usize) -> Vec<Image> {
-        let arrangement = &self.mobility.arrangement;
+        let arrangement = &self.far.arrangement;
         let (cell, reach) = (&arrangement.cell, Vector::splat(self.near.cutoff));
         let [nx, ny, _] = raster.points;
         let (low, high) = (raster.point([0, 0, k]) - reach, raster.point([nx - 1, ny - 1, k]) + reach);

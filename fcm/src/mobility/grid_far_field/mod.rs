@@ -1,0 +1,254 @@
+//! Far field by a grid, alone or split between grid and pairs.
+
+mod flow;
+mod fluctuations;
+mod operator;
+mod spectral_grid;
+
+use crate::envelope::Envelope;
+use crate::mobility::far_field::{Draw, FarField, FlowAtPoints};
+use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
+use crate::mobility::noise::DrawDiagnostics;
+use crate::mobility::work::{Clock, Work};
+use crate::pairs::pair_correction::{LoadedParticles, NearField, PairCorrection};
+use crate::plan::Plan;
+use crate::plan::problem::Precision;
+use crate::walls::wall_images::WallImages;
+use domain::{
+    Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
+};
+use rayon::prelude::*;
+use solver::Real;
+use spectral_grid::{GridLoads, GridPart, SpectralGrid};
+
+/// Far field of a plan with a grid.
+///
+/// Internally, units of length and viscosity make those of the plan about 1, and in each evaluation a unit of force
+/// makes the loads about 1. The units are powers of two, so results have the same digits in any units, and the same
+/// bits if the units differ by powers of two.
+pub(crate) struct GridFarField {
+    plan: Plan,
+    /// Units of length and viscosity, and of force in the last evaluation.
+    units: Units,
+    partition: Partition,
+    grid: Box<dyn GridPart>,
+    near: Option<Box<dyn NearField>>,
+    wall_images: Option<WallImages>,
+    arrangement: Arrangement,
+    verlet_list: VerletList,
+    work: Work,
+}
+
+/// Quantities that depend on the positions alone, in internal units.
+struct Arrangement {
+    cell: PeriodicBox,
+    halo: Halo,
+    positions: Vec<Vector>,
+    classes: Vec<u32>,
+}
+
+impl GridFarField {
+    /// Sets up the mobility of a plan, on ranks that share the grid by `partition`.
+    pub fn new(plan: &Plan, partition: &Partition) -> Self {
+        let units = plan.units();
+        let own = plan.in_units(&units);
+        let cell = own.cell();
+        let (grid, near) = match plan.precision {
+            Precision::Single => parts::<f32>(&own, partition, &cell),
+            Precision::Double => parts::<f64>(&own, partition, &cell),
+        };
+        let arrangement = Arrangement {
+            cell,
+            halo: Halo::plan(partition, &cell, &[], [0.0; 2]),
+            positions: Vec::new(),
+            classes: Vec::new(),
+        };
+        let verlet_list = VerletList::new(own.cutoff(), partition);
+        Self {
+            plan: plan.clone(),
+            units,
+            partition: partition.clone(),
+            grid,
+            near,
+            wall_images: WallImages::new(&own),
+            arrangement,
+            verlet_list,
+            work: Work::default(),
+        }
+    }
+
+    /// Distance along y and z by which stencils extend beyond a rank's share of the box.
+    fn reach(&self, cell: &PeriodicBox) -> [f64; 2] {
+        let half = 0.5 * self.plan.support.support as f64;
+        let grid = &self.plan.grid;
+        if cell.boundaries() == Boundaries::Periodic {
+            let edges = cell.edges();
+            return [edges.y / grid[1] as f64, edges.z / grid[2] as f64].map(|h| half * h);
+        }
+        let own = self.plan.in_units(&self.units);
+        let (spacing, mismatch) = (own.spacing(), own.mismatch());
+        [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
+    }
+
+    /// Whether there are forces, torques and stresslets on any rank; sets the unit of force by the largest of them.
+    /// Collective.
+    fn kinds_of(&mut self, loads: &Loads) -> [bool; 3] {
+        // A rank without particles has empty lists, but takes part in the exchange.
+        let [forced, twisted, strained] =
+            [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
+                .map(|some| f64::from(u8::from(some)));
+        let mut all = [forced, twisted, strained, loads.largest(self.units.length)];
+        self.partition.comm().max(&mut all);
+        let [forced, twisted, strained, largest] = all;
+        self.units = self.units.with_force(largest);
+        [forced, twisted, strained].map(|kind| kind > 0.0)
+    }
+
+    /// Forces and dipoles of all particles present, in internal units.
+    fn present(&self, loads: &Loads, [forced, twisted, strained]: [bool; 3]) -> (Vec<Vector>, Vec<Tensor>) {
+        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
+        let mut forces = Vec::new();
+        if forced {
+            forces = loads.forces.iter().map(|&force| force * of_force).collect();
+            self.arrangement.halo.extend(&mut forces);
+        }
+        let mut dipoles = Vec::new();
+        if twisted || strained {
+            let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
+            let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
+            let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
+            dipoles = (0..self.arrangement.halo.owned()).map(dipole).collect();
+            self.arrangement.halo.extend(&mut dipoles);
+        }
+        (forces, dipoles)
+    }
+}
+
+impl FarField for GridFarField {
+    fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
+        let mut clock = Clock::start();
+        let inverse = 1.0 / self.units.length;
+        let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
+        let mut present: Vec<Vector> = positions.collect();
+        let owned = present.len();
+        let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
+        let reach = self.reach(cell).map(|stencil| stencil.max(cutoff));
+        let halo = Halo::plan(&self.partition, cell, &present, reach);
+        let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        halo.extend(&mut present);
+        halo.extend(&mut classes);
+        clock.stop(&mut self.work.seconds.exchange);
+        self.grid.arrange(cell, &present);
+        clock.stop(&mut self.work.seconds.spread);
+        if self.near.is_some() {
+            let mut ids = particles.ids.clone();
+            halo.extend(&mut ids);
+            self.verlet_list.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &present });
+            self.work.searches = self.verlet_list.searches();
+        }
+        self.arrangement = Arrangement { cell: *cell, halo, positions: present, classes };
+        if let Some(images) = &mut self.wall_images {
+            images.arrange(&self.arrangement.loaded(&[], &[]), self.verlet_list.neighbours(), owned);
+        }
+        clock.stop(&mut self.work.seconds.near);
+    }
+
+    fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
+        self.work.evaluations += 1;
+        let mut clock = Clock::start();
+        let kinds = self.kinds_of(loads);
+        let (forces, dipoles) = self.present(loads, kinds);
+        clock.stop(&mut self.work.seconds.exchange);
+        let arrangement = &self.arrangement;
+        let grid_loads = arrangement.grid_loads(&forces, &dipoles);
+        let mut motions = self.grid.motions(&grid_loads, output, &mut self.work);
+        clock.restart();
+        arrangement.collect(&mut motions);
+        clock.stop(&mut self.work.seconds.exchange);
+        if let Some(near) = &self.near {
+            let gradients = output != Output::Velocities || !dipoles.is_empty();
+            let loaded = arrangement.loaded(&forces, &dipoles);
+            let neighbours = self.verlet_list.neighbours();
+            near.add(&loaded, neighbours, gradients, &mut motions);
+            if let Some(images) = &self.wall_images {
+                images.add(&loaded, gradients, &mut motions);
+            }
+            self.work.neighbours += neighbours.count() as u64;
+            clock.stop(&mut self.work.seconds.near);
+        }
+        motion(&motions, output, &self.units)
+    }
+
+    fn noise(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
+        self.random_motion(draw)
+    }
+
+    fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
+        self.near.is_some().then(|| Box::new(self.flow_of(loads)) as Box<dyn FlowAtPoints>)
+    }
+
+    fn velocity_field(&self) -> Option<Vec<f64>> {
+        let unit = self.units.velocity();
+        Some(self.grid.velocity_field().into_iter().map(|value| value * unit).collect())
+    }
+
+    fn divergence(&mut self) -> Option<f64> {
+        Some(self.grid.divergence())
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+}
+
+/// Grid of a plan, and near field if it has one, in one precision.
+fn parts<T: Real>(
+    plan: &Plan,
+    partition: &Partition,
+    cell: &PeriodicBox,
+) -> (Box<dyn GridPart>, Option<Box<dyn NearField>>) {
+    let grid = Box::new(SpectralGrid::<T>::new(plan, partition, cell));
+    let Some(common) = plan.common() else {
+        return (grid, None);
+    };
+    let envelopes = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
+    let (cutoff, tolerance) = (plan.cutoff(), plan.table_tolerance());
+    (grid, Some(Box::new(PairCorrection::<T>::new(envelopes, common, cutoff, plan.viscosity, tolerance))))
+}
+
+impl Arrangement {
+    /// Loads of the particles present, for the grid.
+    fn grid_loads<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> GridLoads<'a> {
+        GridLoads { classes: &self.classes, forces, dipoles }
+    }
+
+    /// The particles present with their loads, for the near field.
+    fn loaded<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> LoadedParticles<'a> {
+        LoadedParticles { cell: &self.cell, positions: &self.positions, classes: &self.classes, forces, dipoles }
+    }
+
+    /// Returns the sums that ranks made for each other's particles to the owners.
+    fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
+        let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
+        self.halo.collect(&mut velocities);
+        motions.iter_mut().zip(velocities).for_each(|(motion, velocity)| motion.0 = velocity);
+        let mut gradients: Vec<Tensor> = motions.iter().map(|m| m.1).collect();
+        self.halo.collect(&mut gradients);
+        motions.iter_mut().zip(gradients).for_each(|(motion, gradient)| motion.1 = gradient);
+        motions.truncate(self.halo.owned());
+    }
+}
+
+/// The motions that were requested, in the plan's units.
+fn motion(motions: &[(Vector, Tensor)], output: Output, units: &Units) -> Motion {
+    let (velocity, rate) = (units.velocity(), units.rate());
+    let mut motion = Motion::default();
+    if output != Output::Gradients {
+        motion.velocities = motions.par_iter().map(|m| m.0 * velocity).collect();
+    }
+    if output != Output::Velocities {
+        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1) * rate).collect();
+        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1) * rate).collect();
+    }
+    motion
+}

@@ -1,0 +1,338 @@
+//! Part of the far field on the grid: spreading, Stokes solve, interpolation.
+
+use super::operator::{lattice, operator, unit_volume};
+use crate::envelope::{Envelope, Source};
+use crate::grid::gaussian::{self, Gaussians, Sources, Terms};
+use crate::grid::interpolate::Interpolation;
+use crate::grid::kernel::{Kernel, Load};
+use crate::grid::spread::Spread;
+use crate::grid::stencil::{Stencil, sorted_stencils};
+use crate::grid::window::{self, Windowed};
+use crate::mobility::loads::Output;
+use crate::mobility::noise::Stream;
+use crate::mobility::work::{Clock, Work};
+use crate::plan::Plan;
+use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector};
+use rayon::prelude::*;
+use solver::{Field, Grid, Physical, Real, Stokes, Transform};
+use std::borrow::Cow;
+use std::marker::PhantomData;
+
+/// Loads of the particles present: one force and one dipole per particle, or an empty list of either.
+pub(crate) struct GridLoads<'a> {
+    pub classes: &'a [u32],
+    pub forces: &'a [Vector],
+    pub dipoles: &'a [Tensor],
+}
+
+/// Part on the grid, in the precision that the plan chose.
+pub(crate) trait GridPart {
+    /// Sets the box and the positions of the particles present.
+    fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]);
+
+    /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
+    /// grid.
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)>;
+
+    /// Velocity field of the loads on the grid, without interpolation.
+    fn solve(&mut self, loads: &GridLoads, work: &mut Work);
+
+    /// Velocities of the last field at points of the fluid, in a box that is not periodic along all axes: the
+    /// contributions of this rank's share of the grid. The envelope of a point has the transform 1; the grid carries
+    /// the part that is common to all envelopes.
+    fn velocities_at(&mut self, cell: &PeriodicBox, points: &[Vector]) -> Vec<Vector>;
+
+    /// Random velocities and velocity gradients, or velocities alone, whose covariance is the mobility on the
+    /// grid: the contributions of this rank's share of the grid.
+    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)>;
+
+    /// Velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
+    fn velocity_field(&self) -> Vec<f64>;
+
+    /// Largest `|k . u| / (|k| |u|)` of the last velocity field, which it overwrites; see [`solver::divergence`].
+    fn divergence(&mut self) -> f64;
+}
+
+/// Grid of one precision. Vectors and tensors on the grid have components along the box's axes, see
+/// [`PeriodicBox`]; loads and motions have Cartesian components in space.
+pub(crate) struct SpectralGrid<T: Real> {
+    plan: Plan,
+    partition: Partition,
+    grid: Grid,
+    transform: Transform<T>,
+    operator: Stokes<T>,
+    field: Field<T, Physical>,
+    /// Divergence of the last velocity field, which computing it overwrites.
+    divergence: Option<f64>,
+    kernels: SpreadingKernels<T>,
+    /// Spreading kernels of points of the fluid, made when first needed.
+    point_kernels: Option<SpreadingKernels<T>>,
+    stencils: Vec<Stencil>,
+}
+
+/// Functions on the grid: the envelopes themselves, or a window.
+enum SpreadingKernels<T> {
+    Gaussian(gaussian::Lattice),
+    Window(window::Lattice<T>),
+}
+
+impl<T: Real> SpectralGrid<T> {
+    pub fn new(plan: &Plan, partition: &Partition, cell: &PeriodicBox) -> Self {
+        let grid = Grid::new(plan.grid, lattice(plan, cell)).expect("a plan has a grid that can be transformed");
+        let grid = if plan.is_reduced() { grid.reduced() } else { grid };
+        let transform = Transform::new(grid.points(), partition, plan.support.lanes);
+        let field = transform.field();
+        Self {
+            plan: plan.clone(),
+            partition: partition.clone(),
+            operator: operator(plan, &grid, partition),
+            kernels: SpreadingKernels::new(plan, &grid),
+            grid,
+            transform,
+            field,
+            divergence: None,
+            point_kernels: None,
+            stencils: Vec::new(),
+        }
+    }
+
+    fn spread(&mut self, loads: &GridLoads, work: &mut Work) {
+        let (force, dipole) = (|r: usize| loads.forces.get(r), |r: usize| loads.dipoles.get(r));
+        let (no_force, no_dipole) = (Vector::ZERO, Tensor::ZERO);
+        let axes = self.grid.cell().axes();
+        let load = |r: usize| {
+            let (force, dipole) = (*force(r).unwrap_or(&no_force), dipole(r).unwrap_or(&no_dipole));
+            axes.map_or_else(
+                || Load::new(force, dipole),
+                |axes| Load::new(axes.transpose() * force, &(axes.transpose() * *dipole * *axes)),
+            )
+        };
+        let all: Vec<Load<T>> = (0..loads.classes.len()).into_par_iter().map(load).collect();
+        let is_loaded = |stencil: &Stencil| {
+            let row = stencil.row as usize;
+            force(row).is_some_and(|f| *f != no_force) || dipole(row).is_some_and(|g| *g != no_dipole)
+        };
+        let loaded = if self.stencils.par_iter().all(is_loaded) {
+            Cow::Borrowed(&self.stencils)
+        } else {
+            Cow::Owned(self.stencils.iter().filter(|place| is_loaded(place)).copied().collect())
+        };
+        work.particles_spread += loaded.len() as u64;
+        work.dipole_spreads += u64::from(!loads.dipoles.is_empty());
+        let spread = Spread { stencils: &loaded, classes: loads.classes, loads: &all, period: self.plan.grid[2] };
+        let terms = [!loads.forces.is_empty(), !loads.dipoles.is_empty()];
+        self.kernels.with(terms, SpreadTask { spread, field: &mut self.field });
+    }
+
+    fn interpolate(&self, classes: &[u32], output: Output) -> Vec<(Vector, Tensor)> {
+        let to = Interpolation { stencils: &self.stencils, classes, volume: self.interpolated_volume() };
+        let terms = [output != Output::Gradients, output != Output::Velocities];
+        let mut motions = self.kernels.with(terms, InterpolationTask { to, field: &self.field });
+        if let Some(axes) = self.grid.cell().axes() {
+            let out = |(velocity, gradient): &mut (Vector, Tensor)| {
+                *velocity = *axes * *velocity;
+                *gradient = *axes * *gradient * axes.transpose();
+            };
+            motions.par_iter_mut().for_each(out);
+        }
+        motions
+    }
+
+    /// Volume of a grid point by which interpolation multiplies.
+    fn interpolated_volume(&self) -> f64 {
+        let spacing = self.grid.spacing();
+        spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2)
+    }
+
+    /// Places of kernels in a box that is not periodic along all axes.
+    ///
+    /// # Panics
+    /// If a window wraps around the grid along such an axis: the result would not have a small error but be nonsense.
+    fn bounded_stencils(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vec<Stencil> {
+        let (plan, extent) = (&self.plan, self.kernels.extent(&self.plan));
+        let first = cell.origin() + plan.first_point();
+        let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
+        let found = sorted_stencils(&self.grid, extent, &positions);
+        for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
+            let is_open = plan.boundaries == Boundaries::Open;
+            let last = plan.grid[axis] / if is_open { 2 } else { 1 } - extent[axis];
+            let is_whole = found.iter().all(|place| place.first[axis] as usize <= last);
+            assert!(is_whole, "a sphere is outside of a box that does not repeat along its axis {axis}");
+        }
+        found
+    }
+
+    fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
+        self.solve(loads, work);
+        let mut clock = Clock::start();
+        let motions = self.interpolate(loads.classes, output);
+        clock.stop(&mut work.seconds.interpolate);
+        work.dipole_interpolations += u64::from(output != Output::Velocities);
+        motions
+    }
+}
+
+/// Operation that is generic over the kernel.
+trait WithKernel<T: Real> {
+    type Output;
+
+    fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output;
+}
+
+struct SpreadTask<'a, T: Real> {
+    spread: Spread<'a, T>,
+    field: &'a mut Field<T, Physical>,
+}
+
+impl<T: Real> WithKernel<T> for SpreadTask<'_, T> {
+    type Output = ();
+
+    fn run<K: Kernel<T>>(self, kernel: &K) {
+        self.spread.run(kernel, self.field);
+    }
+}
+
+struct InterpolationTask<'a, T: Real> {
+    to: Interpolation<'a>,
+    field: &'a Field<T, Physical>,
+}
+
+impl<T: Real> WithKernel<T> for InterpolationTask<'_, T> {
+    type Output = Vec<(Vector, Tensor)>;
+
+    fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output {
+        self.to.run(kernel, self.field)
+    }
+}
+
+fn envelopes(plan: &Plan) -> Vec<Envelope> {
+    plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect()
+}
+
+impl<T: Real> SpreadingKernels<T> {
+    fn new(plan: &Plan, grid: &Grid) -> Self {
+        Self::for_envelopes(plan, grid, &envelopes(plan))
+    }
+
+    /// Spreading kernels of the plan's spheres, or of other envelopes that share its common Gaussian.
+    fn for_envelopes(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
+        match (plan.window(), plan.common()) {
+            (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, envelopes)),
+            _ => Self::gaussian(plan, grid),
+        }
+    }
+
+    fn gaussian(plan: &Plan, grid: &Grid) -> Self {
+        assert!(grid.cell().is_upright(), "a plan for a lattice that leans has windows");
+        let strain = grid.cell().strain();
+        let sources =
+            |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };
+        let sources = envelopes(plan).iter().map(sources).collect();
+        Self::Gaussian(gaussian::Lattice::new::<T>(grid, plan.support, sources))
+    }
+
+    /// The same kernels on a grid that has been sheared.
+    fn sheared(&self, plan: &Plan, grid: &Grid) -> Self {
+        match (self, plan.common()) {
+            (Self::Window(lattice), Some(common)) => Self::Window(lattice.sheared(grid, common, &envelopes(plan))),
+            _ => Self::gaussian(plan, grid),
+        }
+    }
+
+    /// Points of a stencil along each axis.
+    fn extent(&self, plan: &Plan) -> [usize; 3] {
+        let [y, z] = [plan.support.support; 2];
+        match self {
+            Self::Gaussian(_) => [plan.support.lanes, y, z],
+            Self::Window(_) => [y, y, z],
+        }
+    }
+
+    /// Runs an operation with the kernel for the terms that are present: forces, dipoles, or both.
+    fn with<W: WithKernel<T>>(&self, [forces, dipoles]: [bool; 2], what: W) -> W::Output {
+        match self {
+            Self::Gaussian(lattice) => match (forces, dipoles) {
+                (true, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, true>> }),
+                (false, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<false, true>> }),
+                (_, false) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, false>> }),
+            },
+            Self::Window(lattice) => match lattice.order(forces, dipoles) {
+                0 => what.run(&Windowed::<T, 0>(lattice)),
+                1 => what.run(&Windowed::<T, 1>(lattice)),
+                2 => what.run(&Windowed::<T, 2>(lattice)),
+                _ => what.run(&Windowed::<T, 3>(lattice)),
+            },
+        }
+    }
+}
+
+impl<T: Real> GridPart for SpectralGrid<T> {
+    fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
+        if cell.boundaries() != Boundaries::Periodic {
+            self.stencils = self.bounded_stencils(cell, positions);
+            return;
+        }
+        if cell != self.grid.cell() {
+            self.grid = self.grid.in_cell(*cell);
+            self.operator = operator(&self.plan, &self.grid, &self.partition);
+            self.kernels = self.kernels.sheared(&self.plan, &self.grid);
+        }
+        self.stencils = sorted_stencils(&self.grid, self.kernels.extent(&self.plan), positions);
+    }
+
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
+        self.evaluate(loads, output, work)
+    }
+
+    fn solve(&mut self, loads: &GridLoads, work: &mut Work) {
+        let mut clock = Clock::start();
+        self.spread(loads, work);
+        clock.stop(&mut work.seconds.spread);
+        self.transform.apply(&mut self.field, &self.operator);
+        self.divergence = None;
+        clock.stop(&mut work.seconds.fft);
+        work.transforms += 1;
+    }
+
+    fn velocities_at(&mut self, cell: &PeriodicBox, points: &[Vector]) -> Vec<Vector> {
+        let (stencils, volume) = (self.bounded_stencils(cell, points), self.interpolated_volume());
+        let (plan, grid) = (&self.plan, &self.grid);
+        let kernels =
+            self.point_kernels.get_or_insert_with(|| SpreadingKernels::for_envelopes(plan, grid, &[Envelope::POINT]));
+        let to = Interpolation { stencils: &stencils, classes: &vec![0; points.len()], volume };
+        kernels
+            .with([true, false], InterpolationTask { to, field: &self.field })
+            .into_iter()
+            .map(|motion| motion.0)
+            .collect()
+    }
+
+    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)> {
+        let volume = self.interpolated_volume();
+        self.field = self.transform.noise(&self.operator, volume, &stream);
+        self.divergence = None;
+        self.interpolate(classes, output)
+    }
+
+    fn velocity_field(&self) -> Vec<f64> {
+        assert!(self.divergence.is_none(), "the velocity field was used up by its divergence");
+        let over = 1.0 / unit_volume(&self.plan, &self.grid).powi(2);
+        let mut values: Vec<f64> = self.field.to_vec().into_iter().map(|value| value.to_f64() * over).collect();
+        if let Some(axes) = self.grid.cell().axes() {
+            let points = values.len() / 3;
+            for point in 0..points {
+                let place = [0, 1, 2].map(|component| component * points + point);
+                let out = *axes * Vector::from_array(place.map(|at| values[at]));
+                place.into_iter().zip(out.to_array()).for_each(|(at, value)| values[at] = value);
+            }
+        }
+        values
+    }
+
+    fn divergence(&mut self) -> f64 {
+        *self.divergence.get_or_insert_with(|| {
+            self.field.clear_halo();
+            solver::divergence(&self.grid, &mut self.transform, &mut self.field, self.partition.comm())
+        })
+    }
+}
