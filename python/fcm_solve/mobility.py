@@ -86,7 +86,8 @@ class Plan:
     """The plan of a mobility: method, grid, expected error and cost."""
 
     method: str
-    """"direct": every envelope on the grid; "split": a common wider Gaussian on the grid, and near pairs"""
+    """"direct": every envelope on the grid; "split": a common wider Gaussian on the grid, and near pairs; "dense": a
+    matrix of exact sums, without a grid"""
     grid: list[int]
     """Grid points along x, y and z."""
     support: list[int]
@@ -124,7 +125,7 @@ class Mobility:
     rigid       whether to solve for the stresslets that keep the spheres rigid
     multipoles  "dipole": forces, torques and stresslets; "monopole": forces alone
     method      "direct": the envelopes themselves on the grid; "split": wider envelopes on a coarser grid, and a pair
-                correction; "auto": the faster method
+                correction; "dense": a matrix of exact sums, for few spheres; "auto": the faster of the first two
     strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
     boundaries  boundary conditions along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
                 "open", the others "periodic"; or all are "open": then the edges need to be longer than the extent of the

@@ -65,6 +65,19 @@ fn agree(alone: &Particles, together: &Particles, what: &str) {
     }
 }
 
+/// The scene chooses the dense method, and a sheared run agrees with that on a grid, on any number of ranks.
+#[test]
+fn a_run_with_a_dense_matrix_is_that_on_a_grid() {
+    let with = |method| model(&["time.steps=2", "flow.lees_edwards=true", method]);
+    let [grid, dense] = ["hydrodynamics.method=split", "hydrodynamics.method=dense"].map(with);
+    let alone = run(&dense, 1);
+    agree(&alone, &run(&dense, 3), "3 ranks");
+    let [exact, found] = [alone, run(&grid, 1)].map(|mut particles| particles.vectors(VELOCITY).to_vec());
+    let largest = exact.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let difference = exact.iter().zip(&found).map(|(&a, &b)| (a - b).length()).fold(0.0, f64::max);
+    assert!(difference > 0.0 && difference < 1e-4 * largest, "{difference:e} of {largest}");
+}
+
 /// Each step reports its evaluations of the mobility, at least four in a Runge-Kutta step and one more for each
 /// iteration, and the divergence due to round-off.
 #[test]

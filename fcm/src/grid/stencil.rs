@@ -55,7 +55,7 @@ pub(crate) fn sorted_stencils(grid: &Grid, extent: [usize; 3], positions: &[Vect
         let first = [wrapped(0, x - row_shift * y), wrapped(1, y), wrapped(2, z)];
         Stencil { row: row as u32, first, offset }
     });
-    let blocks = Blocks::of(grid.points());
+    let blocks = GridBlocks::of(grid.points());
     let key = |stencil: &Stencil| blocks.index_of(stencil.first.map(|p| p as usize));
     sort_by_key(unsorted.collect(), key, blocks.count())
 }
@@ -64,7 +64,7 @@ pub(crate) fn sorted_stencils(grid: &Grid, extent: [usize; 3], positions: &[Vect
 /// one after the other, and within each the blocks layer by layer. The points that stencils of a layer touch stay in
 /// the second-level cache, so each plane is fetched from main memory once per column; those of a block stay in the
 /// first-level cache.
-struct Blocks {
+struct GridBlocks {
     /// Number of columns along x and y, and of layers.
     counts: [usize; 3],
 }
@@ -73,7 +73,7 @@ struct Blocks {
 const BLOCK: [usize; 3] = [16, 4, 4];
 const COLUMN: [usize; 2] = [4, 16];
 
-impl Blocks {
+impl GridBlocks {
     fn of(points: [usize; 3]) -> Self {
         let column = [COLUMN[0] * BLOCK[0], COLUMN[1] * BLOCK[1], BLOCK[2]];
         Self { counts: std::array::from_fn(|d| points[d].div_ceil(column[d])) }

@@ -1,14 +1,17 @@
 //! Interface between the mobility and what evaluates it: a method on a device.
 
-use crate::mobility::dense_far_field::DenseFarField;
-use crate::mobility::grid_far_field::GridFarField;
+mod dense;
+mod grid;
+
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, Stream};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
-use crate::plan::problem::Method;
+use crate::plan::method::Method;
 use crate::plan::sample_points::SamplePoints;
+use dense::DenseFarField;
 use domain::{Particles, Partition, PeriodicBox, Vector};
+use grid::GridFarField;
 
 /// Far field of the particles of a rank, by one method on one device.
 ///
@@ -28,7 +31,7 @@ pub(crate) trait FarField {
 
     /// Random motions whose covariance is the mobility: velocities, and with dipoles angular velocities and rates of
     /// strain.
-    fn noise(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics);
+    fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics);
 
     /// Flow of loads at points of the fluid; `None` from a back end whose plans do not have such points.
     fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>>;
@@ -46,7 +49,7 @@ pub(crate) trait FarField {
 }
 
 /// Random motions to draw, for the particles with these ids.
-pub(crate) struct Draw<'a> {
+pub(crate) struct NoiseRequest<'a> {
     pub ids: &'a [u64],
     /// Relative error allowed in square roots that are found by iteration.
     pub tolerance: f64,

@@ -3,10 +3,10 @@
 use crate::envelope::Envelope;
 use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
-use crate::mobility::noise::Components;
 use crate::pairs::pair_correction::{self, PairCorrection};
 use crate::pairs::table::{PairFunctions, Table};
 use crate::plan::Plan;
+use crate::plan::method::{GridlessBytes, RankParticles};
 use crate::plan::problem::{Multipoles, Precision};
 use crate::walls::wall_images::WallImages;
 use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
@@ -35,8 +35,8 @@ impl<'a> Footprint<'a> {
 
     /// [`crate::Mobility`] with its particles arranged, and temporaries of the arrangement.
     pub fn mobility(&self) -> Bytes {
-        if !self.plan.has_grid() {
-            return self.matrix();
+        if let Some(bytes) = self.gridless() {
+            return bytes.arranged;
         }
         let grid = match self.plan.precision {
             Precision::Single => self.grid_in::<f32>(),
@@ -50,12 +50,10 @@ impl<'a> Footprint<'a> {
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
     }
 
-    /// Rows of the matrix and of its factor, and the whole matrix while it is factorised.
-    fn matrix(&self) -> Bytes {
-        let (owned, total) = (self.expected.owned(), self.expected.total());
-        let whole = self.plan.multipoles.matrix_bytes(total);
-        let rows = if total > 0.0 { whole * owned / total } else { 0.0 };
-        Bytes::keep(2.0 * rows).then(Bytes::keep(whole).freed())
+    /// Memory of a method without a grid.
+    fn gridless(&self) -> Option<GridlessBytes> {
+        let particles = RankParticles { owned: self.expected.owned(), total: self.expected.total() };
+        self.plan.method.gridless().map(|gridless| gridless.bytes(self.plan.multipoles, particles))
     }
 
     fn grid_in<T: Real>(&self) -> Bytes {
@@ -96,8 +94,8 @@ impl<'a> Footprint<'a> {
     /// An evaluation, from loads to motions: loads of the particles present, also in the grid's precision; motions as
     /// they are found, sorted, and returned to their owners.
     pub fn evaluation(&self) -> Bytes {
-        if !self.plan.has_grid() {
-            return Bytes::list::<Components>(3.0 * self.expected.total()).freed().then(self.motion());
+        if let Some(bytes) = self.gridless() {
+            return bytes.evaluation.then(self.motion());
         }
         type Found = (Vector, Tensor);
         let (owned, present) = (self.expected.owned(), self.present());

@@ -1,8 +1,6 @@
 //! Mobility: the linear map from loads to motions.
 
-mod dense_far_field;
 mod far_field;
-mod grid_far_field;
 pub(crate) mod loads;
 pub(crate) mod memory;
 pub(crate) mod noise;
@@ -13,7 +11,7 @@ use crate::plan::Plan;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
 use domain::{Particles, Partition, PeriodicBox, Vector};
-use far_field::{Draw, FarField, FlowAtPoints, of_plan};
+use far_field::{FarField, FlowAtPoints, NoiseRequest, of_plan};
 use loads::{Loads, Motion, Output};
 use noise::{DrawDiagnostics, Stream};
 use rank_one::Constraint;
@@ -88,7 +86,7 @@ impl Mobility {
     /// and with dipoles angular velocities and rates of strain. Square roots that are found by iteration have a
     /// relative error of `tolerance`. Collective.
     pub fn noise(&mut self, ids: &[u64], tolerance: f64, stream: Stream) -> (Motion, DrawDiagnostics) {
-        self.far.noise(&Draw { ids, tolerance, stream })
+        self.far.noise(&NoiseRequest { ids, tolerance, stream })
     }
 
     /// Divergence of the mobility from forces to motions with respect to the positions of all particles. It vanishes

@@ -53,9 +53,9 @@ impl std::ops::Sub for Seconds {
 }
 
 /// Stopwatch for consecutive parts.
-pub(crate) struct Clock(Instant);
+pub(crate) struct Stopwatch(Instant);
 
-impl Clock {
+impl Stopwatch {
     pub fn start() -> Self {
         Self(Instant::now())
     }

@@ -55,15 +55,15 @@ pub(crate) trait NearField {
 pub(crate) struct PairCorrection<T> {
     cutoff: f64,
     inverse_viscosity: f64,
-    functions: Functions<T>,
+    functions: RadialFunctions<T>,
 }
 
-enum Functions<T> {
+enum RadialFunctions<T> {
     Tabulated { classes: usize, tables: Vec<Table<T>>, alone: Vec<[f64; 9]> },
     Exact { envelopes: Vec<Envelope>, common: Common },
 }
 
-impl<T: Real> Functions<T> {
+impl<T: Real> RadialFunctions<T> {
     #[inline(always)]
     fn of_pair(&self, i: u32, j: u32, square: f64) -> [T; 9] {
         match self {
@@ -100,10 +100,10 @@ impl<T: Real> PairCorrection<T> {
         let all = || envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| pair(i, j))).map(table).collect();
         let tables: Option<Vec<_>> = if envelopes.len() > MOST_TABULATED { None } else { all() };
         let functions = match tables {
-            None => Functions::Exact { envelopes, common },
+            None => RadialFunctions::Exact { envelopes, common },
             Some(tables) => {
                 let alone = envelopes.iter().map(|e| pair(e, e).exact(0.0)).collect();
-                Functions::Tabulated { classes: envelopes.len(), tables, alone }
+                RadialFunctions::Tabulated { classes: envelopes.len(), tables, alone }
             }
         };
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
@@ -145,7 +145,7 @@ impl<T: Real> NearField for PairCorrection<T> {
         let loads: Vec<[T; RECORD]> =
             (0..present.positions.len()).into_par_iter().map(|row| load(present, row)).collect();
         motions.par_chunks_mut(BATCH).enumerate().for_each(|(batch, motions)| {
-            T::dispatch(Batch {
+            T::dispatch(TargetBatch {
                 near: self,
                 present,
                 loads: &loads,
@@ -173,7 +173,7 @@ fn load<T: Real>(present: &LoadedParticles, row: usize) -> [T; RECORD] {
 }
 
 /// A batch of particles and their neighbour lists.
-struct Batch<'a, T> {
+struct TargetBatch<'a, T> {
     near: &'a PairCorrection<T>,
     present: &'a LoadedParticles<'a>,
     loads: &'a [[T; RECORD]],
@@ -183,12 +183,12 @@ struct Batch<'a, T> {
     motions: &'a mut [(Vector, Tensor)],
 }
 
-impl<T: Real> VectorKernel<T> for Batch<'_, T> {
+impl<T: Real> VectorKernel<T> for TargetBatch<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Lanes<T>>(self) {
-        let mut scratch = Scratch { group: Group::new(), totals: Totals::default() };
+        let mut scratch = PairScratch { group: PairGroup::new(), totals: Totals::default() };
         for offset in 0..self.motions.len() {
             let row = self.first + offset;
             // Most lists of a moderately dense suspension fit half a vector.
@@ -208,15 +208,15 @@ impl<T: Real> VectorKernel<T> for Batch<'_, T> {
     }
 }
 
-struct Scratch<T: Real> {
-    group: Group<T>,
+struct PairScratch<T: Real> {
+    group: PairGroup<T>,
     totals: Totals<T>,
 }
 
-impl<T: Real> Batch<'_, T> {
+impl<T: Real> TargetBatch<'_, T> {
     /// Sums over a particle's neighbours, group by group: its velocity, and its gradient row by row.
     #[inline(always)]
-    fn sums<V: Lanes<T>>(&self, Scratch { group, totals }: &mut Scratch<T>, row: usize) -> [T; 12] {
+    fn sums<V: Lanes<T>>(&self, PairScratch { group, totals }: &mut PairScratch<T>, row: usize) -> [T; 12] {
         let mut sums = [V::splat(T::default()); 12];
         for near in self.neighbours.of(row).chunks(V::LANES) {
             for (lane, neighbour) in near.iter().enumerate() {
@@ -242,7 +242,7 @@ impl<T: Real> Batch<'_, T> {
 
 /// As many pairs as a vector has lanes: the record of each pair, `x` and the pair functions, and that of its
 /// neighbour's load; then the transpose of both, with the lanes of each value contiguous.
-struct Group<T> {
+struct PairGroup<T> {
     pairs: Memory<T>,
     loads: Memory<T>,
     turned: [Memory<T>; 2],
@@ -252,7 +252,7 @@ struct Group<T> {
 const NINTH: usize = 3;
 const FIRST: usize = 4;
 
-impl<T: Real> Group<T> {
+impl<T: Real> PairGroup<T> {
     fn new() -> Self {
         let zero = || Memory::zero(RECORD * T::LANES);
         Self { pairs: zero(), loads: zero(), turned: [zero(), zero()] }

@@ -4,13 +4,13 @@ use crate::envelope::Common;
 use crate::pairs::boys::boys;
 use std::f64::consts::PI;
 
-/// Highest order of [`Difference::evaluate`] plus one.
+/// Highest order of [`EnvelopeDifference::evaluate`] plus one.
 pub(crate) const ORDERS: usize = 11;
 
 /// Radial function `B(r)` whose transform is `[exp(-k^2 s^2 / 2) - w_i(k) w_j(k)] / k^4`, with `s^2` the sum of the
 /// variances of the two envelopes and the `w` of [`Common`]. The bracket is `O(k^4)`, so `B` decays like a Gaussian.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Difference {
+pub(crate) struct EnvelopeDifference {
     /// Sum of the variances of the two envelopes.
     variance: f64,
     /// `2 Sigma^2`.
@@ -19,7 +19,7 @@ pub(crate) struct Difference {
     polynomial: [f64; 5],
 }
 
-impl Difference {
+impl EnvelopeDifference {
     /// For two envelopes of widths `sigma`.
     pub fn new(sigma: [f64; 2], common: Common) -> Self {
         let mut polynomial = [1.0, 0.0, 0.0, 0.0, 0.0];
@@ -103,7 +103,7 @@ mod tests {
 
     /// `f_n = (-1)^n / (2 pi^2) int k^(2n+2) [bracket]/k^4 j_n(kr)/(kr)^n dk` by the trapezoidal rule, which
     /// converges geometrically for this integrand.
-    fn by_quadrature(d: &Difference, n: usize, r: f64) -> f64 {
+    fn by_quadrature(d: &EnvelopeDifference, n: usize, r: f64) -> f64 {
         let step = 0.01;
         let mut sum = 0.0;
         for i in 1..4000 {
@@ -115,7 +115,7 @@ mod tests {
         sum * (-1.0_f64).powi(n as i32) / (2.0 * PI * PI)
     }
 
-    fn polynomial(d: &Difference, square: f64) -> f64 {
+    fn polynomial(d: &EnvelopeDifference, square: f64) -> f64 {
         d.polynomial.iter().rev().fold(0.0, |sum, coefficient| sum * square + coefficient)
     }
 
@@ -140,7 +140,7 @@ mod tests {
     #[test]
     fn closed_forms_are_the_inverse_transforms() {
         for sigma in [[0.5, 0.5], [0.45, 0.9]] {
-            let difference = Difference::new(sigma, Common { width: 1.1, increment: 0.7 });
+            let difference = EnvelopeDifference::new(sigma, Common { width: 1.1, increment: 0.7 });
             for r in [0.05, 0.6, 1.3, 2.0, 3.5] {
                 let found = difference.evaluate(r * r);
                 for n in 1..5 {
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn nothing_is_left_when_the_gaussians_agree() {
         assert!(
-            Difference::new([0.7, 0.7], Common { width: 0.7, increment: 0.0 })
+            EnvelopeDifference::new([0.7, 0.7], Common { width: 0.7, increment: 0.0 })
                 .evaluate(2.0)
                 .iter()
                 .all(|f| f.abs() < 1e-16)
@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn they_decay_like_a_gaussian() {
-        let difference = Difference::new([0.5, 0.6], Common { width: 1.0, increment: 0.7 });
+        let difference = EnvelopeDifference::new([0.5, 0.6], Common { width: 1.0, increment: 0.7 });
         let first = difference.evaluate(0.0)[1].abs();
         assert!(difference.evaluate(25.0)[1].abs() < 5e-3 * first);
         assert!(difference.evaluate(100.0)[1].abs() < 1e-10 * first);

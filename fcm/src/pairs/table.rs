@@ -1,7 +1,7 @@
 //! Pair functions of two radii, exact or tabulated in the square of the distance.
 
 use crate::envelope::{Common, Envelope};
-use crate::pairs::pair_functions::Difference;
+use crate::pairs::pair_functions::EnvelopeDifference;
 use solver::Real;
 
 /// Functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the
@@ -11,20 +11,20 @@ pub(crate) type Values = [f64; 9];
 /// Differences between two envelopes and two common Gaussians, for the four combinations of force and dipole.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PairFunctions {
-    forces: Difference,
-    force_dipole: Difference,
-    dipole_force: Difference,
-    dipoles: Difference,
+    forces: EnvelopeDifference,
+    force_dipole: EnvelopeDifference,
+    dipole_force: EnvelopeDifference,
+    dipoles: EnvelopeDifference,
 }
 
 impl PairFunctions {
     /// Functions between envelopes `i` and `j`.
     pub fn new(i: Envelope, j: Envelope, common: Common) -> Self {
         Self {
-            forces: Difference::new([i.monopole, j.monopole], common),
-            force_dipole: Difference::new([i.monopole, j.dipole], common),
-            dipole_force: Difference::new([i.dipole, j.monopole], common),
-            dipoles: Difference::new([i.dipole, j.dipole], common),
+            forces: EnvelopeDifference::new([i.monopole, j.monopole], common),
+            force_dipole: EnvelopeDifference::new([i.monopole, j.dipole], common),
+            dipole_force: EnvelopeDifference::new([i.dipole, j.monopole], common),
+            dipoles: EnvelopeDifference::new([i.dipole, j.dipole], common),
         }
     }
 

@@ -3,7 +3,8 @@
 use crate::envelope::{Common, Envelope};
 use crate::grid::window::Window;
 use crate::plan::Plan;
-use crate::plan::problem::{Multipoles, Problem, Split};
+use crate::plan::method::Split;
+use crate::plan::problem::{Multipoles, Problem};
 use crate::plan::wavenumber_split::{SplitInput, WavenumberSplit};
 use domain::{Boundaries, Number, PeriodicBox, Vector};
 

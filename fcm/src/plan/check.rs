@@ -3,7 +3,8 @@
 use crate::envelope::Envelope;
 use crate::grid::window::Window;
 use crate::plan::PlanError;
-use crate::plan::problem::{Fixed, Method, Problem};
+use crate::plan::method::Method;
+use crate::plan::problem::{Fixed, Problem};
 use domain::{Boundaries, Number, PeriodicBox, Vector};
 use solver::Grid;
 
@@ -68,11 +69,11 @@ impl Problem {
 
     /// Refuses choices that need a periodic box.
     fn check_bounded(&self) -> Result<(), PlanError> {
+        let method = self.fixed.method.filter(|&method| method != Method::Split);
         let found = [
-            (self.fixed.method == Some(Method::Direct)).then_some("hydrodynamics.method \"direct\" is"),
-            (self.fixed.method == Some(Method::Dense)).then_some("hydrodynamics.method \"dense\" is"),
-            self.fixed.grid.map(|_| "hydrodynamics.grid is"),
-            (self.largest_strain > 0.0).then_some("a sheared box is"),
+            method.map(|method| format!("hydrodynamics.method \"{}\" is", method.name())),
+            self.fixed.grid.map(|_| "hydrodynamics.grid is".to_owned()),
+            (self.largest_strain > 0.0).then(|| "a sheared box is".to_owned()),
         ];
         match found.into_iter().flatten().next() {
             Some(what) => Err(PlanError::Fixed(format!(
@@ -107,8 +108,8 @@ impl Problem {
         if self.boundaries != Boundaries::Periodic {
             self.check_bounded()?;
         }
-        if self.fixed.method == Some(Method::Dense) {
-            self.check_dense()?;
+        if let Some(gridless) = self.fixed.method.and_then(Method::gridless) {
+            gridless.check(self)?;
         }
         if self.is_tilted() && self.fixed.method == Some(Method::Direct) {
             return Err(PlanError::Fixed(

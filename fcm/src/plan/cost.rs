@@ -3,8 +3,8 @@
 use crate::grid::gaussian::length;
 use crate::plan::Plan;
 use crate::plan::costs::Costs;
-use crate::plan::dense;
-use crate::plan::problem::{Method, Multipoles, Precision, Split};
+use crate::plan::method::{Method, Split};
+use crate::plan::problem::{Multipoles, Precision};
 
 /// Bytes of a grid that stay in the caches: a few megabytes.
 const CACHE: f64 = 3.3e6;
@@ -27,8 +27,8 @@ impl Plan {
 /// Seconds for one evaluation in a box of the given strain by one thread on each of `ranks` ranks together, as
 /// measured on a Zen 4 processor. `fcm-solve bench` prints predictions beside measured times.
 pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
-    if plan.method == Method::Dense {
-        return dense::seconds_of(plan, particles);
+    if let Some(gridless) = plan.method.gridless() {
+        return gridless.seconds(plan, particles);
     }
     let single = plan.precision == Precision::Single;
     let points: f64 = plan.grid.iter().map(|&n| n as f64).product();

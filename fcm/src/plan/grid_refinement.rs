@@ -1,6 +1,7 @@
 //! Refinement of the grids of lattices that are not orthogonal.
 
-use crate::plan::problem::{Method, Problem};
+use crate::plan::method::Method;
+use crate::plan::problem::Problem;
 use crate::plan::{LONG, Plan};
 use domain::{Boundaries, Vector};
 use solver::Grid;

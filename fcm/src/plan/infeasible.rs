@@ -3,7 +3,8 @@
 use crate::plan::Plan;
 use crate::plan::cost;
 use crate::plan::costs::Costs;
-use crate::plan::problem::{Method, Precision, Problem};
+use crate::plan::method::Method;
+use crate::plan::problem::{Precision, Problem};
 use domain::{Number, readable_bytes};
 
 /// Seconds of an evaluation, and bytes of a grid, from which on a plan is infeasible.

@@ -5,9 +5,9 @@ pub(crate) mod bounded;
 pub(crate) mod check;
 pub(crate) mod cost;
 pub(crate) mod costs;
-pub(crate) mod dense;
 pub(crate) mod grid_refinement;
 pub(crate) mod infeasible;
+pub(crate) mod method;
 pub(crate) mod plan_identity;
 pub(crate) mod planner;
 pub(crate) mod problem;
@@ -19,7 +19,8 @@ use crate::envelope::{Common, Envelope};
 use crate::grid::stencil::Support;
 use crate::grid::window::Window;
 use crate::plan::costs::Costs;
-use crate::plan::problem::{Fixed, Loading, Method, Multipoles, Precision, Problem, Split};
+use crate::plan::method::{Method, Split};
+use crate::plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
 use domain::{AxisRotation, Boundaries, Number, PeriodicBox, Units, Vector};
 
 /// Reason why there is no plan.
@@ -252,7 +253,7 @@ impl Plan {
 
     /// Whether there is a grid: with the dense method, its points are only those by which ranks share the box.
     pub fn has_grid(&self) -> bool {
-        self.method != Method::Dense
+        self.method.gridless().is_none()
     }
 
     /// One-line summary of the plan.
@@ -266,7 +267,7 @@ impl Plan {
         let method = self.method.name();
         let precision = if self.precision == Precision::Single { "f32" } else { "f64" };
         if !self.has_grid() {
-            return format!("{method}, exact sums in {precision}, error {:.1e}", self.predicted_error);
+            return format!("{method} in {precision}, error {:.1e}", self.predicted_error);
         }
         let (points, error) = (self.support.support, self.predicted_error);
         format!("{method}, {nx} x {ny} x {nz} in {precision}, {points} points along an axis, error {error:.1e}")
@@ -281,10 +282,10 @@ impl Plan {
     pub fn describe_for(&self, turn: AxisRotation) -> String {
         let [nx, ny, nz] = turn.inverse().list(self.grid);
         let [px, py, pz] = turn.inverse().list(self.support.along_axes());
-        let method = match self.split {
-            None if !self.has_grid() => "dense: matrix of exact sums over all pairs in f64".to_owned(),
-            None => "direct: every envelope on the grid".to_owned(),
-            Some(Split { width, cutoff }) => {
+        let method = match (self.method.gridless(), self.split) {
+            (Some(gridless), _) => format!("{}: {}", self.method.name(), gridless.description()),
+            (None, None) => "direct: every envelope on the grid".to_owned(),
+            (None, Some(Split { width, cutoff })) => {
                 format!("split: common Gaussian of width {:.5}, pairs within {:.5}", Number(width), Number(cutoff))
             }
         };
@@ -293,7 +294,8 @@ impl Plan {
             "grid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} points a particle\n"
         );
         format!(
-            "method     {method}\n{}tolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the stresslets\n",
+            "method     {method}\n{}tolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the \
+             stresslets\n",
             if self.has_grid() { grid.as_str() } else { "" },
             self.tolerance,
             self.predicted_error,

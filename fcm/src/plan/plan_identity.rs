@@ -1,7 +1,8 @@
 //! Identity of plans: the values that decide how an evaluation is made, compared when a run goes on.
 
 use crate::plan::Plan;
-use crate::plan::problem::{Method, Precision, Split};
+use crate::plan::method::{Method, Split};
+use crate::plan::problem::Precision;
 use domain::AxisRotation;
 
 /// Values of a plan that decide the results of an evaluation, as opposed to expected errors and costs.
@@ -48,7 +49,7 @@ impl PlanIdentity {
     pub fn read(description: &str) -> Option<Self> {
         let line = |name: &str| description.lines().find_map(|line| line.strip_prefix(name).map(str::trim));
         let (name, parameters) = line("method")?.split_once(':')?;
-        let method = [Method::Direct, Method::Split, Method::Dense].into_iter().find(|m| m.name() == name)?;
+        let method = Method::ALL.into_iter().find(|m| m.name() == name)?;
         let split = match method {
             Method::Split => {
                 let [width, cutoff] = numbers(parameters).try_into().ok()?;
@@ -57,7 +58,7 @@ impl PlanIdentity {
             _ => None,
         };
         let grid = match method {
-            Method::Dense => None,
+            _ if method.gridless().is_some() => None,
             _ => Some(GridIdentity {
                 points: counts(line("grid")?)?,
                 support: counts(line("support")?)?,
@@ -158,7 +159,7 @@ mod tests {
             costs: Costs::default(),
             fixed: Fixed::default(),
         };
-        for method in [Method::Direct, Method::Split, Method::Dense] {
+        for method in Method::ALL {
             let fixed = Fixed { method: Some(method), ..Fixed::default() };
             let plan = Plan::choose(&Problem { fixed, ..problem.clone() }).unwrap();
             for axes in [AxisRotation::default(), AxisRotation::to_last(0)] {

@@ -8,7 +8,8 @@ use crate::plan::Plan;
 use crate::plan::accuracy::{self, Accuracy, Brackets};
 use crate::plan::bounded::WallGrid;
 use crate::plan::cost;
-use crate::plan::problem::{Method, Multipoles, Precision, Problem, Split};
+use crate::plan::method::{Method, Split};
+use crate::plan::problem::{Multipoles, Precision, Problem};
 use crate::plan::tolerance_shares::ITERATION_SHARE;
 use crate::plan::wavenumber_split::ENOUGH;
 use domain::{Boundaries, Vector};
@@ -31,7 +32,7 @@ fn coarser(points: usize) -> f64 {
 
 /// One way to keep a tolerance: method, resolution and stencil, and width of the Gaussian.
 #[derive(Clone, Copy)]
-struct Candidate {
+struct PlanCandidate {
     method: Method,
     accuracy: Accuracy,
     width: f64,
@@ -39,7 +40,7 @@ struct Candidate {
 
 /// A candidate, and whether its windows keep the error allowed at walls.
 struct WallCandidate {
-    candidate: Candidate,
+    candidate: PlanCandidate,
     keeps: bool,
 }
 
@@ -68,8 +69,8 @@ impl Problem {
     /// Plans that keep the tolerance: the best of each method, precision and stencil. If none keeps it at walls, the
     /// one with the smallest error there.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
-        if self.fixed.method == Some(Method::Dense) {
-            return vec![self.dense()];
+        if let Some(gridless) = self.fixed.method.and_then(Method::gridless) {
+            return vec![gridless.plan(self)];
         }
         let (mut best, mut least): (Vec<Plan>, Option<Plan>) = (Vec::new(), None);
         for candidate in self.direct().into_iter().chain(self.split()) {
@@ -115,13 +116,13 @@ impl Problem {
         all.filter(enough).filter(move |&precision| fixed.is_none_or(|fixed| fixed == precision))
     }
 
-    fn direct(&self) -> Vec<Candidate> {
+    fn direct(&self) -> Vec<PlanCandidate> {
         if !self.allows(Method::Direct) || self.boundaries != Boundaries::Periodic || self.is_tilted() {
             return Vec::new();
         }
         let (method, width) = (Method::Direct, self.own_width(self.smallest_radius()));
         let all = Accuracy::direct(self.multipoles, self.tolerance * self.tolerance_share()).into_iter();
-        all.map(|accuracy| Candidate { method, accuracy, width }).collect()
+        all.map(|accuracy| PlanCandidate { method, accuracy, width }).collect()
     }
 
     /// Width of a sphere's narrowest envelope.
@@ -131,7 +132,7 @@ impl Problem {
 
     /// Common Gaussians worth trying: those for each efficient number of points along the longest edge, up to large
     /// numbers, of which steps of a few percent skip some.
-    fn split(&self) -> Vec<Candidate> {
+    fn split(&self) -> Vec<PlanCandidate> {
         let [fewest, most] = Window::POINTS;
         if !self.allows(Method::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
             return Vec::new();
@@ -162,19 +163,19 @@ impl Problem {
     }
 
     /// Candidates with a given width of the Gaussian.
-    fn of_width(&self, width: f64) -> Vec<Candidate> {
+    fn of_width(&self, width: f64) -> Vec<PlanCandidate> {
         let brackets = |resolution: f64| self.brackets(width, self.stretch_at(width / resolution));
         let all = Accuracy::split(self.multipoles, self.tolerance * self.tolerance_share(), brackets).into_iter();
-        all.map(|accuracy| Candidate { method: Method::Split, accuracy, width }).collect()
+        all.map(|accuracy| PlanCandidate { method: Method::Split, accuracy, width }).collect()
     }
 
     /// Candidates with a given grid spacing.
-    fn of_spacing(&self, spacing: f64) -> Vec<Candidate> {
+    fn of_spacing(&self, spacing: f64) -> Vec<PlanCandidate> {
         let stretch = self.stretch_at(spacing);
         let brackets = |resolution: f64| self.brackets(spacing * resolution, stretch);
         let all = Accuracy::split(self.multipoles, self.tolerance * self.tolerance_share(), brackets).into_iter();
         let method = Method::Split;
-        all.map(|accuracy| Candidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
+        all.map(|accuracy| PlanCandidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
     }
 
     /// Brackets of a common Gaussian, on a grid along whose axes spheres extend farther by `stretch`.
@@ -186,7 +187,7 @@ impl Problem {
     }
 
     /// Grid that a candidate needs; none if it has more points than the largest supported grid.
-    fn grid(&self, candidate: &Candidate) -> Option<[usize; 3]> {
+    fn grid(&self, candidate: &PlanCandidate) -> Option<[usize; 3]> {
         if let Some(grid) = self.fixed.grid {
             return Some(grid);
         }
@@ -202,11 +203,11 @@ impl Problem {
 
     /// A candidate on grids that are fine enough at walls, each with a window whose error is allowed there; if there
     /// are none, on the finest grid with the window of least error. Unchanged without walls.
-    fn at_walls(&self, candidate: &Candidate, precision: Precision) -> Vec<WallCandidate> {
+    fn at_walls(&self, candidate: &PlanCandidate, precision: Precision) -> Vec<WallCandidate> {
         if self.boundaries.walls() == 0 {
             return vec![WallCandidate { candidate: *candidate, keeps: true }];
         }
-        let Candidate { accuracy: Accuracy { resolution, points }, width, .. } = *candidate;
+        let PlanCandidate { accuracy: Accuracy { resolution, points }, width, .. } = *candidate;
         let cutoff = self.fixed.cutoff.unwrap_or_else(|| self.cutoff(width));
         if cutoff > FARTHEST_AT_WALLS * self.smallest_radius() {
             return Vec::new();
@@ -217,7 +218,7 @@ impl Problem {
         };
         let with = |factor: f64, points: usize| {
             let (accuracy, error) = of_walls(factor, points);
-            (Candidate { accuracy, ..*candidate }, error.hypot(self.amplified(width, accuracy, precision)))
+            (PlanCandidate { accuracy, ..*candidate }, error.hypot(self.amplified(width, accuracy, precision)))
         };
         let longest = Window::POINTS[1].max(points);
         let windows = |factor: f64| (points..=longest).map(move |points| with(factor, points));
@@ -275,7 +276,7 @@ impl Problem {
     }
 
     /// Lengths that the grid of a candidate needs.
-    fn lengths_of(&self, candidate: &Candidate) -> Vector {
+    fn lengths_of(&self, candidate: &PlanCandidate) -> Vector {
         if self.boundaries == Boundaries::Periodic {
             return self.edges;
         }
@@ -293,7 +294,7 @@ impl Problem {
 
     /// Periods of the grid of a candidate: the edges along periodic axes, along others the number of points times the
     /// spacing.
-    fn period(&self, candidate: &Candidate, grid: [usize; 3]) -> Vector {
+    fn period(&self, candidate: &PlanCandidate, grid: [usize; 3]) -> Vector {
         let spacing = candidate.width / candidate.accuracy.resolution;
         let along = |axis: usize| {
             if self.boundaries.is_periodic(axis) { self.edges[axis] } else { grid[axis] as f64 * spacing }
@@ -301,8 +302,8 @@ impl Problem {
         Vector::from_array(std::array::from_fn(along))
     }
 
-    fn plan(&self, candidate: &Candidate, precision: Precision) -> Option<Plan> {
-        let Candidate { method, width, .. } = *candidate;
+    fn plan(&self, candidate: &PlanCandidate, precision: Precision) -> Option<Plan> {
+        let PlanCandidate { method, width, .. } = *candidate;
         let grid = self.grid(candidate)?;
         let period = self.period(candidate, grid);
         let spacing = period / Vector::from_array(grid.map(|n| n as f64));
@@ -352,7 +353,7 @@ impl Problem {
     }
 
     /// Stencils that a candidate needs on a grid.
-    fn support(&self, candidate: &Candidate, spacing: Vector, widest: f64) -> Support {
+    fn support(&self, candidate: &PlanCandidate, spacing: Vector, widest: f64) -> Support {
         let needed = candidate.accuracy.points;
         if candidate.method == Method::Split {
             let support = self.fixed.support.unwrap_or(needed);

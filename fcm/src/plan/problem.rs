@@ -2,38 +2,8 @@
 
 use crate::envelope::Envelope;
 use crate::plan::costs::Costs;
+use crate::plan::method::Method;
 use domain::{Boundaries, PeriodicBox, Vector};
-
-/// Method of evaluation of the far field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// Each envelope itself is spread, so the smallest one sets the grid.
-    Direct,
-    /// All particles share one wider Gaussian on the grid, and pairs within the cutoff make up the difference.
-    Split,
-    /// A matrix of exact sums over all pairs, for few particles.
-    Dense,
-}
-
-impl Method {
-    /// Name of the method in scenes and descriptions.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::Split => "split",
-            Self::Dense => "dense",
-        }
-    }
-}
-
-/// Parameters of the split method.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Split {
-    /// Width of the common Gaussian.
-    pub width: f64,
-    /// Distance beyond which pairs are left out.
-    pub cutoff: f64,
-}
 
 /// Precision of the values on the grid; everything else is in `f64`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,11 +24,6 @@ pub enum Multipoles {
 }
 
 impl Multipoles {
-    /// Bytes of the mobility of spheres as a matrix.
-    pub(crate) fn matrix_bytes(self, spheres: f64) -> f64 {
-        8.0 * (spheres * self.components() as f64).powi(2)
-    }
-
     /// Components of the loads, and of the motions, of a sphere.
     pub(crate) fn components(self) -> usize {
         match self {

@@ -1,6 +1,6 @@
 //! Points at which the flow is evaluated in a box that is not periodic along all axes.
 
-use crate::plan::problem::Method;
+use crate::plan::method::Method;
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, Vector};
 use solver::Grid;

@@ -61,21 +61,22 @@ const WIDE_FACTOR: f64 = 2.5;
 const FEW_FACTOR: f64 = 2.0;
 
 /// A quantity by volume fraction: log-linear between entries, constant beyond them.
-type Table = [(f64, f64)];
+type FractionTable = [(f64, f64)];
 
 /// Factors by which errors of the evaluation and of the iteration in dense disordered suspensions exceed those up to
 /// 45%; and of the evaluation if lubrication dominates the relative motions of neighbours.
-const DENSE: &Table = &[(0.45, 1.0), (0.5, 2.5), (0.56, 5.0), (0.62, 8.0)];
-const DENSE_ITERATION: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 4.0)];
-const DENSE_LUBRICATED: &Table = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 3.0)];
+const DENSE: &FractionTable = &[(0.45, 1.0), (0.5, 2.5), (0.56, 5.0), (0.62, 8.0)];
+const DENSE_ITERATION: &FractionTable = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 4.0)];
+const DENSE_LUBRICATED: &FractionTable = &[(0.45, 1.0), (0.5, 1.5), (0.56, 2.5), (0.62, 3.0)];
 
 /// Factors for the evaluation in lattices under equal forces, with rigid spheres and without: the errors from all
 /// neighbours have the same sign.
-const LATTICE: &Table = &[(0.14, 1.0), (0.2, 2.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
-const LATTICE_GIVEN: &Table = &[(0.05, 1.0), (0.1, 2.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
+const LATTICE: &FractionTable =
+    &[(0.14, 1.0), (0.2, 2.0), (0.28, 3.0), (0.36, 4.0), (0.52, 6.0), (0.6, 40.0), (0.7, 60.0)];
+const LATTICE_GIVEN: &FractionTable = &[(0.05, 1.0), (0.1, 2.0), (0.2, 6.0), (0.3, 12.0), (0.5, 15.0), (0.7, 30.0)];
 
 /// Factors for the iteration in lattices.
-const LATTICE_ITERATION: &Table = &[(0.3, 1.0), (0.4, 2.0), (0.56, 2.5), (0.62, 4.0)];
+const LATTICE_ITERATION: &FractionTable = &[(0.3, 1.0), (0.4, 2.0), (0.56, 2.5), (0.62, 4.0)];
 
 /// Largest number of spheres in a box for which the periodic images of a disordered suspension count as a lattice.
 const FEW: usize = 64;
@@ -187,7 +188,7 @@ impl Problem {
 }
 
 /// Value of a table at a volume fraction.
-fn at(table: &Table, fraction: f64) -> f64 {
+fn at(table: &FractionTable, fraction: f64) -> f64 {
     let after = table.partition_point(|&(phi, _)| phi <= fraction);
     match (after.checked_sub(1).map(|before| table[before]), table.get(after)) {
         (Some((phi, value)), Some(&(next_phi, next))) => {

@@ -52,8 +52,8 @@ const PARTS: usize = 16;
 
 /// Weight of a wavenumber, times the radius, in the velocity gradients that a wall reflects to spheres touching it:
 /// `((1 - x)^2 + x^2) k^2 exp(-2 k)` for one sphere, `x = k - s^2 k^2` with the dipole's width `s` (see
-/// [`crate::walls::wall_kernel`]). For spheres at different positions the highest wavenumbers contribute only a small part of
-/// that.
+/// [`crate::walls::wall_kernel`]). For spheres at different positions the highest wavenumbers contribute only a small
+/// part of that.
 fn weight(wavenumber: f64) -> f64 {
     let x = wavenumber - Envelope::of_sphere(1.0).dipole.powi(2) * wavenumber * wavenumber;
     (1.0 + 0.12 * x * (x - 1.0)) * wavenumber * wavenumber * (-2.0 * wavenumber).exp()

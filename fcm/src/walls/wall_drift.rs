@@ -27,7 +27,7 @@ use std::f64::consts::TAU;
 /// along x and y.
 const OF_VELOCITY: usize = 3;
 const OF_STRAIN: usize = 4;
-type Values = [f64; OF_VELOCITY + 2 * OF_STRAIN];
+type DriftValues = [f64; OF_VELOCITY + 2 * OF_STRAIN];
 
 /// Step of the table in the logarithm of the distance: cubic interpolation is accurate to about 1e-5.
 const STEP: f64 = 0.03;
@@ -49,7 +49,7 @@ pub(crate) struct WallDrift {
     /// Distance between two walls; none with one wall.
     height: Option<f64>,
     inverse_viscosity: f64,
-    values: Vec<Values>,
+    values: Vec<DriftValues>,
 }
 
 impl WallDrift {
@@ -87,7 +87,7 @@ impl WallDrift {
     }
 
     /// Cubic interpolation in the logarithm of the distance; zero beyond the table.
-    fn interpolated(&self, distance: f64) -> Values {
+    fn interpolated(&self, distance: f64) -> DriftValues {
         let place = (distance.ln() - self.first) / STEP;
         let before = (place as usize).max(1);
         let x = place - before as f64;
@@ -97,7 +97,7 @@ impl WallDrift {
             -(x + 1.0) * x * (x - 2.0) / 2.0,
             (x + 1.0) * x * (x - 1.0) / 6.0,
         ];
-        let mut sum = Values::default();
+        let mut sum = DriftValues::default();
         for (number, weight) in (before - 1..).zip(weights) {
             let values = self.values.get(number).copied().unwrap_or_default();
             sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
@@ -110,13 +110,13 @@ impl WallDrift {
 ///
 /// A sum over wavevectors equals the integral over them if the summand is smooth over several of them: the long waves
 /// are summed, and the short ones, separated by a smooth transition, integrated.
-fn values((walls, edges): (usize, Vector), z: f64) -> Values {
+fn values((walls, edges): (usize, Vector), z: f64) -> DriftValues {
     // For one wall the height does not matter.
     let height = if walls == 2 { edges.z } else { 2.0 * z };
     let (width, shortest) = (SMOOTH / edges.x.min(edges.y), 0.5 * DECAYED / z);
     let middle = SHARP * width;
     let summed = |k: f64| 0.5 * libm::erfc((k - middle) / width);
-    let mut sum = Values::default();
+    let mut sum = DriftValues::default();
     // Adds a wavenumber with its weight, and the fractions of its square in the components along x and y.
     let mut add = |k: f64, weight: f64, parts: [f64; 2]| {
         let (of_velocity, of_strain) = of_wave((walls, height), k, z);

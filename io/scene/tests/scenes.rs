@@ -56,6 +56,9 @@ fn what_a_scene_leaves_out_has_its_default() {
     assert_eq!(scene.model.start, Start::Random { minimum_gap: 0.0 });
     assert_eq!((scene.model.hydrodynamics.tolerance, scene.model.hydrodynamics.grid), (1e-3, None));
     assert_eq!(scene.output.trajectory, Schedule::every(1));
+    assert_eq!(scene.model.hydrodynamics.method, None);
+    let dense = good("least.toml", &["hydrodynamics.method=dense"]);
+    assert_eq!(suspension(&dense).model.hydrodynamics.method.map(|method| method.name()), Some("dense"));
     assert_eq!(suspension(&good("duration.toml", &[])).time.steps, 10);
 }
 

@@ -1,24 +1,24 @@
 //! A stencil along one axis.
 
-use crate::grid::gaussian::shape::{Shape, Sources};
+use crate::grid::gaussian::shape::{GaussianShape, Sources};
 use simd::{SimdVector as Lanes, exponential};
 use solver::{Memory, Real};
 
 /// Points of a stencil along one axis: their distances from the particle, and the Gaussians
 /// `exp(-distance^2 / (2 width^2))` of the monopole and the dipole, if the shape has them. Padded to whole vectors.
 #[derive(Default)]
-pub(crate) struct Axis<T> {
+pub(crate) struct GaussianAxis<T> {
     /// 0, 1, 2, ...
     numbers: Memory<T>,
     distances: Memory<T>,
     gaussians: [Memory<T>; 2],
 }
 
-impl<T: Real> Axis<T> {
+impl<T: Real> GaussianAxis<T> {
     /// Fills in `count` points at the distances `offset + i spacing`. In the Gaussians, distances are multiplied by
     /// `stretch`.
     #[inline(always)]
-    pub fn fill<S: Shape, V: Lanes<T>>(
+    pub fn fill<S: GaussianShape, V: Lanes<T>>(
         &mut self,
         count: usize,
         (offset, spacing): (f64, f64),

@@ -1,8 +1,8 @@
 //! Spreading and interpolation with the Gaussian envelopes themselves.
 
-use crate::grid::gaussian::axis::Axis;
-use crate::grid::gaussian::passes::{Pass, Point, passes};
-use crate::grid::gaussian::shape::{Columns, OF_ROW, Row, Shape, Sources, tabulate, weights};
+use crate::grid::gaussian::axis::GaussianAxis;
+use crate::grid::gaussian::passes::{GaussianPass, PassPoint, passes};
+use crate::grid::gaussian::shape::{GaussianColumns, GaussianShape, OF_ROW, Sources, StencilRow, tabulate, weights};
 use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, StencilOffsets, WeightedSums};
 use crate::grid::stencil::{Stencil, Support};
 use crate::grid::totals::Totals;
@@ -12,15 +12,15 @@ use solver::{Grid, Memory, Real};
 use std::marker::PhantomData;
 
 /// Grid, passes over a stencil, and envelopes by class of radius.
-pub(crate) struct Lattice {
+pub(crate) struct GaussianLattice {
     pub points: [usize; 3],
     pub spacing: Vector,
     pub support: Support,
-    pub passes: Vec<Pass>,
+    pub passes: Vec<GaussianPass>,
     pub sources: Vec<Sources>,
 }
 
-impl Lattice {
+impl GaussianLattice {
     /// For a grid of values of type `T`.
     pub fn new<T: Real>(grid: &Grid, support: Support, sources: Vec<Sources>) -> Self {
         let (points, spacing) = (grid.points(), grid.spacing());
@@ -31,7 +31,7 @@ impl Lattice {
 
 /// Kernel for some of the multipole terms.
 pub(crate) struct Gaussians<'a, S> {
-    pub lattice: &'a Lattice,
+    pub lattice: &'a GaussianLattice,
     pub shape: PhantomData<S>,
 }
 
@@ -42,11 +42,11 @@ const PEAKS: usize = 3;
 
 /// Stencil of one particle along its axes, its position in the slab, and tables for the current pass.
 #[derive(Default)]
-pub(crate) struct Scratch<T: Real> {
-    axes: [Axis<T>; 3],
+pub(crate) struct GaussianScratch<T: Real> {
+    axes: [GaussianAxis<T>; 3],
     starts: StencilOffsets,
     /// Rows of the current pass that are in the slab, if not all are.
-    some: Vec<Point>,
+    some: Vec<PassPoint>,
     /// Per row: factors of the weights of the pass.
     tables: Memory<T>,
     /// Per plane: factors that its rows share.
@@ -54,14 +54,14 @@ pub(crate) struct Scratch<T: Real> {
     totals: Totals<T>,
 }
 
-impl<T: Real> Scratch<T> {
+impl<T: Real> GaussianScratch<T> {
     /// Prepares the passes of a particle; returns the end of its last row in the slab, or `None` if no row is in the
     /// slab.
     #[inline(always)]
-    fn prepare<S: Shape, V: Lanes<T>, X>(
+    fn prepare<S: GaussianShape, V: Lanes<T>, X>(
         &mut self,
         (stencil, sources): (&Stencil, &Sources),
-        lattice: &Lattice,
+        lattice: &GaussianLattice,
         slab: &Slab<X>,
     ) -> Option<usize> {
         let Support { lanes: columns, support, .. } = lattice.support;
@@ -78,19 +78,19 @@ impl<T: Real> Scratch<T> {
 
     /// Tabulates the rows and planes of a pass.
     #[inline(always)]
-    fn tabulate<S: Shape, V: Lanes<T>>(&mut self, pass: &Pass, sources: &Sources) {
+    fn tabulate<S: GaussianShape, V: Lanes<T>>(&mut self, pass: &GaussianPass, sources: &Sources) {
         let [x, y, z] = &self.axes;
         let [monopole, dipole] = x.gaussians();
         let part = pass.column..pass.column + V::LANES;
         // SAFETY: the parts have as many values as a vector.
         let columns = unsafe {
             let gaussians = [V::load(monopole[part.clone()].as_ptr()), V::load(dipole[part.clone()].as_ptr())];
-            Columns { x: V::load(x.distances()[part].as_ptr()), gaussians }
+            GaussianColumns { x: V::load(x.distances()[part].as_ptr()), gaussians }
         };
         let tables = self.tables.values_mut().chunks_exact_mut(OF_ROW * V::LANES);
         let [monopole, dipole] = y.gaussians();
         for (point, table) in tables.enumerate().take(pass.span.end).skip(pass.span.start) {
-            let row = Row { y: y.distances()[point], gaussians: [monopole[point], dipole[point]] };
+            let row = StencilRow { y: y.distances()[point], gaussians: [monopole[point], dipole[point]] };
             // SAFETY: a table is as long as it needs to be.
             unsafe { tabulate::<T, S, V>(sources, &columns, &row, table.as_mut_ptr()) };
         }
@@ -104,7 +104,7 @@ impl<T: Real> Scratch<T> {
 
     /// Begins a pass: tabulates it and finds its rows in the slab.
     #[inline(always)]
-    fn begin<S: Shape, V: Lanes<T>>(&mut self, pass: &Pass, sources: &Sources) {
+    fn begin<S: GaussianShape, V: Lanes<T>>(&mut self, pass: &GaussianPass, sources: &Sources) {
         self.tabulate::<S, V>(pass, sources);
         if self.starts.whole {
             return;
@@ -120,19 +120,19 @@ impl<T: Real> Scratch<T> {
 
     /// Rows of a pass that are in the slab.
     #[inline(always)]
-    fn rows<'a>(&'a self, pass: &'a Pass) -> &'a [Point] {
+    fn rows<'a>(&'a self, pass: &'a GaussianPass) -> &'a [PassPoint] {
         if self.starts.whole { &pass.rows } else { &self.some }
     }
 
     /// A row of the current pass.
     ///
     /// # Safety
-    /// The row is one of [`Scratch::rows`].
+    /// The row is one of [`GaussianScratch::rows`].
     #[inline(always)]
-    unsafe fn row<V: Lanes<T>>(&self, point: Point) -> At<T> {
+    unsafe fn row<V: Lanes<T>>(&self, point: PassPoint) -> StencilPosition<T> {
         let (y, z) = (point.y as usize, point.z as usize);
         unsafe {
-            At {
+            StencilPosition {
                 start: *self.starts.planes.get_unchecked(z) + *self.starts.rows.get_unchecked(y),
                 y: *self.axes[1].distances().get_unchecked(y),
                 z: *self.axes[2].distances().get_unchecked(z),
@@ -144,7 +144,7 @@ impl<T: Real> Scratch<T> {
 
     /// Distances along x of the columns of a pass.
     #[inline(always)]
-    fn columns<V: Lanes<T>>(&self, pass: &Pass) -> V {
+    fn columns<V: Lanes<T>>(&self, pass: &GaussianPass) -> V {
         let columns = &self.axes[0].distances()[pass.column..pass.column + V::LANES];
         // SAFETY: the slice has as many values as a vector.
         unsafe { V::load(columns.as_ptr()) }
@@ -153,7 +153,7 @@ impl<T: Real> Scratch<T> {
 
 /// A row of the stencil: offset of its first column in a component, distances from the particle along y and z, its
 /// table, and the factors of its plane.
-struct At<T> {
+struct StencilPosition<T> {
     start: usize,
     y: T,
     z: T,
@@ -161,11 +161,11 @@ struct At<T> {
     plane: *const T,
 }
 
-impl<T: Real> At<T> {
+impl<T: Real> StencilPosition<T> {
     /// # Safety
     /// The current pass began with vectors of type `V`.
     #[inline(always)]
-    unsafe fn weights<S: Shape, V: Lanes<T>>(&self) -> [V; 2] {
+    unsafe fn weights<S: GaussianShape, V: Lanes<T>>(&self) -> [V; 2] {
         unsafe {
             let peaks = self.plane.add(PEAKS * V::LANES);
             weights::<T, S, V>([*peaks, *peaks.add(1)], self.table)
@@ -173,8 +173,8 @@ impl<T: Real> At<T> {
     }
 }
 
-impl<T: Real, S: Shape> Kernel<T> for Gaussians<'_, S> {
-    type Scratch = Scratch<T>;
+impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
+    type Scratch = GaussianScratch<T>;
 
     fn planes(&self) -> usize {
         self.lattice.support.support
@@ -183,7 +183,7 @@ impl<T: Real, S: Shape> Kernel<T> for Gaussians<'_, S> {
     #[inline(always)]
     fn deposit<V: Lanes<T>>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut GaussianScratch<T>,
         (stencil, class, load): (&Stencil, u32, &Load<T>),
         slab: &mut Slab<&mut [T]>,
     ) {
@@ -213,7 +213,7 @@ impl<T: Real, S: Shape> Kernel<T> for Gaussians<'_, S> {
     #[inline(always)]
     fn collect<V: Lanes<T>>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut GaussianScratch<T>,
         (stencil, class): (&Stencil, u32),
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {
@@ -247,9 +247,9 @@ impl<T: Real, S: Shape> Kernel<T> for Gaussians<'_, S> {
 /// # Safety
 /// All its rows can be read and written.
 #[inline(always)]
-unsafe fn deposit_pass<T: Real, S: Shape, V: Lanes<T>>(
-    scratch: &mut Scratch<T>,
-    pass: &Pass,
+unsafe fn deposit_pass<T: Real, S: GaussianShape, V: Lanes<T>>(
+    scratch: &mut GaussianScratch<T>,
+    pass: &GaussianPass,
     (sources, load): (&Sources, &Load<T>),
     components: [*mut T; 3],
 ) {
@@ -301,9 +301,9 @@ unsafe fn deposit_pass<T: Real, S: Shape, V: Lanes<T>>(
 /// # Safety
 /// All its rows can be read.
 #[inline(always)]
-unsafe fn collect_pass<T: Real, S: Shape, V: Lanes<T>>(
-    scratch: &mut Scratch<T>,
-    pass: &Pass,
+unsafe fn collect_pass<T: Real, S: GaussianShape, V: Lanes<T>>(
+    scratch: &mut GaussianScratch<T>,
+    pass: &GaussianPass,
     sources: &Sources,
     components: [*const T; 3],
 ) {

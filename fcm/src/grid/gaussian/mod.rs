@@ -5,6 +5,6 @@ mod kernel;
 mod passes;
 mod shape;
 
-pub(crate) use kernel::{Gaussians, Lattice};
+pub(crate) use kernel::{GaussianLattice, Gaussians};
 pub(crate) use passes::{STEP, length};
 pub(crate) use shape::{Sources, Terms};

@@ -14,26 +14,26 @@ pub(crate) const STEP: usize = 8;
 
 /// Rows that are processed with one vector at the same columns.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Pass {
+pub(crate) struct GaussianPass {
     /// First column.
     pub column: usize,
     /// Whether half a vector covers the columns.
     pub half: bool,
     /// The rows, plane by plane.
-    pub rows: Vec<Point>,
+    pub rows: Vec<PassPoint>,
     /// Range that contains the points along y of all rows.
     pub span: Range<usize>,
 }
 
 /// A row of the stencil's box: its points along y and z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Point {
+pub(crate) struct PassPoint {
     pub y: u32,
     pub z: u32,
 }
 
 /// Passes over a stencil in a box of the given strain, with vectors of `lanes` lanes.
-pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usize) -> Vec<Pass> {
+pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usize) -> Vec<GaussianPass> {
     let mut passes = Vec::new();
     for (steps, rows) in (Ball { support, spacing, strain }).rows().into_iter().enumerate() {
         if rows.is_empty() {
@@ -44,7 +44,7 @@ pub(crate) fn passes(support: &Support, spacing: Vector, strain: f64, lanes: usi
         let span = first.unwrap_or(0) as usize..last.map_or(0, |y| y + 1) as usize;
         for from in (0..width).step_by(lanes) {
             let (column, half) = ((support.lanes - width) / 2 + from, from + lanes > width);
-            passes.push(Pass { column, half, rows: rows.clone(), span: span.clone() });
+            passes.push(GaussianPass { column, half, rows: rows.clone(), span: span.clone() });
         }
     }
     passes
@@ -56,7 +56,7 @@ pub(crate) fn length(support: &Support, spacing: Vector, strain: f64, lanes: usi
         let radii = Vector::splat(support.reach) / spacing;
         return 4.0 / 3.0 * PI * radii.element_product() / lanes as f64;
     }
-    let rows = |pass: &Pass| pass.rows.len() as f64 * if pass.half { OF_HALF } else { 1.0 };
+    let rows = |pass: &GaussianPass| pass.rows.len() as f64 * if pass.half { OF_HALF } else { 1.0 };
     passes(support, spacing, strain, lanes).iter().map(rows).sum()
 }
 
@@ -76,11 +76,11 @@ struct Ball<'a> {
 
 impl Ball<'_> {
     /// Rows of the ball by the columns that they need, in steps of [`STEP`].
-    fn rows(&self) -> Vec<Vec<Point>> {
+    fn rows(&self) -> Vec<Vec<PassPoint>> {
         let mut rows = vec![Vec::new(); self.support.lanes / STEP + 1];
         let points = 0..self.support.support;
         for (y, z) in points.clone().flat_map(|z| points.clone().map(move |y| (y, z))) {
-            rows[self.width(y, z) / STEP].push(Point { y: y as u32, z: z as u32 });
+            rows[self.width(y, z) / STEP].push(PassPoint { y: y as u32, z: z as u32 });
         }
         // Rows without columns are outside the ball.
         rows[0].clear();
@@ -110,7 +110,7 @@ mod tests {
     fn visits(support: &Support, strain: f64, lanes: usize) -> Vec<Vec<Vec<usize>>> {
         let mut visits = vec![vec![vec![0; support.lanes]; support.support]; support.support];
         for pass in passes(support, Vector::ONE, strain, lanes) {
-            for &Point { y, z } in &pass.rows {
+            for &PassPoint { y, z } in &pass.rows {
                 assert!(pass.span.contains(&(y as usize)));
                 for column in pass.column..pass.column + if pass.half { lanes / 2 } else { lanes } {
                     visits[z as usize][y as usize][column] += 1;

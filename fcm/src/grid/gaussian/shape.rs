@@ -25,7 +25,7 @@ pub(crate) struct Sources {
 }
 
 /// Terms that are spread or interpolated, known at compile time of the kernels.
-pub(crate) trait Shape: Sync {
+pub(crate) trait GaussianShape: Sync {
     /// Forces, or velocities.
     const FORCES: bool;
     /// Dipoles, or velocity gradients.
@@ -35,21 +35,21 @@ pub(crate) trait Shape: Sync {
 /// The terms as const parameters.
 pub(crate) struct Terms<const FORCES: bool, const DIPOLES: bool>;
 
-impl<const FORCES: bool, const DIPOLES: bool> Shape for Terms<FORCES, DIPOLES> {
+impl<const FORCES: bool, const DIPOLES: bool> GaussianShape for Terms<FORCES, DIPOLES> {
     const FORCES: bool = FORCES;
     const DIPOLES: bool = DIPOLES;
 }
 
 /// Columns of the stencil: their `X`, and `exp(-X^2 / (2 width^2))` for the monopole and the dipole.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Columns<V> {
+pub(crate) struct GaussianColumns<V> {
     pub x: V,
     pub gaussians: [V; 2],
 }
 
 /// A row of the stencil: its `y`, and `exp(-(1 + s^2) y^2 / (2 width^2))` for the monopole and the dipole.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Row<T> {
+pub(crate) struct StencilRow<T> {
     pub y: T,
     pub gaussians: [T; 2],
 }
@@ -62,10 +62,10 @@ pub(crate) const OF_ROW: usize = 2;
 /// # Safety
 /// There is room for [`OF_ROW`] vectors.
 #[inline(always)]
-pub(crate) unsafe fn tabulate<T: Real, S: Shape, V: Lanes<T>>(
+pub(crate) unsafe fn tabulate<T: Real, S: GaussianShape, V: Lanes<T>>(
     sources: &Sources,
-    columns: &Columns<V>,
-    row: &Row<T>,
+    columns: &GaussianColumns<V>,
+    row: &StencilRow<T>,
     table: *mut T,
 ) {
     if S::FORCES {
@@ -81,8 +81,8 @@ pub(crate) unsafe fn tabulate<T: Real, S: Shape, V: Lanes<T>>(
 fn gaussian<T: Real, V: Lanes<T>>(
     (source, kind): (&Source, usize),
     strain: f64,
-    columns: &Columns<V>,
-    row: &Row<T>,
+    columns: &GaussianColumns<V>,
+    row: &StencilRow<T>,
 ) -> V {
     if strain == 0.0 {
         return columns.gaussians[kind].mul(V::splat(row.gaussians[kind]));
@@ -99,6 +99,6 @@ fn gaussian<T: Real, V: Lanes<T>>(
 /// # Safety
 /// The table is that of a row.
 #[inline(always)]
-pub(crate) unsafe fn weights<T: Real, S: Shape, V: Lanes<T>>(peaks: [T; 2], table: *const T) -> [V; 2] {
+pub(crate) unsafe fn weights<T: Real, S: GaussianShape, V: Lanes<T>>(peaks: [T; 2], table: *const T) -> [V; 2] {
     unsafe { [V::load(table).mul(V::splat(peaks[0])), V::load(table.add(V::LANES)).mul(V::splat(peaks[1]))] }
 }

@@ -14,7 +14,7 @@
 use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, StencilOffsets, WeightedSums};
 use crate::grid::stencil::Stencil;
 use crate::grid::totals::Totals;
-use crate::grid::window::Lattice;
+use crate::grid::window::WindowLattice;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use crate::grid::window::lattice::{SECOND, Slants, UPRIGHT};
 use simd::SimdVector as Lanes;
@@ -22,11 +22,11 @@ use solver::{Memory, Real};
 
 /// Kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for forces
 /// and dipoles of envelopes of other widths.
-pub(crate) struct Windowed<'a, T, const ORDER: usize>(pub &'a Lattice<T>);
+pub(crate) struct Windowed<'a, T, const ORDER: usize>(pub &'a WindowLattice<T>);
 
 /// Derivatives of the window along the axes, offsets of the stencil in the slab, and coefficients.
 #[derive(Default)]
-pub(crate) struct Scratch<T: Real> {
+pub(crate) struct WindowScratch<T: Real> {
     axes: [Memory<T>; 3],
     starts: StencilOffsets,
     /// Coefficients for all planes, by pair of derivatives along x and y and by component.
@@ -45,7 +45,7 @@ const fn pair(first: usize, second: usize) -> usize {
 }
 
 /// Coefficients by the orders along x, y and z, and by component.
-type Coefficients<T> = [[[[T; 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
+type WindowCoefficients<T> = [[[[T; 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
 
 impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     /// Number of orders of derivatives, 0 included.
@@ -56,11 +56,11 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn prepare<V: Lanes<T>, const WIDTH: usize, X>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut WindowScratch<T>,
         stencil: &Stencil,
         slab: &Slab<X>,
     ) -> Option<usize> {
-        let Lattice { points, row_shift, window, pieces, inverse, .. } = self.0;
+        let WindowLattice { points, row_shift, window, pieces, inverse, .. } = self.0;
         let lanes = WIDTH * V::LANES;
         let last = scratch.starts.find(stencil, window.points(), *points, slab)?
             + scratch.starts.add_columns(stencil, *row_shift, points[0]);
@@ -81,7 +81,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
     /// Coefficients of a load of a particle of a class.
     #[inline(always)]
-    fn coefficients(&self, class: u32, load: &Load<T>) -> Coefficients<T> {
+    fn coefficients(&self, class: u32, load: &Load<T>) -> WindowCoefficients<T> {
         let mut all = [[[[T::default(); 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
         let is_tilted = self.0.is_tilted;
         add::<T, ORDER>(&mut all, [0, 0, 0], load.force, (self.0.smoothing(class, 0), is_tilted));
@@ -102,7 +102,10 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
     /// Computes the coefficients of the planes.
     #[inline(always)]
-    fn write_planes<V: Lanes<T>, const WIDTH: usize>(scratch: &mut Scratch<T>, coefficients: &Coefficients<T>) {
+    fn write_planes<V: Lanes<T>, const WIDTH: usize>(
+        scratch: &mut WindowScratch<T>,
+        coefficients: &WindowCoefficients<T>,
+    ) {
         let lanes = WIDTH * V::LANES;
         let (z, to) = (scratch.axes[2].values().as_ptr(), scratch.of_planes.values_mut().as_mut_ptr());
         for part in 0..WIDTH {
@@ -127,7 +130,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
     /// Computes the coefficients of the rows of a plane.
     #[inline(always)]
-    fn write_rows<V: Lanes<T>, const WIDTH: usize>(scratch: &mut Scratch<T>, plane: usize) {
+    fn write_rows<V: Lanes<T>, const WIDTH: usize>(scratch: &mut WindowScratch<T>, plane: usize) {
         let lanes = WIDTH * V::LANES;
         let (y, from) = (scratch.axes[1].values().as_ptr(), scratch.of_planes.values().as_ptr());
         let to = scratch.of_rows.values_mut().as_mut_ptr();
@@ -152,7 +155,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn deposit_with<V: Lanes<T>, const WIDTH: usize>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut WindowScratch<T>,
         (stencil, class, load): (&Stencil, u32, &Load<T>),
         slab: &mut Slab<&mut [T]>,
     ) {
@@ -200,7 +203,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn collect_with<V: Lanes<T>, const WIDTH: usize>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut WindowScratch<T>,
         (stencil, class): (&Stencil, u32),
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {
@@ -298,7 +301,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 /// Adds a load's derivative to the coefficients, and those of its Laplacian, as far as the order goes.
 #[inline(always)]
 fn add<T: Real, const ORDER: usize>(
-    all: &mut Coefficients<T>,
+    all: &mut WindowCoefficients<T>,
     [n, m, l]: [usize; 3],
     load: [T; 3],
     (smoothing, is_tilted): ([T; SECOND.len()], bool),
@@ -348,7 +351,7 @@ fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
 }
 
 impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
-    type Scratch = Scratch<T>;
+    type Scratch = WindowScratch<T>;
 
     fn planes(&self) -> usize {
         self.0.window.points()
@@ -357,7 +360,7 @@ impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn deposit<V: Lanes<T>>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut WindowScratch<T>,
         particle: (&Stencil, u32, &Load<T>),
         slab: &mut Slab<&mut [T]>,
     ) {
@@ -371,7 +374,7 @@ impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn collect<V: Lanes<T>>(
         &self,
-        scratch: &mut Scratch<T>,
+        scratch: &mut WindowScratch<T>,
         particle: (&Stencil, u32),
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {

@@ -18,7 +18,7 @@ pub(crate) const UPRIGHT: usize = 4;
 /// d/dx = d/dX,      d/dy = d/dY - s d/dX,      d/dz = d/dZ - r d/dY - f d/dX,      f = t - s r
 /// ```
 #[derive(Debug, Clone)]
-pub(crate) struct Lattice<T> {
+pub(crate) struct WindowLattice<T> {
     pub points: [usize; 3],
     /// Points along x by which each row begins before the previous one, see [`Grid::row_shift`].
     pub row_shift: usize,
@@ -42,7 +42,7 @@ pub(crate) struct Slants<T> {
     pub f: T,
 }
 
-impl<T: Real> Lattice<T> {
+impl<T: Real> WindowLattice<T> {
     /// For envelopes that share a common Gaussian.
     pub fn new(grid: &Grid, window: Window, common: Common, envelopes: &[Envelope]) -> Self {
         Self::of_pieces(grid, (window, Pieces::new(window)), common, envelopes)

@@ -13,4 +13,4 @@ mod pieces;
 
 pub(crate) use kaiser_bessel::Window;
 pub(crate) use kernel::Windowed;
-pub(crate) use lattice::Lattice;
+pub(crate) use lattice::WindowLattice;

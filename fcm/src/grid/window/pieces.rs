@@ -14,12 +14,12 @@ pub(crate) struct Pieces<T> {
     /// Points padded to whole vectors; the padding is zero.
     lanes: usize,
     /// Polynomials by order of derivative.
-    series: [Series<T>; DERIVATIVES],
+    series: [WindowSeries<T>; DERIVATIVES],
 }
 
 /// Polynomials of one degree: coefficients from the highest on, each a row of lanes.
 #[derive(Debug, Clone)]
-struct Series<T> {
+struct WindowSeries<T> {
     rows: usize,
     coefficients: Memory<T>,
 }
@@ -39,7 +39,7 @@ impl<T: Real> Pieces<T> {
                     coefficients.values_mut()[(degree - power) * lanes + point] = T::from_f64(piece[n][power]);
                 }
             }
-            Series { rows: degree + 1, coefficients }
+            WindowSeries { rows: degree + 1, coefficients }
         };
         Self { points, lanes, series: std::array::from_fn(series) }
     }

@@ -1,10 +1,11 @@
 //! Method of a case, as the user specifies it.
 
 use fcm::Method;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Evaluation method of the far field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseMethod {
     /// The fastest one.

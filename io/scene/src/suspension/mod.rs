@@ -184,7 +184,7 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Hydrodynamics {
     Hydrodynamics {
         multipoles: raw.multipoles.map_or(default.multipoles, Into::into),
         tolerance: raw.tolerance.unwrap_or(default.tolerance),
-        method: raw.method.map_or(default.method, |method| crate::CaseMethod::from(method).alone()),
+        method: raw.method.map_or(default.method, crate::CaseMethod::alone),
         grid: raw.grid,
         support: raw.support,
         iteration_tolerance: raw.iteration_tolerance,

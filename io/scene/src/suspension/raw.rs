@@ -1,5 +1,6 @@
 //! Keys of the file as serde reads them.
 
+use crate::CaseMethod;
 use crate::answers::RawAnswers;
 use crate::document::{Alternative, NumberOr};
 use schemars::JsonSchema;
@@ -245,7 +246,7 @@ pub(super) struct Hydrodynamics {
     /// Relative error of velocities, angular velocities and stresslets.
     pub(super) tolerance: Option<f64>,
     /// Evaluation method of the far field; the fastest by default.
-    pub(super) method: Option<Method>,
+    pub(super) method: Option<CaseMethod>,
     /// Grid points along x, y and z, which are even numbers; chosen from the tolerance by default.
     pub(super) grid: Option<[usize; 3]>,
     /// Grid points across the support of an envelope; chosen from the tolerance by default.
@@ -294,7 +295,6 @@ macro_rules! names {
 
 names! { Boundary for crate::CaseBoundary: Periodic Walls Wall Open }
 names! { Multipoles for suspension::Multipoles: Monopole Dipole }
-names! { Method for crate::CaseMethod: Auto Direct Split Dense }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }
 names! { Axis for suspension::Axis: X Y Z }

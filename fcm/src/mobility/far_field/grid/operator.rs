@@ -3,7 +3,7 @@
 use crate::envelope::Common;
 use crate::grid::window::Window;
 use crate::plan::Plan;
-use crate::plan::problem::Method;
+use crate::plan::method::Method;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
 use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
 

@@ -1,7 +1,7 @@
 //! Random motions whose covariance is the mobility.
 
 use super::GridFarField;
-use crate::mobility::far_field::{Draw, FarField};
+use crate::mobility::far_field::{FarField, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, dipole};
 use crate::mobility::noise::{self, Components, DrawDiagnostics, Stream, square_root_times};
 use crate::plan::problem::Multipoles;
@@ -24,8 +24,8 @@ impl GridFarField {
     /// [`solver::Transform::noise`], and interpolation is the adjoint of spreading; the square root of the near
     /// field, if there is one, is applied by Lanczos' iteration, to a tolerance. In all other boxes Lanczos'
     /// iteration applies the square root of the whole mobility, with one evaluation per iteration.
-    pub(super) fn random_motion(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
-        let &Draw { ids, stream, .. } = draw;
+    pub(super) fn random_motion(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
+        let &NoiseRequest { ids, stream, .. } = draw;
         if self.plan.boundaries != Boundaries::Periodic {
             return self.whole_noise(draw);
         }
@@ -54,8 +54,8 @@ impl GridFarField {
     }
 
     /// Near-field part. Collective.
-    fn near_noise(&mut self, draw: &Draw) -> (Vec<Components>, DrawDiagnostics) {
-        let &Draw { ids, tolerance, stream } = draw;
+    fn near_noise(&mut self, draw: &NoiseRequest) -> (Vec<Components>, DrawDiagnostics) {
+        let &NoiseRequest { ids, tolerance, stream } = draw;
         let Some(near) = &self.near else { return (Vec::new(), DrawDiagnostics::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
         let has_dipoles = self.has_dipoles();
@@ -84,8 +84,8 @@ impl GridFarField {
     }
 
     /// Random motions by the square root of the whole mobility. Collective.
-    fn whole_noise(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
-        let &Draw { ids, tolerance, stream } = draw;
+    fn whole_noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
+        let &NoiseRequest { ids, tolerance, stream } = draw;
         let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
         let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
         let output = if has_dipoles { Output::All } else { Output::Velocities };

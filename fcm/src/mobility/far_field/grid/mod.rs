@@ -6,10 +6,10 @@ mod operator;
 mod spectral_grid;
 
 use crate::envelope::Envelope;
-use crate::mobility::far_field::{Draw, FarField, FlowAtPoints};
+use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
 use crate::mobility::noise::DrawDiagnostics;
-use crate::mobility::work::{Clock, Work};
+use crate::mobility::work::{Stopwatch, Work};
 use crate::pairs::pair_correction::{LoadedParticles, NearField, PairCorrection};
 use crate::plan::Plan;
 use crate::plan::problem::Precision;
@@ -34,13 +34,13 @@ pub(crate) struct GridFarField {
     grid: Box<dyn GridPart>,
     near: Option<Box<dyn NearField>>,
     wall_images: Option<WallImages>,
-    arrangement: Arrangement,
+    arrangement: ArrangedParticles,
     verlet_list: VerletList,
     work: Work,
 }
 
 /// Quantities that depend on the positions alone, in internal units.
-struct Arrangement {
+struct ArrangedParticles {
     cell: PeriodicBox,
     halo: Halo,
     positions: Vec<Vector>,
@@ -57,7 +57,7 @@ impl GridFarField {
             Precision::Single => parts::<f32>(&own, partition, &cell),
             Precision::Double => parts::<f64>(&own, partition, &cell),
         };
-        let arrangement = Arrangement {
+        let arrangement = ArrangedParticles {
             cell,
             halo: Halo::plan(partition, &cell, &[], [0.0; 2]),
             positions: Vec::new(),
@@ -126,7 +126,7 @@ impl GridFarField {
 
 impl FarField for GridFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let mut clock = Clock::start();
+        let mut clock = Stopwatch::start();
         let inverse = 1.0 / self.units.length;
         let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
         let mut present: Vec<Vector> = positions.collect();
@@ -146,7 +146,7 @@ impl FarField for GridFarField {
             self.verlet_list.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &present });
             self.work.searches = self.verlet_list.searches();
         }
-        self.arrangement = Arrangement { cell: *cell, halo, positions: present, classes };
+        self.arrangement = ArrangedParticles { cell: *cell, halo, positions: present, classes };
         if let Some(images) = &mut self.wall_images {
             images.arrange(&self.arrangement.loaded(&[], &[]), self.verlet_list.neighbours(), owned);
         }
@@ -155,7 +155,7 @@ impl FarField for GridFarField {
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         self.work.evaluations += 1;
-        let mut clock = Clock::start();
+        let mut clock = Stopwatch::start();
         let kinds = self.kinds_of(loads);
         let (forces, dipoles) = self.present(loads, kinds);
         clock.stop(&mut self.work.seconds.exchange);
@@ -179,7 +179,7 @@ impl FarField for GridFarField {
         motion(&motions, output, &self.units)
     }
 
-    fn noise(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
+    fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
         self.random_motion(draw)
     }
 
@@ -216,7 +216,7 @@ fn parts<T: Real>(
     (grid, Some(Box::new(PairCorrection::<T>::new(envelopes, common, cutoff, plan.viscosity, tolerance))))
 }
 
-impl Arrangement {
+impl ArrangedParticles {
     /// Loads of the particles present, for the grid.
     fn grid_loads<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> GridLoads<'a> {
         GridLoads { classes: &self.classes, forces, dipoles }

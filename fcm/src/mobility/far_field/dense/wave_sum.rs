@@ -1,6 +1,6 @@
 //! Sum over wavevectors: the flow of the common Gaussians.
 
-use super::entries::{EXPONENT, Shapes, Sphere};
+use super::entries::{EXPONENT, LocatedSphere, Shapes};
 use super::pair_sum::unit_loads;
 use crate::envelope::Common;
 use crate::mobility::noise::product;
@@ -33,7 +33,7 @@ impl<'a> WaveSum<'a> {
     }
 
     /// Finds the columns of the next wavevectors; false if there are none.
-    pub fn next_chunk(&mut self, spheres: &[Sphere]) -> bool {
+    pub fn next_chunk(&mut self, spheres: &[LocatedSphere]) -> bool {
         let chunk = self.left.split_off(self.left.len().saturating_sub(CHUNK));
         self.columns.clear();
         self.columns.resize(spheres.len() * self.shapes.rows * CHUNK * NUMBERS, 0.0);
@@ -83,7 +83,7 @@ struct Wave {
 }
 
 impl Wave {
-    fn new(k: Vector, scale: f64, shapes: &Shapes, sphere: &Sphere) -> Self {
+    fn new(k: Vector, scale: f64, shapes: &Shapes, sphere: &LocatedSphere) -> Self {
         let square = k.length_squared();
         let size = (scale / square).sqrt();
         let first = (k / square.sqrt()).any_orthonormal_vector();

@@ -10,7 +10,7 @@ use crate::grid::stencil::{Stencil, sorted_stencils};
 use crate::grid::window::{self, Windowed};
 use crate::mobility::loads::Output;
 use crate::mobility::noise::Stream;
-use crate::mobility::work::{Clock, Work};
+use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
 use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
@@ -72,8 +72,8 @@ pub(crate) struct SpectralGrid<T: Real> {
 
 /// Functions on the grid: the envelopes themselves, or a window.
 enum SpreadingKernels<T> {
-    Gaussian(gaussian::Lattice),
-    Window(window::Lattice<T>),
+    Gaussian(gaussian::GaussianLattice),
+    Window(window::WindowLattice<T>),
 }
 
 impl<T: Real> SpectralGrid<T> {
@@ -164,7 +164,7 @@ impl<T: Real> SpectralGrid<T> {
 
     fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
         self.solve(loads, work);
-        let mut clock = Clock::start();
+        let mut clock = Stopwatch::start();
         let motions = self.interpolate(loads.classes, output);
         clock.stop(&mut work.seconds.interpolate);
         work.dipole_interpolations += u64::from(output != Output::Velocities);
@@ -217,7 +217,7 @@ impl<T: Real> SpreadingKernels<T> {
     /// Spreading kernels of the plan's spheres, or of other envelopes that share its common Gaussian.
     fn for_envelopes(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         match (plan.window(), plan.common()) {
-            (Some(window), Some(common)) => Self::Window(window::Lattice::new(grid, window, common, envelopes)),
+            (Some(window), Some(common)) => Self::Window(window::WindowLattice::new(grid, window, common, envelopes)),
             _ => Self::gaussian(plan, grid),
         }
     }
@@ -228,7 +228,7 @@ impl<T: Real> SpreadingKernels<T> {
         let sources =
             |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };
         let sources = envelopes(plan).iter().map(sources).collect();
-        Self::Gaussian(gaussian::Lattice::new::<T>(grid, plan.support, sources))
+        Self::Gaussian(gaussian::GaussianLattice::new::<T>(grid, plan.support, sources))
     }
 
     /// The same kernels on a grid that has been sheared.
@@ -285,7 +285,7 @@ impl<T: Real> GridPart for SpectralGrid<T> {
     }
 
     fn solve(&mut self, loads: &GridLoads, work: &mut Work) {
-        let mut clock = Clock::start();
+        let mut clock = Stopwatch::start();
         self.spread(loads, work);
         clock.stop(&mut work.seconds.spread);
         self.transform.apply(&mut self.field, &self.operator);

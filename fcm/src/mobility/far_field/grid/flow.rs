@@ -84,7 +84,7 @@ impl GridFlow<'_> {
     }
 
     /// Particles, and their images along periodic axes, whose near field reaches a plane.
-    fn images(&self, raster: &SamplePoints, k: usize) -> Vec<Image> {
+    fn images(&self, raster: &SamplePoints, k: usize) -> Vec<SphereImage> {
         let arrangement = &self.far.arrangement;
         let (cell, reach) = (&arrangement.cell, Vector::splat(self.near.cutoff));
         let [nx, ny, _] = raster.points;
@@ -98,7 +98,7 @@ impl GridFlow<'_> {
             for (x, y) in steps(0).flat_map(|x| steps(1).map(move |y| (x, y))) {
                 let place = place + cell.edges() * Vector::new(f64::from(x), f64::from(y), 0.0);
                 if place.cmpge(low).all() && place.cmple(high).all() {
-                    images.push(Image {
+                    images.push(SphereImage {
                         place,
                         class: arrangement.classes[row],
                         force: self.forces.get(row).copied().unwrap_or_default(),
@@ -112,7 +112,7 @@ impl GridFlow<'_> {
 }
 
 /// A particle that applies loads, or a periodic image of one.
-struct Image {
+struct SphereImage {
     place: Vector,
     class: u32,
     force: Vector,
@@ -138,7 +138,7 @@ impl NearPoints {
     }
 
     /// Near-field velocity at `x` from a particle, as in [`crate::pairs::pair_correction`].
-    fn velocity(&self, from: &Image, x: Vector) -> Vector {
+    fn velocity(&self, from: &SphereImage, x: Vector) -> Vector {
         let (square, (exact, table)) = (x.length_squared(), &self.functions[from.class as usize]);
         let f = table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square));
         let along = from.dipole * x;

@@ -1,6 +1,6 @@
 //! Sum over pairs in space: the difference between the envelopes and the common Gaussian.
 
-use super::entries::{Block, EXPONENT, Shapes, Sphere};
+use super::entries::{EXPONENT, LocatedSphere, PairBlock, Shapes};
 use crate::mobility::loads::dipole;
 use crate::mobility::noise::{COMPONENTS, components, tensor};
 use crate::pairs::table::{PairFunctions, Values};
@@ -29,11 +29,11 @@ impl<'a> PairSum<'a> {
     }
 
     /// Motions of a sphere due to the loads of another and of its images, or due to its own.
-    pub fn between(&self, target: &Sphere, source: &Sphere) -> Block {
+    pub fn between(&self, target: &LocatedSphere, source: &LocatedSphere) -> PairBlock {
         let functions = &self.functions[target.class as usize * self.classes + source.class as usize];
         let separation = target.position - source.position;
         let loads = unit_loads();
-        let mut block = Block::default();
+        let mut block = PairBlock::default();
         self.for_each_image(separation, |x| {
             let f = functions.exact(x.length_squared());
             for (sums, load) in block.iter_mut().zip(&loads) {

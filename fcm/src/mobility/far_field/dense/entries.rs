@@ -20,14 +20,14 @@ const EDGE_OVER_WIDTH: f64 = 6.0;
 
 /// A sphere of the box.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sphere {
+pub(super) struct LocatedSphere {
     pub position: Vector,
     /// Class of its radius.
     pub class: u32,
 }
 
 /// Motions of one sphere that each load of another causes: a row for each load.
-pub(super) type Block = [Components; COMPONENTS];
+pub(super) type PairBlock = [Components; COMPONENTS];
 
 /// Envelopes of the spheres of a plan, and the wide Gaussian that they share.
 pub(super) struct Shapes {
@@ -50,7 +50,7 @@ impl Shapes {
 }
 
 /// Rows of the spheres `own`, one sphere after the other.
-pub(super) fn rows_of(shapes: &Shapes, cell: &PeriodicBox, spheres: &[Sphere], own: &[usize]) -> Vec<f64> {
+pub(super) fn rows_of(shapes: &Shapes, cell: &PeriodicBox, spheres: &[LocatedSphere], own: &[usize]) -> Vec<f64> {
     let (height, length) = (shapes.rows, spheres.len() * shapes.rows);
     let mut rows = vec![0.0; own.len() * height * length];
     if rows.is_empty() {

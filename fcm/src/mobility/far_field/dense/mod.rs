@@ -6,13 +6,13 @@ mod entries;
 mod pair_sum;
 mod wave_sum;
 
-use crate::mobility::far_field::{Draw, FarField, FlowAtPoints};
+use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{self, COMPONENTS, Components, DrawDiagnostics};
-use crate::mobility::work::{Clock, Work};
+use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Units, Vector};
-use entries::{Shapes, Sphere, rows_of};
+use entries::{LocatedSphere, Shapes, rows_of};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -39,7 +39,7 @@ pub(crate) struct DenseFarField {
 struct Placed {
     cell: PeriodicBox,
     /// In the order of their ids.
-    spheres: Vec<Sphere>,
+    spheres: Vec<LocatedSphere>,
     ids: Vec<u64>,
     /// Places in that order of the particles of all ranks, one rank after the other, and of this rank's.
     all: Vec<usize>,
@@ -57,7 +57,8 @@ impl Placed {
         let classes = comm.all_gather(&classes);
         let mut order: Vec<usize> = (0..gathered.len()).collect();
         order.sort_by_key(|&row| gathered[row]);
-        let sphere = |&row: &usize| Sphere { position: Vector::from_slice(&positions[3 * row..]), class: classes[row] };
+        let sphere =
+            |&row: &usize| LocatedSphere { position: Vector::from_slice(&positions[3 * row..]), class: classes[row] };
         let ids: Vec<u64> = order.iter().map(|&row| gathered[row]).collect();
         let place = |id: &u64| ids.binary_search(id).expect("every particle was gathered");
         let (all, own) = (gathered.iter().map(place).collect(), particles.ids.iter().map(place).collect());
@@ -155,7 +156,7 @@ impl DenseFarField {
 
 impl FarField for DenseFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let mut clock = Clock::start();
+        let mut clock = Stopwatch::start();
         let scale = 1.0 / self.units.length;
         let placed = Placed::gather(&self.plan, cell.scaled(scale), particles, &self.comm);
         clock.stop(&mut self.work.seconds.exchange);
@@ -173,7 +174,7 @@ impl FarField for DenseFarField {
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         let Some(placed) = &self.placed else { return Motion::default() };
         self.work.evaluations += 1;
-        let mut clock = Clock::start();
+        let mut clock = Stopwatch::start();
         let loads = self.gathered(placed, loads);
         clock.stop(&mut self.work.seconds.exchange);
         let wanted = match output {
@@ -186,7 +187,7 @@ impl FarField for DenseFarField {
         Self::motion(components, [self.units.velocity(), self.units.rate()], output)
     }
 
-    fn noise(&mut self, draw: &Draw) -> (Motion, DrawDiagnostics) {
+    fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
         let Some(placed) = &self.placed else { return (Motion::default(), DrawDiagnostics::default()) };
         if self.factor.is_none() {
             self.factor = Some(self.factor_of(placed));
