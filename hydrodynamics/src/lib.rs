@@ -21,5 +21,5 @@ pub use coupled_solver::{CoupledSolver, ShortRange};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
-pub use solution::{Found, Guess, NO_AMBIENT, Solution, SolveInput};
+pub use solution::{Guess, NO_AMBIENT, Solution, SolveInput, StoredSolution};
 pub use springs::{BondSprings, ContactSprings, Springs, TetherResistance};

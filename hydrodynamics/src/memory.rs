@@ -3,7 +3,7 @@
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::LANES;
-use crate::pairs::matrix::sparse::{Group, MomentGroup};
+use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup};
 use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Process, Traceless, Vector, VerletList};
 use fcm::{Footprint, Precision};
@@ -72,10 +72,10 @@ fn near_pairs(expected: &ExpectedCounts, range: LubricationRange, precision: Pre
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
     let [stiff, soft] = [stiff, soft].map(|pairs| groups(pairs) * owned);
     let soft = match precision {
-        Precision::Single => Bytes::list::<(Group<f32>, MomentGroup<f32>)>(soft),
-        Precision::Double => Bytes::list::<(Group<f64>, MomentGroup<f64>)>(soft),
+        Precision::Single => Bytes::list::<(LaneGroup<f32>, MomentGroup<f32>)>(soft),
+        Precision::Double => Bytes::list::<(LaneGroup<f64>, MomentGroup<f64>)>(soft),
     };
-    let pairs = Bytes::list::<(Group<f64>, MomentGroup<f64>)>(stiff).then(soft);
+    let pairs = Bytes::list::<(LaneGroup<f64>, MomentGroup<f64>)>(stiff).then(soft);
     (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
 }
 

@@ -1,7 +1,7 @@
 //! Brownian forces between near pairs.
 
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::matrix::lanes::Lanes;
+use crate::pairs::matrix::lanes::SimdLanes;
 use crate::pairs::search::{NearField, Present};
 use domain::{Neighbours, Particles, Partition, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
@@ -34,7 +34,7 @@ pub fn loads(
     let (positions, ids, species, steps) = (&positions[..], &ids[..], &species[..], &steps[..]);
     let of_batch = |batch: usize| {
         let rows = [batch * BATCH, owned.min((batch + 1) * BATCH)];
-        f64::dispatch(Pairs { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows })
+        f64::dispatch(NoisePairs { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows })
     };
     let parts: Vec<Vec<(usize, [Vector; 2])>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
     let mut sums = vec![[Vector::ZERO; 2]; owned];
@@ -51,7 +51,7 @@ pub fn loads(
 
 /// The pairs of a range of rows. A pair within the rank is visited once, from the sphere of the lower id; a pair with a
 /// ghost is visited from the rank's own sphere.
-struct Pairs<'a> {
+struct NoisePairs<'a> {
     force: &'a PairForce,
     cell: &'a PeriodicBox,
     positions: &'a [Vector],
@@ -64,7 +64,7 @@ struct Pairs<'a> {
     rows: [usize; 2],
 }
 
-impl VectorKernel<f64> for Pairs<'_> {
+impl VectorKernel<f64> for NoisePairs<'_> {
     type Output = Vec<(usize, [Vector; 2])>;
 
     #[inline(always)]
@@ -87,7 +87,9 @@ impl VectorKernel<f64> for Pairs<'_> {
                 }
                 let (sign, pair) = if is_first { (1, [row, other]) } else { (-1, [other, row]) };
                 let kinds = pair.map(|row| species[row]);
-                let Some(factor) = force.factor_by::<Lanes<V>>(separation * f64::from(sign), kinds) else { continue };
+                let Some(factor) = force.factor_by::<SimdLanes<V>>(separation * f64::from(sign), kinds) else {
+                    continue;
+                };
                 let modes = numbers(stream, pair.map(|row| ids[row]), image.map(|step| sign * step));
                 let loads = factor.loads(&modes);
                 let of = |k: usize| (pair[k], [loads.force[k], loads.torque[k]]);

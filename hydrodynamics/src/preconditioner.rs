@@ -94,7 +94,7 @@ impl<'a> Preconditioner<'a> {
     }
 
     /// Tightens the tolerance of solves to `tolerance`. Returns whether that is tighter than before.
-    pub fn needs(&mut self, tolerance: f64) -> bool {
+    pub fn tighten_to(&mut self, tolerance: f64) -> bool {
         let is_less = tolerance < self.tolerance;
         if is_less {
             self.tolerance = tolerance.max(LEAST_TOLERANCE);
@@ -162,10 +162,10 @@ impl System for Preconditioner<'_> {
     ) -> Sums {
         let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
         let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
-        let of_batch = |(batch, (((x, residual), z), (blocks, single))): (usize, (Unknowns, Given))| {
+        let of_batch = |(batch, (((x, residual), z), (blocks, single))): (usize, (BatchUnknowns, Given))| {
             let from = batch * BATCH;
             let step = step.as_ref().map(|step| (step.length, [&step.direction.0[from..], &step.image.0[from..]]));
-            f64::dispatch(Look { blocks, single, step, x, residual, z })
+            f64::dispatch(StepAndMeasure { blocks, single, step, x, residual, z })
         };
         let sums: Vec<Sums> = places.zip(given).enumerate().map(of_batch).collect();
         sums.into_iter().fold(Sums::default(), |all, of_batch| all + of_batch)
@@ -173,13 +173,13 @@ impl System for Preconditioner<'_> {
 }
 
 /// Motions, residuals and preconditioned residuals of a batch of particles.
-type Unknowns<'a> = ((&'a mut [SixVector], &'a mut [SixVector]), &'a mut [SixVector]);
+type BatchUnknowns<'a> = ((&'a mut [SixVector], &'a mut [SixVector]), &'a mut [SixVector]);
 
 /// Preconditioner blocks and single-sphere resistances of a batch of particles.
 type Given<'a> = (&'a [Block], &'a [SixVector]);
 
 /// [`System::step_and_measure`] for a batch of particles.
-struct Look<'a> {
+struct StepAndMeasure<'a> {
     blocks: &'a [Block],
     single: &'a [SixVector],
     /// Length of a step, its direction and the image of the direction.
@@ -189,7 +189,7 @@ struct Look<'a> {
     z: &'a mut [SixVector],
 }
 
-impl VectorKernel<f64> for Look<'_> {
+impl VectorKernel<f64> for StepAndMeasure<'_> {
     type Output = Sums;
 
     #[inline(always)]

@@ -103,7 +103,7 @@ impl SixVectors {
 
 impl SixVectors {
     /// These motions minus those of single spheres with the given resistances under loads.
-    pub fn less_those_alone(&self, single: &[SixVector], loads: &Self) -> Self {
+    pub fn minus_single_sphere_motions(&self, single: &[SixVector], loads: &Self) -> Self {
         let less = |((motion, single), load): ((&SixVector, &SixVector), &SixVector)| {
             SixVector(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
         };

@@ -72,7 +72,7 @@ pub static NO_AMBIENT: Motion =
 
 /// A solution for spheres under loads in a fluid with ambient motions.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Found {
+pub struct StoredSolution {
     /// Velocities and angular velocities.
     pub motion: Motion,
     /// Far-field part of the stresslets.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// Motions of a rank's particles, and the loads of a set of near pairs in these motions.
 #[derive(Debug, Clone, Default)]
-pub struct Resisted {
+pub struct MotionsWithLoads {
     /// `y`
     pub motions: SixVectors,
     /// `R y`
@@ -22,9 +22,9 @@ pub struct Resisted {
 #[derive(Debug, Clone, Default)]
 pub struct Unknowns {
     /// `y_s`
-    pub stiff: Resisted,
+    pub stiff: MotionsWithLoads,
     /// `y_f`
-    pub soft: Resisted,
+    pub soft: MotionsWithLoads,
     /// `D`
     pub moments: Vec<Traceless>,
 }
@@ -37,7 +37,7 @@ pub struct Residual {
     pub strain_rates: Vec<Traceless>,
 }
 
-impl Linear for Resisted {
+impl Linear for MotionsWithLoads {
     fn add(&mut self, factor: f64, other: &Self) {
         self.motions.add(factor, &other.motions);
         self.loads.add(factor, &other.loads);
@@ -81,8 +81,8 @@ impl Unknowns {
     /// The unknowns for motions and the loads of all near pairs in these motions.
     pub fn of(motions: &SixVectors, resisted: &SixVectors, moments: Vec<Traceless>) -> Self {
         let (against, loads) = (motions.negative(), SixVectors::zero(motions.0.len()));
-        let soft = Resisted { motions: against.clone(), loads };
-        Self { stiff: Resisted { motions: against, loads: resisted.negative() }, soft, moments }
+        let soft = MotionsWithLoads { motions: against.clone(), loads };
+        Self { stiff: MotionsWithLoads { motions: against, loads: resisted.negative() }, soft, moments }
     }
 
     /// Lubrication loads on the far field.
@@ -170,11 +170,11 @@ impl<'a> CoupledSystem<'a> {
         comm.sum(&mut sizes);
         let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
         if let Some(matrix) = &mut self.matrix
-            && matrix.needs(needed)
+            && matrix.tighten_to(needed)
         {
-            let Resisted { motions, loads } = correction.stiff;
+            let MotionsWithLoads { motions, loads } = correction.stiff;
             let [motions, loads] = matrix.go_on([motions, loads], &residual.stiff.resisted(self.single));
-            correction.stiff = Resisted { motions, loads };
+            correction.stiff = MotionsWithLoads { motions, loads };
         }
         x.add(1.0, &correction);
         let rigid = x.stiff.motions.negative();
@@ -243,10 +243,10 @@ impl System for CoupledSystem<'_> {
 
 impl CoupledSystem<'_> {
     /// Preconditioned residual of the stiff pairs.
-    fn of_stiff(&mut self, residual: &SixVectors) -> Resisted {
+    fn of_stiff(&mut self, residual: &SixVectors) -> MotionsWithLoads {
         let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, residual) };
         let [motions, loads] = matrix.solve(&residual.resisted(self.single));
-        Resisted { motions, loads }
+        MotionsWithLoads { motions, loads }
     }
 
     /// Strain rate of single spheres under moments, contracted with the moments.
@@ -266,8 +266,8 @@ fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
 }
 
 /// Motions with the loads of a set of near pairs. Collective.
-pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &SixVectors) -> Resisted {
-    Resisted { loads: near.times(&[pairs], motions), motions: motions.clone() }
+pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &SixVectors) -> MotionsWithLoads {
+    MotionsWithLoads { loads: near.times(&[pairs], motions), motions: motions.clone() }
 }
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.

@@ -1,7 +1,7 @@
 //! Scaling of the lubrication problem to units in which radii and viscosity are about 1. Without it, the square roots
 //! of both in the amplitudes of the modes would lose their last digit when powers of two change the units.
 
-use crate::solution::{Found, Guess, Solution};
+use crate::solution::{Guess, Solution, StoredSolution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
 use domain::{Particles, Traceless, Units, Vector};
@@ -109,9 +109,9 @@ pub fn motion_back(found: &Motion, units: &Units) -> Motion {
 }
 
 /// A solution in scaled units.
-pub fn found(given: &Found, units: &Units) -> Found {
+pub fn found(given: &StoredSolution, units: &Units) -> StoredSolution {
     let torque = 1.0 / units.torque();
-    Found {
+    StoredSolution {
         motion: motion(&given.motion, units),
         stresslets_far: tensors_times(&given.stresslets_far, torque),
         stresslets: tensors_times(&given.stresslets, torque),

@@ -2,7 +2,7 @@
 
 use crate::ambient::StrainRate;
 use crate::coupled_solver::CoupledSolver;
-use crate::solution::{Found, Guess, Solution, SolveInput};
+use crate::solution::{Guess, Solution, SolveInput, StoredSolution};
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
 
@@ -61,7 +61,7 @@ pub fn note_solved(
     loads: &Loads,
     solved: &Solution,
 ) -> Result<(), SolveError> {
-    let (exact, found) = hydrodynamics.fluid_around((cell, particles), loads, solved)?;
+    let (exact, found) = hydrodynamics.equivalent_ambient((cell, particles), loads, solved)?;
     set_ambient(particles, &exact, 1.0);
     note(particles, loads, &found);
     Ok(())
@@ -95,8 +95,8 @@ pub fn note_drift(
 ) -> Result<(), SolveError> {
     let (mut fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
     hydrodynamics.add_divergence(cell, particles, over * energy, &mut fluid);
-    let Found { mut motion, stresslets, .. } =
-        hydrodynamics.changed((cell, particles), (&loads, &fluid), &found, tolerance)?;
+    let StoredSolution { mut motion, stresslets, .. } =
+        hydrodynamics.perturbed_solution((cell, particles), (&loads, &fluid), &found, tolerance)?;
     motion.add(-1.0, &found.motion);
     for (name, list) in DRIFT.into_iter().zip([motion.velocities, motion.angular_velocities]) {
         particles.vectors(name).iter_mut().zip(list).for_each(|(drift, change)| *drift = change * (1.0 / over));
@@ -169,7 +169,7 @@ pub fn ambient(particles: &mut Particles) -> Motion {
 }
 
 /// Stores loads and the solution under them.
-fn note(particles: &mut Particles, loads: &Loads, found: &Found) {
+fn note(particles: &mut Particles, loads: &Loads, found: &StoredSolution) {
     let Motion { velocities, angular_velocities, .. } = &found.motion;
     let vectors = RANDOM.into_iter().zip([velocities, angular_velocities]);
     for (name, list) in vectors.chain(LOADS.into_iter().zip([&loads.forces, &loads.torques])) {
@@ -185,10 +185,14 @@ fn loads(particles: &mut Particles) -> Loads {
     Loads { forces, torques, stresslets: Vec::new() }
 }
 
-fn found(particles: &mut Particles) -> Found {
+fn found(particles: &mut Particles) -> StoredSolution {
     let [velocities, angular_velocities] = RANDOM.map(|name| particles.vectors(name).to_vec());
     let [stresslets_far, stresslets] = STRESSLETS.map(|name| tensors(particles, name).to_vec());
-    Found { motion: Motion { velocities, angular_velocities, strain_rates: Vec::new() }, stresslets_far, stresslets }
+    StoredSolution {
+        motion: Motion { velocities, angular_velocities, strain_rates: Vec::new() },
+        stresslets_far,
+        stresslets,
+    }
 }
 
 fn tensors<'a>(particles: &'a mut Particles, name: &str) -> &'a mut [Traceless] {

@@ -23,8 +23,8 @@ use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// Hydrodynamics of spheres as in [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have
-/// the same digits in any units.
+/// Motions of spheres as of [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have the
+/// same digits in any units.
 pub struct CoupledSolver {
     far: fcm::StressletSolver,
     /// Near field, in units of length and viscosity that scale the particles and the fluid to about 1.
@@ -270,7 +270,8 @@ fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
 /// Motions minus those of single spheres under their own loads.
 fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
     let motions = SixVectors::new(single.len(), &motion.velocities, &motion.angular_velocities);
-    let induced = motions.less_those_alone(single, &SixVectors::new(single.len(), &loads.forces, &loads.torques));
+    let induced =
+        motions.minus_single_sphere_motions(single, &SixVectors::new(single.len(), &loads.forces, &loads.torques));
     Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
 }
 

@@ -5,14 +5,14 @@ use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH, alone, ended,
 use crate::pairs::search::NearPairs;
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
-use crate::solution::{Found, NO_AMBIENT, Solution};
+use crate::solution::{NO_AMBIENT, Solution, StoredSolution};
 use crate::system::{CoupledSystem, Residual, Unknowns};
 use crate::units::{self, Scaled};
 use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
 
 /// The system at given positions, and the residual of a solution there.
-struct Left<'a> {
+struct ResidualSystem<'a> {
     near: &'a NearPairs,
     system: CoupledSystem<'a>,
     residual: Residual,
@@ -23,26 +23,31 @@ impl CoupledSolver {
     /// The ambient motions for which `solved` is the exact solution under `loads` (backward error), and that solution.
     /// The ambient motions are those of the solve, corrected by its error, plus the effect of the background flow on
     /// the spheres. `solved` has to be the latest solution. Collective.
-    pub fn fluid_around(
+    pub fn equivalent_ambient(
         &mut self,
         place: (&PeriodicBox, &Particles),
         loads: &Loads,
         solved: &Solution,
-    ) -> Result<(Motion, Found), SolveError> {
+    ) -> Result<(Motion, StoredSolution), SolveError> {
         let units = self.units;
         let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
-        let found = Found { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
-        self.left_over(place, (loads, &NO_AMBIENT), (&found, false), |Left { near, residual, .. }| {
-            let Residual { stiff, strain_rates, .. } = residual;
-            let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
-            let stresslets = whole(near, &found, &units);
-            Ok((units::motion_back(&needed, &units), Found { stresslets, ..found.clone() }))
-        })
+        let found = StoredSolution { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
+        self.residual_system(
+            place,
+            (loads, &NO_AMBIENT),
+            (&found, false),
+            |ResidualSystem { near, residual, .. }| {
+                let Residual { stiff, strain_rates, .. } = residual;
+                let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
+                let stresslets = whole(near, &found, &units);
+                Ok((units::motion_back(&needed, &units), StoredSolution { stresslets, ..found.clone() }))
+            },
+        )
     }
 
     /// The solution after a small displacement of the rigid spheres, under the same loads and in the ambient motions
-    /// for which the original solution is exact, see [`Self::fluid_around`]. With `S(x) l = r(x)` the system and its
-    /// original solution, it solves
+    /// for which the original solution is exact, see [`Self::equivalent_ambient`]. With `S(x) l = r(x)` the system and
+    /// its original solution, it solves
     ///
     /// ```text
     /// S(x*) dl = r(x*) - S(x*) l
@@ -50,16 +55,16 @@ impl CoupledSolver {
     ///
     /// with an error of `tolerance` relative to the change `dl`, however small that is. Collective; an error is an
     /// error on all ranks.
-    pub fn changed(
+    pub fn perturbed_solution(
         &mut self,
         place: (&PeriodicBox, &Particles),
         (loads, fluid): (&Loads, &Motion),
-        found: &Found,
+        found: &StoredSolution,
         tolerance: f64,
-    ) -> Result<Found, SolveError> {
+    ) -> Result<StoredSolution, SolveError> {
         let (units, comm) = (self.units, self.partition.comm().clone());
-        self.left_over(place, (loads, fluid), (found, true), |left| {
-            let Left { near, mut system, mut residual, interrupt } = left;
+        self.residual_system(place, (loads, fluid), (found, true), |left| {
+            let ResidualSystem { near, mut system, mut residual, interrupt } = left;
             let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt };
             let count = found.stresslets.len();
             let mut change = unknowns(near, &SixVectors::zero(count), vec![Traceless::ZERO; count]);
@@ -71,19 +76,19 @@ impl CoupledSolver {
             motion.strain_rates.clear();
             motion.add(1.0, &found.motion);
             let far = found.stresslets_far.iter().zip(change.moments).map(|(&s, d)| s - d * units.torque());
-            let there = Found { motion, stresslets_far: far.collect(), stresslets: Vec::new() };
-            Ok(Found { stresslets: whole(near, &there, &units), ..there })
+            let there = StoredSolution { motion, stresslets_far: far.collect(), stresslets: Vec::new() };
+            Ok(StoredSolution { stresslets: whole(near, &there, &units), ..there })
         })
     }
 
     /// Sets up the system at the positions of `particles` and passes it, with the residual of a solution, to `then`.
     /// The mobility is moved to these positions, and a preconditioner made, only if the spheres have moved.
-    fn left_over<T>(
+    fn residual_system<T>(
         &mut self,
         (cell, particles): (&PeriodicBox, &Particles),
         (loads, fluid): (&Loads, &Motion),
-        (found, have_moved): (&Found, bool),
-        then: impl FnOnce(Left) -> Result<T, SolveError>,
+        (found, have_moved): (&StoredSolution, bool),
+        then: impl FnOnce(ResidualSystem) -> Result<T, SolveError>,
     ) -> Result<T, SolveError> {
         let (units, own) = (self.units, units::particles(particles, &self.units));
         let scaled_cell = cell.scaled(1.0 / units.length);
@@ -107,12 +112,12 @@ impl CoupledSolver {
         let system =
             CoupledSystem::new(Scaled { mobility, units }, &near, matrix, (&single, &strain_resistance), parts);
         let residual = system.residual(&start, Traceless::ZERO);
-        then(Left { near: &near, system, residual, interrupt: &interrupt })
+        then(ResidualSystem { near: &near, system, residual, interrupt: &interrupt })
     }
 }
 
 /// Total stresslets from the motions and the far-field part. Collective.
-fn whole(near: &NearPairs, found: &Found, units: &Units) -> Vec<Traceless> {
+fn whole(near: &NearPairs, found: &StoredSolution, units: &Units) -> Vec<Traceless> {
     let own = units::motion(&found.motion, units);
     let by_pairs =
         near.stresslets(&SixVectors::new(found.stresslets_far.len(), &own.velocities, &own.angular_velocities));
@@ -120,7 +125,7 @@ fn whole(near: &NearPairs, found: &Found, units: &Units) -> Vec<Traceless> {
 }
 
 /// The unknowns of a solution.
-fn guessed(near: &NearPairs, single: &[SixVector], found: &Found) -> Unknowns {
+fn guessed(near: &NearPairs, single: &[SixVector], found: &StoredSolution) -> Unknowns {
     let motions = SixVectors::new(single.len(), &found.motion.velocities, &found.motion.angular_velocities);
     unknowns(near, &motions, found.stresslets_far.iter().map(|&s| -s).collect())
 }

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 const MOST_APPLICATIONS: usize = 200;
 
 /// Six numbers per sphere: for force or velocity, and for torque or angular velocity.
-type Numbers = [f64; 6];
+type RigidComponents = [f64; 6];
 
 impl Mobility {
     /// `B z`, or `B^T z`, for a vector `z` of six numbers per sphere, with a square root `B B^T = M` of the mobility
@@ -26,9 +26,9 @@ impl Mobility {
     /// solve to the mobility's tolerance. The numbers are those of the first rank, which has the result.
     pub fn root(
         &mut self,
-        numbers: &[Numbers],
+        numbers: &[RigidComponents],
         transposed: bool,
-    ) -> Result<(Vec<Numbers>, DrawDiagnostics), MobilityError> {
+    ) -> Result<(Vec<RigidComponents>, DrawDiagnostics), MobilityError> {
         self.parameters.check_noise()?;
         let driven = std::mem::take(&mut self.pressure_gradient);
         let found = self.root_at_rest(numbers, transposed);
@@ -38,9 +38,9 @@ impl Mobility {
 
     fn root_at_rest(
         &mut self,
-        numbers: &[Numbers],
+        numbers: &[RigidComponents],
         transposed: bool,
-    ) -> Result<(Vec<Numbers>, DrawDiagnostics), MobilityError> {
+    ) -> Result<(Vec<RigidComponents>, DrawDiagnostics), MobilityError> {
         let comm = self.partition.comm().clone();
         let spheres = if comm.is_first() { self.parameters.radii.len() } else { 0 };
         let scales: Vec<[f64; 2]> = self.parameters.radii[..spheres].iter().map(|&a| self.scales(a)).collect();
@@ -55,7 +55,7 @@ impl Mobility {
         }
         let tolerance = self.parameters.tolerance;
         let limits = (ROOT * tolerance, MOST_APPLICATIONS);
-        let apply = |scaled: &[Numbers]| {
+        let apply = |scaled: &[RigidComponents]| {
             self.unless_interrupted()?;
             let own = times(scaled, &scales, |number, scale| number / scale);
             let loads = Loads { forces: of(&own, 0), torques: of(&own, 3), stresslets: Vec::new() };
@@ -79,16 +79,16 @@ impl Mobility {
     }
 }
 
-fn times(list: &[Numbers], scales: &[[f64; 2]], by: impl Fn(f64, f64) -> f64) -> Vec<Numbers> {
-    let one = |(numbers, scales): (&Numbers, &[f64; 2])| std::array::from_fn(|k| by(numbers[k], scales[k / 3]));
+fn times(list: &[RigidComponents], scales: &[[f64; 2]], by: impl Fn(f64, f64) -> f64) -> Vec<RigidComponents> {
+    let one = |(numbers, scales): (&RigidComponents, &[f64; 2])| std::array::from_fn(|k| by(numbers[k], scales[k / 3]));
     list.iter().zip(scales).map(one).collect()
 }
 
-fn of(list: &[Numbers], first: usize) -> Vec<Vector> {
+fn of(list: &[RigidComponents], first: usize) -> Vec<Vector> {
     list.iter().map(|numbers| Vector::from_slice(&numbers[first..])).collect()
 }
 
-fn numbers_of(motion: &Motion) -> Vec<Numbers> {
+fn numbers_of(motion: &Motion) -> Vec<RigidComponents> {
     let pairs = motion.velocities.iter().zip(&motion.angular_velocities);
     pairs.map(|(v, w)| [v.x, v.y, v.z, w.x, w.y, w.z]).collect()
 }

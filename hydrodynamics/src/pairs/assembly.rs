@@ -2,10 +2,10 @@
 
 use crate::ambient::StrainRate;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::matrix::lanes::{LANES, Stored};
-use crate::pairs::matrix::packed_rows::{Kind, NearPair, Packed, STIFF, Soft, Stiff};
-use crate::pairs::matrix::row_sums::{InStrain, Sums};
-use crate::pairs::matrix::sparse::{Part, ROWS, Slice};
+use crate::pairs::matrix::lanes::{LANES, StoredLanes};
+use crate::pairs::matrix::packed_rows::{NearPair, PackedKind, PackedPairs, STIFF, Soft, Stiff};
+use crate::pairs::matrix::row_sums::{InStrain, SphereRowSums};
+use crate::pairs::matrix::sparse::{MatrixPart, ROWS, Slice};
 use crate::six_vector::SixVector;
 use crate::springs::Springs;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
@@ -16,7 +16,7 @@ use solver::Real;
 use std::marker::PhantomData;
 
 /// Local particles, ghosts and neighbour lists.
-pub struct Arrangement<'a> {
+pub struct PairArrangement<'a> {
     pub lubrication: Option<&'a PairLubrication>,
     pub springs: Option<&'a Springs<'a>>,
     /// Radii by species.
@@ -32,15 +32,15 @@ pub struct Arrangement<'a> {
 
 /// Matrix rows of a block of a rank's particles: stiff pairs in double precision, and soft pairs.
 pub struct Assembled<T> {
-    pub stiff: Part<f64>,
-    pub soft: Part<T>,
+    pub stiff: MatrixPart<f64>,
+    pub soft: MatrixPart<T>,
 }
 
 /// Assembly of the `rows` rows from `first` on. Soft pairs are stored as numbers of type `T`. The loads and first
 /// moments that all these pairs exert in the ambient flow, on particles at rest relative to it, are added to `loads`
 /// and `moments`.
 pub struct Assembly<'a, T> {
-    arrangement: &'a Arrangement<'a>,
+    arrangement: &'a PairArrangement<'a>,
     first: usize,
     rows: usize,
     loads: &'a mut [SixVector],
@@ -49,7 +49,7 @@ pub struct Assembly<'a, T> {
 }
 
 /// Pairs of one kind, stiff or soft, in the order of the rows of a block.
-struct Listed {
+struct PairList {
     pairs: Vec<NearPair>,
     /// Spring resistances of each pair, if there are springs: along the line of centres, to slip, and to rolling.
     springs: Vec<[f64; 3]>,
@@ -57,7 +57,7 @@ struct Listed {
     ends: Vec<usize>,
 }
 
-impl<T: Stored> VectorKernel<f64> for Assembly<'_, T> {
+impl<T: StoredLanes> VectorKernel<f64> for Assembly<'_, T> {
     type Output = Assembled<T>;
 
     #[inline(always)]
@@ -70,10 +70,10 @@ impl<T: Stored> VectorKernel<f64> for Assembly<'_, T> {
     }
 }
 
-impl<T: Stored> Assembly<'_, T> {
+impl<T: StoredLanes> Assembly<'_, T> {
     /// Rows of all particles of a rank, whose loads and moments are added to those given.
     pub fn of_all(
-        arrangement: &Arrangement,
+        arrangement: &PairArrangement,
         (loads, moments): (&mut [SixVector], &mut [Traceless]),
     ) -> Vec<Assembled<T>> {
         let part = |(k, (loads, moments)): (usize, (&mut [SixVector], &mut [Traceless]))| {
@@ -85,10 +85,10 @@ impl<T: Stored> Assembly<'_, T> {
 
     /// Lists the stiff and the soft pairs.
     #[inline(always)]
-    fn listed(&self) -> [Listed; 2] {
+    fn listed(&self) -> [PairList; 2] {
         let rows = self.first..self.first + self.rows;
         let most: usize = rows.clone().map(|row| self.arrangement.neighbours.of(row).len()).sum();
-        let mut listed = [Listed::with_room(self.rows, most / 4), Listed::with_room(self.rows, most)];
+        let mut listed = [PairList::with_room(self.rows, most / 4), PairList::with_room(self.rows, most)];
         for row in rows {
             for neighbour in self.arrangement.neighbours.of(row).iter() {
                 self.list(row, neighbour, &mut listed);
@@ -102,8 +102,8 @@ impl<T: Stored> Assembly<'_, T> {
 
     /// Appends the pair of a row and a neighbour to the stiff or the soft pairs, if they interact.
     #[inline(always)]
-    fn list(&self, row: usize, neighbour: Neighbour, [stiff, soft]: &mut [Listed; 2]) {
-        let Arrangement { lubrication, springs, radii, cell, positions, ids, species, .. } = *self.arrangement;
+    fn list(&self, row: usize, neighbour: Neighbour, [stiff, soft]: &mut [PairList; 2]) {
+        let PairArrangement { lubrication, springs, radii, cell, positions, ids, species, .. } = *self.arrangement;
         let other = neighbour.row as usize;
         let mut separation = positions[other] - positions[row];
         if neighbour.steps != [0; 3] {
@@ -127,19 +127,19 @@ impl<T: Stored> Assembly<'_, T> {
 
     /// Assembles the rows of one kind of pairs, and adds their loads and moments in the ambient flow.
     #[inline(always)]
-    fn part<V: Width<f64>, S: Stored, K: Kind<N>, const N: usize>(
+    fn part<V: Width<f64>, S: StoredLanes, K: PackedKind<N>, const N: usize>(
         &mut self,
-        listed: &Listed,
+        listed: &PairList,
         kind: impl Fn() -> K,
-    ) -> Part<S> {
+    ) -> MatrixPart<S> {
         let order = listed.order();
         let groups = order.chunks(LANES).map(|rows| listed.of(rows[0]).len()).sum();
-        let mut part = Part::new(self.rows, groups);
+        let mut part = MatrixPart::new(self.rows, groups);
         for rows in order.chunks(LANES) {
             let slice = Slice::new(rows);
-            let (mut sums, mut strained) = (Sums::<V>::zero(), InStrain::zero());
+            let (mut sums, mut strained) = (SphereRowSums::<V>::zero(), InStrain::zero());
             for place in 0..listed.of(rows[0]).len() {
-                let mut packed = Packed::empty(kind(), (self.first + rows[0] as usize) as u32);
+                let mut packed = PackedPairs::empty(kind(), (self.first + rows[0] as usize) as u32);
                 self.pack::<V, K, N>((listed, rows), place, &mut packed);
                 packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.strain_rate.at_zero);
             }
@@ -155,13 +155,13 @@ impl<T: Stored> Assembly<'_, T> {
 
     /// Packs the pairs at one position of the rows' lists.
     #[inline(always)]
-    fn pack<V: Width<f64>, K: Kind<N>, const N: usize>(
+    fn pack<V: Width<f64>, K: PackedKind<N>, const N: usize>(
         &self,
-        (listed, rows): (&Listed, &[u32]),
+        (listed, rows): (&PairList, &[u32]),
         place: usize,
-        packed: &mut Packed<K, N>,
+        packed: &mut PackedPairs<K, N>,
     ) {
-        let Arrangement { radii, strain_rate, .. } = *self.arrangement;
+        let PairArrangement { radii, strain_rate, .. } = *self.arrangement;
         for (lane, &row) in rows.iter().enumerate() {
             let range = listed.of(row);
             if place < range.len() {
@@ -174,7 +174,7 @@ impl<T: Stored> Assembly<'_, T> {
     }
 }
 
-impl Listed {
+impl PairList {
     fn with_room(rows: usize, pairs: usize) -> Self {
         Self { pairs: Vec::with_capacity(pairs), springs: Vec::new(), ends: Vec::with_capacity(rows) }
     }

@@ -1,6 +1,6 @@
 //! Resistance of contacts, pair by pair.
 
-use crate::pairs::matrix::lanes::{LANES, Lanes};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes};
 use lubrication::{Arithmetic, Coefficients};
 use simd::SimdVector as Width;
 
@@ -31,10 +31,10 @@ impl ContactResistances {
     /// slip v^2 + rolling |(sum s Omega) x z|^2,        v = (sum s U)_across + (sum b Omega) x z
     /// ```
     #[inline(always)]
-    pub fn add_to<V: Width<f64>>(&self, coefficients: &mut Coefficients<Lanes<V>>) {
-        let (slip, rolling) = (Lanes::read(&self.slip), Lanes::read(&self.rolling));
-        let arms = [Lanes::read(&self.arms[0]), Lanes::read(&self.arms[1])];
-        let signs = [Lanes::constant(1.0), Lanes::constant(-1.0)];
+    pub fn add_to<V: Width<f64>>(&self, coefficients: &mut Coefficients<SimdLanes<V>>) {
+        let (slip, rolling) = (SimdLanes::read(&self.slip), SimdLanes::read(&self.rolling));
+        let arms = [SimdLanes::read(&self.arms[0]), SimdLanes::read(&self.arms[1])];
+        let signs = [SimdLanes::constant(1.0), SimdLanes::constant(-1.0)];
         for k in 0..2 {
             for l in 0..2 {
                 let sign = signs[k] * signs[l];

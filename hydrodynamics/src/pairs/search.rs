@@ -1,10 +1,10 @@
 //! Near pairs and their resistance.
 
 use crate::ambient::StrainRate;
-use crate::pairs::assembly::{Arrangement, Assembled, Assembly};
+use crate::pairs::assembly::{Assembled, Assembly, PairArrangement};
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
-use crate::pairs::matrix::lanes::Stored;
+use crate::pairs::matrix::lanes::StoredLanes;
 use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
@@ -85,7 +85,7 @@ struct Resisting {
 }
 
 impl Resisting {
-    fn of<T: Stored + 'static>(parts: Vec<Assembled<T>>) -> Self {
+    fn of<T: StoredLanes + 'static>(parts: Vec<Assembled<T>>) -> Self {
         let (stiff, soft) = parts.into_iter().map(|part| (part.stiff, part.soft)).unzip();
         Self { stiff: PairMatrix::new(stiff), soft: Box::new(PairMatrix::new(soft)) }
     }
@@ -107,7 +107,7 @@ impl NearPairs {
         let (positions, species) = (&positions, &species);
         let ids = &ids;
         let arrangement =
-            Arrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
+            PairArrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
         let (mut loads, mut moments) = (SixVectors::zero(owned), vec![Traceless::ZERO; owned]);
         let sums = (&mut loads.0[..], &mut moments[..]);
         let Resisting { mut stiff, soft } = match field.precision {

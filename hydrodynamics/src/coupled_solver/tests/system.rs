@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::ambient::StrainRate;
-use crate::system::{Residual, Resisted, resisted};
+use crate::system::{MotionsWithLoads, Residual, resisted};
 use fcm::System;
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -80,7 +80,7 @@ impl Setting {
 
     fn system(&mut self) -> CoupledSystem<'_> {
         let nothing = SixVectors(vec![SixVector::default(); self.spheres()]);
-        let resisted = Resisted { motions: nothing.clone(), loads: nothing.clone() };
+        let resisted = MotionsWithLoads { motions: nothing.clone(), loads: nothing.clone() };
         let moments = vec![Traceless::ZERO; self.spheres()];
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
         let matrix = Some(Preconditioner::new((&Comm::alone(), &self.near), &self.single, 0.1));

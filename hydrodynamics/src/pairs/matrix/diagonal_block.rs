@@ -1,7 +1,7 @@
 //! Diagonal blocks of the resistance matrix.
 
 use crate::pairs::matrix::inverse_block::Block;
-use crate::pairs::matrix::lanes::{LANES, Lanes, turn};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes, turn};
 use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
@@ -41,7 +41,7 @@ impl DiagonalBlock<f64> {
     }
 }
 
-impl<V: Width<f64>> DiagonalBlock<Lanes<V>> {
+impl<V: Width<f64>> DiagonalBlock<SimdLanes<V>> {
     /// Blocks of several rows, one per lane; empty lanes are zero.
     #[inline(always)]
     pub fn of(rows: &[DiagonalBlock<f64>]) -> Self {
@@ -53,14 +53,14 @@ impl<V: Width<f64>> DiagonalBlock<Lanes<V>> {
         for (k, lanes) in lanes.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
             turn::<V, NUMBERS>(&records, k * LANES, lanes);
         }
-        let zero = Lanes::constant(0.0);
+        let zero = SimdLanes::constant(0.0);
         let mut own = Self { force: [zero; 6], torque: [zero; 6], coupling: [zero; 3] };
         for k in 0..6 {
-            own.force[k] = Lanes::read(&lanes[k]);
-            own.torque[k] = Lanes::read(&lanes[6 + k]);
+            own.force[k] = SimdLanes::read(&lanes[k]);
+            own.torque[k] = SimdLanes::read(&lanes[6 + k]);
         }
         for k in 0..3 {
-            own.coupling[k] = Lanes::read(&lanes[12 + k]);
+            own.coupling[k] = SimdLanes::read(&lanes[12 + k]);
         }
         own
     }
@@ -140,14 +140,14 @@ impl VectorKernel<f64> for Inverses<'_> {
     fn run<V: Width<f64>>(self) {
         let given = self.own.chunks(LANES).zip(self.single.chunks(LANES));
         for ((own, single), blocks) in given.zip(self.blocks.chunks_mut(LANES)) {
-            let mut matrix = DiagonalBlock::<Lanes<V>>::of(own).matrix();
+            let mut matrix = DiagonalBlock::<SimdLanes<V>>::of(own).matrix();
             for k in 0..6 {
                 // The identity keeps empty lanes invertible.
                 let mut alone = [1.0; LANES];
                 for (alone, single) in alone.iter_mut().zip(single) {
                     *alone = single.0[k];
                 }
-                matrix[k][k] = matrix[k][k] + Lanes::read(&alone);
+                matrix[k][k] = matrix[k][k] + SimdLanes::read(&alone);
             }
             let inverse = inverse(matrix);
             let mut lanes = [[0.0; LANES]; Block::NUMBERS];

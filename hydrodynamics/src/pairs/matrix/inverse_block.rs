@@ -1,6 +1,6 @@
 //! Small dense matrices.
 
-use crate::pairs::matrix::lanes::{LANES, Lanes};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes};
 use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
@@ -41,10 +41,10 @@ impl VectorKernel<f64> for Products<'_> {
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
         for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.results) {
-            let mut sum = Lanes::<V>::constant(0.0);
+            let mut sum = SimdLanes::<V>::constant(0.0);
             for k in 0..6 {
                 // By symmetry a row is a column. Numbers beyond its end are summed too, and discarded.
-                sum = sum.plus(Lanes::constant(screw.0[k]), Lanes::read(&block.0[6 * k..]));
+                sum = sum.plus(SimdLanes::constant(screw.0[k]), SimdLanes::read(&block.0[6 * k..]));
             }
             let mut wide = [0.0; LANES];
             sum.write(&mut wide);

@@ -6,7 +6,7 @@ use std::ops::{Add, Mul, Sub};
 
 /// One number of each of several pairs, one pair per lane.
 #[derive(Clone, Copy)]
-pub struct Lanes<V>(pub V);
+pub struct SimdLanes<V>(pub V);
 
 /// Number of pairs per SIMD vector.
 pub const LANES: usize = 8;
@@ -27,7 +27,7 @@ pub fn turn<V: SimdVector<f64>, const N: usize>(
     }
 }
 
-impl<V: SimdVector<f64>> Arithmetic for Lanes<V> {
+impl<V: SimdVector<f64>> Arithmetic for SimdLanes<V> {
     const WIDTH: usize = LANES;
 
     #[inline(always)]
@@ -62,7 +62,7 @@ impl<V: SimdVector<f64>> Arithmetic for Lanes<V> {
     }
 }
 
-impl<V: SimdVector<f64>> Add for Lanes<V> {
+impl<V: SimdVector<f64>> Add for SimdLanes<V> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -70,7 +70,7 @@ impl<V: SimdVector<f64>> Add for Lanes<V> {
     }
 }
 
-impl<V: SimdVector<f64>> Sub for Lanes<V> {
+impl<V: SimdVector<f64>> Sub for SimdLanes<V> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -78,7 +78,7 @@ impl<V: SimdVector<f64>> Sub for Lanes<V> {
     }
 }
 
-impl<V: SimdVector<f64>> Mul for Lanes<V> {
+impl<V: SimdVector<f64>> Mul for SimdLanes<V> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -87,34 +87,34 @@ impl<V: SimdVector<f64>> Mul for Lanes<V> {
 }
 
 /// Storage format of the numbers in the lanes.
-pub trait Stored: bytemuck::Zeroable + Copy + Send + Sync {
+pub trait StoredLanes: bytemuck::Zeroable + Copy + Send + Sync {
     /// Loads stored numbers into lanes.
-    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> Lanes<V>;
+    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> SimdLanes<V>;
 
     /// Stores lanes, rounding if necessary.
-    fn store<V: SimdVector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]);
+    fn store<V: SimdVector<f64>>(lanes: SimdLanes<V>, to: &mut [Self; LANES]);
 }
 
-impl Stored for f64 {
+impl StoredLanes for f64 {
     #[inline(always)]
-    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
-        Lanes::read(stored)
+    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> SimdLanes<V> {
+        SimdLanes::read(stored)
     }
 
     #[inline(always)]
-    fn store<V: SimdVector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
+    fn store<V: SimdVector<f64>>(lanes: SimdLanes<V>, to: &mut [Self; LANES]) {
         lanes.write(to);
     }
 }
 
-impl Stored for f32 {
+impl StoredLanes for f32 {
     #[inline(always)]
-    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> Lanes<V> {
-        Lanes::read(&stored.map(f64::from))
+    fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> SimdLanes<V> {
+        SimdLanes::read(&stored.map(f64::from))
     }
 
     #[inline(always)]
-    fn store<V: SimdVector<f64>>(lanes: Lanes<V>, to: &mut [Self; LANES]) {
+    fn store<V: SimdVector<f64>>(lanes: SimdLanes<V>, to: &mut [Self; LANES]) {
         let mut wide = [0.0; LANES];
         lanes.write(&mut wide);
         *to = wide.map(|number| number as Self);

@@ -2,9 +2,9 @@
 
 use crate::pairs::contacts::ContactResistances;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
-use crate::pairs::matrix::row_sums::{InStrain, Sums};
-use crate::pairs::matrix::sparse::{Group, MomentGroup};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, turn};
+use crate::pairs::matrix::row_sums::{InStrain, SphereRowSums};
+use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup};
 use domain::{Traceless, Vector};
 use lubrication::{Arithmetic, Coefficients, RECORD, SPHERE_ROW, SphereRow};
 use simd::SimdVector as Width;
@@ -21,7 +21,7 @@ pub struct NearPair {
 }
 
 /// Source of the resistance coefficients of pairs, with `N` numbers per pair.
-pub trait Kind<const N: usize> {
+pub trait PackedKind<const N: usize> {
     /// Writes the numbers of a pair of spheres with two radii. `spring` has the spring resistances along the line of
     /// centres, to slip, and to rolling.
     fn write<V: Width<f64>>(
@@ -33,11 +33,11 @@ pub trait Kind<const N: usize> {
     );
 
     /// Resistance coefficients of the rows' spheres, one pair per lane, from these numbers.
-    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> SphereRow<Lanes<V>>;
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> SphereRow<SimdLanes<V>>;
 }
 
 /// Pairs of one kind from several rows, one pair per lane.
-pub struct Packed<K, const N: usize> {
+pub struct PackedPairs<K, const N: usize> {
     kind: K,
     records: [[f64; N]; LANES],
     /// Unit vectors from the smaller to the larger sphere.
@@ -47,7 +47,7 @@ pub struct Packed<K, const N: usize> {
     others: [u32; LANES],
 }
 
-impl<K: Kind<N>, const N: usize> Packed<K, N> {
+impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
     /// Empty lanes, with a placeholder row.
     #[inline(always)]
     pub fn empty(kind: K, row: u32) -> Self {
@@ -83,10 +83,10 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
 
     /// Assembles the pairs into a group.
     #[inline(always)]
-    pub fn assemble<V: Width<f64>, T: Stored>(
+    pub fn assemble<V: Width<f64>, T: StoredLanes>(
         &self,
-        (group, moments): (&mut Group<T>, &mut MomentGroup<T>),
-        (sums, strained): (&mut Sums<V>, &mut InStrain<V>),
+        (group, moments): (&mut LaneGroup<T>, &mut MomentGroup<T>),
+        (sums, strained): (&mut SphereRowSums<V>, &mut InStrain<V>),
         ambient: Traceless,
     ) {
         let mut numbers = [[0.0; LANES]; N];
@@ -94,12 +94,12 @@ impl<K: Kind<N>, const N: usize> Packed<K, N> {
             turn::<V, N>(&self.records, k * LANES, lanes);
         }
         let side = self.kind.sides::<V>(&numbers);
-        let mut z = [Lanes::constant(0.0); 3];
+        let mut z = [SimdLanes::constant(0.0); 3];
         for k in 0..3 {
-            z[k] = Lanes::read(&self.axis[k]);
+            z[k] = SimdLanes::read(&self.axis[k]);
         }
         sums.add(&side, z);
-        strained.add(&side, z, (ambient, [Lanes::read(&self.sloping[0]), Lanes::read(&self.sloping[1])]));
+        strained.add(&side, z, (ambient, [SimdLanes::read(&self.sloping[0]), SimdLanes::read(&self.sloping[1])]));
         group.others = self.others;
         for k in 0..3 {
             T::store(z[k], &mut group.axis[k]);
@@ -130,7 +130,7 @@ impl<'a> Stiff<'a> {
     }
 }
 
-impl Kind<STIFF> for Stiff<'_> {
+impl PackedKind<STIFF> for Stiff<'_> {
     #[inline(always)]
     fn write<V: Width<f64>>(
         &mut self,
@@ -141,7 +141,7 @@ impl Kind<STIFF> for Stiff<'_> {
     ) {
         if let Some(lubrication) = self.lubrication.filter(|_| pair.is_lubricated) {
             let record = numbers.first_chunk_mut().expect("numbers begin with a record");
-            lubrication.force.record::<Lanes<V>>(pair.distance, pair.species, record);
+            lubrication.force.record::<SimdLanes<V>>(pair.distance, pair.species, record);
         }
         numbers[IS_LARGER] = f64::from(u8::from(radii[0] > radii[1]));
         if let Some(&[along, slip, rolling]) = spring {
@@ -152,13 +152,13 @@ impl Kind<STIFF> for Stiff<'_> {
     }
 
     #[inline(always)]
-    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; STIFF]) -> SphereRow<Lanes<V>> {
-        let mut record = [Lanes::<V>::constant(0.0); RECORD];
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; STIFF]) -> SphereRow<SimdLanes<V>> {
+        let mut record = [SimdLanes::<V>::constant(0.0); RECORD];
         for k in 0..RECORD {
-            record[k] = Lanes::read(&numbers[k]);
+            record[k] = SimdLanes::read(&numbers[k]);
         }
         let mut coefficients = Coefficients::of(&record);
-        let spring = Lanes::read(&numbers[SPRING]);
+        let spring = SimdLanes::read(&numbers[SPRING]);
         for k in 0..2 {
             coefficients.xa[k][k] = coefficients.xa[k][k] + spring;
             coefficients.xa[k][1 - k] = coefficients.xa[k][1 - k] - spring;
@@ -166,14 +166,14 @@ impl Kind<STIFF> for Stiff<'_> {
         if self.touch {
             self.touching.add_to(&mut coefficients);
         }
-        SphereRow::of(&coefficients, Lanes::read(&numbers[IS_LARGER]))
+        SphereRow::of(&coefficients, SimdLanes::read(&numbers[IS_LARGER]))
     }
 }
 
 /// Soft pairs, with weak lubrication alone.
 pub struct Soft<'a>(pub Option<&'a PairLubrication>);
 
-impl Kind<SPHERE_ROW> for Soft<'_> {
+impl PackedKind<SPHERE_ROW> for Soft<'_> {
     #[inline(always)]
     fn write<V: Width<f64>>(
         &mut self,
@@ -183,24 +183,24 @@ impl Kind<SPHERE_ROW> for Soft<'_> {
         numbers: &mut [f64; SPHERE_ROW],
     ) {
         if let Some(lubrication) = self.0 {
-            lubrication.soft.record::<Lanes<V>>(pair.distance, pair.species, numbers);
+            lubrication.soft.record::<SimdLanes<V>>(pair.distance, pair.species, numbers);
         }
     }
 
     #[inline(always)]
-    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; SPHERE_ROW]) -> SphereRow<Lanes<V>> {
-        let mut lanes = [Lanes::<V>::constant(0.0); SPHERE_ROW];
+    fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; SPHERE_ROW]) -> SphereRow<SimdLanes<V>> {
+        let mut lanes = [SimdLanes::<V>::constant(0.0); SPHERE_ROW];
         for k in 0..SPHERE_ROW {
-            lanes[k] = Lanes::read(&numbers[k]);
+            lanes[k] = SimdLanes::read(&numbers[k]);
         }
         SphereRow::from_numbers(&lanes)
     }
 }
 
-impl<T: Stored> Group<T> {
+impl<T: StoredLanes> LaneGroup<T> {
     /// Sets the coefficients of loads due to the motion of the other particle.
     #[inline(always)]
-    fn set<V: Width<f64>>(&mut self, side: &SphereRow<Lanes<V>>) {
+    fn set<V: Width<f64>>(&mut self, side: &SphereRow<SimdLanes<V>>) {
         T::store(side.ya[1], &mut self.across);
         T::store(side.xa[1] - side.ya[1], &mut self.along);
         T::store(side.yc[1], &mut self.roll);
@@ -210,10 +210,10 @@ impl<T: Stored> Group<T> {
     }
 }
 
-impl<T: Stored> MomentGroup<T> {
+impl<T: StoredLanes> MomentGroup<T> {
     /// Sets the coefficients of the first moments.
     #[inline(always)]
-    fn set<V: Width<f64>>(&mut self, side: &SphereRow<Lanes<V>>) {
+    fn set<V: Width<f64>>(&mut self, side: &SphereRow<SimdLanes<V>>) {
         for (both, to) in [(side.xg, &mut self.pull), (side.yg, &mut self.drag), (side.yh, &mut self.turn)] {
             T::store(both[0], &mut to[0]);
             T::store(both[1], &mut to[1]);

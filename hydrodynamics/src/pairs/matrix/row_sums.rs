@@ -1,7 +1,7 @@
 //! Sums over the pairs of several rows, one row per lane.
 
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
-use crate::pairs::matrix::lanes::{LANES, Lanes};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes};
 use crate::pairs::matrix::sparse::{add_tensor, scattered};
 use crate::six_vector::SixVector;
 use domain::Traceless;
@@ -9,33 +9,33 @@ use lubrication::{Arithmetic, SphereRow};
 use simd::SimdVector as Width;
 
 /// Sums of the diagonal blocks.
-pub struct Sums<V> {
-    force: [Lanes<V>; 6],
-    torque: [Lanes<V>; 6],
-    coupling: [Lanes<V>; 3],
+pub struct SphereRowSums<V> {
+    force: [SimdLanes<V>; 6],
+    torque: [SimdLanes<V>; 6],
+    coupling: [SimdLanes<V>; 3],
 }
 
 /// Sums of the loads and first moments in the ambient flow.
 pub struct InStrain<V> {
-    force: [Lanes<V>; 3],
-    torque: [Lanes<V>; 3],
-    moment: [Lanes<V>; 5],
+    force: [SimdLanes<V>; 3],
+    torque: [SimdLanes<V>; 3],
+    moment: [SimdLanes<V>; 5],
 }
 
 /// Rows and columns of the six components of a symmetric matrix.
 const SYMMETRIC: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-impl<V: Width<f64>> Sums<V> {
+impl<V: Width<f64>> SphereRowSums<V> {
     /// Zero sums.
     #[inline(always)]
     pub fn zero() -> Self {
-        let zero = Lanes::constant(0.0);
+        let zero = SimdLanes::constant(0.0);
         Self { force: [zero; 6], torque: [zero; 6], coupling: [zero; 3] }
     }
 
     /// Adds one pair of each row, along the axes `z`.
     #[inline(always)]
-    pub fn add(&mut self, side: &SphereRow<Lanes<V>>, z: [Lanes<V>; 3]) {
+    pub fn add(&mut self, side: &SphereRow<SimdLanes<V>>, z: [SimdLanes<V>; 3]) {
         let (across, roll, coupling) = (side.ya[0], side.yc[0], side.yb[0]);
         let (along, spin) = (side.xa[0] - across, side.xc[0] - roll);
         for (k, (i, j)) in SYMMETRIC.into_iter().enumerate() {
@@ -69,7 +69,7 @@ impl<V: Width<f64>> InStrain<V> {
     /// Zero sums.
     #[inline(always)]
     pub fn zero() -> Self {
-        let zero = Lanes::constant(0.0);
+        let zero = SimdLanes::constant(0.0);
         Self { force: [zero; 3], torque: [zero; 3], moment: [zero; 5] }
     }
 
@@ -78,16 +78,16 @@ impl<V: Width<f64>> InStrain<V> {
     #[inline(always)]
     pub fn add(
         &mut self,
-        side: &SphereRow<Lanes<V>>,
-        z: [Lanes<V>; 3],
-        (ambient, [sloping_x, sloping_y]): (Traceless, [Lanes<V>; 2]),
+        side: &SphereRow<SimdLanes<V>>,
+        z: [SimdLanes<V>; 3],
+        (ambient, [sloping_x, sloping_y]): (Traceless, [SimdLanes<V>; 2]),
     ) {
         let [xx, xy, xz, yy, yz] = ambient.0;
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];
         let mut across = [sloping_x * z[2], sloping_y * z[2], (sloping_x * z[0]).plus(sloping_y, z[1])];
         for i in 0..3 {
             for j in 0..3 {
-                across[i] = across[i].plus(Lanes::constant(rows[i][j]), z[j]);
+                across[i] = across[i].plus(SimdLanes::constant(rows[i][j]), z[j]);
             }
         }
         let along = (z[0] * across[0]).plus(z[1], across[1]).plus(z[2], across[2]);
@@ -105,7 +105,7 @@ impl<V: Width<f64>> InStrain<V> {
         add_tensor(side.xm_minus_zm_half * along, shear, z, &mut self.moment);
         let bulk = side.zm;
         for (k, component) in ambient.0.into_iter().enumerate() {
-            self.moment[k] = self.moment[k].plus(bulk, Lanes::constant(component));
+            self.moment[k] = self.moment[k].plus(bulk, SimdLanes::constant(component));
         }
         self.moment[2] = self.moment[2].plus(bulk, sloping_x);
         self.moment[4] = self.moment[4].plus(bulk, sloping_y);

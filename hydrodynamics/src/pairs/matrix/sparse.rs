@@ -2,7 +2,7 @@
 
 use crate::pairs::matrix::diagonal_block::{DiagonalBlock, Inverses};
 use crate::pairs::matrix::inverse_block::Block;
-use crate::pairs::matrix::lanes::{LANES, Lanes, Stored, turn};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, turn};
 use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
@@ -22,15 +22,15 @@ pub const ROWS: usize = 64;
 /// lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). Coefficients of pairs are stored in
 /// single or double precision; sums and diagonal blocks are always in double precision.
 pub struct PairMatrix<T> {
-    parts: Vec<Part<T>>,
+    parts: Vec<MatrixPart<T>>,
 }
 
 /// Matrix rows of a block of particles.
-pub struct Part<T> {
+pub struct MatrixPart<T> {
     /// Diagonal blocks.
     own: Vec<DiagonalBlock<f64>>,
     slices: Vec<Slice>,
-    groups: Vec<Group<T>>,
+    groups: Vec<LaneGroup<T>>,
     moments: Vec<MomentGroup<T>>,
     /// Number of groups that have been filled.
     filled: usize,
@@ -50,7 +50,7 @@ pub struct Slice {
 /// zero.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
-pub struct Group<T> {
+pub struct LaneGroup<T> {
     pub axis: [[T; LANES]; 3],
     pub across: [T; LANES],
     /// Translation along the axis minus translation across it: `along - across`.
@@ -87,13 +87,13 @@ impl Slice {
     }
 }
 
-impl<T: Stored> Part<T> {
+impl<T: StoredLanes> MatrixPart<T> {
     /// A block of `rows` rows, with room for `groups` groups.
     pub fn new(rows: usize, groups: usize) -> Self {
         Self {
             own: vec![DiagonalBlock::default(); rows],
             slices: Vec::with_capacity(rows.div_ceil(LANES)),
-            groups: vec![Group::zeroed(); groups],
+            groups: vec![LaneGroup::zeroed(); groups],
             moments: vec![MomentGroup::zeroed(); groups],
             filled: 0,
         }
@@ -101,7 +101,7 @@ impl<T: Stored> Part<T> {
 
     /// The next group of the current slice.
     #[inline(always)]
-    pub fn group(&mut self) -> (&mut Group<T>, &mut MomentGroup<T>) {
+    pub fn group(&mut self) -> (&mut LaneGroup<T>, &mut MomentGroup<T>) {
         let next = self.filled;
         self.filled += 1;
         (&mut self.groups[next], &mut self.moments[next])
@@ -122,9 +122,9 @@ impl<T: Stored> Part<T> {
     }
 }
 
-impl<T: Stored> PairMatrix<T> {
+impl<T: StoredLanes> PairMatrix<T> {
     /// The matrix of blocks of [`ROWS`] rows each, except for the last.
-    pub fn new(parts: Vec<Part<T>>) -> Self {
+    pub fn new(parts: Vec<MatrixPart<T>>) -> Self {
         Self { parts }
     }
 
@@ -154,7 +154,7 @@ pub trait Resistance: Sync {
     fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
 }
 
-impl<T: Stored> Resistance for PairMatrix<T> {
+impl<T: StoredLanes> Resistance for PairMatrix<T> {
     fn is_empty(&self) -> bool {
         self.parts.iter().all(|part| part.groups.is_empty())
     }
@@ -186,24 +186,24 @@ impl From<&SixVector> for Padded {
 
 /// Velocities and angular velocities of the particles in `rows`, one per lane.
 #[inline(always)]
-fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[Lanes<V>; 3]; 2] {
+fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[SimdLanes<V>; 3]; 2] {
     let mut records = [[0.0; LANES]; LANES];
     for lane in 0..LANES {
         records[lane] = present[rows[lane] as usize].0;
     }
     let mut lanes = [[0.0; LANES]; LANES];
     turn::<V, LANES>(&records, 0, &mut lanes);
-    let mut motions = [[Lanes::constant(0.0); 3]; 2];
+    let mut motions = [[SimdLanes::constant(0.0); 3]; 2];
     for k in 0..3 {
-        motions[0][k] = Lanes::read(&lanes[k]);
-        motions[1][k] = Lanes::read(&lanes[3 + k]);
+        motions[0][k] = SimdLanes::read(&lanes[k]);
+        motions[1][k] = SimdLanes::read(&lanes[3 + k]);
     }
     motions
 }
 
 /// Transposes sums from lanes to rows; missing numbers are zero.
 #[inline(always)]
-pub fn scattered<V: Width<f64>>(sums: &[Lanes<V>]) -> [[f64; LANES]; LANES] {
+pub fn scattered<V: Width<f64>>(sums: &[SimdLanes<V>]) -> [[f64; LANES]; LANES] {
     let mut lanes = [[0.0; LANES]; LANES];
     for k in 0..sums.len() {
         sums[k].write(&mut lanes[k]);
@@ -214,29 +214,29 @@ pub fn scattered<V: Width<f64>>(sums: &[Lanes<V>]) -> [[f64; LANES]; LANES] {
 }
 
 #[inline(always)]
-fn dot<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> Lanes<V> {
+fn dot<V: Width<f64>>(a: [SimdLanes<V>; 3], b: [SimdLanes<V>; 3]) -> SimdLanes<V> {
     (a[0] * b[0]).plus(a[1], b[1]).plus(a[2], b[2])
 }
 
 #[inline(always)]
-fn cross<V: Width<f64>>(a: [Lanes<V>; 3], b: [Lanes<V>; 3]) -> [Lanes<V>; 3] {
+fn cross<V: Width<f64>>(a: [SimdLanes<V>; 3], b: [SimdLanes<V>; 3]) -> [SimdLanes<V>; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline(always)]
-fn axis<T: Stored, V: Width<f64>>(group: &Group<T>) -> [Lanes<V>; 3] {
+fn axis<T: StoredLanes, V: Width<f64>>(group: &LaneGroup<T>) -> [SimdLanes<V>; 3] {
     [T::lanes(&group.axis[0]), T::lanes(&group.axis[1]), T::lanes(&group.axis[2])]
 }
 
 /// Product of a block of rows and the motions.
 struct Product<'a, T> {
-    part: &'a Part<T>,
+    part: &'a MatrixPart<T>,
     first: usize,
     present: &'a [Padded],
     loads: &'a mut [SixVector],
 }
 
-impl<T: Stored> VectorKernel<f64> for Product<'_, T> {
+impl<T: StoredLanes> VectorKernel<f64> for Product<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -244,7 +244,7 @@ impl<T: Stored> VectorKernel<f64> for Product<'_, T> {
         for (k, (own, loads)) in self.part.own.chunks(LANES).zip(self.loads.chunks_mut(LANES)).enumerate() {
             let mut rows = [(self.first + k * LANES) as u32; LANES];
             (0..own.len()).for_each(|lane| rows[lane] += lane as u32);
-            let records = scattered(&DiagonalBlock::<Lanes<V>>::of(own).times(gathered(self.present, &rows)));
+            let records = scattered(&DiagonalBlock::<SimdLanes<V>>::of(own).times(gathered(self.present, &rows)));
             for (load, record) in loads.iter_mut().zip(&records) {
                 for k in 0..6 {
                     load.0[k] += record[k];
@@ -252,7 +252,7 @@ impl<T: Stored> VectorKernel<f64> for Product<'_, T> {
             }
         }
         for (slice, groups) in self.part.slices() {
-            let mut sums = [Lanes::<V>::constant(0.0); 6];
+            let mut sums = [SimdLanes::<V>::constant(0.0); 6];
             for group in &self.part.groups[groups] {
                 group.add(self.present, &mut sums);
             }
@@ -267,10 +267,10 @@ impl<T: Stored> VectorKernel<f64> for Product<'_, T> {
     }
 }
 
-impl<T: Stored> Group<T> {
+impl<T: StoredLanes> LaneGroup<T> {
     /// Adds the loads due to the motions of the other particles.
     #[inline(always)]
-    fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [Lanes<V>; 6]) {
+    fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [SimdLanes<V>; 6]) {
         let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<T, V>(self));
         let along = dot(z, u) * T::lanes(&self.along);
         let spin = dot(z, o) * T::lanes(&self.spin);
@@ -286,13 +286,13 @@ impl<T: Stored> Group<T> {
 
 /// First moments of a block of rows.
 struct MomentRows<'a, T> {
-    part: &'a Part<T>,
+    part: &'a MatrixPart<T>,
     first: usize,
     present: &'a [Padded],
     sums: &'a mut [Traceless],
 }
 
-impl<T: Stored> VectorKernel<f64> for MomentRows<'_, T> {
+impl<T: StoredLanes> VectorKernel<f64> for MomentRows<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -303,7 +303,7 @@ impl<T: Stored> VectorKernel<f64> for MomentRows<'_, T> {
                 rows[lane] += row;
             }
             let own = gathered::<V>(self.present, &rows);
-            let mut sums = [Lanes::<V>::constant(0.0); 5];
+            let mut sums = [SimdLanes::<V>::constant(0.0); 5];
             for k in groups {
                 self.part.moments[k].add(&self.part.groups[k], (self.present, own), &mut sums);
             }
@@ -318,19 +318,19 @@ impl<T: Stored> VectorKernel<f64> for MomentRows<'_, T> {
     }
 }
 
-impl<T: Stored> MomentGroup<T> {
+impl<T: StoredLanes> MomentGroup<T> {
     /// Adds the moments due to the motions of the rows' particles and of the others.
     #[inline(always)]
     fn add<V: Width<f64>>(
         &self,
-        group: &Group<T>,
-        (present, of_own): (&[Padded], [[Lanes<V>; 3]; 2]),
-        sums: &mut [Lanes<V>; 5],
+        group: &LaneGroup<T>,
+        (present, of_own): (&[Padded], [[SimdLanes<V>; 3]; 2]),
+        sums: &mut [SimdLanes<V>; 5],
     ) {
         let z = axis::<T, V>(group);
         let of_others = gathered::<V>(present, &group.others);
-        let mut stretch = Lanes::constant(0.0);
-        let mut shear = [Lanes::constant(0.0); 3];
+        let mut stretch = SimdLanes::constant(0.0);
+        let mut shear = [SimdLanes::constant(0.0); 3];
         for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
             let (along, turning) = (dot(z, u), cross(o, z));
             let (drag, turn) = (T::lanes(&self.drag[k]), T::lanes(&self.turn[k]));
@@ -345,8 +345,13 @@ impl<T: Stored> MomentGroup<T> {
 
 /// Adds `stretch (3 zz - 1) + z s + s z`, with `s` the shear, to the five components of symmetric traceless tensors.
 #[inline(always)]
-pub fn add_tensor<V: Width<f64>>(stretch: Lanes<V>, shear: [Lanes<V>; 3], z: [Lanes<V>; 3], sums: &mut [Lanes<V>; 5]) {
-    let three = Lanes::constant(3.0) * stretch;
+pub fn add_tensor<V: Width<f64>>(
+    stretch: SimdLanes<V>,
+    shear: [SimdLanes<V>; 3],
+    z: [SimdLanes<V>; 3],
+    sums: &mut [SimdLanes<V>; 5],
+) {
+    let three = SimdLanes::constant(3.0) * stretch;
     for (k, (i, j)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2)].into_iter().enumerate() {
         sums[k] = sums[k].plus(three * z[i], z[j]).plus(z[i], shear[j]).plus(shear[i], z[j]);
     }
