@@ -28,7 +28,7 @@ fn predictions_are_what_is_allocated() {
         let plan = Plan::choose(&Problem { rigid: true, fixed, ..suspension.problem(tolerance) }).unwrap();
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let expected = ExpectedCounts::new(plan.edges, &[(1.0, COUNT)], partition.place());
-        let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
+        let footprint = Footprint::new(&plan, partition.place(), rayon::current_num_threads(), &expected);
         assert_eq!(footprint.radii(), plan.radii);
         let (mut hydrodynamics, found) = measured(|| {
             let mut hydrodynamics = StressletSolver::new(&plan, &partition);
@@ -63,7 +63,7 @@ fn flow_at_points() {
         let plan = Plan::choose(&suspension.problem(tolerance)).unwrap().with_points().unwrap();
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let expected = ExpectedCounts::new(plan.edges, &[(1.0, COUNT)], partition.place());
-        let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
+        let footprint = Footprint::new(&plan, partition.place(), rayon::current_num_threads(), &expected);
         let (particles, loads) = (suspension.particles(), suspension.loads(1));
         let (mut mobility, found) = measured(|| {
             let mut mobility = Mobility::new(&plan, &partition);
@@ -94,7 +94,7 @@ fn boxes_that_lean() {
     assert!(plan.is_tilted);
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, &[(1.0, 20)], partition.place());
-    let footprint = Footprint::new(&plan, (partition.place(), rayon::current_num_threads()), &expected);
+    let footprint = Footprint::new(&plan, partition.place(), rayon::current_num_threads(), &expected);
     let (_, found) = measured(|| {
         let mut hydrodynamics = StressletSolver::new(&plan, &partition);
         hydrodynamics.mobility().arrange(&cell, &particles);

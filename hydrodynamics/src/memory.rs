@@ -19,7 +19,7 @@ pub struct Ranks {
 }
 
 /// Memory of a rank from the peak of its allocations and the far field of a plan.
-pub fn of_peak(peak: Bytes, far: &Footprint, (rank, ranks): (usize, usize)) -> MemoryNeed {
+pub fn of_peak(peak: Bytes, far: &Footprint, rank: usize, ranks: usize) -> MemoryNeed {
     let remote = far.remote_resident_bytes();
     let resident = Process::of(rank, ranks).resident(peak.most) + remote;
     MemoryNeed { resident, remote, mapped: far.mapped_bytes(ranks) - remote }

@@ -34,7 +34,7 @@ const MOST_ITERATIONS: usize = 2000;
 
 impl<'a> Preconditioner<'a> {
     /// The matrix for near pairs of particles with the given single-sphere resistances.
-    pub fn new((comm, near): (&Comm, &'a NearPairs), single: &'a [SixVector], tolerance: f64) -> Self {
+    pub fn new(comm: &Comm, near: &'a NearPairs, single: &'a [SixVector], tolerance: f64) -> Self {
         let inverse = near.stiff().inverses(single);
         Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
     }

@@ -66,23 +66,23 @@ impl ContactSprings {
 impl Springs<'_> {
     /// Resistances of a particle, by its row, and another, by its id: along the line of centres, to slip, and to
     /// rolling.
-    pub fn between(&self, rows: (usize, u64), distance: f64, radii: [f64; 2]) -> [f64; 3] {
-        self.of(rows, distance, radii.into())
+    pub fn between(&self, row: usize, other: u64, distance: f64, radii: [f64; 2]) -> [f64; 3] {
+        self.of(row, other, distance, radii.into())
     }
 
     /// Resistances of a particle and a wall: along the normal, to slip, and to rolling.
-    pub fn at_wall(&self, (row, wall): (usize, usize), distance: f64, radius: f64) -> [f64; 3] {
-        self.of((row, ContactSprings::wall(wall)), distance, PairKind::Wall(radius))
+    pub fn at_wall(&self, row: usize, wall: usize, distance: f64, radius: f64) -> [f64; 3] {
+        self.of(row, ContactSprings::wall(wall), distance, PairKind::Wall(radius))
     }
 
-    fn of(&self, (row, other): (usize, u64), distance: f64, between: PairKind) -> [f64; 3] {
+    fn of(&self, row: usize, other: u64, distance: f64, between: PairKind) -> [f64; 3] {
         let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
-        [(self.resistance)(distance, between) + normal + self.bond((row, other), distance), tangential, rolling]
+        [(self.resistance)(distance, between) + normal + self.bond(row, other, distance), tangential, rolling]
     }
 
     /// Resistance of a bond along the line of centres.
-    fn bond(&self, (row, other): (usize, u64), distance: f64) -> f64 {
+    fn bond(&self, row: usize, other: u64, distance: f64) -> f64 {
         let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
         bonds.find(|bond| bond.other == other && distance < bond.within).map_or(0.0, |bond| bond.resistance)
     }

@@ -48,12 +48,12 @@ impl<T: Real, K: Kernel<T>> VectorKernel<T> for Fill<'_, T, K> {
     #[inline(always)]
     fn run<V: Lanes<T>>(mut self) {
         let Spread { stencils, classes, loads, period } = self.spread;
-        let planes = (self.kernel.planes(), *period);
+        let planes = self.kernel.planes();
         let mut scratch = K::Scratch::default();
         let mut dirty = Dirty::all(self.slab.planes.len());
         for stencil in *stencils {
             let row = stencil.row as usize;
-            dirty.clear_for(stencil, planes, &mut self.slab);
+            dirty.clear_for(stencil, planes, *period, &mut self.slab);
             self.kernel.deposit::<V>(&mut scratch, (stencil, classes[row], &loads[row]), &mut self.slab);
         }
         dirty.clear_rest(&mut self.slab);
@@ -75,7 +75,7 @@ impl Dirty {
 
     /// Zeroes the planes that a stencil of `count` planes touches, wrapped at the period.
     #[inline(always)]
-    fn clear_for<T: Real>(&mut self, stencil: &Stencil, (count, period): (usize, usize), slab: &mut Slab<&mut [T]>) {
+    fn clear_for<T: Real>(&mut self, stencil: &Stencil, count: usize, period: usize, slab: &mut Slab<&mut [T]>) {
         if self.last == Some(stencil.first[2]) {
             return;
         }

@@ -238,7 +238,8 @@ fn eigen(mut matrix: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
 }
 
 /// Velocity, angular velocity and rate of strain as components, from a velocity and its gradient.
-pub(crate) fn components((velocity, gradient): &(Vector, Tensor)) -> Components {
+pub(crate) fn components(motion: &(Vector, Tensor)) -> Components {
+    let (velocity, gradient) = motion;
     let (rotation, strain) = (angular_velocity(gradient), orthonormal(Traceless::part_of(gradient)));
     let mut components = [0.0; COMPONENTS];
     components[..3].copy_from_slice(&velocity.to_array());

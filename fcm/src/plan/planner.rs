@@ -214,7 +214,7 @@ impl Problem {
         }
         let of_walls = |factor: f64, points: usize| {
             let accuracy = Accuracy { resolution: factor * resolution, points };
-            (accuracy, self.wall_error((width, cutoff), width / accuracy.resolution, points))
+            (accuracy, self.wall_error(Split { width, cutoff }, width / accuracy.resolution, points))
         };
         let with = |factor: f64, points: usize| {
             let (accuracy, error) = of_walls(factor, points);
@@ -260,7 +260,8 @@ impl Problem {
 
     /// Error of the walls' flow on a grid of this spacing, with windows of `points` points for a Gaussian of this
     /// width.
-    fn wall_error(&self, (width, cutoff): (f64, f64), spacing: f64, points: usize) -> f64 {
+    fn wall_error(&self, split: Split, spacing: f64, points: usize) -> f64 {
+        let Split { width, cutoff } = split;
         let at_walls = WallGrid {
             boundaries: self.boundaries,
             radii: [self.smallest_radius(), self.largest_radius()],
@@ -387,7 +388,7 @@ impl Problem {
                 let brackets = self.brackets(width, stretch);
                 accuracy::split_error(self.multipoles, resolution, support.support, brackets)
                     .hypot(accuracy::cutoff_error(self.multipoles, cutoff / width, brackets))
-                    .hypot(self.wall_error((width, cutoff), spacing.max_element(), support.support))
+                    .hypot(self.wall_error(Split { width, cutoff }, spacing.max_element(), support.support))
             }
         }
     }

@@ -63,7 +63,7 @@ impl WallDrift {
         // A cubic between two distances also passes through the next two.
         let count = 4 + ((farthest / first).ln() / STEP).max(0.0) as usize;
         let first = first.ln() - STEP;
-        let at = |number: usize| values((walls, edges), (first + STEP * number as f64).exp());
+        let at = |number: usize| values(walls, edges, (first + STEP * number as f64).exp());
         let values = (0..count).into_par_iter().map(at).collect();
         Self { first, height, inverse_viscosity: 1.0 / plan.viscosity, values }
     }
@@ -110,7 +110,7 @@ impl WallDrift {
 ///
 /// A sum over wavevectors equals the integral over them if the summand is smooth over several of them: the long waves
 /// are summed, and the short ones, separated by a smooth transition, integrated.
-fn values((walls, edges): (usize, Vector), z: f64) -> DriftValues {
+fn values(walls: usize, edges: Vector, z: f64) -> DriftValues {
     // For one wall the height does not matter.
     let height = if walls == 2 { edges.z } else { 2.0 * z };
     let (width, shortest) = (SMOOTH / edges.x.min(edges.y), 0.5 * DECAYED / z);
@@ -119,7 +119,7 @@ fn values((walls, edges): (usize, Vector), z: f64) -> DriftValues {
     let mut sum = DriftValues::default();
     // Adds a wavenumber with its weight, and the fractions of its square in the components along x and y.
     let mut add = |k: f64, weight: f64, parts: [f64; 2]| {
-        let (of_velocity, of_strain) = of_wave((walls, height), k, z);
+        let (of_velocity, of_strain) = of_wave(walls, height, k, z);
         let (velocity, strains) = sum.split_at_mut(OF_VELOCITY);
         velocity.iter_mut().zip(of_velocity).for_each(|(sum, value)| *sum += weight * value);
         for (strain, part) in strains.chunks_exact_mut(OF_STRAIN).zip(parts) {
@@ -147,7 +147,7 @@ fn values((walls, edges): (usize, Vector), z: f64) -> DriftValues {
 }
 
 /// Coefficients of one wavenumber.
-fn of_wave((walls, height): (usize, f64), k: f64, z: f64) -> ([f64; OF_VELOCITY], [f64; OF_STRAIN]) {
+fn of_wave(walls: usize, height: f64, k: f64, z: f64) -> ([f64; OF_VELOCITY], [f64; OF_STRAIN]) {
     let kernel = across_walls(walls, height, k);
     let (below, above) = ((-k * z).exp(), (-k * (height - z)).exp());
     // Functions for points, minus the part proportional to a squared width, with their first and second derivatives.
@@ -186,7 +186,7 @@ mod tests {
     #[test]
     fn in_a_large_box_velocities_are_those_in_closed_form() {
         for z in [0.9, 1.3, 3.0, 8.0] {
-            let found = values((1, Vector::new(2000.0, 3000.0, 10.0)), z);
+            let found = values(1, Vector::new(2000.0, 3000.0, 10.0), z);
             let exact = [3.0 / 16.0 * z.powi(-2), -0.75 * z.powi(-4), 15.0 / 16.0 * z.powi(-6)];
             for (found, exact) in found.iter().zip(exact.map(|value| value / std::f64::consts::PI)) {
                 assert!((found / exact - 1.0).abs() < 1e-5, "{found} is not {exact} at {z}");
@@ -202,12 +202,12 @@ mod tests {
     #[test]
     fn sums_and_integrals_are_one() {
         let (edges, z): (Vector, f64) = (Vector::new(30.0, 18.0, 9.0), 1.2);
-        let found = values((2, edges), z);
+        let found = values(2, edges, z);
         let (mut sum, [x, y]) = ([0.0; OF_VELOCITY], [TAU / edges.x, TAU / edges.y]);
         for (m, n) in (-80..=80).flat_map(|m| (-50..=50).map(move |n| (f64::from(m), f64::from(n)))) {
             let k = (m * x).hypot(n * y);
             if k > 0.0 {
-                let (of_velocity, _) = of_wave((2, edges.z), k, z);
+                let (of_velocity, _) = of_wave(2, edges.z, k, z);
                 sum.iter_mut().zip(of_velocity).for_each(|(sum, value)| *sum += value / (edges.x * edges.y));
             }
         }

@@ -121,7 +121,8 @@ impl WallImages {
         let of = |row: usize| (images.class(present.classes[row]), present.positions[row].z);
         let near = |row: usize| {
             let mut near = Vec::new();
-            if images.of_pairs && images.is_near_wall(present.cell, of(row)) {
+            let (class, z) = of(row);
+            if images.of_pairs && images.is_near_wall(present.cell, class, z) {
                 for neighbour in neighbours.of(row).iter() {
                     let j = neighbour.row as usize;
                     let x = present.positions[row] - present.positions[j];
@@ -176,7 +177,7 @@ impl WallImages {
     }
 
     /// Whether a sphere may have an image in another one.
-    fn is_near_wall(&self, cell: &PeriodicBox, (of, z): (&SphereClass, f64)) -> bool {
+    fn is_near_wall(&self, cell: &PeriodicBox, of: &SphereClass, z: f64) -> bool {
         let farthest = |of: &SphereClass| of.reach - of.contact;
         let reach = of.reach + self.classes.iter().map(farthest).fold(0.0, f64::max);
         let below = z - cell.origin().z;

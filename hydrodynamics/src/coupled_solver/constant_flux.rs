@@ -52,7 +52,7 @@ impl CoupledSolver {
         let mobility = self.far.mobility();
         mobility.constrain(None);
         mobility.arrange(cell, particles);
-        let flux = ConstantFlux::new(cell, particles, (mobility.plan().viscosity, mobility.plan().multipoles));
+        let flux = ConstantFlux::new(cell, particles, mobility.plan().viscosity, mobility.plan().multipoles);
         let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else { return flux };
         let (units, own) = (self.units, units::particles(particles, &self.units));
         // The unit flow has a curvature of one over time and length.
@@ -65,7 +65,7 @@ impl CoupledSolver {
 
 impl ConstantFlux {
     /// The constraint for spheres without lubrication, between the walls of a box.
-    fn new(cell: &PeriodicBox, particles: &Particles, (viscosity, multipoles): (f64, Multipoles)) -> Self {
+    fn new(cell: &PeriodicBox, particles: &Particles, viscosity: f64, multipoles: Multipoles) -> Self {
         let [x, y, height] = cell.edges().to_array();
         let flow = Poiseuille { curvature: 1.0, height };
         let unit = flow.motion(particles, multipoles);

@@ -174,7 +174,8 @@ impl CoupledSolver {
         &mut self,
         cell: &PeriodicBox,
         particles: &Particles,
-        (tolerance, stream): (f64, Stream),
+        tolerance: f64,
+        stream: Stream,
     ) -> (Motion, DrawDiagnostics) {
         let mobility = self.far.mobility();
         mobility.arrange(cell, particles);
@@ -231,7 +232,7 @@ fn lubricated(
     let viscosity = plan.viscosity / mobility.units.viscosity;
     let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
     let (single, strain_resistance) = alone(viscosity, radii);
-    let mut matrix = preconditioned.then(|| Preconditioner::new((comm, near), &single, ROUGH));
+    let mut matrix = preconditioned.then(|| Preconditioner::new(comm, near, &single, ROUGH));
     let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
     known.add(1.0, near.ambient_loads());
     let is_rigid = plan.multipoles == Multipoles::Dipole;

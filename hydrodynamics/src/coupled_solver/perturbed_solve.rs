@@ -104,7 +104,7 @@ impl CoupledSolver {
         }
         let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
         let is_matrix = have_moved && self.preconditioned && self.near.is_some();
-        let matrix = is_matrix.then(|| Preconditioner::new((comm, &near), &single, ROUGH));
+        let matrix = is_matrix.then(|| Preconditioner::new(comm, &near, &single, ROUGH));
         let start = guessed(&near, &single, &units::found(found, &units));
         let loads = units::times(loads, 1.0 / units.torque());
         let known = SixVectors::new(own.len(), &loads.forces, &loads.torques);

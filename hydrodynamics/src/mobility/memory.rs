@@ -35,13 +35,13 @@ impl SingleEvaluation<'_> {
         let mut radii = self.radii.clone();
         radii.sort_by(|a, b| a.0.total_cmp(&b.0));
         let expected = ExpectedCounts::new(plan.edges, &radii, &place);
-        let far = Footprint::new(plan, (&place, ranks.threads), &expected);
+        let far = Footprint::new(plan, &place, ranks.threads, &expected);
         let tables = self.lubrication.map_or_else(Bytes::default, |_| table_bytes(&plan.radii));
         let solve = self.lubrication.map_or_else(|| far.solve(), |range| solve_bytes(&far, &expected, range));
         let (owned, all) = (expected.owned(), expected.total());
         let gathered = Particles::gathering_bytes(owned, all, self.numbers, comm.is_first());
         let besides = if comm.is_first() { self.besides } else { Bytes::default() };
         let stays = besides.then(far.mobility()).then(tables).then(Particles::bytes(owned, self.numbers));
-        of_peak(stays.then(solve.freed().or(gathered.freed())), &far, (comm.rank(), ranks.count))
+        of_peak(stays.then(solve.freed().or(gathered.freed())), &far, comm.rank(), ranks.count)
     }
 }

@@ -196,7 +196,7 @@ impl Mobility {
             self.unless_interrupted()?;
             let mut particles = self.placed(&Loads::default());
             let stream = Stream::new(seed, draw);
-            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, (tolerance, stream));
+            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, tolerance, stream);
             worst.iterations = worst.iterations.max(drawn.iterations);
             worst.clipped = worst.clipped.max(drawn.clipped);
             let mut motion = ambient.clone();

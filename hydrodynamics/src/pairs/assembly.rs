@@ -74,7 +74,8 @@ impl<T: StoredLanes> Assembly<'_, T> {
     /// Rows of all particles of a rank, whose loads and moments are added to those given.
     pub fn of_all(
         arrangement: &PairArrangement,
-        (loads, moments): (&mut [SixVector], &mut [Traceless]),
+        loads: &mut [SixVector],
+        moments: &mut [Traceless],
     ) -> Vec<Assembled<T>> {
         let part = |(k, (loads, moments)): (usize, (&mut [SixVector], &mut [Traceless]))| {
             let (first, rows) = (k * ROWS, loads.len());
@@ -111,7 +112,7 @@ impl<T: StoredLanes> Assembly<'_, T> {
         }
         let (pair, distance) = ([species[row], species[other]], separation.length());
         let gap = lubrication.and_then(|pairs| pairs.force.gap(distance, pair));
-        let between = |springs: &Springs| springs.between((row, ids[other]), distance, pair.map(|s| radii[s as usize]));
+        let between = |springs: &Springs| springs.between(row, ids[other], distance, pair.map(|s| radii[s as usize]));
         let resisted = springs.map(between);
         let spring = resisted.map_or(0.0, |[along, ..]| along);
         if gap.is_none() && spring == 0.0 {

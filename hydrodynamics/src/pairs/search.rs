@@ -109,10 +109,9 @@ impl NearPairs {
         let arrangement =
             PairArrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
         let (mut loads, mut moments) = (SixVectors::zero(owned), vec![Traceless::ZERO; owned]);
-        let sums = (&mut loads.0[..], &mut moments[..]);
         let Resisting { mut stiff, soft } = match field.precision {
-            Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, sums)),
-            Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, sums)),
+            Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, &mut loads.0, &mut moments)),
+            Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, &mut loads.0, &mut moments)),
         };
         let at_walls = walls::find((at_walls.as_ref(), springs), particles, (cell, strain_rate));
         for at_wall in &at_walls {

@@ -32,8 +32,8 @@ pub fn find(
         let at_wall = move |to: ToWall| {
             let lubricated = lubrication.and_then(|force| force.factor(to.axis, to.distance, radius));
             let mut resistance = lubricated.map(|factor| factor.coefficients()).unwrap_or_default();
-            let in_flow = in_flow(&resistance, (place, to), strain_rate);
-            let held = springs.map_or([0.0; 3], |springs| springs.at_wall((row, to.wall), to.distance, radius));
+            let in_flow = in_flow(&resistance, place, to, strain_rate);
+            let held = springs.map_or([0.0; 3], |springs| springs.at_wall(row, to.wall, to.distance, radius));
             add_springs(&mut resistance, held, to.distance, radius);
             let acts = lubricated.is_some() || held[0] > 0.0;
             acts.then_some(AtWall { row, axis: to.axis, distance: to.distance, resistance, in_flow })
@@ -49,7 +49,8 @@ pub fn find(
 /// that slip diverges as the gap closes.
 fn in_flow(
     resistance: &WallCoefficients,
-    (place, to): (Vector, ToWall),
+    place: Vector,
+    to: ToWall,
     strain_rate: StrainRate,
 ) -> (SixVector, Traceless) {
     let strained = resistance.by_strain(to.axis, strain_rate.at(place.z));

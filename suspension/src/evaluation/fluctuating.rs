@@ -29,7 +29,7 @@ impl Dynamics {
     /// Draws random motions of the fluid at the particles. Collective.
     pub fn fluctuate(&mut self, particles: &mut Particles, noise: Noise) {
         let (cell, tolerance) = (*self.moving.cell(), ROOT * self.tolerance);
-        let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, (tolerance, noise.stream));
+        let (motion, drawn) = self.hydrodynamics.noise(&cell, particles, tolerance, noise.stream);
         self.clipped = self.clipped.max(drawn.clipped);
         set_ambient(particles, &motion, noise.amplitude);
     }

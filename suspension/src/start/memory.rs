@@ -47,10 +47,10 @@ pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec
 pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> MemoryNeed {
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
-    let far = Footprint::new(plan, (&place, ranks.threads), &expected);
+    let far = Footprint::new(plan, &place, ranks.threads, &expected);
     let (threads, rank_of) = (ranks.threads, (rank, ranks.count));
     let share = Share { model, far, expected: &expected, threads, rank_of };
-    of_peak(share.peak(), &share.far, (rank, ranks.count))
+    of_peak(share.peak(), &share.far, rank, ranks.count)
 }
 
 /// Advice for a scene that needs too much memory.
@@ -344,7 +344,7 @@ impl Share<'_> {
         }
         let Some(plan) = self.far.plan_of_flow(largest_strain(self.model)) else { return Bytes::default() };
         let place = self.far.place_of(&plan);
-        let far = Footprint::new(&plan, (&place, self.threads), self.expected);
+        let far = Footprint::new(&plan, &place, self.threads, self.expected);
         let moved = Particles::bytes(self.expected.owned(), 11);
         let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
         let flow = if plan.boundaries == Boundaries::Periodic {

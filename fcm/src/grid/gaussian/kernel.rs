@@ -60,7 +60,8 @@ impl<T: Real> GaussianScratch<T> {
     #[inline(always)]
     fn prepare<S: GaussianShape, V: Lanes<T>, X>(
         &mut self,
-        (stencil, sources): (&Stencil, &Sources),
+        stencil: &Stencil,
+        sources: &Sources,
         lattice: &GaussianLattice,
         slab: &Slab<X>,
     ) -> Option<usize> {
@@ -188,7 +189,7 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
         slab: &mut Slab<&mut [T]>,
     ) {
         let sources = &self.lattice.sources[class as usize];
-        let Some(end) = scratch.prepare::<S, V, _>((stencil, sources), self.lattice, slab) else {
+        let Some(end) = scratch.prepare::<S, V, _>(stencil, sources, self.lattice, slab) else {
             return;
         };
         let [x, y, z] = slab.components.each_mut().map(|component| {
@@ -219,7 +220,7 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
     ) -> WeightedSums<T> {
         let sources = &self.lattice.sources[class as usize];
         scratch.totals.clear();
-        if let Some(end) = scratch.prepare::<S, V, _>((stencil, sources), self.lattice, slab) {
+        if let Some(end) = scratch.prepare::<S, V, _>(stencil, sources, self.lattice, slab) {
             let [x, y, z] = slab.components.map(|component| {
                 assert!(end <= component.len(), "a stencil ends within its planes");
                 component.as_ptr()

@@ -69,17 +69,18 @@ pub(crate) unsafe fn tabulate<T: Real, S: GaussianShape, V: Lanes<T>>(
     table: *mut T,
 ) {
     if S::FORCES {
-        unsafe { gaussian((&sources.monopole, 0), sources.strain, columns, row).store(table) };
+        unsafe { gaussian(&sources.monopole, 0, sources.strain, columns, row).store(table) };
     }
     if S::DIPOLES {
-        unsafe { gaussian((&sources.dipole, 1), sources.strain, columns, row).store(table.add(V::LANES)) };
+        unsafe { gaussian(&sources.dipole, 1, sources.strain, columns, row).store(table.add(V::LANES)) };
     }
 }
 
 /// `exp(-((X + s y)^2 + y^2) / (2 width^2))`: in an orthogonal box the product of Gaussians of `X` and of `y`.
 #[inline(always)]
 fn gaussian<T: Real, V: Lanes<T>>(
-    (source, kind): (&Source, usize),
+    source: &Source,
+    kind: usize,
     strain: f64,
     columns: &GaussianColumns<V>,
     row: &StencilRow<T>,

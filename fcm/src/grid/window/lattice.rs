@@ -45,15 +45,15 @@ pub(crate) struct Slants<T> {
 impl<T: Real> WindowLattice<T> {
     /// For envelopes that share a common Gaussian.
     pub fn new(grid: &Grid, window: Window, common: Common, envelopes: &[Envelope]) -> Self {
-        Self::of_pieces(grid, (window, Pieces::new(window)), common, envelopes)
+        Self::of_pieces(grid, window, Pieces::new(window), common, envelopes)
     }
 
     /// The same window on a grid that has been sheared.
     pub fn sheared(&self, grid: &Grid, common: Common, envelopes: &[Envelope]) -> Self {
-        Self::of_pieces(grid, (self.window, self.pieces.clone()), common, envelopes)
+        Self::of_pieces(grid, self.window, self.pieces.clone(), common, envelopes)
     }
 
-    fn of_pieces(grid: &Grid, (window, pieces): (Window, Pieces<T>), common: Common, envelopes: &[Envelope]) -> Self {
+    fn of_pieces(grid: &Grid, window: Window, pieces: Pieces<T>, common: Common, envelopes: &[Envelope]) -> Self {
         let (inverse, s, [t, r]) = (grid.spacing().recip().to_array(), grid.strain(), grid.cell().tilts());
         let ([x, y, z], f) = (inverse, t - s * r);
         let laplacian = [

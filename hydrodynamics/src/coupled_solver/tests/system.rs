@@ -83,7 +83,7 @@ impl Setting {
         let resisted = MotionsWithLoads { motions: nothing.clone(), loads: nothing.clone() };
         let moments = vec![Traceless::ZERO; self.spheres()];
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
-        let matrix = Some(Preconditioner::new((&Comm::alone(), &self.near), &self.single, 0.1));
+        let matrix = Some(Preconditioner::new(&Comm::alone(), &self.near, &self.single, 0.1));
         let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
         CoupledSystem::new(
             mobility,
@@ -155,7 +155,7 @@ fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
-    let mut matrix = Preconditioner::new((&Comm::alone(), near), single, 0.1);
+    let mut matrix = Preconditioner::new(&Comm::alone(), near, single, 0.1);
     let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let error = |matrix: &mut Preconditioner| {
         let [motions, _] = matrix.solve(&loads);
@@ -182,7 +182,7 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
     let (near, single) = (&setting.near, &setting.single);
     let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
-    let [motions, resisted] = Preconditioner::new((&Comm::alone(), near), single, 0.1).solve(&loads);
+    let [motions, resisted] = Preconditioner::new(&Comm::alone(), near, single, 0.1).solve(&loads);
     let mut difference = near.times(&[Pairs::Stiff], &motions);
     let size = difference.dot(&difference).sqrt();
     difference.add(-1.0, &resisted);

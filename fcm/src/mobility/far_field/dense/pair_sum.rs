@@ -64,14 +64,20 @@ impl<'a> PairSum<'a> {
     }
 }
 
+/// Load of a sphere.
+pub(super) struct UnitLoad {
+    pub force: Vector,
+    pub dipole: Tensor,
+}
+
 /// Force and dipole of each load of a sphere: three forces, three torques, and minus five stresslets, which are those
 /// that work on [`components`].
-pub(super) fn unit_loads() -> [(Vector, Tensor); COMPONENTS] {
+pub(super) fn unit_loads() -> [UnitLoad; COMPONENTS] {
     std::array::from_fn(|load| {
         let unit = |first: usize| Vector::from_array(std::array::from_fn(|a| f64::from(u8::from(first + a == load))));
         let stresslet: [f64; 5] = std::array::from_fn(|d| -f64::from(u8::from(6 + d == load)));
         let stresslet = if load < 6 { Traceless::ZERO } else { tensor(stresslet) };
-        (unit(0), dipole(stresslet, unit(3)))
+        UnitLoad { force: unit(0), dipole: dipole(stresslet, unit(3)) }
     })
 }
 
@@ -82,7 +88,8 @@ pub(super) fn unit_loads() -> [(Vector, Tensor); COMPONENTS] {
 /// d_d d_c T_ab G_bc = -G_ad (4 f_2 + r^2 f_3) - (G x)_a x_d (6 f_3 + r^2 f_4) + G_da f_2 + x_a x_d (x.G x) f_4
 ///                     + [(G^T x)_a x_d + x_a (G^T x)_d + x_a (G x)_d + delta_ad (x.G x)] f_3
 /// ```
-fn flow(f: &Values, x: Vector, &(force, dipole): &(Vector, Tensor)) -> (Vector, Tensor) {
+fn flow(f: &Values, x: Vector, load: &UnitLoad) -> (Vector, Tensor) {
+    let &UnitLoad { force, dipole } = load;
     let square = x.length_squared();
     let (along, across) = (dipole * x, dipole.transpose() * x);
     let velocity =

@@ -1,10 +1,10 @@
 //! Sum over wavevectors: the flow of the common Gaussians.
 
 use super::entries::{EXPONENT, LocatedSphere, Shapes};
-use super::pair_sum::unit_loads;
+use super::pair_sum::{UnitLoad, unit_loads};
 use crate::envelope::Common;
 use crate::mobility::noise::product;
-use domain::{PeriodicBox, Tensor, Vector};
+use domain::{PeriodicBox, Vector};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -98,11 +98,11 @@ impl Wave {
     }
 
     /// Force density `F w exp(-i k.Y) + i G k w' exp(-i k.Y)` along the normals, real and imaginary parts.
-    fn amplitudes(&self, (force, dipole): &(Vector, Tensor)) -> [f64; NUMBERS] {
+    fn amplitudes(&self, load: &UnitLoad) -> [f64; NUMBERS] {
         let ([fc, fs], [gc, gs]) = (self.force, self.dipole);
-        let along = *dipole * self.k;
+        let along = load.dipole * self.k;
         let [a, b] = self.normal.map(|e| {
-            let (f, g) = (e.dot(*force), e.dot(along));
+            let (f, g) = (e.dot(load.force), e.dot(along));
             [f * fc + g * gs, g * gc - f * fs]
         });
         [a[0], a[1], b[0], b[1]]

@@ -52,13 +52,13 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
     match plan.boundaries {
         Boundaries::Periodic => operator,
-        _ => operator.with_channel(channel(plan, grid, partition, (window, common))),
+        _ => operator.with_channel(channel(plan, grid, partition, window, common)),
     }
 }
 
 /// Flow of walls, or of the fluid beyond open faces, which is added to the periodic solve. The common Gaussian and
 /// its bracket act on it as `1 + (Sigma^2 - D)/2 lap`.
-fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, (window, common): (Window, Common)) -> Channel<T> {
+fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, window: Window, common: Common) -> Channel<T> {
     let spacing = grid.spacing();
     let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
     let cut = plan.wavenumber_split();
