@@ -69,5 +69,5 @@ pub use plan::plan_identity::PlanIdentity;
 pub use plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
 pub use plan::sample_points::SamplePoints;
 pub use plan::{Plan, PlanError};
-pub use rigid::conjugate_gradients::{Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
+pub use rigid::conjugate_gradients::{Iterate, Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
 pub use rigid::stresslet_solver::{SolveError, Solved, StressletSolver};

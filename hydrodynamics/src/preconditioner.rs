@@ -4,7 +4,7 @@ use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::{SixVector, SixVectors, dot};
 use domain::{Comm, Interrupt};
-use fcm::{Limits, Linear, Step, Sums, System, conjugate_gradients};
+use fcm::{Iterate, Limits, Linear, Step, Sums, System, conjugate_gradients};
 use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
@@ -74,7 +74,7 @@ impl<'a> Preconditioner<'a> {
     ) -> [SixVectors; 2] {
         let comm = self.comm.clone();
         let mut z = SixVectors::zero(loads.0.len());
-        conjugate_gradients(&comm, self, (&mut motions, &mut residual, &mut z), limits);
+        conjugate_gradients(&comm, self, Iterate { x: &mut motions, residual: &mut residual, z: &mut z }, limits);
         let resisted = self.remainder(loads, &residual, &motions);
         [motions, resisted]
     }
@@ -156,10 +156,10 @@ impl System for Preconditioner<'_> {
 
     fn step_and_measure(
         &mut self,
-        (x, residual): (&mut SixVectors, &mut SixVectors),
+        at: Iterate<SixVectors, SixVectors>,
         step: Option<Step<SixVectors, SixVectors>>,
-        z: &mut SixVectors,
     ) -> Sums {
+        let Iterate { x, residual, z } = at;
         let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
         let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
         let of_batch = |(batch, (((x, residual), z), (blocks, single))): (usize, (BatchUnknowns, Given))| {

@@ -58,10 +58,10 @@ pub trait System {
     /// the step, and this rank's sums. An implementation can do all of it in one pass over the unknowns.
     fn step_and_measure(
         &mut self,
-        (x, residual): (&mut Self::Unknowns, &mut Self::Residual),
+        at: Iterate<Self::Unknowns, Self::Residual>,
         step: Option<Step<Self::Unknowns, Self::Residual>>,
-        z: &mut Self::Unknowns,
     ) -> Sums {
+        let Iterate { x, residual, z } = at;
         let mut former = 0.0;
         if let Some(Step { length, direction, image }) = step {
             x.add(length, direction);
@@ -70,6 +70,22 @@ pub trait System {
         }
         *z = self.precondition(residual);
         Sums { product: self.product(residual, z), former, error: self.error(residual, z), size: self.size(x) }
+    }
+}
+
+/// Unknowns, residual and preconditioned residual of the iteration, which change in place.
+pub struct Iterate<'a, X, R> {
+    /// `x`
+    pub x: &'a mut X,
+    /// `r = b - A x`
+    pub residual: &'a mut R,
+    /// `z = P^-1 r`
+    pub z: &'a mut X,
+}
+
+impl<X, R> Iterate<'_, X, R> {
+    fn reborrow(&mut self) -> Iterate<'_, X, R> {
+        Iterate { x: self.x, residual: self.residual, z: self.z }
     }
 }
 
@@ -144,12 +160,12 @@ pub struct Limits<'a> {
 pub fn conjugate_gradients<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual, z): (&mut S::Unknowns, &mut S::Residual, &mut S::Unknowns),
+    mut iterate: Iterate<S::Unknowns, S::Residual>,
     limits: Limits<'_>,
 ) -> Outcome {
     let small = |at: &Sums| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
-    let (mut at, mut asked) = step_and_measure(comm, system, (x, residual, z), None, limits.interrupt);
-    let mut direction = z.clone();
+    let (mut at, mut asked) = step_and_measure(comm, system, iterate.reborrow(), None, limits.interrupt);
+    let mut direction = iterate.z.clone();
     let mut iterations = 0;
     while !small(&at) && iterations < limits.iterations && at.product.is_finite() && at.product > 0.0 && !asked {
         let (image, curvature) = system.curvature(&direction);
@@ -161,8 +177,8 @@ pub fn conjugate_gradients<S: System>(
         system.on_step(length);
         let before = at.product;
         let step = Step { length, direction: &direction, image };
-        (at, asked) = step_and_measure(comm, system, (x, residual, z), Some(step), limits.interrupt);
-        direction.scale_add((at.product - at.former) / before, z);
+        (at, asked) = step_and_measure(comm, system, iterate.reborrow(), Some(step), limits.interrupt);
+        direction.scale_add((at.product - at.former) / before, iterate.z);
     }
     // NaN stays NaN, whatever it is divided by.
     let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };
@@ -175,13 +191,13 @@ pub fn conjugate_gradients<S: System>(
 fn step_and_measure<S: System>(
     comm: &Comm,
     system: &mut S,
-    (x, residual, z): (&mut S::Unknowns, &mut S::Residual, &mut S::Unknowns),
+    mut iterate: Iterate<S::Unknowns, S::Residual>,
     mut step: Option<Step<S::Unknowns, S::Residual>>,
     interrupt: &Interrupt,
 ) -> (Sums, bool) {
     let mut of_step = None;
     loop {
-        let own = system.step_and_measure((x, residual), step.take(), z);
+        let own = system.step_and_measure(iterate.reborrow(), step.take());
         let asked = f64::from(u8::from(interrupt.is_requested()));
         let mut sums = [own.product, own.former, own.error, own.size, asked];
         comm.sum(&mut sums);
@@ -293,7 +309,12 @@ mod tests {
     fn an_error_that_no_product_sees_ends_the_solve() {
         let (mut x, mut residual) = ([1.0, 1.0], [0.0, 0.5]);
         let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
-        let outcome = conjugate_gradients(&Comm::alone(), &mut Blind, (&mut x, &mut residual, &mut [0.0; 2]), limits);
+        let outcome = conjugate_gradients(
+            &Comm::alone(),
+            &mut Blind,
+            Iterate { x: &mut x, residual: &mut residual, z: &mut [0.0; 2] },
+            limits,
+        );
         let residual = (0.25_f64 / 2.0).sqrt();
         assert_eq!(outcome, Outcome { iterations: 0, residual, converged: false, interrupted: false });
     }
@@ -304,7 +325,7 @@ mod tests {
         let outcome = conjugate_gradients(
             &Comm::alone(),
             &mut Wrong { left, can },
-            (&mut x, &mut residual, &mut [0.0; 2]),
+            Iterate { x: &mut x, residual: &mut residual, z: &mut [0.0; 2] },
             limits,
         );
         (x, outcome)
@@ -343,7 +364,7 @@ mod tests {
                 conjugate_gradients(
                     &comm,
                     &mut Wrong { left: 0, can: 0 },
-                    (&mut x, &mut residual, &mut [0.0; 2]),
+                    Iterate { x: &mut x, residual: &mut residual, z: &mut [0.0; 2] },
                     limits,
                 )
             });

@@ -5,7 +5,7 @@ use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
-use crate::rigid::conjugate_gradients::{Limits, System, conjugate_gradients};
+use crate::rigid::conjugate_gradients::{Iterate, Limits, System, conjugate_gradients};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless};
 use std::f64::consts::PI;
 
@@ -154,7 +154,8 @@ impl StressletSolver {
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
         let mut z = Vec::new();
         let mut strain = Strain { mobility: &mut self.mobility, diagonal, motion, step: Motion::default() };
-        let outcome = conjugate_gradients(&self.comm, &mut strain, (&mut resistances, &mut residual, &mut z), limits);
+        let iterate = Iterate { x: &mut resistances, residual: &mut residual, z: &mut z };
+        let outcome = conjugate_gradients(&self.comm, &mut strain, iterate, limits);
         let motion = strain.motion;
         if outcome.interrupted {
             return Err(Interrupted.into());

@@ -16,7 +16,7 @@ use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
 use fcm::{
-    DrawDiagnostics, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream,
+    DrawDiagnostics, Iterate, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream,
     conjugate_gradients,
 };
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
@@ -240,7 +240,8 @@ fn lubricated(
     let mut system = CoupledSystem::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
     let mut residual = system.residual(&x, background);
     let mut correction = Unknowns::default();
-    let outcome = conjugate_gradients(comm, &mut system, (&mut x, &mut residual, &mut correction), limits);
+    let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
+    let outcome = conjugate_gradients(comm, &mut system, iterate, limits);
     ended(&outcome, limits)?;
     let (motion, x) = system.finish((x, &residual, correction), END * limits.tolerance, comm);
     if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {

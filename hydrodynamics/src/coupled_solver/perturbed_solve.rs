@@ -9,7 +9,7 @@ use crate::solution::{NO_AMBIENT, Solution, StoredSolution};
 use crate::system::{CoupledSystem, Residual, Unknowns};
 use crate::units::{self, Scaled};
 use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
-use fcm::{Limits, Loads, Motion, SolveError, conjugate_gradients};
+use fcm::{Iterate, Limits, Loads, Motion, SolveError, conjugate_gradients};
 
 /// The system at given positions, and the residual of a solution there.
 struct ResidualSystem<'a> {
@@ -69,8 +69,8 @@ impl CoupledSolver {
             let count = found.stresslets.len();
             let mut change = unknowns(near, &SixVectors::zero(count), vec![Traceless::ZERO; count]);
             let mut correction = Unknowns::default();
-            let unknowns = (&mut change, &mut residual, &mut correction);
-            ended(&conjugate_gradients(&comm, &mut system, unknowns, limits), limits)?;
+            let iterate = Iterate { x: &mut change, residual: &mut residual, z: &mut correction };
+            ended(&conjugate_gradients(&comm, &mut system, iterate, limits), limits)?;
             let (motion, change) = system.finish((change, &residual, correction), tolerance, &comm);
             let mut motion = units::motion_back(&motion, &units);
             motion.strain_rates.clear();
