@@ -163,7 +163,7 @@ impl PeriodicBox {
     }
 
     /// Whether the third lattice vector is orthogonal to the others up to round-off.
-    pub fn is_upright(&self) -> bool {
+    pub fn is_orthogonal(&self) -> bool {
         self.tilts.iter().all(|tilt| tilt.abs() < 1e-12)
     }
 

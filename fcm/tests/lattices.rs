@@ -60,8 +60,8 @@ fn other_vectors_of_a_lattice_have_the_same_motions() {
     let [a, b, c] = suspension.cell.lattice_vectors();
     let upright =
         [[a, b, c], [b, c, a], [a + b, b, c], [a + b, a + 2.0 * b, c], [2.0 * a + b, a + b, c], [b + c, c, a]];
-    let leaning = [[a, b, c + a], [a, b, c - b], [a + b, b, c - a], [a + c, b + c, c], [a + b, b + c, a + b + c]];
-    for vectors in upright.into_iter().chain(leaning) {
+    let tilted = [[a, b, c + a], [a, b, c - b], [a + b, b, c - a], [a + c, b + c, c], [a + b, b + c, a + b + c]];
+    for vectors in upright.into_iter().chain(tilted) {
         let cell = PeriodicBox::of_lattice(vectors).unwrap();
         let other = Suspension { cell, ..suspension.clone() }.displaced(Vector::ZERO);
         let plan = other.plan(tolerance, Fixed::default());
@@ -72,7 +72,7 @@ fn other_vectors_of_a_lattice_have_the_same_motions() {
 
 /// The same with forces alone, and down to small tolerances, for which the grid is in `f64`.
 #[test]
-fn a_leaning_lattice_keeps_any_tolerance() {
+fn a_tilted_lattice_keeps_any_tolerance() {
     let suspension = Suspension::random(10, 1.3, PeriodicBox::new(Vector::splat(7.5)).unwrap(), 8);
     let [a, b, c] = suspension.cell.lattice_vectors();
     let cell = PeriodicBox::of_lattice([a + b, b, c - a]).unwrap();
@@ -97,7 +97,7 @@ fn a_leaning_lattice_keeps_any_tolerance() {
 
 /// The direct method has stencils only for boxes with an orthogonal third lattice vector.
 #[test]
-fn envelopes_on_a_leaning_grid_are_refused() {
+fn envelopes_on_a_tilted_grid_are_refused() {
     let vectors = [Vector::X * 9.0, Vector::Y * 9.0, Vector::new(2.0, 0.0, 9.0)];
     let suspension = Suspension::random(4, 1.0, PeriodicBox::of_lattice(vectors).unwrap(), 1);
     let problem = Problem { fixed: fixed(Method::Direct), ..suspension.problem(1e-3) };

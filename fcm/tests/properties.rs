@@ -89,7 +89,7 @@ fn the_mobility_is_symmetric_and_positive_definite() {
 }
 
 #[test]
-fn the_mobility_of_a_leaning_box_is_symmetric_and_positive_definite() {
+fn the_mobility_of_a_tilted_box_is_symmetric_and_positive_definite() {
     let vectors = [Vector::new(7.0, 1.0, -0.5), Vector::new(-1.0, 7.5, 2.0), Vector::new(2.5, -2.0, 7.0)];
     let suspension = Suspension::random(5, 1.6, PeriodicBox::of_lattice(vectors).unwrap(), 2);
     for tolerance in [0.3, 1e-2, 1e-8] {

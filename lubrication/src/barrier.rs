@@ -38,10 +38,16 @@ pub struct Barrier {
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum BarrierError {
     /// The force at contact is negative or not finite.
-    #[error("barrier strength is {}; it is the repulsive force at contact: give a finite number, 0 or more", Number(*.0))]
+    #[error(
+        "barrier strength is {}; it is the repulsive force at contact: give a finite number, 0 or more",
+        Number(*.0)
+    )]
     Strength(f64),
     /// The activation gap is not a positive number up to 1.
-    #[error("barrier range is {}; it is the gap at activation over the mean radius: give a number above 0, at most 1", Number(*.0))]
+    #[error(
+        "barrier range is {}; it is the gap at activation over the mean radius: give a number above 0, at most 1",
+        Number(*.0)
+    )]
     Range(f64),
 }
 

@@ -275,7 +275,9 @@ proptest! {
     }
 
     #[test]
-    fn loads_turn_with_the_pair(direction in vector(), gap in 1e-4..1.0f64, a in motion(), turn in vector(), angle in 0.0..6.0f64) {
+    fn loads_turn_with_the_pair(
+        direction in vector(), gap in 1e-4..1.0f64, a in motion(), turn in vector(), angle in 0.0..6.0f64
+    ) {
         prop_assume!(direction.length() > 0.1 && turn.length() > 0.1);
         let (force, by) = (force(&[1.0, 2.0]), Tensor::from_axis_angle(turn.normalize(), angle));
         let separation = direction.normalize() * (3.0 + gap);

@@ -40,8 +40,9 @@ pub struct Two<R>(R, R);
 // SAFETY of every intrinsic below: vectors of these types exist only in work that `avx512` or `avx2` runs, on
 // machines that have the instructions.
 macro_rules! one_register {
-    ($real:ty, $register:ty, $half:ty, $lanes:literal, $transpose:path, $scale:path, $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident,
-     $mul:ident, $div:ident, $fma:ident, $fnma:ident, $max:ident) => {
+    ($real:ty, $register:ty, $half:ty, $lanes:literal, $transpose:path, $scale:path,
+     $load:ident, $store:ident, $splat:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $fma:ident, $fnma:ident,
+     $max:ident) => {
         impl SimdVector<$real> for $register {
             const LANES: usize = $lanes;
             type Half = $half;

@@ -1,8 +1,8 @@
 //! Values on the grid, with a type parameter for physical or Fourier space.
 
 use crate::layout::Layout;
+use crate::modes::{Complexes, MODES};
 use crate::shared::Shared;
-use crate::transform::{Complexes, MODES};
 use crate::{Real, memory::Memory};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -216,7 +216,7 @@ impl<T: Real> Field<T, Spectral> {
     /// as zero.
     pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
         let (layout, values) = (&self.layout, self.memory.values());
-        layout.for_each_mode((&layout.spectral, &layout.modes), |place| values[place], &mut visit);
+        layout.for_each_mode(&layout.spectral, &layout.modes, |place| values[place], &mut visit);
     }
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.

@@ -13,19 +13,19 @@ pub struct Footprint {
     points: [usize; 3],
     place: Place,
     halo: usize,
-    leans: bool,
+    is_tilted: bool,
 }
 
 impl Footprint {
     /// For a grid of `points` points, which a transform accepts.
     pub fn new(points: [usize; 3], place: &Place, halo: usize) -> Self {
-        Self { points, place: place.clone(), halo, leans: false }
+        Self { points, place: place.clone(), halo, is_tilted: false }
     }
 
     /// The same for a box whose third lattice vector is tilted, or not.
     #[must_use]
-    pub fn leaning(self, leans: bool) -> Self {
-        Self { leans, ..self }
+    pub fn tilted(self, is_tilted: bool) -> Self {
+        Self { is_tilted, ..self }
     }
 
     /// A field, [`crate::Transform::field`].
@@ -60,12 +60,12 @@ impl Footprint {
     pub fn operator<T: Real>(&self) -> Bytes {
         let [nx, ny, nz] = self.points.map(|n| n as f64);
         let columns = (nx / 2.0 / T::LANES as f64).ceil() * T::LANES as f64;
-        let upright = Bytes::list::<T>(3.0 * ny * columns + columns + 2.0 * nz);
-        if !self.leans {
-            return upright;
+        let orthogonal = Bytes::list::<T>(3.0 * ny * columns + columns + 2.0 * nz);
+        if !self.is_tilted {
+            return orthogonal;
         }
-        let leaning = Bytes::list::<T>(2.0 * ny * columns + nz);
-        leaning.then(Bytes::list::<Vector>(ny * columns).freed()).then(upright)
+        let tilted = Bytes::list::<T>(2.0 * ny * columns + nz);
+        tilted.then(Bytes::list::<Vector>(ny * columns).freed()).then(orthogonal)
     }
 
     /// Channel update of the operator, for the rank's share of the spectrum.
@@ -137,13 +137,13 @@ mod tests {
     #[test]
     fn tables_of_operators_are_those_that_are_allocated() {
         fn fits<T: Real>(points: [usize; 3]) {
-            let upright = [Vector::X * 3.0, Vector::Y * 2.0, Vector::Z * 2.5];
-            let leaning = [Vector::X * 3.0, Vector::new(0.62, 2.0, 0.0), Vector::new(1.1, -0.7, 2.5)];
-            for (vectors, leans) in [(upright, false), (leaning, true)] {
+            let orthogonal = [Vector::X * 3.0, Vector::Y * 2.0, Vector::Z * 2.5];
+            let tilted = [Vector::X * 3.0, Vector::new(0.62, 2.0, 0.0), Vector::new(1.1, -0.7, 2.5)];
+            for (vectors, is_tilted) in [(orthogonal, false), (tilted, true)] {
                 let grid = Grid::new(points, PeriodicBox::of_lattice(vectors).unwrap()).unwrap();
                 let found = Stokes::<T>::new(&grid, 1.0).bytes() as f64;
                 let alone = Place::of(1, 0, [points[1], points[2]]);
-                let expected = Footprint::new(points, &alone, 16).leaning(leans).operator::<T>();
+                let expected = Footprint::new(points, &alone, 16).tilted(is_tilted).operator::<T>();
                 assert!((found - expected.kept).abs() < 1.0, "{found} bytes, {expected:?} expected");
                 assert!(expected.most >= expected.kept);
             }

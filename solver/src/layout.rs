@@ -59,7 +59,7 @@ impl Layout {
         let odd_lines = |reals: usize| (reals.div_ceil(T::LANES) | 1) * T::LANES;
         let y = odd_lines((nx + halo).max(blocks_in_all * block_size));
         let z = odd_lines(rows[0].len() * y);
-        let physical = Strides { component: apart::<T>(rows[1].len() * z), z, y };
+        let physical = Strides { component: offset_stride::<T>(rows[1].len() * z), z, y };
         let width = blocks.len() * block_size;
         let transposed = if in_column == 1 {
             physical
@@ -90,7 +90,8 @@ impl Layout {
     /// value at a position given by the strides.
     pub fn for_each_mode<T: Real>(
         &self,
-        (strides, modes): (&Strides, &Range<usize>),
+        strides: &Strides,
+        modes: &Range<usize>,
         read: impl Fn(usize) -> T,
         visit: &mut impl FnMut([usize; 3], [Complex<T>; 3]),
     ) {
@@ -117,7 +118,7 @@ impl Layout {
 
 /// Length of at least `reals` values that is a third of a page (21 of 64 cache lines) more than whole pages.
 /// Processors mistake a read for one of recently written data if both have the same offset in a page.
-fn apart<T: Real>(reals: usize) -> usize {
+fn offset_stride<T: Real>(reals: usize) -> usize {
     const PAGE: usize = 64;
     let lines = reals.div_ceil(T::LANES);
     (lines + (PAGE + PAGE / 3 - lines % PAGE) % PAGE) * T::LANES

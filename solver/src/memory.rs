@@ -7,23 +7,23 @@ use std::marker::PhantomData;
 /// Values aligned to a cache line of 64 bytes, so that no [`simd::Vector`] straddles two.
 #[derive(Debug, Clone, Default)]
 pub struct Memory<T> {
-    lines: Vec<Line>,
+    lines: Vec<AlignedLine>,
     values: PhantomData<T>,
 }
 
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
-struct Line([u64; 8]);
+struct AlignedLine([u64; 8]);
 
 impl<T: Real> Memory<T> {
     /// At least `count` zeros.
     pub fn zero(count: usize) -> Self {
-        Self { lines: vec![Line::zeroed(); count.div_ceil(T::LANES)], values: PhantomData }
+        Self { lines: vec![AlignedLine::zeroed(); count.div_ceil(T::LANES)], values: PhantomData }
     }
 
     /// Makes room for at least `count` values; existing ones are kept.
     pub fn resize(&mut self, count: usize) {
-        self.lines.resize(count.div_ceil(T::LANES), Line::zeroed());
+        self.lines.resize(count.div_ceil(T::LANES), AlignedLine::zeroed());
     }
 
     /// The values.

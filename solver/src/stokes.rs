@@ -1,13 +1,13 @@
 //! Stokes operator: force density to velocity.
 
-mod leaning;
-mod waves;
+mod mode_block;
+mod tilted;
 
 use crate::{Channel, Grid, OpenSpace, Real};
-use leaning::Leaning;
+pub(crate) use mode_block::ModeBlock;
 use rayon::prelude::*;
 use simd::{SimdVector, VectorKernel};
-pub(crate) use waves::Waves;
+use tilted::TiltedTables;
 
 /// Stokes solve `u_hat = (I - k k/k^2) f_hat m(k) / (mu k^2)` on a grid, for [`crate::Transform::apply`]; it includes
 /// the factor `1 / (nx ny nz)` of the transforms.
@@ -30,7 +30,7 @@ pub struct Stokes<T> {
     k3: Vec<T>,
     axis: Vec<T>,
     widening: T,
-    leaning: Option<Leaning<T>>,
+    tilted: Option<TiltedTables<T>>,
     channel: Option<Channel<T>>,
     open: Option<OpenSpace<T>>,
 }
@@ -69,8 +69,8 @@ impl<T: Real> Stokes<T> {
         A: Fn(f64) -> f64,
     {
         let Multiplier { plane, axis, widening, width } = multiplier;
-        let leans = !grid.cell().is_upright();
-        debug_assert!(leans || *width == 0.0, "an upright box has its Gaussian by axes");
+        let is_tilted = !grid.cell().is_orthogonal();
+        debug_assert!(is_tilted || *width == 0.0, "an orthogonal box has its Gaussian by axes");
         let [nx, ny, nz] = grid.points();
         let scale = 1.0 / (viscosity * grid.count() as f64);
         let columns = (nx / 2).next_multiple_of(T::LANES);
@@ -80,7 +80,7 @@ impl<T: Real> Stokes<T> {
         };
         let factor = |mode: [usize; 3]| {
             let k = in_plane(mode);
-            let plane = if leans { 1.0 } else { plane(k.x, k.y) };
+            let plane = if is_tilted { 1.0 } else { plane(k.x, k.y) };
             if mode[0] >= nx / 2 || grid.is_nyquist(1, mode) { 0.0 } else { scale * plane }
         };
         // The multiplier may be expensive.
@@ -89,7 +89,7 @@ impl<T: Real> Stokes<T> {
             let k = in_plane(mode);
             if k.x == 0.0 && k.y == 0.0 { 0.0 } else { 1.0 / (k.x * k.x + k.y * k.y + k.z * k.z) }
         };
-        let leaning = leans.then(|| Leaning::new(grid, &modes().map(in_plane).collect::<Vec<_>>(), multiplier));
+        let tilted = is_tilted.then(|| TiltedTables::new(grid, &modes().map(in_plane).collect::<Vec<_>>(), multiplier));
         let k3 = |m3: usize| grid.wavenumber(2, m3);
         let along_axis = |m3: usize| if grid.is_nyquist(2, [0, 0, m3]) { 0.0 } else { axis(k3(m3).abs()) };
         Self {
@@ -101,7 +101,7 @@ impl<T: Real> Stokes<T> {
             k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),
             widening: T::from_f64(*widening),
-            leaning,
+            tilted,
             channel: None,
             open: None,
         }
@@ -111,7 +111,8 @@ impl<T: Real> Stokes<T> {
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         let own = [&self.k1, &self.k2, &self.plane, &self.inverse, &self.k3, &self.axis];
-        own.map(|table| size_of_val(&table[..])).iter().sum::<usize>() + self.leaning.as_ref().map_or(0, Leaning::bytes)
+        own.map(|table| size_of_val(&table[..])).iter().sum::<usize>()
+            + self.tilted.as_ref().map_or(0, TiltedTables::bytes)
     }
 
     /// Solve in unbounded fluid, for forces in the first half of the grid along each axis; velocities are defined
@@ -153,20 +154,20 @@ impl<T: Real> Stokes<T> {
             unsafe { open.multiply(place, components) };
             return;
         }
-        match &self.leaning {
-            None => T::dispatch(Multiply { operator: self, place, components }),
-            Some(leaning) => T::dispatch(leaning::Multiply { operator: self, leaning, place, components }),
+        match &self.tilted {
+            None => T::dispatch(MultiplyOrthogonal { operator: self, place, components }),
+            Some(tilted) => T::dispatch(tilted::MultiplyTilted { operator: self, tilted, place, components }),
         }
     }
 }
 
-struct Multiply<'a, T> {
+struct MultiplyOrthogonal<'a, T> {
     operator: &'a Stokes<T>,
     place: [usize; 2],
     components: [*mut T; 3],
 }
 
-impl<T: Real> VectorKernel<T> for Multiply<'_, T> {
+impl<T: Real> VectorKernel<T> for MultiplyOrthogonal<'_, T> {
     type Output = ();
 
     #[inline(always)]

@@ -36,7 +36,7 @@ pub fn random_cloud(radius: f64, radii: &[f64], gap: f64, seed: u64) -> Result<V
 /// An open cube.
 fn around(edge: f64) -> PeriodicBox {
     let cube = PeriodicBox::new(Vector::splat(edge)).expect("radii are positive");
-    cube.with_boundaries(Boundaries::Open).expect("a cube is upright")
+    cube.with_boundaries(Boundaries::Open).expect("a cube is orthogonal")
 }
 
 /// Random positions in a ball.

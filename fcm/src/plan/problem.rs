@@ -111,7 +111,7 @@ impl Problem {
 
     /// [`Self::largest_tilts`] of a static box.
     pub fn tilts_of(cell: &PeriodicBox) -> [f64; 2] {
-        if cell.is_upright() { [0.0; 2] } else { cell.tilts().map(f64::abs) }
+        if cell.is_orthogonal() { [0.0; 2] } else { cell.tilts().map(f64::abs) }
     }
 }
 

@@ -5,13 +5,13 @@
 pub(crate) const FUNCTIONS: usize = 4;
 
 /// Coefficients of the functions for the component along the wavevector, then for the one along z.
-pub(crate) type Coefficients = [f64; 2 * FUNCTIONS];
+pub(crate) type FunctionCoefficients = [f64; 2 * FUNCTIONS];
 
 /// Kernel `K(z, z') = sum_pq K_pq f_p(z) f_q(z')`. It maps the forces at `z'` along the wavevector and, over `i`,
 /// along z to the velocities at `z`; and the force normal to both, in `b0` and `t0` alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Kernel {
-    pub along: [Coefficients; 2 * FUNCTIONS],
+pub(crate) struct ChannelKernel {
+    pub along: [FunctionCoefficients; 2 * FUNCTIONS],
     pub across: [[f64; 2]; 2],
 }
 
@@ -39,14 +39,14 @@ impl Faces {
     /// Tractions on the walls that enforce no slip there add `-P C P^T`, where `P` is the flow of unit tractions and
     /// `C` the inverse of `G` among the walls: the Schur complement. The grid has `sum_m G(zeta + m period)` instead
     /// of `G`; the excess is in the span of the same functions.
-    pub fn kernel(&self, k: f64) -> Kernel {
+    pub fn kernel(&self, k: f64) -> ChannelKernel {
         let mut kernel = of_walls(k, self.walls, self.height);
         self.without_copies(k, &mut kernel);
         kernel
     }
 
     /// Subtracts the flow of the grid's periodic copies, by sums over `m` of `e` and of `m e`.
-    fn without_copies(&self, k: f64, kernel: &mut Kernel) {
+    fn without_copies(&self, k: f64, kernel: &mut ChannelKernel) {
         let (length, height) = (k * self.period, k * self.height);
         let less = -(-length).exp_m1();
         let level = (height - length).exp() / less;
@@ -66,8 +66,8 @@ impl Faces {
 }
 
 /// Wall correction to the kernel of unbounded fluid, for `k > 0` and viscosity 1.
-fn of_walls(k: f64, walls: usize, height: f64) -> Kernel {
-    let mut kernel = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
+fn of_walls(k: f64, walls: usize, height: f64) -> ChannelKernel {
+    let mut kernel = ChannelKernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
     match walls {
         0 => {}
         1 => one_wall(k, &mut kernel),
@@ -80,18 +80,18 @@ fn of_walls(k: f64, walls: usize, height: f64) -> Kernel {
 /// of wavenumber `k > 0`, for viscosity 1. With the entries `K_pq` it is `sum_pq K_pq f_p(z) f_q(z')` in the
 /// functions `exp(-k z)`, `k z exp(-k z)` and the same of the distance `height - z`.
 pub fn across_walls(walls: usize, height: f64, k: f64) -> [[f64; FUNCTIONS]; FUNCTIONS] {
-    let Kernel { along, .. } = of_walls(k, walls, height);
+    let ChannelKernel { along, .. } = of_walls(k, walls, height);
     std::array::from_fn(|p| std::array::from_fn(|q| along[FUNCTIONS + p][FUNCTIONS + q]))
 }
 
 /// Flow of unit tractions along the wavevector and along z, times `4k`: of the lower wall, then of the upper.
-const DRIVEN: [[Coefficients; 2]; 2] = [
+const DRIVEN: [[FunctionCoefficients; 2]; 2] = [
     [[1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0]],
     [[0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 1.0]],
 ];
 
 /// Adds `factor v w^T`.
-fn add(kernel: &mut Kernel, factor: f64, v: &Coefficients, w: &Coefficients) {
+fn add(kernel: &mut ChannelKernel, factor: f64, v: &FunctionCoefficients, w: &FunctionCoefficients) {
     for (row, v) in kernel.along.iter_mut().zip(v) {
         for (entry, w) in row.iter_mut().zip(w) {
             *entry += factor * v * w;
@@ -99,7 +99,7 @@ fn add(kernel: &mut Kernel, factor: f64, v: &Coefficients, w: &Coefficients) {
     }
 }
 
-fn one_wall(k: f64, kernel: &mut Kernel) {
+fn one_wall(k: f64, kernel: &mut ChannelKernel) {
     for driven in &DRIVEN[0] {
         add(kernel, -0.25 / k, driven, driven);
     }
@@ -107,12 +107,12 @@ fn one_wall(k: f64, kernel: &mut Kernel) {
 }
 
 /// Tractions on both walls that are symmetric (`sign = 1`) or antisymmetric under reflection decouple.
-fn two_walls(k: f64, height: f64, kernel: &mut Kernel) {
+fn two_walls(k: f64, height: f64, kernel: &mut ChannelKernel) {
     let e = (-height).exp();
     for sign in [1.0, -1.0] {
         let [below, above] = DRIVEN;
         let combined = |of: usize, sign: f64| std::array::from_fn(|p| below[of][p] + sign * above[of][p]);
-        let (along, normal): (Coefficients, Coefficients) = (combined(0, sign), combined(1, -sign));
+        let (along, normal): (FunctionCoefficients, FunctionCoefficients) = (combined(0, sign), combined(1, -sign));
         // [[first, mixed], [mixed, second]] is G among such walls times 4k.
         let (rest, mixed) = (-(-height).exp_m1(), sign * height * e);
         let [first, second] = if sign > 0.0 {

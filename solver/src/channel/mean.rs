@@ -2,7 +2,7 @@
 
 use super::kernel::mean_kernel;
 use super::{ChannelFaces, ChannelWeights, Faces};
-use crate::fourier::At;
+use crate::fourier::StridedPointer;
 use crate::{Grid, Real};
 
 /// Weights of the planes for 1, `z` and `z^2`, and the kernel between them. There is no flow across the plane.
@@ -33,7 +33,7 @@ impl Mean {
     ///
     /// # Safety
     /// The columns can be read.
-    pub unsafe fn amplitudes<T: Real>(&self, [x, y, _]: [At<T>; 3]) -> [[f64; 3]; 2] {
+    pub unsafe fn amplitudes<T: Real>(&self, [x, y, _]: [StridedPointer<T>; 3]) -> [[f64; 3]; 2] {
         [x, y].map(|column| {
             let mut moments = [0.0; 3];
             for (plane, weights) in self.planes.iter().enumerate() {
@@ -49,7 +49,7 @@ impl Mean {
     ///
     /// # Safety
     /// The columns can be written.
-    pub unsafe fn add<T: Real>(&self, amplitudes: &[[f64; 3]; 2], [x, y, _]: [At<T>; 3]) {
+    pub unsafe fn add<T: Real>(&self, amplitudes: &[[f64; 3]; 2], [x, y, _]: [StridedPointer<T>; 3]) {
         for (amplitudes, column) in amplitudes.iter().zip([x, y]) {
             for (plane, weights) in self.planes.iter().enumerate() {
                 let more: f64 = amplitudes.iter().zip(weights).map(|(amplitude, weight)| amplitude * weight).sum();

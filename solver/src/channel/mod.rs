@@ -16,7 +16,7 @@ pub(crate) use kernel::Faces;
 pub use kernel::across_walls;
 pub(crate) use update::Update;
 
-use crate::fourier::At;
+use crate::fourier::StridedPointer;
 use crate::layout::Layout;
 use crate::{Grid, Real};
 use domain::Place;
@@ -87,7 +87,7 @@ impl<T: Real> Channel<T> {
     pub(crate) unsafe fn amplitudes(
         &self,
         place: [usize; 2],
-        components: [At<T>; 3],
+        components: [StridedPointer<T>; 3],
     ) -> Option<(Amplitudes, [[f64; 3]; 2])> {
         // SAFETY: guaranteed by the caller.
         unsafe {
@@ -107,7 +107,7 @@ impl<T: Real> Channel<T> {
         &self,
         place: [usize; 2],
         (amplitudes, mean): &(Amplitudes, [[f64; 3]; 2]),
-        components: [At<T>; 3],
+        components: [StridedPointer<T>; 3],
     ) {
         // SAFETY: guaranteed by the caller.
         unsafe {

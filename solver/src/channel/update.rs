@@ -1,8 +1,8 @@
 //! Channel update of the grid's columns with a wavevector in the plane.
 
-use super::kernel::{FUNCTIONS, Kernel};
+use super::kernel::{ChannelKernel, FUNCTIONS};
 use super::{ChannelFaces, ChannelWeights, Faces};
-use crate::fourier::At;
+use crate::fourier::StridedPointer;
 use crate::layout::Layout;
 use crate::{Grid, Real};
 use simd::vectorised;
@@ -13,7 +13,7 @@ use std::ops::Range;
 /// and that of unbounded fluid nearly cancel.
 const LANES: usize = 8;
 
-type Lanes = [f64; LANES];
+type GroupLanes = [f64; LANES];
 
 /// Number of entries of a symmetric matrix for the functions of two components, and for a third that has half of
 /// them.
@@ -23,30 +23,30 @@ const ACROSS: usize = 3;
 /// A group of neighbouring columns. In the index `i` of a plane, counted from either end of the grid, the functions
 /// are `s^i` and `i s^i`, `s = exp(-k h)`; the matrices include the conversion to functions of the distance from the
 /// walls.
-struct Group {
+struct ColumnGroup {
     /// Number of planes from either end beyond which the functions are negligible; 0 if there is no update.
     planes: usize,
-    step: Lanes,
+    step: GroupLanes,
     /// Direction of the wavevector.
-    direction: [Lanes; 2],
-    along: [Lanes; ALONG],
-    across: [Lanes; ACROSS],
+    direction: [GroupLanes; 2],
+    along: [GroupLanes; ALONG],
+    across: [GroupLanes; ACROSS],
 }
 
 /// Sums over planes, or amplitudes: by wall, by function, by component, real and imaginary.
-type OfGroup = [[[[Lanes; 2]; 3]; 2]; 2];
+type OfGroup = [[[[GroupLanes; 2]; 3]; 2]; 2];
 
 /// Amplitudes of all groups of a panel.
 pub(crate) type Amplitudes = [OfGroup; 2];
 
-const NOTHING: OfGroup = [[[[[0.0; LANES]; 2]; 3]; 2]; 2];
+const ZERO: OfGroup = [[[[[0.0; LANES]; 2]; 3]; 2]; 2];
 
 /// Groups of a rank's share of the spectrum.
 pub(crate) struct Update<T> {
     blocks: Range<usize>,
     modes: Range<usize>,
     points: usize,
-    groups: Vec<Group>,
+    groups: Vec<ColumnGroup>,
     precision: PhantomData<T>,
 }
 
@@ -69,14 +69,14 @@ impl<T: Real> Update<T> {
         let groups = modes.clone().flat_map(|mode| {
             blocks.clone().flat_map(move |block| (0..Self::GROUPS).map(move |g| [block * T::LANES + g * LANES, mode]))
         });
-        let groups = groups.map(|first| Group::new::<T, P, A>(grid, first, faces, scale, weights)).collect();
+        let groups = groups.map(|first| ColumnGroup::new::<T, P, A>(grid, first, faces, scale, weights)).collect();
         Self { blocks, modes, points: grid.points()[2], groups, precision: PhantomData }
     }
 
     /// Bytes per column of a rank's share.
-    pub const BYTES: usize = size_of::<Group>() / LANES;
+    pub const BYTES: usize = size_of::<ColumnGroup>() / LANES;
 
-    fn panel(&self, [block, mode]: [usize; 2]) -> &[Group] {
+    fn panel(&self, [block, mode]: [usize; 2]) -> &[ColumnGroup] {
         let panel = (mode - self.modes.start) * self.blocks.len() + block - self.blocks.start;
         &self.groups[panel * Self::GROUPS..(panel + 1) * Self::GROUPS]
     }
@@ -85,19 +85,19 @@ impl<T: Real> Update<T> {
     ///
     /// # Safety
     /// The columns can be read.
-    pub unsafe fn amplitudes(&self, place: [usize; 2], components: [At<T>; 3]) -> Option<Amplitudes> {
+    pub unsafe fn amplitudes(&self, place: [usize; 2], components: [StridedPointer<T>; 3]) -> Option<Amplitudes> {
         let groups = self.panel(place);
         if groups.iter().all(|group| group.planes == 0) && place != [0, 0] {
             return None;
         }
-        let mut amplitudes = [NOTHING; 2];
+        let mut amplitudes = [ZERO; 2];
         for (number, (group, found)) in groups.iter().zip(&mut amplitudes).enumerate() {
             if group.planes > 0 {
                 let ends = self.ends(number, components);
                 // SAFETY: guaranteed by the caller.
                 vectorised(
                     #[inline(always)]
-                    || unsafe { weigh(group, ends, found) },
+                    || unsafe { sum_forces(group, ends, found) },
                 );
                 group.solve(found);
             }
@@ -109,7 +109,7 @@ impl<T: Real> Update<T> {
     ///
     /// # Safety
     /// The columns can be read and written.
-    pub unsafe fn add(&self, place: [usize; 2], amplitudes: &Amplitudes, components: [At<T>; 3]) {
+    pub unsafe fn add(&self, place: [usize; 2], amplitudes: &Amplitudes, components: [StridedPointer<T>; 3]) {
         for (number, (group, amplitudes)) in self.panel(place).iter().zip(amplitudes).enumerate() {
             if group.planes > 0 {
                 let ends = self.ends(number, components);
@@ -123,7 +123,7 @@ impl<T: Real> Update<T> {
     }
 
     /// A group's columns from both ends: the first values, and the distances to the next.
-    fn ends(&self, group: usize, components: [At<T>; 3]) -> [[(*mut T, isize); 3]; 2] {
+    fn ends(&self, group: usize, components: [StridedPointer<T>; 3]) -> [[(*mut T, isize); 3]; 2] {
         let end = |last: bool| {
             components.map(|column| {
                 let stride = column.stride as isize;
@@ -137,7 +137,7 @@ impl<T: Real> Update<T> {
 
 /// Sums the forces over the planes from each end, times `s^i` and `i s^i`.
 #[inline(always)]
-unsafe fn weigh<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], sums: &mut OfGroup) {
+unsafe fn sum_forces<T: Real>(group: &ColumnGroup, ends: [[(*mut T, isize); 3]; 2], sums: &mut OfGroup) {
     for end in 0..2 {
         let mut power = [1.0; LANES];
         let mut found = [[[[0.0; LANES]; 2]; 3]; 2];
@@ -166,7 +166,7 @@ unsafe fn weigh<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], sums: &
 
 /// Adds the flow to the velocities on the planes from each end.
 #[inline(always)]
-unsafe fn add<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], amplitudes: &OfGroup) {
+unsafe fn add<T: Real>(group: &ColumnGroup, ends: [[(*mut T, isize); 3]; 2], amplitudes: &OfGroup) {
     for end in 0..2 {
         let mut power = [1.0; LANES];
         let of = &amplitudes[end];
@@ -192,7 +192,7 @@ unsafe fn add<T: Real>(group: &Group, ends: [[(*mut T, isize); 3]; 2], amplitude
     }
 }
 
-impl Group {
+impl ColumnGroup {
     fn new<T: Real, P, A>(
         grid: &Grid,
         [first, mode]: [usize; 2],
@@ -222,7 +222,7 @@ impl Group {
                 continue;
             }
             let decay = k * grid.spacing().z;
-            let planes = (gone::<T>() / decay + beyond).ceil().min(nz as f64);
+            let planes = (negligible_exponent::<T>() / decay + beyond).ceil().min(nz as f64);
             group.planes = group.planes.max(planes as usize);
             group.step[lane] = (-decay).exp();
             (group.direction[0][lane], group.direction[1][lane]) = (wavevector.x / k, wavevector.y / k);
@@ -299,7 +299,7 @@ fn indices() -> impl Iterator<Item = (usize, usize, usize)> {
 }
 
 /// Exponent beyond which an exponential is below round-off.
-fn gone<T: Real>() -> f64 {
+fn negligible_exponent<T: Real>() -> f64 {
     4.0 - T::EPSILON.ln()
 }
 
@@ -313,7 +313,7 @@ fn kernel_of_planes<P, A: Fn(f64) -> [f64; 2]>(
     faces: &ChannelFaces,
     k: f64,
     weights: &ChannelWeights<P, A>,
-) -> Kernel {
+) -> ChannelKernel {
     let (spacing, period) = (grid.spacing().z, grid.cell().edges().z);
     let last = faces.first + (grid.points()[2] - 1) as f64 * spacing;
     let kernel = Faces { walls: faces.walls, height: faces.height, period }.kernel(k);
@@ -325,7 +325,7 @@ fn kernel_of_planes<P, A: Fn(f64) -> [f64; 2]>(
         let (scale, level) = ends[p / 2];
         if p.is_multiple_of(2) { [scale, 0.0] } else { [scale * level, scale * k * spacing] }
     };
-    let mut of_planes = Kernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
+    let mut of_planes = ChannelKernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
     for (p, q) in (0..2 * FUNCTIONS).flat_map(|p| (0..2 * FUNCTIONS).map(move |q| (p, q))) {
         let [of_p, of_q] = [p, q].map(|p| rows(p % FUNCTIONS));
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {

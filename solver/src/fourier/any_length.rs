@@ -1,19 +1,23 @@
 //! Complex transforms of columns of any length.
 
-use super::columns::{At, Columns};
+use super::columns::{ColumnPlan, StridedPointer};
 use super::gathered::Gathered;
 use super::{Direction, is_product_of};
 use crate::Real;
 
 /// Plan for columns of `n` elements: lane kernels if they support all prime factors of `n`, otherwise rustfft.
 pub(crate) enum AnyLength<T> {
-    Lanes(Columns<T>),
+    Lanes(ColumnPlan<T>),
     Gathered(Gathered<T>),
 }
 
 impl<T: Real> AnyLength<T> {
     pub fn new(length: usize) -> Self {
-        if is_product_of(&[2, 3, 5, 7], length) { Self::Lanes(Columns::new(length)) } else { Self::by_rustfft(length) }
+        if is_product_of(&[2, 3, 5, 7], length) {
+            Self::Lanes(ColumnPlan::new(length))
+        } else {
+            Self::by_rustfft(length)
+        }
     }
 
     /// Plan by rustfft, even if lane kernels are available.
@@ -41,7 +45,13 @@ impl<T: Real> AnyLength<T> {
     /// # Safety
     /// The elements at `from` can be read, those at `to` written, with no concurrent access; each of the two buffers
     /// has [`Self::room`].
-    pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, buffers: [*mut T; 2]) {
+    pub unsafe fn run(
+        &self,
+        direction: Direction,
+        from: StridedPointer<T>,
+        to: StridedPointer<T>,
+        buffers: [*mut T; 2],
+    ) {
         // SAFETY: guaranteed by the caller.
         unsafe {
             match self {

@@ -7,13 +7,13 @@ use std::marker::PhantomData;
 
 /// A complex number in each lane.
 #[derive(Clone, Copy)]
-pub(super) struct Pair<V, T> {
+pub(super) struct ComplexLanes<V, T> {
     pub re: V,
     pub im: V,
     real: PhantomData<T>,
 }
 
-impl<T: Real, V: SimdVector<T>> Pair<V, T> {
+impl<T: Real, V: SimdVector<T>> ComplexLanes<V, T> {
     #[inline(always)]
     pub fn new(re: V, im: V) -> Self {
         Self { re, im, real: PhantomData }
@@ -91,7 +91,7 @@ pub(super) trait Butterfly {
     fn transform(self) -> Self;
 }
 
-impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; 2] {
+impl<T: Real, V: SimdVector<T>> Butterfly for [ComplexLanes<V, T>; 2] {
     #[inline(always)]
     fn transform(self) -> Self {
         let [a, b] = self;
@@ -99,7 +99,7 @@ impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; 2] {
     }
 }
 
-impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; 4] {
+impl<T: Real, V: SimdVector<T>> Butterfly for [ComplexLanes<V, T>; 4] {
     #[inline(always)]
     fn transform(self) -> Self {
         let [a, b, c, d] = self;
@@ -108,7 +108,7 @@ impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; 4] {
     }
 }
 
-impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; 8] {
+impl<T: Real, V: SimdVector<T>> Butterfly for [ComplexLanes<V, T>; 8] {
     #[inline(always)]
     fn transform(self) -> Self {
         let [a, b, c, d, e, f, g, h] = self;
@@ -134,7 +134,7 @@ impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; 8] {
 /// of `2 pi k / R`, `0 < k < R/2`.
 macro_rules! odd_butterfly {
     ($radix:literal, $cosines:expr, $sines:expr) => {
-        impl<T: Real, V: SimdVector<T>> Butterfly for [Pair<V, T>; $radix] {
+        impl<T: Real, V: SimdVector<T>> Butterfly for [ComplexLanes<V, T>; $radix] {
             #[inline(always)]
             fn transform(self) -> Self {
                 const HALF: usize = $radix / 2;

@@ -1,6 +1,6 @@
 //! Complex transforms of columns, as many at once as a vector has lanes.
 
-use super::butterfly::{Butterfly, Pair};
+use super::butterfly::{Butterfly, ComplexLanes};
 use super::{Direction, root_of_unity};
 use crate::Real;
 use num_complex::Complex;
@@ -8,14 +8,14 @@ use simd::{SimdVector, VectorKernel, prefetch};
 
 /// Plan for columns of `n` elements: Stockham passes of radix 8, 4, 2, 3, 5, 7, which end in natural order. Neither
 /// direction scales. Element `i` of the columns is a vector of real parts followed by one of imaginary parts.
-pub(crate) struct Columns<T> {
+pub(crate) struct ColumnPlan<T> {
     length: usize,
-    passes: Vec<Pass<T>>,
+    passes: Vec<StockhamPass<T>>,
 }
 
 /// One pass: `s x m` butterflies of `radix` elements,
 /// `y[q + s (radix p + j)] = exp(-2 pi i p j / (radix m)) sum_k x[q + s (p + m k)] exp(-2 pi i j k / radix)`.
-struct Pass<T> {
+struct StockhamPass<T> {
     radix: usize,
     m: usize,
     s: usize,
@@ -25,12 +25,12 @@ struct Pass<T> {
 
 /// Position of columns in memory, and the distance in values from one element to the next.
 #[derive(Clone, Copy)]
-pub(crate) struct At<T> {
+pub(crate) struct StridedPointer<T> {
     pub first: *mut T,
     pub stride: usize,
 }
 
-impl<T: Real> Columns<T> {
+impl<T: Real> ColumnPlan<T> {
     pub fn new(length: usize) -> Self {
         let mut passes = Vec::new();
         let (mut rest, mut s) = (length, 1);
@@ -38,7 +38,7 @@ impl<T: Real> Columns<T> {
             let m = rest / radix;
             let twiddle = |p: usize| (1..radix).map(move |j| root_of_unity(p * j, radix * m));
             let twiddles = (1..m).flat_map(twiddle).collect();
-            passes.push(Pass { radix, m, s, twiddles });
+            passes.push(StockhamPass { radix, m, s, twiddles });
             (rest, s) = (m, s * radix);
         }
         Self { length, passes }
@@ -53,12 +53,18 @@ impl<T: Real> Columns<T> {
     /// # Safety
     /// The `length` elements at `from` can be read, those at `to` written, with no concurrent access; each of the two
     /// buffers has room for as many.
-    pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, buffers: [*mut T; 2]) {
+    pub unsafe fn run(
+        &self,
+        direction: Direction,
+        from: StridedPointer<T>,
+        to: StridedPointer<T>,
+        buffers: [*mut T; 2],
+    ) {
         let parts = match direction {
             Direction::Forward => [0, T::LANES],
             Direction::Backward => [T::LANES, 0],
         };
-        let buffers = buffers.map(|first| At { first, stride: 2 * T::LANES });
+        let buffers = buffers.map(|first| StridedPointer { first, stride: 2 * T::LANES });
         let mut source = from;
         for (i, pass) in self.passes.iter().enumerate() {
             let target = if i + 1 == self.passes.len() { to } else { buffers[i % 2] };
@@ -93,8 +99,8 @@ fn radices(length: usize) -> Vec<usize> {
     found
 }
 
-impl<T: Real> Pass<T> {
-    unsafe fn run(&self, from: At<T>, to: At<T>, parts: [usize; 2]) {
+impl<T: Real> StockhamPass<T> {
+    unsafe fn run(&self, from: StridedPointer<T>, to: StridedPointer<T>, parts: [usize; 2]) {
         let far_apart = from.stride > 2 * T::LANES;
         match self.radix {
             2 => T::dispatch(Butterflies::<T, 2> { pass: self, from, to, parts, far_apart }),
@@ -109,9 +115,9 @@ impl<T: Real> Pass<T> {
 }
 
 struct Butterflies<'a, T, const R: usize> {
-    pass: &'a Pass<T>,
-    from: At<T>,
-    to: At<T>,
+    pass: &'a StockhamPass<T>,
+    from: StridedPointer<T>,
+    to: StridedPointer<T>,
     parts: [usize; 2],
     /// Whether this pass reads elements that lie far apart; it then prefetches those of the next columns, which are
     /// probably transformed next.
@@ -125,7 +131,7 @@ macro_rules! work {
 
             #[inline(always)]
             fn run<V: SimdVector<T>>(self) {
-                // SAFETY: guaranteed by the caller of `Columns::run`.
+                // SAFETY: guaranteed by the caller of `ColumnPlan::run`.
                 unsafe { self.all::<V>() }
             }
         }
@@ -138,9 +144,9 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
     #[inline(always)]
     unsafe fn all<V: SimdVector<T>>(&self)
     where
-        [Pair<V, T>; R]: Butterfly,
+        [ComplexLanes<V, T>; R]: Butterfly,
     {
-        let &Pass { m, s, ref twiddles, .. } = self.pass;
+        let &StockhamPass { m, s, ref twiddles, .. } = self.pass;
         for q in 0..s {
             // SAFETY: all elements are below the length R m s.
             unsafe { self.one::<V>([q, s * m], [q, s], None) };
@@ -158,7 +164,7 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
     #[inline(always)]
     unsafe fn one<V: SimdVector<T>>(&self, source: [usize; 2], target: [usize; 2], roots: Option<&[Complex<T>]>)
     where
-        [Pair<V, T>; R]: Butterfly,
+        [ComplexLanes<V, T>; R]: Butterfly,
     {
         if self.far_apart {
             for k in 0..R {
@@ -169,7 +175,7 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
         }
         // SAFETY: guaranteed by the caller.
         let read = |k: usize| unsafe {
-            Pair::<V, T>::load(self.from.first.add((source[0] + k * source[1]) * self.from.stride), self.parts)
+            ComplexLanes::<V, T>::load(self.from.first.add((source[0] + k * source[1]) * self.from.stride), self.parts)
         };
         let mut values = [read(0); R];
         for (k, value) in values.iter_mut().enumerate().skip(1) {
@@ -181,7 +187,7 @@ impl<T: Real, const R: usize> Butterflies<'_, T, R> {
             if let Some(roots) = roots
                 && j > 0
             {
-                value = value.mul(Pair::new(V::splat(roots[j - 1].re), V::splat(roots[j - 1].im)));
+                value = value.mul(ComplexLanes::new(V::splat(roots[j - 1].re), V::splat(roots[j - 1].im)));
             }
             let place = (target[0] + j * target[1]) * self.to.stride;
             // SAFETY: guaranteed by the caller.

@@ -1,7 +1,7 @@
 //! Complex transforms of columns by rustfft, which needs contiguous rows.
 
 use super::Direction;
-use super::columns::At;
+use super::columns::StridedPointer;
 use crate::Real;
 use num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
@@ -10,31 +10,32 @@ use std::slice::{from_raw_parts, from_raw_parts_mut};
 use std::sync::Arc;
 
 /// Plan for columns of `n` elements: the lanes are gathered into rows, transformed, and scattered again. Neither
-/// direction scales. Elements are those of [`super::Columns`].
+/// direction scales. Elements are those of [`super::columns::ColumnPlan`].
 ///
 /// All lanes of a vector are transformed by one call, so each result has the same bits in any lane: if rustfft
 /// processes rows in pairs, none is left over.
 pub(crate) struct Gathered<T> {
-    plan: Plan,
+    plan: RustFftPlan,
     real: PhantomData<T>,
 }
 
 /// A forward transform of rustfft in one of its two precisions.
-enum Plan {
+enum RustFftPlan {
     Single(Arc<dyn Fft<f32>>),
     Double(Arc<dyn Fft<f64>>),
 }
 
 impl<T: Real> Gathered<T> {
     pub fn new(length: usize) -> Self {
-        let plan = if size_of::<T>() == size_of::<f32>() { Plan::single(length) } else { Plan::double(length) };
+        let plan =
+            if size_of::<T>() == size_of::<f32>() { RustFftPlan::single(length) } else { RustFftPlan::double(length) };
         Self { plan, real: PhantomData }
     }
 
     pub fn length(&self) -> usize {
         match &self.plan {
-            Plan::Single(plan) => plan.len(),
-            Plan::Double(plan) => plan.len(),
+            RustFftPlan::Single(plan) => plan.len(),
+            RustFftPlan::Double(plan) => plan.len(),
         }
     }
 
@@ -49,7 +50,13 @@ impl<T: Real> Gathered<T> {
     /// # Safety
     /// The elements at `from` can be read, those at `to` written, with no concurrent access; each of the two buffers
     /// has [`Self::room`].
-    pub unsafe fn run(&self, direction: Direction, from: At<T>, to: At<T>, [rows, scratch]: [*mut T; 2]) {
+    pub unsafe fn run(
+        &self,
+        direction: Direction,
+        from: StridedPointer<T>,
+        to: StridedPointer<T>,
+        [rows, scratch]: [*mut T; 2],
+    ) {
         let parts = match direction {
             Direction::Forward => [0, T::LANES],
             Direction::Backward => [T::LANES, 0],
@@ -65,7 +72,7 @@ impl<T: Real> Gathered<T> {
     }
 }
 
-impl Plan {
+impl RustFftPlan {
     // These two are not generic, so that rustfft is compiled here and not again in every crate that plans transforms.
     fn single(length: usize) -> Self {
         Self::Single(FftPlanner::new().plan_fft_forward(length))
@@ -97,7 +104,7 @@ impl Plan {
 ///
 /// # Safety
 /// The elements can be read.
-unsafe fn gather<T: Real>(from: At<T>, rows: &mut [Complex<T>], [re, im]: [usize; 2]) {
+unsafe fn gather<T: Real>(from: StridedPointer<T>, rows: &mut [Complex<T>], [re, im]: [usize; 2]) {
     let length = rows.len() / T::LANES;
     for i in 0..length {
         // SAFETY: guaranteed by the caller.
@@ -112,7 +119,7 @@ unsafe fn gather<T: Real>(from: At<T>, rows: &mut [Complex<T>], [re, im]: [usize
 ///
 /// # Safety
 /// The elements can be written.
-unsafe fn scatter<T: Real>(rows: &[Complex<T>], to: At<T>, [re, im]: [usize; 2]) {
+unsafe fn scatter<T: Real>(rows: &[Complex<T>], to: StridedPointer<T>, [re, im]: [usize; 2]) {
     let length = rows.len() / T::LANES;
     for i in 0..length {
         // SAFETY: guaranteed by the caller.

@@ -7,7 +7,7 @@ mod gathered;
 mod rows;
 
 pub(crate) use any_length::AnyLength;
-pub(crate) use columns::At;
+pub(crate) use columns::StridedPointer;
 pub(crate) use rows::Rows;
 
 use crate::Real;

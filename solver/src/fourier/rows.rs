@@ -1,7 +1,7 @@
 //! Real transforms of rows, as many at once as a vector has lanes.
 
-use super::butterfly::Pair;
-use super::columns::At;
+use super::butterfly::ComplexLanes;
+use super::columns::StridedPointer;
 use super::{AnyLength, Direction, root_of_unity};
 use crate::Real;
 use num_complex::Complex;
@@ -50,7 +50,7 @@ impl<T: Real> Rows<T> {
     /// The rows can be read and written up to their stride, which is a multiple of [`Real::LANES`] and has room for
     /// values, halo and blocks, with no concurrent access; each buffer has [`Self::room`].
     pub unsafe fn run(&self, direction: Direction, rows: StridedRows<*mut T>, [values, first, second]: [*mut T; 3]) {
-        let columns = At { first: values, stride: 2 * T::LANES };
+        let columns = StridedPointer { first: values, stride: 2 * T::LANES };
         let transform = || {
             // SAFETY: the buffers have room for half as many complex elements.
             unsafe { self.half.run(direction, columns, columns, [first, second]) };
@@ -59,7 +59,7 @@ impl<T: Real> Rows<T> {
             Direction::Forward => {
                 T::dispatch(Gather { plan: self, rows, values });
                 transform();
-                T::dispatch(Spectrum { plan: self, rows, values });
+                T::dispatch(ToSpectrum { plan: self, rows, values });
             }
             Direction::Backward => {
                 T::dispatch(FromSpectrum { plan: self, rows, values });
@@ -145,13 +145,13 @@ impl<T: Real> VectorKernel<T> for Scatter<'_, T> {
 }
 
 /// Converts the transform of the pairs to coefficients, and writes these into blocks of the rows.
-struct Spectrum<'a, T> {
+struct ToSpectrum<'a, T> {
     plan: &'a Rows<T>,
     rows: StridedRows<*mut T>,
     values: *mut T,
 }
 
-impl<T: Real> VectorKernel<T> for Spectrum<'_, T> {
+impl<T: Real> VectorKernel<T> for ToSpectrum<'_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -163,16 +163,16 @@ impl<T: Real> VectorKernel<T> for Spectrum<'_, T> {
         unsafe {
             let zero = V::splat(T::default());
             let first = element::<T, V>(values, 0);
-            put(values, 0, Pair::new(first.re.add(first.im), zero));
+            put(values, 0, ComplexLanes::new(first.re.add(first.im), zero));
             for k in 1..=h / 2 {
                 let (a, b) = (element::<T, V>(values, k), element::<T, V>(values, h - k));
-                let sum = Pair::<V, T>::new(a.re.add(b.re).mul(half), a.im.sub(b.im).mul(half));
-                let turned = root::<T, V>(plan.roots[k]).mul(Pair::new(a.re.sub(b.re), a.im.add(b.im)));
+                let sum = ComplexLanes::<V, T>::new(a.re.add(b.re).mul(half), a.im.sub(b.im).mul(half));
+                let turned = root::<T, V>(plan.roots[k]).mul(ComplexLanes::new(a.re.sub(b.re), a.im.add(b.im)));
                 put(values, h - k, conjugate(sum.sub(turned)));
                 put(values, k, sum.add(turned));
             }
             for k in h..plan.blocks() * T::LANES {
-                put(values, k, Pair::new(zero, zero));
+                put(values, k, ComplexLanes::new(zero, zero));
             }
             for part in 0..2 * plan.blocks() {
                 let from = values.add((part / 2) * 2 * T::LANES * T::LANES + (part % 2) * T::LANES);
@@ -207,11 +207,11 @@ impl<T: Real> VectorKernel<T> for FromSpectrum<'_, T> {
                 );
             }
             let first = element::<T, V>(values, 0);
-            put(values, 0, Pair::new(first.re, first.re));
+            put(values, 0, ComplexLanes::new(first.re, first.re));
             for k in 1..=h / 2 {
                 let (a, b) = (element::<T, V>(values, k), element::<T, V>(values, h - k));
-                let sum = Pair::<V, T>::new(a.re.add(b.re), a.im.sub(b.im));
-                let difference = Pair::<V, T>::new(a.re.sub(b.re).mul(two), a.im.add(b.im).mul(two));
+                let sum = ComplexLanes::<V, T>::new(a.re.add(b.re), a.im.sub(b.im));
+                let difference = ComplexLanes::<V, T>::new(a.re.sub(b.re).mul(two), a.im.add(b.im).mul(two));
                 // 2 conj(-i/2 w^k) = i w^-k
                 let turned = conjugate(root::<T, V>(plan.roots[k])).mul(difference);
                 put(values, h - k, conjugate(sum.sub(turned)));
@@ -222,23 +222,23 @@ impl<T: Real> VectorKernel<T> for FromSpectrum<'_, T> {
 }
 
 #[inline(always)]
-fn root<T: Real, V: SimdVector<T>>(root: Complex<T>) -> Pair<V, T> {
-    Pair::new(V::splat(root.re), V::splat(root.im))
+fn root<T: Real, V: SimdVector<T>>(root: Complex<T>) -> ComplexLanes<V, T> {
+    ComplexLanes::new(V::splat(root.re), V::splat(root.im))
 }
 
 #[inline(always)]
-fn conjugate<T: Real, V: SimdVector<T>>(value: Pair<V, T>) -> Pair<V, T> {
-    Pair::new(value.re, V::splat(T::default()).sub(value.im))
+fn conjugate<T: Real, V: SimdVector<T>>(value: ComplexLanes<V, T>) -> ComplexLanes<V, T> {
+    ComplexLanes::new(value.re, V::splat(T::default()).sub(value.im))
 }
 
 #[inline(always)]
-unsafe fn element<T: Real, V: SimdVector<T>>(values: *mut T, index: usize) -> Pair<V, T> {
+unsafe fn element<T: Real, V: SimdVector<T>>(values: *mut T, index: usize) -> ComplexLanes<V, T> {
     // SAFETY: guaranteed by the caller.
-    unsafe { Pair::load(values.add(index * 2 * T::LANES), [0, T::LANES]) }
+    unsafe { ComplexLanes::load(values.add(index * 2 * T::LANES), [0, T::LANES]) }
 }
 
 #[inline(always)]
-unsafe fn put<T: Real, V: SimdVector<T>>(values: *mut T, index: usize, value: Pair<V, T>) {
+unsafe fn put<T: Real, V: SimdVector<T>>(values: *mut T, index: usize, value: ComplexLanes<V, T>) {
     // SAFETY: guaranteed by the caller.
     unsafe { value.store(values.add(index * 2 * T::LANES), [0, T::LANES]) };
 }

@@ -1,4 +1,4 @@
-use super::columns::Columns;
+use super::columns::ColumnPlan;
 use super::*;
 use crate::memory::Memory;
 use simd::StridedRows;
@@ -41,8 +41,8 @@ fn transformed<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: boo
     let before = from.clone();
     let mut to = Memory::<T>::zero(length * stride);
     let mut buffers = [(); 2].map(|()| Memory::<T>::zero(plan.room()));
-    let source = At { first: from.values_mut().as_mut_ptr(), stride };
-    let target = if in_place { source } else { At { first: to.values_mut().as_mut_ptr(), stride } };
+    let source = StridedPointer { first: from.values_mut().as_mut_ptr(), stride };
+    let target = if in_place { source } else { StridedPointer { first: to.values_mut().as_mut_ptr(), stride } };
     let buffers = buffers.each_mut().map(|b| b.values_mut().as_mut_ptr());
     unsafe { plan.run(direction, source, target, buffers) };
     let after = if in_place { from } else { to };
@@ -76,7 +76,7 @@ fn columns_are_the_sums_that_define_them() {
 
 /// Largest relative difference between the lane kernels and rustfft.
 fn from_rustfft<T: Real>(length: usize, direction: Direction) -> f64 {
-    let lanes = transformed::<T>(&AnyLength::Lanes(Columns::new(length)), direction, true);
+    let lanes = transformed::<T>(&AnyLength::Lanes(ColumnPlan::new(length)), direction, true);
     let rustfft = transformed::<T>(&AnyLength::by_rustfft(length), direction, true);
     lanes.iter().zip(&rustfft).map(|([_, a], [_, b])| difference(a, b)).fold(0.0, f64::max)
 }

@@ -14,7 +14,7 @@ fn transform<T: Real>() -> Transform<T> {
 }
 
 /// A tilted lattice.
-fn leaning() -> Grid {
+fn tilted() -> Grid {
     let vectors = [Vector::X * 3.0, Vector::new(0.62, 2.0, 0.0), Vector::new(1.1, -0.7, 2.5)];
     Grid::new(POINTS, PeriodicBox::of_lattice(vectors).unwrap()).unwrap()
 }
@@ -54,7 +54,7 @@ fn solved(field: &Field<f64, Physical>, operator: &Stokes<f64>) -> Field<f64, Ph
 /// `f = a cos(k.x + phase)` drives `u = (a - k (k.a)/k^2) m(k) cos(k.x + phase) / (mu k^2)`.
 fn check_single_mode<T: Real>(grid: &Grid, mode: [usize; 3], tolerance: f64) {
     let (viscosity, amplitude, phase) = (0.7, Vector::new(0.3, -1.1, 0.8), 0.4);
-    let width = if grid.cell().is_upright() { 0.0 } else { 0.03 };
+    let width = if grid.cell().is_orthogonal() { 0.0 } else { 0.03 };
     let plane = |k1: f64, k2: f64| (-0.01 * (k1 * k1 + k2 * k2)).exp();
     let axis = |k3: f64| 1.0 / (1.0 + 0.1 * k3 * k3);
     let widening = 0.02;
@@ -78,7 +78,7 @@ fn check_single_mode<T: Real>(grid: &Grid, mode: [usize; 3], tolerance: f64) {
 
 #[test]
 fn a_single_wave_is_exact_in_boxes_of_any_lattice() {
-    for grid in [grid(0.0), grid(0.31), grid(-0.5), grid(0.7).reduced(), leaning()] {
+    for grid in [grid(0.0), grid(0.31), grid(-0.5), grid(0.7).reduced(), tilted()] {
         for mode in [[1, 0, 0], [0, 1, 0], [0, 0, 1], [2, 3, 4], [11, 17, 19], [5, 8, 9], [3, 12, 1], [0, 10, 11]] {
             check_single_mode::<f64>(&grid, mode, 2e-15);
             check_single_mode::<f32>(&grid, mode, 3e-7);
@@ -88,7 +88,7 @@ fn a_single_wave_is_exact_in_boxes_of_any_lattice() {
 
 #[test]
 fn the_mean_and_the_highest_modes_are_zero() {
-    for grid in [grid(0.0), grid(0.31), leaning()] {
+    for grid in [grid(0.0), grid(0.31), tilted()] {
         let [x, y, z] = POINTS.map(|n| n / 2);
         for mode in [[0, 0, 0], [x, 0, 0], [0, y, 0], [0, 0, z], [x, 2, 1], [3, y, 2], [1, 4, z], [x, y, z]] {
             // On the grid a wave is that of its lattice coordinates.
@@ -101,7 +101,7 @@ fn the_mean_and_the_highest_modes_are_zero() {
 
 #[test]
 fn the_operator_is_symmetric_and_takes_no_energy() {
-    for grid in [grid(0.0), grid(-0.2), grid(-0.7).reduced(), leaning()] {
+    for grid in [grid(0.0), grid(-0.2), grid(-0.7).reduced(), tilted()] {
         let operator = Stokes::new(&grid, 1.3);
         let (f, g) = (noisy(1), noisy(77_777));
         let (u, v) = (solved(&f, &operator), solved(&g, &operator));
@@ -113,7 +113,7 @@ fn the_operator_is_symmetric_and_takes_no_energy() {
 
 #[test]
 fn velocities_have_no_sources_and_no_mean() {
-    for grid in [grid(0.0), grid(0.4), grid(0.7).reduced(), leaning()] {
+    for grid in [grid(0.0), grid(0.4), grid(0.7).reduced(), tilted()] {
         let mut velocity = noisy(5);
         assert!(divergence(&grid, &mut transform(), &mut velocity.clone(), &Comm::alone()) > 0.1);
         transform().apply(&mut velocity, &Stokes::new(&grid, 1.0));
@@ -128,7 +128,7 @@ fn velocities_have_no_sources_and_no_mean() {
 
 #[test]
 fn single_precision_is_as_good_as_its_roundings() {
-    for grid in [grid(0.0), grid(0.37), leaning()] {
+    for grid in [grid(0.0), grid(0.37), tilted()] {
         let (double, single) = (Stokes::<f64>::new(&grid, 1.0), Stokes::<f32>::new(&grid, 1.0));
         let field = noisy(3);
         let mut rounded = transform::<f32>().field();
@@ -146,7 +146,7 @@ fn single_precision_is_as_good_as_its_roundings() {
 
 #[test]
 fn ranks_agree_with_one_rank_to_the_bit() {
-    [grid(0.25), grid(0.7).reduced(), leaning()].iter().for_each(ranks_agree_on);
+    [grid(0.25), grid(0.7).reduced(), tilted()].iter().for_each(ranks_agree_on);
 }
 
 fn ranks_agree_on(grid: &Grid) {

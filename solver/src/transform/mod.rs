@@ -1,7 +1,7 @@
 //! Distributed Fourier transform between physical and spectral space.
 
+mod local_transform;
 mod noise;
-mod share;
 mod transposition;
 
 use crate::fourier::{AnyLength, Direction};
@@ -10,10 +10,10 @@ use crate::memory::Memory;
 use crate::shared::Shared;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
-pub use noise::{Complexes, Draw, MODES};
+use local_transform::{LocalTransform, PlaneTask};
+pub use noise::Draw;
 use num_complex::Complex;
-use share::{Share, Task};
-use transposition::{Columns, Transposition};
+use transposition::{Transposition, WholeColumns};
 
 /// Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
 /// allocating.
@@ -36,7 +36,7 @@ use transposition::{Columns, Transposition};
 /// Methods use the threads of the rayon pool in which they are called; results are the same bits for any number of
 /// threads and ranks.
 pub struct Transform<T> {
-    share: Share<T>,
+    local: LocalTransform<T>,
     along_y: Option<Transposition<T>>,
     along_z: Option<Transposition<T>>,
 }
@@ -49,56 +49,57 @@ impl<T: Real> Transform<T> {
     /// # Panics
     /// If the partition is for a different number of rows.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
-        Self::planned(points, partition, (halo, ROOM), AnyLength::new)
+        Self::planned(points, partition, halo, ROOM, AnyLength::new)
     }
 
     /// As [`Self::new`], but by rustfft for all lengths: the reference for the lane kernels.
     #[doc(hidden)]
     pub fn by_rustfft(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
-        Self::planned(points, partition, (halo, ROOM), AnyLength::by_rustfft)
+        Self::planned(points, partition, halo, ROOM, AnyLength::by_rustfft)
     }
 
     fn planned(
         points: [usize; 3],
         partition: &Partition,
-        (halo, room): (usize, usize),
+        halo: usize,
+        room: usize,
         plan: fn(usize) -> AnyLength<T>,
     ) -> Self {
         let layout = Layout::new::<T>(points, partition.place(), halo);
         let along_y = Transposition::along_y(&layout, partition);
         let rounds = layout.rounds(partition.row().size(), room / size_of::<T>());
         let along_z = Transposition::along_z(&layout, partition, rounds);
-        Self { share: Share::new(layout, plan), along_y, along_z }
+        Self { local: LocalTransform::new(layout, plan), along_y, along_z }
     }
 
     /// Bytes of the transform: whole columns, and work space for each thread.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         let columns = [&self.along_y, &self.along_z].map(|planned| planned.as_ref().map_or(0, Transposition::reals));
-        size_of::<T>() * columns.iter().sum::<usize>() + self.share.bytes()
+        size_of::<T>() * columns.iter().sum::<usize>() + self.local.bytes()
     }
 
     /// A field of zeros for this transform.
     pub fn field(&self) -> Field<T, Physical> {
-        Field::zero(self.share.layout())
+        Field::zero(self.local.layout())
     }
 
     /// Values to coefficients. Halos are added to the starts of the rows first; after a backward transform, call
     /// [`Field::clear_halo`] before. Allocates a field if columns are exchanged in several rounds.
     #[must_use]
     pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
-        let planes = self.planes_forward(&mut field.memory, self.share.all_lines());
+        let planes = self.planes_forward(&mut field.memory, self.local.all_lines());
         if self.rounds() == 1 {
             let columns = self.whole(&planes, 0);
-            self.share.pencils(&columns, Direction::Forward);
-            self.keep(&columns, &mut field.memory);
+            self.local.pencils(&columns, Direction::Forward);
+            self.store(&columns, &mut field.memory);
             return field.into_space();
         }
-        let mut spectrum = Field::zero(self.share.layout());
+        let mut spectrum = Field::zero(self.local.layout());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
-            self.share.pencils(&columns, Direction::Forward);
-            self.keep(&columns, &mut spectrum.memory);
+            self.local.pencils(&columns, Direction::Forward);
+            self.store(&columns, &mut spectrum.memory);
         }
         spectrum
     }
@@ -106,29 +107,29 @@ impl<T: Real> Transform<T> {
     /// Coefficients to values. The halos are filled. Allocates a field if columns are exchanged in several rounds.
     #[must_use]
     pub fn backward(&mut self, mut field: Field<T, Spectral>) -> Field<T, Physical> {
-        self.along_y.iter().for_each(Transposition::open);
-        let mut values = if self.rounds() > 1 { Some(Field::zero(self.share.layout())) } else { None };
+        self.along_y.iter().for_each(Transposition::begin);
+        let mut values = if self.rounds() > 1 { Some(Field::zero(self.local.layout())) } else { None };
         let planes = self.planes(values.as_mut().map_or(&mut field.memory, |values| &mut values.memory));
         for round in 0..self.rounds() {
-            self.along_z.iter().for_each(Transposition::open);
+            self.along_z.iter().for_each(Transposition::begin);
             let columns = self.columns(&planes, round);
             self.fetch(&columns, &mut field.memory);
-            self.share.pencils(&columns, Direction::Backward);
+            self.local.pencils(&columns, Direction::Backward);
             self.give_back(&planes, round);
         }
         let mut values = values.unwrap_or_else(|| field.into_space());
-        self.planes_backward(&mut values.memory, self.share.all_lines());
+        self.planes_backward(&mut values.memory, self.local.all_lines());
         values
     }
 
     /// Force density to velocity: forward, times the operator, backward. Columns along z go both ways while a few of
     /// them are in the cache. Halos are added to the rows first, and filled at the end.
     pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
-        assert_eq!(self.share.layout().points, operator.points(), "transform and operator have one grid");
+        assert_eq!(self.local.layout().points, operator.points(), "transform and operator have one grid");
         let planes = self.planes_forward(&mut field.memory, operator.occupied());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
-            self.share.pencils_through(&columns, operator);
+            self.local.pencils_through(&columns, operator);
             self.give_back(&planes, round);
         }
         self.planes_backward(&mut field.memory, operator.occupied());
@@ -142,14 +143,14 @@ impl<T: Real> Transform<T> {
         field: &mut Field<T, Physical>,
         mut visit: impl FnMut([usize; 3], [Complex<T>; 3]),
     ) {
-        let planes = self.planes_forward(&mut field.memory, self.share.all_lines());
+        let planes = self.planes_forward(&mut field.memory, self.local.all_lines());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
-            self.share.pencils(&columns, Direction::Forward);
-            let Columns { memory, strides, modes } = &columns;
+            self.local.pencils(&columns, Direction::Forward);
+            let WholeColumns { memory, strides, modes } = &columns;
             // SAFETY: the columns have all these modes, and are not written before the next round.
             let read = |place| unsafe { *memory.at(place) };
-            self.share.layout().for_each_mode::<T>((strides, modes), read, &mut visit);
+            self.local.layout().for_each_mode::<T>(strides, modes, read, &mut visit);
         }
     }
 
@@ -160,7 +161,7 @@ impl<T: Real> Transform<T> {
 
     /// Memory with the whole planes of a field.
     fn planes(&self, memory: &mut Memory<T>) -> Shared<T> {
-        assert!(memory.values().len() >= self.share.layout().capacity, "the field is of this transform");
+        assert!(memory.values().len() >= self.local.layout().capacity, "the field is of this transform");
         self.along_y.as_ref().map_or_else(|| Shared::new(memory.values_mut()), Transposition::columns)
     }
 
@@ -169,20 +170,20 @@ impl<T: Real> Transform<T> {
     fn planes_forward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) -> Shared<T> {
         let planes = self.planes(memory);
         let rows = Shared::new(memory.values_mut());
-        let mut tasks = vec![Task::X];
+        let mut tasks = vec![PlaneTask::X];
         if let Some(exchange) = &self.along_y {
-            exchange.open();
-            tasks.push(Task::Pack(exchange.packing(0)));
-            self.share.planes(&rows, (Direction::Forward, occupied), &tasks);
+            exchange.begin();
+            tasks.push(PlaneTask::Pack(exchange.packing(0)));
+            self.local.planes(&rows, Direction::Forward, occupied, &tasks);
             tasks.clear();
-            exchange.deliver(0);
+            exchange.exchange(0);
         }
-        tasks.push(Task::Y);
+        tasks.push(PlaneTask::Y);
         if let Some(exchange) = self.at_once() {
-            exchange.open();
-            tasks.push(Task::Pack(exchange.packing(0)));
+            exchange.begin();
+            tasks.push(PlaneTask::Pack(exchange.packing(0)));
         }
-        self.share.planes(&planes, (Direction::Forward, occupied), &tasks);
+        self.local.planes(&planes, Direction::Forward, occupied, &tasks);
         planes
     }
 
@@ -197,10 +198,10 @@ impl<T: Real> Transform<T> {
     }
 
     /// Whole columns along z of a round.
-    fn columns(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
-        let Layout { spectral, modes, .. } = self.share.layout();
+    fn columns(&self, planes: &Shared<T>, round: usize) -> WholeColumns<T> {
+        let Layout { spectral, modes, .. } = self.local.layout();
         // SAFETY: a pointer to the first plane.
-        let own = || Columns {
+        let own = || WholeColumns {
             memory: Shared::from_pointer(unsafe { planes.at(0) }),
             strides: *spectral,
             modes: modes.clone(),
@@ -209,33 +210,35 @@ impl<T: Real> Transform<T> {
     }
 
     /// Assembles the whole columns along z of a round.
-    fn whole(&self, planes: &Shared<T>, round: usize) -> Columns<T> {
+    fn whole(&self, planes: &Shared<T>, round: usize) -> WholeColumns<T> {
         if let Some(exchange) = self.in_rounds() {
-            exchange.open();
-            self.share.planes(
+            exchange.begin();
+            self.local.planes(
                 planes,
-                (Direction::Forward, self.share.all_lines()),
-                &[Task::Pack(exchange.packing(round))],
+                Direction::Forward,
+                self.local.all_lines(),
+                &[PlaneTask::Pack(exchange.packing(round))],
             );
         }
-        self.along_z.iter().for_each(|exchange| exchange.deliver(round));
+        self.along_z.iter().for_each(|exchange| exchange.exchange(round));
         self.columns(planes, round)
     }
 
     /// Returns the columns along z of a round.
     fn give_back(&self, planes: &Shared<T>, round: usize) {
-        self.along_z.iter().for_each(|exchange| exchange.give_back(round));
+        self.along_z.iter().for_each(|exchange| exchange.exchange_back(round));
         if let Some(exchange) = self.in_rounds() {
-            self.share.planes(
+            self.local.planes(
                 planes,
-                (Direction::Backward, self.share.all_lines()),
-                &[Task::Unpack(exchange.packing(round))],
+                Direction::Backward,
+                self.local.all_lines(),
+                &[PlaneTask::Unpack(exchange.packing(round))],
             );
         }
     }
 
     /// Copies coefficients from whole columns to a field.
-    fn keep(&self, columns: &Columns<T>, memory: &mut Memory<T>) {
+    fn store(&self, columns: &WholeColumns<T>, memory: &mut Memory<T>) {
         let values = memory.values_mut();
         // SAFETY: the row is one of these columns, with no concurrent access.
         self.each_row(columns, |row, place, width| unsafe {
@@ -244,7 +247,7 @@ impl<T: Real> Transform<T> {
     }
 
     /// Copies coefficients from a field to whole columns.
-    fn fetch(&self, columns: &Columns<T>, memory: &mut Memory<T>) {
+    fn fetch(&self, columns: &WholeColumns<T>, memory: &mut Memory<T>) {
         let values = memory.values_mut();
         // SAFETY: the row is one of these columns, with no concurrent access.
         self.each_row(columns, |row, place, width| unsafe {
@@ -254,8 +257,12 @@ impl<T: Real> Transform<T> {
 
     /// Visits each row of whole columns that are not in the field itself: pointer, position in the field, and number
     /// of values.
-    fn each_row(&self, Columns { memory, strides, modes }: &Columns<T>, mut visit: impl FnMut(*mut T, usize, usize)) {
-        let layout = self.share.layout();
+    fn each_row(
+        &self,
+        WholeColumns { memory, strides, modes }: &WholeColumns<T>,
+        mut visit: impl FnMut(*mut T, usize, usize),
+    ) {
+        let layout = self.local.layout();
         if self.along_y.is_none() && self.along_z.is_none() {
             return;
         }
@@ -273,16 +280,16 @@ impl<T: Real> Transform<T> {
         let rows = Shared::new(memory.values_mut());
         let mut tasks = Vec::new();
         if let Some(exchange) = self.at_once() {
-            tasks.push(Task::Unpack(exchange.packing(0)));
+            tasks.push(PlaneTask::Unpack(exchange.packing(0)));
         }
-        tasks.push(Task::Y);
+        tasks.push(PlaneTask::Y);
         if let Some(exchange) = &self.along_y {
-            self.share.planes(&exchange.columns(), (Direction::Backward, occupied), &tasks);
-            exchange.give_back(0);
-            tasks = vec![Task::Unpack(exchange.packing(0))];
+            self.local.planes(&exchange.columns(), Direction::Backward, occupied, &tasks);
+            exchange.exchange_back(0);
+            tasks = vec![PlaneTask::Unpack(exchange.packing(0))];
         }
-        tasks.push(Task::X);
-        self.share.planes(&rows, (Direction::Backward, occupied), &tasks);
+        tasks.push(PlaneTask::X);
+        self.local.planes(&rows, Direction::Backward, occupied, &tasks);
     }
 }
 

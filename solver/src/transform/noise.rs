@@ -1,15 +1,10 @@
 //! Random fields whose covariance is an operator.
 
 use super::Transform;
-use crate::stokes::Waves;
+use crate::modes::{Complexes, MODES};
+use crate::stokes::ModeBlock;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use simd::vectorised;
-
-/// Consecutive modes along x whose random numbers are drawn at once.
-pub const MODES: usize = 16;
-
-/// Three complex numbers for each of some modes: real and imaginary parts.
-pub type Complexes = [[[f64; MODES]; 2]; 3];
 
 /// Source of random numbers for modes.
 pub trait Draw: Sync {
@@ -29,12 +24,12 @@ impl<T: Real> Transform<T> {
     /// is the operator's square root times noise. `draw` gives the numbers `c`; it is called for only one of a mode
     /// and its opposite. Collective.
     pub fn noise(&mut self, operator: &Stokes<T>, volume: f64, draw: &impl Draw) -> Field<T, Physical> {
-        let points = self.share.layout().points;
+        let points = self.local.layout().points;
         assert_eq!(points, operator.points(), "transform and operator have one grid");
         let signed = |mode: usize, axis: usize| {
             if 2 * mode > points[axis] { mode as i64 - points[axis] as i64 } else { mode as i64 }
         };
-        let mut field = Field::<T, Spectral>::zero(self.share.layout());
+        let mut field = Field::<T, Spectral>::zero(self.local.layout());
         field.set_blocks(|mode @ [first, m2, m3]| {
             vectorised(
                 #[inline(always)]
@@ -53,7 +48,7 @@ impl<T: Real> Transform<T> {
                             imaginary[0] = -imaginary[0];
                         }
                     }
-                    across(drawn, &operator.waves(mode), volume)
+                    across(drawn, &operator.mode_block(mode), volume)
                 },
             )
         });
@@ -63,12 +58,12 @@ impl<T: Real> Transform<T> {
 
 /// Parts of the numbers transverse to the wavevectors, times the square roots of the factors over a volume.
 #[inline(always)]
-fn across(mut numbers: Complexes, waves: &Waves, volume: f64) -> Complexes {
-    let [x, y, z] = &waves.vectors;
+fn across(mut numbers: Complexes, modes: &ModeBlock, volume: f64) -> Complexes {
+    let [x, y, z] = &modes.vectors;
     for lane in 0..MODES {
         let square = x[lane] * x[lane] + y[lane] * y[lane] + z[lane] * z[lane];
         let over = if square > 0.0 { square } else { f64::INFINITY };
-        let root = (waves.factors[lane] / volume).sqrt();
+        let root = (modes.factors[lane] / volume).sqrt();
         for part in 0..2 {
             let [a, b, c] = [numbers[0][part][lane], numbers[1][part][lane], numbers[2][part][lane]];
             let along = (a * x[lane] + b * y[lane] + c * z[lane]) / over;

@@ -68,7 +68,7 @@ fn in_room<T: Real>(
 ) -> (Modes<T>, BTreeMap<[usize; 2], Vec<T>>) {
     let shares = Comm::threads(table[0] * table[1], |comm| {
         let partition = Partition::with_table(&comm, [points[1], points[2]], table);
-        let mut transform = Transform::<T>::planned(points, &partition, (halo, room), AnyLength::new);
+        let mut transform = Transform::<T>::planned(points, &partition, halo, room, AnyLength::new);
         let mut field = transform.field();
         fill(&mut field, true);
         let mut shown = BTreeMap::new();
@@ -168,7 +168,7 @@ fn operators_have_the_same_bits_in_rounds() {
         let shares = Comm::threads(table[0] * table[1], |comm| {
             let grid = Grid::new(points, PeriodicBox::new(edges).unwrap()).unwrap();
             let partition = Partition::with_table(&comm, grid.lines(), table);
-            let mut transform = Transform::<f64>::planned(points, &partition, (5, room), AnyLength::new);
+            let mut transform = Transform::<f64>::planned(points, &partition, 5, room, AnyLength::new);
             let mut field = transform.field();
             fill(&mut field, true);
             transform.apply(&mut field, &Stokes::new(&grid, 1.5));

@@ -16,7 +16,7 @@ pub(super) struct Transposition<T> {
     /// slowest in memory.
     columns: Window,
     /// Send buffer for ranks on other machines.
-    outbox: Window,
+    send_buffer: Window,
     /// Number of values in whole columns, and in the send buffer, in the largest round.
     size: usize,
     outgoing: usize,
@@ -29,14 +29,14 @@ struct Round<T> {
     sent: Vec<Range<usize>>,
     received: Vec<Range<usize>>,
     /// Bytes for other ranks on this machine.
-    beside: usize,
+    local_bytes: usize,
     /// For whole columns along z: their modes along y, and their strides.
     modes: Range<usize>,
     strides: Strides,
 }
 
 /// Whole columns along z of some modes along y.
-pub(super) struct Columns<T> {
+pub(super) struct WholeColumns<T> {
     pub memory: Shared<T>,
     pub strides: Strides,
     pub modes: Range<usize>,
@@ -45,74 +45,75 @@ pub(super) struct Columns<T> {
 /// Destinations of the rows.
 pub(super) struct Packing<T> {
     strides: Strides,
-    parts: Vec<Part<T>>,
+    parts: Vec<PackedPart<T>>,
 }
 
 /// Part for one rank: `rows` times `width` values of each plane of each component.
-struct Part<T> {
+struct PackedPart<T> {
     /// Index of the first value in the field.
     start: usize,
     /// Destination.
     place: Shared<T>,
-    shape: Shape,
+    shape: PackedShape,
 }
 
 /// Exchange of a round: start of the values for each rank, and their shape by sender and receiver.
-struct Plan<Start, Shaped> {
+struct RoundPlan<Start, Shaped> {
     shape: Shaped,
     start: Start,
     modes: Range<usize>,
     strides: Strides,
 }
 
-impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> Shape> Plan<Start, Shaped> {
+impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> PackedShape> RoundPlan<Start, Shaped> {
     /// Number of values from one rank to another.
-    fn reals(&self, (from, to): (usize, usize), planes: impl Fn(usize) -> usize) -> usize {
-        let Shape { rows, width, .. } = (self.shape)(from, to);
+    fn reals(&self, from: usize, to: usize, planes: impl Fn(usize) -> usize) -> usize {
+        let PackedShape { rows, width, .. } = (self.shape)(from, to);
         3 * planes(from) * rows * width
     }
 
     /// Position in a rank's columns at which those from another begin.
-    fn first(&self, (from, to): (usize, usize), planes: impl Fn(usize) -> usize) -> usize {
-        (0..from).map(|earlier| self.reals((earlier, to), &planes)).sum()
+    fn first(&self, from: usize, to: usize, planes: impl Fn(usize) -> usize) -> usize {
+        (0..from).map(|earlier| self.reals(earlier, to, &planes)).sum()
     }
 
-    /// The round on rank `me` of `ranks`, with memory for whole columns and the send buffer.
+    /// The round on this rank of a group, with memory for whole columns and the send buffer.
     fn round<T: Real>(
         self,
-        (me, ranks): (usize, usize),
+        group: &Comm,
         strides: Strides,
         planes: impl Fn(usize) -> usize,
-        [columns, outbox]: [&Window; 2],
+        [columns, send_buffer]: [&Window; 2],
     ) -> Round<T> {
+        let (me, ranks) = (group.rank(), group.size());
         let is_elsewhere = |rank| columns.of::<T>(rank).is_none();
-        let (mut sent, mut received, mut outgoing, mut beside) = (Vec::new(), Vec::new(), 0, 0);
+        let (mut sent, mut received, mut outgoing, mut local_bytes) = (Vec::new(), Vec::new(), 0, 0);
         for rank in 0..ranks {
-            let both = [(me, rank), (rank, me)].map(|pair| self.reals(pair, &planes));
+            let both = [self.reals(me, rank, &planes), self.reals(rank, me, &planes)];
             let [to, from] = both.map(|reals| if is_elsewhere(rank) { reals } else { 0 });
-            let first = self.first((rank, me), &planes);
+            let first = self.first(rank, me, &planes);
             sent.push(outgoing..outgoing + to);
             received.push(first..first + from);
             outgoing += to;
-            beside += if is_elsewhere(rank) || rank == me { 0 } else { both[0] * size_of::<T>() };
+            local_bytes += if is_elsewhere(rank) || rank == me { 0 } else { both[0] * size_of::<T>() };
         }
         let part = |rank| {
             let (window, owner, place) = if is_elsewhere(rank) {
-                (outbox, 0, sent[rank].start)
+                (send_buffer, 0, sent[rank].start)
             } else {
-                (columns, rank, self.first((me, rank), &planes))
+                (columns, rank, self.first(me, rank, &planes))
             };
             // SAFETY: the window is large enough.
             let place = unsafe { memory::<T>(window, owner).add(place) };
-            Part { start: (self.start)(rank), place: Shared::from_pointer(place), shape: (self.shape)(me, rank) }
+            PackedPart { start: (self.start)(rank), place: Shared::from_pointer(place), shape: (self.shape)(me, rank) }
         };
         let packing = Packing { strides, parts: (0..ranks).map(part).collect() };
-        Round { packing, sent, received, beside, modes: self.modes, strides: self.strides }
+        Round { packing, sent, received, local_bytes, modes: self.modes, strides: self.strides }
     }
 }
 
 /// Shape and strides of the rows for one rank.
-struct Shape {
+struct PackedShape {
     rows: usize,
     width: usize,
     packed: Strides,
@@ -127,11 +128,11 @@ impl<T: Real> Transposition<T> {
         let part = |from, to| {
             let width = blocks(to).len() * 2 * T::LANES;
             let packed = Strides { component: width, z: 3 * width, y: 3 * width * planes };
-            Shape { rows: block(layout.points[1], group.size(), from).len(), width, packed }
+            PackedShape { rows: block(layout.points[1], group.size(), from).len(), width, packed }
         };
         let start = |to| blocks(to).start * 2 * T::LANES;
         let planes = |_| planes;
-        let plan = Plan { shape: part, start, modes: layout.modes.clone(), strides: layout.spectral };
+        let plan = RoundPlan { shape: part, start, modes: layout.modes.clone(), strides: layout.spectral };
         Self::new(group, layout.physical, planes, vec![plan])
     }
 
@@ -147,10 +148,10 @@ impl<T: Real> Transposition<T> {
         };
         let packed = |rows: usize| Strides { component: rows * width, z: 3 * rows * width, y: width };
         let planes = |from| block(layout.points[2], group.size(), from).len();
-        let plans = (0..rounds).map(|round| Plan {
+        let plans = (0..rounds).map(|round| RoundPlan {
             shape: move |_: usize, to: usize| {
                 let rows = modes(to, round).len();
-                Shape { rows, width, packed: packed(rows) }
+                PackedShape { rows, width, packed: packed(rows) }
             },
             start: move |to| modes(to, round).start * layout.transposed.y,
             modes: modes(group.rank(), round),
@@ -164,24 +165,24 @@ impl<T: Real> Transposition<T> {
         group: &Comm,
         strides: Strides,
         planes: impl Fn(usize) -> usize,
-        plans: Vec<Plan<impl Fn(usize) -> usize, impl Fn(usize, usize) -> Shape>>,
+        plans: Vec<RoundPlan<impl Fn(usize) -> usize, impl Fn(usize, usize) -> PackedShape>>,
     ) -> Option<Self> {
         let (me, ranks) = (group.rank(), group.size());
         if ranks == 1 {
             return None;
         }
-        let sizes = plans.iter().map(|plan| plan.first((ranks, me), &planes));
+        let sizes = plans.iter().map(|plan| plan.first(ranks, me, &planes));
         let size = sizes.max().unwrap_or(0);
         let columns = group.window(size * size_of::<T>());
-        let to_elsewhere = |plan: &Plan<_, _>| -> usize {
+        let to_elsewhere = |plan: &RoundPlan<_, _>| -> usize {
             let elsewhere = (0..ranks).filter(|&rank| columns.of::<T>(rank).is_none());
-            elsewhere.map(|rank| plan.reals((me, rank), &planes)).sum()
+            elsewhere.map(|rank| plan.reals(me, rank, &planes)).sum()
         };
         let outgoing = plans.iter().map(to_elsewhere).max().unwrap_or(0);
-        let outbox = Comm::alone().window(outgoing * size_of::<T>());
+        let send_buffer = Comm::alone().window(outgoing * size_of::<T>());
         let rounds =
-            plans.into_iter().map(|plan| plan.round((me, ranks), strides, &planes, [&columns, &outbox])).collect();
-        Some(Self { group: group.clone(), rounds, columns, outbox, size, outgoing })
+            plans.into_iter().map(|plan| plan.round(group, strides, &planes, [&columns, &send_buffer])).collect();
+        Some(Self { group: group.clone(), rounds, columns, send_buffer, size, outgoing })
     }
 
     /// Number of values in whole columns.
@@ -206,40 +207,40 @@ impl<T: Real> Transposition<T> {
     }
 
     /// This rank's whole columns along z in a round.
-    pub fn columns_along_z(&self, round: usize) -> Columns<T> {
+    pub fn columns_along_z(&self, round: usize) -> WholeColumns<T> {
         let Round { modes, strides, .. } = &self.rounds[round];
-        Columns { memory: self.columns(), strides: *strides, modes: modes.clone() }
+        WholeColumns { memory: self.columns(), strides: *strides, modes: modes.clone() }
     }
 
     /// Waits until the columns of the last exchange are no longer needed. Packing comes next.
-    pub fn open(&self) {
+    pub fn begin(&self) {
         self.columns.barrier();
     }
 
     /// Makes columns whole once all ranks have packed a round.
-    pub fn deliver(&self, round: usize) {
-        let Round { sent, received, .. } = self.meet(round);
+    pub fn exchange(&self, round: usize) {
+        let Round { sent, received, .. } = self.barrier(round);
         if self.columns.is_divided() {
             // SAFETY: all ranks on this machine have packed, and none unpacks yet.
-            let [columns, outbox] = unsafe { self.values() };
-            self.group.all_to_all_ranges((outbox, sent), (columns, received));
+            let [columns, send_buffer] = unsafe { self.values() };
+            self.group.all_to_all_ranges((send_buffer, sent), (columns, received));
         }
     }
 
     /// Makes columns available for unpacking once all ranks have finished with them. Unpacking comes next.
-    pub fn give_back(&self, round: usize) {
-        let Round { sent, received, .. } = self.meet(round);
+    pub fn exchange_back(&self, round: usize) {
+        let Round { sent, received, .. } = self.barrier(round);
         if self.columns.is_divided() {
-            // SAFETY: columns are not written before the next call of `open`.
-            let [columns, outbox] = unsafe { self.values() };
-            self.group.all_to_all_ranges((columns, received), (outbox, sent));
+            // SAFETY: columns are not written before the next call of [`Self::begin`].
+            let [columns, send_buffer] = unsafe { self.values() };
+            self.group.all_to_all_ranges((columns, received), (send_buffer, sent));
         }
     }
 
     /// Barrier for the ranks on this machine.
-    fn meet(&self, round: usize) -> &Round<T> {
+    fn barrier(&self, round: usize) -> &Round<T> {
         self.columns.barrier();
-        self.group.count_sent(self.rounds[round].beside);
+        self.group.count_sent(self.rounds[round].local_bytes);
         &self.rounds[round]
     }
 
@@ -250,7 +251,7 @@ impl<T: Real> Transposition<T> {
     #[expect(clippy::mut_from_ref, reason = "they are not behind the reference")]
     unsafe fn values(&self) -> [&mut [T]; 2] {
         // SAFETY: the windows hold this many values, initially zero.
-        [(&self.columns, self.group.rank(), self.size), (&self.outbox, 0, self.outgoing)]
+        [(&self.columns, self.group.rank(), self.size), (&self.send_buffer, 0, self.outgoing)]
             .map(|(window, rank, count)| unsafe { std::slice::from_raw_parts_mut(memory(window, rank), count) })
     }
 }
@@ -264,7 +265,7 @@ impl<T: Real> Packing<T> {
     /// Copies the rows of a plane to their destinations, best while it is in the cache.
     ///
     /// # Safety
-    /// The field is that of the exchange, it is open, and there is no concurrent access to the plane.
+    /// The field is that of the exchange, it has begun, and there is no concurrent access to the plane.
     pub unsafe fn pack(&self, field: &Shared<T>, plane: [usize; 2]) {
         self.each_row(plane, |row, place, width| unsafe {
             std::ptr::copy_nonoverlapping(field.at(row), place, width);
@@ -283,7 +284,7 @@ impl<T: Real> Packing<T> {
 
     /// Visits each row of a plane of a component: position in the field, destination, and number of values.
     fn each_row(&self, [component, z]: [usize; 2], visit: impl Fn(usize, *mut T, usize)) {
-        for Part { start, place, shape } in &self.parts {
+        for PackedPart { start, place, shape } in &self.parts {
             for row in 0..shape.rows {
                 // SAFETY: the part has these rows.
                 let packed = unsafe { place.at(shape.packed.at(component, row, z)) };

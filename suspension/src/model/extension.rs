@@ -155,13 +155,13 @@ mod tests {
     fn boxes_have_the_volume_of_their_edges() {
         let edges = Vector::new(3.0, 3.0, 7.0);
         let cell = Extension::Planar.cell(edges).unwrap();
-        assert!((cell.volume() / edges.element_product() - 1.0).abs() < 1e-14 && cell.is_upright());
+        assert!((cell.volume() / edges.element_product() - 1.0).abs() < 1e-14 && cell.is_orthogonal());
         assert!(Extension::Planar.has_box(&cell) && !Extension::Planar.has_box(&PeriodicBox::new(edges).unwrap()));
         let error = Extension::Planar.cell(Vector::new(3.0, 4.0, 5.0)).unwrap_err().to_string();
         assert!(error.contains("[3, 4, 5], but") && error.contains("equal edges along x and y"), "{error}");
         for kind in [Extension::Uniaxial, Extension::Biaxial] {
             let cell = kind.cell(Vector::splat(3.0)).unwrap();
-            assert!((cell.volume() / 27.0 - 1.0).abs() < 1e-14 && !cell.is_upright());
+            assert!((cell.volume() / 27.0 - 1.0).abs() < 1e-14 && !cell.is_orthogonal());
             assert!(kind.has_box(&cell) && !kind.has_box(&PeriodicBox::new(Vector::splat(3.0)).unwrap()));
             let error = kind.cell(edges).unwrap_err().to_string();
             assert!(error.contains("[3, 3, 7], but") && error.contains("three equal edges"), "{error}");

@@ -66,7 +66,7 @@ impl<T: Real> WindowLattice<T> {
         ];
         let factors = |sigma: f64| laplacian.map(|factor| T::from_f64(-0.5 * common.rest(sigma) * factor));
         let smoothing = envelopes.iter().map(|e| [factors(e.monopole), factors(e.dipole)]).collect();
-        let (slants, is_tilted) = (Slants { s, r, f }, !grid.cell().is_upright());
+        let (slants, is_tilted) = (Slants { s, r, f }, !grid.cell().is_orthogonal());
         let points = grid.points();
         let row_shift = grid.row_shift().rem_euclid(points[0] as i64) as usize;
         Self { points, row_shift, window, pieces, inverse, slants, is_tilted, smoothing }

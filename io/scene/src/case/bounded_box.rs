@@ -92,7 +92,7 @@ impl CaseBox {
         let [a, b, c] = vectors;
         let cell = PeriodicBox::of_lattice(vectors)?;
         let others = [[b, c, a], [c, a, b]].map(PeriodicBox::of_lattice).into_iter().flatten();
-        Ok([cell].into_iter().chain(others).find(PeriodicBox::is_upright).unwrap_or(cell))
+        Ok([cell].into_iter().chain(others).find(PeriodicBox::is_orthogonal).unwrap_or(cell))
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     let volume = spacing.x * spacing.y * spacing.z;
     let unit = unit_volume(plan, grid);
     // In a tilted lattice the Gaussian is no product of functions along the axes: the solve applies it.
-    let width = if grid.cell().is_upright() { 0.0 } else { common.width };
+    let width = if grid.cell().is_orthogonal() { 0.0 } else { common.width };
     let width_in_plane = if width > 0.0 { 0.0 } else { common.width };
     let gaussian = |exponent: f64| if width > 0.0 { 1.0 } else { exponent.exp() };
     let factor = |k: f64, spacing: f64| {

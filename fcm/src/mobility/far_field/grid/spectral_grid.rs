@@ -223,7 +223,7 @@ impl<T: Real> SpreadingKernels<T> {
     }
 
     fn gaussian(plan: &Plan, grid: &Grid) -> Self {
-        assert!(grid.cell().is_upright(), "a plan for a lattice that leans has windows");
+        assert!(grid.cell().is_orthogonal(), "a plan for a tilted lattice has windows");
         let strain = grid.cell().strain();
         let sources =
             |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };

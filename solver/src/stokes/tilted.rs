@@ -8,7 +8,7 @@ use simd::{SimdVector, VectorKernel, exponential};
 /// component is `k3 + shift(k1, k2)`, and the Gaussian of its square is no product of functions along the axes. So
 /// the multiplier is `exp(level(k1, k2) + level(k3) - width^2 k^2)`, computed on the fly, in which no factor
 /// overflows or underflows `T` unless the product does.
-pub(super) struct Leaning<T> {
+pub(super) struct TiltedTables<T> {
     /// Values for each m2 and m1.
     shift: Vec<T>,
     level: Vec<T>,
@@ -18,7 +18,7 @@ pub(super) struct Leaning<T> {
     falling: T,
 }
 
-impl<T: Real> Leaning<T> {
+impl<T: Real> TiltedTables<T> {
     /// For modes `m1`, `m2` by their wavevectors at `m3 = 0`.
     pub fn new<P, A>(grid: &Grid, modes: &[domain::Vector], multiplier: &Multiplier<P, A>) -> Self
     where
@@ -51,20 +51,20 @@ impl<T: Real> Leaning<T> {
 }
 
 /// Kernel of [`Stokes::multiply`] for a tilted lattice.
-pub(super) struct Multiply<'a, T> {
+pub(super) struct MultiplyTilted<'a, T> {
     pub operator: &'a Stokes<T>,
-    pub leaning: &'a Leaning<T>,
+    pub tilted: &'a TiltedTables<T>,
     pub place: [usize; 2],
     pub components: [*mut T; 3],
 }
 
-impl<T: Real> VectorKernel<T> for Multiply<'_, T> {
+impl<T: Real> VectorKernel<T> for MultiplyTilted<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: SimdVector<T>>(self) {
         let Stokes { points, k1, k2, plane, inverse, k3, widening, .. } = self.operator;
-        let Leaning { shift, level, axis, falling } = self.leaning;
+        let TiltedTables { shift, level, axis, falling } = self.tilted;
         let nz = points[2];
         let [block, mode] = self.place;
         let column = block * T::LANES;

@@ -1,38 +1,22 @@
 //! Unbounded fluid: convolution with the decaying kernel on a grid that is twice as long along each axis as its
 //! occupied part.
 
-mod kernel;
-
-use crate::{Grid, Real};
-use kernel::{ENTRIES, transforms};
+use crate::Real;
 use simd::{SimdVector, VectorKernel};
+
+/// Number of entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
+pub(crate) const ENTRIES: usize = 6;
 
 /// Decaying Stokes kernel with a multiplier of the wavenumber, between the points in the first half of a grid along
 /// each axis: its transform, with zero padding (Hockney 1970).
 pub struct OpenSpace<T> {
-    points: [usize; 3],
+    pub(crate) points: [usize; 3],
     /// Table by `|m2|`, block along x, `|m3|`, entry of the tensor, and lane.
-    table: Vec<T>,
-    blocks: usize,
+    pub(crate) table: Vec<T>,
+    pub(crate) blocks: usize,
 }
 
 impl<T: Real> OpenSpace<T> {
-    /// Kernel for a viscosity and an even multiplier `m(k)`, as of [`crate::Multiplier`], whose kernel differs from
-    /// that of points only up to a distance `reach`. Complete on every rank.
-    pub fn new(grid: &Grid, viscosity: f64, multiplier: impl Fn(domain::Vector) -> f64 + Sync, reach: f64) -> Self {
-        let points = grid.points();
-        let [columns, modes, last] = points.map(|n| n / 2 + 1);
-        let blocks = (columns - 1).div_ceil(T::LANES);
-        let mut table = vec![T::default(); modes * blocks * last * ENTRIES * T::LANES];
-        let scale = 1.0 / (viscosity * grid.count() as f64);
-        transforms(grid, multiplier, reach, |[m1, m2, m3], entry, value| {
-            let panel = m2 * blocks + m1 / T::LANES;
-            let place = (panel * last + m3) * ENTRIES + entry;
-            table[place * T::LANES + m1 % T::LANES] = T::from_f64(scale * value);
-        });
-        Self { points, table, blocks }
-    }
-
     /// Number of values in the table of a grid.
     pub(crate) fn values(points: [usize; 3]) -> f64 {
         let [columns, modes, last] = points.map(|n| n / 2 + 1);
@@ -45,17 +29,17 @@ impl<T: Real> OpenSpace<T> {
     /// # Safety
     /// The columns can be read and written.
     pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
-        T::dispatch(Multiply { kernel: self, place, components });
+        T::dispatch(MultiplyOpenSpace { kernel: self, place, components });
     }
 }
 
-struct Multiply<'a, T> {
+struct MultiplyOpenSpace<'a, T> {
     kernel: &'a OpenSpace<T>,
     place: [usize; 2],
     components: [*mut T; 3],
 }
 
-impl<T: Real> VectorKernel<T> for Multiply<'_, T> {
+impl<T: Real> VectorKernel<T> for MultiplyOpenSpace<'_, T> {
     type Output = ();
 
     #[inline(always)]

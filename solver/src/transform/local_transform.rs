@@ -1,7 +1,7 @@
 //! Transforms local to a rank: planes along x and y, and columns along z.
 
-use super::transposition::{Columns, Packing};
-use crate::fourier::{AnyLength, At, Direction, Rows};
+use super::transposition::{Packing, WholeColumns};
+use crate::fourier::{AnyLength, Direction, Rows, StridedPointer};
 use crate::layout::Layout;
 use crate::memory::Memory;
 use crate::shared::Shared;
@@ -11,7 +11,7 @@ use simd::StridedRows;
 use std::sync::{Mutex, PoisonError};
 
 /// Operation on a plane.
-pub(super) enum Task<'a, T> {
+pub(super) enum PlaneTask<'a, T> {
     /// Transform its rows.
     X,
     /// Transform its columns.
@@ -23,32 +23,32 @@ pub(super) enum Task<'a, T> {
 }
 
 /// One rank's layout, the plans of its three directions, and work space for each thread.
-pub(super) struct Share<T> {
+pub(super) struct LocalTransform<T> {
     layout: Layout,
     rows: Rows<T>,
     along_y: AnyLength<T>,
     along_z: AnyLength<T>,
     room: usize,
-    desks: Vec<Mutex<Memory<T>>>,
+    workspaces: Vec<Mutex<Memory<T>>>,
 }
 
-impl<T: Real> Share<T> {
+impl<T: Real> LocalTransform<T> {
     /// Plans each direction with `plan`.
     pub fn new(layout: Layout, plan: fn(usize) -> AnyLength<T>) -> Self {
         let [nx, ny, nz] = layout.points;
         let rows = Rows::new(plan(nx / 2), layout.halo);
         let [along_y, along_z] = [ny, nz].map(plan);
         let room = rows.room().max(along_y.room()).max(along_z.room());
-        let desk = || Mutex::new(Memory::zero(5 * room + T::LANES * layout.physical.y));
-        let desks = (0..rayon::current_num_threads()).map(|_| desk()).collect();
-        Self { layout, rows, along_y, along_z, room, desks }
+        let workspace = || Mutex::new(Memory::zero(5 * room + T::LANES * layout.physical.y));
+        let workspaces = (0..rayon::current_num_threads()).map(|_| workspace()).collect();
+        Self { layout, rows, along_y, along_z, room, workspaces }
     }
 
     /// Bytes of the work space.
     #[cfg(test)]
     pub fn bytes(&self) -> usize {
-        let bytes = |desk: &Mutex<Memory<T>>| size_of_val(desk.lock().expect("nobody works").values());
-        self.desks.iter().map(bytes).sum()
+        let bytes = |workspace: &Mutex<Memory<T>>| size_of_val(workspace.lock().expect("no thread works").values());
+        self.workspaces.iter().map(bytes).sum()
     }
 
     pub fn layout(&self) -> &Layout {
@@ -56,9 +56,9 @@ impl<T: Real> Share<T> {
     }
 
     /// Calls `work` with the thread's work space: two buffers, a panel of three components, and a batch of rows.
-    fn at_desk(&self, work: impl FnOnce([*mut T; 2], *mut T, &mut [T])) {
-        let desk = rayon::current_thread_index().unwrap_or(0) % self.desks.len();
-        let mut memory = self.desks[desk].lock().unwrap_or_else(PoisonError::into_inner);
+    fn with_workspace(&self, work: impl FnOnce([*mut T; 2], *mut T, &mut [T])) {
+        let workspace = rayon::current_thread_index().unwrap_or(0) % self.workspaces.len();
+        let mut memory = self.workspaces[workspace].lock().unwrap_or_else(PoisonError::into_inner);
         let (first, rest) = memory.values_mut().split_at_mut(self.room);
         let (second, rest) = rest.split_at_mut(self.room);
         let (panel, batch) = rest.split_at_mut(3 * self.room);
@@ -73,7 +73,7 @@ impl<T: Real> Share<T> {
 
     /// Performs the tasks on every plane of this rank, one after the other while the plane is in the cache; only the
     /// first `occupied` rows along y and z are transformed.
-    pub fn planes(&self, memory: &Shared<T>, (direction, occupied): (Direction, [usize; 2]), tasks: &[Task<T>]) {
+    pub fn planes(&self, memory: &Shared<T>, direction: Direction, occupied: [usize; 2], tasks: &[PlaneTask<T>]) {
         let [lines, planes] = self.layout.rows.clone();
         let rows = occupied[0].clamp(lines.start, lines.end) - lines.start;
         let is_occupied = |z: usize| planes.start + z < occupied[1];
@@ -82,21 +82,21 @@ impl<T: Real> Share<T> {
             let (component, z) = (i / planes, i % planes);
             for task in tasks {
                 match task {
-                    Task::X | Task::Y if !is_occupied(z) => {}
-                    Task::X => self.plane_rows(memory, direction, (self.layout.physical.at(component, 0, z), rows)),
-                    Task::Y => self.plane_columns(memory, direction, self.layout.transposed.at(component, 0, z)),
+                    PlaneTask::X | PlaneTask::Y if !is_occupied(z) => {}
+                    PlaneTask::X => self.plane_rows(memory, direction, self.layout.physical.at(component, 0, z), rows),
+                    PlaneTask::Y => self.plane_columns(memory, direction, self.layout.transposed.at(component, 0, z)),
                     // SAFETY: a plane belongs to one thread, and the packing is that of this field's transform.
-                    Task::Pack(packing) => unsafe { packing.pack(memory, [component, z]) },
-                    Task::Unpack(packing) => unsafe { packing.unpack(memory, [component, z]) },
+                    PlaneTask::Pack(packing) => unsafe { packing.pack(memory, [component, z]) },
+                    PlaneTask::Unpack(packing) => unsafe { packing.unpack(memory, [component, z]) },
                 }
             }
         });
     }
 
     /// Transforms the first rows of a plane, as many at once as there are lanes.
-    fn plane_rows(&self, memory: &Shared<T>, direction: Direction, (plane, rows): (usize, usize)) {
+    fn plane_rows(&self, memory: &Shared<T>, direction: Direction, plane: usize, rows: usize) {
         let stride = self.layout.physical.y;
-        self.at_desk(|[first, second], values, batch| {
+        self.with_workspace(|[first, second], values, batch| {
             for row in (0..rows).step_by(T::LANES) {
                 // SAFETY: a plane belongs to one thread, and the rows lie inside it.
                 unsafe {
@@ -123,11 +123,11 @@ impl<T: Real> Share<T> {
     /// Transforms the columns of a plane, block by block.
     fn plane_columns(&self, memory: &Shared<T>, direction: Direction, plane: usize) {
         let stride = self.layout.transposed.y;
-        self.at_desk(|buffers, _, _| {
+        self.with_workspace(|buffers, _, _| {
             for block in 0..self.layout.blocks.len() {
                 // SAFETY: a plane belongs to one thread, and the blocks lie inside it.
                 unsafe {
-                    let columns = At { first: memory.at(plane + block * 2 * T::LANES), stride };
+                    let columns = StridedPointer { first: memory.at(plane + block * 2 * T::LANES), stride };
                     self.along_y.run(direction, columns, columns, buffers);
                 }
             }
@@ -135,9 +135,9 @@ impl<T: Real> Share<T> {
     }
 
     /// Transforms columns along z.
-    pub fn pencils(&self, whole: &Columns<T>, direction: Direction) {
+    pub fn pencils(&self, whole: &WholeColumns<T>, direction: Direction) {
         self.each_panel(whole, |components, _| {
-            self.at_desk(|buffers, _, _| {
+            self.with_workspace(|buffers, _, _| {
                 for columns in components {
                     // SAFETY: the panel belongs to one thread.
                     unsafe { self.along_z.run(direction, columns, columns, buffers) };
@@ -147,13 +147,13 @@ impl<T: Real> Share<T> {
     }
 
     /// Transforms columns along z, multiplies them by the operator, and transforms them back.
-    pub fn pencils_through(&self, whole: &Columns<T>, operator: &Stokes<T>) {
+    pub fn pencils_through(&self, whole: &WholeColumns<T>, operator: &Stokes<T>) {
         let stride = 2 * T::LANES;
         self.each_panel(whole, |components, [block, mode]| {
-            self.at_desk(|buffers, panel, _| {
+            self.with_workspace(|buffers, panel, _| {
                 // SAFETY: the panel belongs to one thread, and the work space has room for its three components.
                 unsafe {
-                    let work = [0, 1, 2].map(|c| At { first: panel.add(c * self.room), stride });
+                    let work = [0, 1, 2].map(|c| StridedPointer { first: panel.add(c * self.room), stride });
                     let channel = operator.channel();
                     let added = channel.and_then(|channel| channel.amplitudes([block, mode], components));
                     for (columns, work) in components.into_iter().zip(work) {
@@ -172,14 +172,14 @@ impl<T: Real> Share<T> {
     }
 
     /// Visits every panel of columns along z: the columns of one block along x and one mode along y.
-    fn each_panel(&self, whole: &Columns<T>, work: impl Fn([At<T>; 3], [usize; 2]) + Sync) {
-        let (Layout { blocks, .. }, Columns { memory, strides, modes }) = (&self.layout, whole);
+    fn each_panel(&self, whole: &WholeColumns<T>, work: impl Fn([StridedPointer<T>; 3], [usize; 2]) + Sync) {
+        let (Layout { blocks, .. }, WholeColumns { memory, strides, modes }) = (&self.layout, whole);
         (0..modes.len() * blocks.len()).into_par_iter().for_each(|i| {
             let (mode, block) = (i / blocks.len(), i % blocks.len());
             let components = [0, 1, 2].map(|component| {
                 let start = strides.at(component, mode, 0) + block * 2 * T::LANES;
                 // SAFETY: the panel lies inside this rank's share.
-                At { first: unsafe { memory.at(start) }, stride: strides.z }
+                StridedPointer { first: unsafe { memory.at(start) }, stride: strides.z }
             });
             work(components, [blocks.start + block, modes.start + mode]);
         });

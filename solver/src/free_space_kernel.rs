@@ -1,17 +1,34 @@
 //! Free-space Stokes kernel on a grid, and its transform.
 
-use crate::{Field, Grid, Physical, Spectral, Transform};
+use crate::open_space::ENTRIES;
+use crate::{Field, Grid, OpenSpace, Physical, Real, Spectral, Transform};
 use domain::{Comm, Partition, PeriodicBox, Vector};
 use num_complex::Complex;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Number of entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
-pub(super) const ENTRIES: usize = 6;
 const DIAGONAL: [usize; 3] = [0, 3, 5];
 
 /// Modes that one thread processes at a time.
 const BATCH: usize = 1024;
+
+impl<T: Real> OpenSpace<T> {
+    /// Kernel for a viscosity and an even multiplier `m(k)`, as of [`crate::Multiplier`], whose kernel differs from
+    /// that of points only up to a distance `reach`. Complete on every rank.
+    pub fn new(grid: &Grid, viscosity: f64, multiplier: impl Fn(Vector) -> f64 + Sync, reach: f64) -> Self {
+        let points = grid.points();
+        let [columns, modes, last] = points.map(|n| n / 2 + 1);
+        let blocks = (columns - 1).div_ceil(T::LANES);
+        let mut table = vec![T::default(); modes * blocks * last * ENTRIES * T::LANES];
+        let scale = 1.0 / (viscosity * grid.count() as f64);
+        transforms(grid, multiplier, reach, |[m1, m2, m3], entry, value| {
+            let panel = m2 * blocks + m1 / T::LANES;
+            let place = (panel * last + m3) * ENTRIES + entry;
+            table[place * T::LANES + m1 % T::LANES] = T::from_f64(scale * value);
+        });
+        Self { points, table, blocks }
+    }
+}
 
 /// Calls `keep(mode, entry, value)` for the discrete transform of the kernel at all modes up to half the points,
 /// except for the highest of x.
@@ -28,7 +45,7 @@ const BATCH: usize = 1024;
 /// cutoff reaches the particles, the sum of `(k^2 I - k k) B(k) m(k)` over its wavevectors is the decaying kernel at
 /// every separation that occurs, apart from `-m(0) / 4 pi R` on the diagonal by the term that was added. Separations
 /// of half the grid's points do not occur.
-pub(super) fn transforms(
+fn transforms(
     grid: &Grid,
     multiplier: impl Fn(Vector) -> f64 + Sync,
     reach: f64,
@@ -65,7 +82,7 @@ pub(super) fn transforms(
             [0, 1, 2].map(|c| Complex::new(factor * entries[first + c], 0.0))
         };
         let diagonal = [0, 1, 2].map(|c| if DIAGONAL.contains(&(first + c)) { added } else { 0.0 });
-        let kernel = cropped((&on_grid(&long, values), diagonal), &long, half);
+        let kernel = cropped(&on_grid(&long, values), diagonal, &long, half);
         let spectrum = planned(grid).forward(kernel);
         spectrum.for_each_mode(|mode, values| {
             if mode.iter().zip(half).all(|(mode, half)| *mode <= half) {
@@ -99,7 +116,7 @@ fn on_grid(grid: &Grid, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync)
 /// Values at separations of fewer points than half a grid, plus a constant for each component, on that grid.
 /// Separations of half the points along x do not occur, so their values are free: those set here leave nothing in the
 /// highest mode of x, which is not kept.
-fn cropped((from, more): (&Field<f64, Physical>, [f64; 3]), long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
+fn cropped(from: &Field<f64, Physical>, more: [f64; 3], long: &Grid, half: [usize; 3]) -> Field<f64, Physical> {
     let points = half.map(|n| 2 * n);
     let grid = Grid::new(points, PeriodicBox::new(Vector::ONE).expect("a cube")).expect("as the one that was given");
     let mut field = planned(&grid).field();

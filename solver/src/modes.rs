@@ -1,0 +1,7 @@
+//! Numbers for several modes at once.
+
+/// Consecutive modes along x whose random numbers are drawn at once.
+pub const MODES: usize = 16;
+
+/// Three complex numbers for each of some modes: real and imaginary parts.
+pub type Complexes = [[[f64; MODES]; 2]; 3];
