@@ -41,7 +41,7 @@ impl Progress {
             (true, true) => Display::Bar(bar(clock.step(), last)),
             (true, false) => Display::Lines { said: Instant::now() },
         };
-        Self { display, first: clock.step(), last, first_part: simulation.part_done(), began: Instant::now() }
+        Self { display, first: clock.step(), last, first_part: simulation.progress(), began: Instant::now() }
     }
 
     /// Shows the present step of the simulation.
@@ -72,7 +72,7 @@ impl Progress {
         }
         let rate = taken as f64 / seconds;
         let until_last = left as f64 / rate;
-        let parts = self.first_part.zip(simulation.part_done()).filter(|(first, now)| now > first);
+        let parts = self.first_part.zip(simulation.progress()).filter(|(first, now)| now > first);
         let until_end = parts.map_or(f64::INFINITY, |(first, now)| seconds * (1.0 - now) / (now - first));
         let left = Duration::from_secs(until_last.min(until_end) as u64);
         format!("{:.3} steps/s, {} left", Number(rate), indicatif::HumanDuration(left))

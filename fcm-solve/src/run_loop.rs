@@ -19,14 +19,14 @@ pub fn run_to_end(
     simulation.listen(signals.interrupt());
     signals.run_begins(resume_command(recorder.folder(), None));
     let mut progress = Progress::start(simulation, last);
-    for warning in simulation.cautions().iter().chain(recorder.warnings()) {
+    for warning in simulation.start_warnings().iter().chain(recorder.warnings()) {
         progress.say(&format!("warning: {warning}"));
     }
     progress.inform(&format!("{}results    {}", simulation.plan(), recorder.folder().display()));
     recorder.record(simulation)?;
     let first = simulation.clock().step();
-    let mut knew = simulation.found().is_some();
-    while simulation.clock().step() < last && simulation.ended().is_none() {
+    let mut knew = simulation.settled_parameter().is_some();
+    while simulation.clock().step() < last && simulation.end_reason().is_none() {
         signals.checkpoint_took(recorder.longest_checkpoint());
         if let Some(stop) = signals.received() {
             recorder.checkpoint(simulation)?;
@@ -36,7 +36,7 @@ pub fn run_to_end(
         let due = recorder.next_due(simulation.clock().step()).map_or(last, |due| due.min(last));
         simulation.advance(due)?;
         recorder.record(simulation)?;
-        if let Some(found) = simulation.found().filter(|_| !knew) {
+        if let Some(found) = simulation.settled_parameter().filter(|_| !knew) {
             progress.say(&format!("step {}: {found}", simulation.clock().step()));
             knew = true;
         }
@@ -50,7 +50,7 @@ pub fn run_to_end(
     for warning in simulation.warnings() {
         progress.say(&format!("warning: {warning}"));
     }
-    if let Some(why) = simulation.ended() {
+    if let Some(why) = simulation.end_reason() {
         progress.say(&format!("the suspension is {why}"));
     }
     if !answers.is_empty() {

@@ -111,7 +111,7 @@ fn sampled(
             check_memory(model, particles.len() as f64, chosen.samples)?;
         }
         let statistics = statistics.get_or_insert_with(|| Statistics::new(model, wanted, &particles, &alone));
-        statistics.pass_over(before.map_or(0, |before| (step - before) / chosen.interval - 1));
+        statistics.skip_missing(before.map_or(0, |before| (step - before) / chosen.interval - 1));
         before = Some(step);
         let (rate, cell, particles) = (model.shear_rates().before_time(time), &cell, &particles);
         let (partition, shear_stress, pressure_gradient) = (&everything, None, None);

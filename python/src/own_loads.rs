@@ -66,17 +66,17 @@ impl Raised {
 
     /// Loads from a Python function. Its arrays are checked, and an exception is kept here and returned as an error
     /// with the same message.
-    pub fn loads(&self, own: OwnFunction) -> simulation::OwnLoads {
+    pub fn loads(&self, own: OwnFunction) -> simulation::UserLoads {
         let raised = self.clone();
         match own.gives {
-            Gives::PairForces(cutoff) => simulation::OwnLoads::OfPairs {
+            Gives::PairForces(cutoff) => simulation::UserLoads::OfPairs {
                 cutoff,
                 function: Box::new(move |near, time| {
                     let called = Python::attach(|py| of_pairs(py, &own.function, near, time));
                     called.map_err(|error| raised.keep(error))
                 }),
             },
-            _ => simulation::OwnLoads::OfPositions(Box::new(move |positions, time| {
+            _ => simulation::UserLoads::OfPositions(Box::new(move |positions, time| {
                 let called = Python::attach(|py| of_positions(py, &own, positions, time));
                 called.map_err(|error| raised.keep(error))
             })),

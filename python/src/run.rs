@@ -124,14 +124,14 @@ impl Run {
     /// Warnings about the start and the files.
     pub fn cautions(&self) -> Vec<String> {
         let files = if let Output::Files(recorder) = &self.output { recorder.warnings() } else { &[] };
-        self.simulation.cautions().iter().chain(files).cloned().collect()
+        self.simulation.start_warnings().iter().chain(files).cloned().collect()
     }
 
     /// Advances to step `target`, and records what is due. Collective.
     pub fn run_to(&mut self, target: u64) -> Result<Ended, RunError> {
         self.prepare_files(target)?;
         self.record()?;
-        while self.simulation.clock().step() < target && self.simulation.ended().is_none() {
+        while self.simulation.clock().step() < target && self.simulation.end_reason().is_none() {
             if self.simulation.comm().any(self.signals.interrupt().is_requested()) {
                 self.checkpoint()?;
                 return Ok(Ended::Interrupted);
@@ -143,7 +143,7 @@ impl Run {
             advanced?;
             self.record()?;
         }
-        if self.simulation.ended().is_some() {
+        if self.simulation.end_reason().is_some() {
             self.finish()?;
         } else if target == self.end() {
             self.checkpoint()?;

@@ -166,7 +166,7 @@ impl Simulation {
     /// The present values of the time series.
     fn observables(&self, py: Python<'_>) -> PyResult<Observables> {
         self.run.with(py, |run| {
-            let numbers = run.simulation.look();
+            let numbers = run.simulation.present_row();
             let quantities = run.simulation.quantities();
             quantities.into_iter().zip(numbers).map(|(q, numbers)| (q.name, q.unit, q.table, numbers)).collect()
         })

@@ -27,7 +27,7 @@ pub type LoadFunction = Box<dyn FnMut(&[Vector], f64) -> Result<AppliedLoads, Bo
 pub type PairForceFunction = Box<dyn FnMut(&NeighbourList, f64) -> Result<Vec<Vector>, Box<dyn Error>>>;
 
 /// Loads of a user's own.
-pub enum OwnLoads {
+pub enum UserLoads {
     /// A function of positions. Where its forces are between particles, it may give their part of the stress.
     OfPositions(LoadFunction),
     /// A force between particles whose centres are nearer than a cutoff. Its part of the stress follows from the pairs.

@@ -1,8 +1,8 @@
 //! Trait of simulations that are advanced in time steps.
 
 use crate::{
-    Clock, ContactForces, CutoffError, Found, Frame, NeighbourList, NoLoads, OwnLoads, Quantity, Rearrangement, State,
-    TableSet, VelocityField,
+    Clock, ContactForces, CutoffError, Frame, NeighbourList, NoLoads, Quantity, Rearrangement, SettledParameter, State,
+    TableSet, UserLoads, VelocityField,
 };
 use domain::{Comm, Interrupt};
 use std::error::Error;
@@ -37,7 +37,7 @@ pub trait Simulation {
 
     /// Adds loads to those that act on the particles, from now on; [`NoLoads`] where they take none. `Err` on every
     /// rank or on none, and nothing is added then.
-    fn add_loads(&mut self, _loads: OwnLoads) -> Result<(), SimulationError> {
+    fn add_loads(&mut self, _loads: UserLoads) -> Result<(), SimulationError> {
         Err(SimulationError::new(NoLoads))
     }
 
@@ -67,7 +67,7 @@ pub trait Simulation {
     fn observe(&mut self) -> Vec<Vec<f64>>;
 
     /// Present numbers of a row, not for the time series: averages since its last row continue.
-    fn look(&mut self) -> Vec<Vec<f64>> {
+    fn present_row(&mut self) -> Vec<Vec<f64>> {
         self.observe()
     }
 
@@ -98,23 +98,23 @@ pub trait Simulation {
     }
 
     /// Parameter of the scene that the run has determined, once it is known.
-    fn found(&self) -> Option<Found> {
+    fn settled_parameter(&self) -> Option<SettledParameter> {
         None
     }
 
     /// Reason why the run has ended before its last step, if it has.
-    fn ended(&self) -> Option<String> {
+    fn end_reason(&self) -> Option<String> {
         None
     }
 
     /// Progress, from 0 to 1, towards a condition that ends the run before its last step, such as a strain; `None` if
     /// only the number of steps ends it.
-    fn part_done(&self) -> Option<f64> {
+    fn progress(&self) -> Option<f64> {
         None
     }
 
     /// Warnings for the user at the start.
-    fn cautions(&self) -> Vec<String> {
+    fn start_warnings(&self) -> Vec<String> {
         Vec::new()
     }
 

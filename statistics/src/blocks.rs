@@ -20,19 +20,19 @@ pub struct Estimate {
 /// Phys. Rev. E 83, 066706, 2011).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Blocks {
-    levels: Vec<Level>,
+    levels: Vec<BlockLevel>,
 }
 
 /// Blocks of one length: Welford's mean and sum of squares, and a block that is not yet paired.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-struct Level {
+struct BlockLevel {
     count: u64,
     mean: f64,
     squares: f64,
     waiting: f64,
 }
 
-impl Level {
+impl BlockLevel {
     /// Adds a block; returns the mean of a completed pair.
     fn add(&mut self, value: f64) -> Option<f64> {
         self.count += 1;
@@ -53,7 +53,7 @@ impl Level {
 
 impl Blocks {
     /// Memory of the longest series.
-    pub const MOST_BYTES: usize = 32 * size_of::<Level>();
+    pub const MOST_BYTES: usize = 32 * size_of::<BlockLevel>();
 
     /// Adds the next number of the series.
     pub fn add(&mut self, value: f64) {
@@ -61,7 +61,7 @@ impl Blocks {
         for level in 0.. {
             let Some(block) = value else { return };
             if level == self.levels.len() {
-                self.levels.push(Level::default());
+                self.levels.push(BlockLevel::default());
             }
             value = self.levels[level].add(block);
         }
@@ -86,16 +86,17 @@ impl Blocks {
             return Estimate { mean: single.mean, error: f64::INFINITY, converged: false };
         }
         let alone = single.variance_of_mean();
-        let is_long_enough = |(level, blocks): &(usize, &Level)| {
+        let is_long_enough = |(level, blocks): &(usize, &BlockLevel)| {
             let ratio = if alone > 0.0 { blocks.variance_of_mean() / alone } else { 0.0 };
             8_f64.powi(*level as i32) > 2.0 * single.count as f64 * ratio * ratio
         };
         let mut usable = self.levels.iter().enumerate().take_while(|(_, level)| level.count >= 4);
         let (square, converged) = match usable.find(is_long_enough) {
             Some((_, level)) => (level.variance_of_mean(), true),
-            None => {
-                (self.levels.iter().filter(|l| l.count >= 4).map(Level::variance_of_mean).fold(alone, f64::max), false)
-            }
+            None => (
+                self.levels.iter().filter(|l| l.count >= 4).map(BlockLevel::variance_of_mean).fold(alone, f64::max),
+                false,
+            ),
         };
         Estimate { mean: single.mean, error: square.sqrt(), converged }
     }
@@ -105,7 +106,7 @@ impl State for Blocks {
     fn visit(&mut self, store: &mut dyn Store) {
         let mut count = self.levels.len() as u64;
         store.count(&mut count);
-        self.levels.resize(count.min(64) as usize, Level::default());
+        self.levels.resize(count.min(64) as usize, BlockLevel::default());
         for level in &mut self.levels {
             store.count(&mut level.count);
             for number in [&mut level.mean, &mut level.squares, &mut level.waiting] {

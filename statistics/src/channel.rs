@@ -2,7 +2,7 @@
 
 use crate::moments::COMPONENTS;
 use crate::profile::cap;
-use crate::{Blocks, Estimate, Fluctuations, Spread, State, Store, VectorSum};
+use crate::{Blocks, Estimate, Fluctuations, SecondMoments, State, Store, VectorSum};
 use bytemuck::{Pod, Zeroable};
 use domain::{Tensor, Vector};
 
@@ -87,7 +87,7 @@ pub struct ChannelRow {
 /// Sums over the spheres in a bin.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-struct Sums {
+struct BinSums {
     /// Sums of the volumes of slices, and of the stresslets and moments in them.
     volume: f64,
     stress: [f64; 6],
@@ -98,11 +98,11 @@ struct Sums {
 }
 
 /// Sums of squares in a bin: of velocities, slips and angular velocities.
-type Spreads = [Spread; 3];
+type BinMoments = [SecondMoments; 3];
 
 /// Count of the numbers in either for one bin.
-const OF_SUMS: usize = size_of::<Sums>() / size_of::<f64>();
-const OF_SPREADS: usize = size_of::<Spreads>() / size_of::<f64>();
+const OF_SUMS: usize = size_of::<BinSums>() / size_of::<f64>();
+const OF_MOMENTS: usize = size_of::<BinMoments>() / size_of::<f64>();
 
 impl ChannelProfile {
     /// Number of series in a bin.
@@ -110,7 +110,7 @@ impl ChannelProfile {
 
     /// `count` bins from the bottom to the top of a channel whose cross-section has the given area, for `species`
     /// species.
-    pub fn new([bottom, top]: [f64; 2], area: f64, (species, count): (usize, usize)) -> Self {
+    pub fn new([bottom, top]: [f64; 2], area: f64, species: usize, count: usize) -> Self {
         let width = (top - bottom) / count as f64;
         let bins = vec![vec![Bin::default(); count]; species + 1];
         Self { bottom, width, bin_volume: area * width, count, bins, outside: Blocks::default() }
@@ -119,17 +119,17 @@ impl ChannelProfile {
     /// Adds all spheres at one time.
     pub fn add(&mut self, sample: &ChannelSample) {
         let sums = self.sums(sample);
-        let spreads = self.spreads(sample, &sums);
-        self.add_sums(&sums, &spreads, [sample.stresslets, sample.pair_moments].map(|list| !list.is_empty()));
+        let second_moments = self.second_moments(sample, &sums);
+        self.add_sums(&sums, &second_moments, [sample.stresslets, sample.pair_moments].map(|list| !list.is_empty()));
     }
 
     /// Sums over some of the spheres at one time; sums of parts are added number by number.
     pub fn sums(&self, sample: &ChannelSample) -> Vec<f64> {
         let mut all = vec![0.0; 2 + OF_SUMS * self.bins.len() * self.count];
         let (whole, bins) = all.split_at_mut(2);
-        let bins: &mut [Sums] = bytemuck::cast_slice_mut(bins);
+        let bins: &mut [BinSums] = bytemuck::cast_slice_mut(bins);
         for n in 0..sample.heights.len() {
-            self.add_slices((bins, &mut whole[0]), sample, n);
+            self.add_slices(bins, &mut whole[0], sample, n);
             whole[1] += cap(sample.radii[n], sample.radii[n]);
             for place in self.places_of_centre(sample, n).into_iter().flatten() {
                 bins[place].velocities.add(sample.velocities[n]);
@@ -143,7 +143,7 @@ impl ChannelProfile {
     }
 
     /// Adds a sphere's slices to each bin of its species and of all, and to the volume inside of the bins.
-    fn add_slices(&self, (bins, inside): (&mut [Sums], &mut f64), sample: &ChannelSample, n: usize) {
+    fn add_slices(&self, bins: &mut [BinSums], inside: &mut f64, sample: &ChannelSample, n: usize) {
         let (height, radius) = (sample.heights[n], sample.radii[n]);
         let volume = cap(radius, radius);
         let moments = [sample.stresslets, sample.pair_moments].map(|list| list.get(n).copied().unwrap_or(Tensor::ZERO));
@@ -153,7 +153,7 @@ impl ChannelProfile {
             let part = edge(bin + 1) - edge(bin);
             let shares = moments.map(|moment| moment * (part / volume));
             for place in self.places(sample, n, bin) {
-                let Sums { volume, stress, pair_stress, .. } = &mut bins[place];
+                let BinSums { volume, stress, pair_stress, .. } = &mut bins[place];
                 *volume += part;
                 for (sums, share) in [stress, pair_stress].into_iter().zip(shares) {
                     for (sum, (i, j)) in sums.iter_mut().zip(COMPONENTS) {
@@ -178,18 +178,18 @@ impl ChannelProfile {
 
     /// Sums of squares over some of the spheres, about the means from the sums of all; those of parts are added
     /// number by number.
-    pub fn spreads(&self, sample: &ChannelSample, sums: &[f64]) -> Vec<f64> {
-        let sums: &[Sums] = bytemuck::cast_slice(&sums[2..]);
-        let mean = |sums: &Sums| [sums.velocities, sums.slips, sums.angular_velocities].map(|sum| sum.mean());
+    pub fn second_moments(&self, sample: &ChannelSample, sums: &[f64]) -> Vec<f64> {
+        let sums: &[BinSums] = bytemuck::cast_slice(&sums[2..]);
+        let mean = |sums: &BinSums| [sums.velocities, sums.slips, sums.angular_velocities].map(|sum| sum.mean());
         let means: Vec<[Vector; 3]> = sums.iter().map(mean).collect();
-        let mut all = vec![0.0; OF_SPREADS * sums.len()];
-        let bins: &mut [Spreads] = bytemuck::cast_slice_mut(&mut all);
+        let mut all = vec![0.0; OF_MOMENTS * sums.len()];
+        let bins: &mut [BinMoments] = bytemuck::cast_slice_mut(&mut all);
         for n in 0..sample.heights.len() {
             for place in self.places_of_centre(sample, n).into_iter().flatten() {
-                for (spread, (value, mean)) in
+                for (moments, (value, mean)) in
                     bins[place].iter_mut().zip(motion(sample, n).into_iter().zip(means[place]))
                 {
-                    spread.add(value - mean);
+                    moments.add(value - mean);
                 }
             }
         }
@@ -197,11 +197,12 @@ impl ChannelProfile {
     }
 
     /// Adds all spheres at one time by their sums, which may lack stresslets or moments of pairs.
-    pub fn add_sums(&mut self, sums: &[f64], spreads: &[f64], [has_stresslets, has_pair_moments]: [bool; 2]) {
+    pub fn add_sums(&mut self, sums: &[f64], second_moments: &[f64], [has_stresslets, has_pair_moments]: [bool; 2]) {
         self.outside.add(1.0 - sums[0] / sums[1]);
         let over = 1.0 / self.bin_volume;
-        let (sums, spreads): (&[Sums], &[Spreads]) = (bytemuck::cast_slice(&sums[2..]), bytemuck::cast_slice(spreads));
-        for ((bin, sums), spreads) in self.bins.iter_mut().flatten().zip(sums).zip(spreads) {
+        let (sums, second_moments): (&[BinSums], &[BinMoments]) =
+            (bytemuck::cast_slice(&sums[2..]), bytemuck::cast_slice(second_moments));
+        for ((bin, sums), second_moments) in self.bins.iter_mut().flatten().zip(sums).zip(second_moments) {
             bin.fraction.add(sums.volume * over);
             let stresses = [
                 (has_stresslets, &mut bin.stress, sums.stress),
@@ -211,9 +212,9 @@ impl ChannelProfile {
                 series.iter_mut().zip(sums).for_each(|(blocks, sum)| blocks.add(sum * over));
             }
             bin.density.add(sums.velocities.count / self.bin_volume);
-            bin.velocities.add_sums(&sums.velocities, &spreads[0]);
-            bin.slips.add_sums(&sums.slips, &spreads[1]);
-            bin.angular_velocities.add_sums(&sums.angular_velocities, &spreads[2]);
+            bin.velocities.add_sums(&sums.velocities, &second_moments[0]);
+            bin.slips.add_sums(&sums.slips, &second_moments[1]);
+            bin.angular_velocities.add_sums(&sums.angular_velocities, &second_moments[2]);
         }
     }
 

@@ -6,14 +6,14 @@ use crate::{Histogram, PairDistribution, State};
 /// may have its own estimator until the counts of all are needed.
 pub trait Counts: State + Clone {
     /// Adds the counts of another part at the same times.
-    fn take_in(&mut self, other: &Self);
+    fn merge(&mut self, other: &Self);
 
     /// Sets the counts to zero.
     fn clear(&mut self);
 }
 
 impl Counts for Histogram {
-    fn take_in(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         self.merge(other);
     }
 
@@ -23,11 +23,11 @@ impl Counts for Histogram {
 }
 
 impl Counts for PairDistribution {
-    fn take_in(&mut self, other: &Self) {
+    fn merge(&mut self, other: &Self) {
         self.merge(other);
     }
 
     fn clear(&mut self) {
-        self.forget();
+        self.clear_counts();
     }
 }

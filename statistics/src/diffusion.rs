@@ -18,7 +18,7 @@ impl Diffusivity {
     pub fn of(sums: &LagSums, species: Option<usize>, window: [f64; 2]) -> Self {
         let inside = |lag: &&Lag| (window[0]..=window[1]).contains(&lag.time);
         let integral = |lags: &[Lag], i: usize| {
-            let values: Vec<f64> = lags.iter().filter(inside).map(|lag| lag.integral[i]).collect();
+            let values: Vec<f64> = lags.iter().filter(inside).map(|lag| lag.correlation_integral[i]).collect();
             values.iter().sum::<f64>() / values.len() as f64
         };
         let slope = |lags: &[Lag], i: usize| {

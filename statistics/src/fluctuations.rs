@@ -1,7 +1,7 @@
 //! Means and fluctuation tensors of vectors.
 
 use crate::moments::COMPONENTS;
-use crate::{Blocks, Estimate, Spread, State, Store, VectorSum};
+use crate::{Blocks, Estimate, SecondMoments, State, Store, VectorSum};
 use domain::{Tensor, Vector};
 
 /// Mean and fluctuation tensor of a vector over particles and time,
@@ -17,7 +17,7 @@ pub struct Fluctuations {
     count: f64,
     mean: Vector,
     /// `sum (v - mean)(v - mean)`, xx xy xz yy yz zz.
-    spread: [f64; 6],
+    moments: [f64; 6],
     means: [Blocks; 3],
     seconds: [Blocks; 6],
 }
@@ -25,34 +25,34 @@ pub struct Fluctuations {
 impl Fluctuations {
     /// Adds the vectors of all particles at one time.
     pub fn add(&mut self, vectors: impl Iterator<Item = Vector> + Clone) {
-        let (mut sum, mut spread) = (VectorSum::default(), Spread::default());
+        let (mut sum, mut moments) = (VectorSum::default(), SecondMoments::default());
         vectors.clone().for_each(|vector| sum.add(vector));
         let mean = sum.mean();
-        vectors.for_each(|vector| spread.add(vector - mean));
-        self.add_sums(&sum, &spread);
+        vectors.for_each(|vector| moments.add(vector - mean));
+        self.add_sums(&sum, &moments);
     }
 
-    /// Adds the vectors of all particles at one time by their sums, with `spread` about their mean.
-    pub fn add_sums(&mut self, sum: &VectorSum, spread: &Spread) {
-        let (count, mean, Spread(spread)) = (sum.count, sum.mean(), *spread);
+    /// Adds the vectors of all particles at one time by their sums, with `moments` about their mean.
+    pub fn add_sums(&mut self, sum: &VectorSum, moments: &SecondMoments) {
+        let (count, mean, SecondMoments(moments)) = (sum.count, sum.mean(), *moments);
         if count == 0.0 {
             return;
         }
-        self.merge(count, mean, spread);
+        self.merge(count, mean, moments);
         for i in 0..3 {
             self.means[i].add(mean[i]);
         }
         for c in 0..6 {
-            self.seconds[c].add(spread[c] / count);
+            self.seconds[c].add(moments[c] / count);
         }
     }
 
     /// Merges the moments of two sets (Chan et al., Stanford report STAN-CS-79-773, 1979).
-    fn merge(&mut self, count: f64, mean: Vector, spread: [f64; 6]) {
+    fn merge(&mut self, count: f64, mean: Vector, moments: [f64; 6]) {
         let total = self.count + count;
         let apart = mean - self.mean;
         for (c, (i, j)) in COMPONENTS.into_iter().enumerate() {
-            self.spread[c] += spread[c] + apart[i] * apart[j] * (self.count * count / total);
+            self.moments[c] += moments[c] + apart[i] * apart[j] * (self.count * count / total);
         }
         self.mean += apart * (count / total);
         self.count = total;
@@ -76,13 +76,13 @@ impl Fluctuations {
 
     /// Fluctuation tensor.
     pub fn tensor(&self) -> Tensor {
-        let [xx, xy, xz, yy, yz, zz] = self.spread.map(|sum| sum / self.count);
+        let [xx, xy, xz, yy, yz, zz] = self.moments.map(|sum| sum / self.count);
         Tensor::from_cols(Vector::new(xx, xy, xz), Vector::new(xy, yy, yz), Vector::new(xz, yz, zz))
     }
 
     /// Components xx, xy, xz, yy, yz and zz of the tensor, with the errors of the samples' own.
     pub fn components(&self) -> [Estimate; 6] {
-        std::array::from_fn(|c| Estimate { mean: self.spread[c] / self.count, ..self.seconds[c].estimate() })
+        std::array::from_fn(|c| Estimate { mean: self.moments[c] / self.count, ..self.seconds[c].estimate() })
     }
 }
 
@@ -90,7 +90,7 @@ impl State for Fluctuations {
     fn visit(&mut self, store: &mut dyn Store) {
         store.number(&mut self.count);
         let Vector { x, y, z } = &mut self.mean;
-        [x, y, z].into_iter().chain(&mut self.spread).for_each(|number| store.number(number));
+        [x, y, z].into_iter().chain(&mut self.moments).for_each(|number| store.number(number));
         self.means.iter_mut().chain(&mut self.seconds).for_each(|blocks| blocks.visit(store));
     }
 }

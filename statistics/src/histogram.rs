@@ -164,7 +164,7 @@ mod tests {
         };
         for middle in [0, 50, 200, 500] {
             let mut first = of(&numbers[..middle]);
-            first.take_in(&of(&numbers[middle..]));
+            first.merge(&of(&numbers[middle..]));
             assert_eq!(first, of(&numbers), "{middle}");
             first.clear();
             assert_eq!(first, Histogram::default());

@@ -26,7 +26,7 @@ pub struct Lag {
     pub mean_square_displacement: Vector,
     /// `<v(0) d> - <v(0)> <d>`, which is the integral of the correlation from 0 to `t`, without an error of quadrature:
     /// the diffusivity of eq. (16) for a long lag.
-    pub integral: Vector,
+    pub correlation_integral: Vector,
 }
 
 /// Multiple-tau correlator, at lags whose spacing grows with the lag (Magatti & Ferri, Appl. Opt. 40, 4011, 2001;
@@ -42,7 +42,7 @@ pub struct Lagrangian {
     classes: Vec<usize>,
     class_count: usize,
     samples: u64,
-    levels: Vec<Level>,
+    levels: Vec<LagLevel>,
 }
 
 /// Number of samples that a level keeps; the levels above the first use the older half of them.
@@ -56,7 +56,7 @@ const SUMS: usize = 2 + 3 * 6;
 
 /// Samples and sums of one spacing.
 #[derive(Debug, Clone, Default, PartialEq)]
-struct Level {
+struct LagLevel {
     pushed: u64,
     /// Time of each slot; NaN for a missing sample.
     times: Vec<f64>,
@@ -66,7 +66,13 @@ struct Level {
     sums: Vec<f64>,
 }
 
-impl Level {
+/// Classes of the particles: species and groups.
+struct Classes<'a> {
+    of_particles: &'a [usize],
+    count: usize,
+}
+
+impl LagLevel {
     fn new(particles: usize, classes: usize) -> Self {
         let history = vec![0.0; KEPT * particles * WIDTH];
         Self { pushed: 0, times: vec![0.0; KEPT], history, sums: vec![0.0; KEPT * classes * SUMS] }
@@ -78,7 +84,8 @@ impl Level {
     }
 
     /// Stores a sample and correlates it with those at the lags from `first` on.
-    fn push(&mut self, time: f64, motions: &[Motion], (classes, count): (&[usize], usize), first: usize) {
+    fn push(&mut self, time: f64, motions: &[Motion], classes: &Classes, first: usize) {
+        let &Classes { of_particles, count } = classes;
         let (slot, start) = self.slot(self.pushed);
         self.times[slot] = time;
         for (kept, motion) in self.history[start..].chunks_exact_mut(WIDTH).zip(motions) {
@@ -93,7 +100,7 @@ impl Level {
                 continue;
             }
             let sums = &mut self.sums[lag * count * SUMS..][..count * SUMS];
-            for ((then, motion), &class) in self.history[start..].chunks_exact(WIDTH).zip(motions).zip(classes) {
+            for ((then, motion), &class) in self.history[start..].chunks_exact(WIDTH).zip(motions).zip(of_particles) {
                 add(&mut sums[class * SUMS..][..SUMS], elapsed, then, motion);
             }
         }
@@ -101,7 +108,7 @@ impl Level {
     }
 
     /// Marks samples as missing: nothing is correlated with them.
-    fn pass_over(&mut self, missing: u64) {
+    fn skip_missing(&mut self, missing: u64) {
         for _ in 0..missing.min(KEPT as u64) {
             let (slot, _) = self.slot(self.pushed);
             self.times[slot] = f64::NAN;
@@ -148,21 +155,22 @@ impl Lagrangian {
     pub fn add(&mut self, time: f64, motions: &[Motion]) {
         assert_eq!(motions.len(), self.classes.len(), "a motion for each particle");
         self.samples = self.samples.saturating_add(1);
+        let classes = Classes { of_particles: &self.classes, count: self.class_count };
         for level in 0..=self.samples.trailing_zeros() as usize {
             if level == self.levels.len() {
-                self.levels.push(Level::new(self.classes.len(), self.class_count));
+                self.levels.push(LagLevel::new(self.classes.len(), self.class_count));
             }
             let first = if level == 0 { 0 } else { KEPT / 2 };
-            self.levels[level].push(time, motions, (&self.classes, self.class_count), first);
+            self.levels[level].push(time, motions, &classes, first);
         }
     }
 
     /// Skips missing samples, so that the next one has its place in the sequence. Samples have to be at equal
     /// intervals apart from those that are missing.
-    pub fn pass_over(&mut self, missing: u64) {
+    pub fn skip_missing(&mut self, missing: u64) {
         let next = self.samples.saturating_add(missing);
         for (level, kept) in self.levels.iter_mut().enumerate() {
-            kept.pass_over((next >> level) - (self.samples >> level));
+            kept.skip_missing((next >> level) - (self.samples >> level));
         }
         self.samples = next;
     }
@@ -181,7 +189,7 @@ impl Lagrangian {
     /// Whether a restored state is for the same number of particles.
     pub fn fits(&self) -> bool {
         let [history, sums] = [self.classes.len() * WIDTH, self.class_count * SUMS].map(|width| width * KEPT);
-        let fits = |level: &Level| {
+        let fits = |level: &LagLevel| {
             level.times.len() == KEPT && level.history.len() == history && level.sums.len() == sums && level.pushed > 0
         };
         self.levels.iter().all(fits)
@@ -193,7 +201,7 @@ impl State for Lagrangian {
         store.count(&mut self.samples);
         let mut count = self.levels.len() as u64;
         store.count(&mut count);
-        let new = || Level::new(self.classes.len(), self.class_count);
+        let new = || LagLevel::new(self.classes.len(), self.class_count);
         self.levels.resize_with(count.min(64) as usize, new);
         for level in &mut self.levels {
             store.count(&mut level.pushed);

@@ -43,11 +43,11 @@ pub use diffusion::{Diffusivity, global_coefficient, mean_coefficient, mean_radi
 pub use fluctuations::Fluctuations;
 pub use histogram::Histogram;
 pub use lagrangian::{Lag, LagSums, Lagrangian, Motion};
-pub use moments::{Spread, VectorSum};
+pub use moments::{SecondMoments, VectorSum};
 pub use oscillation::{FEWEST_SAMPLES, Moduli};
 pub use pair_distribution::{Angle, PairDistribution};
 pub use profile::Profile;
 pub use segregation::SpeciesColumns;
 pub use state::{Loader, Saver, State, Store};
-pub use steady_state::{Precision, SteadyMean, TimeSeries, Transient, Verdict};
+pub use steady_state::{RequestedPrecision, SteadyMean, TimeSeries, Transient, Verdict};
 pub use stretched_exponential::StretchedExponential;

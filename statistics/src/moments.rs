@@ -30,12 +30,12 @@ impl VectorSum {
 /// added number by number.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(transparent)]
-pub struct Spread(pub [f64; 6]);
+pub struct SecondMoments(pub [f64; 6]);
 
 /// Components of a symmetric tensor, in the order xx, xy, xz, yy, yz, zz.
 pub(crate) const COMPONENTS: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
-impl Spread {
+impl SecondMoments {
     /// Adds a vector, given relative to the mean.
     pub fn add(&mut self, from_mean: Vector) {
         for (sum, (i, j)) in self.0.iter_mut().zip(COMPONENTS) {

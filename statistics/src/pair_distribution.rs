@@ -47,7 +47,7 @@ pub struct PairDistribution {
     counts: Vec<u64>,
     samples: f64,
     /// `[pair of species][bin of distance][bin of angle]`
-    found: Vec<f64>,
+    counted: Vec<f64>,
     volume: f64,
 }
 
@@ -62,7 +62,7 @@ impl PairDistribution {
     /// For distances up to `cutoff`, with `counts` particles of each species, in a box of the given volume.
     pub fn new(cutoff: f64, angle: Angle, counts: Vec<u64>, volume: f64) -> Self {
         let pairs = counts.len() * (counts.len() + 1) / 2;
-        Self { cutoff, angle, counts, samples: 0.0, found: vec![0.0; pairs * DISTANCES * ANGLES], volume }
+        Self { cutoff, angle, counts, samples: 0.0, counted: vec![0.0; pairs * DISTANCES * ANGLES], volume }
     }
 
     /// Adds the pairs of all particles at one time.
@@ -80,7 +80,7 @@ impl PairDistribution {
 
     /// Counts without any pairs.
     pub fn no_pairs(&self) -> Vec<u32> {
-        vec![0; self.found.len()]
+        vec![0; self.counted.len()]
     }
 
     /// Counts a pair of particles of two species, by the vector from the first to the second.
@@ -91,19 +91,19 @@ impl PairDistribution {
     /// Adds the pairs at one time by their counts, which may be in parts.
     pub fn add_counted(&mut self, parts: impl IntoIterator<Item = Vec<u32>>) {
         for part in parts {
-            self.found.iter_mut().zip(part).for_each(|(found, more)| *found += f64::from(more));
+            self.counted.iter_mut().zip(part).for_each(|(found, more)| *found += f64::from(more));
         }
         self.samples += 1.0;
     }
 
     /// Adds the pairs of another at the same times.
     pub(crate) fn merge(&mut self, other: &Self) {
-        self.found.iter_mut().zip(&other.found).for_each(|(found, more)| *found += more);
+        self.counted.iter_mut().zip(&other.counted).for_each(|(found, more)| *found += more);
     }
 
     /// Removes the pairs, but keeps the number of times.
-    pub(crate) fn forget(&mut self) {
-        self.found.fill(0.0);
+    pub(crate) fn clear_counts(&mut self) {
+        self.counted.fill(0.0);
     }
 
     fn bin(&self, [a, b]: [usize; 2], separation: Vector) -> usize {
@@ -134,7 +134,7 @@ impl PairDistribution {
     /// `r` at the middle of each bin and `g(r)` for two species.
     pub fn radial(&self, pair: [usize; 2]) -> Vec<(f64, f64)> {
         let found =
-            |bin: usize| self.found[(pair_index(pair[0], pair[1]) * DISTANCES + bin) * ANGLES..][..ANGLES].iter();
+            |bin: usize| self.counted[(pair_index(pair[0], pair[1]) * DISTANCES + bin) * ANGLES..][..ANGLES].iter();
         let g = |bin: usize| (self.middle(bin), found(bin).sum::<f64>() / self.ideal(pair, bin));
         (0..DISTANCES).map(g).collect()
     }
@@ -143,7 +143,7 @@ impl PairDistribution {
     pub fn angular(&self, pair: [usize; 2]) -> Vec<(f64, f64, f64)> {
         let angle = |bin: usize| self.angle.range() * (bin as f64 + 0.5) / ANGLES as f64;
         let g = |distance: usize, bin: usize| {
-            let found = self.found[(pair_index(pair[0], pair[1]) * DISTANCES + distance) * ANGLES + bin];
+            let found = self.counted[(pair_index(pair[0], pair[1]) * DISTANCES + distance) * ANGLES + bin];
             (self.middle(distance), angle(bin), found * ANGLES as f64 / self.ideal(pair, distance))
         };
         (0..DISTANCES).flat_map(|distance| (0..ANGLES).map(move |bin| g(distance, bin))).collect()
@@ -162,7 +162,7 @@ fn pair_index(a: usize, b: usize) -> usize {
 impl State for PairDistribution {
     fn visit(&mut self, store: &mut dyn Store) {
         store.number(&mut self.samples);
-        store.numbers(&mut self.found);
+        store.numbers(&mut self.counted);
     }
 }
 
@@ -253,7 +253,7 @@ mod tests {
         };
         first.add_counted(counted([0, 1]));
         second.add_counted(counted([1, 2]));
-        first.take_in(&second);
+        first.merge(&second);
         assert_eq!(first, whole);
         second.clear();
         assert_eq!(second, PairDistribution { samples: 1.0, ..empty });
@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn a_stream_is_the_batch_to_the_bit() {
         let whole = ideal_gas(Angle::Azimuth, 0.3);
-        let mut again = PairDistribution { found: Vec::new(), samples: 0.0, ..whole.clone() };
+        let mut again = PairDistribution { counted: Vec::new(), samples: 0.0, ..whole.clone() };
         assert!(again.load(&whole.clone().save()));
         assert_eq!(again, whole);
     }

@@ -67,17 +67,18 @@ impl SpeciesColumns {
         let total: f64 = self.counts.iter().sum();
         let shares: Vec<f64> = (0..self.species).map(|s| columns().map(|c| c[s]).sum::<f64>() / total).collect();
         let apart: f64 = shares.iter().map(|p| p * (1.0 - p)).sum();
-        let mut spread = 0.0;
+        let mut moments = 0.0;
         let mut occupied = 0.0;
         for column in columns() {
             let count: f64 = column.iter().sum();
             if count > 0.0 {
                 occupied += 1.0;
-                spread += column.iter().zip(&shares).map(|(n, p)| (n / count - p).powi(2)).sum::<f64>() * count / total;
+                moments +=
+                    column.iter().zip(&shares).map(|(n, p)| (n / count - p).powi(2)).sum::<f64>() * count / total;
             }
         }
         let random = apart * (occupied - 1.0) / (total - 1.0);
-        if apart > random { (spread - random) / (apart - random) } else { 0.0 }
+        if apart > random { (moments - random) / (apart - random) } else { 0.0 }
     }
 }
 

@@ -16,8 +16,8 @@ use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
 use fcm::DrawDiagnostics;
 use simulation::{
-    Clock, ContactForces, Found, Frame, OwnLoads, Quantity, Rearrangement, Simulation, SimulationError, State,
-    TableSet, VelocityField,
+    Clock, ContactForces, Frame, Quantity, Rearrangement, SettledParameter, Simulation, SimulationError, State,
+    TableSet, UserLoads, VelocityField,
 };
 
 /// A suspension together with its time series and statistics.
@@ -102,7 +102,7 @@ impl Simulation for Observed {
         self.suspension.listen(interrupt);
     }
 
-    fn add_loads(&mut self, loads: OwnLoads) -> Result<(), SimulationError> {
+    fn add_loads(&mut self, loads: UserLoads) -> Result<(), SimulationError> {
         self.suspension.add_own_loads(loads).map_err(SimulationError::new)?;
         self.observer.see_loads(&self.suspension);
         Ok(())
@@ -152,13 +152,17 @@ impl Simulation for Observed {
             .map_err(SimulationError::new)
     }
 
-    fn found(&self) -> Option<Found> {
+    fn settled_parameter(&self) -> Option<SettledParameter> {
         let [_, settles] = self.chooses_stiffness;
         let (value, _) = self.suspension.contact_stiffness().filter(|(_, stays)| settles && *stays)?;
-        Some(Found { key: "contacts.settled_stiffness", value, what: "the stiffness of contacts has settled" })
+        Some(SettledParameter {
+            key: "contacts.settled_stiffness",
+            value,
+            what: "the stiffness of contacts has settled",
+        })
     }
 
-    fn ended(&self) -> Option<String> {
+    fn end_reason(&self) -> Option<String> {
         if self.suspension.is_jammed() {
             let words =
                 "jammed: under its stress it is sheared less than 1e-5 times as fast as the fluid alone would be";
@@ -169,12 +173,12 @@ impl Simulation for Observed {
         Some(format!("sheared by a strain of {:.6}, at which its run ends", Number(last)))
     }
 
-    fn part_done(&self) -> Option<f64> {
+    fn progress(&self) -> Option<f64> {
         let [_, strain] = self.suspension.shear();
         self.last_strain.map(|last| (strain.abs() / last).min(1.0))
     }
 
-    fn cautions(&self) -> Vec<String> {
+    fn start_warnings(&self) -> Vec<String> {
         self.cautions.clone()
     }
 

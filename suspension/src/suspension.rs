@@ -19,7 +19,7 @@ use crate::neighbourhood;
 use crate::start::{given_positions, placement};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
-use simulation::{Clock, LoadFunction, OwnLoads, State};
+use simulation::{Clock, LoadFunction, State, UserLoads};
 
 /// Particles, their dynamics, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -174,11 +174,11 @@ impl Suspension {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn add_loads(&mut self, loads: LoadFunction) -> Result<(), StepError> {
-        self.add_own_loads(OwnLoads::OfPositions(loads))
+        self.add_own_loads(UserLoads::OfPositions(loads))
     }
 
     /// [`Self::add_loads`] for any kind of user-defined loads. Collective.
-    pub fn add_own_loads(&mut self, loads: OwnLoads) -> Result<(), StepError> {
+    pub fn add_own_loads(&mut self, loads: UserLoads) -> Result<(), StepError> {
         self.dynamics.applied().add(loads);
         if self.has_applied_loads {
             return Ok(());

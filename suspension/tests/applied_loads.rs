@@ -2,7 +2,7 @@
 
 use crate::support::model_of;
 use domain::{Comm, Particles, Tensor, Vector};
-use simulation::{AppliedLoads, LoadFunction, NeighbourList, OwnLoads};
+use simulation::{AppliedLoads, LoadFunction, NeighbourList, UserLoads};
 use std::cell::RefCell;
 use std::error::Error;
 use std::rc::Rc;
@@ -184,9 +184,9 @@ fn loads_that_are_none_leave_everything_as_it_was() {
 }
 
 /// Springs between near spheres.
-fn pair_springs(cutoff: f64) -> OwnLoads {
+fn pair_springs(cutoff: f64) -> UserLoads {
     let function = |near: &NeighbourList, _: f64| Ok(near.separations.iter().map(|d| 0.5 * *d).collect());
-    OwnLoads::OfPairs { cutoff, function: Box::new(function) }
+    UserLoads::OfPairs { cutoff, function: Box::new(function) }
 }
 
 /// Forces of pairs and their moments are the same on any number of ranks, and add up to those of all pairs.

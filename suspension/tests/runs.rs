@@ -237,7 +237,8 @@ const PRESSED: [&str; 5] = [
 /// Last change of the gap of the two, for steps that are a fraction of the longest stable step.
 fn last_change(fraction: f64, more: &[&str]) -> f64 {
     let with = |step: f64| model(&[&PRESSED, more, &[&format!("time.step={step}")]].concat());
-    let is_warned_of = |model: &Model| !Observed::start(model, None, &Comm::alone()).unwrap().cautions().is_empty();
+    let is_warned_of =
+        |model: &Model| !Observed::start(model, None, &Comm::alone()).unwrap().start_warnings().is_empty();
     let short = with(1e-3);
     assert!(!is_warned_of(&short));
     let longest = longest_step(&short).unwrap();

@@ -219,7 +219,7 @@ fn the_stiffness_is_told() {
         assert_eq!(row[place][0].to_bits(), stiffness(observed.suspension()).0.to_bits());
         assert!(observed.warnings().iter().any(|words| words.contains("had not settled yet")));
         observed.advance(model.steps).unwrap();
-        found = observed.found();
+        found = observed.settled_parameter();
     }
     observed.observe();
     assert!(!observed.warnings().iter().any(|words| words.contains("settled")), "{:?}", observed.warnings());
@@ -235,5 +235,5 @@ fn the_stiffness_is_told() {
     observed.sample();
     let tables = observed.averages().unwrap().tables;
     assert!(tables.iter().all(|table| table.rows.iter().all(|(words, _)| words[0] != "contact_stiffness")));
-    assert_eq!(observed.found(), None);
+    assert_eq!(observed.settled_parameter(), None);
 }

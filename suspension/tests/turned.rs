@@ -2,7 +2,7 @@
 
 use crate::support::model_of;
 use domain::{AxisRotation, Comm, Tensor, Traceless, Vector};
-use simulation::{AppliedLoads, Frame, OwnLoads, Simulation};
+use simulation::{AppliedLoads, Frame, Simulation, UserLoads};
 use std::collections::HashMap;
 use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, VELOCITY};
 
@@ -336,7 +336,7 @@ fn forces_of_ones_own_are_in_the_axes_of_the_user() {
             model_of(&scene(axis, ["walls", "poiseuille"]), &["species=[{radius=1.0, count=8}]", "time.steps=0"]);
         let mut run = Observed::start(&bare, None, &Comm::alone()).unwrap();
         let places = expected.places();
-        run.add_loads(OwnLoads::OfPositions(Box::new(move |positions, _| {
+        run.add_loads(UserLoads::OfPositions(Box::new(move |positions, _| {
             assert!(positions.iter().zip(&places).all(|(a, b)| (*a - *b).length() < 1e-13));
             Ok(AppliedLoads { forces: vec![force; positions.len()], ..AppliedLoads::default() })
         })))

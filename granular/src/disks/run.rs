@@ -185,7 +185,7 @@ impl Simulation for DiskRun {
         record.map(|value| vec![value]).to_vec()
     }
 
-    fn look(&mut self) -> Vec<Vec<f64>> {
+    fn present_row(&mut self) -> Vec<Vec<f64>> {
         self.disks.record().map(|value| vec![value]).to_vec()
     }
 

@@ -144,7 +144,7 @@ impl Simulation for CellRun {
         self.interrupt = interrupt;
     }
 
-    fn cautions(&self) -> Vec<String> {
+    fn start_warnings(&self) -> Vec<String> {
         self.experiment.caution().into_iter().collect()
     }
 

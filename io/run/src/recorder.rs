@@ -163,7 +163,7 @@ impl Recorder {
 
     /// Stores parameters that the simulation has found in the scene, in addition to the user's.
     fn keep_found(&mut self, simulation: &dyn Simulation) -> Result<(), RunError> {
-        let Some(found) = simulation.found().filter(|_| !self.has_found) else { return Ok(()) };
+        let Some(found) = simulation.settled_parameter().filter(|_| !self.has_found) else { return Ok(()) };
         self.has_found = true;
         let (text, step) = (self.scene.text(), simulation.clock().step());
         let with = Scene::parse(text, "the scene with what was found", &[found.setting()])?;

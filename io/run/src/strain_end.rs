@@ -17,7 +17,7 @@ pub enum StrainEnd {
 impl StrainEnd {
     /// Forecast for a run of at most `last` steps, if a strain ends it.
     pub fn of(simulation: &dyn Simulation, last: u64) -> Option<Self> {
-        Some(Self::by(simulation.part_done()?, simulation.clock().step(), last))
+        Some(Self::by(simulation.progress()?, simulation.clock().step(), last))
     }
 
     /// Forecast from the fraction of the strain that the first steps have accumulated.

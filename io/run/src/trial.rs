@@ -123,7 +123,7 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
         ends.push((step, time));
         let whole = time / step.max(1) as f64 * steps_of_all(scene, StrainEnd::of(simulation, last));
         let is_enough = time > TIME.as_secs_f64().max(PART * whole) && step >= WARM_UP + TIMED;
-        if step >= last || simulation.ended().is_some() || is_enough || time > MOST_TIME.as_secs_f64() {
+        if step >= last || simulation.end_reason().is_some() || is_enough || time > MOST_TIME.as_secs_f64() {
             break;
         }
         match simulation.advance(next(output, step).min(last)) {

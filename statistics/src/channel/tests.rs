@@ -20,7 +20,7 @@ fn close(a: f64, b: f64) -> bool {
 /// A sphere over several bins, a smaller one within one bin, and one half of which is above the top: known slices.
 #[test]
 fn spheres_at_given_heights_have_known_profiles() {
-    let mut profile = ChannelProfile::new([1.0, 9.0], 5.0, (2, 8));
+    let mut profile = ChannelProfile::new([1.0, 9.0], 5.0, 2, 8);
     let spin = [Vector::Y, 2.0 * Vector::Y, Vector::ZERO];
     let sample = ChannelSample {
         heights: &[4.0, 6.5, 9.0],
@@ -62,7 +62,7 @@ fn spheres_at_given_heights_have_known_profiles() {
 fn profiles_integrate_to_what_is_there() {
     let mut random = Random::new(5, 1);
     for count in [1, 7, 64] {
-        let mut profile = ChannelProfile::new([0.0, 10.0], 36.0, (1, count));
+        let mut profile = ChannelProfile::new([0.0, 10.0], 36.0, 1, count);
         let (mut sum, mut moment, mut squares) = (0.0, Vector::ZERO, 0.0);
         for _ in 0..5 {
             let radii: Vec<f64> = (0..30).map(|_| 0.5 + random.uniform()).collect();
@@ -112,7 +112,7 @@ fn spheres_may_be_added_in_parts() {
         }
     };
     for spin in [&vectors[..], &[]] {
-        let new = || ChannelProfile::new([0.0, 8.0], 4.0, (2, 8));
+        let new = || ChannelProfile::new([0.0, 8.0], 4.0, 2, 8);
         let (mut whole, mut parts) = (new(), new());
         whole.add(&of(0..9, spin));
         let samples = [0..4, 4..4, 4..9].map(|rows| of(rows, spin));
@@ -120,8 +120,8 @@ fn spheres_may_be_added_in_parts() {
             samples.iter().map(each).reduce(|a, b| a.iter().zip(b).map(|(a, b)| a + b).collect()).unwrap()
         };
         let sums = added(&|sample| parts.sums(sample));
-        let spreads = added(&|sample| parts.spreads(sample, &sums));
-        parts.add_sums(&sums, &spreads, [true; 2]);
+        let second_moments = added(&|sample| parts.second_moments(sample, &sums));
+        parts.add_sums(&sums, &second_moments, [true; 2]);
         for (whole, parts) in
             whole.rows(None).chain(whole.rows(Some(1))).zip(parts.rows(None).chain(parts.rows(Some(1))))
         {
@@ -137,7 +137,7 @@ fn spheres_may_be_added_in_parts() {
 
 #[test]
 fn the_state_lasts_bit_for_bit() {
-    let new = || ChannelProfile::new([0.0, 4.0], 9.0, (1, 4));
+    let new = || ChannelProfile::new([0.0, 4.0], 9.0, 1, 4);
     let add = |profile: &mut ChannelProfile, k: i32| {
         let heights = [1.0 + 0.3 * f64::from(k)];
         let velocities = [Vector::X * f64::from(k)];
@@ -151,5 +151,5 @@ fn the_state_lasts_bit_for_bit() {
     assert!(resumed.load(&first.save()));
     (3..7).for_each(|k| add(&mut resumed, k));
     assert_eq!(resumed, whole);
-    assert!(!ChannelProfile::new([0.0, 4.0], 9.0, (1, 5)).load(&whole.save()));
+    assert!(!ChannelProfile::new([0.0, 4.0], 9.0, 1, 5).load(&whole.save()));
 }

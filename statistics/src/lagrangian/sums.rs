@@ -78,6 +78,6 @@ fn average(sums: &[f64; SUMS]) -> Lag {
         time: sums[1] / sums[0],
         correlation: covariance(2, 0, 1),
         mean_square_displacement: covariance(4, 3, 3),
-        integral: covariance(5, 0, 3),
+        correlation_integral: covariance(5, 0, 3),
     }
 }

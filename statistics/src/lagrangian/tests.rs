@@ -46,7 +46,7 @@ fn an_ornstein_uhlenbeck_process_has_its_correlation_and_diffusivity() {
         for i in 0..3 {
             // 200 particles over 500 correlation times: 1/sqrt(50,000) = 0.0045.
             assert!((lag.correlation[i] - (-t).exp()).abs() < 0.025, "{lag:?}");
-            assert!((lag.integral[i] - (1.0 - (-t).exp())).abs() < 0.05, "{lag:?}");
+            assert!((lag.correlation_integral[i] - (1.0 - (-t).exp())).abs() < 0.05, "{lag:?}");
             assert!(
                 (lag.mean_square_displacement[i] - 2.0 * (t - 1.0 + (-t).exp())).abs() < 0.03 * (1.0 + t),
                 "{lag:?}"
@@ -73,7 +73,7 @@ fn ballistic_particles_do_not_diffuse() {
         let square = Vector::new(0.5, 4.5, 8.0);
         assert!((lag.correlation - square).length() < 1e-12);
         assert!((lag.mean_square_displacement - square * lag.time.powi(2)).length() < 1e-10 * (1.0 + lag.time.powi(2)));
-        assert!((lag.integral - square * lag.time).length() < 1e-11 * (1.0 + lag.time));
+        assert!((lag.correlation_integral - square * lag.time).length() < 1e-11 * (1.0 + lag.time));
     }
 }
 
@@ -120,7 +120,7 @@ fn missing_samples_leave_lags_as_they_are() {
     for is_missing in is_missing {
         let (mut lagrangian, mut next) = (Lagrangian::new(&[0; 2]), None);
         for k in (0..512).filter(|&k| !is_missing(k)) {
-            lagrangian.pass_over(next.map_or(0, |next| k - next));
+            lagrangian.skip_missing(next.map_or(0, |next| k - next));
             let time = 0.5 * k as f64;
             let motion = |velocity: Vector| Motion { velocity, path: time * velocity };
             lagrangian.add(time, &[motion(Vector::X), motion(-Vector::X)]);
@@ -143,10 +143,10 @@ fn missing_samples_leave_lags_as_they_are() {
 fn gaps_may_be_of_any_length() {
     let mut lagrangian = Lagrangian::new(&[0]);
     (0..4).for_each(|k| lagrangian.add(f64::from(k), &[Motion::default()]));
-    lagrangian.pass_over(u64::MAX / 2 - 3);
+    lagrangian.skip_missing(u64::MAX / 2 - 3);
     lagrangian.add(1e19, &[Motion::default()]);
     assert!(lagrangian.sums().lags(None).iter().all(|lag| lag.time <= 3.0));
-    lagrangian.pass_over(u64::MAX);
+    lagrangian.skip_missing(u64::MAX);
 }
 
 /// Sums of parts of any size add up to those of all: exactly, for integers.

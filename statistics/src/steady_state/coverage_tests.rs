@@ -1,6 +1,6 @@
 //! Coverage: how often the true mean lies within the errors of many short series.
 
-use super::{Precision, SteadyMean, TimeSeries, Transient};
+use super::{RequestedPrecision, SteadyMean, TimeSeries, Transient};
 use domain::Random;
 
 /// An Ornstein-Uhlenbeck process of variance 1 and correlation time 1 at `count` times, `step` apart.
@@ -41,7 +41,7 @@ fn covered(of: Mixed, times: f64, off: f64) -> [f64; 2] {
     let (mut inside, mut given) = ([0.0; 2], 0.0);
     for run in 0..500 {
         let series = of.series(&mut Random::new(run, times.to_bits() ^ of.slow.to_bits()), times, off);
-        let found = SteadyMean::of(&series, Transient::of(&series), Precision::USUAL);
+        let found = SteadyMean::of(&series, Transient::of(&series), RequestedPrecision::USUAL);
         for (inside, errors) in inside.iter_mut().zip([1.0, 2.0]) {
             *inside += f64::from(u8::from(found.value.abs() <= errors * found.error));
         }

@@ -45,7 +45,7 @@ pub enum Verdict {
 
 /// Requested precision of a mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Precision {
+pub struct RequestedPrecision {
     /// Largest error over the value, or over [`Self::scale`] if that is larger.
     pub relative_error: f64,
     /// Scale of the quantity with which errors are compared if its mean may vanish; 0 for the mean alone.
@@ -56,7 +56,7 @@ pub struct Precision {
     pub fewest: usize,
 }
 
-impl Precision {
+impl RequestedPrecision {
     /// 5% of the mean.
     pub const USUAL: Self = Self { relative_error: 0.05, scale: 0.0, is_positive: false, fewest: 8 };
 }
@@ -74,7 +74,7 @@ const ROUND_OFF: f64 = 1e-12;
 
 impl SteadyMean {
     /// Mean of the values after a transient.
-    pub fn of(series: &TimeSeries, transient: Transient, precision: Precision) -> Self {
+    pub fn of(series: &TimeSeries, transient: Transient, precision: RequestedPrecision) -> Self {
         let steady = series.since(transient.end);
         if steady.len() < precision.fewest.max(4) {
             return Self::meaningless(&steady);
@@ -146,7 +146,7 @@ mod tests {
         TimeSeries::new(&times, times.iter().copied().map(value).collect::<Vec<f64>>())
     }
 
-    fn mean(series: &TimeSeries, precision: Precision) -> SteadyMean {
+    fn mean(series: &TimeSeries, precision: RequestedPrecision) -> SteadyMean {
         SteadyMean::of(series, Transient::of(series), precision)
     }
 
@@ -154,7 +154,7 @@ mod tests {
     fn independent_values_have_the_error_of_their_number() {
         let mut random = Random::new(1, 2);
         let noise = series(4000, |_| 10.0 + random.normal()[0]);
-        let found = mean(&noise, Precision::USUAL);
+        let found = mean(&noise, RequestedPrecision::USUAL);
         assert!((found.error * 4000.0_f64.sqrt() - 1.0).abs() < 0.35, "{found:?}");
         assert!((found.value - 10.0).abs() < 3.0 * found.error && found.verdict == Verdict::Converged, "{found:?}");
         assert!(found.samples > 2000.0 && found.samples <= 4000.0 && found.transient == 0.0, "{found:?}");
@@ -162,17 +162,17 @@ mod tests {
 
     #[test]
     fn what_does_not_vary_is_known() {
-        let found = mean(&series(20, |time| 3.0 + 1e-15 * time), Precision::USUAL);
+        let found = mean(&series(20, |time| 3.0 + 1e-15 * time), RequestedPrecision::USUAL);
         assert_eq!((found.error, found.samples, found.verdict), (0.0, 20.0, Verdict::Converged));
-        assert_eq!(mean(&series(20, |_| 0.0), Precision::USUAL).verdict, Verdict::Converged);
+        assert_eq!(mean(&series(20, |_| 0.0), RequestedPrecision::USUAL).verdict, Verdict::Converged);
     }
 
     #[test]
     fn a_trend_is_drift() {
         let mut random = Random::new(1, 3);
         let ramp = series(400, |time| 5.0 + 0.01 * time + random.normal()[0]);
-        assert_eq!(mean(&ramp, Precision::USUAL).verdict, Verdict::Drifting);
-        assert_eq!(mean(&series(50, |time| time), Precision::USUAL).verdict, Verdict::Drifting);
+        assert_eq!(mean(&ramp, RequestedPrecision::USUAL).verdict, Verdict::Drifting);
+        assert_eq!(mean(&series(50, |time| time), RequestedPrecision::USUAL).verdict, Verdict::Drifting);
     }
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
             let mut random = Random::new(seed, 4);
             series(400, |_| 1.0 + 4.0 * random.normal()[0])
         };
-        let longer = |seed| match mean(&noise(seed), Precision::USUAL).verdict {
+        let longer = |seed| match mean(&noise(seed), RequestedPrecision::USUAL).verdict {
             Verdict::TooShort { longer } => longer,
             other => panic!("{other:?}, with an error of 20%"),
         };
@@ -189,26 +189,26 @@ mod tests {
         factors.sort_by(f64::total_cmp);
         // An error of 0.2 where 0.05 is requested.
         assert!((10.0..32.0).contains(&factors[4]), "{factors:?}");
-        let beside_ten = Precision { scale: 10.0, ..Precision::USUAL };
+        let beside_ten = RequestedPrecision { scale: 10.0, ..RequestedPrecision::USUAL };
         assert_eq!(mean(&noise(0), beside_ten).verdict, Verdict::Converged);
         assert!((of_whole(3.0, 10.0, 5.0) - 2.0).abs() < 1e-15);
     }
 
     #[test]
     fn values_that_mean_nothing_are_not_given() {
-        let few = mean(&series(7, |time| time), Precision::USUAL);
+        let few = mean(&series(7, |time| time), RequestedPrecision::USUAL);
         assert!(few.value.is_nan() && few.error.is_nan() && few.verdict == Verdict::Meaningless);
-        assert!(mean(&series(0, |time| time), Precision::USUAL).transient.is_nan());
+        assert!(mean(&series(0, |time| time), RequestedPrecision::USUAL).transient.is_nan());
         let mut random = Random::new(1, 5);
         let noise = series(100, |_| random.normal()[0] - 0.1);
-        let positive = Precision { is_positive: true, ..Precision::USUAL };
+        let positive = RequestedPrecision { is_positive: true, ..RequestedPrecision::USUAL };
         assert_eq!(mean(&noise, positive).verdict, Verdict::Meaningless);
-        assert!(mean(&noise, Precision::USUAL).value.is_finite());
+        assert!(mean(&noise, RequestedPrecision::USUAL).value.is_finite());
     }
 
     #[test]
     fn units_change_value_and_error() {
-        let found = mean(&series(20, |time| 2.0 + (time * 0.7).sin()), Precision::USUAL);
+        let found = mean(&series(20, |time| 2.0 + (time * 0.7).sin()), RequestedPrecision::USUAL);
         let other = found.times(-2.0);
         assert_eq!((other.value, other.error, other.samples), (-2.0 * found.value, 2.0 * found.error, found.samples));
     }

@@ -3,7 +3,7 @@
 use crate::model::box_axes::UserAxes;
 use domain::{Failure, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
-use simulation::{AppliedLoads, NeighbourList, OwnLoads, PairForceFunction};
+use simulation::{AppliedLoads, NeighbourList, PairForceFunction, UserLoads};
 
 /// Columns of the last user-defined loads: forces and torques.
 pub const APPLIED: [&str; 2] = ["applied force", "applied torque"];
@@ -13,7 +13,7 @@ pub const APPLIED_MOMENT: &str = "applied moment";
 
 /// User functions whose loads are summed, in the user's axes.
 pub struct AppliedForces {
-    functions: Vec<OwnLoads>,
+    functions: Vec<UserLoads>,
     axes: UserAxes,
 }
 
@@ -31,7 +31,7 @@ impl AppliedForces {
     }
 
     /// Adds a function.
-    pub fn add(&mut self, loads: OwnLoads) {
+    pub fn add(&mut self, loads: UserLoads) {
         self.functions.push(loads);
     }
 
@@ -82,8 +82,8 @@ impl AppliedForces {
         let mut sums = LoadSums { loads: [(); 2].map(|()| vec![Vector::ZERO; count]), moments: Vec::new() };
         for function in &mut self.functions {
             let AppliedLoads { forces, torques, moments } = match function {
-                OwnLoads::OfPositions(function) => function(&positions, time).map_err(|error| error.to_string())?,
-                OwnLoads::OfPairs { cutoff, function } => of_pairs(all, cell, *cutoff, function, &axes, time)?,
+                UserLoads::OfPositions(function) => function(&positions, time).map_err(|error| error.to_string())?,
+                UserLoads::OfPairs { cutoff, function } => of_pairs(all, cell, *cutoff, function, &axes, time)?,
             };
             for (sum, (what, list)) in sums.loads.iter_mut().zip([("forces", forces), ("torques", torques)]) {
                 check(what, &list, count)?;

@@ -146,7 +146,7 @@ mod tests {
             let forces = if places.len() == 1 { vec![axis] } else { vec![-axis, axis] };
             Ok(simulation::AppliedLoads { forces, ..simulation::AppliedLoads::default() })
         };
-        dynamics.applied().add(simulation::OwnLoads::OfPositions(Box::new(pull)));
+        dynamics.applied().add(simulation::UserLoads::OfPositions(Box::new(pull)));
         dynamics.evaluate_now(&mut particles, &Clock::at(0, 1e-4)).unwrap();
         let velocities = particles.vectors(VELOCITY);
         if velocities.len() == 1 { velocities[0].dot(axis) } else { (velocities[1] - velocities[0]).dot(axis) }

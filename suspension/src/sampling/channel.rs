@@ -27,8 +27,8 @@ impl Channel {
         let is_layer = model.cell.boundaries() == Boundaries::OpenAlongZ;
         let edges = model.cell.edges();
         let bottom = if is_layer { -0.5 * edges.z } else { 0.0 };
-        let (area, of) = (edges.x * edges.y, (model.species.len(), count));
-        let profile = ChannelProfile::new([bottom, bottom + edges.z], area, of);
+        let heights = [bottom, bottom + edges.z];
+        let profile = ChannelProfile::new(heights, edges.x * edges.y, model.species.len(), count);
         Some(Self { profile, is_layer, axis: model.user_axes().axis(2) })
     }
 
@@ -60,7 +60,7 @@ impl Channel {
         };
         let profile = &self.profile;
         let sums = blocks.total(&in_parts(rows, |rows| profile.sums(&sample(rows))));
-        let spreads = blocks.total(&in_parts(rows, |rows| profile.spreads(&sample(rows), &sums)));
+        let spreads = blocks.total(&in_parts(rows, |rows| profile.second_moments(&sample(rows), &sums)));
         if blocks.comm().is_first() {
             self.profile.add_sums(&sums, &spreads, MORE_COLUMNS.map(|name| of_name(name).is_some()));
         }

@@ -136,6 +136,6 @@ fn settle<C: Counts>(comm: &Comm, counts: &mut C) {
     for bytes in &received[1..] {
         let mut other = counts.clone();
         assert!(other.load(bytes), "ranks count the same things");
-        counts.take_in(&other);
+        counts.merge(&other);
     }
 }

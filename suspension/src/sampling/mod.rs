@@ -135,7 +135,7 @@ impl Statistics {
     }
 
     /// Takes a sample, unless it is before the first time. Samples are equidistant in time, except for those that were
-    /// [passed over](Self::pass_over). Collective.
+    /// [skipped](Self::skip_missing). Collective.
     pub fn sample(&mut self, sample: &Sample) {
         if sample.time < self.about.wanted.from {
             return;
@@ -161,8 +161,8 @@ impl Statistics {
     }
 
     /// Passes over missing samples: the next one is as many intervals later.
-    pub fn pass_over(&mut self, missing: u64) {
-        self.kept.iter_mut().for_each(|kept| kept.lagrangian.pass_over(missing));
+    pub fn skip_missing(&mut self, missing: u64) {
+        self.kept.iter_mut().for_each(|kept| kept.lagrangian.skip_missing(missing));
     }
 
     /// Averages velocities relative to the flow, which it returns, and angular velocities.

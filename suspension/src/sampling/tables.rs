@@ -155,7 +155,8 @@ impl Results<'_> {
         let mut table = Table { columns, ..Table::new("lags", &["species"], &[]) };
         for (index, name) in self.of.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {
             for lag in self.lags.lags((name != ALL).then_some(index)) {
-                let vectors = [lag.correlation, lag.mean_square_displacement, lag.integral].map(|v| v.to_array());
+                let vectors =
+                    [lag.correlation, lag.mean_square_displacement, lag.correlation_integral].map(|v| v.to_array());
                 let numbers: Vec<f64> = std::iter::once(lag.time).chain(vectors.concat()).collect();
                 table.add(&[name], &numbers);
             }

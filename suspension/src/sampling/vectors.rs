@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 use domain::{IdBlocks, Vector, power_of_two};
 use rayon::prelude::*;
-use statistics::{Counts, Fluctuations, Histogram, Spread, VectorSum};
+use statistics::{Counts, Fluctuations, Histogram, SecondMoments, VectorSum};
 use std::ops::Range;
 
 /// Moments of a vector over the particles of a species, and probability densities of its components about the mean at
@@ -41,10 +41,10 @@ impl Vectors {
         let means: Vec<Vector> = sums.iter().map(VectorSum::mean).collect();
         let from_means =
             |rows: Range<usize>| rows.map(scaled).map(|(species, vector)| (species, vector - means[species]));
-        let spreads = blocks.total(&in_parts(rows, |rows| {
-            let mut spreads = vec![Spread::default(); means.len()];
-            from_means(rows).for_each(|(species, vector)| spreads[species].add(vector));
-            spreads
+        let second_moments = blocks.total(&in_parts(rows, |rows| {
+            let mut second_moments = vec![SecondMoments::default(); means.len()];
+            from_means(rows).for_each(|(species, vector)| second_moments[species].add(vector));
+            second_moments
         }));
         let counted = |rows: &Range<usize>| {
             let mut densities = vec![<[Histogram; 3]>::default(); means.len()];
@@ -55,11 +55,11 @@ impl Vectors {
         };
         for block in rows.par_iter().map(counted).collect::<Vec<_>>() {
             let densities = all.iter_mut().flat_map(|own| &mut own.densities);
-            densities.zip(block.iter().flatten()).for_each(|(density, more)| density.take_in(more));
+            densities.zip(block.iter().flatten()).for_each(|(density, more)| density.merge(more));
         }
         if blocks.comm().is_first() {
-            for (own, (sum, spread)) in all.iter_mut().zip(sums.iter().zip(bytemuck::cast_slice(&spreads))) {
-                own.moments.add_sums(sum, spread);
+            for (own, (sum, moments)) in all.iter_mut().zip(sums.iter().zip(bytemuck::cast_slice(&second_moments))) {
+                own.moments.add_sums(sum, moments);
             }
         }
     }

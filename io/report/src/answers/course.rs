@@ -1,7 +1,7 @@
 //! The course of a quantity in a run, and its mean.
 
 use super::{AnswerRange, RunAnswer};
-use statistics::{Precision, SteadyMean, TimeSeries, Transient};
+use statistics::{RequestedPrecision, SteadyMean, TimeSeries, Transient};
 
 /// A quantity that a run was made for, at the times of its series.
 pub(super) struct Course {
@@ -9,7 +9,7 @@ pub(super) struct Course {
     species: String,
     unit: &'static str,
     values: Vec<f64>,
-    precision: Precision,
+    precision: RequestedPrecision,
     /// Whether it is of the stress, whose quantities share one transient.
     is_of_stress: bool,
     result: Result,
@@ -44,7 +44,7 @@ pub(super) const ALL: &str = "all";
 impl Course {
     /// The mean of values.
     pub(super) fn new((quantity, unit): (&'static str, &'static str), values: Vec<f64>) -> Self {
-        let (species, precision) = (ALL.to_owned(), Precision::USUAL);
+        let (species, precision) = (ALL.to_owned(), RequestedPrecision::USUAL);
         Self { quantity, species, unit, values, precision, is_of_stress: false, result: Result::Mean, reduced: None }
     }
 
@@ -60,17 +60,17 @@ impl Course {
 
     /// The same course, whose mean may vanish: errors are compared with `scale` if that is larger than the mean.
     pub(super) fn beside(self, scale: f64) -> Self {
-        Self { precision: Precision { scale, ..self.precision }, ..self }
+        Self { precision: RequestedPrecision { scale, ..self.precision }, ..self }
     }
 
     /// One that is positive by its nature.
     pub(super) fn positive(self) -> Self {
-        Self { precision: Precision { is_positive: true, ..self.precision }, ..self }
+        Self { precision: RequestedPrecision { is_positive: true, ..self.precision }, ..self }
     }
 
     /// One whose values are means themselves, so that few of them will do.
     pub(super) fn of_means(self) -> Self {
-        Self { precision: Precision { fewest: 4, ..self.precision }, ..self }
+        Self { precision: RequestedPrecision { fewest: 4, ..self.precision }, ..self }
     }
 
     /// The square root of the mean.

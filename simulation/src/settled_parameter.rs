@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter};
 
 /// A parameter that is constant from some step on, and with which the scene may be run from the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
+pub struct SettledParameter {
     /// Key of the parameter in the scene.
     pub key: &'static str,
     /// Value of the parameter.
@@ -13,14 +13,14 @@ pub struct Found {
     pub what: &'static str,
 }
 
-impl Found {
+impl SettledParameter {
     /// The parameter as a setting of the scene, with all digits.
     pub fn setting(&self) -> String {
         format!("{}={:e}", self.key, self.value)
     }
 }
 
-impl Display for Found {
+impl Display for SettledParameter {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {} = {}", self.what, self.key, domain::Number(self.value))
     }
