@@ -1,5 +1,6 @@
 //! Resistance of a pair in the force-coupling method itself: two spheres in free space.
 
+use domain::sphere;
 use std::f64::consts::PI;
 
 use crate::dense::{Square, inverse};
@@ -28,7 +29,7 @@ pub fn resistance(radii: [f64; 2], distance: f64) -> ResistanceBlocks {
 pub fn axial_mobility(radii: [f64; 2], distance: f64) -> Square<2> {
     let [first, second] = radii.map(|radius| widths(radius)[0]);
     let mutual = -2.0 * radial_derivatives(distance, first.hypot(second))[0];
-    symmetric(radii.map(|radius| 1.0 / (6.0 * PI * radius)), mutual)
+    symmetric(radii.map(|radius| 1.0 / sphere::drag(1.0, radius)), mutual)
 }
 
 type Derivatives = [[[f64; 4]; 2]; 2];

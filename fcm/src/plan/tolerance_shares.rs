@@ -5,8 +5,7 @@
 //! are calibrated on random cases of every kind (`scripts/validate tolerance`).
 
 use crate::plan::problem::{Loading, Multipoles, Problem};
-use domain::Boundaries;
-use std::f64::consts::PI;
+use domain::{Boundaries, sphere};
 
 /// Calibrated so that 300 random cases of up to 48 particles (`fcm/tests`) and `fcm-solve bench` at 600 and 3,200
 /// particles stay below the tolerance: by a factor of 1.3 in the worst of them, of about six in a typical one.
@@ -182,7 +181,7 @@ impl Problem {
 
     /// Volume of the particles over that of the box.
     fn volume_fraction(&self) -> f64 {
-        let volumes = self.radii.iter().map(|&(radius, count)| 4.0 / 3.0 * PI * radius.powi(3) * count as f64);
+        let volumes = self.radii.iter().map(|&(radius, count)| sphere::volume(radius) * count as f64);
         volumes.sum::<f64>() / self.volume
     }
 }

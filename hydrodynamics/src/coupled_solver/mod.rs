@@ -14,14 +14,15 @@ use crate::springs::Springs;
 use crate::system::{self, CoupledSystem, Unknowns};
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
-use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList};
+use domain::{
+    Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList, sphere,
+};
 use fcm::{
     DrawDiagnostics, Iterate, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream,
     conjugate_gradients,
 };
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
-use std::f64::consts::PI;
 
 /// Motions of spheres as of [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have the
 /// same digits in any units.
@@ -279,13 +280,13 @@ fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
 
 /// Resistances of single spheres to motions and to strain.
 fn alone(viscosity: f64, radii: &[f64]) -> (Vec<SixVector>, Vec<f64>) {
-    let strain = |a: &f64| 20.0 / 3.0 * PI * viscosity * a.powi(3);
+    let strain = |a: &f64| sphere::strain_resistance(viscosity, *a);
     (radii.iter().map(|&a| single(viscosity, a)).collect(), radii.iter().map(strain).collect())
 }
 
 /// Resistance of a single sphere to translation and rotation.
 fn single(viscosity: f64, radius: f64) -> SixVector {
-    let (force, torque) = (6.0 * PI * viscosity * radius, 8.0 * PI * viscosity * radius.powi(3));
+    let (force, torque) = (sphere::drag(viscosity, radius), sphere::rotational_drag(viscosity, radius));
     SixVector::new(Vector::splat(force), Vector::splat(torque))
 }
 

@@ -12,6 +12,7 @@ use crate::solution::NO_AMBIENT;
 use domain::random_packing;
 use fcm::{Costs, Fixed, Loading, Multipoles, Output, Precision, Problem};
 use lubrication::PairMotion;
+use std::f64::consts::PI;
 
 /// Rigid spheres in a periodic cube, with a double-precision grid; a single-precision grid would add noise of 1e-7.
 fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Problem {

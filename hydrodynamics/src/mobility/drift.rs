@@ -2,9 +2,8 @@
 
 use super::{Mobility, MobilityError, ROOT, turn_motion};
 use crate::brownian::{self, CHANGE, Change, DISPLACEMENT};
-use domain::{Traceless, Vector};
+use domain::{Traceless, Vector, sphere};
 use fcm::{Loads, Multipoles, Stream};
-use std::f64::consts::PI;
 
 /// Brownian drift and stresslets at a thermal energy of 1; each draw is a random estimate whose mean is exact.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +68,6 @@ impl Mobility {
     /// Time in which random motions displace the smallest sphere by [`DISPLACED`] radii.
     fn step(&self) -> f64 {
         let smallest = self.parameters.radii.iter().copied().fold(f64::INFINITY, f64::min);
-        DISPLACED * smallest * (6.0 * PI * self.parameters.viscosity * smallest).sqrt()
+        DISPLACED * smallest * sphere::drag(self.parameters.viscosity, smallest).sqrt()
     }
 }

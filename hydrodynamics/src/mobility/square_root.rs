@@ -1,10 +1,9 @@
 //! Square root of the mobility.
 
 use super::{Mobility, MobilityError, ROOT};
-use domain::Vector;
+use domain::{Vector, sphere};
 use fcm::{DrawDiagnostics, Loads, Motion, square_root_times};
 use solver::BackgroundFlow;
-use std::f64::consts::PI;
 
 /// Largest number of applications of the mobility; hundreds of nearly touching spheres need about forty.
 const MOST_APPLICATIONS: usize = 200;
@@ -74,7 +73,7 @@ impl Mobility {
 
     /// Square roots of the mobilities of a single sphere.
     fn scales(&self, radius: f64) -> [f64; 2] {
-        let resistances = [6.0 * PI * radius, 8.0 * PI * radius.powi(3)];
+        let resistances = [sphere::drag(1.0, radius), sphere::rotational_drag(1.0, radius)];
         resistances.map(|resistance| (self.parameters.viscosity * resistance).sqrt().recip())
     }
 }

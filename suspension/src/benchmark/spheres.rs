@@ -3,11 +3,10 @@
 use super::BenchmarkError;
 use domain::{
     Bytes, Comm, MemoryNeed, Particles, Partition, PeriodicBox, Process, Random, Traceless, Vector, packing_bytes,
-    random_packing,
+    random_packing, sphere,
 };
 use fcm::Loads;
 use serde::Serialize;
-use std::f64::consts::PI;
 
 /// Loads that are applied, and motions that are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,7 +55,7 @@ impl Spheres {
             comm.check_memory(need).map_err(|error| format!("{error}; take fewer than {count:.1e} --particles")),
         )?;
         let radii: Vec<f64> = (0..case.particles).map(|i| if i % 2 == 0 { 1.0 } else { case.size_ratio }).collect();
-        let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
+        let volume: f64 = radii.iter().map(|a| sphere::volume(*a)).sum();
         let cell = PeriodicBox::new(Vector::splat((volume / case.volume_fraction).cbrt()))?;
         let placed = if comm.is_first() { random_packing(&cell, &radii, 0.0, SEED) } else { Ok(Vec::new()) };
         let mut positions = comm.agree(placed).map_err(BenchmarkError::Placing)?;

@@ -1,7 +1,7 @@
 //! Growth of the cost of a step during a run.
 
 use crate::model::{Model, Start};
-use domain::{Boundaries, Vector};
+use domain::{Boundaries, Vector, sphere};
 use std::f64::consts::PI;
 
 /// Relative increase of the cost once contacts have formed at a given rate; the strain in which they form; and the
@@ -50,7 +50,7 @@ fn volume_fraction(model: &Model) -> f64 {
 
 /// Speed of an isolated sphere under a force.
 fn speed(model: &Model, radius: f64, force: f64) -> f64 {
-    force / (6.0 * PI * model.viscosity * radius)
+    force / sphere::drag(model.viscosity, radius)
 }
 
 /// Largest speed of isolated spheres of a species towards a wall, if any moves towards one.

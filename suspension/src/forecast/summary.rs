@@ -9,7 +9,7 @@ use crate::model::radii::Radii;
 use crate::model::{Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
-use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes};
+use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
 use fcm::{Plan, Precision, Problem, Split};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
@@ -179,7 +179,7 @@ fn beside_periodic(
 
 /// Volume fraction in the box, or in the ball in which the spheres start; `None` in open fluid.
 fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
-    let ball = model.start.ball().map(|radius| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3));
+    let ball = model.start.ball().map(sphere::volume);
     let is_open = model.cell.boundaries() == Boundaries::Open;
     ball.or((!is_open).then(|| model.cell.volume())).map(|volume| radii.volume() / volume)
 }

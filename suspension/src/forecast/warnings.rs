@@ -7,7 +7,7 @@ use crate::integrators::adams_bashforth::AdamsBashforth;
 use crate::model::radii::Radii;
 use crate::model::{Flow, Integrator, Model};
 use crate::start::plan::problem;
-use domain::{Boundaries, Number};
+use domain::{Boundaries, Number, sphere};
 use fcm::Plan;
 use std::f64::consts::PI;
 
@@ -119,7 +119,7 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
     ];
     // Both ends of each bond move: twice the rate of one sphere.
     let ends = 2.0 * (model.bond_numbers() / BOND_NUMBERS) as f64;
-    let rate = (trap + ends * bond) / (6.0 * PI * model.viscosity * radii.smallest());
+    let rate = (trap + ends * bond) / sphere::drag(model.viscosity, radii.smallest());
     (rate * model.time_step > limit * 1.001).then(|| {
         format!(
             "time.step = {} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {:.3}; take \

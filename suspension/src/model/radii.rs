@@ -1,7 +1,7 @@
 //! Radii of all particles of a suspension.
 
 use super::{Model, Start};
-use domain::{Comm, Particles};
+use domain::{Comm, Particles, sphere};
 
 /// Radii of the particles in ascending order, with the number of particles of each.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ impl Radii {
 
     /// Total volume of the particles.
     pub fn volume(&self) -> f64 {
-        self.0.iter().map(|(radius, count)| 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3) * *count as f64).sum()
+        self.0.iter().map(|(radius, count)| sphere::volume(*radius) * *count as f64).sum()
     }
 
     /// The two smallest radii, if there are two particles.

@@ -1,7 +1,7 @@
 //! Species and initial positions of the spheres.
 
 use super::Parameters;
-use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector};
+use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector, sphere};
 use hydrodynamics::lengths::check_radius;
 
 /// Upper bound of the total volume fraction of the spheres.
@@ -201,5 +201,5 @@ fn check_places(places: &[Vector], p: &Parameters) -> Result<(), ParameterError>
 }
 
 pub(crate) fn volume(radius: f64) -> f64 {
-    4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)
+    sphere::volume(radius)
 }

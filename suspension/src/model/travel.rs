@@ -1,8 +1,7 @@
 //! Displacements of spheres by steady forces in one step.
 
 use super::{Parameters, Species};
-use domain::{Number, ParameterError, Vector};
-use std::f64::consts::PI;
+use domain::{Number, ParameterError, Vector, sphere};
 
 /// Largest displacement of an isolated sphere in a step, over the longest edge of the box.
 const MOST_LENGTHS: f64 = 100.0;
@@ -11,7 +10,7 @@ impl Parameters {
     /// Displacement in one step of an isolated sphere under the steady force of its species.
     pub(crate) fn travel(&self, species: &Species) -> f64 {
         let force = species.force_on(species.radius, self.gravity).length();
-        force / (6.0 * PI * self.viscosity * species.radius) * self.time_step
+        force / sphere::drag(self.viscosity, species.radius) * self.time_step
     }
 }
 

@@ -1,7 +1,7 @@
 //! Distribution of the spheres across a channel or above a wall, and their flux along it.
 
 use crate::model::box_axes::UserAxes;
-use domain::{Boundaries, Comm, Particles, PeriodicBox, Vector};
+use domain::{Boundaries, Comm, Particles, PeriodicBox, Vector, sphere};
 use simulation::Quantity;
 
 /// Columns of the time series for the height of each species.
@@ -52,7 +52,7 @@ pub fn rows(
     let (volume, height) = (cell.volume(), cell.edges().z);
     let numbers = |n: usize| {
         let (z, a) = (particles.positions[n].z, particles.radii[n]);
-        let flux = 4.0 / 3.0 * std::f64::consts::PI * a.powi(3) * velocities[n].x / volume;
+        let flux = sphere::volume(a) * velocities[n].x / volume;
         [1.0, z, flux, (z - 0.5 * height).powi(2), (height - 2.0 * a).powi(2) / 12.0]
     };
     let sums = sums(particles, species, comm, |n, _| numbers(n));

@@ -13,7 +13,9 @@ use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY}
 use crate::model::{Axis, Extension, Flow, Model, Multipoles, Parameters, ShearRates, Species, Statistics as Wanted};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
-use domain::{Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs};
+use domain::{
+    Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs, sphere,
+};
 use kept::{Kept, Moving};
 pub use memory::OfRank;
 use paths::Paths;
@@ -258,7 +260,7 @@ impl About {
             for (&species, a) in dealt.species[rows.clone()].iter().zip(&dealt.radii[rows]) {
                 let [number, volume] = &mut sums[species as usize];
                 *number += 1.0;
-                *volume += 4.0 / 3.0 * std::f64::consts::PI * a.powi(3);
+                *volume += sphere::volume(*a);
             }
             sums
         }));

@@ -1,10 +1,9 @@
 //! The quantities that suspensions are run for.
 
 use super::course::Course;
-use domain::{Boundaries, Vector};
+use domain::{Boundaries, Vector, sphere};
 use files::Observables;
 use statistics::Moduli;
-use std::f64::consts::PI;
 use suspension::{Flow, Model};
 
 const STRESS: &str = "force/length^2";
@@ -129,7 +128,7 @@ impl Run<'_> {
             return Vec::new();
         }
         let (viscosity, forces) = (self.model.viscosity, self.forces());
-        let stokes = |index: usize| forces[index].length() / (6.0 * PI * viscosity * self.model.species[index].radius);
+        let stokes = |index: usize| forces[index].length() / sphere::drag(viscosity, self.model.species[index].radius);
         let fastest = (0..forces.len()).map(stokes).fold(0.0, f64::max);
         let mut courses = Vec::new();
         for (index, species) in self.model.species.iter().enumerate() {

@@ -15,10 +15,9 @@ use crate::checks::positive;
 use crate::document::NumberOr;
 use crate::error::Fault;
 use crate::time_and_output::{Output, Time, share};
-use domain::{AxisRotation, Boundaries, PeriodicBox, Vector};
+use domain::{AxisRotation, Boundaries, PeriodicBox, Vector, sphere};
 pub(super) use raw::Raw;
 use simulation::Schedule;
-use std::f64::consts::PI;
 use std::path::Path;
 use suspension::{
     Adaptive, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
@@ -111,7 +110,7 @@ fn check_contacts(raw: &Raw) -> Result<(), Fault> {
 
 /// Reference volume of volume fractions: that of the box, or of the ball in which the spheres start.
 fn room(raw: &Raw, cell: &PeriodicBox) -> f64 {
-    raw.particles.radius.map_or_else(|| cell.volume(), |radius| 4.0 / 3.0 * PI * radius.powi(3))
+    raw.particles.radius.map_or_else(|| cell.volume(), sphere::volume)
 }
 
 /// Initial placement of the spheres, and the file with their positions.

@@ -2,7 +2,7 @@
 
 use super::super::checks::{few_enough, positive};
 use super::{Fault, names, raw};
-use domain::{Number, Vector};
+use domain::{Number, Vector, sphere};
 use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 
 /// Default number of classes that represent a distribution of radii.
@@ -111,7 +111,7 @@ fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64
         let message = format!("is {}; spheres need 0 < volume_fraction < {MAX_FRACTION}", Number(fraction));
         return Err(Fault::new(key, message));
     }
-    let volume = 4.0 / 3.0 * std::f64::consts::PI * radius.powi(3);
+    let volume = sphere::volume(radius);
     let count = (fraction * room / volume).round();
     few_enough(key, &format!("{fraction}, with species[{index}].radius = {radius}"), (count, "spheres"))?;
     if count < 1.0 {
