@@ -21,7 +21,7 @@ pub struct ContactForce {
     /// Ids of the particles.
     pub ids: [u64; 2],
     /// Centre of the first particle.
-    pub place: Vector,
+    pub position: Vector,
     /// Vector from there to the nearest image of the second particle's centre.
     pub separation: Vector,
     /// Normal force along that line: positive for repulsion, negative for attraction.

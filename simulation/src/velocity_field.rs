@@ -12,7 +12,7 @@ pub struct VelocityField {
     /// The box.
     pub cell: PeriodicBox,
     /// Position of the first point.
-    pub first: Vector,
+    pub origin: Vector,
     /// Distances of the points along each axis, which is that of the lattice in a sheared box.
     pub spacing: Vector,
     /// Points along x, y and z.

@@ -215,7 +215,7 @@ impl Simulation for Observed {
             step: clock.step(),
             time: clock.time(),
             cell,
-            first: raster.first,
+            origin: raster.first,
             spacing: raster.spacing,
             points: raster.points,
             periodic: [0, 1, 2].map(|axis| cell.is_periodic(axis)),

@@ -66,7 +66,7 @@ fn field(model: &Model, steps: u64, ranks: usize) -> VelocityField {
 }
 
 fn place(field: &VelocityField, at: [usize; 3]) -> Vector {
-    field.first + field.spacing * Vector::from_array(at.map(|n| n as f64))
+    field.origin + field.spacing * Vector::from_array(at.map(|n| n as f64))
 }
 
 fn value(field: &VelocityField, [x, y, z]: [usize; 3]) -> Vector {
@@ -85,7 +85,7 @@ fn largest(field: &VelocityField) -> f64 {
 /// Largest difference of two fields at the same points.
 fn apart(one: &VelocityField, other: &VelocityField) -> f64 {
     assert_eq!((one.points, one.periodic), (other.points, other.periodic));
-    assert!((one.first - other.first).length() < 1e-6 && (one.spacing - other.spacing).length() < 1e-12);
+    assert!((one.origin - other.origin).length() < 1e-6 && (one.spacing - other.spacing).length() < 1e-12);
     one.values.iter().zip(&other.values).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max)
 }
 
@@ -103,7 +103,7 @@ fn fields_are_in_the_axes_of_the_user() {
             let mut seen = 0;
             for at in all_points(&upright) {
                 let (there, turned) = (back.place(place(&upright, at), edges), back.vector(value(&upright, at)));
-                let mut index = ((there - found.first) / found.spacing).round().to_array().map(|n| n as i64);
+                let mut index = ((there - found.origin) / found.spacing).round().to_array().map(|n| n as i64);
                 for d in (0..3).filter(|&d| found.periodic[d]) {
                     index[d] = index[d].rem_euclid(found.points[d] as i64);
                 }
@@ -143,7 +143,7 @@ fn points_are_where_fluid_is() {
         let last = place(&field, field.points.map(|n| n - 1));
         let beyond = 2.6;
         for axis in 0..3 {
-            let (low, high) = (field.first[axis], last[axis]);
+            let (low, high) = (field.origin[axis], last[axis]);
             let (origin, edge) = (field.cell.origin()[axis], field.cell.edges()[axis]);
             let spacing = field.spacing[axis];
             let walls = if kind[0] == "walls" { 2 } else { usize::from(kind[0] == "wall") };

@@ -368,7 +368,7 @@ fn contacts_are_in_the_axes_of_the_user() {
         assert_eq!(found.list.len(), upright.list.len());
         for (found, expected) in found.list.iter().zip(&upright.list) {
             assert_eq!((found.ids, found.state), (expected.ids, expected.state));
-            assert!((found.place - back.place(expected.place, edges)).length() < 1e-6);
+            assert!((found.position - back.place(expected.position, edges)).length() < 1e-6);
             assert!((found.separation - back.vector(expected.separation)).length() < 1e-6);
             assert!((found.tangential - back.vector(expected.tangential)).length() < 1e-6);
         }

@@ -134,7 +134,7 @@ impl UserAxes {
         }
         let (back, of_box) = (self.turn.inverse(), self.list([0, 1, 2]));
         let (points, periodic) = (self.list(field.points), self.list(field.periodic));
-        let [mut first, spacing] = [field.first, field.spacing].map(|v| Vector::from_array(self.list(v.to_array())));
+        let [mut first, spacing] = [field.origin, field.spacing].map(|v| Vector::from_array(self.list(v.to_array())));
         for axis in (0..3).filter(|&axis| back.against()[axis]) {
             // Along a reversed axis the point at the near face is mapped to the far face, and a periodic box starts
             // again there.
@@ -155,7 +155,7 @@ impl UserAxes {
         let [all_x, all_y, all_z] = if field.values.is_empty() { [0; 3] } else { points };
         let places = (0..all_z).flat_map(|z| (0..all_y).flat_map(move |y| (0..all_x).map(move |x| [x, y, z])));
         let values = places.map(value).collect();
-        VelocityField { cell: self.cell(&field.cell), first, spacing, points, periodic, values, ..field }
+        VelocityField { cell: self.cell(&field.cell), origin: first, spacing, points, periodic, values, ..field }
     }
 
     /// Contact forces in the user's axes.
@@ -166,7 +166,7 @@ impl UserAxes {
         let edges = self.list(contacts.lattice.map(Vector::length));
         contacts.lattice = [Vector::X * edges[0], Vector::Y * edges[1], Vector::Z * edges[2]];
         for contact in &mut contacts.list {
-            contact.place = self.inside(self.place(contact.place), [0; 3]).0;
+            contact.position = self.inside(self.place(contact.position), [0; 3]).0;
             contact.separation = self.vector(contact.separation);
             contact.tangential = self.vector(contact.tangential);
         }

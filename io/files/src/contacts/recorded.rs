@@ -64,7 +64,7 @@ fn contents(file: &File) -> hdf5::Result<ContactForces> {
     let one = |k: usize| {
         Some(ContactForce {
             ids: [pairs[2 * k], pairs[2 * k + 1]],
-            place: places[k],
+            position: places[k],
             separation: separations[k],
             normal: normal[k],
             tangential: tangential[k],

@@ -6,7 +6,7 @@ use simulation::ContactState;
 fn contacts(step: u64) -> ContactForces {
     let one = |k: u64| ContactForce {
         ids: [k, k + 7],
-        place: Vector::new(0.1, 0.2, 1.0 / 3.0) * k as f64,
+        position: Vector::new(0.1, 0.2, 1.0 / 3.0) * k as f64,
         separation: Vector::new(1.0, -1.0, 0.1),
         normal: 0.7 / (1.0 + k as f64),
         tangential: Vector::Z * k as f64,

@@ -50,7 +50,7 @@ pub fn export_contacts(
 fn table(out: &mut impl Write, steps: &mut dyn Iterator<Item = ContactForces>) -> Result<()> {
     writeln!(out, "{HEAD}")?;
     for ContactForces { step, time, list, .. } in steps {
-        for ContactForce { ids: [first, second], place, separation, normal, tangential, state } in list {
+        for ContactForce { ids: [first, second], position: place, separation, normal, tangential, state } in list {
             write!(out, "{step},{time:?},{first},{second}")?;
             let numbers = [place.to_array(), separation.to_array(), [normal, tangential.x, tangential.y]];
             numbers.as_flattened().iter().try_for_each(|number| write!(out, ",{number:?}"))?;
@@ -64,7 +64,7 @@ fn table(out: &mut impl Write, steps: &mut dyn Iterator<Item = ContactForces>) -
 fn lines(contacts: &ContactForces) -> Piece {
     let list = &contacts.list;
     let (count, points) = (list.len() as i64, 2 * list.len() as i64);
-    let ends: Vec<Vector> = list.iter().flat_map(|c| [c.place, c.place + c.separation]).collect();
+    let ends: Vec<Vector> = list.iter().flat_map(|c| [c.position, c.position + c.separation]).collect();
     let of_each = |of_one: &dyn Fn(&ContactForce) -> f64| list.iter().map(of_one).collect::<Vec<_>>();
     let normal = of_each(&|contact| contact.normal);
     let of_ends: Vec<f64> = normal.iter().flat_map(|&force| [force; 2]).collect();
@@ -101,7 +101,7 @@ mod tests {
     fn contacts(step: u64) -> ContactForces {
         let one = ContactForce {
             ids: [3, 8],
-            place: Vector::new(0.1, 2.0, 3.0),
+            position: Vector::new(0.1, 2.0, 3.0),
             separation: Vector::new(2.0, 0.0, -0.5),
             normal: 1.0 / 3.0,
             tangential: Vector::new(0.0, 0.25, 1e-9),

@@ -22,7 +22,7 @@ pub(super) fn write(root: &Group, field: &VelocityField) -> hdf5::Result<()> {
     let boundary = field.periodic.map(|yes| text::fixed(if yes { "periodic" } else { "none" }));
     let boundary = boundary.into_iter().collect::<hdf5::Result<Vec<_>>>()?;
     root.new_attr::<FixedAscii<64>>().shape(3).create("boundary")?.write(&boundary)?;
-    for (name, vector) in [("origin", field.first), ("spacing", field.spacing)] {
+    for (name, vector) in [("origin", field.origin), ("spacing", field.spacing)] {
         root.new_attr::<f64>().shape(3).create(name)?.write(&ndarray::arr1(&vector.to_array()))?;
     }
     Ok(())

@@ -20,7 +20,7 @@ fn write(folder: &Path, steps_and_strains: &[(u64, f64)]) {
             step,
             time,
             cell,
-            first,
+            origin: first,
             spacing,
             points: [4, 3, 2],
             periodic,
@@ -186,7 +186,7 @@ fn places_take_little_room() {
         step: 0,
         time: 0.0,
         cell,
-        first: Vector::ZERO,
+        origin: Vector::ZERO,
         spacing: cell.edges() / 48.0,
         points: [48; 3],
         periodic: [true; 3],
@@ -207,7 +207,7 @@ fn write_bounded(folder: &Path, frames: &[(u64, [usize; 3], f64)]) {
         let cell = PeriodicBox::new(Vector::new(4.0, 6.0, 1.0)).unwrap();
         let (first, spacing) = (Vector::new(0.0, 0.0, origin), Vector::new(1.0, 2.0, 0.25));
         let (time, periodic) = (0.1 * step as f64, [true, true, false]);
-        let field = VelocityField { step, time, cell, first, spacing, points, periodic, values, note: "" };
+        let field = VelocityField { step, time, cell, origin: first, spacing, points, periodic, values, note: "" };
         write_field(&field, &Manifest::of_test(folder), &provenance()).unwrap();
     }
 }

@@ -86,7 +86,7 @@ impl Chains {
 /// Box coordinates of the start in units of 1/65536, and of the vector to the end in units of 1/32768, two bytes each.
 fn line(cell: &PeriodicBox, contact: &ContactForce) -> [u8; 12] {
     let mut bytes = [0; 12];
-    bytes[..6].copy_from_slice(&in_box(cell, contact.place));
+    bytes[..6].copy_from_slice(&in_box(cell, contact.position));
     let parts: Vector = cell.lattice_coordinates(contact.separation) / cell.edges() * 32768.0;
     for (axis, part) in parts.to_array().into_iter().enumerate() {
         bytes[6 + 2 * axis..][..2].copy_from_slice(&(part.round().clamp(-32768.0, 32767.0) as i16).to_le_bytes());

@@ -86,7 +86,7 @@ fn contacts_are_lines() {
     assert_eq!(played(&path).parts('y').0["chains"], Value::Null);
     let contact = |normal: f64| ContactForce {
         ids: [0, 1],
-        place: Vector::new(1.1, 2.0, 3.0),
+        position: Vector::new(1.1, 2.0, 3.0),
         separation: Vector::new(0.0, -1.0, 0.5),
         normal,
         tangential: Vector::ZERO,

@@ -61,7 +61,7 @@ fn forces_of_contacts_can_be_shown() {
     assert!(!report(folder.path()).unwrap().contains("show-chains\" type"));
     let contact = ContactForce {
         ids: [0, 1],
-        place: Vector::ONE,
+        position: Vector::ONE,
         separation: Vector::splat(3.0),
         normal: 1.0,
         tangential: Vector::ZERO,

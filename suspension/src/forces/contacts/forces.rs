@@ -20,7 +20,7 @@ pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) 
     };
     of(&ContactForce {
         ids: [particles.ids[row], contact.other],
-        place: particles.positions[row],
+        position: particles.positions[row],
         separation: contact.separation,
         normal,
         tangential: contact.memory.force,
@@ -32,7 +32,7 @@ pub(super) fn numbers(law: &Contact, contact: &Touching, particles: &Particles) 
 pub fn of(force: &ContactForce) -> [f64; FORCE_NUMBERS] {
     let mut numbers = [0.0; FORCE_NUMBERS];
     numbers[..2].copy_from_slice(&force.ids.map(|id| id as f64));
-    numbers[2..5].copy_from_slice(&force.place.to_array());
+    numbers[2..5].copy_from_slice(&force.position.to_array());
     numbers[5..8].copy_from_slice(&force.separation.to_array());
     numbers[8] = force.normal;
     numbers[9..12].copy_from_slice(&force.tangential.to_array());
@@ -45,7 +45,7 @@ pub fn contact_force(numbers: &[f64; FORCE_NUMBERS]) -> ContactForce {
     let [place, separation, tangential] = [2, 5, 9].map(|first| Vector::from_slice(&numbers[first..]));
     ContactForce {
         ids: [numbers[0] as u64, numbers[1] as u64],
-        place,
+        position: place,
         separation,
         normal: numbers[8],
         tangential,
@@ -61,7 +61,7 @@ mod tests {
     fn a_contact_is_the_same_in_numbers() {
         let force = ContactForce {
             ids: [3, (1 << 52) + 1],
-            place: Vector::new(0.1, 0.2, 0.3),
+            position: Vector::new(0.1, 0.2, 0.3),
             separation: Vector::new(1.0, 2.0, -3.0),
             normal: 0.7,
             tangential: Vector::Y / 3.0,

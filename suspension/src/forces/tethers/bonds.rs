@@ -71,7 +71,7 @@ impl Tied {
             let own = bond.rows[0];
             (particles.ids[own] < bond.other).then(|| ContactForce {
                 ids: [particles.ids[own], bond.other],
-                place: particles.positions[own],
+                position: particles.positions[own],
                 separation: bond.separation,
                 normal: -bond.pull(),
                 tangential: Vector::ZERO,
