@@ -26,7 +26,7 @@ pub type LoadFunction = Box<dyn FnMut(&[Vector], f64) -> Result<AppliedLoads, Bo
 /// called on the first rank alone.
 pub type PairForceFunction = Box<dyn FnMut(&NeighbourList, f64) -> Result<Vec<Vector>, Box<dyn Error>>>;
 
-/// Loads of a user's own.
+/// Loads that a user defines.
 pub enum UserLoads {
     /// A function of positions. Where its forces are between particles, it may give their part of the stress.
     OfPositions(LoadFunction),
@@ -41,5 +41,5 @@ pub enum UserLoads {
 
 /// The error of simulations whose particles take no applied loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("forces of one's own act on the spheres of suspensions; scenes of this kind take none")]
+#[error("user-defined forces are supported for suspensions only")]
 pub struct NoLoads;
