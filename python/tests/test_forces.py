@@ -256,5 +256,5 @@ def test_grains_have_neighbours_too():
         assert len(simulation.neighbours(3 * simulation.radii[0])) == len(
             all_pairs(simulation.positions, lattice, 3 * simulation.radii[0])
         )
-        with pytest.raises(fcm.Error, match="scenes of this kind take none"):
+        with pytest.raises(fcm.Error, match="supported for suspensions only"):
             simulation.pair_force(pulled, cutoff=0.1)

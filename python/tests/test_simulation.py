@@ -62,7 +62,7 @@ def test_grains_are_the_program_s_too(program, tmp_path, kind):
         simulation.step()
         assert simulation.observables and simulation.velocities.shape == simulation.positions.shape
         simulation.run()
-        with pytest.raises(fcm.Error, match="scenes of this kind take none"):
+        with pytest.raises(fcm.Error, match="supported for suspensions only"):
             simulation.force(lambda x, t: x)
         with pytest.raises(fcm.Error, match="scenes of this kind have no smallest_gap"):
             simulation.smallest_gap  # noqa: B018
