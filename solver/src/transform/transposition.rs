@@ -231,7 +231,7 @@ impl<T: Real> Transposition<T> {
     pub fn exchange_back(&self, round: usize) {
         let Round { sent, received, .. } = self.barrier(round);
         if self.columns.is_divided() {
-            // SAFETY: columns are not written before the next call of [`Self::begin`].
+            // SAFETY: columns are not written before the next call of `begin`.
             let [columns, send_buffer] = unsafe { self.values() };
             self.group.all_to_all_ranges((columns, received), (send_buffer, sent));
         }
