@@ -6,8 +6,7 @@ use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
 use crate::rigid::conjugate_gradients::{Iterate, Limits, System, conjugate_gradients};
-use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless};
-use std::f64::consts::PI;
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, sphere};
 
 /// Failure of a solve, the same on all ranks.
 #[derive(Debug, Clone, thiserror::Error, PartialEq)]
@@ -149,7 +148,7 @@ impl StressletSolver {
         }
         let mut residual: Vec<_> = motion.strain_rates.iter().map(|&e| -(e + background)).collect();
         let viscosity = self.mobility.plan().viscosity;
-        let diagonal: Vec<f64> = radii.iter().map(|a| 20.0 / 3.0 * PI * viscosity * a.powi(3)).collect();
+        let diagonal: Vec<f64> = radii.iter().map(|a| sphere::strain_resistance(viscosity, *a)).collect();
         let tolerance = self.mobility.plan().iteration_tolerance;
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
         let mut z = Vec::new();

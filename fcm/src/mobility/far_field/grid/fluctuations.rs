@@ -5,9 +5,8 @@ use crate::mobility::far_field::{FarField, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, dipole};
 use crate::mobility::noise::{self, Components, DrawDiagnostics, Stream, square_root_times};
 use crate::plan::problem::Multipoles;
-use domain::{Boundaries, Tensor, Vector};
+use domain::{Boundaries, Tensor, Vector, sphere};
 use std::convert::Infallible;
-use std::f64::consts::PI;
 
 /// Largest number of iterations for a square root. The near field is well conditioned and takes ten or twenty, and so
 /// does the whole mobility if there are not many spheres or walls absorb momentum.
@@ -144,7 +143,8 @@ impl Scales {
     fn new(radii: &[f64], viscosity: f64, classes: &[u32]) -> Self {
         let of_one = |&class: &u32| {
             let a = radii[class as usize];
-            let [force, torque, strain] = [6.0 * PI * a, 8.0 * PI * a.powi(3), 20.0 / 3.0 * PI * a.powi(3)];
+            let [force, torque, strain] =
+                [sphere::drag(1.0, a), sphere::rotational_drag(1.0, a), sphere::strain_resistance(1.0, a)];
             [force, torque, strain].map(|resistance| (resistance * viscosity).sqrt().recip())
         };
         Self(classes.iter().map(of_one).collect())
