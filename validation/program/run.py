@@ -1,17 +1,57 @@
-"""Runs the tests of this folder, or the named ones, and prints their number in the last line."""
+"""Runs the tests of this folder, or of those named, and counts them in the last line.
 
+A file of tests is a process, and as many of them run at a time as there are cores: most tests wait for a program that they stop or kill."""
+
+import concurrent.futures
+import os
 import pathlib
+import re
 import signal
+import subprocess
 import sys
+import time
 import unittest
 
-if __name__ == "__main__":
-    # A background job ignores these signals, and so would the programs that the tests start and stop.
+COUNT = re.compile(r"(\d+) passed, (\d+) failed$")
+
+
+def run_file(path):
+    """Runs the tests of a file in this process."""
+    # A background job ignores these, and so would the programs that the tests start and stop.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
-    folders = sys.argv[1:] or [str(pathlib.Path(__file__).parent)]
-    suite = unittest.TestSuite(unittest.TestLoader().discover(folder) for folder in folders)
+    suite = unittest.TestLoader().discover(str(path.parent), pattern=path.name)
     result = unittest.TextTestRunner(stream=sys.stdout, verbosity=2).run(suite)
     bad = len(result.failures) + len(result.errors)
     print(f"{result.testsRun - bad} passed, {bad} failed")
-    sys.exit(not result.wasSuccessful())
+    return result.wasSuccessful()
+
+
+def run_apart(path):
+    """Runs the tests of a file in a process of its own, and prints what it says at its end; passed, failed."""
+    begin = time.monotonic()
+    command = [sys.executable, __file__, str(path)]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    text = done.stdout.rstrip()
+    count = COUNT.search(text)
+    passed, failed = (int(count[1]), int(count[2])) if count else (0, 1)
+    # Without the count, which the last line of all is alone with.
+    print(f"{path.name}, {time.monotonic() - begin:.0f} s\n{text.removesuffix(count[0] if count else '')}", flush=True)
+    return passed, max(failed, int(done.returncode != 0))
+
+
+def main():
+    given = [pathlib.Path(place) for place in sys.argv[1:]] or [pathlib.Path(__file__).parent]
+    if len(given) == 1 and given[0].is_file():
+        sys.exit(not run_file(given[0]))
+    # The longest texts first, so that no long file is left alone at the end.
+    files = sorted((file for place in given for file in place.glob("test_*.py")), key=lambda file: -file.stat().st_size)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        counts = list(pool.map(run_apart, files))
+    passed, failed = (sum(numbers) for numbers in zip(*counts))
+    print(f"{passed} passed, {failed} failed")
+    sys.exit(failed > 0)
+
+
+if __name__ == "__main__":
+    main()
