@@ -158,12 +158,14 @@ fn fault(ended: Ended, what: String) -> Fault {
     Fault { what, command: ended.arguments, stderr: ended.stderr }
 }
 
-/// All files in a folder and its subfolders, sorted by name.
+/// All files in a folder and its subfolders, sorted by name. Links are listed and not followed: several that lead
+/// upwards would make a tree of endless size.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<PathBuf> =
         std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
     entries.sort();
-    entries.into_iter().flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
+    let is_folder = |path: &Path| path.is_dir() && !path.is_symlink();
+    entries.into_iter().flat_map(|path| if is_folder(&path) { files(&path) } else { vec![path] }).collect()
 }
 
 fn copy(from: &Path, to: &Path) -> std::io::Result<()> {

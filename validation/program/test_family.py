@@ -157,7 +157,7 @@ class Families(unittest.TestCase):
         scene = self.scene(text, steps=5)
         said = run(["run", scene, "--out", self.out], expect=1)
         self.assertIn("point-0002/seed-0004 (particles.minimum_gap = 3.0) failed: can't place the spheres", said)
-        self.assertIn("error: 1 of 3 runs failed; the others are finished", said)
+        self.assertIn(f"error: 1 of 3 runs failed, see {self.out}/point-0002/seed-0004/run.log; the others are finished", said)
         self.assertEqual(list(states(self.out).values()), ["finished", "failed", "finished"])
         said = run(["run", scene, "--out", self.out, "--continue"], expect=1)
         self.assertIn("2 finished before", said)

@@ -95,17 +95,18 @@ fn end(pool: &Pool, folder: &FamilyFolder, (all, signals): (usize, &Signals)) ->
         return Ok(stop.into());
     }
     let failures = pool.failures();
-    if failures.is_empty() {
+    let Some(first) = failures.first() else {
         streams::inform(format_args!("finished; results in {}", folder.path().display()));
         return Ok(ExitCode::SUCCESS);
-    }
+    };
     for failure in failures.iter().take(NAMED) {
         streams::log(failure);
     }
     bail!(
-        "{} of {all} runs failed{}; the others are finished; try those again with: {}",
+        "{} of {all} runs failed{}, see {}; the others are finished; try those again with: {}",
         failures.len(),
         if failures.len() > NAMED { format!(", of which {NAMED} are named") } else { String::new() },
+        first.log.display(),
         signals.command()
     );
 }

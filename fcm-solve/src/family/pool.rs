@@ -10,6 +10,8 @@ use domain::Number;
 use run::FamilyFolder;
 use scene::Member;
 use std::collections::VecDeque;
+use std::fmt::{Display, Formatter};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -22,6 +24,21 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Shortest remaining time with which a member is started.
 const LEAST_TIME: Duration = Duration::from_secs(2);
 
+/// A member whose run failed.
+#[derive(Debug)]
+pub struct Failure {
+    member: String,
+    why: String,
+    /// Log of its run.
+    pub log: PathBuf,
+}
+
+impl Display for Failure {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} failed: {}; its log is {}", self.member, self.why, self.log.display())
+    }
+}
+
 /// Processes of members, on the cores of this process.
 pub struct Pool<'a> {
     work: &'a Work<'a>,
@@ -31,7 +48,7 @@ pub struct Pool<'a> {
     at_once: usize,
     running: Vec<Running<'a>>,
     written: Option<(Instant, Duration)>,
-    failures: Vec<String>,
+    failures: Vec<Failure>,
     finished: u64,
     steps: u64,
 }
@@ -137,15 +154,15 @@ impl<'a> Pool<'a> {
                 self.signals.stop(Stop::TimeIsUp);
             }
             Outcome::Failed(why) => {
-                let failure = format!("{member} failed: {why}; its log is {}", self.folder.log(member).display());
-                self.progress.say(&failure);
+                let failure = Failure { member: member.to_string(), why, log: self.folder.log(member) };
+                self.progress.say(&failure.to_string());
                 self.failures.push(failure);
             }
         }
     }
 
-    /// Messages about the members that failed.
-    pub fn failures(&self) -> &[String] {
+    /// Members that failed.
+    pub fn failures(&self) -> &[Failure] {
         &self.failures
     }
 

@@ -58,9 +58,13 @@ impl Renamed {
 
     /// A fault in the renamed text with the name of the key that was written.
     pub(super) fn as_written(&self, fault: Fault) -> Fault {
-        let is_of = |key: &str| fault.key() == key || fault.key() == format!("sweep.\"{key}\"");
-        match self.names.iter().find(|(_, key)| is_of(key)) {
-            Some((former, _)) => fault.of_key(format!("sweep.{former}")),
+        let written = |(former, key): &(&str, &str)| {
+            let quoted = fault.key().strip_prefix("sweep.\"").and_then(|key| key.strip_suffix('"'));
+            let within = quoted.unwrap_or(fault.key()).strip_prefix(key)?;
+            (within.is_empty() || within.starts_with('.')).then(|| format!("sweep.{former}{within}"))
+        };
+        match self.names.iter().find_map(written) {
+            Some(key) => fault.of_key(key),
             None => fault,
         }
     }

@@ -169,6 +169,7 @@ fn former_lists_are_refused_by_their_names() {
         ("[sweep]\nseeds = []\n", "sweep.seeds is empty"),
         ("[sweep]\nviscosities = [0.01, 0.01]\n", "sweep.viscosities has 0.01 more than once"),
         ("[sweep]\nrates = 0.01\n", "sweep.rates is 0.01; list its values"),
+        ("[sweep.rates]\nx = 0.01\n", "sweep.rates.x is 0.01; list its values"),
         (
             "[sweep]\nseeds = [1]\n[ensemble]\nseeds = 2\n",
             "sweep.seeds is the former name of [ensemble] seeds, which is set too",
