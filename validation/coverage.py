@@ -22,7 +22,7 @@ from support.page import table, write_section
 from support.program import PROGRAM, run
 
 FULL = "--full" in sys.argv[1:]
-STARTS = 32 if FULL else 10
+STARTS = 144 if FULL else 48
 # Parts of a run that are short runs, of its length, and the part after which the rest is surely steady.
 STARTING = ((0.0, 0.25), (0.0, 0.5), (0.0, 1.0))
 STEADY = 0.25

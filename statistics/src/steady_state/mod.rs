@@ -61,12 +61,13 @@ impl RequestedPrecision {
     pub const USUAL: Self = Self { relative_error: 0.05, scale: 0.0, is_positive: false, fewest: 8 };
 }
 
-/// Effective number of samples below which a mean is meaningless, and below which a run is too short.
-const MEANINGFUL: f64 = 2.0;
+/// Effective number of samples below which a mean is meaningless, and below which a run is too short. A larger first
+/// number would select those short series whose error is too small.
+const MEANINGFUL: f64 = 1.5;
 const ENOUGH: f64 = 10.0;
 /// The squared error is multiplied by `1 + UNSEEN / samples`: means of short series vary more than their cosines
 /// show, because of slower fluctuations.
-const UNSEEN: f64 = 5.0;
+const UNSEEN: f64 = 5.5;
 /// Probability of a trend by chance above which it is not significant.
 const CHANCE: f64 = 0.01;
 /// Relative variations up to this are round-off.

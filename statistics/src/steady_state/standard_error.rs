@@ -16,7 +16,7 @@ const TIMES: usize = 12;
 const FLOORS: [(f64, f64); 3] = [(0.0, 0.6), (0.1, 0.2), (0.3, 0.2)];
 
 /// Prior probability that the series has no correlation that the cosines can detect.
-const UNCORRELATED: f64 = 0.3;
+const UNCORRELATED: f64 = 0.5;
 
 /// Probability within one standard error.
 const WITHIN: f64 = 0.682_689_492;
