@@ -11,6 +11,7 @@ mod check;
 mod commands;
 mod continuation;
 mod converge;
+mod crash;
 mod export;
 mod family;
 mod info;
@@ -47,6 +48,7 @@ fn main() -> ExitCode {
     launch::leave_files_unlocked();
     launch::keep_memory();
     launch::survive_long_files();
+    crash::name_damaged_files();
     launch::with_stack(carry_out)
 }
 

@@ -109,6 +109,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "heavy"]
     fn what_does_not_end_hangs() {
         assert!(judged("check", "while :; do :; done").unwrap_err().contains("hang"));
         assert!(judged("run", "trap '' TERM; while :; do :; done").unwrap_err().contains("hang"));

@@ -188,7 +188,7 @@ fn paper(speed: f64, solid_fraction: f64, transient: f64, measure: f64) -> CellR
 /// `cargo test --release -p fcm-solve-granular --test all shear_cell_flow -- --ignored`: a few minutes. Bands from an
 /// independent prototype in C.
 #[test]
-#[ignore = "long"]
+#[ignore = "heavy"]
 fn the_papers_cell_gives_the_known_stresses() {
     let r = paper(1.4, 0.5, 0.1, 0.1);
     let top = r.walls[Side::Top as usize];

@@ -96,7 +96,7 @@ fn the_same_start_gives_the_same_bits() {
 
 /// `cargo test --release -p fcm-solve-granular --test all shear_cell_gas -- --ignored`: about a quarter of a minute.
 #[test]
-#[ignore = "long"]
+#[ignore = "heavy"]
 fn ten_million_hits_leave_no_overlap() {
     let (model, grains) = gas(10_000, 0.5, 1.0, 0.0);
     let mut engine = EventDriven::new(&model, &CellState::new(&model, &grains)).unwrap();

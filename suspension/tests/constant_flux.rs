@@ -188,6 +188,7 @@ fn the_pressure_gradient_is_a_sum_over_spheres() {
 /// Mean velocity of the fluid between walls due to a force, a torque and a stresslet on one sphere, sampled by small
 /// spheres without loads at many positions. It agrees with the formula with the widths of both envelopes.
 #[test]
+#[ignore = "heavy"]
 fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
     let edges = Vector::new(9.0, 8.0, 9.0);
     let centre = Vector::new(2.0, 3.0, 3.4);
@@ -299,6 +300,7 @@ fn walls_bear_pressure_and_forces() {
 
 /// On several numbers of ranks, with lubricated pairs and walls, for both integrators.
 #[test]
+#[ignore = "heavy"]
 fn any_ranks_find_the_same() {
     for method in ["time.integrator=\"implicit\"", "time.integrator=\"adams-bashforth\""] {
         let keys = [LUBRICATION[0], method, "time.steps=2"];

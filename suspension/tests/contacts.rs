@@ -144,6 +144,7 @@ fn run(model: &Model, ranks: usize) -> (Particles, [f64; 5]) {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_agree() {
     // A tolerance that requires a double-precision grid: in single precision the order of the ranks' sums would matter.
     let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "time.steps=25"];

@@ -106,6 +106,7 @@ fn whitened(root: &[Vec<f64>], vector: &[f64]) -> Vec<f64> {
 /// Random motions whitened by the dense matrix are independent with unit variance: their mean square is within three
 /// standard errors of 1, and so are all elements of their covariance.
 #[test]
+#[ignore = "heavy"]
 fn random_motions_have_the_covariance_of_the_mobility() {
     let lubricated = |p: MobilityParameters| MobilityParameters {
         lubrication: Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap()),
@@ -180,6 +181,7 @@ fn ranks_and_the_order_of_draws_do_not_matter() {
 /// Draws on 2 and 7 ranks, whitened by the dense matrix of one rank, equal those of one rank: they are independent with
 /// unit variance, in single and double precision, and agree up to round-off on the grid and the tolerance of the solve.
 #[test]
+#[ignore = "heavy"]
 fn whitened_draws_are_the_same_on_any_ranks() {
     let lubrication = Some(LubricationRange::new(2.5, LubricationRange::MINIMUM_GAP).unwrap());
     let draws = 8;

@@ -122,6 +122,7 @@ fn a_pair_moves_as_its_mobility_says() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_agree_in_open_extension() {
     for (method, (_, flow)) in METHODS.into_iter().zip(KINDS) {
         let model = drawn(method, &[flow, "time.steps=8"]);

@@ -153,6 +153,19 @@ class Damage(unittest.TestCase):
                 path.write_bytes(whole)
         self.assertGreater(seen, 0)
 
+    def test_texts_that_crash_the_hdf5_library_are_an_error(self):
+        """HDF5 copies as many bytes of a text of variable length as the file says."""
+        content = bytearray(self.trajectory.read_bytes())
+        heap = content.find(b"GCOL")
+        while heap >= 0:
+            # After the head of the collection, 16 bytes, its first text has its length from byte 8 on.
+            content[heap + 24 : heap + 32] = (1 << 40).to_bytes(8, "little")
+            heap = content.find(b"GCOL", heap + 4)
+        self.trajectory.write_bytes(content)
+        for arguments in (["info", self.trajectory], ["export", self.out, "--to", "vtp"], ["stats", self.out], ["resume", self.out, "--steps", 8]):
+            code, said = self.ends(*arguments)
+            self.assertTrue(code == 0 or str(self.trajectory) in said or "trajectory.h5" in said, said)
+
     def test_of_damaged_checkpoints_the_one_before_serves(self):
         random.seed(4)
         last = max(self.out.glob("checkpoint-*.bin"))

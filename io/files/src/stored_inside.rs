@@ -4,12 +4,14 @@
 //! may refer to an object of another HDF5 file (external links). A file from elsewhere could thus make the program
 //! read, or write to, the user's own files.
 
+use crate::last_opened;
 use hdf5::plist::dataset_create::Layout;
 use hdf5::{Dataset, File, Group, LinkType, Result};
 use std::path::Path;
 
 /// Opens a file for reading; `Err` if anything in it is stored in another file.
 pub(crate) fn open(path: &Path) -> Result<File> {
+    last_opened::note(path);
     let file = File::open(path)?;
     check(&file)?;
     Ok(file)
@@ -17,6 +19,7 @@ pub(crate) fn open(path: &Path) -> Result<File> {
 
 /// `Err` if anything in a file is stored in another file.
 pub(crate) fn check(file: &File) -> Result<()> {
+    last_opened::note(Path::new(&file.filename()));
     let (mut waiting, mut seen) = (vec![file.as_group()?], Vec::new());
     while let Some(group) = waiting.pop() {
         let place = group.loc_info()?;

@@ -182,6 +182,7 @@ mod tests {
     /// of the separation is the radial part `kT dm/dr` plus `2 kT (m - m') / r` from the rotation, since the mobility
     /// `m'` across the line of centres differs.
     #[test]
+    #[ignore = "heavy"]
     fn spheres_drift_to_where_they_move_more_easily() {
         let distance = 2.3;
         let along = |distance: f64| parting(&pair(distance), Vector::X);
