@@ -156,15 +156,13 @@ class Damage(unittest.TestCase):
     def test_texts_that_crash_the_hdf5_library_are_an_error(self):
         """HDF5 copies as many bytes of a text of variable length as the file says."""
         content = bytearray(self.trajectory.read_bytes())
-        heap = content.find(b"GCOL")
-        while heap >= 0:
-            # After the head of the collection, 16 bytes, its first text has its length from byte 8 on.
-            content[heap + 24 : heap + 32] = (1 << 40).to_bytes(8, "little")
-            heap = content.find(b"GCOL", heap + 4)
+        # The version of the program, with its length before it in the heap of texts.
+        text = content.index(b"fcm-solve ", content.index(b"GCOL"))
+        content[text - 8 : text] = (1 << 28).to_bytes(8, "little")
         self.trajectory.write_bytes(content)
         for arguments in (["info", self.trajectory], ["export", self.out, "--to", "vtp"], ["stats", self.out], ["resume", self.out, "--steps", 8]):
             code, said = self.ends(*arguments)
-            self.assertTrue(code == 0 or str(self.trajectory) in said or "trajectory.h5" in said, said)
+            self.assertTrue(code == 0 or "trajectory.h5" in said, said)
 
     def test_of_damaged_checkpoints_the_one_before_serves(self):
         random.seed(4)
