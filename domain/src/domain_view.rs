@@ -1,6 +1,6 @@
 //! The box together with its decomposition.
 
-use crate::{Partition, PeriodicBox};
+use crate::{Comm, Partition, PeriodicBox};
 
 /// The box and its decomposition over the ranks: the domain in which all ranks search or move particles.
 #[derive(Clone, Copy)]
@@ -9,4 +9,11 @@ pub struct DomainView<'a> {
     pub cell: &'a PeriodicBox,
     /// The share of the box that each rank owns.
     pub partition: &'a Partition,
+}
+
+impl<'a> DomainView<'a> {
+    /// The ranks.
+    pub fn comm(&self) -> &'a Comm {
+        self.partition.comm()
+    }
 }

@@ -81,8 +81,9 @@ impl Run {
     /// Adds a load function. Refuses one with a stress if the file of the time series has been started without a column
     /// for it. Collective.
     pub fn add_loads(&mut self, loads: OwnFunction) -> Result<(), RunError> {
-        let names: Vec<&str> = self.simulation.quantities().iter().map(|quantity| quantity.name).collect();
-        let lacks = names.contains(&"relative_viscosity") && !names.contains(&"stress_applied");
+        let quantities = self.simulation.quantities();
+        let has = |name: &str| quantities.iter().any(|quantity| quantity.name == name);
+        let lacks = has("relative_viscosity") && !has("stress_applied");
         if loads.gives.have_stress() && lacks && matches!(self.output, Output::Files(_)) {
             return Err(RunError::Refused(NO_COLUMN.to_owned()));
         }

@@ -14,6 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use run::{ExistingRun, RunError};
 use simulation::Frame;
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,7 +27,7 @@ pub struct Simulation {
 
 /// A row of the time series: for each quantity its name and unit, the names of rows and columns if it is a table, and
 /// its numbers.
-type Observables = Vec<(&'static str, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
+type Observables = Vec<(Cow<'static, str>, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
 
 #[pymethods]
 impl Simulation {

@@ -1,6 +1,9 @@
 //! Suspensions of spheres in Stokes flow: coupled far-field and near-field hydrodynamics, forces, background flow, time
 //! integrators, observables and statistics. This crate reads and writes no files and prints nothing.
 //!
+//! A [`Force`] or [`PairLaw`] of the user is registered with [`Suspension::add_force`], an [`Observable`] with
+//! [`Observed::add_observable`].
+//!
 //! Two spheres that settle side by side, in units of the radius, the viscosity and the Stokes velocity of a single
 //! sphere (whose force is then `6 pi`):
 //! ```
@@ -41,8 +44,12 @@ mod suspension;
 pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 pub use error::step::StepError;
 pub use error::{PlacingError, StartError};
-pub use evaluation::stress::ParticleStress;
+pub use evaluation::stress::{ParticleStress, StressPart};
 pub use evaluation::velocity_field::FluidVelocity;
+pub use fcm::{Loads, Motion};
+pub use forces::acting::{Acting, Configuration, Instant, Prediction, ResistanceFunction, Resistances, SolvedMotion};
+pub use forces::force::{Force, StressName};
+pub use forces::pairwise::{PairLaw, PairwiseForce};
 pub use forecast::Forecast;
 pub use forecast::calibrate_repulsion::{LeastRepulsionError, least_repulsion};
 pub use forecast::cost_growth::course;
@@ -54,13 +61,17 @@ pub use hydrodynamics::{
     BondSprings, ContactSprings, CoupledSolver, Drift, FlowRefused, Guess, Mobility, MobilityError, MobilityParameters,
     Motions, Overlaps, ShortRange, SingleEvaluation, Solution, SolveInput, Springs, TetherResistance,
 };
-pub use lubrication::Elasticity;
+pub use lubrication::{Elasticity, PairKind};
 pub use model::box_axes::UserAxes;
+pub use model::radii::Radii;
 pub use model::{
     Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow, Hydrodynamics, Integrator,
     Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates,
     SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
 };
+pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
+pub use observables::NameTaken;
+pub use observables::observable::{Observable, ObservedState};
 pub use run::Observed;
 pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
 pub use suspension::{StepReport, Suspension};

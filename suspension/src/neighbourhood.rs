@@ -2,35 +2,48 @@
 
 use bytemuck::Pod;
 use domain::{
-    Halo, LocalAndGhosts, Neighbour, Neighbours, Pair, Pairs, Particles, Partition, PeriodicBox, Vector, VerletList,
+    Bytes, DomainView, ExpectedCounts, Halo, LocalAndGhosts, Neighbour, Neighbours, Pair, Pairs, Particles, Partition,
+    PeriodicBox, Vector, VerletList,
 };
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::ops::AddAssign;
 
 /// Pairs within a cutoff, with the halo for ghosts.
-pub struct Near {
+pub struct PairsWithHalo {
     halo: Halo,
-    places: Places,
+    local: LocalPositions,
     pairs: Pairs,
 }
 
+/// A pair of near particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeparatedPair {
+    /// Vector from the centre of the first to that of the second.
+    pub separation: Vector,
+    /// Radii.
+    pub radii: [f64; 2],
+    /// Lattice steps from the second particle to its image.
+    pub steps: [i32; 3],
+}
+
 /// Positions and radii of a rank's particles and ghosts.
-struct Places {
+struct LocalPositions {
     cell: PeriodicBox,
     positions: Vec<Vector>,
     radii: Vec<f64>,
 }
 
-impl Places {
-    fn pair(&self, pair: &Pair) -> (Vector, [f64; 2], [i32; 3]) {
+impl LocalPositions {
+    fn pair(&self, pair: &Pair) -> SeparatedPair {
         let radii = [pair.i, pair.j].map(|row| self.radii[row as usize]);
-        (pair.separation(&self.cell, &self.positions), radii, pair.steps.map(i32::from))
+        let separation = pair.separation(&self.cell, &self.positions);
+        SeparatedPair { separation, radii, steps: pair.steps.map(i32::from) }
     }
 }
 
 /// Neighbour lists that are reused as particles move.
-pub struct NearLists {
+pub struct NeighbourLists {
     cutoff: f64,
     lists: RefCell<VerletList>,
 }
@@ -42,7 +55,7 @@ const SKIN: f64 = 0.25;
 /// Smallest number of pairs per thread.
 const BATCH: usize = 1024;
 
-impl NearLists {
+impl NeighbourLists {
     /// Range of the lists over the cutoff.
     pub const REACH: f64 = 1.0 + SKIN;
 
@@ -56,33 +69,39 @@ impl NearLists {
     }
 
     /// Continues with another partition of space.
-    pub fn divide(&mut self, partition: &Partition) {
+    pub fn repartition(&mut self, partition: &Partition) {
         self.lists = RefCell::new(Self::lists(self.cutoff, partition));
     }
 
-    /// [`Near::find`] by lists that are rebuilt only occasionally. Collective.
-    pub fn find(&self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Near {
+    /// [`PairsWithHalo::find`] by lists that are rebuilt only occasionally. Collective.
+    pub fn find(&self, particles: &Particles, domain: DomainView) -> PairsWithHalo {
         let mut lists = self.lists.borrow_mut();
         let owned = particles.len();
-        Near::by(particles, (cell, partition), self.cutoff, |positions, ids| {
-            lists.update(cell, &LocalAndGhosts { owned, ids, positions });
+        PairsWithHalo::by(particles, domain, self.cutoff, |positions, ids| {
+            lists.update(domain.cell, &LocalAndGhosts { owned, ids, positions });
             Pairs::of(lists.neighbours(), ids, owned)
         })
     }
+
+    /// Memory of lists up to a distance, which persist.
+    pub fn bytes(distance: f64, expected: &ExpectedCounts) -> Bytes {
+        let numbers = [distance, distance * Self::REACH].map(|reach| expected.neighbours(reach));
+        VerletList::bytes([expected.owned(), expected.present(distance), expected.total()], numbers)
+    }
 }
 
-impl Near {
+impl PairsWithHalo {
     /// Finds the pairs whose centres are closer than `cutoff`. Collective.
-    pub fn find(particles: &Particles, cell: &PeriodicBox, partition: &Partition, cutoff: f64) -> Self {
-        Self::by(particles, (cell, partition), cutoff, |positions, ids| {
-            Pairs::find(cell, positions, ids, particles.len(), cutoff)
+    pub fn find(particles: &Particles, domain: DomainView, cutoff: f64) -> Self {
+        Self::by(particles, domain, cutoff, |positions, ids| {
+            Pairs::find(domain.cell, positions, ids, particles.len(), cutoff)
         })
     }
 
     /// The pairs that `find` returns for the positions and ids of particles and ghosts.
     fn by(
         particles: &Particles,
-        (cell, partition): (&PeriodicBox, &Partition),
+        DomainView { cell, partition }: DomainView,
         cutoff: f64,
         find: impl FnOnce(&[Vector], &[u64]) -> Pairs,
     ) -> Self {
@@ -93,11 +112,18 @@ impl Near {
         halo.extend(&mut radii);
         halo.extend(&mut ids);
         let pairs = find(&positions, &ids);
-        Self { halo, places: Places { cell: *cell, positions, radii }, pairs }
+        Self { halo, local: LocalPositions { cell: *cell, positions, radii }, pairs }
+    }
+
+    /// Memory of the pairs within a distance, with copies of the particles and ghosts.
+    pub fn bytes(distance: f64, expected: &ExpectedCounts) -> Bytes {
+        let (owned, present) = (expected.owned(), expected.present(distance));
+        let copies = Bytes::list::<(Vector, f64, u64)>(present);
+        copies.then(Pairs::bytes(owned, present, expected.neighbours(distance)))
     }
 
     /// Sums, for each of this rank's particles, the contributions of its pairs to the first and the second particle;
-    /// `of_pairs` has one item for each of [`Near::pairs`]. Collective.
+    /// `of_pairs` has one item for each of [`PairsWithHalo::pairs`]. Collective.
     pub fn summed<T: Pod + AddAssign>(&self, of_pairs: impl Iterator<Item = [T; 2]>) -> Vec<T> {
         let mut sums = vec![T::zeroed(); self.halo.present()];
         for (pair, [first, second]) in self.pairs.list().iter().zip(of_pairs) {
@@ -120,17 +146,17 @@ impl Near {
         self.pairs.list().par_iter().with_min_len(BATCH).map(difference).collect()
     }
 
-    /// Applies a function to each pair, as in [`Near::pairs`], and to its differences of several lists of vectors, as
-    /// in [`Near::differences`]. Collective.
+    /// Applies a function to each pair, as in [`PairsWithHalo::pairs`], and to its differences of several lists of
+    /// vectors, as in [`PairsWithHalo::differences`]. Collective.
     pub fn map<T: Send, const N: usize>(
         &self,
         values: [Vec<Vector>; N],
-        of_pair: impl Fn((Vector, [f64; 2], [i32; 3]), [Vector; N]) -> T + Sync,
+        of_pair: impl Fn(SeparatedPair, [Vector; N]) -> T + Sync,
     ) -> Vec<T> {
-        let (present, places) = (values.map(|list| self.present(list)), &self.places);
+        let (present, local) = (values.map(|list| self.present(list)), &self.local);
         let made = |pair: &Pair| {
             let difference = |list: &Vec<Vector>| list[pair.j as usize] - list[pair.i as usize];
-            of_pair(places.pair(pair), present.each_ref().map(difference))
+            of_pair(local.pair(pair), present.each_ref().map(difference))
         };
         self.pairs.list().par_iter().with_min_len(BATCH).map(made).collect()
     }
@@ -141,10 +167,9 @@ impl Near {
         values
     }
 
-    /// The pairs: vector from the first centre to the second, both radii, and lattice steps from the second particle to
-    /// its image.
-    pub fn pairs(&self) -> impl Iterator<Item = (Vector, [f64; 2], [i32; 3])> + '_ {
-        self.pairs.list().iter().map(|pair| self.places.pair(pair))
+    /// The pairs, each on one rank.
+    pub fn pairs(&self) -> impl Iterator<Item = SeparatedPair> + '_ {
+        self.pairs.list().iter().map(|pair| self.local.pair(pair))
     }
 }
 
@@ -242,9 +267,9 @@ mod tests {
                 let partition = Partition::new(&comm, [8, 8]);
                 let mut particles = if comm.is_first() { three() } else { Particles::default() };
                 particles.migrate(&partition, &cell);
-                let near = Near::find(&particles, &cell, &partition, 3.0);
+                let near = PairsWithHalo::find(&particles, DomainView { cell: &cell, partition: &partition }, 3.0);
                 let force = |d: Vector, radii: [f64; 2]| [d * radii[0] * radii[1], -d * radii[0] * radii[1]];
-                let forces = near.summed(near.pairs().map(|(d, radii, _)| force(d, radii)));
+                let forces = near.summed(near.pairs().map(|pair| force(pair.separation, pair.radii)));
                 particles.vectors("force").copy_from_slice(&forces);
                 particles.gathered(&partition)
             });

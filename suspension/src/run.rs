@@ -5,12 +5,14 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::error::StartError;
 use crate::error::step::StepError;
 use crate::evaluation::velocity_field::FluidVelocity;
+use crate::forces::force::Force;
 use crate::forecast::warnings::cautions;
 use crate::model::Model;
 use crate::model::box_axes::UserAxes;
 use crate::model::radii::Radii;
-use crate::observables::Observer;
 use crate::observables::averages::Averages;
+use crate::observables::observable::Observable;
+use crate::observables::{NameTaken, Observer};
 use crate::start::rearranged::rearranged;
 use crate::suspension::Suspension;
 use domain::{Comm, GivenPositions, Interrupt, Number, Particles};
@@ -55,8 +57,7 @@ impl Observed {
 
     fn of(model: &Model, suspension: Suspension) -> Self {
         let radii = Radii::shared(suspension.particles(), suspension.comm());
-        let mut observer = Observer::new(model, suspension.clock().step(), radii.smallest());
-        observer.see_loads(&suspension);
+        let observer = Observer::new(model, &suspension, radii.smallest());
         let resumed = suspension.caution().map(str::to_owned);
         let cautions = resumed.into_iter().chain(cautions(model, &radii)).collect();
         let averages = model.statistics.map(|wanted| Averages::new(model, wanted, &suspension));
@@ -77,6 +78,19 @@ impl Observed {
         let (cell, axes) = (self.suspension.cell(), &self.axes);
         let periodic = axes.list([0, 1, 2].map(|axis| cell.is_periodic(axis)));
         Frame { particles: axes.particles(particles), cell: axes.cell(cell), periodic }
+    }
+
+    /// Registers a force, see [`Suspension::add_force`]. Collective.
+    pub fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), StepError> {
+        self.suspension.add_force(force)?;
+        self.observer.see_forces(&self.suspension);
+        Ok(())
+    }
+
+    /// Adds a quantity to each row of the time series from now on. Refuses the name of another. Each rank adds the
+    /// quantity.
+    pub fn add_observable(&mut self, observable: Box<dyn Observable>) -> Result<(), NameTaken> {
+        self.observer.add(observable)
     }
 
     /// The suspension.
@@ -104,7 +118,7 @@ impl Simulation for Observed {
 
     fn add_loads(&mut self, loads: UserLoads) -> Result<(), SimulationError> {
         self.suspension.add_own_loads(loads).map_err(SimulationError::new)?;
-        self.observer.see_loads(&self.suspension);
+        self.observer.see_forces(&self.suspension);
         Ok(())
     }
 

@@ -1,6 +1,7 @@
 //! A suspension of spheres in Stokes flow.
 
 mod measurements;
+mod user_forces;
 
 use crate::columns::VELOCITY;
 use crate::error::StartError;
@@ -9,8 +10,7 @@ use crate::evaluation::overlap_monitor::OverlapCounts;
 use crate::evaluation::prepared::Setup;
 use crate::evaluation::velocity_field::FluidVelocity;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
-use crate::forces::tethers;
-use crate::forces::user;
+use crate::forces::{Forces, tethers, user};
 use crate::integrators::adams_bashforth::{self, AdamsBashforth};
 use crate::integrators::brownian::{self, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
@@ -19,7 +19,7 @@ use crate::neighbourhood;
 use crate::start::{given_positions, placement};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
-use simulation::{Clock, LoadFunction, State, UserLoads};
+use simulation::{Clock, State};
 
 /// Particles, their dynamics, and the time. Between steps the particles' columns hold the velocities, angular
 /// velocities and stresslets that belong to their positions.
@@ -35,6 +35,8 @@ pub struct Suspension {
     caution: Option<String>,
     /// Whether the present velocities, from a resumed state, include user-defined loads.
     has_applied_loads: bool,
+    /// Names of registered forces that the present velocities include, after a resumption.
+    known_forces: Vec<String>,
     comm: Comm,
 }
 
@@ -83,6 +85,7 @@ impl Suspension {
             evaluations,
             caution,
             has_applied_loads: false,
+            known_forces: Vec::new(),
             comm: comm.clone(),
         })
     }
@@ -102,7 +105,7 @@ impl Suspension {
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
         let clock = Clock::at(step[0], model.time_step);
         let (integrator, outcome, comm) = (model.integrator, Outcome::default(), comm.clone());
-        let has_applied_loads = user::is_among(&particles);
+        let (has_applied_loads, known_forces) = (user::is_among(&particles), Forces::registered_in(&particles));
         let mut resumed = Self {
             particles,
             dynamics,
@@ -113,6 +116,7 @@ impl Suspension {
             evaluations: 0,
             caution: None,
             has_applied_loads,
+            known_forces,
             comm,
         };
         if then.is_some_and(|plan| !resumed.dynamics.has_plan(&plan)) {
@@ -146,53 +150,6 @@ impl Suspension {
         self.or_as_before(|suspension| suspension.take_step(is_seen))
     }
 
-    /// Adds loads to those of the model: every later evaluation of the mobility includes the loads of the function at
-    /// its own positions and time. The present velocities are evaluated again with them; only if the suspension was
-    /// resumed from a state with user-defined loads, which its velocities already include, the function takes effect
-    /// with the next step. The stresses of [`Self::stress`] include the moments that the function returns. If the
-    /// function fails, nothing is added. Collective: each rank provides the function, and the first one calls it.
-    ///
-    /// A sphere on a spring:
-    /// ```
-    /// use domain::{Comm, PeriodicBox, Vector};
-    /// use simulation::AppliedLoads;
-    /// use suspension::{Model, Parameters, Species, Start, Suspension};
-    ///
-    /// let (cell, place) = (PeriodicBox::new(Vector::splat(16.0))?, Vector::splat(8.0));
-    /// let start = Start::Positions(vec![place]);
-    /// let species = vec![Species::new("on a spring", 1.0, 1)];
-    /// let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, species, (0.1, 10)) })?;
-    /// let mut suspension = Suspension::start(&model, &Comm::alone())?;
-    /// let anchor = place + Vector::X;
-    /// suspension.add_loads(Box::new(move |positions: &[Vector], _time| {
-    ///     let forces = positions.iter().map(|&position| 5.0 * (anchor - position)).collect();
-    ///     Ok(AppliedLoads { forces, ..AppliedLoads::default() })
-    /// }))?;
-    /// suspension.step()?;
-    /// let moved = suspension.particles().positions[0] - place;
-    /// assert!(moved.x > 0.0 && moved.x < 5.0 / (6.0 * std::f64::consts::PI) * 0.1);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn add_loads(&mut self, loads: LoadFunction) -> Result<(), StepError> {
-        self.add_own_loads(UserLoads::OfPositions(loads))
-    }
-
-    /// [`Self::add_loads`] for any kind of user-defined loads. Collective.
-    pub fn add_own_loads(&mut self, loads: UserLoads) -> Result<(), StepError> {
-        self.dynamics.applied().add(loads);
-        if self.has_applied_loads {
-            return Ok(());
-        }
-        let evaluated = self.or_as_before(|suspension| {
-            suspension.outcome = suspension.dynamics.evaluate_now(&mut suspension.particles, &suspension.clock)?;
-            Ok(())
-        });
-        if evaluated.is_err() {
-            self.dynamics.applied().remove_last();
-        }
-        evaluated
-    }
-
     /// Applies a change; if it fails, restores the state before it.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
         let (particles, moving) = (self.particles.copied(), self.dynamics.periodic_cell().clone());
@@ -222,10 +179,11 @@ impl Suspension {
             }
         };
         dynamics.end_step(particles);
-        dynamics.break_bonds(particles, clock.step())?;
+        dynamics.end_forces(particles, clock.step())?;
         self.evaluations = dynamics.evaluations() - before;
         self.clock.tick();
         self.has_applied_loads = false;
+        self.known_forces.clear();
         Ok(())
     }
 
@@ -317,7 +275,7 @@ impl Suspension {
     /// Velocity of the fluid relative to the background flow, on the first rank. Fails if no grid can resolve it.
     /// Collective.
     pub fn velocity_field(&mut self) -> Result<FluidVelocity, PlanError> {
-        self.dynamics.velocity_field(&self.particles)
+        self.dynamics.velocity_field(&self.particles, self.clock.time())
     }
 }
 

@@ -15,6 +15,7 @@ mod open_extension;
 mod open_space;
 mod protocols;
 mod rearranged;
+mod registered_forces;
 mod runs;
 mod settling;
 mod stress;

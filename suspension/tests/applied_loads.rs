@@ -199,7 +199,7 @@ fn forces_of_pairs_have_their_stress() {
             assert!(!suspension.has_applied_stress());
             suspension.add_own_loads(pair_springs(4.0)).unwrap();
             take_steps(&mut suspension, 2);
-            let (stress, all) = (suspension.stress(1)[0].applied, suspension.gathered(Some(&["velocity"])));
+            let (stress, all) = (suspension.stress(1)[0].of("applied"), suspension.gathered(Some(&["velocity"])));
             let near = comm.is_first().then(|| NeighbourList::find(&all, suspension.cell(), [true; 3], 4.0).unwrap());
             let of_pair =
                 |d: &Vector| Tensor::from_cols(*d * d.x, *d * d.y, *d * d.z) * (0.5 / suspension.cell().volume());

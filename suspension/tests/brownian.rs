@@ -161,11 +161,11 @@ fn stress_by_heat_is_told_apart() {
         let model = model_of(SHEARED, &["time.steps=2", scheme]);
         let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
         (0..2).for_each(|step| observed.advance(step + 1).unwrap());
-        let names: Vec<&str> = observed.quantities().iter().map(|quantity| quantity.name).collect();
+        let names: Vec<_> = observed.quantities().into_iter().map(|quantity| quantity.name).collect();
         names.into_iter().zip(observed.observe()).collect::<Vec<_>>()
     };
     let two = row(TWO);
-    let of = |name: &str| &two.iter().find(|(found, _)| *found == name).unwrap().1;
+    let of = |name: &str| &two.iter().find(|(found, _)| found == name).unwrap().1;
     let xy = |name: &str| of(name)[1] + of(name)[7];
     let parts = ["stress_stresslet", "stress_lubrication", "stress_repulsion", "stress_brownian"];
     let sum: f64 = parts.into_iter().map(xy).sum();
@@ -184,7 +184,7 @@ fn the_osmotic_pressure_is_that_of_a_gas_and_of_forces() {
     let place = observed.quantities().iter().position(|quantity| quantity.name == "osmotic_pressure").unwrap();
     let found = observed.observe()[place][0];
     let stress = observed.suspension().stress(2);
-    let pushed: f64 = stress.iter().map(|s| s.repulsion).map(|s| s.x_axis.x + s.y_axis.y + s.z_axis.z).sum();
+    let pushed: f64 = stress.iter().map(|s| s.of("repulsion")).map(|s| s.x_axis.x + s.y_axis.y + s.z_axis.z).sum();
     let expected = 4.0 * 0.5 / (10.0 * 9.0 * 9.0) - pushed / 3.0;
     assert!(pushed < 0.0 && (found / expected - 1.0).abs() < 1e-12, "{found} is not {expected}");
 }

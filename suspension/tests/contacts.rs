@@ -184,7 +184,7 @@ fn a_resumed_run_has_the_same_bits() {
 fn the_contact_stress_is_symmetric_and_presses() {
     let model = model_of(DENSE, &[]);
     let of_species = ended(&model, 1, |suspension| suspension.stress(2));
-    let stress = of_species.iter().fold(domain::Tensor::ZERO, |sum, s| sum + s.contact);
+    let stress = of_species.iter().fold(domain::Tensor::ZERO, |sum, s| sum + s.of("contact"));
     assert!((stress - stress.transpose()).col(0).length() < 1e-12 * stress.col(0).length());
     let pressure = -(stress.col(0).x + stress.col(1).y + stress.col(2).z) / 3.0;
     assert!(pressure > 0.0 && stress.col(0).y > 0.0, "{stress}");
@@ -196,7 +196,7 @@ fn forces_of_single_contacts_add_up_to_their_stress() {
     let model = model_of(DENSE, &[]);
     let looked = |ranks: usize| {
         ended(&model, ranks, |suspension| {
-            let stress = suspension.stress(2).iter().fold(Tensor::ZERO, |sum, s| sum + s.contact);
+            let stress = suspension.stress(2).iter().fold(Tensor::ZERO, |sum, s| sum + s.of("contact"));
             let each = contacts(suspension)[0];
             (suspension.contact_forces().unwrap(), stress, each, suspension.cell().volume())
         })

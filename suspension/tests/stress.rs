@@ -57,8 +57,8 @@ fn repulsion_is_minus_the_pair_moment_over_the_volume_on_any_ranks() {
     for ranks in [1, 2, 3, 13] {
         let found = stress(&[&places(separation), "repulsion={ strength = 7.0, range = 0.1 }"], ranks);
         for one in &found {
-            let difference = one.repulsion * 2.0 - expected;
-            assert!(difference.abs_diff_eq(Tensor::ZERO, 1e-12), "{:?} is not {expected:?}", one.repulsion);
+            let difference = one.of("repulsion") * 2.0 - expected;
+            assert!(difference.abs_diff_eq(Tensor::ZERO, 1e-12), "{:?} is not {expected:?}", one.of("repulsion"));
         }
     }
 }
@@ -68,9 +68,9 @@ fn lubrication_adds_its_part_on_any_ranks() {
     let near = places(2.51 * Vector::new(0.48, 0.6, 0.64));
     let alone = stress(&[&near, "hydrodynamics.lubrication=true"], 1);
     let without = stress(&[&near], 1);
-    assert!(without.iter().all(|s| s.lubrication == Tensor::ZERO && s.repulsion == Tensor::ZERO));
+    assert!(without.iter().all(|s| s.of("lubrication") == Tensor::ZERO && s.of("repulsion") == Tensor::ZERO));
     let viscous = |all: &[ParticleStress]| all.iter().map(|s| s.total().col(0)[1]).sum::<f64>();
-    let added: f64 = alone.iter().map(|s| s.lubrication.col(0)[1]).sum();
+    let added: f64 = alone.iter().map(|s| s.of("lubrication").col(0)[1]).sum();
     assert!(added > 0.02 * viscous(&without) && viscous(&alone) > viscous(&without), "{added}");
     for ranks in [2, 3] {
         for (here, there) in alone.iter().zip(&stress(&[&near, "hydrodynamics.lubrication=true"], ranks)) {

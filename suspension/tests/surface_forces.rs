@@ -55,7 +55,10 @@ fn a_pair_comes_to_rest_where_its_forces_balance() {
             }
             let (gap, stress) = ended(&model_of(PAIR, &[key, method]), 1, |suspension| {
                 let places = suspension.gathered(None).positions;
-                let stress = suspension.stress(2).into_iter().map(|stress| [stress.repulsion, stress.attraction]);
+                let stress = suspension
+                    .stress(2)
+                    .into_iter()
+                    .map(|stress| ["repulsion", "attraction"].map(|name| stress.of(name)));
                 ((places[1] - places[0]).length() - 2.3, stress.reduce(|a, b| [a[0] + b[0], a[1] + b[1]]).unwrap())
             });
             assert!((gap - near).abs() < 0.01 * near, "{key} {method}: {gap} is not {near}");

@@ -132,7 +132,7 @@ fn a_pulled_pair_rests_on_its_bond() {
         let pull = stiffness * (apart.x + 12.0 - rest);
         assert!((pull - 3.0).abs() < 1e-3 && broken == 0.0, "{keys:?}: pulls with {pull}");
         assert!((energy - 0.5 * pull * pull / stiffness).abs() < 1e-9 * energy.max(1.0), "{keys:?}: {energy}");
-        let xx: f64 = stress.iter().map(|s| s.bond.x_axis.x).sum();
+        let xx: f64 = stress.iter().map(|s| s.of("bond").x_axis.x).sum();
         // The tension has the round-off of the distance times the stiffness.
         let round_off = 1e-9 + 2e-14 * stiffness;
         assert!((xx * 1728.0 - pull * (apart.x + 12.0)).abs() < round_off, "{keys:?}: {xx}");
@@ -207,7 +207,7 @@ fn a_given_stress_has_that_of_bonds() {
         let all = suspension
             .stress(2)
             .iter()
-            .fold([0.0; 2], |[sum, bonds], s| [sum + s.total().y_axis.x, bonds + s.bond.y_axis.x]);
+            .fold([0.0; 2], |[sum, bonds], s| [sum + s.total().y_axis.x, bonds + s.of("bond").y_axis.x]);
         (all, suspension.shear()[0])
     });
     // Tolerance: change of the stress of bonds in the last correction of a step.

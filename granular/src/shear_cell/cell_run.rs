@@ -181,7 +181,7 @@ impl Simulation for CellRun {
 
     fn quantities(&self) -> Vec<Quantity> {
         let stress = Quantity {
-            name: "wall_stress",
+            name: "wall_stress".into(),
             unit: "force/length^2",
             table: Some((WALLS.map(String::from).to_vec(), ["normal", "along", "across"].map(String::from).to_vec())),
         };

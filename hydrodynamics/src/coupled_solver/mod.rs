@@ -83,6 +83,18 @@ impl CoupledSolver {
         Self { preconditioned, ..self }
     }
 
+    /// Extends the distance of centres up to which springs act.
+    pub fn extend_springs(&mut self, distance: f64) {
+        let (reach, plan) = (distance / self.units.length, self.far.mobility().plan());
+        let (precision, radii) = (plan.precision, in_units(&plan.radii, self.units.length));
+        let lists = VerletList::new(reach, &self.partition);
+        match &mut self.near {
+            Some(near) if near.reach >= reach => {}
+            Some(near) => (near.reach, near.lists) = (reach, lists),
+            None => self.near = Some(NearField { lubrication: None, at_walls: None, lists, precision, radii, reach }),
+        }
+    }
+
     /// Continues with another plan for the same radii and fluid, and with the partition of its grid.
     pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
         let interrupt = self.far.interrupt().clone();

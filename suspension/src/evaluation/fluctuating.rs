@@ -4,9 +4,8 @@ use super::{Dynamics, Outcome, StageTime};
 use crate::columns::PAST;
 use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
-use domain::{Interrupted, Particles, Vector};
-use fcm::Loads;
-use fcm::Stream;
+use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
+use fcm::{Loads, Motion, Stream};
 use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
 use hydrodynamics::{Guess, Solution};
 
@@ -64,8 +63,9 @@ impl Dynamics {
         self.unless_interrupted()?;
         self.place(particles, moment)?;
         self.look_for_crowding(particles);
-        let (mut loads, tethers) = self.loads_at(particles, moment, None)?;
+        let mut acting = self.acting(particles, moment, None, &Motion::default())?;
         let noise = self.pair_noise(particles, noise);
+        let loads = &mut acting.loads;
         for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
             loads.resize(particles.len(), Vector::ZERO);
             loads.iter_mut().zip(noise).for_each(|(load, noise)| *load += noise);
@@ -74,9 +74,9 @@ impl Dynamics {
         if energy > 0.0 {
             self.hydrodynamics.add_divergence(self.moving.cell(), particles, energy, &mut ambient);
         }
-        let solved =
-            self.solved(particles, (&loads, (&[], &tethers), &ambient), &Guess::induced_by(&ambient), moment)?;
-        Ok((loads, solved))
+        add_ambient(&mut ambient, &acting.ambient);
+        let solved = self.solved(particles, &acting, &ambient, &Guess::induced_by(&ambient), moment)?;
+        Ok((acting.loads, solved))
     }
 
     /// [`Self::evaluate_fluctuating`] with results that are intermediate: the velocities are stored as the first past
@@ -123,8 +123,9 @@ impl Dynamics {
     }
 
     fn look_for_crowding(&mut self, particles: &Particles) {
-        let place = (self.moving.cell(), &self.partition);
-        self.crowding.iter_mut().for_each(|crowding| crowding.look(particles, place));
+        let Self { moving, partition, crowding, .. } = self;
+        let domain = DomainView { cell: moving.cell(), partition };
+        crowding.iter_mut().for_each(|crowding| crowding.look(particles, domain));
     }
 
     /// Random loads between near pairs. Collective.
@@ -140,4 +141,13 @@ impl Dynamics {
         let is_requested = self.partition.comm().any(self.hydrodynamics.interrupt().is_requested());
         if is_requested { Err(Interrupted.into()) } else { Ok(()) }
     }
+}
+
+/// Adds ambient motions by forces, whose empty lists stand for none.
+fn add_ambient(ambient: &mut Motion, by_forces: &Motion) {
+    ambient.velocities.resize(by_forces.velocities.len().max(ambient.velocities.len()), Vector::ZERO);
+    let turning = by_forces.angular_velocities.len().max(ambient.angular_velocities.len());
+    ambient.angular_velocities.resize(turning, Vector::ZERO);
+    ambient.strain_rates.resize(by_forces.strain_rates.len().max(ambient.strain_rates.len()), Traceless::ZERO);
+    ambient.add(1.0, by_forces);
 }

@@ -68,9 +68,9 @@ impl Dynamics {
         self.partition = planned.partition(self.partition.comm());
         let done = self.hydrodynamics.mobility().work().evaluations;
         self.following.iter_mut().for_each(|following| following.evaluations += done);
-        self.forces.divide(&self.partition);
-        self.watched.divide(&self.partition);
-        self.crowding.iter_mut().for_each(|crowding| crowding.divide(&self.partition));
+        self.forces.search(self.largest_radius, &self.partition);
+        self.watched.repartition(&self.partition);
+        self.crowding.iter_mut().for_each(|crowding| crowding.repartition(&self.partition));
         self.hydrodynamics.replan(&planned.plan, &self.partition);
     }
 

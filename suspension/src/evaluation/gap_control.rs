@@ -3,9 +3,9 @@
 use crate::evaluation::orders::Estimate;
 use crate::flow::deformation::Deformation;
 use crate::flow::periodic_cell::PeriodicCell;
-use crate::neighbourhood::Near;
+use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
 use bytemuck::{Pod, Zeroable};
-use domain::{Comm, Particles, Partition, PeriodicBox, ToWall, Vector};
+use domain::{Comm, DomainView, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -26,7 +26,7 @@ const SLACK: f64 = 0.1;
 
 /// Relative motion of near pairs, with `N` velocities of each: the present one and past ones.
 pub struct RelativeMotion<const N: usize> {
-    near: Near,
+    near: PairsWithHalo,
     pairs: Vec<MovingPair<N>>,
     at_walls: Vec<MovingAtWall<N>>,
     /// Deformation of separations by the flow, in addition.
@@ -52,15 +52,15 @@ impl<const N: usize> RelativeMotion<N> {
     pub fn find(particles: &mut Particles, moving: &PeriodicCell, partition: &Partition, columns: [&str; N]) -> Self {
         let mut largest = [particles.radii.iter().copied().fold(0.0, f64::max)];
         partition.comm().max(&mut largest);
-        let near = Near::find(particles, moving.cell(), partition, WATCHED * largest[0]);
+        let near = PairsWithHalo::find(particles, DomainView { cell: moving.cell(), partition }, WATCHED * largest[0]);
         Self::new(near, particles, moving, columns)
     }
 
     /// Relative motion of known near pairs, with velocities in the named columns. Collective.
-    pub fn new(near: Near, particles: &mut Particles, moving: &PeriodicCell, columns: [&str; N]) -> Self {
+    pub fn new(near: PairsWithHalo, particles: &mut Particles, moving: &PeriodicCell, columns: [&str; N]) -> Self {
         let velocities = columns.map(|name| particles.vectors(name).to_vec());
         let at_walls = at_walls(particles, moving.cell(), velocities.each_ref());
-        let pairs = near.map(velocities, |(separation, radii, steps), velocities| {
+        let pairs = near.map(velocities, |SeparatedPair { separation, radii, steps }, velocities| {
             let image = moving.velocity_of_image(steps);
             MovingPair { separation, velocities: velocities.map(|velocity| velocity + image), radii }
         });

@@ -29,18 +29,17 @@ use crate::evaluation::overlap_monitor::OverlapMonitor;
 use crate::evaluation::prepared::Setup;
 pub use crate::evaluation::stage_time::{Outcome, StageTime};
 use crate::flow::periodic_cell::PeriodicCell;
-use crate::forces::contacts::{self, Contacts, StiffnessAdaptation};
-use crate::forces::tethers::Tethers;
-use crate::forces::user::AppliedForces;
-use crate::forces::{Forces, Prediction};
+use crate::forces::Forces;
+use crate::forces::acting::{Acting, Instant, Prediction, SolvedMotion};
+use crate::forces::contacts::Contacts;
+use crate::forces::force::Force;
 use crate::model::box_axes::UserAxes;
-use crate::model::{self, Integrator, Model, Multipoles};
-use crate::neighbourhood::NearLists;
-use domain::{Interrupt, Interrupted, Particles, Partition, Vector};
-use fcm::{Loads, Motion, SolveError};
+use crate::model::{Integrator, Model, Multipoles};
+use crate::neighbourhood::NeighbourLists;
+use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
+use fcm::{Motion, SolveError};
 use following::Following;
-use hydrodynamics::TetherResistance;
-use hydrodynamics::{ContactSprings, CoupledSolver, Guess, NO_AMBIENT, ShortRange, Solution, SolveInput, Springs};
+use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
 use lubrication::{LubricationRange, PairKind};
 use simulation::Clock;
 
@@ -49,22 +48,21 @@ pub struct Dynamics {
     partition: Partition,
     moving: PeriodicCell,
     forces: Forces,
-    contacts: Option<Contacts>,
-    tethers: Tethers,
-    applied: AppliedForces,
+    is_implicit: bool,
     hydrodynamics: CoupledSolver,
     lubrication: Option<LubricationRange>,
     warm_start: WarmStart,
     rigid: bool,
     viscosity: f64,
     smallest_radius: f64,
+    largest_radius: f64,
     tolerance: f64,
     /// Detector of pairs that Brownian motion brings too close to each other.
     crowding: Option<OverlapMonitor>,
     /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
     clipped: f64,
     /// Neighbour lists of the pairs whose relative motion limits steps.
-    watched: NearLists,
+    watched: NeighbourLists,
     /// Data for replanning when the box follows the particles.
     following: Option<Following>,
     axes: UserAxes,
@@ -78,17 +76,11 @@ impl Dynamics {
         let range =
             chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP)).transpose()?;
         let range = range.map(|range| if model.thermal_energy.is_some() { range.separating() } else { range });
-        let forces = Forces::new(model, setup.radii.largest(), &setup.partition)?;
+        let forces = Forces::of(model)?.start(model, &setup.particles, &setup.radii, &setup.partition);
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
-        let radii = [setup.radii.smallest(), setup.radii.largest()];
-        let settling = StiffnessAdaptation::of(model, &setup.particles, setup.partition.comm());
-        let of_law = |contacts: model::Contacts| Contacts::new(contacts.contact(model), (radii, setup.radii.count()));
-        let contacts = model.contacts.map(|contacts| of_law(contacts).settling(settling));
-        let tethers = Tethers::new(model, &setup.particles, setup.partition.comm());
-        let reaches = [forces.reach_of_springs(setup.radii.largest()), tethers.reach(setup.radii.largest())];
         let crowding =
             model.thermal_energy.map(|_| OverlapMonitor::new(model, setup.radii.largest(), &setup.partition));
-        let springs = reaches.into_iter().flatten().reduce(f64::max).filter(|_| is_implicit);
+        let springs = forces.implicit_range(setup.radii.largest()).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = CoupledSolver::new(&setup.plan, &setup.partition, short_range);
         let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
@@ -97,16 +89,15 @@ impl Dynamics {
             lubrication: range,
             warm_start: WarmStart::new(model.is_coupled()),
             forces,
-            contacts,
-            tethers,
-            applied: AppliedForces::new(model.user_axes()),
+            is_implicit,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,
             crowding,
             smallest_radius: setup.radii.smallest(),
-            watched: NearLists::new(WATCHED * setup.radii.largest(), &setup.partition),
+            largest_radius: setup.radii.largest(),
+            watched: NeighbourLists::new(WATCHED * setup.radii.largest(), &setup.partition),
             following: Following::of(model, &setup.radii, setup.replan),
             axes: model.user_axes(),
             partition: setup.partition,
@@ -128,9 +119,17 @@ impl Dynamics {
         self.hydrodynamics.listen(interrupt);
     }
 
-    /// User-defined loads.
-    pub fn applied(&mut self) -> &mut AppliedForces {
-        &mut self.applied
+    /// Registers a force of the user.
+    pub fn register(&mut self, force: Box<dyn Force>) {
+        let Self { forces, hydrodynamics, partition, .. } = self;
+        let implicit = force.implicit_range(self.largest_radius).filter(|_| self.is_implicit);
+        implicit.into_iter().for_each(|range| hydrodynamics.extend_springs(range));
+        forces.register(force, self.largest_radius, partition);
+    }
+
+    /// Removes the force that was registered last.
+    pub fn remove_last_force(&mut self) {
+        self.forces.remove_last(self.largest_radius, &self.partition);
     }
 
     /// The moving box, as a state to return to.
@@ -144,7 +143,7 @@ impl Dynamics {
         if self.moving.begin(clock.step()) {
             columns::clear_history(particles);
             self.warm_start.forget(particles);
-            self.contacts.iter_mut().for_each(Contacts::end_settling);
+            self.forces.contacts.iter_mut().for_each(Contacts::end_settling);
             self.evaluate(particles, &StageTime::in_step(clock, 0.0, 0))?;
         } else {
             self.add_reference(particles, -1.0);
@@ -198,9 +197,9 @@ impl Dynamics {
         self.place(particles, moment)?;
         let guess =
             if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
-        let before = self.contacts.as_ref().map(|_| WarmStart::motion(particles)).unwrap_or_default();
+        let before = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
         let outcome = match self.moving.search() {
-            None => self.solve_at(particles, (&guess, &before), moment)?.0,
+            None => self.solve_at(particles, (&guess, &before), moment)?,
             Some(search) => self.drive(particles, (search, guess, &before), moment)?,
         };
         if self.rigid {
@@ -209,82 +208,72 @@ impl Dynamics {
         Ok(outcome)
     }
 
-    /// Solves for the motions of the particles at their present positions, given the motions of the previous solution.
-    /// Returns the statistics of the solve and, under stress control, the `xy` component of the first moments of this
-    /// rank's contacts. Collective.
+    /// Solves for the motions of the particles at their present positions, given the motions of the previous solution,
+    /// and writes them into the particles' columns. Collective.
     fn solve_at(
         &mut self,
         particles: &mut Particles,
         (guess, before): (&Guess, &Motion),
         moment: &StageTime,
-    ) -> Result<(Outcome, f64), StepError> {
-        let cell = *self.moving.cell();
-        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
-        let besides = self.moving.expected_besides();
-        let ahead =
-            expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate: besides });
-        let (mut loads, tethers) = self.loads_at(particles, moment, ahead.as_ref())?;
-        let Some(contacts) = &self.contacts else {
-            let resisting = (&[][..], &tethers);
-            return Ok((self.solve(particles, (&loads, resisting), guess, moment)?, 0.0));
-        };
-        let [across, along] = moment.implicit.map_or([0.0; 2], |time| [moment.ahead, time]);
-        let velocities = expected.as_ref().map_or(&[][..], |(_, velocities)| velocities);
-        let flow = contacts::Flow::of(&self.moving, besides);
-        let with = (contacts::PredictionTimes { along, across }, velocities, flow);
-        let touching = contacts.acting(particles, (&cell, &self.partition), with, before);
-        touching.add_to(&mut loads);
-        let outcome = self.solve(particles, (&loads, (&touching.springs(), &tethers)), guess, moment)?;
-        let motion = WarmStart::motion(particles);
-        if moment.implicit.is_some() {
-            let noted = touching.note(particles, &motion);
-            self.partition.comm().agree(noted).map_err(StepError::Contacts)?;
-        }
-        let of_contacts = if self.moving.driven().is_some() { touching.shear_moment(&motion) } else { 0.0 };
-        Ok((outcome, of_contacts))
-    }
-
-    /// Forces and torques of the model and of the user, and the implicit resistances of bonds and traps. Collective.
-    fn loads_at(
-        &mut self,
-        particles: &mut Particles,
-        moment: &StageTime,
-        ahead: Option<&Prediction>,
-    ) -> Result<(Loads, TetherResistance), StepError> {
-        let (place, clock) = ((self.moving.cell(), &self.partition), &moment.clock);
-        let mut loads = self.forces.on(particles, place, ahead);
-        let resisting = self.tethers.add_to(&mut loads, particles, place, ahead);
-        let resisting = resisting.map_err(|source| StepError::Bonds { step: clock.step(), source })?;
-        let applied = self.applied.add_to(&mut loads, particles, place, clock.time_at(moment.fraction));
-        applied.map_err(|source| StepError::Applied { step: clock.step(), source })?;
-        Ok((loads, resisting))
-    }
-
-    /// Solves for the motions under loads and implicit springs, and writes them into the particles' columns.
-    fn solve(
-        &mut self,
-        particles: &mut Particles,
-        (loads, springs): (&Loads, (&[Vec<ContactSprings>], &TetherResistance)),
-        guess: &Guess,
-        moment: &StageTime,
     ) -> Result<Outcome, StepError> {
-        let solved = self.solved(particles, (loads, springs, &NO_AMBIENT), guess, moment)?;
+        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
+        let strain_rate = self.moving.expected_besides();
+        let prediction =
+            expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
+        let acting = self.acting(particles, moment, prediction.as_ref(), before)?;
+        let solved = self.solved(particles, &acting, &acting.ambient, guess, moment)?;
         self.record(particles, &solved);
+        if self.forces.follow_motion() {
+            self.pass_on_motion(particles, moment)?;
+        }
         Ok(Outcome::of(&solved))
     }
 
-    /// The motions under loads and implicit springs, in a fluid with further ambient motions.
+    /// Passes the motions in the particles' columns on to the forces that follow them. Collective.
+    fn pass_on_motion(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
+        let motion = &WarmStart::motion(particles);
+        let is_stress_controlled = self.moving.driven().is_some();
+        let domain = DomainView { cell: self.moving.cell(), partition: &self.partition };
+        let solved = SolvedMotion { motion, domain, is_implicit: moment.implicit.is_some(), is_stress_controlled };
+        self.forces.solved(particles, &solved, moment.clock.step())
+    }
+
+    /// Loads, implicit resistances and ambient motions by all forces. Collective.
+    fn acting(
+        &mut self,
+        particles: &mut Particles,
+        moment: &StageTime,
+        prediction: Option<&Prediction>,
+        previous: &Motion,
+    ) -> Result<Acting, StepError> {
+        let Self { moving, partition, forces, .. } = self;
+        let domain = DomainView { cell: moving.cell(), partition };
+        let near = forces.near(particles, domain);
+        let mut at = Instant {
+            particles,
+            domain,
+            near: near.as_ref(),
+            time: moment.clock.time_at(moment.fraction),
+            prediction,
+            since_last_solution: moment.ahead,
+            previous,
+            flow: moving,
+        };
+        forces.acting(&mut at, moment.clock.step())
+    }
+
+    /// The motions under the forces, in a fluid with ambient motions.
     fn solved(
         &mut self,
         particles: &mut Particles,
-        (loads, (contacts, tethers), ambient): (&Loads, (&[Vec<ContactSprings>], &TetherResistance), &Motion),
+        Acting { loads, resistances, .. }: &Acting,
+        ambient: &Motion,
         guess: &Guess,
         moment: &StageTime,
     ) -> Result<Solution, StepError> {
-        let surface = self.forces.surface();
-        let resistance =
-            moment.implicit.map(|time| move |d: f64, between: PairKind| surface.resistance(time, d, between));
-        let springs = resistance.as_ref().map(|resistance| Springs { resistance, contacts, tethers });
+        let resistance = |distance: f64, between: PairKind| resistances.of_pair(distance, between);
+        let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
+        let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
         let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
@@ -359,7 +348,7 @@ impl Dynamics {
 
     /// Relative motion of near pairs with the velocities of the named columns. Collective.
     pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
-        let near = self.watched.find(particles, (self.moving.cell(), &self.partition));
+        let near = self.watched.find(particles, self.domain());
         RelativeMotion::new(near, particles, &self.moving, columns)
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::error::gap::Gap;
 use crate::model::{BrownianScheme, Extension, Integrator, Model};
-use crate::neighbourhood::NearLists;
-use domain::{Boundaries, Number, Particles, Partition, PeriodicBox};
+use crate::neighbourhood::{NeighbourLists, SeparatedPair};
+use domain::{Boundaries, DomainView, Number, Particles, Partition};
 use fcm::Method;
 use lubrication::LubricationRange;
 
@@ -20,7 +20,7 @@ pub struct OverlapCounts {
 
 /// Detector of such pairs.
 pub struct OverlapMonitor {
-    near: NearLists,
+    near: NeighbourLists,
     /// Minimum gap of lubrication, below which the resistance is constant, over the mean radius; `None` without
     /// lubrication.
     floor: Option<f64>,
@@ -31,32 +31,32 @@ impl OverlapMonitor {
     /// A detector for a model with the given largest radius.
     pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Self {
         let floor = model.hydrodynamics.lubrication.then_some(LubricationRange::MINIMUM_GAP);
-        let near = NearLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
+        let near = NeighbourLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
         Self { near, floor, last: OverlapCounts::default() }
     }
 
     /// Continues with another partition of space.
-    pub fn divide(&mut self, partition: &Partition) {
-        self.near.divide(partition);
+    pub fn repartition(&mut self, partition: &Partition) {
+        self.near.repartition(partition);
     }
 
     /// Examines the particles at their present positions. Collective.
-    pub fn look(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition)) {
-        let near = self.near.find(particles, place);
+    pub fn look(&mut self, particles: &Particles, domain: DomainView) {
+        let near = self.near.find(particles, domain);
         let (mut counts, mut depth) = ([0.0; 2], [0.0_f64]);
         let mut see = |gap: f64, mean_radius: f64| {
             counts[0] += f64::from(u8::from(gap < 0.0));
             counts[1] += f64::from(u8::from(self.floor.is_some_and(|floor| gap < floor * mean_radius)));
             depth[0] = depth[0].max(-gap);
         };
-        for (separation, [a, b], _) in near.pairs() {
+        for SeparatedPair { separation, radii: [a, b], .. } in near.pairs() {
             see(separation.length() - (a + b), 0.5 * (a + b));
         }
         for (&position, &radius) in particles.positions.iter().zip(&particles.radii) {
-            place.0.to_walls(position).for_each(|to| see(to.distance - radius, radius));
+            domain.cell.to_walls(position).for_each(|to| see(to.distance - radius, radius));
         }
-        place.1.comm().sum(&mut counts);
-        place.1.comm().max(&mut depth);
+        domain.comm().sum(&mut counts);
+        domain.comm().max(&mut depth);
         let [overlapping, at_minimum_gap] = counts.map(|count| count as u64);
         self.last = OverlapCounts { overlapping, at_minimum_gap, depth: depth[0] };
     }
@@ -163,7 +163,7 @@ impl std::fmt::Display for Remedies {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::{Comm, Vector};
+    use domain::{Comm, PeriodicBox, Vector};
 
     /// Pairs across faces of the box: one below the minimum gap, one overlapping, and one above the minimum gap; on any
     /// number of ranks.
@@ -188,7 +188,7 @@ mod tests {
                     }
                     particles.migrate(&partition, &cell);
                     let mut crowding = OverlapMonitor::new(&model, 1.0, &partition);
-                    crowding.look(&particles, (&cell, &partition));
+                    crowding.look(&particles, DomainView { cell: &cell, partition: &partition });
                     crowding.last()
                 });
                 for crowded in found {
@@ -212,7 +212,7 @@ mod tests {
             particles.push(id as u64, Vector::new(1.0 + 4.0 * id as f64, 2.0, z), 1.0, 0);
         }
         let mut crowding = OverlapMonitor::new(&model, 1.0, &partition);
-        crowding.look(&particles, (&cell, &partition));
+        crowding.look(&particles, DomainView { cell: &cell, partition: &partition });
         let OverlapCounts { overlapping, at_minimum_gap, depth } = crowding.last();
         assert_eq!((overlapping, at_minimum_gap), (1, 2));
         assert!((depth - 0.05).abs() < 1e-14);

@@ -3,9 +3,9 @@
 use super::Dynamics;
 use super::following::Following;
 use crate::evaluation::velocity_field::{self, FluidVelocity};
+use crate::forces::Forces;
 use crate::forces::contacts::Measured;
-use crate::forces::{Surface, user};
-use domain::{Boundaries, Particles, Partition, PeriodicBox, Tensor};
+use domain::{Boundaries, DomainView, Particles, Partition, PeriodicBox, Tensor};
 use fcm::{PlanError, PlanIdentity};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
@@ -19,7 +19,7 @@ impl Dynamics {
     /// Lower bounds of gaps, over the mean radius, in the relative loss and in the relative error of a gap: with
     /// lubrication its minimum gap and the tolerance, otherwise the range of the repulsion.
     pub fn least_gaps(&self, tolerance: f64) -> [f64; 2] {
-        self.lubrication.map_or([self.forces.range(); 2], |range| [range.minimum_gap(), tolerance])
+        self.lubrication.map_or([self.forces.repulsion_range(); 2], |range| [range.minimum_gap(), tolerance])
     }
 
     /// Present box.
@@ -32,16 +32,25 @@ impl Dynamics {
         &self.partition
     }
 
-    /// Contribution of each particle to the first moments of repulsion or attraction; empty without such a force.
-    /// Collective.
-    pub fn surface_moments(&self, which: Surface, particles: &Particles) -> Vec<Tensor> {
-        self.forces.moments(which, particles, (self.cell(), &self.partition), None)
+    /// Box and partition.
+    pub fn domain(&self) -> DomainView<'_> {
+        DomainView { cell: self.moving.cell(), partition: &self.partition }
+    }
+
+    /// All forces, to be changed.
+    pub fn forces_mut(&mut self) -> &mut Forces {
+        &mut self.forces
+    }
+
+    /// All forces.
+    pub fn forces(&self) -> &Forces {
+        &self.forces
     }
 
     /// Shear stress on each wall, see [`crate::Suspension::wall_stress`]. Collective.
     pub fn wall_stress(&self, particles: &Particles, stress: &Tensor) -> Vec<[f64; 2]> {
         let cell = self.cell();
-        let mut sums = self.forces.sums_along_walls(particles);
+        let mut sums = self.forces.external.sums_along_walls(particles);
         self.partition.comm().sum(&mut sums);
         let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
         let flow = [self.viscosity * self.moving.rate(), 0.0];
@@ -65,7 +74,7 @@ impl Dynamics {
 
     /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
     pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
-        self.contacts.as_ref().map(|contacts| contacts.measured(particles, (self.cell(), &self.partition)))
+        self.forces.contacts.as_ref().map(|contacts| contacts.measured(particles, self.domain()))
     }
 
     /// Background flow.
@@ -103,13 +112,10 @@ impl Dynamics {
         is_periodic.then(|| self.hydrodynamics.mobility().divergence()).flatten()
     }
 
-    /// Velocity of the fluid relative to the background flow at the present positions. Fails if no grid can resolve it.
-    /// Collective.
-    pub fn velocity_field(&mut self, particles: &Particles) -> Result<FluidVelocity, PlanError> {
-        let place = (self.moving.cell(), &self.partition);
-        let mut loads = self.forces.on(particles, place, None);
-        self.tethers.add_known(&mut loads, particles, place);
-        user::add_last(&mut loads, particles);
+    /// Velocity of the fluid relative to the background flow at the present positions and time. Fails if no grid can
+    /// resolve it. Collective.
+    pub fn velocity_field(&mut self, particles: &Particles, time: f64) -> Result<FluidVelocity, PlanError> {
+        let loads = self.forces.present_loads(particles, self.domain(), time);
         let loads = self.warm_start.felt(loads, particles);
         // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
         let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;

@@ -2,6 +2,8 @@
 
 use crate::columns::STRESSLET_FAR;
 use crate::columns::{BROWNIAN, STRESSLET};
+use crate::forces::NamedMoments;
+use crate::forces::force::StressName;
 use bytemuck::cast_slice;
 use domain::{Comm, Particles, Tensor, Traceless};
 
@@ -24,31 +26,64 @@ use domain::{Comm, Particles, Tensor, Traceless};
 /// The stress of the suspension is that of the fluid without particles, `-p I + 2 mu E_inf`, plus all of these.
 /// Stresslets are traceless: only the non-hydrodynamic part of the particle pressure is defined. External forces such
 /// as weight do not contribute.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+///
+/// Contributions have names: [`Self::STRESSLET`], [`Self::LUBRICATION`], those of the model's forces (`repulsion`,
+/// `attraction`, `contact`, `bond`), [`Self::BROWNIAN`], and those of the user's forces (`applied`, and the names of
+/// registered ones).
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParticleStress {
-    /// Far-field stresslets.
-    pub stresslet: Tensor,
-    /// Lubrication stresslets.
-    pub lubrication: Tensor,
-    /// Repulsion.
-    pub repulsion: Tensor,
-    /// Attraction.
-    pub attraction: Tensor,
-    /// Contacts.
-    pub contact: Tensor,
-    /// Bonds.
-    pub bond: Tensor,
-    /// Brownian stress, the mean of the stresslets caused by random motions, if it is separated from these.
-    pub brownian: Tensor,
-    /// User-defined forces between particles.
-    pub applied: Tensor,
+    parts: Vec<StressPart>,
+}
+
+/// A contribution to the stress.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StressPart {
+    /// Name.
+    pub name: StressName,
+    /// Stress; its column `b` belongs to faces normal to `b` and its entry `a` to forces along `a`.
+    pub tensor: Tensor,
+}
+
+/// Contributions of this rank's particles.
+enum Summands<'a> {
+    Stresslets(&'a [Traceless]),
+    /// Differences of stresslets.
+    Rest(&'a [Traceless], &'a [Traceless]),
+    Moments(Vec<Tensor>),
+}
+
+impl Summands<'_> {
+    /// The contribution of a particle.
+    fn of(&self, row: usize) -> Option<Tensor> {
+        match self {
+            Self::Stresslets(list) => list.get(row).map(|stresslet| stresslet.tensor()),
+            Self::Rest(whole, part) => whole.get(row).zip(part.get(row)).map(|(&whole, &part)| (whole - part).tensor()),
+            Self::Moments(list) => list.get(row).copied(),
+        }
+    }
 }
 
 impl ParticleStress {
+    /// Name of the far-field stresslets.
+    pub const STRESSLET: &str = "stresslet";
+    /// Name of lubrication.
+    pub const LUBRICATION: &str = "lubrication";
+    /// Name of the mean of the stresslets caused by random motions, if it is separated from these.
+    pub const BROWNIAN: &str = "brownian";
+
+    /// All contributions.
+    pub fn parts(&self) -> &[StressPart] {
+        &self.parts
+    }
+
+    /// The contribution of a name; zero if there is none.
+    pub fn of(&self, name: &str) -> Tensor {
+        self.parts.iter().find(|part| part.name.name == name).map_or(Tensor::ZERO, |part| part.tensor)
+    }
+
     /// Sum of all contributions.
     pub fn total(&self) -> Tensor {
-        let of_surfaces = self.stresslet + self.lubrication + self.repulsion + self.attraction;
-        of_surfaces + self.contact + self.bond + self.brownian + self.applied
+        self.parts.iter().fold(Tensor::ZERO, |sum, part| sum + part.tensor)
     }
 
     /// Sum of all species and contributions.
@@ -61,43 +96,44 @@ impl ParticleStress {
         -(stress.x_axis.x + stress.y_axis.y + stress.z_axis.z) / 3.0
     }
 
-    /// The stresses of each species, for particles whose columns hold their stresslets, in a box of a volume; `pairs`
-    /// has each particle's shares of the first moments of repulsion, attraction, contacts, bonds and the user's forces,
-    /// or nothing. Collective.
+    /// The stresses of `species` species in a box of a volume, for particles whose columns hold their stresslets, with
+    /// the first moments of the forces of the model and of the user. Collective.
     pub fn by_species(
         particles: &Particles,
-        pairs: [&[Tensor]; 5],
-        (species, volume): (usize, f64),
+        moments: [Vec<NamedMoments>; 2],
+        species: usize,
+        volume: f64,
         comm: &Comm,
     ) -> Vec<Self> {
-        let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
-        let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
-        let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
-        let by_heat: &[Traceless] = column(BROWNIAN).unwrap_or_default();
-        let mut sums = vec![[Tensor::ZERO; 8]; species];
+        let summands = summands(particles, moments);
+        let mut sums = vec![Tensor::ZERO; species * summands.len()];
         for (row, &kind) in particles.species.iter().enumerate() {
-            let [stresslet, lubrication, brownian, of_pairs @ ..] = &mut sums[kind as usize];
-            *brownian += by_heat.get(row).map_or(Tensor::ZERO, |s| s.tensor());
-            if let (Some(&whole), Some(&far)) = (whole.get(row), far.get(row)) {
-                *stresslet += far.tensor();
-                *lubrication += (whole - far).tensor();
-            }
-            for (sum, moments) in of_pairs.iter_mut().zip(pairs) {
-                *sum += moments.get(row).copied().unwrap_or(Tensor::ZERO);
+            let of_kind = &mut sums[kind as usize * summands.len()..][..summands.len()];
+            for (sum, (_, summands)) in of_kind.iter_mut().zip(&summands) {
+                *sum += summands.of(row).unwrap_or(Tensor::ZERO);
             }
         }
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
-        let stress = |[stresslet, lubrication, brownian, repulsion, attraction, contact, bond, applied]: [Tensor;
-                          8]| Self {
-            stresslet,
-            lubrication,
-            repulsion,
-            attraction,
-            contact,
-            bond,
-            brownian,
-            applied,
-        };
-        sums.into_iter().map(|sums| stress(sums.map(|sum| sum * (1.0 / volume)))).collect()
+        let part = |(name, &sum): (StressName, &Tensor)| StressPart { name, tensor: sum * (1.0 / volume) };
+        let names = || summands.iter().map(|(name, _)| *name);
+        let stress = |sums: &[Tensor]| Self { parts: names().zip(sums).map(part).collect() };
+        sums.chunks_exact(summands.len()).map(stress).collect()
     }
+}
+
+/// Contributions of this rank's particles with their names, in the order of a stress.
+fn summands(particles: &Particles, moments: [Vec<NamedMoments>; 2]) -> Vec<(StressName, Summands<'_>)> {
+    let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
+    let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
+    let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
+    let by_heat: &[Traceless] = column(BROWNIAN).unwrap_or_default();
+    let far_known = &far[..far.len().min(whole.len())];
+    let fluid = [
+        (StressName::symmetric(ParticleStress::STRESSLET), Summands::Stresslets(far_known)),
+        (StressName::symmetric(ParticleStress::LUBRICATION), Summands::Rest(whole, far)),
+    ];
+    let brownian = (StressName::symmetric(ParticleStress::BROWNIAN), Summands::Stresslets(by_heat));
+    let of_force = |NamedMoments { name, of_particles }| (name, Summands::Moments(of_particles));
+    let [of_model, of_user] = moments.map(|moments| moments.into_iter().map(of_force));
+    fluid.into_iter().chain(of_model).chain([brownian]).chain(of_user).collect()
 }

@@ -5,9 +5,8 @@ use crate::columns::EXPECTED;
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
-use crate::forces::user;
-use crate::forces::{Prediction, Surface};
-use domain::{Particles, Tensor, Traceless};
+use crate::forces::acting::{Configuration, Prediction};
+use domain::{Particles, Traceless};
 use fcm::Motion;
 use hydrodynamics::Guess;
 
@@ -21,8 +20,8 @@ impl Dynamics {
     ) -> Result<Outcome, StepError> {
         loop {
             self.moving.set_rate(search.rate());
-            let (outcome, of_contacts) = self.solve_at(particles, (&guess, before), moment)?;
-            let stress = self.stress_at(particles, of_contacts, moment);
+            let outcome = self.solve_at(particles, (&guess, before), moment)?;
+            let stress = self.stress_at(particles, moment);
             if !search.goes_on(stress) {
                 if let Some(driven) = self.moving.driven() {
                     driven.learn(&search);
@@ -33,9 +32,8 @@ impl Dynamics {
         }
     }
 
-    /// Shear stress of the whole suspension, with implicit short-range forces at their predicted values; `of_contacts`
-    /// is this rank's contribution of contacts. Collective.
-    fn stress_at(&self, particles: &mut Particles, of_contacts: f64, moment: &StageTime) -> f64 {
+    /// Shear stress of the whole suspension, with implicit forces at their predicted values. Collective.
+    fn stress_at(&self, particles: &mut Particles, moment: &StageTime) -> f64 {
         let beyond = moment.implicit.map(|time| {
             let expected = particles.vectors(EXPECTED).to_vec();
             (
@@ -45,18 +43,12 @@ impl Dynamics {
         });
         let strain_rate = self.moving.expected_besides() * -1.0;
         let beyond = beyond.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
-        let place = (self.moving.cell(), &self.partition);
-        let shear = |which, beyond| {
-            let moments = self.forces.moments(which, particles, place, beyond);
-            moments.iter().map(|moment: &Tensor| moment.y_axis.x).sum::<f64>()
-        };
-        let of_surfaces = shear(Surface::Repulsion, beyond.as_ref()) + shear(Surface::Attraction, None);
-        let bonds = self.tethers.moments(particles, place, beyond.as_ref());
-        let of_bonds: f64 = bonds.iter().map(|moment| moment.y_axis.x).sum();
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
-        let of_user: f64 = user::moments(particles).iter().map(|moment| moment.y_axis.x).sum();
-        let mut sum = [of_surfaces + of_fluid + of_contacts + of_bonds + of_user];
+        let (domain, time) = (self.domain(), moment.clock.time_at(moment.fraction));
+        let near = self.forces.near(particles, domain);
+        let at = Configuration { particles, domain, near: near.as_ref(), time };
+        let mut sum = [self.forces.add_shear_moments(of_fluid, &at, beyond.as_ref())];
         self.partition.comm().sum(&mut sum);
         self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()
     }

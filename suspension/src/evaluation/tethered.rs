@@ -3,35 +3,29 @@
 use super::Dynamics;
 use crate::error::step::StepError;
 use crate::forces::contacts::{self, FORCE_NUMBERS};
-use domain::{Particles, Tensor};
+use domain::{DomainView, Particles};
 
 impl Dynamics {
-    /// Breaks bonds with too large a tension at the end of a step. Collective.
-    pub fn break_bonds(&self, particles: &mut Particles, step: u64) -> Result<(), StepError> {
-        let broken = self.tethers.break_bonds(particles, (self.cell(), &self.partition));
-        broken.map_err(|source| StepError::Bonds { step, source })
-    }
-
-    /// Contribution of each particle to the first moments of bonds; empty without bonds. Collective.
-    pub fn bond_moments(&self, particles: &Particles) -> Vec<Tensor> {
-        self.tethers.moments(particles, (self.cell(), &self.partition), None)
+    /// Ends a step for all forces, for example by breaking bonds. Collective.
+    pub fn end_forces(&mut self, particles: &mut Particles, step: u64) -> Result<(), StepError> {
+        let Self { forces, moving, partition, .. } = self;
+        forces.end_step(particles, DomainView { cell: moving.cell(), partition }, step)
     }
 
     /// Elastic energy of the bonds and number of broken bonds; `None` without bonds. Collective.
     pub fn bond_numbers(&self, particles: &Particles) -> Option<[f64; 2]> {
-        self.tethers.bond_numbers(particles, (self.cell(), &self.partition))
+        self.forces.bonds.as_ref().map(|bonds| bonds.energy_and_broken(particles, self.domain()))
     }
 
     /// Energy of the trapped spheres; `None` without traps. Collective.
     pub fn trap_energy(&self, particles: &Particles) -> Option<f64> {
-        self.tethers.trap_energy(particles, (self.cell(), &self.partition))
+        self.forces.traps.as_ref().map(|traps| traps.energy(particles, self.domain()))
     }
 
     /// Contacts and bonds of this rank's particles, as rows of numbers; `None` without either. Collective.
     pub fn contact_forces(&self, particles: &Particles) -> Option<Vec<[f64; FORCE_NUMBERS]>> {
-        let place = (self.cell(), &self.partition);
-        let contacts = self.contacts.as_ref().map(|contacts| contacts.forces(particles, place));
-        let bonds = self.tethers.bond_forces(particles, place);
+        let contacts = self.forces.contacts.as_ref().map(|contacts| contacts.forces(particles, self.domain()));
+        let bonds = self.forces.bonds.as_ref().map(|bonds| bonds.forces(particles, self.domain()));
         let bonds = bonds.map(|bonds| bonds.iter().map(contacts::force_numbers).collect::<Vec<_>>());
         [contacts, bonds].into_iter().flatten().reduce(|all, more| [all, more].concat())
     }

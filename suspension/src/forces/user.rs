@@ -1,7 +1,9 @@
 //! User-defined loads, in addition to those of the model.
 
+use crate::forces::acting::{Acting, Configuration, Instant, Prediction};
+use crate::forces::force::{Force, StressName};
 use crate::model::box_axes::UserAxes;
-use domain::{Failure, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Failure, Particles, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
 use simulation::{AppliedLoads, NeighbourList, PairForceFunction, UserLoads};
 
@@ -10,6 +12,9 @@ pub const APPLIED: [&str; 2] = ["applied force", "applied torque"];
 
 /// Column of each particle's share of the first moments of these forces, if they contribute to the stress.
 pub const APPLIED_MOMENT: &str = "applied moment";
+
+/// Name of these forces in the stress.
+pub const NAME: &str = "applied";
 
 /// User functions whose loads are summed, in the user's axes.
 pub struct AppliedForces {
@@ -40,41 +45,6 @@ impl AppliedForces {
         self.functions.pop();
     }
 
-    /// Evaluates the loads at a time, adds them to those of this rank's particles, and stores them in the particles'
-    /// columns. Collective.
-    pub fn add_to(
-        &mut self,
-        loads: &mut Loads,
-        particles: &mut Particles,
-        (cell, partition): (&PeriodicBox, &Partition),
-        time: f64,
-    ) -> Result<(), Failure> {
-        particles.columns.retain(|column| column.name != APPLIED_MOMENT);
-        if self.functions.is_empty() {
-            particles.columns.retain(|column| !APPLIED.contains(&column.name.as_str()));
-            return Ok(());
-        }
-        let comm = partition.comm();
-        let mut all = particles.gathered_with(partition, |_| false);
-        let sums = if comm.is_first() { self.sums(&all, cell, time) } else { Ok(LoadSums::default()) };
-        let LoadSums { loads: sums, mut moments } = comm.agree(sums)?;
-        comm.broadcast(&mut all.ids);
-        let rows: Vec<usize> =
-            particles.ids.iter().map(|id| all.ids.binary_search(id).expect("every particle was gathered")).collect();
-        for (name, mut sums) in APPLIED.into_iter().zip(sums) {
-            comm.broadcast(&mut sums);
-            let values = particles.vectors(name);
-            values.iter_mut().zip(&rows).for_each(|(value, &row)| *value = sums[row]);
-        }
-        comm.broadcast(&mut moments);
-        if !moments.is_empty() {
-            let values: &mut [Tensor] = bytemuck::cast_slice_mut(&mut particles.column(APPLIED_MOMENT, 9).values);
-            values.iter_mut().zip(&rows).for_each(|(value, &row)| *value = moments[row]);
-        }
-        add_last(loads, particles);
-        Ok(())
-    }
-
     /// Loads of all particles, summed over all functions.
     fn sums(&mut self, all: &Particles, cell: &PeriodicBox, time: f64) -> Result<LoadSums, String> {
         let (axes, count) = (self.axes, all.len());
@@ -96,6 +66,54 @@ impl AppliedForces {
             }
         }
         Ok(sums)
+    }
+}
+
+impl Force for AppliedForces {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    /// The loads of the last evaluation.
+    fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
+        add_last(loads, at.particles);
+    }
+
+    /// Evaluates the loads, adds them to those of this rank's particles, and stores them in the particles' columns.
+    fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
+        let (particles, domain) = (&mut *at.particles, at.domain);
+        particles.columns.retain(|column| column.name != APPLIED_MOMENT);
+        if self.functions.is_empty() {
+            particles.columns.retain(|column| !APPLIED.contains(&column.name.as_str()));
+            return Ok(());
+        }
+        let comm = domain.comm();
+        let mut all = particles.gathered_with(domain.partition, |_| false);
+        let sums = if comm.is_first() { self.sums(&all, domain.cell, at.time) } else { Ok(LoadSums::default()) };
+        let LoadSums { loads: sums, mut moments } = comm.agree(sums)?;
+        comm.broadcast(&mut all.ids);
+        let rows: Vec<usize> =
+            particles.ids.iter().map(|id| all.ids.binary_search(id).expect("every particle was gathered")).collect();
+        for (name, mut sums) in APPLIED.into_iter().zip(sums) {
+            comm.broadcast(&mut sums);
+            let values = particles.vectors(name);
+            values.iter_mut().zip(&rows).for_each(|(value, &row)| *value = sums[row]);
+        }
+        comm.broadcast(&mut moments);
+        if !moments.is_empty() {
+            let values: &mut [Tensor] = bytemuck::cast_slice_mut(&mut particles.column(APPLIED_MOMENT, 9).values);
+            values.iter_mut().zip(&rows).for_each(|(value, &row)| *value = moments[row]);
+        }
+        add_last(&mut acting.loads, particles);
+        Ok(())
+    }
+
+    fn stresses(&self) -> Vec<StressName> {
+        vec![StressName::symmetric(NAME)]
+    }
+
+    fn moments(&self, at: &Configuration, _beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
+        vec![moments(at.particles).to_vec()]
     }
 }
 
@@ -137,7 +155,7 @@ fn symmetric(a: Vector, b: Vector) -> Tensor {
 }
 
 /// Adds the last user-defined loads, as stored in the columns, to the loads of this rank's particles.
-pub fn add_last(loads: &mut Loads, particles: &Particles) {
+fn add_last(loads: &mut Loads, particles: &Particles) {
     for (list, name) in [&mut loads.forces, &mut loads.torques].into_iter().zip(APPLIED) {
         let Some(column) = particles.columns.iter().find(|column| column.name == name) else { continue };
         list.resize(particles.len(), Vector::ZERO);
@@ -148,7 +166,7 @@ pub fn add_last(loads: &mut Loads, particles: &Particles) {
 
 /// Contributions of this rank's particles to the first moments of the user's forces; empty if these do not contribute
 /// to the stress.
-pub fn moments(particles: &Particles) -> &[Tensor] {
+fn moments(particles: &Particles) -> &[Tensor] {
     let column = particles.columns.iter().find(|column| column.name == APPLIED_MOMENT);
     column.map_or(&[], |column| bytemuck::cast_slice(&column.values))
 }

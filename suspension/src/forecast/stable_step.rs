@@ -1,6 +1,6 @@
 //! Stability of fixed steps with repulsion.
 
-use crate::forces::SurfaceForces;
+use crate::forces::surface::repulsion;
 use crate::integrators::adams_bashforth::AdamsBashforth;
 use crate::model::radii::Radii;
 use crate::model::{Integrator, Model, Multipoles};
@@ -46,7 +46,7 @@ fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
         Integrator::Brownian(_) => 1.0,
         Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
     };
-    let repulsion = SurfaceForces::of(model).ok()?.repulsion?;
+    let repulsion = repulsion(model).ok()??;
     let pair = radii.smallest_two()?;
     let range = repulsion.reach(pair) - pair[0] - pair[1];
     let rate = |k: u32| {

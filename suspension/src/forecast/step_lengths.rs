@@ -1,6 +1,6 @@
 //! Warnings of steps in which spheres move farther than the range of the forces between them.
 
-use crate::forces::SurfaceForces;
+use crate::forces::surface;
 use crate::forecast::warnings::diffusive_step;
 use crate::model::radii::Radii;
 use crate::model::{Integrator, Model};
@@ -30,7 +30,7 @@ fn reach(model: &Model, radii: &Radii) -> Option<(&'static str, f64)> {
     if let Some(length) = repulsion.screening_length {
         return Some(("repulsion.screening_length", length));
     }
-    let force = SurfaceForces::of(model).ok()?.repulsion?;
+    let force = surface::repulsion(model).ok()??;
     Some(("the range of [repulsion]", force.reach(pair) - pair[0] - pair[1]))
 }
 

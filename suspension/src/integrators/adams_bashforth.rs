@@ -2,6 +2,7 @@
 
 use crate::columns::VELOCITY;
 use crate::columns::{PAST, STAGES};
+use crate::integrators::motion;
 use domain::Particles;
 
 /// Number of past velocities that implicit steps of variable length keep.
@@ -66,13 +67,13 @@ impl AdamsBashforth {
 
     fn go(self, particles: &mut Particles, dt: f64) {
         match self {
-            Self::Two => particles.displace_by([VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
+            Self::Two => motion::advance(particles, [VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
             Self::Three => {
-                particles.displace_by([VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt));
+                motion::advance(particles, [VELOCITY, PAST[0], PAST[1]], [23.0, -16.0, 5.0].map(|w| w / 12.0 * dt));
             }
             Self::Four => {
                 let weights = [55.0, -59.0, 37.0, -9.0].map(|w| w / 24.0 * dt);
-                particles.displace_by([VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
+                motion::advance(particles, [VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
             }
         }
         remember(particles, self.past());
@@ -112,16 +113,16 @@ fn runge_kutta<E>(
 ) -> Result<(), E> {
     remember(particles, past);
     let first = PAST[0];
-    particles.displace_by([first], [0.5 * dt]);
+    motion::advance(particles, [first], [0.5 * dt]);
     evaluate(particles, 0.5)?;
     copy(particles, VELOCITY, STAGES[0]);
-    particles.displace_by([STAGES[0], first], [0.5 * dt, -0.5 * dt]);
+    motion::advance(particles, [STAGES[0], first], [0.5 * dt, -0.5 * dt]);
     evaluate(particles, 0.5)?;
     copy(particles, VELOCITY, STAGES[1]);
-    particles.displace_by([STAGES[1], STAGES[0]], [dt, -0.5 * dt]);
+    motion::advance(particles, [STAGES[1], STAGES[0]], [dt, -0.5 * dt]);
     evaluate(particles, 1.0)?;
     let weights = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0 - 1.0, 1.0 / 6.0].map(|w| w * dt);
-    particles.displace_by([first, STAGES[0], STAGES[1], VELOCITY], weights);
+    motion::advance(particles, [first, STAGES[0], STAGES[1], VELOCITY], weights);
     particles.columns.retain(|column| !STAGES.contains(&column.name.as_str()));
     Ok(())
 }

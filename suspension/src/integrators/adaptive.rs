@@ -5,6 +5,7 @@ use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::orders::{Estimate, USED, Weights, of_displacements, weights};
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::adams_bashforth::remember;
+use crate::integrators::motion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, grow_oldest, moved_apart, share};
 use crate::model::Adaptive;
 use domain::{Particles, Vector};
@@ -65,8 +66,8 @@ pub fn advance(
         let Chosen { step, weights, apart } =
             Substep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
-        particles.displace_by(USED, weights);
-        particles.positions.iter_mut().zip(&apart).for_each(|(position, &apart)| *position += apart);
+        motion::advance(particles, USED, weights);
+        motion::move_apart(particles, &apart);
         remember(particles, PAST_VELOCITIES);
         let moment = StageTime { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };
         outcome = dynamics.evaluate(particles, &moment)?;

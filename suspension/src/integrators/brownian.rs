@@ -5,6 +5,7 @@ use crate::columns::VELOCITY;
 use crate::error::step::StepError;
 use crate::evaluation::fluctuating::Noise;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
+use crate::integrators::motion;
 use crate::model::BrownianScheme;
 use domain::Particles;
 use fcm::Stream;
@@ -87,10 +88,10 @@ fn midpoint(
     let half = 0.5 * clock.dt();
     dynamics.fluctuate(particles, noise);
     dynamics.carry(particles);
-    particles.displace_by([PAST[0]], [half]);
+    motion::advance(particles, [PAST[0]], [half]);
     let middle = StageTime::in_step(clock, 0.5, 0);
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
-    particles.displace_by([VELOCITY, PAST[0]], [2.0 * half, -half]);
+    motion::advance(particles, [VELOCITY, PAST[0]], [2.0 * half, -half]);
     dynamics.place(particles, &StageTime::in_step(clock, 1.0, 0))?;
     brownian::forget(particles);
     Ok(outcome)
@@ -106,11 +107,11 @@ fn two_evaluations(
     dynamics.fluctuate(particles, noise);
     brownian::displace(particles, PART * 0.5 * clock.dt());
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
-    particles.displace_by([DISPLACEMENT], [1.0]);
+    motion::advance(particles, [DISPLACEMENT], [1.0]);
     dynamics.place(particles, &start)?;
     dynamics.note_drift(particles, &start, (PART, noise.energy))?;
     brownian::limit_drift(particles, clock.dt());
-    particles.displace_by([DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
+    motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
     brownian::forget(particles);
     dynamics.place(particles, &StageTime::in_step(clock, 1.0, 0))?;
     Ok(outcome)
@@ -146,7 +147,7 @@ mod tests {
             let forces = if places.len() == 1 { vec![axis] } else { vec![-axis, axis] };
             Ok(simulation::AppliedLoads { forces, ..simulation::AppliedLoads::default() })
         };
-        dynamics.applied().add(simulation::UserLoads::OfPositions(Box::new(pull)));
+        dynamics.forces_mut().applied.add(simulation::UserLoads::OfPositions(Box::new(pull)));
         dynamics.evaluate_now(&mut particles, &Clock::at(0, 1e-4)).unwrap();
         let velocities = particles.vectors(VELOCITY);
         if velocities.len() == 1 { velocities[0].dot(axis) } else { (velocities[1] - velocities[0]).dot(axis) }

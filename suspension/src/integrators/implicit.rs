@@ -9,6 +9,7 @@ use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::forces::contacts;
 use crate::integrators::adams_bashforth::{PAST_OF_ANY_LENGTH, remember};
+use crate::integrators::motion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
 use crate::model::Adaptive;
 use domain::{Comm, Particles, Vector};
@@ -197,8 +198,8 @@ fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMoti
     particles.vectors(EXPECTED).copy_from_slice(&expected);
     let sheared = approach.carried_by(dynamics.periodic_cell().carry(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
-    particles.displace_by(USED, length.expected());
-    displace(particles, &apart);
+    motion::advance(particles, USED, length.expected());
+    motion::move_apart(particles, &apart);
     remember(particles, PAST_OF_ANY_LENGTH);
     dynamics.expect_flow(length.extrapolation(), length.expected());
 }
@@ -217,8 +218,8 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let sheared = approach.carried_by(dynamics.periodic_cell().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
-    particles.displace_by(columns, weights);
-    displace(particles, &apart);
+    motion::advance(particles, columns, weights);
+    motion::move_apart(particles, &apart);
     error.max(change.error / GAP_ERROR)
 }
 
@@ -236,8 +237,4 @@ fn finish(particles: &mut Particles, length: &Length, next: f64) {
 fn combined(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2]) -> Vec<Vector> {
     let [first, second] = columns.map(|name| particles.vectors(name).to_vec());
     first.iter().zip(second).map(|(&first, second)| first * weights[0] + second * weights[1]).collect()
-}
-
-fn displace(particles: &mut Particles, displacements: &[Vector]) {
-    particles.positions.iter_mut().zip(displacements).for_each(|(position, &displacement)| *position += displacement);
 }

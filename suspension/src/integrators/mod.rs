@@ -4,4 +4,5 @@ pub mod adams_bashforth;
 pub mod adaptive;
 pub mod brownian;
 pub mod implicit;
+mod motion;
 pub mod substeps;

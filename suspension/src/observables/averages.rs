@@ -5,7 +5,7 @@ use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};
 use crate::evaluation::stress::ParticleStress;
 use crate::model::box_axes::UserAxes;
 use crate::model::{Flow, Model, Statistics as Wanted};
-use crate::sampling::{Sample, Statistics, needed_columns, needs_pair_moments};
+use crate::sampling::{Sample, Statistics, has_profile, needed_columns, needs_pair_moments};
 use domain::{Comm, IdBlocks};
 use simulation::{Schedule, TableSet};
 use std::borrow::Cow;
@@ -21,6 +21,8 @@ pub struct Averages {
     columns: Vec<&'static str>,
     /// Whether a sample needs the first moments of forces between spheres.
     needs_pair_moments: bool,
+    /// Whether there are profiles, which need the moments of registered forces as well.
+    has_profile: bool,
     statistics: Statistics,
     axes: UserAxes,
     comm: Comm,
@@ -37,8 +39,18 @@ impl Averages {
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
         let statistics = Statistics::in_blocks_of(size, of, suspension.particles(), &comm);
         let (columns, needs_pair_moments) = (needed_columns(model), needs_pair_moments(model));
-        let (samples, from, axes) = (wanted.samples, wanted.from, model.user_axes());
-        Self { samples, from, sheared, flow: model.flow, columns, needs_pair_moments, statistics, axes, comm }
+        Self {
+            samples: wanted.samples,
+            from: wanted.from,
+            sheared,
+            flow: model.flow,
+            columns,
+            needs_pair_moments,
+            has_profile: has_profile(model),
+            statistics,
+            axes: model.user_axes(),
+            comm,
+        }
     }
 
     /// Whether a sample may be due at a step.
@@ -56,9 +68,10 @@ impl Averages {
                 viscosity * rate + self.flow.driving_stress(&total, suspension.cell().gradient_axis())
             });
             let mut particles = Cow::Borrowed(suspension.particles());
-            if self.needs_pair_moments || !self.axes.turn().is_none() {
+            let needs_pair_moments = self.needs_pair_moments || self.has_profile && suspension.has_registered_stress();
+            if needs_pair_moments || !self.axes.turn().is_none() {
                 let mut own = particles.with_columns(|name| self.columns.contains(&name));
-                if self.needs_pair_moments {
+                if needs_pair_moments {
                     let column = own.column(PAIR_MOMENT, PAIR_MOMENT_NUMBERS);
                     bytemuck::cast_slice_mut(&mut column.values).copy_from_slice(&suspension.pair_moments());
                 }
@@ -128,7 +141,7 @@ mod tests {
                 let suspension = Suspension::start(&scene, &comm).unwrap();
                 let mut averages = Averages::new(&scene, Wanted::ALL, &suspension);
                 averages.sample(&suspension);
-                let repulsion = scene.user_axes().tensor(&suspension.stress(1)[0].repulsion);
+                let repulsion = scene.user_axes().tensor(&suspension.stress(1)[0].of("repulsion"));
                 (repulsion, averages.tables())
             });
             let (repulsion, tables) = found.into_iter().next().unwrap();

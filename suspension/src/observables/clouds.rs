@@ -1,5 +1,6 @@
 //! Position, size and shape of clouds of spheres in open fluid.
 
+use super::observable::{Observable, measure};
 use domain::{Comm, Particles, Vector};
 use lubrication::eigenvalues;
 use simulation::Quantity;
@@ -58,15 +59,15 @@ fn means(particles: &Particles, species: usize, comm: &Comm, of: impl Fn(Vector,
     sums.chunks_exact(7).map(|sum| std::array::from_fn(|k| sum[k] / sum[6])).collect()
 }
 
-/// The quantity of the time series for clouds.
-pub fn quantity(species: &[String]) -> Quantity {
-    Quantity { name: "cloud", unit: "length", table: Some((species.to_vec(), COLUMNS.map(String::from).to_vec())) }
-}
-
-/// A row of the time series. Collective.
-pub fn row(particles: &Particles, species: usize, comm: &Comm) -> Vec<f64> {
-    let numbers = |cloud: Cloud| cloud.centre.to_array().into_iter().chain([cloud.radius]).chain(cloud.axes);
-    clouds(particles, species, comm).into_iter().flat_map(numbers).collect()
+/// The clouds in the time series.
+pub fn cloud(species: &[String]) -> Box<dyn Observable> {
+    let table = Some((species.to_vec(), COLUMNS.map(String::from).to_vec()));
+    measure(Quantity { name: "cloud".into(), unit: "length", table }, |present| {
+        let numbers = |cloud: Cloud| cloud.centre.to_array().into_iter().chain([cloud.radius]).chain(cloud.axes);
+        let suspension = present.suspension();
+        let clouds = clouds(suspension.particles(), present.species(), suspension.comm());
+        clouds.into_iter().flat_map(numbers).collect()
+    })
 }
 
 #[cfg(test)]

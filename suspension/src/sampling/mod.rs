@@ -10,7 +10,8 @@ mod tables;
 mod vectors;
 
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY};
-use crate::model::{Axis, Extension, Flow, Model, Multipoles, Parameters, ShearRates, Species, Statistics as Wanted};
+use crate::forces::Forces;
+use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
 use domain::{
@@ -292,9 +293,13 @@ pub fn needed_columns(model: &Model) -> Vec<&'static str> {
 
 /// Whether a sample of a model also needs the column [`PAIR_MOMENT`](crate::columns::PAIR_MOMENT).
 pub fn needs_pair_moments(model: &Model) -> bool {
-    let Parameters { repulsion, attraction, contacts, bonds, .. } = &**model;
-    let has_pair_forces = repulsion.is_some() || attraction.is_some() || contacts.is_some() || !bonds.is_empty();
-    channel_bins(model).is_some() && has_pair_forces
+    let has_stress = || Forces::of(model).is_ok_and(|forces| !forces.stresses_of_model().is_empty());
+    has_profile(model) && has_stress()
+}
+
+/// Whether samples of a model include profiles of stresses.
+pub fn has_profile(model: &Model) -> bool {
+    channel_bins(model).is_some()
 }
 
 /// Numbers per particle in all of these columns.

@@ -9,19 +9,18 @@ use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
 use crate::flow::stress_control::DRIVEN_NUMBERS;
-use crate::forces::SurfaceForces;
-use crate::forces::contacts::{CONTACT_NUMBERS, SETTLING_NUMBERS, most_contacts};
-use crate::forces::tethers::TRAP_NUMBERS;
+use crate::forces::Forces;
+use crate::forces::surface::{SurfaceForces, repulsion};
 use crate::integrators::adams_bashforth::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::integrators::adaptive;
 use crate::model::radii::Radii;
 use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
-use crate::neighbourhood::NearLists;
+use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use crate::sampling;
 use crate::start::plan::largest_strain;
 use domain::{
-    Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Pairs, Particles, Place, Process, Traceless, Vector,
-    VerletList, packing_bytes, readable_bytes,
+    Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Particles, Place, Process, Traceless, Vector,
+    packing_bytes, readable_bytes,
 };
 use fcm::{Footprint, Plan};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
@@ -76,7 +75,7 @@ pub fn remedy(model: &Model, radii: &Radii) -> String {
 /// Whether screened repulsion extends beyond the width of the box: then all images take memory.
 fn repels_far(model: &Model, radii: &Radii) -> bool {
     let is_screened = model.repulsion.is_some_and(|repulsion| repulsion.screening_length.is_some());
-    let reach = SurfaceForces::of(model).ok().and_then(|forces| forces.reach([radii.largest(); 2]));
+    let reach = SurfaceForces::of(model).ok().and_then(|forces| forces.reach([radii.largest(); 2].into()));
     is_screened && reach.is_some_and(|reach| reach > model.shortest_vector())
 }
 
@@ -168,7 +167,7 @@ impl Share<'_> {
     /// Gaps at which forces between near spheres are part of the solve: lubrication, or implicit repulsion.
     fn near_field(&self) -> Option<LubricationRange> {
         let springs = || {
-            let repulsion = SurfaceForces::of(self.model).ok()?.repulsion.filter(|_| self.is_implicit())?;
+            let repulsion = repulsion(self.model).ok()?.filter(|_| self.is_implicit())?;
             let largest = self.expected.largest_radius();
             LubricationRange::new(repulsion.reach([largest; 2]) / largest - 2.0, LubricationRange::MINIMUM_GAP).ok()
         };
@@ -186,40 +185,25 @@ impl Share<'_> {
         };
         let velocities = velocities + usize::from(self.model.flow.keeps_flux());
         let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
-        let settles = self.model.contacts.is_some_and(|contacts| contacts.settles(self.model));
-        let velocities = velocities + self.random_numbers() + if settles { SETTLING_NUMBERS } else { 0 };
-        let velocities =
-            velocities + self.model.bond_numbers() + if self.model.traps.is_empty() { 0 } else { TRAP_NUMBERS };
+        let velocities = velocities + self.random_numbers() + self.forces().map_or(0, |f| f.numbers(self.expected));
         if self.is_rigid() {
-            let kept = WarmStart::new(self.model.is_coupled()).numbers() + self.contact_numbers();
-            velocities + FRAME[1].1 + FRAME[2].1 + kept
+            velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()
         } else {
             velocities
         }
     }
 
-    /// Numbers of a particle's contacts at the start and at the end of a substep.
-    fn contact_numbers(&self) -> usize {
-        let radii = self.model.species.iter().map(|s| s.radius);
-        let extremes = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
-        self.model.contacts.map_or(0, |_| 2 * CONTACT_NUMBERS * most_contacts(extremes, self.expected.total() as usize))
+    fn forces(&self) -> Option<Forces> {
+        Forces::of(self.model).ok()
     }
 
     fn is_rigid(&self) -> bool {
         self.model.hydrodynamics.multipoles == Multipoles::Dipole
     }
 
-    /// Memory of near pairs within a distance, with copies of the particles and ghosts.
+    /// Memory of near pairs within a distance.
     fn near(&self, distance: f64) -> Bytes {
-        let (owned, present) = (self.expected.owned(), self.expected.present(distance));
-        let copies = Bytes::list::<(Vector, f64, u64)>(present);
-        copies.then(Pairs::bytes(owned, present, self.expected.neighbours(distance)))
-    }
-
-    /// Neighbour lists of a distance.
-    fn lists(&self, distance: f64) -> Bytes {
-        let numbers = [distance, distance * NearLists::REACH].map(|reach| self.expected.neighbours(reach));
-        VerletList::bytes([self.expected.owned(), self.expected.present(distance), self.expected.total()], numbers)
+        PairsWithHalo::bytes(distance, self.expected)
     }
 
     fn gap_search(&self) -> f64 {
@@ -252,9 +236,7 @@ impl Share<'_> {
 
     fn evaluation(&self) -> Bytes {
         let owned = self.expected.owned();
-        let largest = self.expected.largest_radius();
-        let reach = SurfaceForces::of(self.model).ok().and_then(|forces| forces.reach([largest; 2]));
-        let forces = reach.map_or_else(Bytes::default, |reach| self.lists(reach).then(self.near(reach).freed()));
+        let forces = self.forces().map_or_else(Bytes::default, |forces| forces.bytes(self.expected));
         let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
         let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
         let solve = match self.near_field() {
@@ -276,7 +258,10 @@ impl Share<'_> {
         }
         let distance = WATCHED * self.expected.largest_radius();
         let pairs = 0.5 * self.expected.owned() * self.expected.neighbours(distance);
-        [self.lists(distance), self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed()]
+        [
+            NeighbourLists::bytes(distance, self.expected),
+            self.near(distance).then(Bytes::list::<[[Vector; 4]; 2]>(pairs)).freed(),
+        ]
     }
 
     fn report(&self) -> Bytes {

@@ -2,6 +2,7 @@
 
 use crate::columns::{ANGULAR_VELOCITY, BROWNIAN, STRESSLET, VELOCITY, clear_history};
 use crate::evaluation::initial_guess::WarmStart;
+use crate::forces::Forces;
 use crate::forces::user::{APPLIED, APPLIED_MOMENT};
 use crate::model::box_axes::UserAxes;
 use domain::Vector;
@@ -23,6 +24,6 @@ pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> 
     clear_history(particles);
     let motion = [VELOCITY, ANGULAR_VELOCITY, STRESSLET, BROWNIAN, APPLIED_MOMENT];
     let computed = |name: &str| [&motion[..], &APPLIED].concat().contains(&name);
-    particles.columns.retain(|column| !computed(&column.name));
+    particles.columns.retain(|column| !(computed(&column.name) || Forces::is_mark(&column.name)));
     Ok(state)
 }

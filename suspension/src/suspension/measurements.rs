@@ -2,9 +2,9 @@
 
 use super::Suspension;
 use crate::evaluation::stress::ParticleStress;
-use crate::forces::Surface;
 use crate::forces::contacts::{Measured, contact_force};
-use crate::forces::user;
+use crate::forces::force::StressName;
+use crate::forces::{NamedMoments, user};
 use domain::Tensor;
 use simulation::ContactForces;
 
@@ -39,33 +39,40 @@ impl Suspension {
 
     /// Stress of the particles of each species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
-        let (volume, pairs) = (self.cell().volume(), self.pair_moments_by_origin());
-        ParticleStress::by_species(&self.particles, pairs.each_ref().map(Vec::as_slice), (species, volume), &self.comm)
+        let (volume, moments) = (self.cell().volume(), self.moments());
+        ParticleStress::by_species(&self.particles, moments, species, volume, &self.comm)
     }
 
-    /// Contribution of each particle to the symmetric first moments of all forces between spheres, and to the moments
-    /// of walls. Collective.
+    /// Contribution of each particle to the first moments of all forces between spheres, and to the moments of walls.
+    /// Collective.
     pub fn pair_moments(&self) -> Vec<Tensor> {
-        let by_origin = self.pair_moments_by_origin();
-        let of_row = |row: usize| {
-            by_origin.iter().filter_map(|list| list.get(row).copied()).fold(Tensor::ZERO, |sum, m| sum + m)
-        };
-        (0..self.particles.len()).map(of_row).collect()
+        let moments = self.moments();
+        let all = || moments.iter().flatten().filter(|moments| !moments.of_particles.is_empty());
+        (0..self.particles.len()).map(|row| all().fold(Tensor::ZERO, |sum, m| sum + m.of_particles[row])).collect()
     }
 
-    /// Contributions to the moments of repulsion, attraction, contacts, bonds and user-defined forces; each is empty
-    /// without such forces. Collective.
-    fn pair_moments_by_origin(&self) -> [Vec<Tensor>; 5] {
-        let [repulsion, attraction] = [Surface::Repulsion, Surface::Attraction]
-            .map(|which| self.dynamics.surface_moments(which, &self.particles));
-        let contacts = self.contacts().map(|measured| measured.moments).unwrap_or_default();
-        let applied = user::moments(&self.particles).to_vec();
-        [repulsion, attraction, contacts, self.dynamics.bond_moments(&self.particles), applied]
+    /// First moments of the forces of the model and of the user. Collective.
+    fn moments(&self) -> [Vec<NamedMoments>; 2] {
+        self.dynamics.forces().moments(&self.particles, self.dynamics.domain(), self.clock.time())
+    }
+
+    /// Names of the contributions of the model's forces to the stress, and of those of the user's forces; functions of
+    /// the user have one only if they give moments, by the last evaluation.
+    pub(crate) fn stresses_of_forces(&self) -> [Vec<StressName>; 2] {
+        let forces = self.dynamics.forces();
+        let applied = self.has_applied_stress().then_some(StressName::symmetric(user::NAME));
+        let of_user = applied.into_iter().chain(forces.stresses_of_registered());
+        [forces.stresses_of_model(), of_user.collect()]
     }
 
     /// Whether user-defined forces contribute to the stress, by the last evaluation.
     pub fn has_applied_stress(&self) -> bool {
         user::have_moments(&self.particles)
+    }
+
+    /// Whether registered forces contribute to the stress.
+    pub(crate) fn has_registered_stress(&self) -> bool {
+        !self.dynamics.forces().stresses_of_registered().is_empty()
     }
 
     /// Mean number of contacts per particle, fractions of frictional and of sliding contacts, largest overlap over the

@@ -5,18 +5,25 @@ mod history;
 mod measured;
 mod stiffness_adaptation;
 mod touching;
+mod warnings;
 
+use crate::error::step::StepError;
 use crate::flow::periodic_cell::PeriodicCell;
-use domain::{Particles, Partition, PeriodicBox, Traceless, Vector};
+use crate::forces::acting::{Acting, Configuration, Instant, Prediction, SolvedMotion};
+use crate::forces::force::{Force, StressName};
+use crate::model::Model;
+use crate::model::radii::Radii;
+use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
-pub use history::{CONTACT_NUMBERS, keep, most_contacts};
-use history::{FOUND, Memory, note};
+pub use history::keep;
+use history::{CONTACT_NUMBERS, FOUND, Memory, most_contacts, note};
 use hydrodynamics::ContactSprings;
 use hydrodynamics::StrainRate;
 use lubrication::{Contact, PairKind};
 pub use measured::Measured;
-pub use stiffness_adaptation::{SETTLING_NUMBERS, StiffnessAdaptation};
+use stiffness_adaptation::SETTLING_NUMBERS;
+pub use stiffness_adaptation::StiffnessAdaptation;
 use touching::{AllTouching, Touching, across};
 
 /// The contacts of a suspension.
@@ -26,16 +33,83 @@ pub struct Contacts {
     reach: f64,
     /// Largest number of contacts stored per particle.
     slots: usize,
+    /// Extreme radii of the model.
+    radii: [f64; 2],
+    /// Whether a column has the state of the stiffness adaptation.
+    settles: bool,
     /// Stiffness adaptation, if the stiffness adapts.
     settling: Option<StiffnessAdaptation>,
+    /// Contacts of the solve in progress.
+    forcing: Option<ContactForcing>,
+    /// The `xy` component of the first moments at the end of the last solve under stress control.
+    shear_moment: f64,
+}
+
+impl Force for Contacts {
+    fn name(&self) -> &'static str {
+        "contact"
+    }
+
+    /// Adds nothing: between steps, the loads on the fluid are those of the last solution.
+    fn add_present_loads(&self, _at: &Configuration, _loads: &mut Loads) {}
+
+    fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
+        let forcing = self.acting(at);
+        forcing.add_to(&mut acting.loads);
+        if at.prediction.is_some() {
+            acting.resistances.contacts = forcing.springs();
+        }
+        self.forcing = Some(forcing);
+        Ok(())
+    }
+
+    fn stresses(&self) -> Vec<StressName> {
+        vec![StressName::symmetric("contact")]
+    }
+
+    fn moments(&self, at: &Configuration, _beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
+        vec![self.measured(at.particles, at.domain).moments]
+    }
+
+    fn shear_moment(&self, _at: &Configuration, _beyond: Option<&Prediction>) -> f64 {
+        self.shear_moment
+    }
+
+    fn follows_motion(&self) -> bool {
+        true
+    }
+
+    fn solved(&mut self, particles: &mut Particles, solved: &SolvedMotion) -> Result<(), Failure> {
+        let Some(forcing) = self.forcing.take() else { return Ok(()) };
+        if solved.is_implicit {
+            let noted = forcing.note(particles, solved.motion);
+            solved.domain.comm().agree(noted)?;
+        }
+        self.shear_moment = if solved.is_stress_controlled { forcing.shear_moment(solved.motion) } else { 0.0 };
+        Ok(())
+    }
+
+    fn explain(&self, _step: u64, source: Failure) -> StepError {
+        StepError::Contacts(source)
+    }
+
+    /// Contacts at the start and at the end of a substep.
+    fn numbers(&self, expected: &ExpectedCounts) -> usize {
+        let of_adaptation = if self.settles { SETTLING_NUMBERS } else { 0 };
+        2 * CONTACT_NUMBERS * most_contacts(self.radii, expected.total() as usize) + of_adaptation
+    }
+
+    fn warnings(&self, model: &Model, radii: &Radii) -> Vec<String> {
+        warnings::warnings(model, radii)
+    }
 }
 
 /// Times over which contact forces are predicted: from the positions of the evaluation for springs along the line of
 /// centres, and from the start of the substep for tangential springs.
 #[derive(Debug, Clone, Copy)]
-pub struct PredictionTimes {
-    pub along: f64,
-    pub across: f64,
+struct PredictionTimes {
+    along: f64,
+    across: f64,
 }
 
 /// Contacts at the positions of an evaluation, with forces predicted for the end of the substep.
@@ -55,7 +129,7 @@ pub struct PredictionTimes {
 /// thus keeps its force in any direction of sliding, and a change of direction is followed within some substeps: the
 /// derivative of the limited force is `s h k_t` across the slip and zero along it, and half of `s h k_t` makes both
 /// converge about equally fast.
-pub struct ContactForcing {
+struct ContactForcing {
     law: Contact,
     slots: usize,
     ahead: PredictionTimes,
@@ -67,7 +141,7 @@ pub struct ContactForcing {
 
 /// The flow relative to which velocities are given.
 #[derive(Debug, Clone, Copy)]
-pub struct Flow {
+struct Flow {
     /// Strain rate, and angular velocity at `z = 0`.
     strain_rate: StrainRate,
     turning: Vector,
@@ -77,8 +151,12 @@ pub struct Flow {
 
 impl Flow {
     /// The flow of a box, and the expected change of its strain rate.
-    pub fn of(moving: &PeriodicCell, besides: Traceless) -> Self {
-        Self { strain_rate: moving.strain_rate(), turning: moving.angular_velocity_at(Vector::ZERO), besides }
+    fn of(moving: &PeriodicCell) -> Self {
+        Self {
+            strain_rate: moving.strain_rate(),
+            turning: moving.angular_velocity_at(Vector::ZERO),
+            besides: moving.expected_besides(),
+        }
     }
 
     /// Velocity at which the strain of the flow at the contact separates the centres. It lets spheres slip that rotate
@@ -112,9 +190,29 @@ const CUT: f64 = 0.5;
 type End = (usize, u64, Memory);
 
 impl Contacts {
-    /// Contacts by a law, between `count` spheres with radii in a range.
-    pub fn new(law: Contact, (radii, count): ([f64; 2], usize)) -> Self {
-        Self { law, reach: law.reach([radii[1]; 2]), slots: most_contacts(radii, count), settling: None }
+    /// The contacts of a model.
+    pub fn of(model: &Model) -> Option<Self> {
+        let contacts = model.contacts?;
+        let radii = model.species.iter().map(|s| s.radius);
+        let radii = [radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max)];
+        Some(Self {
+            law: contacts.contact(model),
+            reach: 0.0,
+            slots: 0,
+            radii,
+            settles: contacts.settles(model),
+            settling: None,
+            forcing: None,
+            shear_moment: 0.0,
+        })
+    }
+
+    /// These contacts between spheres of given radii.
+    #[must_use]
+    pub fn between(self, radii: &Radii) -> Self {
+        let extremes = [radii.smallest(), radii.largest()];
+        let (reach, slots) = (self.law.reach([extremes[1]; 2]), most_contacts(extremes, radii.count()));
+        Self { reach, slots, ..self }
     }
 
     /// These contacts with stiffness adaptation, or without it if `None`.
@@ -146,25 +244,25 @@ impl Contacts {
     }
 
     /// Adapts the stiffness, unless the adaptation is over, after the flow has advanced by `strain`. Collective.
-    pub fn adapt(&mut self, particles: &Particles, place: (&PeriodicBox, &Partition), strain: f64) {
+    pub fn adapt(&mut self, particles: &Particles, domain: DomainView, strain: f64) {
         let Some(mut settling) = self.settling.filter(|settling| !settling.is_over()) else { return };
-        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+        let touching = AllTouching::find(&self.law, particles, domain, self.reach);
         let mut largest = [measured::largest_overlap(&self.law, &touching)];
-        place.1.comm().max(&mut largest);
+        domain.comm().max(&mut largest);
         settling.adapt(largest[0], strain);
         self.settle_at(Some(settling));
     }
 
-    /// Contacts for an implicit evaluation, from the expected velocities relative to the flow, the expected change of
-    /// the flow, and the motions of the previous solution. Collective.
-    pub fn acting(
-        &self,
-        particles: &Particles,
-        place: (&PeriodicBox, &Partition),
-        (ahead, expected, flow): (PredictionTimes, &[Vector], Flow),
-        before: &Motion,
-    ) -> ContactForcing {
-        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+    /// Contacts of an evaluation, from the expected velocities relative to the flow, the expected change of the flow,
+    /// and the motions of the previous solution. Collective.
+    fn acting(&self, at: &Instant) -> ContactForcing {
+        let (flow, before) = (Flow::of(at.flow), at.previous);
+        let ahead = PredictionTimes {
+            along: at.prediction.map_or(0.0, |prediction| prediction.time),
+            across: at.prediction.map_or(0.0, |_| at.since_last_solution),
+        };
+        let expected = at.prediction.map_or(&[][..], |prediction| prediction.velocities);
+        let touching = AllTouching::find(&self.law, at.particles, at.domain, self.reach);
         let parting = touching.present(expected);
         let velocities = touching.present(&before.velocities);
         let angular = touching.present(&before.angular_velocities);
@@ -179,21 +277,21 @@ impl Contacts {
 
     /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
     /// [`contact_force`] reads. Collective.
-    pub fn forces(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Vec<[f64; FORCE_NUMBERS]> {
-        let touching = AllTouching::find(&self.law, particles, place, self.reach);
+    pub fn forces(&self, particles: &Particles, domain: DomainView) -> Vec<[f64; FORCE_NUMBERS]> {
+        let touching = AllTouching::find(&self.law, particles, domain, self.reach);
         let own = |contact: &&Touching| particles.ids[contact.rows[0]] < contact.other;
         touching.list.iter().filter(own).map(|contact| forces::numbers(&self.law, contact, particles)).collect()
     }
 
     /// Averages and totals over the contacts. Collective.
-    pub fn measured(&self, particles: &Particles, place: (&PeriodicBox, &Partition)) -> Measured {
-        Measured::of(&self.law, &AllTouching::find(&self.law, particles, place, self.reach), particles)
+    pub fn measured(&self, particles: &Particles, domain: DomainView) -> Measured {
+        Measured::of(&self.law, &AllTouching::find(&self.law, particles, domain, self.reach), particles)
     }
 }
 
 impl ContactForcing {
     /// Adds the known part of contact forces and torques to the loads on this rank's particles.
-    pub fn add_to(&self, loads: &mut Loads) {
+    fn add_to(&self, loads: &mut Loads) {
         let owned = self.touching.halo.owned();
         loads.forces.resize(owned, Vector::ZERO);
         loads.torques.resize(owned, Vector::ZERO);
@@ -211,7 +309,7 @@ impl ContactForcing {
     }
 
     /// Implicit resistance of the contacts, particle by particle.
-    pub fn springs(&self) -> Vec<Vec<ContactSprings>> {
+    fn springs(&self) -> Vec<Vec<ContactSprings>> {
         let mut springs = vec![Vec::new(); self.touching.halo.owned()];
         for contact in &self.touching.list {
             let [normal, tangential, rolling] = self.resistances(contact);
@@ -222,7 +320,7 @@ impl ContactForcing {
 
     /// Stores the state of the contacts at the end of the substep, from motions relative to the flow; [`keep`] makes it
     /// the current state. Fails if a particle has more contacts than slots. Collective.
-    pub fn note(&self, particles: &mut Particles, motion: &Motion) -> Result<(), String> {
+    fn note(&self, particles: &mut Particles, motion: &Motion) -> Result<(), String> {
         let ends = self.ends(motion);
         let ids = particles.ids.clone();
         let column = particles.column(FOUND, CONTACT_NUMBERS * self.slots);
@@ -239,7 +337,7 @@ impl ContactForcing {
 
     /// The `xy` component of the symmetric first moments of this rank's contact forces at the end, from motions
     /// relative to the flow. Collective.
-    pub fn shear_moment(&self, motion: &Motion) -> f64 {
+    fn shear_moment(&self, motion: &Motion) -> f64 {
         let ends = self.ends(motion);
         let of_one = |(contact, (_, _, memory)): (&Touching, &End)| {
             let [force, _] = contact.load(memory.normal, memory);

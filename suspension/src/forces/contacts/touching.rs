@@ -1,7 +1,7 @@
 //! Contacts of a rank's particles.
 
 use super::history::{CONTACTS, Memory, recall};
-use domain::{Halo, Neighbours, Particles, Partition, PeriodicBox, Vector};
+use domain::{DomainView, Halo, Neighbours, Particles, Vector};
 use hydrodynamics::ContactSprings;
 use lubrication::{Contact, PairKind};
 
@@ -35,12 +35,8 @@ pub struct AllTouching {
 
 impl AllTouching {
     /// Finds all contacts. Collective.
-    pub fn find(
-        law: &Contact,
-        particles: &Particles,
-        (cell, partition): (&PeriodicBox, &Partition),
-        reach: f64,
-    ) -> Self {
+    pub fn find(law: &Contact, particles: &Particles, domain: DomainView, reach: f64) -> Self {
+        let DomainView { cell, partition } = domain;
         let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
         let (mut positions, mut radii, mut ids) =
             (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());

@@ -1,9 +1,11 @@
 //! Bonds between listed spheres.
 
 use crate::columns::{BOND_NUMBERS, BONDS};
-use crate::forces::Prediction;
+use crate::error::step::StepError;
+use crate::forces::acting::{Acting, Configuration, Instant, Prediction};
+use crate::forces::force::{Force, StressName};
 use crate::model::Model;
-use domain::{Comm, Failure, Halo, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Comm, DomainView, ExpectedCounts, Failure, Halo, Particles, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
 use hydrodynamics::BondSprings;
 use simulation::{ContactForce, ContactState};
@@ -12,12 +14,64 @@ use simulation::{ContactForce, ContactState};
 /// explicitly.
 const IMPLICIT: f64 = 1.25;
 
+/// Invariant that the end of each step establishes.
+const KNOWN: &str = "bonds are shorter than half of the box between steps";
+
 /// The bonds of a suspension.
 pub struct Bonds {
     kinds: Vec<Kind>,
+    /// Longest rest length; 0 before [`Self::start`].
     longest: f64,
+    /// Width of the column [`BONDS`].
+    numbers: usize,
     /// Half of the shortest edge of the box: an image within this distance is the nearest.
     half: f64,
+}
+
+impl Force for Bonds {
+    fn name(&self) -> &'static str {
+        "bond"
+    }
+
+    fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
+        self.add(loads, &self.find(at.particles, at.domain).expect(KNOWN), None);
+    }
+
+    /// With a prediction, these are the forces at its end without the implicit part.
+    fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
+        let tied = self.find(at.particles, at.domain)?;
+        self.add(&mut acting.loads, &tied, at.prediction);
+        if let Some(prediction) = at.prediction {
+            acting.resistances.add_bonds(self.springs(&tied, prediction.time));
+        }
+        Ok(())
+    }
+
+    fn stresses(&self) -> Vec<StressName> {
+        vec![StressName::symmetric("bond")]
+    }
+
+    fn moments(&self, at: &Configuration, beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
+        vec![self.first_moments(&self.find(at.particles, at.domain).expect(KNOWN), beyond)]
+    }
+
+    fn implicit_range(&self, _largest_radius: f64) -> Option<f64> {
+        (self.longest > 0.0).then(|| self.implicit_reach())
+    }
+
+    /// Breaks bonds with too large a tension. Fails if a bond is as long as half of the box.
+    fn end_step(&mut self, particles: &mut Particles, domain: DomainView) -> Result<(), Failure> {
+        self.find(particles, domain)?.break_those(particles);
+        Ok(())
+    }
+
+    fn explain(&self, step: u64, source: Failure) -> StepError {
+        StepError::Bonds { step, source }
+    }
+
+    fn numbers(&self, _expected: &ExpectedCounts) -> usize {
+        self.numbers
+    }
 }
 
 /// Parameters of a kind of bonds.
@@ -41,7 +95,7 @@ struct Bond {
 }
 
 /// Unbroken bonds of a rank's particles, row by row.
-pub struct Tied {
+struct Tied {
     halo: Halo,
     list: Vec<Bond>,
 }
@@ -66,7 +120,7 @@ impl Bond {
 
 impl Tied {
     /// Forces of bonds with particles of higher id.
-    pub(super) fn forces(&self, particles: &Particles) -> Vec<ContactForce> {
+    fn forces(&self, particles: &Particles) -> Vec<ContactForce> {
         let force = |bond: &Bond| {
             let own = bond.rows[0];
             (particles.ids[own] < bond.other).then(|| ContactForce {
@@ -82,7 +136,7 @@ impl Tied {
     }
 
     /// Breaks the bonds whose tension is too large.
-    pub(super) fn break_those(&self, particles: &mut Particles) {
+    fn break_those(&self, particles: &mut Particles) {
         let Some(column) = particles.columns.iter_mut().find(|column| column.name == BONDS) else { return };
         for bond in self.list.iter().filter(|bond| bond.pull() > bond.kind.breaking_force) {
             column.values[BOND_NUMBERS * bond.slot + 2] *= -1.0;
@@ -90,38 +144,51 @@ impl Tied {
     }
 
     /// This rank's share of the elastic energy.
-    pub(super) fn energy(&self) -> f64 {
+    fn energy(&self) -> f64 {
         self.list.iter().map(|bond| 0.25 * bond.kind.stiffness * (bond.distance() - bond.length).powi(2)).sum()
     }
 }
 
 impl Bonds {
-    /// The bonds of a model, with the rest lengths in the particles' column. Collective.
-    pub(super) fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
-        if model.bonds.is_empty() {
-            return None;
-        }
-        let mut longest = [slots(particles).map(|(_, slot)| slot[1]).fold(0.0, f64::max)];
-        comm.max(&mut longest);
+    /// The bonds of a model, before [`Self::start`].
+    pub fn of(model: &Model) -> Option<Self> {
         let kind = |bonds: &crate::model::Bonds| Kind {
             stiffness: bonds.stiffness,
             breaking_force: bonds.breaking_force.unwrap_or(f64::INFINITY),
         };
-        let half = 0.5 * model.shortest_vector();
-        Some(Self { kinds: model.bonds.iter().map(kind).collect(), longest: longest[0], half })
+        let (kinds, half) = (model.bonds.iter().map(kind).collect(), 0.5 * model.shortest_vector());
+        let bonds = Self { kinds, longest: 0.0, numbers: model.bond_numbers(), half };
+        (!model.bonds.is_empty()).then_some(bonds)
     }
 
-    pub(super) fn implicit_reach(&self) -> f64 {
+    /// Takes the rest lengths from the particles' column. Collective.
+    pub fn start(&mut self, particles: &Particles, comm: &Comm) {
+        let mut longest = [slots(particles).map(|(_, slot)| slot[1]).fold(0.0, f64::max)];
+        comm.max(&mut longest);
+        self.longest = longest[0];
+    }
+
+    /// Elastic energy and number of broken bonds. Collective.
+    pub fn energy_and_broken(&self, particles: &Particles, domain: DomainView) -> [f64; 2] {
+        let tied = self.find(particles, domain).expect(KNOWN);
+        let mut sums = [tied.energy(), broken(particles)];
+        domain.comm().sum(&mut sums);
+        sums
+    }
+
+    /// Forces of the unbroken bonds of this rank's particles with others of higher id. Collective.
+    pub fn forces(&self, particles: &Particles, domain: DomainView) -> Vec<ContactForce> {
+        self.find(particles, domain).expect(KNOWN).forces(particles)
+    }
+
+    fn implicit_reach(&self) -> f64 {
         (IMPLICIT * self.longest).min(self.half)
     }
 
     /// Finds the unbroken bonds. Fails if one is as long as half of the box, where the image to which it extends is
     /// ambiguous. Collective.
-    pub(super) fn find(
-        &self,
-        particles: &Particles,
-        (cell, partition): (&PeriodicBox, &Partition),
-    ) -> Result<Tied, Failure> {
+    fn find(&self, particles: &Particles, domain: DomainView) -> Result<Tied, Failure> {
+        let DomainView { cell, partition } = domain;
         let comm = partition.comm();
         let mut reach = self.implicit_reach();
         loop {
@@ -190,7 +257,7 @@ impl Bonds {
 
     /// Adds the known part of the tension. With `w` the rate at which the centres separate and `w*` its expected value,
     /// the tension after a time `t` is `F(x*) + t k (w - w*)`.
-    pub(super) fn add_to(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Prediction>) {
+    fn add(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Prediction>) {
         loads.forces.resize(tied.halo.owned(), Vector::ZERO);
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, ahead.map(|ahead| (ahead, -1.0)))) {
             loads.forces[bond.rows[0]] += bond.separation * (pull / bond.distance());
@@ -213,7 +280,7 @@ impl Bonds {
     }
 
     /// Implicit resistances of the bonds, particle by particle.
-    pub(super) fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
+    fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
         let mut springs = vec![Vec::new(); tied.halo.owned()];
         for bond in &tied.list {
             let (within, resistance) = (self.half, self.resistance(bond, time));
@@ -224,7 +291,7 @@ impl Bonds {
 
     /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
     /// `-(x_i - x_j) F / 2` to each. Collective.
-    pub(super) fn moments(&self, tied: &Tied, beyond: Option<&Prediction>) -> Vec<Tensor> {
+    fn first_moments(&self, tied: &Tied, beyond: Option<&Prediction>) -> Vec<Tensor> {
         let mut moments = vec![Tensor::ZERO; tied.halo.owned()];
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
             let (r, force) = (bond.separation, bond.separation * (pull / bond.distance()));
@@ -241,6 +308,6 @@ fn slots(particles: &Particles) -> impl Iterator<Item = (usize, &[f64; BOND_NUMB
 }
 
 /// This rank's share of the number of broken bonds.
-pub fn broken(particles: &Particles) -> f64 {
+fn broken(particles: &Particles) -> f64 {
     0.5 * slots(particles).filter(|(_, slot)| slot[2] < 0.0).count() as f64
 }
