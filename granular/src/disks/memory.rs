@@ -7,7 +7,7 @@ use super::{Model, Size};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
 
-/// Numbers of a disk in the particle store: velocity, and what the integrator and the list of neighbours go on from.
+/// Numbers of a disk in the particle store: velocity, and what the integrator and the Verlet list continue from.
 const STORED: usize = 3 + 6 + 9;
 
 impl Model {

@@ -56,8 +56,8 @@ pub struct RunLength {
 }
 
 impl DiskRun {
-    /// Disks at the start of the flow: at given positions, or at random positions and prepared. `tell` is called now
-    /// and then with the completed fraction of the preparation.
+    /// Disks at the start of the flow: at given positions, or at random positions and prepared. `tell` is called from
+    /// time to time with the completed fraction of the preparation.
     pub fn start(
         model: &Model,
         length: RunLength,

@@ -44,7 +44,7 @@ impl Disks {
         Self::prepare_with_progress(model, &mut |_| {})
     }
 
-    /// Like [`Disks::prepared`]; `tell` is called now and then with the completed fraction of the steps.
+    /// Like [`Disks::prepared`]; `tell` is called from time to time with the completed fraction of the steps.
     pub fn prepare_with_progress(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
         let moment = (MOMENT / disks.state.len() as u64).max(1);
@@ -96,7 +96,7 @@ impl Disks {
         Self::given(&self.model, particles, self.stage, self.step)
     }
 
-    /// Starts a stage, or goes on with it after some steps, from positions and velocities.
+    /// Starts a stage, or continues it after some steps, from positions and velocities.
     fn begin(model: Model, stage: Stage, step: u64, mut state: DiskState) -> Self {
         let law = model.law(stage);
         let list = List::build(&mut state, &model, &law, step, None);

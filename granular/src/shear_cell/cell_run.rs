@@ -95,7 +95,7 @@ pub struct CellRun {
 }
 
 impl CellRun {
-    /// An experiment at time zero: grains packed at random, with random velocities. `tell` is called now and then
+    /// An experiment at time zero: grains packed at random, with random velocities. `tell` is called from time to time
     /// with the completed fraction of the packing.
     pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;

@@ -37,6 +37,15 @@ pub struct CollisionRule {
     pub law: FrictionLaw,
 }
 
+/// Conditions on the speed of separation after a collision; zero for grains that do not grow.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Rebound {
+    /// Growth rate of the distance at contact.
+    pub growth: f64,
+    /// Smallest speed of separation.
+    pub least: f64,
+}
+
 /// A wall at the time of a collision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallContact {
@@ -81,22 +90,16 @@ impl CollisionRule {
     /// Collision of two equal grains of radius `radius` along the unit vector `n` from the first to the second:
     ///
     /// ```text
-    /// Jn = (1 + e)(g - vn)/2,   Jt = min(mu Jn, |s|/7),   rebound speed at least `least`
+    /// Jn = (1 + e)(g - vn)/2,   Jt = min(mu Jn, |s|/7),   speed of separation at least `least`
     /// ```
     ///
     /// with `vn` the rate at which their centres separate, `g` the growth rate of their diameter, and `s` the slip
     /// between their surfaces. Returns the impulse on the second grain, per mass.
-    pub fn strike_pair(
-        &self,
-        pair: [&mut GrainMotion; 2],
-        n: Vector,
-        radius: f64,
-        [growth, least]: [f64; 2],
-    ) -> Vector {
+    pub fn strike_pair(&self, pair: [&mut GrainMotion; 2], n: Vector, radius: f64, rebound: Rebound) -> Vector {
         let [a, b] = pair;
         let arm = n * radius;
-        let approach = growth - (b.velocity - a.velocity).dot(n);
-        let normal = 0.5 * (approach + f64::max(self.restitution * approach, least));
+        let approach = rebound.growth - (b.velocity - a.velocity).dot(n);
+        let normal = 0.5 * (approach + f64::max(self.restitution * approach, rebound.least));
         let slip = a.surface(arm) - b.surface(-arm);
         let slip = slip - n * slip.dot(n);
         let speed = slip.length();
@@ -110,18 +113,12 @@ impl CollisionRule {
     /// Collision of a grain of radius `radius` with a wall: `vn -> -e vn` relative to the wall, and for each tangential
     /// component `Ji = min(mu Jn, 2/7 |si|)` against the slip `si` (or both together for the cone); a wall that is free
     /// to move along its normal recoils, `Jn = (1 + e)|vn| / (1 + m/M)`. Returns the impulse on the grain, per mass.
-    pub fn strike_wall(
-        &self,
-        grain: &mut GrainMotion,
-        face: &WallContact,
-        radius: f64,
-        [growth, least]: [f64; 2],
-    ) -> Vector {
-        let n = face.normal();
+    pub fn strike_wall(&self, grain: &mut GrainMotion, wall: &WallContact, radius: f64, rebound: Rebound) -> Vector {
+        let n = wall.normal();
         let arm = -n * radius;
-        let approach = growth - (grain.velocity - face.velocity).dot(n);
-        let normal = (approach + f64::max(self.restitution * approach, least)) / (1.0 + face.mass_ratio);
-        let slip = grain.surface(arm) - face.velocity;
+        let approach = rebound.growth - (grain.velocity - wall.velocity).dot(n);
+        let normal = (approach + f64::max(self.restitution * approach, rebound.least)) / (1.0 + wall.mass_ratio);
+        let slip = grain.surface(arm) - wall.velocity;
         let slip = slip - n * slip.dot(n);
         let stick = slip * (-2.0 / 7.0);
         let bound = self.friction * normal;
@@ -141,7 +138,7 @@ mod tests {
     use proptest::prelude::*;
 
     const RADIUS: f64 = 0.4;
-    const STILL: [f64; 2] = [0.0; 2];
+    const STILL: Rebound = Rebound { growth: 0.0, least: 0.0 };
 
     fn contact(friction: f64, law: FrictionLaw) -> CollisionRule {
         CollisionRule { restitution: 0.9, friction, law }

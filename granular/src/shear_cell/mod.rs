@@ -20,7 +20,7 @@ mod top_wall;
 
 pub use crate::error::PackingError;
 pub use cell_run::{CellRun, Experiment};
-pub use contact::{CollisionRule, FrictionLaw, GrainMotion, INERTIA, WallContact};
+pub use contact::{CollisionRule, FrictionLaw, GrainMotion, INERTIA, Rebound, WallContact};
 pub use engine::{CellState, CollisionDetection, CollisionEngine, Engine};
 pub use event_driven::{EventDriven, Events};
 pub use grains::Grains;

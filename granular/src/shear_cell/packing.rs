@@ -1,5 +1,6 @@
 //! Random packings by the algorithm of Lubachevsky and Stillinger (1990): grains that grow while they move.
 
+use super::event_driven::GrowingDiameter;
 use super::lengths::without_unit;
 use super::{
     CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters,
@@ -27,7 +28,7 @@ impl Model {
         self.pack_with_progress(count, seed, &mut |_| {})
     }
 
-    /// Like [`Model::pack`]; `tell` is called now and then with the fraction of the diameter
+    /// Like [`Model::pack`]; `tell` is called from time to time with the fraction of the diameter
     /// that the grains have reached.
     pub fn pack_with_progress(
         &self,
@@ -41,7 +42,8 @@ impl Model {
         let fraction = count as f64 * std::f64::consts::PI / 6.0 * diameter.powi(3) / (length * height * width);
         let mut reached: f64 = 0.0;
         for growth in GROWTH_RATES {
-            match elastic_at_rest.grow(count, seed, [f64::cbrt(INITIAL_FRACTION / fraction), growth], tell) {
+            let size = GrowingDiameter { diameter: f64::min(f64::cbrt(INITIAL_FRACTION / fraction), 1.0), growth };
+            match elastic_at_rest.grow(count, seed, size, tell) {
                 Ok(mut grains) => {
                     grains.motions.fill(GrainMotion::default());
                     grains.positions.iter_mut().for_each(|x| *x *= self.parameters().diameter);
@@ -72,21 +74,14 @@ impl Model {
         })
     }
 
-    /// Grows grains from the fraction `small` of their diameter at the rate `growth`; on failure, the diameter reached.
-    fn grow(
-        &self,
-        count: usize,
-        seed: u64,
-        [small, growth]: [f64; 2],
-        tell: &mut dyn FnMut(f64),
-    ) -> Result<Grains, f64> {
-        let start = f64::min(small, 1.0);
-        let mut grains = self.scatter(count, start, seed).ok_or(0.0)?;
+    /// Grows grains to a diameter of 1; on failure, the diameter reached.
+    fn grow(&self, count: usize, seed: u64, size: GrowingDiameter, tell: &mut dyn FnMut(f64)) -> Result<Grains, f64> {
+        let mut grains = self.scatter(count, size.diameter, seed).ok_or(0.0)?;
         grains.set_velocities(self, 1.0, seed);
-        let mut engine = EventDriven::growing(self, &CellState::new(self, &grains), [start, growth]);
+        let mut engine = EventDriven::growing(self, &CellState::new(self, &grains), size);
         let lap = COLLISIONS_PER_GRAIN * count as u64;
         while engine.diameter() < 1.0 - 1e-13 {
-            let (before, left) = (engine.tally().time, (1.0 - engine.diameter()) / growth);
+            let (before, left) = (engine.tally().time, (1.0 - engine.diameter()) / size.growth);
             engine.run(left, lap, &|| true);
             tell(engine.diameter());
             if engine.tally().time - before < f64::min(JAMMED_LAP, 0.5 * left) {
@@ -94,8 +89,9 @@ impl Model {
             }
             engine.scale_velocities(1.0 / engine.grains().temperature().sqrt());
         }
+        let full = GrowingDiameter { diameter: 1.0, growth: 0.0 };
         // The last flights end at a diameter that differs from the full one by round-off.
-        let mut engine = EventDriven::growing(self, &CellState::new(self, &engine.grains()), [1.0, 0.0]);
+        let mut engine = EventDriven::growing(self, &CellState::new(self, &engine.grains()), full);
         engine.run(f64::INFINITY, lap, &|| true);
         Ok(engine.grains())
     }

@@ -56,21 +56,21 @@ impl Tally {
     pub(super) fn strike_wall(
         &mut self,
         model: &Model,
-        face: &WallContact,
+        wall: &WallContact,
         impulse: Vector,
         gain: f64,
         top_wall: &mut TopWall,
     ) {
         let mass = model.mass();
         let before = top_wall.energy(model);
-        if face.mass_ratio > 0.0 {
-            top_wall.velocity -= impulse.y * face.mass_ratio;
+        if wall.mass_ratio > 0.0 {
+            top_wall.velocity -= impulse.y * wall.mass_ratio;
         }
-        let held = if face.mass_ratio > 0.0 { Vector::ZERO } else { face.velocity };
-        let wall = &mut self.walls[Side::of(face.axis, face.below) as usize];
-        wall.impulse -= impulse * mass;
-        wall.work += impulse.dot(held) * mass;
-        wall.collisions += 1;
+        let held = if wall.mass_ratio > 0.0 { Vector::ZERO } else { wall.velocity };
+        let sums = &mut self.walls[Side::of(wall.axis, wall.below) as usize];
+        sums.impulse -= impulse * mass;
+        sums.work += impulse.dot(held) * mass;
+        sums.collisions += 1;
         self.dissipated += (impulse.dot(held) - gain) * mass - (top_wall.energy(model) - before);
     }
 }

@@ -1,7 +1,7 @@
 //! The events: collisions with grains and walls, and transitions between cells.
 
 use super::{
-    super::{CollisionRule, Side},
+    super::{CollisionRule, Rebound, Side},
     EventDriven,
 };
 use domain::Vector;
@@ -20,7 +20,7 @@ impl EventDriven {
         let (mut a, mut b) = (self.motion(i), self.motion(j));
         let before = a.energy(radius) + b.energy(radius);
         let pressing = if self.accelerated { (self.accelerations[i] - self.accelerations[j]).dot(n) } else { 0.0 };
-        rule.strike_pair([&mut a, &mut b], n, radius, [self.size[1], self.least(pressing)]);
+        rule.strike_pair([&mut a, &mut b], n, radius, self.rebound(self.size.growth, pressing));
         self.set_motion(i, a);
         self.set_motion(j, b);
         let tally = &mut self.tally;
@@ -63,21 +63,21 @@ impl EventDriven {
     pub(super) fn wall_event(&mut self, i: usize, side: Side) {
         let (model, radius) = (self.model, 0.5 * self.diameter());
         let mut top_wall = self.top_wall.at(self.now);
-        let face = model.wall_contact(side, top_wall.velocity);
+        let wall = model.wall_contact(side, top_wall.velocity);
         let rule = self.rule(model.parameters().wall_contact, &[i]);
         let mut motion = self.motion(i);
         let before = motion.energy(radius);
-        let mut pressing = -self.accelerations[i].dot(face.normal());
-        if face.mass_ratio > 0.0 {
+        let mut pressing = -self.accelerations[i].dot(wall.normal());
+        if wall.mass_ratio > 0.0 {
             pressing += model.top_wall_acceleration();
         }
-        let impulse = rule.strike_wall(&mut motion, &face, radius, [0.5 * self.size[1], self.least(pressing)]);
+        let impulse = rule.strike_wall(&mut motion, &wall, radius, self.rebound(0.5 * self.size.growth, pressing));
         self.set_motion(i, motion);
-        self.tally.strike_wall(&model, &face, impulse, motion.energy(radius) - before, &mut top_wall);
+        self.tally.strike_wall(&model, &wall, impulse, motion.energy(radius) - before, &mut top_wall);
         self.events.collisions += 1;
         self.rotations[i].last_collision = self.now;
         self.change_path(i);
-        if face.mass_ratio > 0.0 {
+        if wall.mass_ratio > 0.0 {
             self.top_wall.set(top_wall, self.now);
         }
         self.plan(i);
@@ -93,9 +93,9 @@ impl EventDriven {
         CollisionRule { restitution: 1.0, ..rule }
     }
 
-    /// Rebound speed that keeps two bodies apart for the contact time under an acceleration that presses them together.
-    fn least(&self, pressing: f64) -> f64 {
-        0.5 * self.model.parameters().contact_time * f64::max(pressing, 0.0)
+    /// Rebound that keeps two bodies apart for the contact time under an acceleration that presses them together.
+    fn rebound(&self, growth: f64, pressing: f64) -> Rebound {
+        Rebound { growth, least: 0.5 * self.model.parameters().contact_time * f64::max(pressing, 0.0) }
     }
 
     /// Nearest image of the separation of two grains in neighbouring cells.
@@ -116,6 +116,7 @@ impl EventDriven {
 #[cfg(test)]
 mod tests {
     use super::super::super::{CellState, Grains, Model, Parameters};
+    use super::super::GrowingDiameter;
     use super::*;
 
     #[test]
@@ -124,7 +125,8 @@ mod tests {
         let parameters = Parameters { length: 24.0, height: 8.0, width: 8.0, diameter: 1.0, ..straight };
         let model = Model::new(parameters).unwrap();
         let grains = Grains { positions: vec![], motions: vec![] };
-        let engine = EventDriven::growing(&model, &CellState::new(&model, &grains), [1.0, 0.0]);
+        let size = GrowingDiameter { diameter: 1.0, growth: 0.0 };
+        let engine = EventDriven::growing(&model, &CellState::new(&model, &grains), size);
         for (distance, nearest) in [(3.0, 3.0), (12.0, 12.0), (15.0, -9.0)] {
             let separation = Vector::new(distance, 5.0, -6.0);
             let expected = Vector::new(nearest, 5.0, -6.0);

@@ -13,6 +13,13 @@ pub struct RelativeFlight {
     pub acceleration: Vector,
 }
 
+/// Diameter of the grains at one time, and its growth rate.
+#[derive(Debug, Clone, Copy)]
+pub struct GrowingDiameter {
+    pub diameter: f64,
+    pub growth: f64,
+}
+
 /// Round-off of the squared distance at contact, over the squared diameter.
 const TOUCH: f64 = 1e-13;
 
@@ -26,9 +33,9 @@ pub struct StraightFlight {
 }
 
 impl StraightFlight {
-    /// From the separation, the relative velocity, and `[diameter, growth]`.
+    /// From the separation and the relative velocity.
     #[inline]
-    pub fn new(r: Vector, w: Vector, [diameter, growth]: [f64; 2]) -> Self {
+    pub fn new(r: Vector, w: Vector, GrowingDiameter { diameter, growth }: GrowingDiameter) -> Self {
         Self {
             a: w.length_squared() - growth * growth,
             b: r.dot(w) - diameter * growth,
@@ -138,8 +145,8 @@ mod tests {
     #[test]
     fn straight_flights_meet_where_the_quadratic_says() {
         let v = Vector::new;
-        let straight = |r, w, size| {
-            let pair = StraightFlight::new(r, w, size);
+        let straight = |r, w, [diameter, growth]: [f64; 2]| {
+            let pair = StraightFlight::new(r, w, GrowingDiameter { diameter, growth });
             assert!(pair.may_meet() || pair.time().is_none());
             pair.time()
         };

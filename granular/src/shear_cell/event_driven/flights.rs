@@ -1,7 +1,7 @@
 //! Selection of the neighbours in straight flight that may collide with a grain, computed in SIMD vectors.
 
 use super::cells::NEAR;
-use super::contact_time::StraightFlight;
+use super::contact_time::{GrowingDiameter, StraightFlight};
 use super::grain::Grain;
 use domain::Vector;
 use simd::vectorised;
@@ -30,8 +30,7 @@ pub struct FlightInput<'a> {
     pub now: f64,
     /// Lengths of the periodic axes; infinite where there are walls.
     pub periods: [f64; 3],
-    /// Diameter and its growth rate.
-    pub size: [f64; 2],
+    pub size: GrowingDiameter,
 }
 
 impl Flights {

@@ -22,6 +22,7 @@ mod top_wall;
 use super::{CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Tally, TopWall};
 use crate::parameter::{ParameterError, require};
 use cells::{GrainCells, NEAR, NearGrains};
+pub(super) use contact_time::GrowingDiameter;
 use contact_time::RelativeFlight;
 use domain::{Number, Vector};
 use flights::Flights;
@@ -57,8 +58,8 @@ pub struct EventDriven {
     curved_flights: Vec<(u32, RelativeFlight)>,
     /// Time since the grains were last advanced together, the origin of time of plans and grains.
     now: f64,
-    /// Diameter at that time, and its growth rate (packing only).
-    size: [f64; 2],
+    /// Diameter at that time; it grows in packing only.
+    size: GrowingDiameter,
     /// Time for which a stored acceleration is valid.
     horizon: f64,
     accelerated: bool,
@@ -101,11 +102,11 @@ impl EventDriven {
             Number(horizon)
         );
         require(contact <= horizon, "grains.contact_time", Number(contact), longest)?;
-        Ok(Self::growing(model, state, [model.parameters().diameter, 0.0]))
+        Ok(Self::growing(model, state, GrowingDiameter { diameter: model.parameters().diameter, growth: 0.0 }))
     }
 
     /// Like [`EventDriven::new`], with a diameter that grows to the model's.
-    pub(super) fn growing(model: &Model, state: &CellState, size: [f64; 2]) -> Self {
+    pub(super) fn growing(model: &Model, state: &CellState, size: GrowingDiameter) -> Self {
         let accelerated = model.has_body_force();
         let cells = GrainCells::fitting(model, state.top_wall.height, state.grains.len());
         let (ids, grains) = in_order(&cells, &state.grains);
@@ -186,7 +187,7 @@ impl EventDriven {
 
     /// The diameter now.
     pub(super) fn diameter(&self) -> f64 {
-        self.size[0] + self.size[1] * self.now
+        self.size.diameter + self.size.growth * self.now
     }
 
     /// Multiplies all velocities, and plans again.
@@ -271,7 +272,7 @@ impl EventDriven {
         self.top_wall.rebase(self.now);
         self.queue.rebase(self.now);
         self.tally.time += self.now;
-        self.size[0] = self.diameter();
+        self.size.diameter = self.diameter();
         self.now = 0.0;
     }
 

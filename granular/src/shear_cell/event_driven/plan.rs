@@ -2,7 +2,7 @@
 
 use super::{
     EventDriven, NO_GRAIN,
-    contact_time::{RelativeFlight, curved_contact_time, time_to_plane},
+    contact_time::{GrowingDiameter, RelativeFlight, curved_contact_time, time_to_plane},
     flights::FlightInput,
     grain::{Exit, NextEvent},
 };
@@ -41,7 +41,7 @@ impl EventDriven {
     /// Earliest contact with a grain in the cells at offsets `reach`, if it is earlier than the planned one.
     fn contact<const ACCELERATED: bool>(&mut self, i: usize, reach: [[isize; 2]; 3]) -> Option<(f64, u32)> {
         let best = (self.plans[i].contact - self.now, NO_GRAIN);
-        let size = [self.diameter(), self.size[1]];
+        let size = GrowingDiameter { diameter: self.diameter(), growth: self.size.growth };
         let Self { grains, cells, near, flights, now, .. } = self;
         let grain = &grains[i];
         cells.near(cells.coordinates(grain.cell), reach, near);
@@ -96,7 +96,7 @@ impl EventDriven {
             let edge = self.cells.edges[axis];
             let low = home[axis] as f64 * edge;
             let walled = self.cells.walled[axis];
-            let (radius, growth) = (0.5 * self.diameter(), 0.5 * self.size[1]);
+            let (radius, growth) = (0.5 * self.diameter(), 0.5 * self.size.growth);
             let down = if walled && home[axis] == 0 {
                 time_to_plane(x - radius, growth - v, -a)
             } else {

@@ -3,8 +3,8 @@
 mod neighbours;
 
 use super::{
-    CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Side, Tally, Top, TopWall,
-    contact::WallContact, grains::wrap,
+    CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Rebound, Side, Tally, Top, TopWall,
+    grains::wrap,
 };
 use crate::parameter::{ParameterError, positive, refused};
 use domain::{Number, Vector};
@@ -147,24 +147,24 @@ impl TimeStepped {
 
     fn strike_wall(&mut self, i: usize, side: Side) {
         let (model, radius) = (&self.model, self.model.radius());
-        let face: WallContact = model.wall_contact(side, self.top_wall.velocity);
-        let (x, normal) = (self.positions[i], face.normal());
+        let wall = model.wall_contact(side, self.top_wall.velocity);
+        let (x, normal) = (self.positions[i], wall.normal());
         let plane = match side {
             Side::Bottom | Side::Outer => 0.0,
             Side::Top => self.top_wall.height,
             Side::Inner => model.edges().z,
         };
-        let overlap = radius - (x[face.axis] - plane) * normal[face.axis];
+        let overlap = radius - (x[wall.axis] - plane) * normal[wall.axis];
         self.escaped |= overlap > model.parameters().diameter;
         let mut motion = GrainMotion { velocity: self.velocities[i], spin: self.spins[i] };
-        if overlap <= 0.0 || (motion.velocity - face.velocity).dot(normal) >= 0.0 {
+        if overlap <= 0.0 || (motion.velocity - wall.velocity).dot(normal) >= 0.0 {
             return;
         }
         let before = motion.energy(radius);
-        let impulse = model.parameters().wall_contact.strike_wall(&mut motion, &face, radius, [0.0; 2]);
+        let impulse = model.parameters().wall_contact.strike_wall(&mut motion, &wall, radius, Rebound::default());
         (self.velocities[i], self.spins[i]) = (motion.velocity, motion.spin);
         let gain = motion.energy(radius) - before;
-        self.tally.strike_wall(model, &face, impulse, gain, &mut self.top_wall);
+        self.tally.strike_wall(model, &wall, impulse, gain, &mut self.top_wall);
         self.tally.largest_overlap = self.tally.largest_overlap.max(overlap / model.parameters().diameter);
     }
 
@@ -176,7 +176,7 @@ impl TimeStepped {
             let mut a = GrainMotion { velocity: v[i], spin: w[i] };
             let mut b = GrainMotion { velocity: v[j], spin: w[j] };
             let (distance, before) = (d.length(), a.energy(radius) + b.energy(radius));
-            rule.strike_pair([&mut a, &mut b], d / distance, radius, [0.0; 2]);
+            rule.strike_pair([&mut a, &mut b], d / distance, radius, Rebound::default());
             (v[i], w[i], v[j], w[j]) = (a.velocity, a.spin, b.velocity, b.spin);
             let overlap = 1.0 - distance / diameter;
             lost += before - a.energy(radius) - b.energy(radius);
