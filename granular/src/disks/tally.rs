@@ -49,11 +49,6 @@ impl Measurement {
         self.kinetic_stress + self.contact_stress
     }
 
-    /// Half the trace of the stress.
-    pub fn pressure(&self) -> f64 {
-        0.5 * (self.stress().x + self.stress().z)
-    }
-
     /// Kinetic and elastic energy.
     pub fn energy(&self) -> f64 {
         self.kinetic + self.elastic

@@ -90,7 +90,7 @@ mod tests {
     fn moment(x: f64, y: f64) -> Snapshot {
         let (position, velocity) = (DVec2::new(0.0, y), DVec2::new(x, 0.0));
         let disk = Disk { position, velocity, excess: velocity - DVec2::X, mass: 2.0, ..Disk::default() };
-        Snapshot { edges: [10.0; 2], disks: vec![disk], ..Snapshot::default() }
+        Snapshot { edges: [10.0; 2], disks: vec![disk] }
     }
 
     #[test]

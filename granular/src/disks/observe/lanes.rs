@@ -46,7 +46,7 @@ mod tests {
     fn lanes_are_found_at_their_spacing() {
         let disk = |y: f64| Disk { position: DVec2::new(0.0, y), radius: 1.0, ..Disk::default() };
         let disks = (0..400).map(|i| disk(f64::from(i % 50) * 2.0 + 0.1 * (f64::from(i) * 0.7).sin())).collect();
-        let lanes = Snapshot { edges: [100.0; 2], disks, ..Snapshot::default() }.lanes();
+        let lanes = Snapshot { edges: [100.0; 2], disks }.lanes();
         assert!((lanes.spacing - 2.0).abs() < 1e-12);
         // Debye-Waller: exp(-k^2 <u^2>), <u^2> = 0.005, k = pi, to the next order in k^2 u^2.
         assert!((lanes.peak - (-0.005 * std::f64::consts::PI.powi(2)).exp()).abs() < 2e-3);

@@ -63,7 +63,7 @@ mod tests {
             ..Disk::default()
         };
         let disks = vec![disk(1.0, 1.0, 4.0), disk(2.0, 3.0, 0.0), disk(7.0, 1.0, 2.0)];
-        let stripes = Snapshot { edges: [10.0; 2], disks, ..Snapshot::default() }.profile(2);
+        let stripes = Snapshot { edges: [10.0; 2], disks }.profile(2);
         assert_eq!((stripes[0].height, stripes[0].count, stripes[1].count), (2.5, 2, 1));
         assert_eq!((stripes[0].excess, stripes[0].velocity), (1.0, [2.0, 2.0]));
         assert_eq!((stripes[0].covariance.x, stripes[1].covariance.x), (3.0, 0.0));

@@ -28,12 +28,6 @@ pub struct Disk {
 /// All disks at one time, in the order of their ids.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Snapshot {
-    /// Time since the stage began.
-    pub time: f64,
-    /// Strain since then.
-    pub strain: f64,
-    /// Strain of the lattice of images, reduced to its range.
-    pub lattice_strain: f64,
     /// Edges of the cell.
     pub edges: [f64; 2],
     /// The disks.
@@ -44,7 +38,6 @@ impl Disks {
     /// Snapshot of the present state.
     pub fn snapshot(&self) -> Snapshot {
         let (law, model) = (&self.law, &self.model);
-        let cell = self.cell();
         let state = self.wrapped();
         let disk = |row: usize| {
             let (identity, body) = (&state.identities[row], &state.bodies[row]);
@@ -62,7 +55,6 @@ impl Disks {
         };
         let mut disks: Vec<Disk> = (0..state.len()).map(disk).collect();
         disks.sort_by_key(|d| d.id);
-        let (edges, lattice_strain) = (model.parameters().edges, cell.strain());
-        Snapshot { time: self.time(), strain: self.strain(), lattice_strain, edges, disks }
+        Snapshot { edges: model.parameters().edges, disks }
     }
 }

@@ -76,7 +76,7 @@ mod tests {
             is_large: radius > 1.0,
             ..Disk::default()
         };
-        Snapshot { edges: [10.0, 20.0], disks: disks.iter().map(disk).collect(), ..Snapshot::default() }
+        Snapshot { edges: [10.0, 20.0], disks: disks.iter().map(disk).collect() }
     }
 
     #[test]
