@@ -37,7 +37,7 @@ impl List {
         measure: bool,
     ) -> ContactSums {
         self.move_images(law, step);
-        let view = ForceInput {
+        let input = ForceInput {
             bodies: &state.bodies,
             identities: &state.identities,
             damping: 2.0 * law.contact.damping(),
@@ -47,10 +47,12 @@ impl List {
         let chunks = self.chunks.iter_mut().zip(state.forces.chunks_mut(CHUNK));
         let part = |(chunk, forces)| ForcePart { chunk, forces, sums: ContactSums::default() };
         let mut parts: Vec<ForcePart> = chunks.map(part).collect();
-        for_each_part(&mut parts, |part| if measure { part.push::<true>(&view) } else { part.push::<false>(&view) });
+        for_each_part(&mut parts, |part| {
+            if measure { part.add_forces::<true>(&input) } else { part.add_forces::<false>(&input) }
+        });
         let sums = parts.iter().fold(ContactSums::default(), |sum, part| sum + part.sums);
         for chunk in &mut self.chunks {
-            for (pair, force) in chunk.pushes.drain(..) {
+            for (pair, force) in chunk.border_forces.drain(..) {
                 state.forces[pair.i as usize] -= force;
                 state.forces[pair.j as usize] += force;
             }
@@ -60,18 +62,18 @@ impl List {
 }
 
 impl ForcePart<'_> {
-    fn push<const MEASURE: bool>(&mut self, view: &ForceInput) {
+    fn add_forces<const MEASURE: bool>(&mut self, input: &ForceInput) {
         let Self { chunk, forces, sums } = self;
-        let PairChunk { rows, inner, border, found, pushes } = chunk;
+        let PairChunk { rows, inner, border, found, border_forces } = chunk;
         let start = rows.start as u32;
         for batch in inner {
-            batch.push::<MEASURE>(view, found, sums, |pair, force| {
+            batch.for_each_force::<MEASURE>(input, found, sums, |pair, force| {
                 forces[(pair.i - start) as usize] -= force;
                 forces[(pair.j - start) as usize] += force;
             });
         }
         for batch in border {
-            batch.push::<MEASURE>(view, found, sums, |pair, force| pushes.push((pair, force)));
+            batch.for_each_force::<MEASURE>(input, found, sums, |pair, force| border_forces.push((pair, force)));
         }
     }
 }
@@ -98,35 +100,35 @@ impl ImageBatch {
 
     /// Passes on the force on the second disk of each pair in contact, `mu (xi + 2 kappa dxi/dt) n`.
     #[inline(always)]
-    fn push<const MEASURE: bool>(
+    fn for_each_force<const MEASURE: bool>(
         &mut self,
-        view: &ForceInput,
+        input: &ForceInput,
         found: &mut [u32],
         sums: &mut ContactSums,
         mut apply: impl FnMut(DiskPair, DVec2),
     ) {
-        for &p in self.find(view.bodies, found) {
+        for &p in self.find(input.bodies, found) {
             let pair = self.pairs[p as usize];
-            let (first, second) = (&view.bodies[pair.i as usize], &view.bodies[pair.j as usize]);
+            let (first, second) = (&input.bodies[pair.i as usize], &input.bodies[pair.j as usize]);
             let d = second.position - first.position + self.image.shift;
             let mut u = second.velocity - first.velocity;
             u.x += self.image.velocity;
             let square = larger(d.length_squared(), f64::MIN_POSITIVE);
             let distance = square.sqrt();
-            let parting = d.dot(u);
+            let separating = d.dot(u);
             // Multiplied by distance over reduced mass.
-            let push = larger((pair.contact_distance - distance) * distance - view.damping * parting, view.floor);
+            let push = larger((pair.contact_distance - distance) * distance - input.damping * separating, input.floor);
             let force = d * (push / (square * pair.inverse_mass_sum));
             apply(pair, force);
-            let last = std::mem::replace(&mut self.touched[p as usize], view.step);
-            if last != view.step.wrapping_sub(1) {
-                let large = [pair.i, pair.j].map(|row| usize::from(view.identities[row as usize].is_large));
+            let last = std::mem::replace(&mut self.touched[p as usize], input.step);
+            if last != input.step.wrapping_sub(1) {
+                let large = [pair.i, pair.j].map(|row| usize::from(input.identities[row as usize].is_large));
                 sums.encounters[large[0] + large[1]] += 1;
             }
             if MEASURE {
                 sums.contacts += 1;
                 sums.image_work += force.x * self.image.velocity;
-                sums.measure(&pair, d, parting / distance, force);
+                sums.measure(&pair, d, separating / distance, force);
             }
         }
     }
@@ -134,12 +136,12 @@ impl ImageBatch {
 
 impl ContactSums {
     /// Adds a pair with given separation, rate of separation and force.
-    fn measure(&mut self, pair: &DiskPair, d: DVec2, parting: f64, force: DVec2) {
+    fn measure(&mut self, pair: &DiskPair, d: DVec2, separation_rate: f64, force: DVec2) {
         let distance = d.length();
         let overlap = pair.contact_distance - distance;
         let tension = overlap / pair.inverse_mass_sum;
         self.spring += 0.5 * tension * overlap;
-        self.loss -= (force.dot(d) / distance - tension) * parting;
+        self.loss -= (force.dot(d) / distance - tension) * separation_rate;
         self.virial += Vector::new(d.x * force.x, d.x * force.y, d.y * force.y);
     }
 }

@@ -163,7 +163,7 @@ impl PairSearch<'_> {
 
 impl PairChunk {
     fn new(rows: Range<usize>) -> Self {
-        Self { rows, inner: Vec::new(), border: Vec::new(), found: Vec::new(), pushes: Vec::new() }
+        Self { rows, inner: Vec::new(), border: Vec::new(), found: Vec::new(), border_forces: Vec::new() }
     }
 
     fn list(&mut self, pair: DiskPair, steps: [i32; 2], touched: u32) {

@@ -74,7 +74,7 @@ pub(super) struct PairChunk {
     /// Buffer for the indices of the pairs in contact.
     pub(super) found: Vec<u32>,
     /// Forces of pairs whose second disk is in another range.
-    pub(super) pushes: Vec<(DiskPair, DVec2)>,
+    pub(super) border_forces: Vec<(DiskPair, DVec2)>,
 }
 
 /// All pairs, the step at which they were found, and the margin that decides how long they remain valid.
