@@ -100,12 +100,12 @@ pub fn fold_pairs<T: Send>(
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
-    let search = PairSearch { cell, positions, total: positions.len(), cutoff };
+    let search = SearchedParticles { cell, positions, total: positions.len(), cutoff };
     fold_some_pairs(&search, |_| true, start, visit)
 }
 
 /// Particles among which pairs are searched.
-pub(crate) struct PairSearch<'a> {
+pub(crate) struct SearchedParticles<'a> {
     pub cell: &'a PeriodicBox,
     pub positions: &'a [Vector],
     /// Number of particles in the whole box.
@@ -115,12 +115,12 @@ pub(crate) struct PairSearch<'a> {
 
 /// The same for only those pairs whose smaller row satisfies `is_meant`.
 pub(crate) fn fold_some_pairs<T: Send>(
-    search: &PairSearch,
+    search: &SearchedParticles,
     is_meant: impl Fn(u32) -> bool + Sync,
     start: impl Fn() -> T + Sync,
     visit: impl Fn(&mut T, [u32; 2], Vector) + Sync,
 ) -> Vec<T> {
-    let &PairSearch { cell, positions, total, cutoff } = search;
+    let &SearchedParticles { cell, positions, total, cutoff } = search;
     let cells = Cells::sort_among(cell, positions, cutoff, total);
     let share = cells.count().div_ceil(4 * rayon::current_num_threads());
     (0..cells.count().div_ceil(share))

@@ -1,6 +1,6 @@
 //! Pairs of the particles of all ranks within any distance, without storing them.
 
-use crate::pairs::{PairSearch, fold_some_pairs};
+use crate::pairs::{SearchedParticles, fold_some_pairs};
 use crate::{DomainView, Halo, Particles, Vector};
 use rayon::prelude::*;
 
@@ -48,7 +48,7 @@ fn fold_in_rounds<T: Send>(
         // Pairs within this rank are visited in the first round.
         let of_round = |[_, j]: [u32; 2]| round == 0 || !near.is_own(j);
         parts.extend(fold_some_pairs(
-            &PairSearch { cell, positions: &near.positions, total, cutoff },
+            &SearchedParticles { cell, positions: &near.positions, total, cutoff },
             |row| near.is_own(row),
             &start,
             |seen, pair, separation| {

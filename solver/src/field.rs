@@ -3,7 +3,7 @@
 use crate::layout::Layout;
 use crate::modes::{Complexes, MODES};
 use crate::shared::Shared;
-use crate::{Real, memory::Memory};
+use crate::{Real, memory::AlignedMemory};
 use num_complex::Complex;
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -24,14 +24,14 @@ pub enum Spectral {}
 /// start of the row: a forward transform adds them to it, and a backward transform copies the row's start there.
 #[derive(Debug, Clone)]
 pub struct Field<T, Space> {
-    pub(crate) memory: Memory<T>,
+    pub(crate) memory: AlignedMemory<T>,
     pub(crate) layout: Layout,
     space: PhantomData<Space>,
 }
 
 impl<T: Real, Space> Field<T, Space> {
     pub(crate) fn zero(layout: &Layout) -> Self {
-        Self { memory: Memory::zero(layout.capacity), layout: layout.clone(), space: PhantomData }
+        Self { memory: AlignedMemory::zero(layout.capacity), layout: layout.clone(), space: PhantomData }
     }
 
     /// Reinterprets the memory as values in another space.

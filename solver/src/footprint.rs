@@ -9,14 +9,14 @@ use domain::{Bytes, Place, Vector};
 /// A rank's share of a grid for memory forecasts, without building it: the points of the grid, the place of the rank,
 /// and the length of the halo after each row.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Footprint {
+pub struct GridFootprint {
     points: [usize; 3],
     place: Place,
     halo: usize,
     is_tilted: bool,
 }
 
-impl Footprint {
+impl GridFootprint {
     /// For a grid of `points` points, which a transform accepts.
     pub fn new(points: [usize; 3], place: &Place, halo: usize) -> Self {
         Self { points, place: place.clone(), halo, is_tilted: false }
@@ -120,7 +120,7 @@ mod tests {
             let partition = Partition::new(&comm, [points[1], points[2]]);
             let transform = Transform::<T>::new(points, &partition, 16);
             let place = Place::of(ranks, comm.rank(), [points[1], points[2]]);
-            let footprint = Footprint::new(points, &place, 16);
+            let footprint = GridFootprint::new(points, &place, 16);
             let lines: usize = partition.owned().map(|lines| lines.len()).iter().product();
             assert_eq!(footprint.points() as usize, points[0] * lines);
             let field: Field<T, Physical> = transform.field();
@@ -143,7 +143,7 @@ mod tests {
                 let grid = Grid::new(points, PeriodicBox::of_lattice(vectors).unwrap()).unwrap();
                 let found = Stokes::<T>::new(&grid, 1.0).bytes() as f64;
                 let alone = Place::of(1, 0, [points[1], points[2]]);
-                let expected = Footprint::new(points, &alone, 16).tilted(is_tilted).operator::<T>();
+                let expected = GridFootprint::new(points, &alone, 16).tilted(is_tilted).operator::<T>();
                 assert!((found - expected.kept).abs() < 1.0, "{found} bytes, {expected:?} expected");
                 assert!(expected.most >= expected.kept);
             }

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 /// Values aligned to a cache line of 64 bytes, so that no [`simd::Vector`] straddles two.
 #[derive(Debug, Clone, Default)]
-pub struct Memory<T> {
+pub struct AlignedMemory<T> {
     lines: Vec<AlignedLine>,
     values: PhantomData<T>,
 }
@@ -15,7 +15,7 @@ pub struct Memory<T> {
 #[repr(C, align(64))]
 struct AlignedLine([u64; 8]);
 
-impl<T: Real> Memory<T> {
+impl<T: Real> AlignedMemory<T> {
     /// At least `count` zeros.
     pub fn zero(count: usize) -> Self {
         Self { lines: vec![AlignedLine::zeroed(); count.div_ceil(T::LANES)], values: PhantomData }

@@ -8,7 +8,7 @@ pub use sums::LagSums;
 
 /// A particle's velocity and path at one time.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Motion {
+pub struct TrackedMotion {
     /// Velocity relative to the flow.
     pub velocity: Vector,
     /// Integral of that velocity over time: the displacement without that by the background flow.
@@ -84,7 +84,7 @@ impl LagLevel {
     }
 
     /// Stores a sample and correlates it with those at the lags from `first` on.
-    fn push(&mut self, time: f64, motions: &[Motion], classes: &Classes, first: usize) {
+    fn push(&mut self, time: f64, motions: &[TrackedMotion], classes: &Classes, first: usize) {
         let &Classes { of_particles, count } = classes;
         let (slot, start) = self.slot(self.pushed);
         self.times[slot] = time;
@@ -117,7 +117,7 @@ impl LagLevel {
     }
 }
 
-fn add(sums: &mut [f64], elapsed: f64, then: &[f64], now: &Motion) {
+fn add(sums: &mut [f64], elapsed: f64, then: &[f64], now: &TrackedMotion) {
     sums[0] += 1.0;
     sums[1] += elapsed;
     for component in 0..3 {
@@ -152,7 +152,7 @@ impl Lagrangian {
     }
 
     /// Adds a sample: the motions of all particles, in the same order each time.
-    pub fn add(&mut self, time: f64, motions: &[Motion]) {
+    pub fn add(&mut self, time: f64, motions: &[TrackedMotion]) {
         assert_eq!(motions.len(), self.classes.len(), "a motion for each particle");
         self.samples = self.samples.saturating_add(1);
         let classes = Classes { of_particles: &self.classes, count: self.class_count };

@@ -42,7 +42,7 @@ pub use counts::Counts;
 pub use diffusion::{Diffusivity, global_coefficient, mean_coefficient, mean_radius};
 pub use fluctuations::Fluctuations;
 pub use histogram::Histogram;
-pub use lagrangian::{Lag, LagSums, Lagrangian, Motion};
+pub use lagrangian::{Lag, LagSums, Lagrangian, TrackedMotion};
 pub use moments::{SecondMoments, VectorSum};
 pub use oscillation::{FEWEST_SAMPLES, Moduli};
 pub use pair_distribution::{Angle, PairDistribution};

@@ -87,11 +87,11 @@ pub enum CommError {
 pub struct Comm {
     backend: Backend,
     /// Data that this group and those split from it sent to other ranks.
-    sent: Arc<Sent>,
+    sent: Arc<SentCounters>,
 }
 
 #[derive(Default)]
-struct Sent {
+struct SentCounters {
     bytes: AtomicU64,
     messages: AtomicU64,
 }
@@ -99,8 +99,8 @@ struct Sent {
 #[derive(Clone)]
 enum Backend {
     Alone,
-    Threads(threads::Rank),
-    Processes(processes::Rank),
+    Threads(threads::ThreadRank),
+    Processes(processes::ProcessRank),
 }
 
 impl Comm {
@@ -119,7 +119,7 @@ impl Comm {
         match launcher.job {
             Job::Alone => Ok(Self::alone()),
             Job::Of(1) if cfg!(not(feature = "mpi")) => Ok(Self::alone()),
-            _ => processes::Rank::world(&launcher).map(|rank| Self::of(Backend::Processes(rank))),
+            _ => processes::ProcessRank::world(&launcher).map(|rank| Self::of(Backend::Processes(rank))),
         }
     }
 
@@ -128,7 +128,7 @@ impl Comm {
     /// and is duplicated. MPI has to stay initialised until the last use. Collective among its ranks.
     #[cfg(feature = "mpi")]
     pub fn of_handle(handle: i32, library: &str) -> Result<Self, CommError> {
-        processes::Rank::of_handle(handle, library).map(|rank| Self::of(Backend::Processes(rank)))
+        processes::ProcessRank::of_handle(handle, library).map(|rank| Self::of(Backend::Processes(rank)))
     }
 
     /// Runs `body` once on each of `ranks` ranks that are threads of this process, and returns the results in rank

@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 /// No value of this type exists.
 #[derive(Clone)]
-pub(super) enum Rank {}
+pub(super) enum ProcessRank {}
 
-impl Rank {
+impl ProcessRank {
     pub(super) fn world(launcher: &Launcher) -> Result<Self, CommError> {
         let Job::Of(found) = launcher.job else { return Err(CommError::BuiltWithout { found: None }) };
         Err(CommError::BuiltWithout { found: Some(found) })

@@ -17,22 +17,22 @@ use std::sync::{Arc, Once};
 
 /// A process in a group of processes. MPI is finalised when the last of these values is dropped.
 #[derive(Clone)]
-pub(super) struct Rank {
-    communicator: Rc<Group>,
+pub(super) struct ProcessRank {
+    communicator: Rc<OwnedCommunicator>,
     /// `None` if other code initialised MPI, which then finalises it.
     universe: Option<Rc<Universe>>,
 }
 
 /// A communicator that is freed when dropped, unless MPI was finalised before.
-struct Group(ManuallyDrop<SimpleCommunicator>);
+struct OwnedCommunicator(ManuallyDrop<SimpleCommunicator>);
 
-impl Group {
+impl OwnedCommunicator {
     fn of(communicator: SimpleCommunicator) -> Rc<Self> {
         Rc::new(Self(ManuallyDrop::new(communicator)))
     }
 }
 
-impl Deref for Group {
+impl Deref for OwnedCommunicator {
     type Target = SimpleCommunicator;
 
     fn deref(&self) -> &SimpleCommunicator {
@@ -40,7 +40,7 @@ impl Deref for Group {
     }
 }
 
-impl Drop for Group {
+impl Drop for OwnedCommunicator {
     fn drop(&mut self) {
         if !mpi::environment::is_finalized() {
             // SAFETY: it is not accessed after this.
@@ -49,7 +49,7 @@ impl Drop for Group {
     }
 }
 
-impl Rank {
+impl ProcessRank {
     pub(super) fn world(launcher: &Launcher) -> Result<Self, CommError> {
         let disagree = |seen| match launcher.job {
             Job::Of(launched) if launched != seen && launcher.connects => {
@@ -71,7 +71,7 @@ impl Rank {
         let world = universe.world();
         disagree(world.size() as usize)?;
         abort_all_on_panic(world.rank());
-        Ok(Self { communicator: Group::of(world), universe: Some(Rc::new(universe)) })
+        Ok(Self { communicator: OwnedCommunicator::of(world), universe: Some(Rc::new(universe)) })
     }
 
     /// Ranks of a communicator that other code made, given by its Fortran handle and the version of its library.
@@ -94,7 +94,7 @@ impl Rank {
         if communicator.size() > 1 {
             ABORTS.call_once(|| abort_all_on_panic(communicator.rank()));
         }
-        Ok(Self { communicator: Group::of(communicator), universe: None })
+        Ok(Self { communicator: OwnedCommunicator::of(communicator), universe: None })
     }
 
     pub(super) fn rank(&self) -> usize {
@@ -108,7 +108,7 @@ impl Rank {
     pub(super) fn split(&self, colour: usize) -> Self {
         let colour = mpi::topology::Color::with_value(colour as i32);
         let communicator = self.communicator.split_by_color(colour).expect("every rank has a colour");
-        Self { communicator: Group::of(communicator), universe: self.universe.clone() }
+        Self { communicator: OwnedCommunicator::of(communicator), universe: self.universe.clone() }
     }
 
     pub(super) fn barrier(&self) {
@@ -117,7 +117,7 @@ impl Rank {
 
     pub(super) fn on_this_machine(&self) -> Self {
         let communicator = self.communicator.split_shared(self.communicator.rank());
-        Self { communicator: Group::of(communicator), universe: self.universe.clone() }
+        Self { communicator: OwnedCommunicator::of(communicator), universe: self.universe.clone() }
     }
 
     /// Shared memory of every rank of a group on one machine, if the machine allows that.

@@ -8,19 +8,19 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 /// A thread in a group of threads.
 #[derive(Clone)]
-pub(super) struct Rank {
+pub(super) struct ThreadRank {
     number: usize,
-    group: Arc<Group>,
+    group: Arc<ThreadGroup>,
     machine: usize,
 }
 
 /// Shared state of the threads of a group: a barrier, and a mailbox from every rank to every other.
-struct Group {
+struct ThreadGroup {
     size: usize,
     meeting: Mutex<Meeting>,
     everyone: Condvar,
     mail: Vec<Mutex<Vec<u8>>>,
-    subgroups: Mutex<HashMap<(usize, usize), Arc<Group>>>,
+    subgroups: Mutex<HashMap<(usize, usize), Arc<ThreadGroup>>>,
     segments: Mutex<HashMap<(usize, usize), Arc<Segment>>>,
 }
 
@@ -31,15 +31,15 @@ struct Meeting {
     broken: bool,
 }
 
-pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(Rank) -> R + Sync) -> Vec<R> {
-    let group = Group::new(ranks);
+pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(ThreadRank) -> R + Sync) -> Vec<R> {
+    let group = ThreadGroup::new(ranks);
     let body = &body;
     std::thread::scope(|scope| {
         let spawn = |rank| {
             let group = group.clone();
             scope.spawn(move || {
                 let _guard = BreakOnPanic(group.clone());
-                body(Rank { number: rank, group, machine: rank / 2 })
+                body(ThreadRank { number: rank, group, machine: rank / 2 })
             })
         };
         let threads: Vec<_> = (0..ranks).map(spawn).collect();
@@ -48,7 +48,7 @@ pub(super) fn run<R: Send>(ranks: usize, body: impl Fn(Rank) -> R + Sync) -> Vec
 }
 
 /// Releases the other threads when this rank panics; they would wait for it forever.
-struct BreakOnPanic(Arc<Group>);
+struct BreakOnPanic(Arc<ThreadGroup>);
 
 impl Drop for BreakOnPanic {
     fn drop(&mut self) {
@@ -63,7 +63,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Group {
+impl ThreadGroup {
     fn new(size: usize) -> Arc<Self> {
         Arc::new(Self {
             size,
@@ -92,7 +92,7 @@ impl Group {
     }
 }
 
-impl Rank {
+impl ThreadRank {
     pub(super) fn rank(&self) -> usize {
         self.number
     }
@@ -128,7 +128,8 @@ impl Rank {
         let members = colours.iter().filter(|&&c| c == colour).count();
         let number = colours[..self.number].iter().filter(|&&c| c == colour).count();
         let round = self.group.meet();
-        let group = lock(&self.group.subgroups).entry((round, colour)).or_insert_with(|| Group::new(members)).clone();
+        let group =
+            lock(&self.group.subgroups).entry((round, colour)).or_insert_with(|| ThreadGroup::new(members)).clone();
         self.barrier();
         lock(&self.group.subgroups).remove(&(round, colour));
         Self { number, group, machine: self.machine }

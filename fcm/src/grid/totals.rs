@@ -1,21 +1,21 @@
 //! Sums over the lanes of vectors.
 
 use simd::{SimdVector as Lanes, StridedRows};
-use solver::{Memory, Real};
+use solver::{AlignedMemory, Real};
 
 /// Number of sums taken at once, padded with zeros: a multiple of the lanes of any vector.
 const SUMS: usize = 16;
 
 /// Sums of one particle, three of its velocity and nine of its gradient, lane by lane.
 pub(crate) struct Totals<T> {
-    lanes: Memory<T>,
+    lanes: AlignedMemory<T>,
     /// The transpose, with sums and lanes exchanged.
-    turned: Memory<T>,
+    turned: AlignedMemory<T>,
 }
 
 impl<T: Real> Default for Totals<T> {
     fn default() -> Self {
-        Self { lanes: Memory::zero(SUMS * T::LANES), turned: Memory::zero(T::LANES * T::LANES) }
+        Self { lanes: AlignedMemory::zero(SUMS * T::LANES), turned: AlignedMemory::zero(T::LANES * T::LANES) }
     }
 }
 

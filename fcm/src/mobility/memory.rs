@@ -16,7 +16,7 @@ use solver::Real;
 pub struct Footprint<'a> {
     plan: &'a Plan,
     place: Place,
-    grid: solver::Footprint,
+    grid: solver::GridFootprint,
     expected: &'a ExpectedCounts,
     threads: usize,
 }
@@ -24,7 +24,7 @@ pub struct Footprint<'a> {
 impl<'a> Footprint<'a> {
     /// Footprint on a rank with `threads` threads at `place`, with the particle counts that are expected there.
     pub fn new(plan: &'a Plan, place: &Place, threads: usize, expected: &'a ExpectedCounts) -> Self {
-        let grid = solver::Footprint::new(plan.grid, place, plan.support.lanes).tilted(plan.is_tilted);
+        let grid = solver::GridFootprint::new(plan.grid, place, plan.support.lanes).tilted(plan.is_tilted);
         Self { plan, place: place.clone(), grid, expected, threads }
     }
 

@@ -17,7 +17,7 @@ use crate::pairs::table::{PairFunctions, Table};
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, StridedRows, VectorKernel};
-use solver::{Memory, Real};
+use solver::{AlignedMemory, Real};
 
 /// Number of radii above which tables for all pairs of them cost more than they save.
 const MOST_TABULATED: usize = 8;
@@ -243,9 +243,9 @@ impl<T: Real> TargetBatch<'_, T> {
 /// As many pairs as a vector has lanes: the record of each pair, `x` and the pair functions, and that of its
 /// neighbour's load; then the transpose of both, with the lanes of each value contiguous.
 struct PairGroup<T> {
-    pairs: Memory<T>,
-    loads: Memory<T>,
-    turned: [Memory<T>; 2],
+    pairs: AlignedMemory<T>,
+    loads: AlignedMemory<T>,
+    turned: [AlignedMemory<T>; 2],
 }
 
 /// Positions in a pair's record of the last of its functions, and of the first eight.
@@ -254,7 +254,7 @@ const FIRST: usize = 4;
 
 impl<T: Real> PairGroup<T> {
     fn new() -> Self {
-        let zero = || Memory::zero(RECORD * T::LANES);
+        let zero = || AlignedMemory::zero(RECORD * T::LANES);
         Self { pairs: zero(), loads: zero(), turned: [zero(), zero()] }
     }
 
@@ -295,7 +295,7 @@ impl<T: Real> PairGroup<T> {
     }
 
     #[inline(always)]
-    fn vector<V: Lanes<T>>(values: &Memory<T>, value: usize) -> V {
+    fn vector<V: Lanes<T>>(values: &AlignedMemory<T>, value: usize) -> V {
         // SAFETY: there is a vector of each value.
         unsafe { V::load(values.values()[value * V::LANES..(value + 1) * V::LANES].as_ptr()) }
     }

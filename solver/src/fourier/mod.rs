@@ -8,7 +8,7 @@ mod rows;
 
 pub(crate) use any_length::AnyLength;
 pub(crate) use columns::StridedPointer;
-pub(crate) use rows::Rows;
+pub(crate) use rows::RowPlan;
 
 use crate::Real;
 use num_complex::Complex;

@@ -15,14 +15,14 @@ use simd::{SimdVector, StridedRows, VectorKernel, prefetch};
 ///
 /// Pairs of values are transformed as complex numbers, `z_j = x_2j + i x_2j+1`, and
 /// `X_k = (Z_k + Z*_h-k)/2 - i/2 exp(-2 pi i k / n) (Z_k - Z*_h-k)` with `h = n/2`.
-pub(crate) struct Rows<T> {
+pub(crate) struct RowPlan<T> {
     half: AnyLength<T>,
     /// `-i/2 exp(-2 pi i k / n)`
     roots: Vec<Complex<T>>,
     halo: usize,
 }
 
-impl<T: Real> Rows<T> {
+impl<T: Real> RowPlan<T> {
     /// Plan for rows of twice the length that `half` transforms, with halos.
     pub fn new(half: AnyLength<T>, halo: usize) -> Self {
         let length = 2 * half.length();
@@ -72,7 +72,7 @@ impl<T: Real> Rows<T> {
 
 /// Adds the halos, and transposes values into lanes.
 struct Gather<'a, T> {
-    plan: &'a Rows<T>,
+    plan: &'a RowPlan<T>,
     rows: StridedRows<*mut T>,
     values: *mut T,
 }
@@ -112,7 +112,7 @@ impl<T: Real> VectorKernel<T> for Gather<'_, T> {
 
 /// Transposes values back into rows, and fills the halos.
 struct Scatter<'a, T> {
-    plan: &'a Rows<T>,
+    plan: &'a RowPlan<T>,
     rows: StridedRows<*mut T>,
     values: *mut T,
 }
@@ -146,7 +146,7 @@ impl<T: Real> VectorKernel<T> for Scatter<'_, T> {
 
 /// Converts the transform of the pairs to coefficients, and writes these into blocks of the rows.
 struct ToSpectrum<'a, T> {
-    plan: &'a Rows<T>,
+    plan: &'a RowPlan<T>,
     rows: StridedRows<*mut T>,
     values: *mut T,
 }
@@ -184,7 +184,7 @@ impl<T: Real> VectorKernel<T> for ToSpectrum<'_, T> {
 
 /// Converts the blocks of the rows to the input of the backward transform of the pairs.
 struct FromSpectrum<'a, T> {
-    plan: &'a Rows<T>,
+    plan: &'a RowPlan<T>,
     rows: StridedRows<*mut T>,
     values: *mut T,
 }

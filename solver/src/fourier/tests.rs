@@ -1,6 +1,6 @@
 use super::columns::ColumnPlan;
 use super::*;
-use crate::memory::Memory;
+use crate::memory::AlignedMemory;
 use simd::StridedRows;
 use std::f64::consts::TAU;
 
@@ -32,15 +32,15 @@ const OTHER_LENGTHS: [usize; 14] = [11, 13, 17, 22, 23, 26, 33, 34, 46, 53, 97, 
 /// Noise in each lane before and after its transform.
 fn transformed<T: Real>(plan: &AnyLength<T>, direction: Direction, in_place: bool) -> Vec<[Vec<Complex<f64>>; 2]> {
     let (length, stride) = (plan.length(), 6 * T::LANES);
-    let element = |memory: &Memory<T>, i: usize, lane: usize| {
+    let element = |memory: &AlignedMemory<T>, i: usize, lane: usize| {
         let at = i * stride + lane;
         Complex::new(memory.values()[at].to_f64(), memory.values()[at + T::LANES].to_f64())
     };
-    let mut from = Memory::<T>::zero(length * stride);
+    let mut from = AlignedMemory::<T>::zero(length * stride);
     from.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = T::from_f64(noise(i)));
     let before = from.clone();
-    let mut to = Memory::<T>::zero(length * stride);
-    let mut buffers = [(); 2].map(|()| Memory::<T>::zero(plan.room()));
+    let mut to = AlignedMemory::<T>::zero(length * stride);
+    let mut buffers = [(); 2].map(|()| AlignedMemory::<T>::zero(plan.room()));
     let source = StridedPointer { first: from.values_mut().as_mut_ptr(), stride };
     let target = if in_place { source } else { StridedPointer { first: to.values_mut().as_mut_ptr(), stride } };
     let buffers = buffers.each_mut().map(|b| b.values_mut().as_mut_ptr());
@@ -101,13 +101,13 @@ fn other_factors_are_for_rustfft() {
 }
 
 /// Rows of `length` noisy values with noise in their halos: before, and after each direction.
-fn rows<T: Real>(length: usize, halo: usize) -> [Memory<T>; 3] {
+fn rows<T: Real>(length: usize, halo: usize) -> [AlignedMemory<T>; 3] {
     let stride = stride::<T>(length, halo);
-    let mut memory = Memory::<T>::zero(T::LANES * stride);
+    let mut memory = AlignedMemory::<T>::zero(T::LANES * stride);
     memory.values_mut().iter_mut().enumerate().for_each(|(i, v)| *v = T::from_f64(noise(i)));
     let before = memory.clone();
-    let plan = Rows::<T>::new(AnyLength::new(length / 2), halo);
-    let mut buffers = [(); 3].map(|()| Memory::<T>::zero(plan.room()));
+    let plan = RowPlan::<T>::new(AnyLength::new(length / 2), halo);
+    let mut buffers = [(); 3].map(|()| AlignedMemory::<T>::zero(plan.room()));
     let buffers = buffers.each_mut().map(|b| b.values_mut().as_mut_ptr());
     let batch = StridedRows { first: memory.values_mut().as_mut_ptr(), stride };
     unsafe { plan.run(Direction::Forward, batch, buffers) };
@@ -125,7 +125,7 @@ fn check_rows<T: Real>(length: usize, halo: usize, tolerance: f64) {
     let [before, spectrum, after] = rows::<T>(length, halo);
     let stride = stride::<T>(length, halo);
     for r in 0..T::LANES {
-        let row = |memory: &Memory<T>| -> Vec<f64> {
+        let row = |memory: &AlignedMemory<T>| -> Vec<f64> {
             memory.values()[r * stride..(r + 1) * stride].iter().map(|v| v.to_f64()).collect()
         };
         let [before, spectrum, after] = [&before, &spectrum, &after].map(row);

@@ -1,9 +1,9 @@
 //! Transforms local to a rank: planes along x and y, and columns along z.
 
 use super::transposition::{Packing, WholeColumns};
-use crate::fourier::{AnyLength, Direction, Rows, StridedPointer};
+use crate::fourier::{AnyLength, Direction, RowPlan, StridedPointer};
 use crate::layout::Layout;
-use crate::memory::Memory;
+use crate::memory::AlignedMemory;
 use crate::shared::Shared;
 use crate::{Real, Stokes};
 use rayon::prelude::*;
@@ -25,21 +25,21 @@ pub(super) enum PlaneTask<'a, T> {
 /// One rank's layout, the plans of its three directions, and work space for each thread.
 pub(super) struct LocalTransform<T> {
     layout: Layout,
-    rows: Rows<T>,
+    rows: RowPlan<T>,
     along_y: AnyLength<T>,
     along_z: AnyLength<T>,
     room: usize,
-    workspaces: Vec<Mutex<Memory<T>>>,
+    workspaces: Vec<Mutex<AlignedMemory<T>>>,
 }
 
 impl<T: Real> LocalTransform<T> {
     /// Plans each direction with `plan`.
     pub fn new(layout: Layout, plan: fn(usize) -> AnyLength<T>) -> Self {
         let [nx, ny, nz] = layout.points;
-        let rows = Rows::new(plan(nx / 2), layout.halo);
+        let rows = RowPlan::new(plan(nx / 2), layout.halo);
         let [along_y, along_z] = [ny, nz].map(plan);
         let room = rows.room().max(along_y.room()).max(along_z.room());
-        let workspace = || Mutex::new(Memory::zero(5 * room + T::LANES * layout.physical.y));
+        let workspace = || Mutex::new(AlignedMemory::zero(5 * room + T::LANES * layout.physical.y));
         let workspaces = (0..rayon::current_num_threads()).map(|_| workspace()).collect();
         Self { layout, rows, along_y, along_z, room, workspaces }
     }
@@ -47,7 +47,8 @@ impl<T: Real> LocalTransform<T> {
     /// Bytes of the work space.
     #[cfg(test)]
     pub fn bytes(&self) -> usize {
-        let bytes = |workspace: &Mutex<Memory<T>>| size_of_val(workspace.lock().expect("no thread works").values());
+        let bytes =
+            |workspace: &Mutex<AlignedMemory<T>>| size_of_val(workspace.lock().expect("no thread works").values());
         self.workspaces.iter().map(bytes).sum()
     }
 

@@ -6,7 +6,7 @@ mod transposition;
 
 use crate::fourier::{AnyLength, Direction};
 use crate::layout::Layout;
-use crate::memory::Memory;
+use crate::memory::AlignedMemory;
 use crate::shared::Shared;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
@@ -160,14 +160,14 @@ impl<T: Real> Transform<T> {
     }
 
     /// Memory with the whole planes of a field.
-    fn planes(&self, memory: &mut Memory<T>) -> Shared<T> {
+    fn planes(&self, memory: &mut AlignedMemory<T>) -> Shared<T> {
         assert!(memory.values().len() >= self.local.layout().capacity, "the field is of this transform");
         self.along_y.as_ref().map_or_else(|| Shared::new(memory.values_mut()), Transposition::columns)
     }
 
     /// Transforms the first rows along x and y, the others being zero, into the memory with whole planes, and packs
     /// them if columns along z are exchanged in one round.
-    fn planes_forward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) -> Shared<T> {
+    fn planes_forward(&mut self, memory: &mut AlignedMemory<T>, occupied: [usize; 2]) -> Shared<T> {
         let planes = self.planes(memory);
         let rows = Shared::new(memory.values_mut());
         let mut tasks = vec![PlaneTask::X];
@@ -238,7 +238,7 @@ impl<T: Real> Transform<T> {
     }
 
     /// Copies coefficients from whole columns to a field.
-    fn store(&self, columns: &WholeColumns<T>, memory: &mut Memory<T>) {
+    fn store(&self, columns: &WholeColumns<T>, memory: &mut AlignedMemory<T>) {
         let values = memory.values_mut();
         // SAFETY: the row is one of these columns, with no concurrent access.
         self.each_row(columns, |row, place, width| unsafe {
@@ -247,7 +247,7 @@ impl<T: Real> Transform<T> {
     }
 
     /// Copies coefficients from a field to whole columns.
-    fn fetch(&self, columns: &WholeColumns<T>, memory: &mut Memory<T>) {
+    fn fetch(&self, columns: &WholeColumns<T>, memory: &mut AlignedMemory<T>) {
         let values = memory.values_mut();
         // SAFETY: the row is one of these columns, with no concurrent access.
         self.each_row(columns, |row, place, width| unsafe {
@@ -276,7 +276,7 @@ impl<T: Real> Transform<T> {
     }
 
     /// Backward transform of the first rows from columns along z that were returned.
-    fn planes_backward(&mut self, memory: &mut Memory<T>, occupied: [usize; 2]) {
+    fn planes_backward(&mut self, memory: &mut AlignedMemory<T>, occupied: [usize; 2]) {
         let rows = Shared::new(memory.values_mut());
         let mut tasks = Vec::new();
         if let Some(exchange) = self.at_once() {

@@ -4,7 +4,7 @@ use domain::Random;
 
 /// Paths of particles whose velocities are Ornstein-Uhlenbeck processes with variance `1` and correlation time `1`,
 /// or constant, sampled every `dt`; displacements are integrated in many small steps.
-fn ornstein_uhlenbeck(particles: u64, samples: usize, dt: f64) -> Vec<Vec<Motion>> {
+fn ornstein_uhlenbeck(particles: u64, samples: usize, dt: f64) -> Vec<Vec<TrackedMotion>> {
     let substeps = 8;
     let decay = (-dt / f64::from(substeps)).exp();
     let noise = |random: &mut Random| {
@@ -13,11 +13,11 @@ fn ornstein_uhlenbeck(particles: u64, samples: usize, dt: f64) -> Vec<Vec<Motion
         (radius * angle.cos(), radius * angle.sin())
     };
     let mut randoms: Vec<Random> = (0..particles).map(|id| Random::new(11, id)).collect();
-    let mut motions: Vec<Motion> = randoms
+    let mut motions: Vec<TrackedMotion> = randoms
         .iter_mut()
         .map(|r| {
             let ((x, y), (z, _)) = (noise(r), noise(r));
-            Motion { velocity: Vector::new(x, y, z), path: Vector::ZERO }
+            TrackedMotion { velocity: Vector::new(x, y, z), path: Vector::ZERO }
         })
         .collect();
     let mut all = Vec::new();
@@ -65,7 +65,7 @@ fn ballistic_particles_do_not_diffuse() {
     let mut lagrangian = Lagrangian::new(&[0; 4]);
     for step in 0..100 {
         let time = 0.3 * f64::from(step);
-        lagrangian.add(time, &velocities.map(|velocity| Motion { velocity, path: time * velocity }));
+        lagrangian.add(time, &velocities.map(|velocity| TrackedMotion { velocity, path: time * velocity }));
     }
     let lags = lagrangian.sums().lags(None);
     assert!(lags.last().unwrap().time > 15.0 && lags.is_sorted_by(|a, b| a.time < b.time));
@@ -96,7 +96,7 @@ fn a_stream_is_the_batch_at_every_lag_and_the_state_lasts() {
         let stride = if steps < 16 { 1 } else { 1 << (steps / 8).ilog2() };
         let starts: Vec<usize> = (stride..=samples.len() - steps).step_by(stride).map(|n| n - 1).collect();
         let members: Vec<usize> = (0..10).filter(|&i| species[i] == 1).collect();
-        let over = |number: &dyn Fn(&Motion, &Motion) -> f64| {
+        let over = |number: &dyn Fn(&TrackedMotion, &TrackedMotion) -> f64| {
             let pairs = starts.iter().flat_map(|&s| members.iter().map(move |&i| (s, i)));
             let numbers: Vec<f64> = pairs.map(|(s, i)| number(&samples[s][i], &samples[s + steps][i])).collect();
             numbers.iter().sum::<f64>() / numbers.len() as f64
@@ -122,7 +122,7 @@ fn missing_samples_leave_lags_as_they_are() {
         for k in (0..512).filter(|&k| !is_missing(k)) {
             lagrangian.skip_missing(next.map_or(0, |next| k - next));
             let time = 0.5 * k as f64;
-            let motion = |velocity: Vector| Motion { velocity, path: time * velocity };
+            let motion = |velocity: Vector| TrackedMotion { velocity, path: time * velocity };
             lagrangian.add(time, &[motion(Vector::X), motion(-Vector::X)]);
             next = Some(k + 1);
         }
@@ -142,9 +142,9 @@ fn missing_samples_leave_lags_as_they_are() {
 #[test]
 fn gaps_may_be_of_any_length() {
     let mut lagrangian = Lagrangian::new(&[0]);
-    (0..4).for_each(|k| lagrangian.add(f64::from(k), &[Motion::default()]));
+    (0..4).for_each(|k| lagrangian.add(f64::from(k), &[TrackedMotion::default()]));
     lagrangian.skip_missing(u64::MAX / 2 - 3);
-    lagrangian.add(1e19, &[Motion::default()]);
+    lagrangian.add(1e19, &[TrackedMotion::default()]);
     assert!(lagrangian.sums().lags(None).iter().all(|lag| lag.time <= 3.0));
     lagrangian.skip_missing(u64::MAX);
 }
@@ -156,7 +156,7 @@ fn parts_add_up_to_the_whole() {
     let motion = |k: u32, row: usize| {
         let number = |axis: u32| f64::from((7 * k + 5 * row as u32 + 3 * axis) % 11);
         let [velocity, path] = [0, 3].map(|first| Vector::new(number(first), number(first + 1), number(first + 2)));
-        Motion { velocity, path }
+        TrackedMotion { velocity, path }
     };
     let sums = |rows: std::ops::Range<usize>| {
         let mut before = vec![0; 2];
@@ -180,7 +180,7 @@ fn parts_add_up_to_the_whole() {
 fn memory_grows_as_the_logarithm_of_the_samples() {
     let mut lagrangian = Lagrangian::new(&[0; 3]);
     for k in 0..4096 {
-        lagrangian.add(f64::from(k), &[Motion::default(); 3]);
+        lagrangian.add(f64::from(k), &[TrackedMotion::default(); 3]);
     }
     assert_eq!(lagrangian.levels.len(), 13);
 }

@@ -3,7 +3,7 @@
 use super::{channel_bins, numbers};
 use crate::model::Model;
 use domain::{Boundaries, Bytes, IdBlocks, Particles, Tensor, Vector, shared_pairs_bytes};
-use statistics::{ChannelProfile, Lagrangian, Motion, PairDistribution};
+use statistics::{ChannelProfile, Lagrangian, PairDistribution, TrackedMotion};
 
 /// Numbers of particles of a rank, for its share of the statistics.
 #[derive(Debug, Clone, Copy)]
@@ -53,7 +53,7 @@ impl OfRank {
         let dealt = IdBlocks::distribution_bytes([self.owned, self.dealt], numbers(model));
         let dealt = if self.is_in_order { Bytes::default() } else { dealt };
         let stresslets = Bytes::list::<(Tensor, f64)>(if channel_bins(model).is_some() { self.dealt } else { 0.0 });
-        let passes = Bytes::list::<([Vector; 5], Motion)>(self.dealt).then(stresslets);
+        let passes = Bytes::list::<([Vector; 5], TrackedMotion)>(self.dealt).then(stresslets);
         if has_pairs(model) { pairs.freed().or(dealt.then(passes).freed()) } else { dealt.then(passes).freed() }
     }
 

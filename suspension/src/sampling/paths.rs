@@ -1,7 +1,7 @@
 //! Displacements of particles without the flow.
 
 use domain::Vector;
-use statistics::{Motion, State, Store};
+use statistics::{State, Store, TrackedMotion};
 
 /// Displacement of each particle since the first sample, without the contribution of the flow along its path. Along
 /// axes without a flow it is exactly that of the unwrapped position; along the flow, the integral of the relative
@@ -23,7 +23,7 @@ impl Paths {
         places: Vec<Vector>,
         velocities: Vec<Vector>,
         carries: [bool; 3],
-    ) -> Vec<Motion> {
+    ) -> Vec<TrackedMotion> {
         if self.walked.is_empty() {
             self.walked = vec![Vector::ZERO; places.len()];
         } else {
@@ -37,7 +37,7 @@ impl Paths {
             }
         }
         (self.time, self.places, self.velocities) = (time, places, velocities);
-        self.velocities.iter().zip(&self.walked).map(|(&velocity, &path)| Motion { velocity, path }).collect()
+        self.velocities.iter().zip(&self.walked).map(|(&velocity, &path)| TrackedMotion { velocity, path }).collect()
     }
 
     /// Whether it has this number of particles, or none yet.

@@ -2,16 +2,16 @@
 
 use crate::grid::gaussian::shape::{GaussianShape, Sources};
 use simd::{SimdVector as Lanes, exponential};
-use solver::{Memory, Real};
+use solver::{AlignedMemory, Real};
 
 /// Points of a stencil along one axis: their distances from the particle, and the Gaussians
 /// `exp(-distance^2 / (2 width^2))` of the monopole and the dipole, if the shape has them. Padded to whole vectors.
 #[derive(Default)]
 pub(crate) struct GaussianAxis<T> {
     /// 0, 1, 2, ...
-    numbers: Memory<T>,
-    distances: Memory<T>,
-    gaussians: [Memory<T>; 2],
+    numbers: AlignedMemory<T>,
+    distances: AlignedMemory<T>,
+    gaussians: [AlignedMemory<T>; 2],
 }
 
 impl<T: Real> GaussianAxis<T> {
@@ -72,6 +72,6 @@ impl<T: Real> GaussianAxis<T> {
     /// Gaussians of the monopole and of the dipole.
     #[inline(always)]
     pub fn gaussians(&self) -> [&[T]; 2] {
-        self.gaussians.each_ref().map(Memory::values)
+        self.gaussians.each_ref().map(AlignedMemory::values)
     }
 }

@@ -8,7 +8,7 @@ use crate::grid::stencil::{Stencil, Support};
 use crate::grid::totals::Totals;
 use domain::Vector;
 use simd::SimdVector as Lanes;
-use solver::{Grid, Memory, Real};
+use solver::{AlignedMemory, Grid, Real};
 use std::marker::PhantomData;
 
 /// Grid, passes over a stencil, and envelopes by class of radius.
@@ -48,9 +48,9 @@ pub(crate) struct GaussianScratch<T: Real> {
     /// Rows of the current pass that are in the slab, if not all are.
     some: Vec<PassPoint>,
     /// Per row: factors of the weights of the pass.
-    tables: Memory<T>,
+    tables: AlignedMemory<T>,
     /// Per plane: factors that its rows share.
-    levels: Memory<T>,
+    levels: AlignedMemory<T>,
     totals: Totals<T>,
 }
 

@@ -18,7 +18,7 @@ use crate::grid::window::WindowLattice;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use crate::grid::window::lattice::{SECOND, Slants, UPRIGHT};
 use simd::SimdVector as Lanes;
-use solver::{Memory, Real};
+use solver::{AlignedMemory, Real};
 
 /// Kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for forces
 /// and dipoles of envelopes of other widths.
@@ -27,12 +27,12 @@ pub(crate) struct Windowed<'a, T, const ORDER: usize>(pub &'a WindowLattice<T>);
 /// Derivatives of the window along the axes, offsets of the stencil in the slab, and coefficients.
 #[derive(Default)]
 pub(crate) struct WindowScratch<T: Real> {
-    axes: [Memory<T>; 3],
+    axes: [AlignedMemory<T>; 3],
     starts: StencilOffsets,
     /// Coefficients for all planes, by pair of derivatives along x and y and by component.
-    of_planes: Memory<T>,
+    of_planes: AlignedMemory<T>,
     /// Coefficients for all rows of a plane, by derivative along x and by component.
-    of_rows: Memory<T>,
+    of_rows: AlignedMemory<T>,
     totals: Totals<T>,
 }
 
@@ -272,7 +272,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
     /// Derivatives of the window along x.
     #[inline(always)]
-    fn columns<V: Lanes<T>, const WIDTH: usize>(axis: &Memory<T>) -> [[V; WIDTH]; DERIVATIVES] {
+    fn columns<V: Lanes<T>, const WIDTH: usize>(axis: &AlignedMemory<T>) -> [[V; WIDTH]; DERIVATIVES] {
         let mut columns = [[V::splat(T::default()); WIDTH]; DERIVATIVES];
         let values = axis.values()[..Self::ORDERS * WIDTH * V::LANES].as_ptr();
         for n in 0..Self::ORDERS {

@@ -3,7 +3,7 @@
 use crate::grid::window::Window;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use simd::SimdVector as Lanes;
-use solver::{Memory, Real};
+use solver::{AlignedMemory, Real};
 use std::f64::consts::PI;
 
 /// Values and derivatives of a window at the points of a stencil: for each point a polynomial in the particle's
@@ -21,7 +21,7 @@ pub(crate) struct Pieces<T> {
 #[derive(Debug, Clone)]
 struct WindowSeries<T> {
     rows: usize,
-    coefficients: Memory<T>,
+    coefficients: AlignedMemory<T>,
 }
 
 impl<T: Real> Pieces<T> {
@@ -33,7 +33,7 @@ impl<T: Real> Pieces<T> {
         let enough = (0.01 * window.end()).max(0.1 * T::EPSILON);
         let series = |n: usize| {
             let degree = pieces.iter().map(|piece| degree(&piece[n], enough)).max().unwrap_or(0);
-            let mut coefficients = Memory::zero((degree + 1) * lanes);
+            let mut coefficients = AlignedMemory::zero((degree + 1) * lanes);
             for (point, piece) in pieces.iter().enumerate() {
                 for power in 0..=degree {
                     coefficients.values_mut()[(degree - power) * lanes + point] = T::from_f64(piece[n][power]);
