@@ -54,7 +54,8 @@ fn case<T: Real>(size: usize, precision: &str, seconds: f64, rustfft: bool) -> R
     });
     let threads = rayon::current_num_threads();
     println!(
-        r#"{{"program": "fft_speed", "rustfft": {rustfft}, "size": {size}, "precision": "{precision}", "threads": {threads}, "solve_ms": {:.3}, "transform_ms": {:.3}}}"#,
+        "{{\"program\": \"fft_speed\", \"rustfft\": {rustfft}, \"size\": {size}, \"precision\": \"{precision}\", \
+         \"threads\": {threads}, \"solve_ms\": {:.3}, \"transform_ms\": {:.3}}}",
         1e3 * solve,
         1e3 * both / 3.0
     );
