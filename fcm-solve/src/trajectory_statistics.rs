@@ -11,7 +11,7 @@ use scene::{Scene, SuspensionScene};
 use simulation::Table;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Model, Multipoles, SAMPLE_COLUMNS, Sample, Statistics, StatisticsOfRank, StatisticsWanted, column_bytes,
+    Model, Multipoles, RankCounts, SAMPLE_COLUMNS, Sample, Statistics, StatisticsParameters, column_bytes,
 };
 
 /// Options of the statistics of a trajectory.
@@ -73,12 +73,12 @@ impl Options {
     }
 
     /// The scene's choice of statistics, overridden by the options.
-    fn wanted(&self, model: &Model, from: f64) -> anyhow::Result<StatisticsWanted> {
-        let mut wanted = model.statistics.unwrap_or(StatisticsWanted::ALL);
+    fn wanted(&self, model: &Model, from: f64) -> anyhow::Result<StatisticsParameters> {
+        let mut wanted = model.statistics.unwrap_or(StatisticsParameters::ALL);
         wanted.from = from;
         wanted.diffusive_from = self.diffusive_from.or(wanted.diffusive_from);
         if let Some(distance) = self.distance {
-            StatisticsWanted::check_distance(distance, &model.cell).map_err(|e| anyhow!("--distance {e}"))?;
+            StatisticsParameters::check_distance(distance, &model.cell).map_err(|e| anyhow!("--distance {e}"))?;
             wanted.distance = Some(distance);
         }
         Ok(wanted)
@@ -90,7 +90,7 @@ impl Options {
 fn sampled(
     recorded: &TrajectoryReader,
     chosen: &SampledFrames,
-    (model, wanted): (&Model, StatisticsWanted),
+    (model, wanted): (&Model, StatisticsParameters),
     path: &Path,
 ) -> anyhow::Result<(Option<Statistics>, u64)> {
     let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
@@ -136,7 +136,7 @@ fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
 
 /// Refuses a number of samples of `particles` particles that does not fit into memory.
 fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
-    let share = StatisticsOfRank::alone(particles);
+    let share = RankCounts::alone(particles);
     let kept = share.bytes(model, (samples, rayon::current_num_threads()));
     let frame = Particles::bytes(particles, 11);
     let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));

@@ -2,7 +2,7 @@
 //! integrators, observables and statistics. This crate reads and writes no files and prints nothing.
 //!
 //! A [`Force`] or [`PairLaw`] of the user is registered with [`Suspension::add_force`], an [`Observable`] with
-//! [`Observed::add_observable`].
+//! [`SuspensionRun::add_observable`].
 //!
 //! Two spheres that settle side by side, in units of the radius, the viscosity and the Stokes velocity of a single
 //! sphere (whose force is then `6 pi`):
@@ -52,7 +52,7 @@ pub use forces::force::{Force, StressName};
 pub use forces::pairwise::{PairLaw, PairwiseForce};
 pub use forecast::Forecast;
 pub use forecast::calibrate_repulsion::{LeastRepulsionError, least_repulsion};
-pub use forecast::cost_growth::course;
+pub use forecast::cost_growth::cost_growth;
 pub use forecast::scaling::{BANDWIDTH, LATENCY, Scaling, StepAlone};
 pub use forecast::stable_step::longest_step;
 pub use forecast::summary::{Asked, outline, plan_values, predicted_memory};
@@ -67,11 +67,11 @@ pub use model::radii::Radii;
 pub use model::{
     Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow, Hydrodynamics, Integrator,
     Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates,
-    SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsWanted, Trapped, Traps,
+    SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsParameters, Trapped, Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;
 pub use observables::observable::{Observable, ObservedState};
-pub use run::Observed;
-pub use sampling::{COLUMNS as SAMPLE_COLUMNS, OfRank as StatisticsOfRank, Sample, Statistics, column_bytes};
+pub use run::SuspensionRun;
+pub use sampling::{COLUMNS as SAMPLE_COLUMNS, RankCounts, Sample, Statistics, column_bytes};
 pub use suspension::{StepReport, Suspension};

@@ -23,7 +23,7 @@ use simulation::{
 };
 
 /// A suspension together with its time series and statistics.
-pub struct Observed {
+pub struct SuspensionRun {
     suspension: Suspension,
     observer: Observer,
     averages: Option<Averages>,
@@ -38,7 +38,7 @@ pub struct Observed {
 /// Columns of a frame of the trajectory.
 const FRAME: [&str; 3] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET];
 
-impl Observed {
+impl SuspensionRun {
     /// Starts a run of a model at time zero, at positions provided by the first rank if the model requires them.
     /// Collective.
     pub fn start(model: &Model, placed: Option<GivenPositions>, comm: &Comm) -> Result<Self, StartError> {
@@ -99,7 +99,7 @@ impl Observed {
     }
 }
 
-impl Simulation for Observed {
+impl Simulation for SuspensionRun {
     fn comm(&self) -> &Comm {
         self.suspension.comm()
     }

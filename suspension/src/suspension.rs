@@ -28,7 +28,7 @@ pub struct Suspension {
     dynamics: Dynamics,
     clock: Clock,
     integrator: Integrator,
-    heat: Option<ThermalNoise>,
+    noise_source: Option<ThermalNoise>,
     outcome: Outcome,
     /// Evaluations of the mobility in the last step.
     evaluations: u64,
@@ -80,7 +80,7 @@ impl Suspension {
             dynamics,
             clock,
             integrator,
-            heat: heat(model),
+            noise_source: noise_source(model),
             outcome,
             evaluations,
             caution,
@@ -111,7 +111,7 @@ impl Suspension {
             dynamics,
             clock,
             integrator,
-            heat: heat(model),
+            noise_source: noise_source(model),
             outcome,
             evaluations: 0,
             caution: None,
@@ -153,26 +153,26 @@ impl Suspension {
     /// Applies a change; if it fails, restores the state before it.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
         let (particles, moving) = (self.particles.copied(), self.dynamics.periodic_cell().clone());
-        let settling = self.dynamics.settling();
+        let adaptation = self.dynamics.stiffness_adaptation();
         let changed = change(self);
         if changed.is_err() {
             self.particles = particles;
             self.dynamics.go_back(moving);
-            self.dynamics.settle_at(settling);
+            self.dynamics.set_adaptation(adaptation);
         }
         changed
     }
 
     fn take_step(&mut self, is_seen: bool) -> Result<(), StepError> {
-        let Self { particles, dynamics, clock, outcome, integrator, heat, .. } = self;
+        let Self { particles, dynamics, clock, outcome, integrator, noise_source, .. } = self;
         let before = dynamics.evaluations();
         dynamics.begin_step(particles, clock)?;
         *outcome = match integrator {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
             Integrator::Brownian(scheme) => {
-                let heat = heat.as_ref().expect("a model whose steps are Brownian has heat");
-                brownian::advance(particles, (clock, is_seen), (heat, *scheme), dynamics)?
+                let noise_source = noise_source.as_ref().expect("a model whose steps are Brownian has thermal noise");
+                brownian::advance(particles, (clock, is_seen), (noise_source, *scheme), dynamics)?
             }
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
@@ -257,8 +257,8 @@ impl Suspension {
     }
 
     /// Pairs that overlapped, or almost, in the last Brownian solve; `None` without Brownian motion.
-    pub(crate) fn crowded(&self) -> Option<OverlapCounts> {
-        self.dynamics.crowded()
+    pub(crate) fn overlap_counts(&self) -> Option<OverlapCounts> {
+        self.dynamics.overlap_counts()
     }
 
     /// Summary of the last step. Collective.
@@ -280,7 +280,7 @@ impl Suspension {
 }
 
 /// Thermal fluctuations of a model, if there are any.
-fn heat(model: &Model) -> Option<ThermalNoise> {
+fn noise_source(model: &Model) -> Option<ThermalNoise> {
     model.thermal_energy.map(|energy| ThermalNoise { energy, seed: model.seed })
 }
 

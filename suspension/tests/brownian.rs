@@ -4,7 +4,7 @@ use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
 use simulation::Simulation;
-use suspension::{Model, Observed, Suspension};
+use suspension::{Model, Suspension, SuspensionRun};
 
 const ALONE: &str = r#"
 seed = 3
@@ -159,7 +159,7 @@ fn both_schemes_move_spheres_alike() {
 fn stress_by_heat_is_told_apart() {
     let row = |scheme: &str| {
         let model = model_of(SHEARED, &["time.steps=2", scheme]);
-        let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+        let mut observed = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
         (0..2).for_each(|step| observed.advance(step + 1).unwrap());
         let names: Vec<_> = observed.quantities().into_iter().map(|quantity| quantity.name).collect();
         names.into_iter().zip(observed.observe()).collect::<Vec<_>>()
@@ -179,7 +179,7 @@ fn stress_by_heat_is_told_apart() {
 #[test]
 fn the_osmotic_pressure_is_that_of_a_gas_and_of_forces() {
     let model = model_of(SHEARED, &["flow={kind=\"none\"}", "time.steps=3", "repulsion.range=1.0"]);
-    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut observed = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     (0..3).for_each(|step| observed.advance(step + 1).unwrap());
     let place = observed.quantities().iter().position(|quantity| quantity.name == "osmotic_pressure").unwrap();
     let found = observed.observe()[place][0];
@@ -202,7 +202,7 @@ fn seeds_matter() {
 fn told(model: &Model, ranks: usize) -> (Vec<[f64; 3]>, Vec<String>) {
     let names = ["overlapping_pairs", "pairs_at_least_gap", "deepest_overlap"];
     let mut all = Comm::threads(ranks, |comm| {
-        let mut observed = Observed::start(model, None, &comm).unwrap();
+        let mut observed = SuspensionRun::start(model, None, &comm).unwrap();
         let quantities = observed.quantities();
         let place = |name| quantities.iter().position(|quantity| quantity.name == name).unwrap();
         let rows = (0..model.steps).map(|_| {

@@ -9,7 +9,7 @@ use simulation::{Quantity, Simulation};
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
 use suspension::{
-    ANGULAR_VELOCITY, Mobility, MobilityParameters, Observed, ParticleStress, STRESSLET, Suspension, VELOCITY,
+    ANGULAR_VELOCITY, Mobility, MobilityParameters, ParticleStress, STRESSLET, Suspension, SuspensionRun, VELOCITY,
 };
 
 /// Spheres of two sizes, some near walls, under forces and torques.
@@ -350,7 +350,7 @@ fn any_threads_find_the_same_bits() {
 #[test]
 fn the_pressure_gradient_is_observed() {
     let model = model_of(SCENE, &["statistics={every=1}", "time.steps=3"]);
-    let mut run = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     let mut seen = Vec::new();
     for step in 0..=3 {
         if step > 0 {
@@ -370,6 +370,6 @@ fn the_pressure_gradient_is_observed() {
     assert!((values[0] / mean - 1.0).abs() < 1e-14, "{} is not {mean}", values[0]);
     assert!((seen[3] - seen[0]).abs() > 1e-9 * mean, "it changes: {seen:?}");
     let given = model_of(SCENE, &[&driven_by(0.3)]);
-    let names = Observed::start(&given, None, &Comm::alone()).unwrap().quantities();
+    let names = SuspensionRun::start(&given, None, &Comm::alone()).unwrap().quantities();
     assert!(names.iter().all(|quantity| quantity.name != "pressure_gradient"), "where it is given it is no column");
 }

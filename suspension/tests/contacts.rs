@@ -4,7 +4,7 @@ use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Comm, Particles, Random, Tensor, Vector};
 use simulation::{ContactForces, ContactState, Simulation};
-use suspension::{Integrator, Model, Observed, Parameters, Suspension};
+use suspension::{Integrator, Model, Parameters, Suspension, SuspensionRun};
 
 /// Two spheres in a shear flow that brings them together, in the plane of flow and gradient.
 const PAIR: &str = r#"
@@ -259,7 +259,7 @@ fn units_do_not_matter() {
 fn soft_contacts_are_warned_of() {
     let warnings = |stiffness: &str| {
         let model = model_of(DENSE, &[stiffness, "time.steps=30"]);
-        let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+        let mut observed = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
         for _ in 0..model.steps {
             observed.advance(model.steps).unwrap();
         }

@@ -3,7 +3,7 @@
 use crate::support::model_of;
 use domain::{AxisRotation, Comm, Vector};
 use simulation::{Simulation, VelocityField};
-use suspension::{Model, Observed};
+use suspension::{Model, SuspensionRun};
 
 /// Edges of the box if the special axis is z.
 const EDGES: [f64; 3] = [9.0, 8.0, 10.0];
@@ -54,7 +54,7 @@ const SCENES: [[&str; 2]; 5] =
 /// Field on the first rank after some steps.
 fn field(model: &Model, steps: u64, ranks: usize) -> VelocityField {
     let all = Comm::threads(ranks, |comm| {
-        let mut run = Observed::start(model, None, &comm).unwrap();
+        let mut run = SuspensionRun::start(model, None, &comm).unwrap();
         for step in 0..steps {
             run.advance(step + 1).unwrap();
         }
@@ -187,11 +187,11 @@ fn a_given_flux_is_that_of_the_background() {
 fn fields_are_of_no_consequence_and_resume_bit_for_bit() {
     for kind in SCENES {
         let model = model_of(&scene(2, kind), &[]);
-        let mut straight = Observed::start(&model, None, &Comm::alone()).unwrap();
-        let mut without = Observed::start(&model, None, &Comm::alone()).unwrap();
+        let mut straight = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
+        let mut without = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
         for step in 1..=3 {
             let found = straight.velocity_field().unwrap().unwrap();
-            let mut resumed = Observed::resume(&model, Some(straight.state()), &Comm::alone()).unwrap();
+            let mut resumed = SuspensionRun::resume(&model, Some(straight.state()), &Comm::alone()).unwrap();
             assert_eq!(resumed.velocity_field().unwrap().unwrap(), found, "{kind:?} before step {step}");
             for run in [&mut straight, &mut without] {
                 run.advance(step).unwrap();

@@ -7,7 +7,7 @@ use lubrication::two_sphere::{Function, TwoSphere};
 use simulation::Simulation;
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use suspension::{Asked, Observed, Ranks, Suspension, VELOCITY, outline};
+use suspension::{Asked, Ranks, Suspension, SuspensionRun, VELOCITY, outline};
 
 const PAIR: &str = r#"
 box.boundaries = ["open", "open", "open"]
@@ -226,7 +226,7 @@ fn frames_know_along_which_axes_a_box_repeats() {
         (vec![], [false; 3]),
     ];
     for (keys, periodic) in &all {
-        let observed = Observed::start(&model_of(PAIR, keys), None, &Comm::alone()).unwrap();
+        let observed = SuspensionRun::start(&model_of(PAIR, keys), None, &Comm::alone()).unwrap();
         assert_eq!((observed.frame().periodic, observed.frame_share().periodic), (*periodic, *periodic));
     }
 }
@@ -236,7 +236,7 @@ fn frames_know_along_which_axes_a_box_repeats() {
 #[test]
 fn what_is_told_of_clouds_and_of_boundaries() {
     let model = model_of(SHEARED, &["time.steps=0"]);
-    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut observed = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     let (quantities, row) = (observed.quantities(), observed.observe());
     assert_eq!(quantities.len(), row.len());
     assert!(quantities.iter().zip(&row).all(|(quantity, values)| quantity.columns().len() == values.len()));

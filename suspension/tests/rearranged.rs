@@ -3,7 +3,7 @@
 use crate::support::model_of;
 use domain::{Comm, Vector};
 use simulation::{Rearrangement, Simulation, State};
-use suspension::{Model, Observed};
+use suspension::{Model, SuspensionRun};
 
 const SCENE: &str = r"
 seed = 3
@@ -15,8 +15,8 @@ species = [{ radius = 1.0, count = 12, force = [1.0, 0.5, -6.0] }]
 ";
 
 /// A state after two steps, with new positions of spheres 3 and 7, the former outside the box.
-fn moved(model: &Model, comm: &Comm, change: &Rearrangement) -> (Observed, State) {
-    let mut run = Observed::start(model, None, comm).unwrap();
+fn moved(model: &Model, comm: &Comm, change: &Rearrangement) -> (SuspensionRun, State) {
+    let mut run = SuspensionRun::start(model, None, comm).unwrap();
     run.advance(1).unwrap();
     run.advance(2).unwrap();
     let state = run.state();
@@ -38,7 +38,7 @@ fn spheres_are_where_they_are_put_on_any_number_of_ranks_and_in_the_axes_of_the_
         let frames = [1, 3].map(|ranks| {
             let all = Comm::threads(ranks, |comm| {
                 let (before, state) = moved(&model, &comm, &change);
-                let (before, mut run) = (before.frame(), Observed::resume(&model, Some(state), &comm).unwrap());
+                let (before, mut run) = (before.frame(), SuspensionRun::resume(&model, Some(state), &comm).unwrap());
                 let put = run.frame();
                 run.advance(3).unwrap();
                 (before, put, run.frame())
@@ -68,9 +68,9 @@ fn spheres_are_where_they_are_put_on_any_number_of_ranks_and_in_the_axes_of_the_
 #[test]
 fn what_spheres_do_not_have_is_refused() {
     let model = model_of(SCENE, &[]);
-    let run = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     let refusal = |change: &Rearrangement| {
-        let mut other = Observed::start(&model, None, &Comm::alone()).unwrap();
+        let mut other = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
         run.rearranged(other.state(), change).unwrap_err().to_string()
     };
     let velocities = Rearrangement { velocities: vec![(0, Vector::X)], ..Rearrangement::default() };

@@ -4,7 +4,7 @@ use crate::support::model_of;
 use domain::{Comm, Failure, Vector};
 use simulation::Simulation;
 use suspension::{
-    Acting, Configuration, Force, Instant, Loads, Observed, PairKind, PairLaw, PairwiseForce, Suspension, VELOCITY,
+    Acting, Configuration, Force, Instant, Loads, PairKind, PairLaw, PairwiseForce, Suspension, SuspensionRun, VELOCITY,
 };
 
 const SCENE: &str = r#"
@@ -79,7 +79,7 @@ impl PairLaw for Sideways {
 #[test]
 fn a_stress_that_is_not_symmetric_has_nine_components() {
     let model = model_of(SCENE, &["flow={kind='shear',rate=0.5}"]);
-    let mut run = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     run.add_force(Box::new(PairwiseForce::new(Sideways))).unwrap();
     let place = run.quantities().iter().position(|quantity| quantity.name == "stress_sideways").unwrap();
     let (columns, row) = (run.quantities()[place].columns(), run.observe()[place].clone());
@@ -126,7 +126,7 @@ fn its_stress_drives_a_flow() {
         "particles={initial='positions',positions=[[4.0,6.0,6.0],[6.2,6.8,6.3]]}",
         "time.integrator='implicit'",
     ];
-    let mut run = Observed::start(&model_of(SCENE, &keys), None, &Comm::alone()).unwrap();
+    let mut run = SuspensionRun::start(&model_of(SCENE, &keys), None, &Comm::alone()).unwrap();
     run.add_force(Box::new(PairwiseForce::new(Shells))).unwrap();
     (0..4).for_each(|step| run.advance(step + 1).unwrap());
     let place = |name: &str| run.quantities().iter().position(|quantity| quantity.name == name).unwrap();
@@ -140,7 +140,7 @@ fn its_stress_drives_a_flow() {
 #[test]
 fn profiles_have_its_stress() {
     let model = model_of(SCENE, &["box.boundaries=['periodic','periodic','walls']", "statistics={every=1}"]);
-    let mut run = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     run.add_force(Box::new(PairwiseForce::new(Shells))).unwrap();
     run.sample();
     let tables = run.averages().unwrap().tables;

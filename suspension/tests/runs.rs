@@ -6,7 +6,7 @@ use domain::{Comm, Interrupt, Particles, Vector};
 use simulation::{AppliedLoads, Simulation};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, StepError, Suspension, VELOCITY, longest_step};
+use suspension::{ANGULAR_VELOCITY, Model, STRESSLET, StepError, Suspension, SuspensionRun, VELOCITY, longest_step};
 
 const SCENE: &str = r#"
 seed = 3
@@ -238,7 +238,7 @@ const PRESSED: [&str; 5] = [
 fn last_change(fraction: f64, more: &[&str]) -> f64 {
     let with = |step: f64| model(&[&PRESSED, more, &[&format!("time.step={step}")]].concat());
     let is_warned_of =
-        |model: &Model| !Observed::start(model, None, &Comm::alone()).unwrap().start_warnings().is_empty();
+        |model: &Model| !SuspensionRun::start(model, None, &Comm::alone()).unwrap().start_warnings().is_empty();
     let short = with(1e-3);
     assert!(!is_warned_of(&short));
     let longest = longest_step(&short).unwrap();
@@ -265,7 +265,7 @@ fn pairs_that_repulsion_holds_are_steady_up_to_the_longest_step() {
 #[test]
 fn overlaps_are_told_with_what_helps() {
     let model = model(&[&PRESSED[..], &["repulsion.strength=0", "time.step=0.1"]].concat());
-    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut observed = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     observed.observe();
     assert_eq!(observed.warnings(), [""; 0]);
     observed.advance(1).unwrap();

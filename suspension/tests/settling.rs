@@ -5,7 +5,7 @@ use crate::support::model_of;
 use domain::{Comm, Interrupt};
 use simulation::Simulation;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use suspension::{Model, Observed, Suspension};
+use suspension::{Model, Suspension, SuspensionRun};
 
 /// Spheres of two sizes at 45%, which touch soon.
 const DENSE: &str = r#"
@@ -211,7 +211,7 @@ fn an_interrupted_step_goes_back_to_the_stiffness_before() {
 #[test]
 fn the_stiffness_is_told() {
     let model = dense(&["statistics={every=1}"]);
-    let mut observed = Observed::start(&model, None, &Comm::alone()).unwrap();
+    let mut observed = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
     let quantities = observed.quantities();
     let place = quantities.iter().position(|quantity| quantity.name == "contact_stiffness").unwrap();
     let mut found = None;
@@ -231,7 +231,7 @@ fn the_stiffness_is_told() {
     let row = summary.rows.iter().find(|(words, _)| words[0] == "contact_stiffness").unwrap();
     assert_eq!(row.1, [found.value, 0.0, 1.0]);
     let number = dense(&["contacts={friction=0.5, roughness=0.02, stiffness=77.0}", "statistics={every=1}"]);
-    let mut observed = Observed::start(&number, None, &Comm::alone()).unwrap();
+    let mut observed = SuspensionRun::start(&number, None, &Comm::alone()).unwrap();
     assert!(observed.quantities().iter().all(|quantity| quantity.name != "contact_stiffness"));
     observed.sample();
     let tables = observed.averages().unwrap().tables;

@@ -4,7 +4,7 @@ use crate::support::model_of;
 use domain::{AxisRotation, Comm, Tensor, Traceless, Vector};
 use simulation::{AppliedLoads, Frame, Simulation, UserLoads};
 use std::collections::HashMap;
-use suspension::{ANGULAR_VELOCITY, Model, Observed, STRESSLET, VELOCITY};
+use suspension::{ANGULAR_VELOCITY, Model, STRESSLET, SuspensionRun, VELOCITY};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -77,7 +77,7 @@ struct Shown {
 
 fn shown(model: &Model, ranks: usize) -> Shown {
     let all = Comm::threads(ranks, |comm| {
-        let mut run = Observed::start(model, None, &comm).unwrap();
+        let mut run = SuspensionRun::start(model, None, &comm).unwrap();
         run.sample();
         for step in 0..model.steps {
             run.advance(step + 1).unwrap();
@@ -309,13 +309,13 @@ fn places_are_where_the_user_says() {
 #[test]
 fn a_turned_run_resumes_bit_for_bit() {
     let model = model_of(&scene(1, SCENES[0]), &[]);
-    let mut straight = Observed::start(&model, None, &Comm::alone()).unwrap();
-    let step = |run: &mut Observed| {
+    let mut straight = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
+    let step = |run: &mut SuspensionRun| {
         run.advance(u64::MAX).unwrap();
         run.sample();
     };
     step(&mut straight);
-    let mut resumed = Observed::resume(&model, Some(straight.state()), &Comm::alone()).unwrap();
+    let mut resumed = SuspensionRun::resume(&model, Some(straight.state()), &Comm::alone()).unwrap();
     assert_eq!(straight.frame(), resumed.frame());
     for run in [&mut straight, &mut resumed] {
         (0..2).for_each(|_| step(run));
@@ -334,7 +334,7 @@ fn forces_of_ones_own_are_in_the_axes_of_the_user() {
         let expected = shown(&model_of(&scene(axis, ["walls", "poiseuille"]), &[&by_scene, "time.steps=0"]), 1);
         let bare =
             model_of(&scene(axis, ["walls", "poiseuille"]), &["species=[{radius=1.0, count=8}]", "time.steps=0"]);
-        let mut run = Observed::start(&bare, None, &Comm::alone()).unwrap();
+        let mut run = SuspensionRun::start(&bare, None, &Comm::alone()).unwrap();
         let places = expected.places();
         run.add_loads(UserLoads::OfPositions(Box::new(move |positions, _| {
             assert!(positions.iter().zip(&places).all(|(a, b)| (*a - *b).length() < 1e-13));
@@ -354,7 +354,7 @@ fn contacts_are_in_the_axes_of_the_user() {
         let weight = AxisRotation::to_last(axis).inverse().vector(Vector::new(3.0, -2.0, -10.0));
         let gravity = format!("gravity.acceleration={:?}", weight.to_array());
         let keys = [gravity.as_str(), "contacts.stiffness=3000.0", "time.steps=0"];
-        let mut run = Observed::start(&model_of(&scene(axis, SCENES[2]), &keys), None, &Comm::alone()).unwrap();
+        let mut run = SuspensionRun::start(&model_of(&scene(axis, SCENES[2]), &keys), None, &Comm::alone()).unwrap();
         for _ in 0..100 {
             run.advance(u64::MAX).unwrap();
         }
@@ -387,7 +387,8 @@ fn a_sphere_that_is_driven_into_a_wall_is_named_by_the_axis_of_the_user() {
             &format!("particles={{initial=\"positions\", positions=[{:?}]}}", place.to_array()),
         ];
         let mut run =
-            Observed::start(&model_of(&scene(axis, ["walls", "poiseuille"]), &keys), None, &Comm::alone()).unwrap();
+            SuspensionRun::start(&model_of(&scene(axis, ["walls", "poiseuille"]), &keys), None, &Comm::alone())
+                .unwrap();
         let error = (0..400).find_map(|_| run.advance(u64::MAX).err()).expect("it sinks in").to_string();
         assert!(error.contains(&format!("driven into a wall: its centre is at {name} = 0.")), "{error}");
     }

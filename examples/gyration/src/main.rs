@@ -4,7 +4,7 @@
 use domain::{Boundaries, Comm, PeriodicBox, Vector};
 use simulation::{Quantity, Simulation};
 use std::error::Error;
-use suspension::{Model, Observable, Observed, ObservedState, Parameters, Species, Start};
+use suspension::{Model, Observable, ObservedState, Parameters, Species, Start, SuspensionRun};
 
 /// Radius of gyration of the spheres of each species, with positions without periodicity and the mass of a sphere
 /// proportional to its volume,
@@ -50,7 +50,7 @@ fn cube(edge: f64) -> impl Iterator<Item = Vector> {
 }
 
 /// A run of a settling cloud in open fluid: light spheres at the corners of a cube, and a heavy one above its middle.
-fn cloud(comm: &Comm) -> Result<(Observed, Vec<String>), Box<dyn Error>> {
+fn cloud(comm: &Comm) -> Result<(SuspensionRun, Vec<String>), Box<dyn Error>> {
     let pulled = |name, count, force| Species { force: Vector::Z * force, ..Species::new(name, 1.0, count) };
     let cell = PeriodicBox::new(Vector::splat(20.0))?.with_boundaries(Boundaries::Open)?;
     let start =
@@ -58,7 +58,7 @@ fn cloud(comm: &Comm) -> Result<(Observed, Vec<String>), Box<dyn Error>> {
     let usual = Parameters::new(cell, 1.0, vec![pulled("light", 8, -1.0), pulled("heavy", 1, -4.0)], (0.1, 10));
     let model = Model::new(Parameters { start, ..usual })?;
     let names: Vec<String> = model.species.iter().map(|species| species.name.clone()).collect();
-    let mut run = Observed::start(&model, None, comm)?;
+    let mut run = SuspensionRun::start(&model, None, comm)?;
     run.add_observable(Box::new(RadiusOfGyration { species: names.clone() }))?;
     Ok((run, names))
 }

@@ -95,7 +95,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 mod tests {
     use super::*;
     use simulation::Simulation;
-    use suspension::{Flow, Hydrodynamics, Observed};
+    use suspension::{Flow, Hydrodynamics, SuspensionRun};
 
     const LAW: Yukawa = Yukawa { strength: 30.0, length: 0.4 };
     const IMPLICIT: Integrator = Integrator::Implicit(Adaptive { tolerance: 1e-3, gap_fraction: 0.5 });
@@ -169,8 +169,8 @@ mod tests {
         let model = pressed(5.0, EXPLICIT, (0.1, 2)).unwrap();
         let start = Start::Positions(vec![Vector::splat(6.0), Vector::new(8.0, 8.0, 6.5)]);
         let model = Model::new(Parameters { flow, start, ..Parameters::clone(&model) }).unwrap();
-        let mut run = Observed::start(&model, None, &Comm::alone()).unwrap();
-        let numbers = |run: &mut Observed, wanted: &str| {
+        let mut run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
+        let numbers = |run: &mut SuspensionRun, wanted: &str| {
             let place = run.quantities().iter().position(|quantity| quantity.name == wanted);
             place.map(|place| run.observe()[place].clone())
         };

@@ -10,14 +10,14 @@ use granular::disks::{DiskRun, RunLength};
 use granular::shear_cell::CellRun;
 use scene::{GranularDisksScene, Kind, Scene, SuspensionScene};
 use simulation::{Simulation, State};
-use suspension::Observed;
+use suspension::SuspensionRun;
 
 /// Simulation of a scene at its start. `tell` is called now and then with the completed fraction of
 /// the preparation. Collective.
 pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Box<dyn Simulation>, RunError> {
     check_memory(scene.kind(), comm)?;
     Ok(match scene.kind() {
-        Kind::Suspension(scene) => Box::new(Observed::start(&scene.model, start_positions(scene, comm)?, comm)?),
+        Kind::Suspension(scene) => Box::new(SuspensionRun::start(&scene.model, start_positions(scene, comm)?, comm)?),
         Kind::GranularDisks(scene) => {
             let placed = disk_positions(scene, comm)?;
             Box::new(DiskRun::start(&scene.model, run_length(scene), placed.as_ref(), comm, tell)?)
@@ -31,7 +31,7 @@ pub fn start(scene: &Scene, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Bo
 pub fn resume(scene: &Scene, state: Option<State>, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
     check_memory(scene.kind(), comm)?;
     Ok(match (scene.kind(), state) {
-        (Kind::Suspension(scene), state) => Box::new(Observed::resume(&scene.model, state, comm)?),
+        (Kind::Suspension(scene), state) => Box::new(SuspensionRun::resume(&scene.model, state, comm)?),
         (Kind::GranularDisks(scene), Some(state)) => {
             let from_file = scene.start.is_some();
             Box::new(DiskRun::resume(&scene.model, run_length(scene), &state, from_file, comm)?)

@@ -7,7 +7,7 @@ use files::{SceneRecord, Trajectory, checkpoint};
 use scene::{Kind, Output, Scene, SuspensionScene};
 use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
-use suspension::{Forecast, Observed, Start, StatisticsOfRank};
+use suspension::{Forecast, RankCounts, Start, SuspensionRun};
 
 /// Forecast of the time and output of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -141,7 +141,7 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let warm = if warm + 1 < ends.len() { warm } else { 0 };
     let (warm_step, warm_time) = ends[warm];
     let step = trying.costs * usual(&ends[warm..]);
-    let course = if let Kind::Suspension(scene) = scene.kind() { suspension::course(&scene.model) } else { 1.0 };
+    let course = if let Kind::Suspension(scene) = scene.kind() { suspension::cost_growth(&scene.model) } else { 1.0 };
     let step = step * course;
     let strain = StrainEnd::of(&*trying.simulation, last);
     let all = steps_of_all(scene, strain);
@@ -208,7 +208,7 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
         if count[0] > MOST_SPHERES {
             return Ok(None);
         }
-        return Ok(Some(Trying::as_it_is(Box::new(Observed::start(&scene.model, placed, comm)?))));
+        return Ok(Some(Trying::as_it_is(Box::new(SuspensionRun::start(&scene.model, placed, comm)?))));
     }
     let copy = scene.model.with_at_most(MOST_SPHERES);
     let forecasts = copy.as_ref().and_then(|copy| Some((Forecast::of(&scene.model)?, Forecast::of(copy)?, copy)));
@@ -218,7 +218,7 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
         return Ok(None);
     }
     // A copy may fail to start even if the scene itself starts.
-    let Ok(simulation) = Observed::start(copy, None, comm) else { return Ok(None) };
+    let Ok(simulation) = SuspensionRun::start(copy, None, comm) else { return Ok(None) };
     Ok(Some(Trying {
         simulation: Box::new(simulation),
         costs: whole.evaluation / part.evaluation,
@@ -286,7 +286,7 @@ fn grown(scene: &Scene, particles: f64, now: [f64; 2]) -> [f64; 2] {
     let before = (wanted.from / model.time_step) as u64;
     let samples = wanted.samples.count_until(model.steps) - wanted.samples.count_until(before.min(model.steps));
     let [sampled, tables] = now;
-    let at_the_end = StatisticsOfRank::alone(particles).state_bytes(model, samples);
+    let at_the_end = RankCounts::alone(particles).state_bytes(model, samples);
     [sampled.max(at_the_end), tables.max(TABLES * model.species.len() as f64)]
 }
 

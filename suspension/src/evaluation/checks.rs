@@ -11,7 +11,7 @@ const FARTHEST: f64 = 1e9;
 
 /// Distance of a sphere's centre from a wall, in radii, below which the step is refused: at 0.8 the mobility of the
 /// envelopes is no longer positive.
-const SUNK: f64 = 0.85;
+const MIN_WALL_DISTANCE: f64 = 0.85;
 
 impl Dynamics {
     /// Refuses positions that are not finite or too far from the box, and spheres in walls. Collective.
@@ -34,9 +34,9 @@ impl Dynamics {
 
     /// Refuses spheres whose centres are too near a wall for the mobility of their envelopes to be positive.
     fn check_walls(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
-        let sunk = |row: &usize| {
+        let is_in_wall = |row: &usize| {
             let walls = self.cell().to_walls(particles.positions[*row]);
-            walls.into_iter().any(|to| to.distance < SUNK * particles.radii[*row])
+            walls.into_iter().any(|to| to.distance < MIN_WALL_DISTANCE * particles.radii[*row])
         };
         let message = |row: usize| {
             format!(
@@ -49,7 +49,7 @@ impl Dynamics {
                 Number(particles.positions[row].z)
             )
         };
-        let found = (0..particles.len()).find(sunk).map_or(Ok(()), |row| Err(message(row)));
+        let found = (0..particles.len()).find(is_in_wall).map_or(Ok(()), |row| Err(message(row)));
         self.partition.comm().agree(found).map_err(StepError::IntoWall)
     }
 }

@@ -34,7 +34,7 @@ impl Dynamics {
     }
 
     /// Stores the velocities of the drawn motions plus the background flow as the first past velocities.
-    pub fn carry(&self, particles: &mut Particles) {
+    pub fn store_drawn_velocities(&self, particles: &mut Particles) {
         let drawn = ambient(particles).velocities;
         self.note_carried(particles, PAST[0], &drawn);
     }
@@ -61,8 +61,8 @@ impl Dynamics {
         (noise, energy): (Noise, f64),
     ) -> Result<(Loads, Solution), StepError> {
         self.unless_interrupted()?;
-        self.place(particles, moment)?;
-        self.look_for_crowding(particles);
+        self.wrap_and_migrate(particles, moment)?;
+        self.monitor_overlaps(particles);
         let mut acting = self.acting(particles, moment, None, &Motion::default())?;
         let noise = self.pair_noise(particles, noise);
         let loads = &mut acting.loads;
@@ -118,14 +118,14 @@ impl Dynamics {
     }
 
     /// Pairs that were too close in the last solve for random motions; `None` without Brownian motion.
-    pub fn crowded(&self) -> Option<OverlapCounts> {
-        self.crowding.as_ref().map(OverlapMonitor::last)
+    pub fn overlap_counts(&self) -> Option<OverlapCounts> {
+        self.overlap_monitor.as_ref().map(OverlapMonitor::last)
     }
 
-    fn look_for_crowding(&mut self, particles: &Particles) {
-        let Self { moving, partition, crowding, .. } = self;
+    fn monitor_overlaps(&mut self, particles: &Particles) {
+        let Self { moving, partition, overlap_monitor, .. } = self;
         let domain = DomainView { cell: moving.cell(), partition };
-        crowding.iter_mut().for_each(|crowding| crowding.look(particles, domain));
+        overlap_monitor.iter_mut().for_each(|overlap_monitor| overlap_monitor.look(particles, domain));
     }
 
     /// Random loads between near pairs. Collective.

@@ -30,7 +30,7 @@ pub struct RelativeMotion<const N: usize> {
     pairs: Vec<MovingPair<N>>,
     at_walls: Vec<MovingAtWall<N>>,
     /// Deformation of separations by the flow, in addition.
-    carry: Deformation,
+    advection: Deformation,
 }
 
 struct MovingPair<const N: usize> {
@@ -64,12 +64,12 @@ impl<const N: usize> RelativeMotion<N> {
             let image = moving.velocity_of_image(steps);
             MovingPair { separation, velocities: velocities.map(|velocity| velocity + image), radii }
         });
-        Self { near, pairs, at_walls, carry: Deformation::NONE }
+        Self { near, pairs, at_walls, advection: Deformation::NONE }
     }
 
     /// Lets the flow deform separations as well, after they changed by displacements.
-    pub fn carried_by(&mut self, carry: Deformation) -> &Self {
-        self.carry = carry;
+    pub fn advected_by(&mut self, advection: Deformation) -> &Self {
+        self.advection = advection;
         self
     }
 
@@ -99,11 +99,11 @@ impl<const N: usize> RelativeMotion<N> {
         least: [f64; 2],
         comm: &Comm,
     ) -> Change {
-        let carry = self.carry;
+        let advection = self.advection;
         let of_pairs = |pairs: &[MovingPair<N>]| {
             let mut change = Change::NONE;
             for pair in pairs {
-                let after = judge(weights.map(|weights| pair.gap_after(weights, carry)));
+                let after = judge(weights.map(|weights| pair.gap_after(weights, advection)));
                 change.note(pair.gap(), after, least.map(|least| least * pair.mean_radius()));
             }
             change
@@ -130,7 +130,7 @@ impl<const N: usize> RelativeMotion<N> {
     /// [`Self::apart`] as far as the iteration comes, and whether it converged. Collective.
     pub fn pushed(&self, weights: [f64; N], closest: f64, comm: &Comm) -> (Vec<Vector>, bool) {
         let separations: Vec<Vector> =
-            self.pairs.iter().map(|pair| pair.separation_after(weights, self.carry)).collect();
+            self.pairs.iter().map(|pair| pair.separation_after(weights, self.advection)).collect();
         let mut displacements = vec![Vector::ZERO; self.near.owned()];
         for _ in 0..MOST_ROUNDS {
             let between = self.near.differences(&displacements);
@@ -251,13 +251,13 @@ impl<const N: usize> MovingPair<N> {
         self.separation.length() - 2.0 * self.mean_radius()
     }
 
-    fn separation_after(&self, weights: [f64; N], carry: Deformation) -> Vector {
+    fn separation_after(&self, weights: [f64; N], advection: Deformation) -> Vector {
         let moved = self.separation + self.velocities.iter().zip(weights).map(|(&v, w)| v * w).sum::<Vector>();
-        carry.of(moved)
+        advection.of(moved)
     }
 
-    fn gap_after(&self, weights: [f64; N], carry: Deformation) -> f64 {
-        self.separation_after(weights, carry).length() - 2.0 * self.mean_radius()
+    fn gap_after(&self, weights: [f64; N], advection: Deformation) -> f64 {
+        self.separation_after(weights, advection).length() - 2.0 * self.mean_radius()
     }
 
     /// Displacements that give the spheres a gap of `closest` mean radii, if it falls short of that by more than the

@@ -80,17 +80,17 @@ impl WarmStart {
     }
 
     /// Removes all solutions except the last one.
-    pub fn forget(&self, particles: &mut Particles) {
+    pub fn clear_history(&self, particles: &mut Particles) {
         let past: Vec<String> =
             self.columns().iter().flat_map(|(name, _)| (1..=PAST).map(move |k| past(name, k))).collect();
         particles.columns.retain(|column| !past.contains(&column.name));
     }
 
     /// Removes all solutions, with or without forces between near spheres in the solve.
-    pub fn forget_all(particles: &mut Particles) {
+    pub fn clear_all(particles: &mut Particles) {
         for coupled in [false, true] {
             let known = Self::new(coupled);
-            known.forget(particles);
+            known.clear_history(particles);
             let kept: Vec<String> = known.kept().map(|(name, _)| name).collect();
             particles.columns.retain(|column| !kept.contains(&column.name));
         }
@@ -115,7 +115,7 @@ impl WarmStart {
     }
 
     /// Loads on the fluid in the last solution. Without coupled forces these are the given `loads`, and the stresslets.
-    pub fn felt(&self, loads: Loads, particles: &Particles) -> Loads {
+    pub fn loads_on_fluid(&self, loads: Loads, particles: &Particles) -> Loads {
         let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| &c.values[..]);
         // Particles may have these columns from a run with another integrator.
         let vectors = |name| values(name).filter(|_| self.coupled).map(|v| bytemuck::cast_slice(v).to_vec());
@@ -132,7 +132,7 @@ impl WarmStart {
     /// exert large forces on their neighbours.
     ///
     /// The parabola follows smooth changes, but amplifies the errors of previous solves about four times. Its weight in
-    /// the mix is the one with which the mix would have come closest to the previous solutions, see [`Self::learn`].
+    /// the mix is the one with which the mix would have come closest to the previous solutions, see [`Self::update_blend`].
     pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
         if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
             return Guess::default();
@@ -169,7 +169,7 @@ impl WarmStart {
 
     /// Updates the weight of the parabola from a new solution: the weight with which the guess, made with `ages` and
     /// `ahead`, would have come closest to it. Collective.
-    pub fn learn(&self, particles: &mut Particles, ages: &[f64], ahead: f64, comm: &Comm) {
+    pub fn update_blend(&self, particles: &mut Particles, ages: &[f64], ahead: f64, comm: &Comm) {
         let names = self.columns();
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), PAST));
         if comm.any(!is_known && !particles.is_empty()) || ages.len() < PAST {
@@ -265,7 +265,7 @@ mod tests {
         assert_eq!(warm_start.guess(&mut particles, &[0.0], 1.0), Guess::default(), "nothing is known");
         for step in 0..steps {
             particles.column(STRESSLET, 5).values.copy_from_slice(&stresslet(f64::from(step)).0);
-            warm_start.learn(&mut particles, &ages[..3.min(step as usize)], 1.0, &comm);
+            warm_start.update_blend(&mut particles, &ages[..3.min(step as usize)], 1.0, &comm);
             warm_start.remember(&mut particles, step.into());
         }
         let first = warm_start.guess(&mut particles, &[0.0], 1.0).stresslets_far[0];
@@ -308,8 +308,8 @@ mod tests {
         warm_start.record(&mut particles, &solved);
         let kept = [FORCE, TORQUE, INDUCED[0], INDUCED[1]].map(|name| particles.vectors(name).to_vec());
         assert_eq!(kept, [5.0, 3.0, 7.0, 9.0].map(vector));
-        assert_eq!(warm_start.felt(given.clone(), &particles), far);
-        let alone = WarmStart::new(false).felt(given.clone(), &particles);
+        assert_eq!(warm_start.loads_on_fluid(given.clone(), &particles), far);
+        let alone = WarmStart::new(false).loads_on_fluid(given.clone(), &particles);
         assert_eq!(alone, given, "without such forces those given, whatever was kept before");
     }
 }

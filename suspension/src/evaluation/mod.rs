@@ -58,7 +58,7 @@ pub struct Dynamics {
     largest_radius: f64,
     tolerance: f64,
     /// Detector of pairs that Brownian motion brings too close to each other.
-    crowding: Option<OverlapMonitor>,
+    overlap_monitor: Option<OverlapMonitor>,
     /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
     clipped: f64,
     /// Neighbour lists of the pairs whose relative motion limits steps.
@@ -78,7 +78,7 @@ impl Dynamics {
         let range = range.map(|range| if model.thermal_energy.is_some() { range.separating() } else { range });
         let forces = Forces::of(model)?.start(model, &setup.particles, &setup.radii, &setup.partition);
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
-        let crowding =
+        let overlap_monitor =
             model.thermal_energy.map(|_| OverlapMonitor::new(model, setup.radii.largest(), &setup.partition));
         let springs = forces.implicit_range(setup.radii.largest()).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
@@ -94,7 +94,7 @@ impl Dynamics {
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,
-            crowding,
+            overlap_monitor,
             smallest_radius: setup.radii.smallest(),
             largest_radius: setup.radii.largest(),
             watched: NeighbourLists::new(WATCHED * setup.radii.largest(), &setup.partition),
@@ -142,26 +142,26 @@ impl Dynamics {
     pub fn begin_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<(), StepError> {
         if self.moving.begin(clock.step()) {
             columns::clear_history(particles);
-            self.warm_start.forget(particles);
-            self.forces.contacts.iter_mut().for_each(Contacts::end_settling);
+            self.warm_start.clear_history(particles);
+            self.forces.contacts.iter_mut().for_each(Contacts::end_adaptation);
             self.evaluate(particles, &StageTime::in_step(clock, 0.0, 0))?;
         } else {
-            self.add_reference(particles, -1.0);
+            self.add_background(particles, -1.0);
         }
         Ok(())
     }
 
     /// Makes velocities absolute again and stores the states of flow and contacts in the particles' columns.
     pub fn end_step(&mut self, particles: &mut Particles) {
-        self.add_reference(particles, 1.0);
+        self.add_background(particles, 1.0);
         if let Some(driven) = self.moving.driven() {
-            driven.note(particles);
+            driven.store_in_columns(particles);
         }
         if let Some(flux) = self.moving.flux() {
-            flux.note(particles);
+            flux.store_in_columns(particles);
         }
-        if let Some(settling) = self.settling() {
-            settling.note(particles);
+        if let Some(adaptation) = self.stiffness_adaptation() {
+            adaptation.store_in_columns(particles);
         }
     }
 
@@ -179,7 +179,7 @@ impl Dynamics {
 
     /// Number of steps in the present flow before the step that begins.
     pub fn steps_before(&self, clock: &Clock) -> u64 {
-        clock.step() - self.moving.began()
+        clock.step() - self.moving.flow_start_step()
     }
 
     /// Returns to an earlier state of the box.
@@ -194,16 +194,19 @@ impl Dynamics {
         if self.partition.comm().any(self.hydrodynamics.interrupt().is_requested()) {
             return Err(Interrupted.into());
         }
-        self.place(particles, moment)?;
-        let guess =
-            if self.rigid { self.warm_start.guess(particles, &moment.ages, moment.ahead) } else { Guess::default() };
+        self.wrap_and_migrate(particles, moment)?;
+        let guess = if self.rigid {
+            self.warm_start.guess(particles, &moment.ages, moment.since_last_solution)
+        } else {
+            Guess::default()
+        };
         let before = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
         let outcome = match self.moving.search() {
             None => self.solve_at(particles, (&guess, &before), moment)?,
             Some(search) => self.drive(particles, (search, guess, &before), moment)?,
         };
         if self.rigid {
-            self.warm_start.learn(particles, &moment.ages, moment.ahead, self.partition.comm());
+            self.warm_start.update_blend(particles, &moment.ages, moment.since_last_solution, self.partition.comm());
         }
         Ok(outcome)
     }
@@ -217,7 +220,7 @@ impl Dynamics {
         moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
-        let strain_rate = self.moving.expected_besides();
+        let strain_rate = self.moving.predicted_strain_rate_change();
         let prediction =
             expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
         let acting = self.acting(particles, moment, prediction.as_ref(), before)?;
@@ -255,7 +258,7 @@ impl Dynamics {
             near: near.as_ref(),
             time: moment.clock.time_at(moment.fraction),
             prediction,
-            since_last_solution: moment.ahead,
+            since_last_solution: moment.since_last_solution,
             previous,
             flow: moving,
         };
@@ -285,9 +288,9 @@ impl Dynamics {
     }
 
     /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
-    pub fn place(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
+    pub fn wrap_and_migrate(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
         self.check_positions(particles, &moment.clock)?;
-        self.moving.go_to(moment.clock.time_at(moment.fraction), particles);
+        self.moving.advance_to(moment.clock.time_at(moment.fraction), particles);
         self.follow(particles, &moment.clock)?;
         particles.migrate(&self.partition, self.moving.cell());
         Ok(())
@@ -301,8 +304,8 @@ impl Dynamics {
     }
 
     /// Adds `times` the flow relative to which velocities are given while particles move.
-    fn add_reference(&self, particles: &mut Particles, times: f64) {
-        if !self.moving.carries() {
+    fn add_background(&self, particles: &mut Particles, times: f64) {
+        if !self.moving.advects() {
             return;
         }
         let reference: Vec<_> = particles.positions.iter().map(|&x| self.flow().velocity(x) * times).collect();

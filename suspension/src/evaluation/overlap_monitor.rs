@@ -187,9 +187,9 @@ mod tests {
                         particles.push(2 * id as u64 + 1, Vector::new(0.5, 12.5 - apart, z), 1.0, 0);
                     }
                     particles.migrate(&partition, &cell);
-                    let mut crowding = OverlapMonitor::new(&model, 1.0, &partition);
-                    crowding.look(&particles, DomainView { cell: &cell, partition: &partition });
-                    crowding.last()
+                    let mut overlap_monitor = OverlapMonitor::new(&model, 1.0, &partition);
+                    overlap_monitor.look(&particles, DomainView { cell: &cell, partition: &partition });
+                    overlap_monitor.last()
                 });
                 for crowded in found {
                     assert_eq!((crowded.overlapping, crowded.at_minimum_gap), (1, at_minimum_gap));
@@ -211,9 +211,9 @@ mod tests {
         for (id, z) in [0.95, 5.0, 11.0 - 5e-7].into_iter().enumerate() {
             particles.push(id as u64, Vector::new(1.0 + 4.0 * id as f64, 2.0, z), 1.0, 0);
         }
-        let mut crowding = OverlapMonitor::new(&model, 1.0, &partition);
-        crowding.look(&particles, DomainView { cell: &cell, partition: &partition });
-        let OverlapCounts { overlapping, at_minimum_gap, depth } = crowding.last();
+        let mut overlap_monitor = OverlapMonitor::new(&model, 1.0, &partition);
+        overlap_monitor.look(&particles, DomainView { cell: &cell, partition: &partition });
+        let OverlapCounts { overlapping, at_minimum_gap, depth } = overlap_monitor.last();
         assert_eq!((overlapping, at_minimum_gap), (1, 2));
         assert!((depth - 0.05).abs() < 1e-14);
     }

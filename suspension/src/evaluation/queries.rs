@@ -4,7 +4,7 @@ use super::Dynamics;
 use super::following::Following;
 use crate::evaluation::velocity_field::{self, FluidVelocity};
 use crate::forces::Forces;
-use crate::forces::contacts::Measured;
+use crate::forces::contacts::ContactStatistics;
 use domain::{Boundaries, DomainView, Particles, Partition, PeriodicBox, Tensor};
 use fcm::{PlanError, PlanIdentity};
 use lubrication::LubricationRange;
@@ -55,8 +55,10 @@ impl Dynamics {
         let [fx, fy, mx, my] = sums.map(|sum| sum / cell.volume());
         let flow = [self.viscosity * self.moving.rate(), 0.0];
         let height = cell.edges().z;
-        let driven =
-            self.moving.by_pressure().map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
+        let driven = self
+            .moving
+            .total_poiseuille()
+            .map_or([0.0; 2], |p| [0.0, height].map(|z| self.viscosity * p.shear_rate(z)));
         let upper = [flow[0] + driven[1] + stress.col(2).x - mx, flow[1] + stress.col(2).y - my];
         let forces = [fx * height + driven[0] - driven[1], fy * height];
         match cell.boundaries() {
@@ -68,12 +70,12 @@ impl Dynamics {
 
     /// Pressure gradient at constant flux; `None` if the flux is not kept.
     pub fn pressure_gradient(&self) -> Option<f64> {
-        let flow = self.moving.by_pressure().filter(|_| self.moving.keeps_flux())?;
+        let flow = self.moving.total_poiseuille().filter(|_| self.moving.keeps_flux())?;
         Some(self.viscosity * flow.curvature)
     }
 
     /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
-    pub fn measured_contacts(&self, particles: &Particles) -> Option<Measured> {
+    pub fn contact_statistics(&self, particles: &Particles) -> Option<ContactStatistics> {
         self.forces.contacts.as_ref().map(|contacts| contacts.measured(particles, self.domain()))
     }
 
@@ -116,10 +118,10 @@ impl Dynamics {
     /// resolve it. Collective.
     pub fn velocity_field(&mut self, particles: &Particles, time: f64) -> Result<FluidVelocity, PlanError> {
         let loads = self.forces.present_loads(particles, self.domain(), time);
-        let loads = self.warm_start.felt(loads, particles);
+        let loads = self.warm_start.loads_on_fluid(loads, particles);
         // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
         let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
-        let flow = (self.moving.cell(), self.moving.by_particles());
+        let flow = (self.moving.cell(), self.moving.flux_correction());
         Ok(velocity_field::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
     }
 }

@@ -28,7 +28,7 @@ pub struct StageTime {
     /// Ages of the stored solutions relative to the last of them, whose age of 0 comes first.
     pub ages: Vec<f64>,
     /// Time since the last stored solution.
-    pub ahead: f64,
+    pub since_last_solution: f64,
     /// Time over which forces between near spheres are implicit, if they are: they are taken at the velocities of the
     /// solve instead of those in the column [`crate::columns::EXPECTED`].
     pub implicit: Option<f64>,
@@ -39,6 +39,6 @@ impl StageTime {
     /// steps.
     pub fn in_step(clock: &Clock, fraction: f64, steps: u64) -> Self {
         let ages = (0..=steps.min(2)).map(|k| k as f64 * clock.dt()).collect();
-        Self { clock: *clock, fraction, ages, ahead: fraction * clock.dt(), implicit: None }
+        Self { clock: *clock, fraction, ages, since_last_solution: fraction * clock.dt(), implicit: None }
     }
 }

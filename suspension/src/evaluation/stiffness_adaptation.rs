@@ -6,13 +6,13 @@ use domain::{DomainView, Particles};
 
 impl Dynamics {
     /// State of the stiffness adaptation, if the stiffness adapts.
-    pub fn settling(&self) -> Option<StiffnessAdaptation> {
-        self.forces.contacts.as_ref().and_then(Contacts::how_it_settles)
+    pub fn stiffness_adaptation(&self) -> Option<StiffnessAdaptation> {
+        self.forces.contacts.as_ref().and_then(Contacts::adaptation)
     }
 
     /// Returns to an earlier state of the adaptation.
-    pub fn settle_at(&mut self, settling: Option<StiffnessAdaptation>) {
-        self.forces.contacts.iter_mut().for_each(|contacts| contacts.settle_at(settling));
+    pub fn set_adaptation(&mut self, adaptation: Option<StiffnessAdaptation>) {
+        self.forces.contacts.iter_mut().for_each(|contacts| contacts.set_adaptation(adaptation));
     }
 
     /// Stiffness of contacts; `None` for spheres without contacts.
@@ -21,7 +21,7 @@ impl Dynamics {
     }
 
     /// Adapts the stiffness of contacts after a substep, unless the adaptation is over. Collective.
-    pub fn settle(&mut self, particles: &Particles, step: f64) {
+    pub fn adapt_stiffness(&mut self, particles: &Particles, step: f64) {
         let Self { forces, moving, partition, .. } = self;
         let (domain, strain) = (DomainView { cell: moving.cell(), partition }, moving.rate() * step);
         forces.contacts.iter_mut().for_each(|contacts| contacts.adapt(particles, domain, strain));

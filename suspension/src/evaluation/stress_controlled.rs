@@ -41,7 +41,7 @@ impl Dynamics {
                 particles.vectors(VELOCITY).iter().zip(expected).map(|(&v, expected)| v - expected).collect::<Vec<_>>(),
             )
         });
-        let strain_rate = self.moving.expected_besides() * -1.0;
+        let strain_rate = self.moving.predicted_strain_rate_change() * -1.0;
         let beyond = beyond.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
@@ -55,9 +55,9 @@ impl Dynamics {
 
     /// Predicts the rate at the end of a substep from weights of the present and past rates, and the strain from
     /// weights of these and of the mean over the last substep.
-    pub fn expect_flow(&mut self, rate: [f64; 2], strain: [f64; 3]) {
+    pub fn predict_flow(&mut self, rate: [f64; 2], strain: [f64; 3]) {
         if let Some(driven) = self.moving.driven() {
-            driven.expect(rate, strain);
+            driven.predict(rate, strain);
         }
     }
 

@@ -8,13 +8,13 @@ pub const CURVATURE: &str = "curvature of the flow";
 /// Change of the pressure-driven flow that keeps the flux in the presence of the particles: the curvature `-u''` of the
 /// latest solution.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PressureFlow {
+pub struct ConstantFluxState {
     curvature: f64,
 }
 
-impl PressureFlow {
+impl ConstantFluxState {
     /// Restores the state that the particles of the first rank store, if any. Collective.
-    pub fn recalled(particles: &Particles, comm: &Comm) -> Self {
+    pub fn load_from_columns(particles: &Particles, comm: &Comm) -> Self {
         let column = particles.columns.iter().find(|column| column.name == CURVATURE);
         let mut known: Vec<f64> = column.and_then(|column| column.values.first()).copied().into_iter().collect();
         comm.broadcast(&mut known);
@@ -22,7 +22,7 @@ impl PressureFlow {
     }
 
     /// Stores the state in a column of the particles.
-    pub fn note(self, particles: &mut Particles) {
+    pub fn store_in_columns(self, particles: &mut Particles) {
         particles.column(CURVATURE, 1).values.fill(self.curvature);
     }
 

@@ -1,7 +1,7 @@
 //! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
 use crate::columns::VELOCITY_COLUMNS;
-use crate::flow::constant_flux::PressureFlow;
+use crate::flow::constant_flux::ConstantFluxState;
 use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl};
@@ -32,12 +32,12 @@ pub struct PeriodicCell {
     driven: Option<StressControl>,
     /// Pressure-driven flow without particles, and the state of the constant-flux constraint, if there are any.
     profile: Option<Poiseuille>,
-    flux: Option<PressureFlow>,
+    flux: Option<ConstantFluxState>,
     motion: Motion,
     /// Present rate and flow, and the step at which this rate began.
     rate: f64,
     flow: BackgroundFlow,
-    began: u64,
+    flow_start_step: u64,
     time: f64,
     cell: PeriodicBox,
     vectors: Vectors,
@@ -65,12 +65,24 @@ impl PeriodicCell {
     /// The box after the last step of a clock, if it is `start` at time zero; it shears with the flow of the given
     /// rates if `shears` is set.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
-        let (rate, began) = rates.before(clock.step());
+        let (rate, flow_start_step) = rates.before(clock.step());
         let motion = if shears { Motion::Shearing } else { Motion::Still };
         let (flow, time, vectors) = (shear(&start, rate), clock.time(), Vectors::Sheared(0));
         let (driven, profile, flux) = (None, None, None);
-        let mut moving =
-            Self { start, rates, driven, profile, flux, motion, rate, flow, began, time, cell: start, vectors };
+        let mut moving = Self {
+            start,
+            rates,
+            driven,
+            profile,
+            flux,
+            motion,
+            rate,
+            flow,
+            flow_start_step,
+            time,
+            cell: start,
+            vectors,
+        };
         (moving.cell, moving.vectors) = moving.shape_at(time);
         moving
     }
@@ -96,23 +108,23 @@ impl PeriodicCell {
 
     /// This box with a pressure-driven flow at constant flux, or at constant pressure gradient for `None`.
     #[must_use]
-    pub fn at_constant_flux(self, flux: Option<PressureFlow>) -> Self {
+    pub fn at_constant_flux(self, flux: Option<ConstantFluxState>) -> Self {
         Self { flux, ..self }
     }
 
     /// State of the constant-flux constraint, if the flux is kept.
-    pub fn flux(&mut self) -> Option<&mut PressureFlow> {
+    pub fn flux(&mut self) -> Option<&mut ConstantFluxState> {
         self.flux.as_mut()
     }
 
     /// Flow of the total pressure gradient; at constant flux it differs from the flow without particles.
-    pub fn by_pressure(&self) -> Option<Poiseuille> {
-        let besides = self.flux.map_or(0.0, PressureFlow::curvature);
+    pub fn total_poiseuille(&self) -> Option<Poiseuille> {
+        let besides = self.flux.map_or(0.0, ConstantFluxState::curvature);
         self.profile.map(|profile| Poiseuille { curvature: profile.curvature + besides, ..profile })
     }
 
     /// Change of the pressure-driven flow by the particles at constant flux.
-    pub fn by_particles(&self) -> Option<Poiseuille> {
+    pub fn flux_correction(&self) -> Option<Poiseuille> {
         self.profile.zip(self.flux).map(|(profile, flux)| Poiseuille { curvature: flux.curvature(), ..profile })
     }
 
@@ -129,7 +141,7 @@ impl PeriodicCell {
 
     /// The part of [`Self::velocity_of`] that velocities include while particles move.
     pub fn carried_velocity_of(&self, place: Vector, radius: f64) -> Vector {
-        if self.carries() { Vector::ZERO } else { self.velocity_of(place, radius) }
+        if self.advects() { Vector::ZERO } else { self.velocity_of(place, radius) }
     }
 
     /// Angular velocity of a free sphere at a position in the background flow.
@@ -148,7 +160,7 @@ impl PeriodicCell {
     /// state is restored from the particles of the first rank, if they store it. Collective.
     #[must_use]
     pub fn under_stress(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
-        let driven = StressControl::start(stress, self.rate).recalled(particles, comm);
+        let driven = StressControl::start(stress, self.rate).load_from_columns(particles, comm);
         self.driven = Some(driven);
         self.set_rate(driven.rate());
         (self.cell, self.vectors) = self.shape_at(self.time);
@@ -181,7 +193,7 @@ impl PeriodicCell {
     }
 
     /// Strain rate of the flow at the predicted rate minus that at the present rate.
-    pub fn expected_besides(&self) -> Traceless {
+    pub fn predicted_strain_rate_change(&self) -> Traceless {
         let missing = self.driven.as_ref().map_or(0.0, |driven| driven.expected() - self.rate);
         shear(&self.start, missing).strain_rate()
     }
@@ -197,7 +209,7 @@ impl PeriodicCell {
     }
 
     /// Whether velocities are relative to the flow while particles move.
-    pub fn carries(&self) -> bool {
+    pub fn advects(&self) -> bool {
         self.rates.frequency().is_some()
             || self.driven.is_some()
             || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
@@ -205,10 +217,10 @@ impl PeriodicCell {
 
     /// Deformation of the box that advects the particles, over a coming time; under stress control, `weights` are those
     /// of the present and past rates and of the mean over the last substep.
-    pub fn carry(&self, duration: f64, weights: [f64; 3]) -> Deformation {
+    pub fn advect(&self, duration: f64, weights: [f64; 3]) -> Deformation {
         self.deformation(match &self.driven {
-            Some(driven) => driven.carry(weights),
-            None if self.carries() => self.rates.strain(self.time + duration) - self.rates.strain(self.time),
+            Some(driven) => driven.advect(weights),
+            None if self.advects() => self.rates.strain(self.time + duration) - self.rates.strain(self.time),
             None => 0.0,
         })
     }
@@ -232,14 +244,14 @@ impl PeriodicCell {
         let changed = self.rates.changed_at(step);
         if let Some(rate) = changed {
             self.set_rate(rate);
-            self.began = step;
+            self.flow_start_step = step;
         }
         changed.is_some()
     }
 
     /// Step at which the present rate began.
-    pub fn began(&self) -> u64 {
-        self.began
+    pub fn flow_start_step(&self) -> u64 {
+        self.flow_start_step
     }
 
     /// Strain of the flow at a time.
@@ -270,7 +282,7 @@ impl PeriodicCell {
 
     /// Velocity of the image `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
-        let moves = matches!(self.motion, Motion::Shearing) && !self.carries();
+        let moves = matches!(self.motion, Motion::Shearing) && !self.advects();
         if moves { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
     }
 
@@ -289,12 +301,12 @@ impl PeriodicCell {
     }
 
     /// Advances the box to a time, and advects and wraps the particles.
-    pub fn go_to(&mut self, time: f64, particles: &mut Particles) {
+    pub fn advance_to(&mut self, time: f64, particles: &mut Particles) {
         if let Some(driven) = &mut self.driven {
             let (strain, rate) = (driven.go(), driven.expected());
             carry_by(self.deformation(strain), particles);
             self.set_rate(rate);
-        } else if self.carries() {
+        } else if self.advects() {
             let strain = self.rates.strain(time) - self.rates.strain(self.time);
             carry_by(self.deformation(strain), particles);
             if self.rates.frequency().is_some() {
@@ -307,7 +319,7 @@ impl PeriodicCell {
             particles.relabel(&self.renamed(vectors));
         }
         (self.cell, self.vectors) = (cell, vectors);
-        if self.carries() || self.flow == BackgroundFlow::NONE {
+        if self.advects() || self.flow == BackgroundFlow::NONE {
             particles.wrap(&self.cell);
         } else {
             self.wrap_in_flow(particles);

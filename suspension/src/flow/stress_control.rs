@@ -37,7 +37,7 @@ pub struct StressControl {
     tolerance: f64,
     /// Strain, and strain to which the box will advance.
     strain: f64,
-    aim: f64,
+    predicted_strain: f64,
     /// Present and past rates, and the mean over the last substep, like the columns of velocities.
     rates: [f64; 3],
     /// Rate expected at the end of a substep.
@@ -50,24 +50,33 @@ impl StressControl {
     /// solve.
     pub fn start((stress, viscosity, tolerance): (f64, f64, f64), rate: f64) -> Self {
         let slope = (stress / rate).max(viscosity);
-        Self { stress, viscosity, tolerance, strain: 0.0, aim: 0.0, rates: [rate, 0.0, 0.0], expected: rate, slope }
+        Self {
+            stress,
+            viscosity,
+            tolerance,
+            strain: 0.0,
+            predicted_strain: 0.0,
+            rates: [rate, 0.0, 0.0],
+            expected: rate,
+            slope,
+        }
     }
 
     /// Restores the state that the particles of the first rank store, if any. Collective.
-    pub fn recalled(mut self, particles: &Particles, comm: &Comm) -> Self {
+    pub fn load_from_columns(mut self, particles: &Particles, comm: &Comm) -> Self {
         let column = particles.columns.iter().find(|column| column.name == DRIVEN && column.width == DRIVEN_NUMBERS);
         let mut known: Vec<f64> =
             column.and_then(|column| column.values.get(..DRIVEN_NUMBERS)).map(<[f64]>::to_vec).unwrap_or_default();
         comm.broadcast(&mut known);
         if let [strain, now, past, mean, slope] = known[..] {
-            (self.strain, self.aim, self.slope) = (strain, strain, slope);
+            (self.strain, self.predicted_strain, self.slope) = (strain, strain, slope);
             (self.rates, self.expected) = ([now, past, mean], now);
         }
         self
     }
 
     /// Stores the state in a column of the particles.
-    pub fn note(&self, particles: &mut Particles) {
+    pub fn store_in_columns(&self, particles: &mut Particles) {
         let [now, past, mean] = self.rates;
         let numbers = [self.strain, now, past, mean, self.slope];
         let column = particles.column(DRIVEN, DRIVEN_NUMBERS);
@@ -85,15 +94,15 @@ impl StressControl {
     }
 
     /// Strain increment: weighted sum of the present and past rates and the mean over the last substep.
-    pub fn carry(&self, weights: [f64; 3]) -> f64 {
+    pub fn advect(&self, weights: [f64; 3]) -> f64 {
         self.rates.iter().zip(weights).map(|(rate, weight)| rate * weight).sum()
     }
 
     /// Predicts the rate from the present and past rates, with the first weights, and the strain from the second
     /// weights.
-    pub fn expect(&mut self, [now, past]: [f64; 2], weights: [f64; 3]) {
+    pub fn predict(&mut self, [now, past]: [f64; 2], weights: [f64; 3]) {
         self.expected = now * self.rates[0] + past * self.rates[1];
-        self.aim = self.strain + self.carry(weights);
+        self.predicted_strain = self.strain + self.advect(weights);
     }
 
     /// Predicted rate.
@@ -105,14 +114,14 @@ impl StressControl {
     /// strain of the substep. Returns the correction of the strain.
     pub fn correct(&mut self, rate: f64, implicit: f64) -> f64 {
         let missing = implicit * (rate - self.expected);
-        (self.aim, self.expected) = (self.strain + missing, rate);
+        (self.predicted_strain, self.expected) = (self.strain + missing, rate);
         missing
     }
 
     /// Advances to the predicted strain. Returns the increment.
     pub fn go(&mut self) -> f64 {
-        let carry = self.aim - self.strain;
-        self.strain = self.aim;
+        let carry = self.predicted_strain - self.strain;
+        self.strain = self.predicted_strain;
         carry
     }
 
@@ -210,7 +219,7 @@ mod tests {
                 let share = if k == 0 { 1.0 } else { 2.0 / 3.0 };
                 let now_and_past = if k == 0 { [1.0, 0.0] } else { [2.0, -1.0] };
                 let [now, past] = now_and_past.map(|weight| weight * share * h);
-                driven.expect(now_and_past, [now, past, (1.0 - share) * h]);
+                driven.predict(now_and_past, [now, past, (1.0 - share) * h]);
                 driven.go();
                 time += h;
                 driven.correct(time.cos(), share * h);
@@ -218,8 +227,8 @@ mod tests {
                 driven.end(share);
                 let mut particles = Particles::default();
                 particles.push(0, domain::Vector::ZERO, 1.0, 0);
-                driven.note(&mut particles);
-                let again = StressControl::start((1.0, 1.0, 1e-3), 5.0).recalled(&particles, &Comm::alone());
+                driven.store_in_columns(&mut particles);
+                let again = StressControl::start((1.0, 1.0, 1e-3), 5.0).load_from_columns(&particles, &Comm::alone());
                 assert_eq!((again.strain, again.rates), (driven.strain, driven.rates));
             }
             (driven.strain() - 1.0_f64.sin()).abs()

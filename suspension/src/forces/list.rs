@@ -65,7 +65,7 @@ impl Forces {
     pub fn start(mut self, model: &Model, particles: &Particles, radii: &Radii, partition: &Partition) -> Self {
         let comm = partition.comm();
         let adaptation = StiffnessAdaptation::of(model, particles, comm);
-        self.contacts = self.contacts.map(|contacts| contacts.between(radii).settling(adaptation));
+        self.contacts = self.contacts.map(|contacts| contacts.between(radii).adapting(adaptation));
         self.bonds.iter_mut().for_each(|bonds| bonds.start(particles, comm));
         self.search(radii.largest(), partition);
         self

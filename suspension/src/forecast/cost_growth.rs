@@ -21,7 +21,7 @@ const TRAILING: f64 = 1.0;
 const UNFOLDED: f64 = 10.0;
 
 /// Ratio of the mean cost of a step to that of the first steps, from measured growth; accurate to about 10% at best.
-pub fn course(model: &Model) -> f64 {
+pub fn cost_growth(model: &Model) -> f64 {
     let (end, strained) = (model.end(), model.contacts.is_some() && model.shear_rates().stress().is_none());
     let touching = if strained { crowded(volume_fraction(model)) } else { 0.0 };
     let formed = share_after(end * model.shear_rates().largest().abs(), FORMED);
@@ -80,7 +80,7 @@ mod tests {
 
     fn with(change: impl FnOnce(Parameters) -> Parameters) -> f64 {
         let cell = PeriodicBox::new(Vector::splat(20.0)).unwrap();
-        course(
+        cost_growth(
             &Model::new(change(Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 100)], (0.01, 1000)))).unwrap(),
         )
     }

@@ -78,8 +78,11 @@ fn forces(model: &Model, radii: &Radii) -> Option<String> {
     if radii.count() < 2 {
         return None;
     }
-    let fastest = model.species.iter().max_by(|a, b| model.travel(a).total_cmp(&model.travel(b)))?;
-    let (travel, edges) = (model.travel(fastest), model.cell.edges());
+    let fastest = model
+        .species
+        .iter()
+        .max_by(|a, b| model.displacement_per_step(a).total_cmp(&model.displacement_per_step(b)))?;
+    let (travel, edges) = (model.displacement_per_step(fastest), model.cell.edges());
     let (least, than, remedy) = if is_fixed(model) {
         (fastest.radius, "its radius", "spheres may jump into and past each other")
     } else {

@@ -220,7 +220,7 @@ impl Memory {
         // The first ranks share a machine, and the first of them needs the most memory.
         let together = &needs[..asked.on_a_machine.min(needs.len())];
         let missing = if asked.are_present { None } else { Comm::check_memory_of(together).err() };
-        let remedy = memory::remedy(model, &planned.radii);
+        let remedy = memory::advice(model, &planned.radii);
         Self { missing: missing.map(|error| format!("{error}, and `run` would refuse it here; {remedy}")), needs }
     }
 

@@ -65,7 +65,7 @@ impl AdamsBashforth {
         1 + self.past() + STAGES.len()
     }
 
-    fn go(self, particles: &mut Particles, dt: f64) {
+    fn advance(self, particles: &mut Particles, dt: f64) {
         match self {
             Self::Two => motion::advance(particles, [VELOCITY, PAST[0]], [3.0, -1.0].map(|w| w / 2.0 * dt)),
             Self::Three => {
@@ -100,7 +100,7 @@ pub fn advance<E>(
     if steps < method.past() as u64 {
         runge_kutta(particles, dt, method.past(), &mut evaluate)?;
     } else {
-        method.go(particles, dt);
+        method.advance(particles, dt);
     }
     evaluate(particles, 1.0)
 }

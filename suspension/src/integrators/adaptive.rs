@@ -69,7 +69,8 @@ pub fn advance(
         motion::advance(particles, USED, weights);
         motion::move_apart(particles, &apart);
         remember(particles, PAST_VELOCITIES);
-        let moment = StageTime { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit: None };
+        let moment =
+            StageTime { clock: *clock, fraction: end, ages: ages.clone(), since_last_solution: step, implicit: None };
         outcome = dynamics.evaluate(particles, &moment)?;
         grow_older(particles, &ages, step);
         grow_oldest(particles, &ages, step);
@@ -138,8 +139,8 @@ impl Substep<'_> {
     ) -> Known {
         let comm = dynamics.partition().comm();
         let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.minimum_gap(), self.control.tolerance]);
-        let carry = dynamics.periodic_cell().carry(step, [0.0; 3]);
-        let gaps = approach.carried_by(carry).after_orders(*orders, least, comm);
+        let carry = dynamics.periodic_cell().advect(step, [0.0; 3]);
+        let gaps = approach.advected_by(carry).after_orders(*orders, least, comm);
         let of_gaps = Estimate { error: gaps.error, roughness: gaps.roughness };
         let of_places = of_displacements(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);
         let estimate = of_places.worse(of_gaps.scaled(1.0 / (GAP_ERROR * self.control.gap_fraction)));

@@ -30,7 +30,7 @@ impl ThermalNoise {
 }
 
 /// Size of the displacement for the finite difference of motions, over that in half a step.
-const PART: f64 = 0.02;
+const DIFFERENCE_FRACTION: f64 = 0.02;
 
 /// Takes one step of the clock. Let `v, w, e` be random motions of the fluid at the particles at `x`, whose covariance
 /// is `2 kT / dt` times the mobility of the method, and `f` random loads whose covariance is `2 kT / dt` times the
@@ -62,10 +62,10 @@ const PART: f64 = 0.02;
 pub fn advance(
     particles: &mut Particles,
     (clock, is_seen): (&Clock, bool),
-    (heat, scheme): (&ThermalNoise, BrownianScheme),
+    (noise_source, scheme): (&ThermalNoise, BrownianScheme),
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
-    let noise = heat.of_step(clock);
+    let noise = noise_source.of_step(clock);
     match scheme {
         BrownianScheme::Midpoint => midpoint(particles, clock, noise, dynamics),
         BrownianScheme::TwoEvaluations => {
@@ -87,12 +87,12 @@ fn midpoint(
 ) -> Result<Outcome, StepError> {
     let half = 0.5 * clock.dt();
     dynamics.fluctuate(particles, noise);
-    dynamics.carry(particles);
+    dynamics.store_drawn_velocities(particles);
     motion::advance(particles, [PAST[0]], [half]);
     let middle = StageTime::in_step(clock, 0.5, 0);
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
     motion::advance(particles, [VELOCITY, PAST[0]], [2.0 * half, -half]);
-    dynamics.place(particles, &StageTime::in_step(clock, 1.0, 0))?;
+    dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
     brownian::forget(particles);
     Ok(outcome)
 }
@@ -105,15 +105,15 @@ fn two_evaluations(
 ) -> Result<Outcome, StepError> {
     let start = StageTime::in_step(clock, 0.0, 0);
     dynamics.fluctuate(particles, noise);
-    brownian::displace(particles, PART * 0.5 * clock.dt());
+    brownian::displace(particles, DIFFERENCE_FRACTION * 0.5 * clock.dt());
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
     motion::advance(particles, [DISPLACEMENT], [1.0]);
-    dynamics.place(particles, &start)?;
-    dynamics.note_drift(particles, &start, (PART, noise.energy))?;
+    dynamics.wrap_and_migrate(particles, &start)?;
+    dynamics.note_drift(particles, &start, (DIFFERENCE_FRACTION, noise.energy))?;
     brownian::limit_drift(particles, clock.dt());
     motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
     brownian::forget(particles);
-    dynamics.place(particles, &StageTime::in_step(clock, 1.0, 0))?;
+    dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
     Ok(outcome)
 }
 
@@ -140,7 +140,7 @@ mod tests {
 
     /// Relative velocity of two spheres under opposite unit forces along an axis, or velocity of one sphere under a
     /// unit force.
-    fn parting(model: &Model, axis: Vector) -> f64 {
+    fn separation_rate(model: &Model, axis: Vector) -> f64 {
         let (mut dynamics, mut particles) =
             Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();
         let pull = move |places: &[Vector], _: f64| {
@@ -186,9 +186,9 @@ mod tests {
     #[ignore = "heavy"]
     fn spheres_drift_to_where_they_move_more_easily() {
         let distance = 2.3;
-        let along = |distance: f64| parting(&pair(distance), Vector::X);
+        let along = |distance: f64| separation_rate(&pair(distance), Vector::X);
         let slope = (along(distance + 0.01) - along(distance - 0.01)) / 0.02;
-        let turning = 2.0 * (along(distance) - parting(&pair(distance), Vector::Y)) / distance;
+        let turning = 2.0 * (along(distance) - separation_rate(&pair(distance), Vector::Y)) / distance;
         let expected = slope + turning;
         for (step, count, largest) in [(midpoint as Step, 1500, 0.1), (two_evaluations, 800, 0.14)] {
             let [mean, error] =
@@ -215,8 +215,9 @@ mod tests {
             Model::new(parameters).unwrap()
         };
         for (height, mirrored) in [(1.3, 1.0), (5.7, -1.0)] {
-            let expected =
-                (parting(&above(height + 0.01), Vector::Z) - parting(&above(height - 0.01), Vector::Z)) / 0.02;
+            let expected = (separation_rate(&above(height + 0.01), Vector::Z)
+                - separation_rate(&above(height - 0.01), Vector::Z))
+                / 0.02;
             for (step, count) in [(midpoint as Step, 150), (two_evaluations, 100)] {
                 let [mean, error] = drift(&above(height), (step, count), |spheres| spheres.positions[0].z);
                 assert!(

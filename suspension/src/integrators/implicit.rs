@@ -131,8 +131,9 @@ impl Substep<'_> {
             let step = length.step;
             let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
             let implicit = Some(length.implicit() * step);
-            let moment = StageTime { clock: *clock, fraction: end, ages: ages.clone(), ahead: step, implicit };
-            expect(particles, &length, approach, dynamics);
+            let moment =
+                StageTime { clock: *clock, fraction: end, ages: ages.clone(), since_last_solution: step, implicit };
+            predict(particles, &length, approach, dynamics);
             let mut outcome = dynamics.evaluate(particles, &moment)?;
             let mut error = correct(particles, &length, control, dynamics);
             if error > 1.0 && error.is_finite() {
@@ -143,11 +144,11 @@ impl Substep<'_> {
             }
             let factor = (SAFETY / error.max(1e-9)).cbrt();
             if error <= REDONE {
-                dynamics.place(particles, &moment)?;
+                dynamics.wrap_and_migrate(particles, &moment)?;
                 dynamics.end_flow(length.implicit());
                 grow_older(particles, &ages, step);
                 finish(particles, &length, step * factor.min(GROWTH));
-                dynamics.settle(particles, step);
+                dynamics.adapt_stiffness(particles, step);
                 return Ok((end, outcome));
             }
             (*particles, longest) = (before.0.clone(), step * if error.is_finite() { factor } else { 0.1 });
@@ -179,7 +180,7 @@ fn choose(
         let is_smooth = control.tolerance.is_finite();
         let length = Length { ages: ages.to_vec(), step: share(rest, longest), is_smooth };
         let least = dynamics.least_gaps(control.tolerance);
-        let sheared = approach.carried_by(dynamics.periodic_cell().carry(length.step, length.expected()));
+        let sheared = approach.advected_by(dynamics.periodic_cell().advect(length.step, length.expected()));
         let change = sheared.after([length.expected(), [0.0; 3]], least, comm);
         if length.step < SHORTEST * clock.dt() {
             return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
@@ -193,15 +194,15 @@ fn choose(
 }
 
 /// Moves the particles to their predicted positions at the end of a substep. Collective.
-fn expect(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
+fn predict(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
     let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
     particles.vectors(EXPECTED).copy_from_slice(&expected);
-    let sheared = approach.carried_by(dynamics.periodic_cell().carry(length.step, length.expected()));
+    let sheared = approach.advected_by(dynamics.periodic_cell().advect(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     motion::advance(particles, USED, length.expected());
     motion::move_apart(particles, &apart);
     remember(particles, PAST_OF_ANY_LENGTH);
-    dynamics.expect_flow(length.extrapolation(), length.expected());
+    dynamics.predict_flow(length.extrapolation(), length.expected());
 }
 
 /// Moves the particles from their predicted positions to those that result from the solved velocities. Returns the
@@ -215,7 +216,7 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let difference = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
     let error = share * largest_displacement(particles, difference, comm) / control.tolerance;
     let mut approach = dynamics.approach(particles, columns);
-    let sheared = approach.carried_by(dynamics.periodic_cell().deformation(missing));
+    let sheared = approach.advected_by(dynamics.periodic_cell().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
     motion::advance(particles, columns, weights);

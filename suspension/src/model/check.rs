@@ -2,7 +2,7 @@
 
 use super::species::check_species;
 use super::{
-    Axis, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, traps, travel,
+    Axis, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, displacement, traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -33,7 +33,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     bonds::check(p)?;
     traps::check(p)?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
-    travel::check(p)?;
+    displacement::check(p)?;
     p.integrator.check(p.contacts.is_some())
 }
 

@@ -6,6 +6,7 @@ pub mod box_axes;
 mod check;
 mod contacts;
 mod cubic_field;
+mod displacement;
 mod extension;
 mod hydrodynamics;
 mod integrator;
@@ -16,7 +17,6 @@ mod sizes;
 mod species;
 mod statistics;
 mod traps;
-mod travel;
 mod turned;
 
 use crate::columns::BOND_NUMBERS;

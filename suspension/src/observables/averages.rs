@@ -4,7 +4,7 @@ use crate::Suspension;
 use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};
 use crate::evaluation::stress::ParticleStress;
 use crate::model::box_axes::UserAxes;
-use crate::model::{Flow, Model, Statistics as Wanted};
+use crate::model::{Flow, Model, Statistics as StatisticsParameters};
 use crate::sampling::{Sample, Statistics, has_profile, needed_columns, needs_pair_moments};
 use domain::{Comm, IdBlocks};
 use simulation::{Schedule, TableSet};
@@ -30,11 +30,11 @@ pub struct Averages {
 
 impl Averages {
     /// Statistics without samples. Collective.
-    pub fn new(model: &Model, wanted: Wanted, suspension: &Suspension) -> Self {
+    pub fn new(model: &Model, wanted: StatisticsParameters, suspension: &Suspension) -> Self {
         Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), suspension)
     }
 
-    fn in_blocks_of(size: u64, of: (&Model, Wanted), suspension: &Suspension) -> Self {
+    fn in_blocks_of(size: u64, of: (&Model, StatisticsParameters), suspension: &Suspension) -> Self {
         let ((model, wanted), comm) = (of, suspension.comm().clone());
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
         let statistics = Statistics::in_blocks_of(size, of, suspension.particles(), &comm);
@@ -117,7 +117,7 @@ mod tests {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(boundaries).unwrap();
         let species = vec![Species::new("one", 1.0, count)];
         let turn = if boundaries == Boundaries::Walls { AxisRotation::to_last(0) } else { AxisRotation::default() };
-        let statistics = Some(Wanted::ALL);
+        let statistics = Some(StatisticsParameters::ALL);
         Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
     }
 
@@ -139,7 +139,7 @@ mod tests {
         for ranks in [1, 3] {
             let found = Comm::threads(ranks, |comm| {
                 let suspension = Suspension::start(&scene, &comm).unwrap();
-                let mut averages = Averages::new(&scene, Wanted::ALL, &suspension);
+                let mut averages = Averages::new(&scene, StatisticsParameters::ALL, &suspension);
                 averages.sample(&suspension);
                 let repulsion = scene.user_axes().tensor(&suspension.stress(1)[0].of("repulsion"));
                 (repulsion, averages.tables())
@@ -166,7 +166,7 @@ mod tests {
     fn profiles_are_without_forces_that_there_are_not() {
         let scene = model(3, Boundaries::Walls);
         let suspension = Suspension::start(&scene, &Comm::alone()).unwrap();
-        let mut averages = Averages::new(&scene, Wanted::ALL, &suspension);
+        let mut averages = Averages::new(&scene, StatisticsParameters::ALL, &suspension);
         averages.sample(&suspension);
         let tables = averages.tables().unwrap().tables;
         let profile = tables.iter().find(|table| table.name == "profile").unwrap();
@@ -179,7 +179,7 @@ mod tests {
     fn a_state_is_taken_up_whole() {
         let scene = model(3, Boundaries::Periodic);
         let suspension = Suspension::start(&scene, &Comm::alone()).unwrap();
-        let none = || Averages::new(&scene, Wanted::ALL, &suspension);
+        let none = || Averages::new(&scene, StatisticsParameters::ALL, &suspension);
         let (mut first, mut second) = (none(), none());
         first.sample(&suspension);
         let state = first.state();
@@ -197,7 +197,9 @@ mod tests {
             let scene = model(13, boundaries);
             let tables = Comm::threads(ranks, |comm| {
                 let mut suspension = Suspension::start(&scene, &comm).unwrap();
-                let none = |suspension: &Suspension| Averages::in_blocks_of(4, (&scene, Wanted::ALL), suspension);
+                let none = |suspension: &Suspension| {
+                    Averages::in_blocks_of(4, (&scene, StatisticsParameters::ALL), suspension)
+                };
                 let (mut whole, mut half) = (none(&suspension), none(&suspension));
                 for step in 0..4 {
                     if step == 2 {

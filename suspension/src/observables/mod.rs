@@ -60,9 +60,13 @@ const STIFFNESS: [NumberRow; 1] = [("contact_stiffness", "force/length^2", |pres
 
 /// Quantities of the pairs that were too close in the last Brownian solve.
 const CROWDED: [NumberRow; 3] = [
-    ("overlapping_pairs", "", |present| present.suspension().crowded().map_or(f64::NAN, |c| c.overlapping as f64)),
-    ("pairs_at_least_gap", "", |present| present.suspension().crowded().map_or(f64::NAN, |c| c.at_minimum_gap as f64)),
-    ("deepest_overlap", "length", |present| present.suspension().crowded().map_or(f64::NAN, |c| c.depth)),
+    ("overlapping_pairs", "", |present| {
+        present.suspension().overlap_counts().map_or(f64::NAN, |c| c.overlapping as f64)
+    }),
+    ("pairs_at_least_gap", "", |present| {
+        present.suspension().overlap_counts().map_or(f64::NAN, |c| c.at_minimum_gap as f64)
+    }),
+    ("deepest_overlap", "length", |present| present.suspension().overlap_counts().map_or(f64::NAN, |c| c.depth)),
 ];
 
 /// Quantities of bonds.

@@ -157,13 +157,13 @@ impl StressedFlow {
 /// forces.
 pub fn parts(model: &Model, [of_model, of_user]: &[Vec<StressName>; 2]) -> Vec<StressName> {
     let is_rigid = model.hydrodynamics.multipoles == Multipoles::Dipole;
-    let has_heat = is_rigid && model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations);
+    let is_brownian = is_rigid && model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations);
     let of_fluid = |is_present: bool, name| is_present.then_some(StressName::symmetric(name));
     let first = [
         of_fluid(is_rigid, ParticleStress::STRESSLET),
         of_fluid(model.hydrodynamics.lubrication, ParticleStress::LUBRICATION),
     ];
-    let brownian = of_fluid(has_heat, ParticleStress::BROWNIAN);
+    let brownian = of_fluid(is_brownian, ParticleStress::BROWNIAN);
     let of_forces = of_model.iter().copied().chain(brownian).chain(of_user.iter().copied());
     first.into_iter().flatten().chain(of_forces).collect()
 }

@@ -24,10 +24,10 @@ pub struct SeriesWarnings {
     remedies: Remedies,
     /// With contacts, the target of the largest overlap over the roughness, and whether the stiffness is automatic; and
     /// the overlaps seen since the stiffness is constant.
-    aim: Option<(f64, bool)>,
-    pressed: Pressed,
+    target_overlap: Option<(f64, bool)>,
+    contact_overlaps: ContactOverlaps,
     /// Stiffness at the last row, if it was still adapting.
-    unsettled: Option<f64>,
+    adapting: Option<f64>,
     /// Sums for the comparison with a given stress, if there is one.
     given: Option<GivenStress>,
     rheology: Option<Rheology>,
@@ -36,7 +36,7 @@ pub struct SeriesWarnings {
 
 /// Statistics of the largest overlap of contacts, over the roughness, in several rows.
 #[derive(Default)]
-struct Pressed {
+struct ContactOverlaps {
     rows: f64,
     sum: f64,
     deepest: f64,
@@ -66,9 +66,9 @@ impl SeriesWarnings {
             repels: model.repulsion.is_some(),
             crowded: OverlappedSteps::default(),
             remedies: Remedies::of(model),
-            aim: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
-            pressed: Pressed::default(),
-            unsettled: None,
+            target_overlap: model.contacts.map(|contacts| (contacts.overlap, contacts.stiffness.is_none())),
+            contact_overlaps: ContactOverlaps::default(),
+            adapting: None,
             given: model.shear_rates().stress().map(|stress| GivenStress { stress, rows: 0.0, sum: 0.0 }),
             rheology: rheology.cloned(),
             smallest_radius,
@@ -89,7 +89,7 @@ impl SeriesWarnings {
 
     /// Counts a step that was taken.
     pub fn see_step(&mut self, suspension: &Suspension) {
-        suspension.crowded().into_iter().for_each(|crowded| self.crowded.see(crowded));
+        suspension.overlap_counts().into_iter().for_each(|crowded| self.crowded.see(crowded));
     }
 
     /// Takes note of a row. Collective.
@@ -100,32 +100,32 @@ impl SeriesWarnings {
         }
         if let Some([_, _, _, largest_overlap, _]) = present.contact_numbers() {
             let (stiffness, stays) = present.suspension().contact_stiffness().expect("spheres may touch");
-            self.unsettled = (!stays).then_some(stiffness);
+            self.adapting = (!stays).then_some(stiffness);
             if stays {
-                self.pressed.see(largest_overlap);
+                self.contact_overlaps.see(largest_overlap);
             }
         }
     }
 
     /// A warning about contacts with much larger overlaps than the target.
     fn soft(&self) -> Option<String> {
-        let (aim, is_chosen) = self.aim?;
-        let Pressed { rows, sum, deepest } = self.pressed;
+        let (target_overlap, is_chosen) = self.target_overlap?;
+        let ContactOverlaps { rows, sum, deepest } = self.contact_overlaps;
         let (overlap, most, words) =
             if is_chosen { (sum / rows, SOFT_IN_THE_MEAN, "in the mean") } else { (deepest, SOFT, "at most") };
-        (overlap > most * aim).then(|| {
+        (overlap > most * target_overlap).then(|| {
             format!(
                 "the largest overlap of contacts is {:.2} of the roughness {words}, where {:.2} was aimed at; near \
                  jamming that is what the stress depends on: look whether a larger contacts.stiffness changes it",
                 Number(overlap),
-                Number(aim)
+                Number(target_overlap)
             )
         })
     }
 
     /// A warning about a stiffness that is still adapting.
     fn settling(&self) -> Option<String> {
-        let stiffness = Number(self.unsettled?);
+        let stiffness = Number(self.adapting?);
         Some(format!(
             "the stiffness of contacts, {stiffness:.4} at the end, had not settled yet: take a longer run, a smaller \
              contacts.settling, or a number as contacts.stiffness"
@@ -145,7 +145,7 @@ impl SeriesWarnings {
     }
 }
 
-impl Pressed {
+impl ContactOverlaps {
     fn see(&mut self, overlap: f64) {
         let Self { rows, sum, deepest } = self;
         (*rows, *sum, *deepest) = (*rows + 1.0, *sum + overlap, deepest.max(overlap));

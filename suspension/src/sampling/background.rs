@@ -41,7 +41,7 @@ impl Flows {
     }
 
     /// Whether the flow moves spheres along each of the user's axes.
-    pub fn carries(&self, rate: f64) -> [bool; 3] {
+    pub fn advects(&self, rate: f64) -> [bool; 3] {
         let gradient = self.linear(rate).gradient();
         let of_box = |axis: usize| gradient.row(axis) != Vector::ZERO || (axis == 0 && self.profile.is_some());
         self.axes.list([0, 1, 2].map(of_box))

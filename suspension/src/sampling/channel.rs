@@ -1,9 +1,9 @@
 //! Profiles between walls, above a wall, or through a layer in unbounded fluid.
 
 use super::column;
-use super::vectors::in_parts;
+use super::vectors::map_blocks;
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
-use crate::model::{Model, Statistics as Wanted};
+use crate::model::{Model, Statistics as StatisticsParameters};
 use domain::{Boundaries, IdBlocks, Particles, Tensor, Traceless, Vector};
 use statistics::{ChannelProfile, ChannelSample};
 use std::ops::Range;
@@ -22,7 +22,7 @@ pub struct Channel {
 
 impl Channel {
     /// A profile without samples; `None` in a fully periodic box and in open fluid.
-    pub fn of(model: &Model, wanted: Wanted) -> Option<Self> {
+    pub fn of(model: &Model, wanted: StatisticsParameters) -> Option<Self> {
         let count = bins(model, wanted)?;
         let is_layer = model.cell.boundaries() == Boundaries::OpenAlongZ;
         let edges = model.cell.edges();
@@ -38,7 +38,7 @@ impl Channel {
         let mut heights: Vec<f64> = particles.positions.iter().map(|x| x[self.axis]).collect();
         if self.is_layer {
             let sum = |rows: Range<usize>| vec![heights[rows.clone()].iter().sum::<f64>(), rows.len() as f64];
-            let [sum, count] = blocks.total(&in_parts(rows, sum)).try_into().expect("two sums");
+            let [sum, count] = blocks.total(&map_blocks(rows, sum)).try_into().expect("two sums");
             for height in &mut heights {
                 *height -= sum / count;
             }
@@ -59,8 +59,8 @@ impl Channel {
             pair_moments: pair_moments.get(rows).unwrap_or_default(),
         };
         let profile = &self.profile;
-        let sums = blocks.total(&in_parts(rows, |rows| profile.sums(&sample(rows))));
-        let spreads = blocks.total(&in_parts(rows, |rows| profile.second_moments(&sample(rows), &sums)));
+        let sums = blocks.total(&map_blocks(rows, |rows| profile.sums(&sample(rows))));
+        let spreads = blocks.total(&map_blocks(rows, |rows| profile.second_moments(&sample(rows), &sums)));
         if blocks.comm().is_first() {
             self.profile.add_sums(&sums, &spreads, MORE_COLUMNS.map(|name| of_name(name).is_some()));
         }
@@ -74,7 +74,7 @@ const PER_RADIUS: f64 = 4.0;
 const USUAL: [f64; 2] = [8.0, 256.0];
 
 /// Number of bins of a model's profiles; `None` without profiles.
-pub fn bins(model: &Model, wanted: Wanted) -> Option<usize> {
+pub fn bins(model: &Model, wanted: StatisticsParameters) -> Option<usize> {
     if matches!(model.cell.boundaries(), Boundaries::Periodic | Boundaries::Open) {
         return None;
     }

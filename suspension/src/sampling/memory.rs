@@ -7,23 +7,23 @@ use statistics::{ChannelProfile, Lagrangian, PairDistribution, TrackedMotion};
 
 /// Numbers of particles of a rank, for its share of the statistics.
 #[derive(Debug, Clone, Copy)]
-pub struct OfRank {
+pub struct RankCounts {
     /// Particles that it owns.
     pub owned: f64,
     /// Particles and ghosts within the largest distance of pairs.
     pub present: f64,
     /// Particles of its blocks of ids.
-    pub dealt: f64,
+    pub redistributed: f64,
     /// Whether it is the first rank, which holds everything that does not belong to a block.
     pub is_first: bool,
     /// Whether it has all particles in the order of their ids, so that they need not be redistributed.
     pub is_in_order: bool,
 }
 
-impl OfRank {
+impl RankCounts {
     /// A single rank with all particles in the order of their ids.
     pub fn alone(particles: f64) -> Self {
-        Self { owned: particles, present: particles, dealt: particles, is_first: true, is_in_order: true }
+        Self { owned: particles, present: particles, redistributed: particles, is_first: true, is_in_order: true }
     }
 
     /// Memory that persists after a number of samples, with the given number of threads.
@@ -36,7 +36,7 @@ impl OfRank {
     /// Paths and past velocities of its blocks.
     fn followed(self, samples: u64) -> Bytes {
         // Positions, velocities and paths of [`super::Paths`].
-        Bytes::list::<[Vector; 3]>(self.dealt).then(Lagrangian::bytes(self.dealt, samples))
+        Bytes::list::<[Vector; 3]>(self.redistributed).then(Lagrangian::bytes(self.redistributed, samples))
     }
 
     /// Profile across a channel.
@@ -50,11 +50,16 @@ impl OfRank {
         let copy = Particles::bytes(self.owned, 0).then(Particles::migration_bytes(self.owned));
         let copy = if self.present > self.owned { copy } else { Bytes::default() };
         let pairs = copy.then(shared_pairs_bytes(self.owned, self.present));
-        let dealt = IdBlocks::distribution_bytes([self.owned, self.dealt], numbers(model));
-        let dealt = if self.is_in_order { Bytes::default() } else { dealt };
-        let stresslets = Bytes::list::<(Tensor, f64)>(if channel_bins(model).is_some() { self.dealt } else { 0.0 });
-        let passes = Bytes::list::<([Vector; 5], TrackedMotion)>(self.dealt).then(stresslets);
-        if has_pairs(model) { pairs.freed().or(dealt.then(passes).freed()) } else { dealt.then(passes).freed() }
+        let redistributed = IdBlocks::distribution_bytes([self.owned, self.redistributed], numbers(model));
+        let redistributed = if self.is_in_order { Bytes::default() } else { redistributed };
+        let stresslets =
+            Bytes::list::<(Tensor, f64)>(if channel_bins(model).is_some() { self.redistributed } else { 0.0 });
+        let passes = Bytes::list::<([Vector; 5], TrackedMotion)>(self.redistributed).then(stresslets);
+        if has_pairs(model) {
+            pairs.freed().or(redistributed.then(passes).freed())
+        } else {
+            redistributed.then(passes).freed()
+        }
     }
 
     /// Bytes of its share of the serialised state.

@@ -2,8 +2,8 @@
 
 mod background;
 mod channel;
-mod kept;
 mod memory;
+mod particle_history;
 mod paths;
 mod species_columns;
 mod tables;
@@ -11,14 +11,14 @@ mod vectors;
 
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY};
 use crate::forces::Forces;
-use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as Wanted};
+use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as StatisticsParameters};
 use background::Flows;
 use channel::{Channel, MORE_COLUMNS};
 use domain::{
     Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs, sphere,
 };
-use kept::{Kept, Moving};
-pub use memory::OfRank;
+pub use memory::RankCounts;
+use particle_history::{Moving, ParticleHistory};
 use paths::Paths;
 use rayon::prelude::*;
 use solver::BackgroundFlow;
@@ -27,7 +27,7 @@ pub use species_columns::{column_bytes, columns, counted, has_columns};
 use statistics::{Angle, Blocks, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns};
 use std::borrow::Cow;
 use std::ops::Range;
-use vectors::{Vectors, in_parts};
+use vectors::{Vectors, map_blocks};
 
 /// Columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
@@ -36,14 +36,14 @@ pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
 /// stores the state of its particles. So results do not depend on the number of ranks, and no rank holds more than its
 /// share. Everything else is on the first rank.
 pub struct Statistics {
-    about: About,
+    about: SampledModel,
     blocks: IdBlocks,
     /// First time, last time, and number of samples; on every rank.
     times: [f64; 3],
     velocities: Vec<Vectors>,
     angular_velocities: Vec<Vectors>,
     /// State of each of this rank's blocks.
-    kept: Vec<Kept>,
+    kept: Vec<ParticleHistory>,
     /// Pair distribution in a fully periodic box; each rank counts the pairs in its part of space.
     pairs: Option<PairDistribution>,
     /// Profile in a box with one or two walls, or open along z.
@@ -76,7 +76,7 @@ pub struct Sample<'a> {
 }
 
 /// Properties common to all samples.
-struct About {
+struct SampledModel {
     names: Vec<String>,
     /// Radius and volume fraction of each species.
     species: Vec<(f64, f64)>,
@@ -86,37 +86,42 @@ struct About {
     flow: BackgroundFlow,
     flows: Flows,
     /// Whether the flow moves spheres along each axis.
-    carries: [bool; 3],
+    advects: [bool; 3],
     /// Edges of the unstrained box.
     edges: Vector,
     rates: ShearRates,
     rigid: bool,
     /// Whether there is Brownian motion.
-    has_heat: bool,
+    is_brownian: bool,
     axis: usize,
     /// Angle by which the separations of pairs are classified.
     angle: Angle,
     columns: SpeciesColumns,
-    wanted: Wanted,
+    wanted: StatisticsParameters,
 }
 
 /// Default of the largest pair distance, over the largest radius, unless the box is smaller.
 const DISTANCE: f64 = 8.0;
 impl Statistics {
     /// Statistics without samples, for a model and each rank's own particles. Collective.
-    pub fn new(model: &Model, wanted: Wanted, particles: &Particles, comm: &Comm) -> Self {
+    pub fn new(model: &Model, wanted: StatisticsParameters, particles: &Particles, comm: &Comm) -> Self {
         Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), particles, comm)
     }
 
     /// Statistics with blocks of `size` ids.
-    pub(crate) fn in_blocks_of(size: u64, of: (&Model, Wanted), particles: &Particles, comm: &Comm) -> Self {
+    pub(crate) fn in_blocks_of(
+        size: u64,
+        of: (&Model, StatisticsParameters),
+        particles: &Particles,
+        comm: &Comm,
+    ) -> Self {
         let (model, wanted) = of;
         let blocks = IdBlocks::of(particles, comm, size);
-        let dealt = blocks.distributed(particles, |_| false);
-        let rows = blocks.rows(&dealt);
-        let mut largest = [dealt.radii.iter().copied().fold(0.0, f64::max)];
+        let redistributed = blocks.distributed(particles, |_| false);
+        let rows = blocks.rows(&redistributed);
+        let mut largest = [redistributed.radii.iter().copied().fold(0.0, f64::max)];
         comm.max(&mut largest);
-        let (about, speed, [largest]) = (About::of(of, (&blocks, &rows), &dealt), speed(model), largest);
+        let (about, speed, [largest]) = (SampledModel::of(of, (&blocks, &rows), &redistributed), speed(model), largest);
         let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
         let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
         let distance = distance(of, largest);
@@ -126,7 +131,7 @@ impl Statistics {
             times: [f64::NAN, f64::NAN, 0.0],
             velocities: each(speed),
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
-            kept: kept(&dealt.species, (&blocks, &rows), about.names.len(), profile),
+            kept: kept(&redistributed.species, (&blocks, &rows), about.names.len(), profile),
             pairs: is_periodic.then(pairs),
             channel: Channel::of(model, wanted),
             segregation: Blocks::default(),
@@ -194,8 +199,8 @@ impl Statistics {
     ) {
         let in_lattice = &*in_lattice(cell, self.about.edges, particles);
         let Particles { positions, steps, radii, species, .. } = particles;
-        let carries = self.about.carries;
-        let moving = Moving { time, cell, positions, steps, velocities, carries, in_lattice, radii, species };
+        let advects = self.about.advects;
+        let moving = Moving { time, cell, positions, steps, velocities, advects, in_lattice, radii, species };
         self.kept.par_iter_mut().zip(rows).for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
     }
 
@@ -224,7 +229,7 @@ impl Statistics {
 }
 
 /// Largest pair distance, for a given largest radius.
-pub fn distance((model, wanted): (&Model, Wanted), largest: f64) -> f64 {
+pub fn distance((model, wanted): (&Model, StatisticsParameters), largest: f64) -> f64 {
     wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element())
 }
 
@@ -234,7 +239,7 @@ fn kept(
     (blocks, rows): (&IdBlocks, &[Range<usize>]),
     count: usize,
     profile: impl Fn() -> Option<Profile>,
-) -> Vec<Kept> {
+) -> Vec<ParticleHistory> {
     let numbers = |rows: &Range<usize>| {
         let mut numbers = vec![0; count];
         for &species in &species[rows.clone()] {
@@ -245,20 +250,24 @@ fn kept(
     let before = blocks.before(&rows.iter().map(numbers).collect::<Vec<_>>());
     let of_block = |(before, rows): (Vec<u64>, &Range<usize>)| {
         let lagrangian = Lagrangian::after(before, &species[rows.clone()]);
-        Kept { paths: Paths::default(), lagrangian, profile: profile() }
+        ParticleHistory { paths: Paths::default(), lagrangian, profile: profile() }
     };
     before.into_iter().zip(rows).map(of_block).collect()
 }
 
-impl About {
-    fn of((model, wanted): (&Model, Wanted), (blocks, rows): (&IdBlocks, &[Range<usize>]), dealt: &Particles) -> Self {
+impl SampledModel {
+    fn of(
+        (model, wanted): (&Model, StatisticsParameters),
+        (blocks, rows): (&IdBlocks, &[Range<usize>]),
+        redistributed: &Particles,
+    ) -> Self {
         let rates = model.shear_rates();
         let (flows, rate) = (Flows::of(model), if rates.is_constant() { rates.before(0).0 } else { rates.largest() });
         let flow = flows.linear(rate);
         // Number and volume of each species.
-        let sums = blocks.total(&in_parts(rows, |rows| {
+        let sums = blocks.total(&map_blocks(rows, |rows| {
             let mut sums = vec![[0.0; 2]; model.species.len()];
-            for (&species, a) in dealt.species[rows.clone()].iter().zip(&dealt.radii[rows]) {
+            for (&species, a) in redistributed.species[rows.clone()].iter().zip(&redistributed.radii[rows]) {
                 let [number, volume] = &mut sums[species as usize];
                 *number += 1.0;
                 *volume += sphere::volume(*a);
@@ -272,12 +281,12 @@ impl About {
             species: model.species.iter().map(|s| s.radius).zip(fractions).collect(),
             counts: sums.iter().map(|[number, _]| *number as u64).collect(),
             flow,
-            carries: flows.carries(rate),
+            advects: flows.advects(rate),
             flows,
             edges: model.cell.edges(),
             rates,
             rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
-            has_heat: model.thermal_energy.is_some(),
+            is_brownian: model.thermal_energy.is_some(),
             axis: axis(model, wanted.axis),
             angle: angle(&flow, model.flow, axis(model, wanted.axis)),
             columns: columns_of_user(model),

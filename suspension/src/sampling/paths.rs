@@ -16,13 +16,13 @@ pub struct Paths {
 
 impl Paths {
     /// Advances to a time, with unwrapped positions and with velocities relative to the flow, which moves the particles
-    /// along the axes that `carries` marks.
+    /// along the axes that `advects` marks.
     pub fn follow(
         &mut self,
         time: f64,
         places: Vec<Vector>,
         velocities: Vec<Vector>,
-        carries: [bool; 3],
+        advects: [bool; 3],
     ) -> Vec<TrackedMotion> {
         if self.walked.is_empty() {
             self.walked = vec![Vector::ZERO; places.len()];
@@ -32,7 +32,7 @@ impl Paths {
                 let moved = places[row] - self.places[row];
                 let integral = 0.5 * elapsed * (self.velocities[row] + velocities[row]);
                 for axis in 0..3 {
-                    path[axis] += if carries[axis] { integral[axis] } else { moved[axis] };
+                    path[axis] += if advects[axis] { integral[axis] } else { moved[axis] };
                 }
             }
         }

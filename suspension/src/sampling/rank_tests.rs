@@ -10,7 +10,7 @@ fn model(boundaries: Boundaries, flow: Flow, change: impl FnOnce(&mut Parameters
     let cell = PeriodicBox::new(Vector::new(9.0, 10.0, 12.0)).unwrap().with_boundaries(boundaries).unwrap();
     let species = vec![Species::new("one", 0.5, 20), Species::new("two", 0.7, 17)];
     let mut parameters = Parameters::new(cell, 1.0, species, (0.05, 60));
-    (parameters.flow, parameters.statistics) = (flow, Some(Wanted::ALL));
+    (parameters.flow, parameters.statistics) = (flow, Some(StatisticsParameters::ALL));
     parameters.start = Start::Random { minimum_gap: 0.02 };
     change(&mut parameters);
     Model::new(parameters).unwrap()
@@ -103,7 +103,9 @@ fn in_periodic_boxes() {
 /// The largest pair distance equals the shortest edge, so that each rank sees all particles.
 #[test]
 fn with_pairs_far_apart() {
-    let far = |p: &mut Parameters| p.statistics = Some(Wanted { distance: Some(9.0), ..Wanted::ALL });
+    let far = |p: &mut Parameters| {
+        p.statistics = Some(StatisticsParameters { distance: Some(9.0), ..StatisticsParameters::ALL })
+    };
     check(&model(Boundaries::Periodic, Flow::None, far), 37);
 }
 

@@ -122,7 +122,7 @@ impl Results<'_> {
             let found = Diffusivity::of(&self.lags, species, window);
             for (axis, letter) in AXES.iter().enumerate() {
                 // With Brownian motion, velocities are displacements over the step and depend on its length.
-                let by_integral = if self.of.about.has_heat { UNKNOWN } else { known(found.by_integral[axis]) };
+                let by_integral = if self.of.about.is_brownian { UNKNOWN } else { known(found.by_integral[axis]) };
                 summary.add((&format!("D_integral_{letter}"), name, unit), by_integral);
                 summary.add((&format!("D_slope_{letter}"), name, unit), known(found.by_slope[axis]));
             }

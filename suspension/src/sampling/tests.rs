@@ -10,7 +10,7 @@ fn model() -> Model {
     let species = vec![Species::new("small", 1.0, 20), Species::new("large", 1.5, 6)];
     let flow = Flow::Shear { rate: 0.5, lees_edwards: true };
     let usual = Parameters::new(cell, 1.0, species, (0.05, 6));
-    Model::new(Parameters { seed: 3, flow, statistics: Some(Wanted::ALL), ..usual }).unwrap()
+    Model::new(Parameters { seed: 3, flow, statistics: Some(StatisticsParameters::ALL), ..usual }).unwrap()
 }
 
 /// Takes a sample on one rank.
@@ -29,7 +29,7 @@ fn taken(statistics: &mut Statistics, time: f64, (cell, particles): (&PeriodicBo
 
 /// Statistics without samples, on one rank.
 fn empty(model: &Model) -> Statistics {
-    Statistics::new(model, Wanted::ALL, &drifting(model, 0.0).1, &Comm::alone())
+    Statistics::new(model, StatisticsParameters::ALL, &drifting(model, 0.0).1, &Comm::alone())
 }
 
 fn text(statistics: &mut Statistics) -> String {
@@ -116,7 +116,7 @@ fn columns_stand_along_the_forces_or_the_gradient() {
     };
     assert_eq!(of(&|_| {}), (GRADIENT, COLUMN_WIDTH * 1.5));
     assert_eq!(of(&|p| p.species[0].force = Vector::Z).0, 2);
-    let asked = Some(Wanted { axis: Some(Axis::X), ..Wanted::ALL });
+    let asked = Some(StatisticsParameters { axis: Some(Axis::X), ..StatisticsParameters::ALL });
     assert_eq!(of(&|p| (p.species[0].force, p.statistics) = (Vector::Z, asked)).0, 0);
 }
 

@@ -30,7 +30,7 @@ impl Vectors {
     pub fn add(all: &mut [Self], (blocks, rows): (&IdBlocks, &[Range<usize>]), species: &[u32], vectors: &[Vector]) {
         let scales: Vec<f64> = all.iter().map(|own| 1.0 / own.unit).collect();
         let scaled = |row: usize| (species[row] as usize, vectors[row] * scales[species[row] as usize]);
-        let sums = blocks.total(&in_parts(rows, |rows| {
+        let sums = blocks.total(&map_blocks(rows, |rows| {
             let mut sums = vec![VectorSum::default(); scales.len()];
             for (species, vector) in rows.map(scaled) {
                 sums[species].add(vector);
@@ -41,7 +41,7 @@ impl Vectors {
         let means: Vec<Vector> = sums.iter().map(VectorSum::mean).collect();
         let from_means =
             |rows: Range<usize>| rows.map(scaled).map(|(species, vector)| (species, vector - means[species]));
-        let second_moments = blocks.total(&in_parts(rows, |rows| {
+        let second_moments = blocks.total(&map_blocks(rows, |rows| {
             let mut second_moments = vec![SecondMoments::default(); means.len()];
             from_means(rows).for_each(|(species, vector)| second_moments[species].add(vector));
             second_moments
@@ -66,6 +66,6 @@ impl Vectors {
 }
 
 /// Evaluates a function for each range of rows, as flat lists of numbers.
-pub fn in_parts<T: Pod>(rows: &[Range<usize>], of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<Vec<f64>> {
+pub fn map_blocks<T: Pod>(rows: &[Range<usize>], of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<Vec<f64>> {
     rows.par_iter().map(|rows| bytemuck::cast_slice(&of(rows.clone())).to_vec()).collect()
 }

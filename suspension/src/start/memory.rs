@@ -53,7 +53,7 @@ pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: u
 }
 
 /// Advice for a scene that needs too much memory.
-pub fn remedy(model: &Model, radii: &Radii) -> String {
+pub fn advice(model: &Model, radii: &Radii) -> String {
     let chosen = &model.hydrodynamics;
     let grid = if chosen.grid.is_some() { "a smaller hydrodynamics.grid" } else { "a larger hydrodynamics.tolerance" };
     let far = if repels_far(model, radii) { "a shorter repulsion.screening_length, " } else { "" };
@@ -286,13 +286,13 @@ impl Share<'_> {
     }
 
     /// The rank's share of the statistics, and the number of samples.
-    fn statistics(&self) -> Option<(sampling::OfRank, u64)> {
+    fn statistics(&self) -> Option<(sampling::RankCounts, u64)> {
         let wanted = self.model.statistics?;
         let distance = sampling::distance((self.model, wanted), self.expected.largest_radius());
-        let of_rank = sampling::OfRank {
+        let of_rank = sampling::RankCounts {
             owned: self.expected.owned(),
             present: self.expected.present(distance),
-            dealt: IdBlocks::expected(self.expected.total(), self.rank_of.0, self.rank_of.1),
+            redistributed: IdBlocks::expected(self.expected.total(), self.rank_of.0, self.rank_of.1),
             is_first: self.is_first(),
             is_in_order: false,
         };
@@ -301,7 +301,7 @@ impl Share<'_> {
 
     /// Memory of accumulated statistics.
     fn estimators(&self) -> Bytes {
-        let kept = |(share, samples): (sampling::OfRank, u64)| share.bytes(self.model, (samples, self.threads));
+        let kept = |(share, samples): (sampling::RankCounts, u64)| share.bytes(self.model, (samples, self.threads));
         self.statistics().map_or_else(Bytes::default, kept)
     }
 

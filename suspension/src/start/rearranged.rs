@@ -20,7 +20,7 @@ pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> 
     let places: Vec<(u64, Vector)> = change.positions.iter().map(|&(id, place)| (id, axes.place_in(place))).collect();
     Rearrangement::put(&places, &particles.ids, &mut particles.positions);
     Rearrangement::put(&change.radii, &particles.ids, &mut particles.radii);
-    WarmStart::forget_all(particles);
+    WarmStart::clear_all(particles);
     clear_history(particles);
     let motion = [VELOCITY, ANGULAR_VELOCITY, STRESSLET, BROWNIAN, APPLIED_MOMENT];
     let computed = |name: &str| [&motion[..], &APPLIED].concat().contains(&name);

@@ -4,7 +4,7 @@ use crate::error::StartError;
 use crate::error::gap::Gap;
 use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::prepared::{Planned, Setup, partition};
-use crate::flow::constant_flux::PressureFlow;
+use crate::flow::constant_flux::ConstantFluxState;
 use crate::flow::open_cell;
 use crate::flow::periodic_cell::PeriodicCell;
 use crate::forces::tethers;
@@ -107,7 +107,7 @@ impl Setup {
         let rates = model.shear_rates();
         let stress = rates.stress();
         let moving = PeriodicCell::at(&Clock::at(step, model.time_step), cell, rates, shears);
-        let flux = model.flow.keeps_flux().then(|| PressureFlow::recalled(&particles, comm));
+        let flux = model.flow.keeps_flux().then(|| ConstantFluxState::load_from_columns(&particles, comm));
         let moving = moving.with_profile(model.poiseuille()).at_constant_flux(flux);
         let moving = match model.flow.extension() {
             Some(extension) => moving.in_extension(extension),
@@ -150,7 +150,7 @@ impl Planned {
     pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());
-        let remedy = || memory::remedy(model, &self.radii);
-        comm.agree(comm.check_memory(need).map_err(|error| format!("{error}; {}", remedy())))
+        let advice = || memory::advice(model, &self.radii);
+        comm.agree(comm.check_memory(need).map_err(|error| format!("{error}; {}", advice())))
     }
 }

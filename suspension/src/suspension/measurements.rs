@@ -2,7 +2,7 @@
 
 use super::Suspension;
 use crate::evaluation::stress::ParticleStress;
-use crate::forces::contacts::{Measured, contact_force};
+use crate::forces::contacts::{ContactStatistics, contact_force};
 use crate::forces::force::StressName;
 use crate::forces::{NamedMoments, user};
 use domain::Tensor;
@@ -83,7 +83,7 @@ impl Suspension {
 
     /// Stiffness of contacts, and whether it is constant from now on; `None` for spheres without contacts.
     pub fn contact_stiffness(&self) -> Option<(f64, bool)> {
-        let stays = self.dynamics.settling().is_none_or(|settling| settling.is_over());
+        let stays = self.dynamics.stiffness_adaptation().is_none_or(|adaptation| adaptation.is_over());
         self.dynamics.contact_stiffness().map(|stiffness| (stiffness, stays))
     }
 
@@ -107,7 +107,7 @@ impl Suspension {
     }
 
     /// Averages and totals over contacts; `None` for spheres without contacts. Collective.
-    fn contacts(&self) -> Option<Measured> {
-        self.dynamics.measured_contacts(&self.particles)
+    fn contacts(&self) -> Option<ContactStatistics> {
+        self.dynamics.contact_statistics(&self.particles)
     }
 }

@@ -21,7 +21,7 @@ use simulation::Schedule;
 use std::path::Path;
 use suspension::{
     Adaptive, BrownianScheme, Contacts, Hydrodynamics, Integrator, Lattice, Model, Parameters, Repulsion, Start,
-    StatisticsWanted,
+    StatisticsParameters,
 };
 
 /// A checked scene of spheres in Stokes flow; only [`Scene`](crate::Scene) makes one.
@@ -194,8 +194,8 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Hydrodynamics {
     }
 }
 
-fn statistics(raw: &raw::Statistics) -> StatisticsWanted {
-    StatisticsWanted {
+fn statistics(raw: &raw::Statistics) -> StatisticsParameters {
+    StatisticsParameters {
         samples: Schedule::every(raw.every),
         from: raw.from,
         distance: raw.distance,

@@ -27,7 +27,7 @@ fn a_passing_particle_moves_on_a_straight_line() {
     for _ in 0..400 {
         let now = clock;
         advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, |particles, fraction| {
-            moving.go_to(now.time_at(fraction), particles);
+            moving.advance_to(now.time_at(fraction), particles);
             flow(particles);
             Ok::<(), ()>(())
         })
@@ -59,7 +59,7 @@ fn a_drifting_particle_follows_an_oscillation() {
         while clock.time() < end - 0.5 * dt {
             let now = clock;
             let go = |particles: &mut Particles, fraction| {
-                moving.go_to(now.time_at(fraction), particles);
+                moving.advance_to(now.time_at(fraction), particles);
                 particles.vectors(VELOCITY).fill(drift);
                 Ok::<(), ()>(())
             };
@@ -82,7 +82,7 @@ fn a_drifting_particle_follows_an_oscillation() {
 fn a_box_taken_up_later_is_the_same() {
     let start = PeriodicBox::new(Vector::new(3.0, 2.0, 4.0)).unwrap();
     let mut moving = at_rate(0, start, 0.7);
-    moving.go_to(0.1 * 137.0, &mut Particles::default());
+    moving.advance_to(0.1 * 137.0, &mut Particles::default());
     let later = at_rate(137, start, 0.7);
     assert_eq!((moving.cell, moving.vectors), (later.cell, later.vectors));
 }

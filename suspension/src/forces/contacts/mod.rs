@@ -2,7 +2,7 @@
 
 mod forces;
 mod history;
-mod measured;
+mod statistics;
 mod stiffness_adaptation;
 mod touching;
 mod warnings;
@@ -21,7 +21,7 @@ use history::{CONTACT_NUMBERS, FOUND, Memory, most_contacts, note};
 use hydrodynamics::ContactSprings;
 use hydrodynamics::StrainRate;
 use lubrication::{Contact, PairKind};
-pub use measured::Measured;
+pub use statistics::ContactStatistics;
 use stiffness_adaptation::SETTLING_NUMBERS;
 pub use stiffness_adaptation::StiffnessAdaptation;
 use touching::{AllTouching, Touching, across};
@@ -38,7 +38,7 @@ pub struct Contacts {
     /// Whether a column has the state of the stiffness adaptation.
     settles: bool,
     /// Stiffness adaptation, if the stiffness adapts.
-    settling: Option<StiffnessAdaptation>,
+    adaptation: Option<StiffnessAdaptation>,
     /// Contacts of the solve in progress.
     forcing: Option<ContactForcing>,
     /// The `xy` component of the first moments at the end of the last solve under stress control.
@@ -155,7 +155,7 @@ impl Flow {
         Self {
             strain_rate: moving.strain_rate(),
             turning: moving.angular_velocity_at(Vector::ZERO),
-            besides: moving.expected_besides(),
+            besides: moving.predicted_strain_rate_change(),
         }
     }
 
@@ -177,7 +177,7 @@ impl Flow {
 #[derive(Debug, Clone, Copy)]
 struct Expected {
     /// Rate at which the centres separate.
-    parting: f64,
+    separation_rate: f64,
     /// Slip velocity and rolling velocity, from the previous solution.
     slip: Vector,
     rolling: Vector,
@@ -201,7 +201,7 @@ impl Contacts {
             slots: 0,
             radii,
             settles: contacts.settles(model),
-            settling: None,
+            adaptation: None,
             forcing: None,
             shear_moment: 0.0,
         })
@@ -217,25 +217,25 @@ impl Contacts {
 
     /// These contacts with stiffness adaptation, or without it if `None`.
     #[must_use]
-    pub fn settling(mut self, settling: Option<StiffnessAdaptation>) -> Self {
-        self.settle_at(settling);
+    pub fn adapting(mut self, adaptation: Option<StiffnessAdaptation>) -> Self {
+        self.set_adaptation(adaptation);
         self
     }
 
     /// Stiffness adaptation, if the stiffness adapts.
-    pub fn how_it_settles(&self) -> Option<StiffnessAdaptation> {
-        self.settling
+    pub fn adaptation(&self) -> Option<StiffnessAdaptation> {
+        self.adaptation
     }
 
     /// Sets the stiffness adaptation, and the stiffness from it.
-    pub fn settle_at(&mut self, settling: Option<StiffnessAdaptation>) {
-        self.settling = settling;
-        self.law.stiffness = settling.map_or(self.law.stiffness, |settling| settling.stiffness());
+    pub fn set_adaptation(&mut self, adaptation: Option<StiffnessAdaptation>) {
+        self.adaptation = adaptation;
+        self.law.stiffness = adaptation.map_or(self.law.stiffness, |adaptation| adaptation.stiffness());
     }
 
     /// Ends the adaptation: the stiffness stays at its present value.
-    pub fn end_settling(&mut self) {
-        self.settling.iter_mut().for_each(StiffnessAdaptation::end);
+    pub fn end_adaptation(&mut self) {
+        self.adaptation.iter_mut().for_each(StiffnessAdaptation::end);
     }
 
     /// Present stiffness.
@@ -245,12 +245,12 @@ impl Contacts {
 
     /// Adapts the stiffness, unless the adaptation is over, after the flow has advanced by `strain`. Collective.
     pub fn adapt(&mut self, particles: &Particles, domain: DomainView, strain: f64) {
-        let Some(mut settling) = self.settling.filter(|settling| !settling.is_over()) else { return };
+        let Some(mut adaptation) = self.adaptation.filter(|adaptation| !adaptation.is_over()) else { return };
         let touching = AllTouching::find(&self.law, particles, domain, self.reach);
-        let mut largest = [measured::largest_overlap(&self.law, &touching)];
+        let mut largest = [statistics::largest_overlap(&self.law, &touching)];
         domain.comm().max(&mut largest);
-        settling.adapt(largest[0], strain);
-        self.settle_at(Some(settling));
+        adaptation.adapt(largest[0], strain);
+        self.set_adaptation(Some(adaptation));
     }
 
     /// Contacts of an evaluation, from the expected velocities relative to the flow, the expected change of the flow,
@@ -263,11 +263,12 @@ impl Contacts {
         };
         let expected = at.prediction.map_or(&[][..], |prediction| prediction.velocities);
         let touching = AllTouching::find(&self.law, at.particles, at.domain, self.reach);
-        let parting = touching.present(expected);
+        let separation_rate = touching.present(expected);
         let velocities = touching.present(&before.velocities);
         let angular = touching.present(&before.angular_velocities);
         let of_one = |contact: &Touching| Expected {
-            parting: contact.parting(&parting) + contact.axis.dot(strained(contact, flow.besides)),
+            separation_rate: contact.separation_rate(&separation_rate)
+                + contact.axis.dot(strained(contact, flow.besides)),
             slip: contact.slip(&velocities, &angular, flow.strained(contact)),
             rolling: contact.rolling(&angular) + flow.rolled(contact),
         };
@@ -284,8 +285,8 @@ impl Contacts {
     }
 
     /// Averages and totals over the contacts. Collective.
-    pub fn measured(&self, particles: &Particles, domain: DomainView) -> Measured {
-        Measured::of(&self.law, &AllTouching::find(&self.law, particles, domain, self.reach), particles)
+    pub fn measured(&self, particles: &Particles, domain: DomainView) -> ContactStatistics {
+        ContactStatistics::of(&self.law, &AllTouching::find(&self.law, particles, domain, self.reach), particles)
     }
 }
 
@@ -297,7 +298,7 @@ impl ContactForcing {
         loads.torques.resize(owned, Vector::ZERO);
         for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
             let [along, slip, roll] = self.resistances(contact);
-            let normal = self.law.force(contact.overlap, contact.between) + along * expected.parting;
+            let normal = self.law.force(contact.overlap, contact.between) + along * expected.separation_rate;
             let [slides, rolls] = contact.memory.shares.map(|share| if share < 1.0 { 1.0 } else { 0.0 });
             let mut memory = contact.memory;
             memory.force += slip * (across(self.flow.strained(contact), contact.axis) - slides * expected.slip);
@@ -354,7 +355,8 @@ impl ContactForcing {
         let end = |(contact, expected): (&Touching, &Expected)| {
             let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
             let known = self.law.force(contact.overlap, contact.between);
-            let normal = (known - stiffness * (contact.parting(&velocities) - expected.parting)).max(0.0);
+            let normal =
+                (known - stiffness * (contact.separation_rate(&velocities) - expected.separation_rate)).max(0.0);
             let spring = self.ahead.across * self.law.tangential_stiffness(contact.overlap, contact.between);
             let slip = contact.slip(&velocities, &angular, self.flow.strained(contact));
             let force = contact.memory.force + spring * slip;

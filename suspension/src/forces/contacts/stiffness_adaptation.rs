@@ -42,7 +42,7 @@ pub struct StiffnessAdaptation {
     /// First estimate of the stiffness.
     estimate: f64,
     /// Target of the largest overlap over the roughness, and the exponent `n`.
-    aim: f64,
+    target_overlap: f64,
     power: f64,
     /// Strain, as of a shear flow, at which the adaptation ends.
     until: f64,
@@ -57,7 +57,7 @@ impl StiffnessAdaptation {
     /// stiffness. Collective.
     pub fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
         let contacts = model.contacts.filter(|contacts| contacts.stiffness.is_none())?;
-        let known = recalled(particles, comm);
+        let known = load_from_columns(particles, comm);
         let settles = contacts.settles(model);
         if known.is_none() && !settles {
             return None;
@@ -75,7 +75,7 @@ impl StiffnessAdaptation {
             strain,
             is_over: is_over > 0.0,
             estimate,
-            aim: contacts.overlap,
+            target_overlap: contacts.overlap,
             power,
             until: contacts.settling.unwrap_or(Contacts::SETTLING),
             as_shear: model.flow.as_shear(1.0),
@@ -84,7 +84,7 @@ impl StiffnessAdaptation {
     }
 
     /// Stores the state in a column of the particles.
-    pub fn note(&self, particles: &mut Particles) {
+    pub fn store_in_columns(&self, particles: &mut Particles) {
         let numbers = [self.stiffness, self.strain, f64::from(u8::from(self.is_over))];
         let column = particles.column(SETTLING, SETTLING_NUMBERS);
         column.values.chunks_exact_mut(SETTLING_NUMBERS).for_each(|values| values.copy_from_slice(&numbers));
@@ -109,7 +109,7 @@ impl StiffnessAdaptation {
     pub fn adapt(&mut self, overlap: f64, strain: f64) {
         let strain = self.as_shear * strain.abs();
         self.strain += strain;
-        let needed = self.later * (overlap / self.aim).powf(self.power);
+        let needed = self.later * (overlap / self.target_overlap).powf(self.power);
         let share = (2.0 * strain / self.strain.max(SHORTEST)).min(1.0);
         let stiffness = self.stiffness * (1.0 + share * (needed.min(MOST) - 1.0));
         self.stiffness = stiffness.clamp(self.estimate / WIDEST, self.estimate * WIDEST);
@@ -118,7 +118,7 @@ impl StiffnessAdaptation {
 }
 
 /// State stored with the particles of any rank, if any. Collective.
-fn recalled(particles: &Particles, comm: &Comm) -> Option<[f64; SETTLING_NUMBERS]> {
+fn load_from_columns(particles: &Particles, comm: &Comm) -> Option<[f64; SETTLING_NUMBERS]> {
     let column = particles.columns.iter().find(|column| column.name == SETTLING && column.width == SETTLING_NUMBERS);
     let own = column.and_then(|column| column.values.first_chunk()).copied();
     let mut known = own.unwrap_or([f64::NEG_INFINITY; SETTLING_NUMBERS]);
@@ -138,7 +138,7 @@ mod tests {
             strain: 0.0,
             is_over: false,
             estimate,
-            aim: 0.3,
+            target_overlap: 0.3,
             power,
             until,
             as_shear: 1.0,
@@ -177,13 +177,13 @@ mod tests {
     fn what_is_noted_is_recalled_by_ranks_without_particles() {
         let all = Comm::threads(3, |comm| {
             let mut particles = Particles::default();
-            assert_eq!(recalled(&particles, &comm), None);
+            assert_eq!(load_from_columns(&particles, &comm), None);
             let settling = settled(1.0, 100.0, 1.0, 0.01);
             if comm.rank() == 1 {
                 particles.push(0, domain::Vector::ZERO, 1.0, 0);
-                settling.note(&mut particles);
+                settling.store_in_columns(&mut particles);
             }
-            (recalled(&particles, &comm), settling)
+            (load_from_columns(&particles, &comm), settling)
         });
         for (known, settling) in all {
             assert_eq!(known, Some([settling.stiffness, settling.strain, 1.0]));

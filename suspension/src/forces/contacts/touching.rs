@@ -125,7 +125,7 @@ impl Touching {
     }
 
     /// Rate at which the centres separate.
-    pub fn parting(&self, velocities: &[Vector]) -> f64 {
+    pub fn separation_rate(&self, velocities: &[Vector]) -> f64 {
         let [own, other] = self.rows;
         self.axis.dot(velocities[other] - velocities[own])
     }
@@ -213,7 +213,7 @@ mod tests {
         }
         let [one, _] = both();
         let strained = strain * one.separation;
-        let released = normal * (one.parting(&VELOCITIES) + one.axis.dot(strained));
+        let released = normal * (one.separation_rate(&VELOCITIES) + one.axis.dot(strained));
         let slipped = one.memory.force.dot(one.slip(&VELOCITIES, &ANGULAR, strained));
         let rolled = one.memory.rolling.dot(one.rolling(&ANGULAR));
         let strained: f64 = (0..3).map(|k| moment.col(k).dot(strain.col(k))).sum();
@@ -227,7 +227,7 @@ mod tests {
         let strained = Vector::new(0.1, 0.7, -0.3);
         assert_eq!(one.slip(&VELOCITIES, &ANGULAR, strained), -other.slip(&VELOCITIES, &ANGULAR, -strained));
         assert_eq!(one.rolling(&ANGULAR), other.rolling(&ANGULAR));
-        assert!(one.parting(&VELOCITIES).to_bits() == other.parting(&VELOCITIES).to_bits());
+        assert!(one.separation_rate(&VELOCITIES).to_bits() == other.separation_rate(&VELOCITIES).to_bits());
         assert_eq!(one.load(2.0, &one.memory)[0], -other.load(2.0, &other.memory)[0]);
     }
 

@@ -111,7 +111,7 @@ impl Bond {
     }
 
     /// Rate at which the centres separate.
-    fn parting(&self, velocities: &[Vector], ahead: &Prediction) -> f64 {
+    fn separation_rate(&self, velocities: &[Vector], ahead: &Prediction) -> f64 {
         let [own, other] = self.rows;
         let relative = velocities[other] - velocities[own] + ahead.strain_rate.tensor() * self.separation;
         self.separation.dot(relative) / self.distance()
@@ -270,8 +270,9 @@ impl Bonds {
         let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
         let mut velocities = ahead.velocities.to_vec();
         tied.halo.extend(&mut velocities);
-        let of_one =
-            |bond: &Bond| bond.pull() + times * self.resistance(bond, ahead.time) * bond.parting(&velocities, ahead);
+        let of_one = |bond: &Bond| {
+            bond.pull() + times * self.resistance(bond, ahead.time) * bond.separation_rate(&velocities, ahead)
+        };
         tied.list.iter().map(of_one).collect()
     }
 

@@ -12,7 +12,7 @@ fn cell(boundaries: Boundaries) -> PeriodicBox {
 fn model(boundaries: Boundaries, flow: Flow, start: Start) -> Model {
     let count = if let Start::Positions(places) = &start { places.len() as u64 } else { 12 };
     let species = vec![Species::new("one", 1.0, count)];
-    let statistics = Some(Wanted { bins: Some(16), ..Wanted::ALL });
+    let statistics = Some(StatisticsParameters { bins: Some(16), ..StatisticsParameters::ALL });
     let usual = Parameters::new(cell(boundaries), 1.0, species, (0.05, 4));
     Model::new(Parameters { seed: 4, flow, start, statistics, ..usual }).unwrap()
 }
@@ -132,8 +132,8 @@ fn an_interruption_changes_nothing() {
 #[test]
 fn bins_are_four_to_the_smallest_radius() {
     let model = model(Boundaries::Walls, Flow::None, Start::Random { minimum_gap: 0.02 });
-    assert_eq!(bins(&model, Wanted::ALL), Some(32));
-    assert_eq!(bins(&model, Wanted { bins: Some(5), ..Wanted::ALL }), Some(5));
+    assert_eq!(bins(&model, StatisticsParameters::ALL), Some(32));
+    assert_eq!(bins(&model, StatisticsParameters { bins: Some(5), ..StatisticsParameters::ALL }), Some(5));
     let periodic = Parameters { cell: cell(Boundaries::Periodic), statistics: None, ..Parameters::clone(&model) };
-    assert_eq!(bins(&Model::new(periodic).unwrap(), Wanted::ALL), None);
+    assert_eq!(bins(&Model::new(periodic).unwrap(), StatisticsParameters::ALL), None);
 }

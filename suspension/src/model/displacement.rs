@@ -8,7 +8,7 @@ const MOST_LENGTHS: f64 = 100.0;
 
 impl Parameters {
     /// Displacement in one step of an isolated sphere under the steady force of its species.
-    pub(crate) fn travel(&self, species: &Species) -> f64 {
+    pub(crate) fn displacement_per_step(&self, species: &Species) -> f64 {
         let force = species.force_on(species.radius, self.gravity).length();
         force / sphere::drag(self.viscosity, species.radius) * self.time_step
     }
@@ -19,7 +19,7 @@ impl Parameters {
 pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     let most = MOST_LENGTHS * p.cell.edges().max_element();
     for (index, species) in p.species.iter().enumerate() {
-        let travel = p.travel(species);
+        let travel = p.displacement_per_step(species);
         // Also refuses NaN.
         if travel <= most {
             continue;

@@ -6,7 +6,7 @@ use lubrication::{Contact, PairKind};
 
 /// Averages and totals over contacts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
+pub struct ContactStatistics {
     /// Contribution of each particle of this rank to the symmetric first moments of contact forces. For a pair at `x_i`
     /// and `x_j` with the force `F` on the first, the moment is the symmetric part of `-(x_i - x_j) F`; it is divided
     /// between the two in proportion to their radii.
@@ -32,7 +32,7 @@ pub(super) fn largest_overlap(law: &Contact, touching: &AllTouching) -> f64 {
     touching.list.iter().map(of_one).fold(0.0, f64::max)
 }
 
-impl Measured {
+impl ContactStatistics {
     pub(super) fn of(law: &Contact, touching: &AllTouching, particles: &Particles) -> Self {
         let mut moments = vec![Tensor::ZERO; particles.len()];
         let mut sums = Sums { particles: particles.len() as f64, ..Sums::default() };

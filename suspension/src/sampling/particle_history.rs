@@ -7,7 +7,7 @@ use statistics::{Counts, Lagrangian, Profile, State, Store};
 use std::ops::Range;
 
 /// State of the particles of a block of ids, in the order of the ids.
-pub struct Kept {
+pub struct ParticleHistory {
     pub paths: Paths,
     pub lagrangian: Lagrangian,
     /// Profile, in a fully periodic box.
@@ -23,20 +23,20 @@ pub struct Moving<'a> {
     pub positions: &'a [Vector],
     pub steps: &'a [[i32; 3]],
     pub velocities: &'a [Vector],
-    pub carries: [bool; 3],
+    pub advects: [bool; 3],
     /// Positions in the unstrained box.
     pub in_lattice: &'a [Vector],
     pub radii: &'a [f64],
     pub species: &'a [u32],
 }
 
-impl Kept {
+impl ParticleHistory {
     /// Adds the particles of the block at one time.
     pub fn add(&mut self, all: &Moving, rows: Range<usize>) {
         let of_rows = |all: &'_ [Vector]| all[rows.clone()].to_vec();
         let unwrapped = all.positions[rows.clone()].iter().zip(&all.steps[rows.clone()]);
         let places = unwrapped.map(|(&x, &steps)| x + all.cell.lattice(steps)).collect();
-        let motions = self.paths.follow(all.time, places, of_rows(all.velocities), all.carries);
+        let motions = self.paths.follow(all.time, places, of_rows(all.velocities), all.advects);
         self.lagrangian.add(all.time, &motions);
         if let Some(profile) = &mut self.profile {
             profile.add(&all.in_lattice[rows.clone()], &all.radii[rows.clone()], &all.species[rows]);
@@ -51,9 +51,9 @@ impl Kept {
 
 /// One piece of the serialised statistics: the state of a block of ids, plus, in the first piece of all, everything
 /// that does not belong to a block.
-struct Piece<'a>(&'a mut Statistics, usize);
+struct StatePiece<'a>(&'a mut Statistics, usize);
 
-impl State for Piece<'_> {
+impl State for StatePiece<'_> {
     fn visit(&mut self, store: &mut dyn Store) {
         let Self(all, index) = self;
         let has_more = *index == 0 && all.blocks.comm().is_first();
@@ -95,7 +95,7 @@ impl Statistics {
     /// Serialised state, in pieces of which each rank has those of its blocks. Collective.
     pub fn pieces(&mut self) -> Vec<Vec<u8>> {
         self.settle();
-        (0..self.kept.len()).map(|index| Piece(self, index).save()).collect()
+        (0..self.kept.len()).map(|index| StatePiece(self, index).save()).collect()
     }
 
     /// Restores a state. Returns whether this rank's pieces match. Collective.
@@ -103,7 +103,7 @@ impl Statistics {
     pub fn restore(&mut self, pieces: &[Vec<u8>]) -> bool {
         let mut fits = pieces.len() == self.kept.len();
         for (index, piece) in pieces.iter().enumerate().take(self.kept.len()) {
-            fits &= Piece(self, index).load(piece) && self.kept[index].fits();
+            fits &= StatePiece(self, index).load(piece) && self.kept[index].fits();
         }
         let mut times = self.times.to_vec();
         self.blocks.comm().broadcast(&mut times);
