@@ -4,6 +4,7 @@ use super::{Dynamics, Outcome, StageTime};
 use crate::columns::PAST;
 use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
+use crate::neighbourhood::PairsWithHalo;
 use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
 use fcm::{Loads, Motion, Stream};
 use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
@@ -62,8 +63,10 @@ impl Dynamics {
     ) -> Result<(Loads, Solution), StepError> {
         self.unless_interrupted()?;
         self.wrap_and_migrate(particles, moment)?;
-        self.monitor_overlaps(particles);
-        let mut acting = self.acting(particles, moment, None, &Motion::default())?;
+        let near = self.forces.shared_near(particles, self.domain());
+        near.iter().for_each(|near| self.monitor_overlaps(particles, near));
+        let mut acting = self.acting(particles, near.as_ref(), moment, None, &Motion::default())?;
+        drop(near);
         let noise = self.pair_noise(particles, noise);
         let loads = &mut acting.loads;
         for (loads, noise) in [(&mut loads.forces, noise.forces), (&mut loads.torques, noise.torques)] {
@@ -122,10 +125,10 @@ impl Dynamics {
         self.overlap_monitor.as_ref().map(OverlapMonitor::last)
     }
 
-    fn monitor_overlaps(&mut self, particles: &Particles) {
+    fn monitor_overlaps(&mut self, particles: &Particles, near: &PairsWithHalo) {
         let Self { moving, partition, overlap_monitor, .. } = self;
         let domain = DomainView { cell: moving.cell(), partition };
-        overlap_monitor.iter_mut().for_each(|overlap_monitor| overlap_monitor.look(particles, domain));
+        overlap_monitor.iter_mut().for_each(|overlap_monitor| overlap_monitor.look(particles, domain, near));
     }
 
     /// Random loads between near pairs. Collective.

@@ -70,7 +70,6 @@ impl Dynamics {
         self.following.iter_mut().for_each(|following| following.evaluations += done);
         self.forces.search(self.largest_radius, &self.partition);
         self.watched.repartition(&self.partition);
-        self.overlap_monitor.iter_mut().for_each(|overlap_monitor| overlap_monitor.repartition(&self.partition));
         self.hydrodynamics.replan(&planned.plan, &self.partition);
     }
 

@@ -132,7 +132,8 @@ impl WarmStart {
     /// exert large forces on their neighbours.
     ///
     /// The parabola follows smooth changes, but amplifies the errors of previous solves about four times. Its weight in
-    /// the mix is the one with which the mix would have come closest to the previous solutions, see [`Self::update_blend`].
+    /// the mix is the one with which the mix would have come closest to the previous solutions, see
+    /// [`Self::update_blend`].
     pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
         if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
             return Guess::default();

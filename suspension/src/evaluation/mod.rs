@@ -35,7 +35,7 @@ use crate::forces::contacts::Contacts;
 use crate::forces::force::Force;
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, Multipoles};
-use crate::neighbourhood::NeighbourLists;
+use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::{Motion, SolveError};
 use following::Following;
@@ -76,10 +76,10 @@ impl Dynamics {
         let range =
             chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP)).transpose()?;
         let range = range.map(|range| if model.thermal_energy.is_some() { range.separating() } else { range });
-        let forces = Forces::of(model)?.start(model, &setup.particles, &setup.radii, &setup.partition);
+        let overlap_monitor = model.thermal_energy.map(|_| OverlapMonitor::new(model));
+        let shared = overlap_monitor.as_ref().map(|monitor| monitor.range(setup.radii.largest()));
+        let forces = Forces::of(model)?.sharing(shared).start(model, &setup.particles, &setup.radii, &setup.partition);
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
-        let overlap_monitor =
-            model.thermal_energy.map(|_| OverlapMonitor::new(model, setup.radii.largest(), &setup.partition));
         let springs = forces.implicit_range(setup.radii.largest()).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = CoupledSolver::new(&setup.plan, &setup.partition, short_range);
@@ -223,7 +223,9 @@ impl Dynamics {
         let strain_rate = self.moving.predicted_strain_rate_change();
         let prediction =
             expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
-        let acting = self.acting(particles, moment, prediction.as_ref(), before)?;
+        let near = self.forces.near(particles, self.domain());
+        let acting = self.acting(particles, near.as_ref(), moment, prediction.as_ref(), before)?;
+        drop(near);
         let solved = self.solved(particles, &acting, &acting.ambient, guess, moment)?;
         self.record(particles, &solved);
         if self.forces.follow_motion() {
@@ -241,21 +243,21 @@ impl Dynamics {
         self.forces.solved(particles, &solved, moment.clock.step())
     }
 
-    /// Loads, implicit resistances and ambient motions by all forces. Collective.
+    /// Loads, implicit resistances and ambient motions by all forces, with the near pairs. Collective.
     fn acting(
         &mut self,
         particles: &mut Particles,
+        near: Option<&PairsWithHalo>,
         moment: &StageTime,
         prediction: Option<&Prediction>,
         previous: &Motion,
     ) -> Result<Acting, StepError> {
         let Self { moving, partition, forces, .. } = self;
         let domain = DomainView { cell: moving.cell(), partition };
-        let near = forces.near(particles, domain);
         let mut at = Instant {
             particles,
             domain,
-            near: near.as_ref(),
+            near,
             time: moment.clock.time_at(moment.fraction),
             prediction,
             since_last_solution: moment.since_last_solution,

@@ -2,8 +2,8 @@
 
 use crate::error::gap::Gap;
 use crate::model::{BrownianScheme, Extension, Integrator, Model};
-use crate::neighbourhood::{NeighbourLists, SeparatedPair};
-use domain::{Boundaries, DomainView, Number, Particles, Partition};
+use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
+use domain::{Boundaries, DomainView, Number, Particles};
 use fcm::Method;
 use lubrication::LubricationRange;
 
@@ -20,7 +20,6 @@ pub struct OverlapCounts {
 
 /// Detector of such pairs.
 pub struct OverlapMonitor {
-    near: NeighbourLists,
     /// Minimum gap of lubrication, below which the resistance is constant, over the mean radius; `None` without
     /// lubrication.
     floor: Option<f64>,
@@ -28,21 +27,19 @@ pub struct OverlapMonitor {
 }
 
 impl OverlapMonitor {
-    /// A detector for a model with the given largest radius.
-    pub fn new(model: &Model, largest_radius: f64, partition: &Partition) -> Self {
+    /// A detector for a model.
+    pub fn new(model: &Model) -> Self {
         let floor = model.hydrodynamics.lubrication.then_some(LubricationRange::MINIMUM_GAP);
-        let near = NeighbourLists::new((2.0 + floor.unwrap_or(0.0)) * largest_radius, partition);
-        Self { near, floor, last: OverlapCounts::default() }
+        Self { floor, last: OverlapCounts::default() }
     }
 
-    /// Continues with another partition of space.
-    pub fn repartition(&mut self, partition: &Partition) {
-        self.near.repartition(partition);
+    /// Distance of two centres up to which pairs are needed.
+    pub fn range(&self, largest_radius: f64) -> f64 {
+        (2.0 + self.floor.unwrap_or(0.0)) * largest_radius
     }
 
-    /// Examines the particles at their present positions. Collective.
-    pub fn look(&mut self, particles: &Particles, domain: DomainView) {
-        let near = self.near.find(particles, domain);
+    /// Examines the particles at their present positions, with all pairs within [`Self::range`]. Collective.
+    pub fn look(&mut self, particles: &Particles, domain: DomainView, near: &PairsWithHalo) {
         let (mut counts, mut depth) = ([0.0; 2], [0.0_f64]);
         let mut see = |gap: f64, mean_radius: f64| {
             counts[0] += f64::from(u8::from(gap < 0.0));
@@ -163,7 +160,7 @@ impl std::fmt::Display for Remedies {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::{Comm, PeriodicBox, Vector};
+    use domain::{Comm, Partition, PeriodicBox, Vector};
 
     /// Pairs across faces of the box: one below the minimum gap, one overlapping, and one above the minimum gap; on any
     /// number of ranks.
@@ -187,8 +184,10 @@ mod tests {
                         particles.push(2 * id as u64 + 1, Vector::new(0.5, 12.5 - apart, z), 1.0, 0);
                     }
                     particles.migrate(&partition, &cell);
-                    let mut overlap_monitor = OverlapMonitor::new(&model, 1.0, &partition);
-                    overlap_monitor.look(&particles, DomainView { cell: &cell, partition: &partition });
+                    let mut overlap_monitor = OverlapMonitor::new(&model);
+                    let domain = DomainView { cell: &cell, partition: &partition };
+                    let near = PairsWithHalo::find(&particles, domain, overlap_monitor.range(1.0));
+                    overlap_monitor.look(&particles, domain, &near);
                     overlap_monitor.last()
                 });
                 for crowded in found {
@@ -211,8 +210,10 @@ mod tests {
         for (id, z) in [0.95, 5.0, 11.0 - 5e-7].into_iter().enumerate() {
             particles.push(id as u64, Vector::new(1.0 + 4.0 * id as f64, 2.0, z), 1.0, 0);
         }
-        let mut overlap_monitor = OverlapMonitor::new(&model, 1.0, &partition);
-        overlap_monitor.look(&particles, DomainView { cell: &cell, partition: &partition });
+        let mut overlap_monitor = OverlapMonitor::new(&model);
+        let domain = DomainView { cell: &cell, partition: &partition };
+        let near = PairsWithHalo::find(&particles, domain, overlap_monitor.range(1.0));
+        overlap_monitor.look(&particles, domain, &near);
         let OverlapCounts { overlapping, at_minimum_gap, depth } = overlap_monitor.last();
         assert_eq!((overlapping, at_minimum_gap), (1, 2));
         assert!((depth - 0.05).abs() < 1e-14);

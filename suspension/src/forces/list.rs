@@ -36,8 +36,12 @@ pub struct Forces {
     pub applied: AppliedForces,
     /// Forces that the user registered.
     registered: Vec<Box<dyn Force>>,
-    /// Neighbour lists for the longest range; `None` if no force needs pairs.
+    /// Neighbour lists for the longest range; `None` if nothing needs pairs.
     near: Option<NeighbourLists>,
+    /// Whether a force needs pairs.
+    needs_pairs: bool,
+    /// Distance up to which others need pairs at the positions of forces.
+    shared_range: Option<f64>,
     /// Gap over the mean radius up to which spheres repel each other; 0 without repulsion.
     repulsion_range: f64,
 }
@@ -57,6 +61,8 @@ impl Forces {
             applied: AppliedForces::new(model.user_axes()),
             registered: Vec::new(),
             near: None,
+            needs_pairs: false,
+            shared_range: None,
         })
     }
 
@@ -68,6 +74,13 @@ impl Forces {
         self.contacts = self.contacts.map(|contacts| contacts.between(radii).adapting(adaptation));
         self.bonds.iter_mut().for_each(|bonds| bonds.start(particles, comm));
         self.search(radii.largest(), partition);
+        self
+    }
+
+    /// These forces with lists that others share, which need pairs up to a distance.
+    #[must_use]
+    pub fn sharing(mut self, range: Option<f64>) -> Self {
+        self.shared_range = range;
         self
     }
 
@@ -127,7 +140,9 @@ impl Forces {
     /// Searches for pairs up to the longest range, with another partition of space as well.
     pub fn search(&mut self, largest_radius: f64, partition: &Partition) {
         let range = self.range(largest_radius);
-        self.near = range.map(|range| NeighbourLists::new(range, partition));
+        self.needs_pairs = range.is_some();
+        let longest = range.into_iter().chain(self.shared_range).reduce(f64::max);
+        self.near = longest.map(|range| NeighbourLists::new(range, partition));
     }
 
     /// Longest range of all forces; `None` if no force needs pairs.
@@ -152,6 +167,11 @@ impl Forces {
 
     /// Pairs within the longest range, if a force needs pairs. Collective.
     pub fn near(&self, particles: &Particles, domain: DomainView) -> Option<PairsWithHalo> {
+        self.near.as_ref().filter(|_| self.needs_pairs).map(|near| near.find(particles, domain))
+    }
+
+    /// Pairs within the longest range of forces and of those who share their lists. Collective.
+    pub fn shared_near(&self, particles: &Particles, domain: DomainView) -> Option<PairsWithHalo> {
         self.near.as_ref().map(|near| near.find(particles, domain))
     }
 
