@@ -88,10 +88,10 @@ class Plan:
     method: str
     """"direct": every envelope on the grid; "split": a common wider Gaussian on the grid, and near pairs; "dense": a
     matrix of exact sums, without a grid"""
-    grid: list[int]
-    """Grid points along x, y and z."""
-    support: list[int]
-    """Grid points of a sphere's stencil along x, y and z."""
+    grid: list[int] | None
+    """Grid points along x, y and z; None without a grid."""
+    support: list[int] | None
+    """Grid points of a sphere's stencil along x, y and z; None without a grid."""
     precision: str
     """Floating-point type of the grid: "f32" or "f64"."""
     tolerance: float
