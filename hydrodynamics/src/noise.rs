@@ -3,7 +3,7 @@
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::SimdLanes;
 use crate::pairs::search::{NearField, Present};
-use domain::{Neighbours, Particles, Partition, PeriodicBox, Random, Vector};
+use domain::{DomainView, Neighbours, Particles, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
 use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
 use rayon::prelude::*;
@@ -20,13 +20,9 @@ const BATCH: usize = 64;
 /// Random forces and torques `B zeta` on a rank's particles, with `B` the factor of the lubrication resistance `B B^T`
 /// and `zeta` one standard normal number per mode of each pair. The numbers are keyed by the ids and the periodic image
 /// of a pair, so that all ranks draw the same. Collective.
-pub fn loads(
-    field: &mut NearField,
-    particles: &Particles,
-    (cell, partition): (&PeriodicBox, &Partition),
-    stream: Stream,
-) -> Loads {
-    let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
+pub fn loads(field: &mut NearField, particles: &Particles, view: DomainView, stream: Stream) -> Loads {
+    let cell = view.cell;
+    let Present { halo, positions, ids, species } = field.present(particles, view);
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
     halo.extend(&mut steps);
     let Some(PairLubrication { force, .. }) = &field.lubrication else { return Loads::default() };
@@ -43,7 +39,7 @@ pub fn loads(
         sums[row][1] += torque;
     }
     if let Some(force) = &field.at_walls {
-        add_at_walls(&mut sums, force, (particles, cell), stream);
+        add_at_walls(&mut sums, force, particles, cell, stream);
     }
     let of = |k: usize| sums.iter().map(|sum| sum[k]).collect();
     Loads { forces: of(0), torques: of(1), stresslets: Vec::new() }
@@ -104,7 +100,8 @@ impl VectorKernel<f64> for NoisePairs<'_> {
 fn add_at_walls(
     sums: &mut [[Vector; 2]],
     force: &WallForce,
-    (particles, cell): (&Particles, &PeriodicBox),
+    particles: &Particles,
+    cell: &PeriodicBox,
     stream: Stream,
 ) {
     for (row, sum) in sums.iter_mut().enumerate() {

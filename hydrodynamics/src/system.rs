@@ -4,7 +4,7 @@ use crate::pairs::search::{NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::units::Scaled;
-use domain::{Comm, Traceless};
+use domain::{Comm, Traceless, Vector, sphere};
 use fcm::{Linear, Loads, Motion, System};
 use rayon::prelude::*;
 
@@ -131,20 +131,54 @@ pub struct CoupledSystem<'a> {
     step: Motion,
 }
 
+/// Resistances of single spheres.
+pub struct SingleSpheres {
+    /// To motion.
+    pub motion: Vec<SixVector>,
+    /// To strain.
+    pub strain: Vec<f64>,
+}
+
+impl SingleSpheres {
+    /// For spheres of these radii.
+    pub fn new(viscosity: f64, radii: &[f64]) -> Self {
+        let strain = |&radius: &f64| sphere::strain_resistance(viscosity, radius);
+        let motion = radii.iter().map(|&radius| single(viscosity, radius)).collect();
+        Self { motion, strain: radii.iter().map(strain).collect() }
+    }
+}
+
+/// Known loads and ambient motions of a system, and the unknowns from which the iteration starts.
+pub struct SystemStart<'a> {
+    pub loads: &'a SixVectors,
+    pub ambient: &'a Motion,
+    pub unknowns: &'a Unknowns,
+}
+
+/// Unknowns and residual at the end of the iteration.
+pub struct FinalIterate<'a> {
+    pub x: Unknowns,
+    pub residual: &'a Residual,
+    /// The preconditioned residual.
+    pub correction: Unknowns,
+}
+
 impl<'a> CoupledSystem<'a> {
     /// The system for particles that are arranged in the mobility, with the resistances of single spheres to motion and
-    /// to strain. Computes the motion under `loads` and the loads of `start`, added to the ambient motion. Collective.
+    /// to strain. Computes the motion at the start. Collective.
     pub fn new(
         mut mobility: Scaled<'a>,
         near: &'a NearPairs,
         matrix: Option<Preconditioner<'a>>,
-        (single, strain_resistance): (&'a [SixVector], &'a [f64]),
-        (loads, ambient, start): (&SixVectors, &Motion, &Unknowns),
+        spheres: &'a SingleSpheres,
+        start: SystemStart,
     ) -> Self {
-        let mut all = start.loads();
+        let SystemStart { loads, ambient, unknowns } = start;
+        let mut all = unknowns.loads();
         all.add(1.0, loads);
-        let mut motion = mobility.apply(&far_loads(&all, &start.moments));
+        let mut motion = mobility.apply(&far_loads(&all, &unknowns.moments));
         motion.add(1.0, ambient);
+        let (single, strain_resistance) = (&spheres.motion[..], &spheres.strain[..]);
         Self { mobility, near, matrix, single, strain_resistance, motion, step: Motion::default() }
     }
 
@@ -160,12 +194,8 @@ impl<'a> CoupledSystem<'a> {
     /// another far-field evaluation. The correction is refined to an error of `tolerance` in the near field.
     /// Lubrication is exactly that of the returned motions, so that errors of the forces do not make near pairs
     /// collide. Collective.
-    pub fn finish(
-        mut self,
-        (mut x, residual, mut correction): (Unknowns, &Residual, Unknowns),
-        tolerance: f64,
-        comm: &Comm,
-    ) -> (Motion, Unknowns) {
+    pub fn finish(mut self, last: FinalIterate, tolerance: f64, comm: &Comm) -> (Motion, Unknowns) {
+        let FinalIterate { mut x, residual, mut correction } = last;
         let mut sizes = [self.size(&x), self.size(&correction)];
         comm.sum(&mut sizes);
         let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
@@ -181,6 +211,12 @@ impl<'a> CoupledSystem<'a> {
         let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
         (Motion { velocities, angular_velocities, strain_rates: self.motion.strain_rates }, x)
     }
+}
+
+/// Resistance of a single sphere to translation and rotation.
+pub fn single(viscosity: f64, radius: f64) -> SixVector {
+    let (force, torque) = (sphere::drag(viscosity, radius), sphere::rotational_drag(viscosity, radius));
+    SixVector::new(Vector::splat(force), Vector::splat(torque))
 }
 
 /// Left-hand side of the system, from the unknown motions and the far-field motion that the unknown loads cause.

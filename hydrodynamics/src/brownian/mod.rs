@@ -1,7 +1,7 @@
 //! Random motions, stored in columns of the particles, and their finite differences.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::CoupledSolver;
+use crate::coupled_solver::{CoupledSolver, DisplacedSpheres};
 use crate::solution::{Guess, Solution, SolveInput, StoredSolution};
 use domain::{Particles, PeriodicBox, Traceless, Vector};
 use fcm::{Loads, Motion, SolveError};
@@ -61,7 +61,7 @@ pub fn note_solved(
     loads: &Loads,
     solved: &Solution,
 ) -> Result<(), SolveError> {
-    let (exact, found) = hydrodynamics.equivalent_ambient((cell, particles), loads, solved)?;
+    let (exact, found) = hydrodynamics.equivalent_ambient(cell, particles, loads, solved)?;
     set_ambient(particles, &exact, 1.0);
     note(particles, loads, &found);
     Ok(())
@@ -95,8 +95,8 @@ pub fn note_drift(
 ) -> Result<(), SolveError> {
     let (mut fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
     hydrodynamics.add_divergence(cell, particles, over * energy, &mut fluid);
-    let StoredSolution { mut motion, stresslets, .. } =
-        hydrodynamics.perturbed_solution((cell, particles), (&loads, &fluid), &found, tolerance)?;
+    let moved = DisplacedSpheres { cell, particles, loads: &loads, ambient: &fluid };
+    let StoredSolution { mut motion, stresslets, .. } = hydrodynamics.perturbed_solution(&moved, &found, tolerance)?;
     motion.add(-1.0, &found.motion);
     for (name, list) in DRIFT.into_iter().zip([motion.velocities, motion.angular_velocities]) {
         particles.vectors(name).iter_mut().zip(list).for_each(|(drift, change)| *drift = change * (1.0 / over));

@@ -7,7 +7,7 @@ use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::SixVectors;
 use crate::solution::Solution;
 use crate::units;
-use domain::{Comm, Particles, PeriodicBox, Traceless, Units, Vector};
+use domain::{Comm, DomainView, Particles, PeriodicBox, Traceless, Units, Vector};
 use fcm::{Constraint, Linear, Loads, Mobility, Motion, Multipoles, Output};
 
 /// Pressure gradient that keeps the flux between walls: a parabolic flow of curvature `c` added to the flow of the
@@ -45,6 +45,14 @@ pub struct ConstantFlux {
     ambient: f64,
 }
 
+/// Near pairs in the unit flow, in scaled units and without springs, and the strain rate of the ambient flow.
+struct PairsInFlow<'a> {
+    near: &'a NearPairs,
+    units: &'a Units,
+    strain_rate: StrainRate,
+    positions: &'a [Vector],
+}
+
 impl CoupledSolver {
     /// The constant-flux constraint in an ambient flow with a strain rate. Arranges the particles in the mobility.
     /// Collective.
@@ -58,8 +66,10 @@ impl CoupledSolver {
         // The unit flow has a curvature of one over time and length.
         let height = cell.edges().z / units.length;
         let flow = Poiseuille { curvature: units.length / units.rate(), height }.strain_rate();
-        let near = NearPairs::find((field, None), &own, (&cell.scaled(1.0 / units.length), flow), &self.partition);
-        flux.lubricated(mobility, (&near, &units), (strain_rate, &particles.positions), self.partition.comm())
+        let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
+        let near = NearPairs::find(field, None, &own, view, flow);
+        let pairs = PairsInFlow { near: &near, units: &units, strain_rate, positions: &particles.positions };
+        flux.lubricated(mobility, &pairs, self.partition.comm())
     }
 }
 
@@ -74,16 +84,9 @@ impl ConstantFlux {
         Self { flow: flow.strain_rate(), unit, resisted: Loads::default(), constraint, ambient: 0.0 }
     }
 
-    /// Adds the effect of lubrication. `near` are the near pairs in the unit flow, in scaled units and without springs;
-    /// the particles are arranged in `mobility`, which has no constraint; `strain_rate` is that of the ambient flow.
-    /// Collective.
-    fn lubricated(
-        mut self,
-        mobility: &mut Mobility,
-        (near, units): (&NearPairs, &Units),
-        (strain_rate, positions): (StrainRate, &[Vector]),
-        comm: &Comm,
-    ) -> Self {
+    /// Adds the effect of lubrication. The particles are arranged in `mobility`, which has no constraint. Collective.
+    fn lubricated(mut self, mobility: &mut Mobility, pairs: &PairsInFlow, comm: &Comm) -> Self {
+        let &PairsInFlow { near, units, strain_rate, positions } = pairs;
         let unit = units::motion(&self.unit, units);
         let passed = SixVectors::new(unit.velocities.len(), &unit.velocities, &unit.angular_velocities);
         let mut loads = near.times(&[Pairs::Stiff, Pairs::Soft], &passed);

@@ -3,6 +3,8 @@
 mod constant_flux;
 mod perturbed_solve;
 
+pub use perturbed_solve::DisplacedSpheres;
+
 use crate::ambient::StrainRate;
 use crate::noise;
 use crate::pairs::lubrication::PairLubrication;
@@ -11,11 +13,11 @@ use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{Guess, Solution, SolveInput};
 use crate::springs::Springs;
-use crate::system::{self, CoupledSystem, Unknowns};
+use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStart, Unknowns, single};
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::{
-    Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, Vector, VerletList, sphere,
+    Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, VerletList,
 };
 use fcm::{
     DrawDiagnostics, Iterate, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream,
@@ -138,13 +140,13 @@ impl CoupledSolver {
         if let Some(field) = &mut self.near {
             let (units, own) = (self.units, units::particles(particles, &self.units));
             let scaled_rate = strain_rate.in_units(units.rate(), units.length);
-            let flow = (&cell.scaled(1.0 / units.length), scaled_rate);
+            let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
             let resistance = springs.map(|springs| units::resistance(springs, &units));
             let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
             let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
             let springs =
                 resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
-            let near = NearPairs::find((field, springs.as_ref()), &own, flow, &self.partition);
+            let near = NearPairs::find(field, springs.as_ref(), &own, view, scaled_rate);
             if self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
@@ -153,11 +155,17 @@ impl CoupledSolver {
                 }
                 let ambient =
                     &flux.as_ref().map_or_else(|| Cow::Borrowed(ambient), |flux| Cow::Owned(flux.ambient(ambient)));
-                let parts = (Scaled { mobility, units }, &near, self.preconditioned);
-                let group = (self.partition.comm(), &interrupt);
+                let solve = LubricatedSolve {
+                    comm: self.partition.comm(),
+                    interrupt: &interrupt,
+                    near: &near,
+                    is_preconditioned: self.preconditioned,
+                    radii: &own.radii,
+                    strain_rate: scaled_rate.at_zero,
+                };
                 let (loads, guess) = (units::times(loads, 1.0 / units.torque()), units::guess(guess, &units));
                 let ambient = units::motion(ambient, &units);
-                let found = lubricated(group, parts, &own.radii, (&loads, &ambient, scaled_rate.at_zero), &guess)?;
+                let found = solve.run(Scaled { mobility, units }, &loads, &ambient, &guess)?;
                 let mut solved = units::solution(&found, &units);
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());
@@ -208,7 +216,8 @@ impl CoupledSolver {
             return Loads::default();
         };
         let (units, own) = (self.units, units::particles(particles, &self.units));
-        let loads = noise::loads(field, &own, (&cell.scaled(1.0 / units.length), &self.partition), stream);
+        let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
+        let loads = noise::loads(field, &own, view, stream);
         // Square roots of the units of translational and rotational resistance.
         let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
         Loads {
@@ -234,39 +243,62 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
 }
 
 /// [`CoupledSolver::solve`] with near pairs, in scaled units.
-fn lubricated(
-    (comm, interrupt): (&Comm, &Interrupt),
-    (mobility, near, preconditioned): (Scaled, &NearPairs, bool),
-    radii: &[f64],
-    (loads, ambient, background): (&Loads, &Motion, Traceless),
-    guess: &Guess,
-) -> Result<Solution, SolveError> {
-    let plan = mobility.mobility.plan().clone();
-    let viscosity = plan.viscosity / mobility.units.viscosity;
-    let limits = Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt };
-    let (single, strain_resistance) = alone(viscosity, radii);
-    let mut matrix = preconditioned.then(|| Preconditioner::new(comm, near, &single, ROUGH));
-    let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
-    known.add(1.0, near.ambient_loads());
-    let is_rigid = plan.multipoles == Multipoles::Dipole;
-    let mut x = start(near, (matrix.as_mut(), START * limits.tolerance), (&single, &known), (guess, is_rigid));
-    let mut system = CoupledSystem::new(mobility, near, matrix, (&single, &strain_resistance), (&known, ambient, &x));
-    let mut residual = system.residual(&x, background);
-    let mut correction = Unknowns::default();
-    let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
-    let outcome = conjugate_gradients(comm, &mut system, iterate, limits);
-    ended(&outcome, limits)?;
-    let (motion, x) = system.finish((x, &residual, correction), END * limits.tolerance, comm);
-    if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
-        return Err(SolveError::NotFinite);
+struct LubricatedSolve<'a> {
+    comm: &'a Comm,
+    interrupt: &'a Interrupt,
+    near: &'a NearPairs,
+    is_preconditioned: bool,
+    radii: &'a [f64],
+    /// Strain rate of the background flow.
+    strain_rate: Traceless,
+}
+
+impl LubricatedSolve<'_> {
+    fn run(&self, mobility: Scaled, loads: &Loads, ambient: &Motion, guess: &Guess) -> Result<Solution, SolveError> {
+        let (comm, near, radii) = (self.comm, self.near, self.radii);
+        let plan = mobility.mobility.plan().clone();
+        let viscosity = plan.viscosity / mobility.units.viscosity;
+        let limits =
+            Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt: self.interrupt };
+        let spheres = SingleSpheres::new(viscosity, radii);
+        let mut matrix = self.is_preconditioned.then(|| Preconditioner::new(comm, near, &spheres.motion, ROUGH));
+        let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
+        known.add(1.0, near.ambient_loads());
+        let is_rigid = plan.multipoles == Multipoles::Dipole;
+        let count = radii.len();
+        let motions = SixVectors::new(count, &guess.velocities, &guess.angular_velocities);
+        let moments = moments(guess, if is_rigid { count } else { 0 });
+        let mut x = match &mut matrix {
+            None => unknowns(near, &motions, moments),
+            Some(matrix) => {
+                // The motions of all near pairs, from the guess of those that other spheres induce.
+                let induced = SixVectors::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
+                let mut loads = known.clone();
+                loads.add_resisted(1.0, &spheres.motion, &induced);
+                let [motions, resisted] = matrix.solve_with_all(motions, &loads, START * limits.tolerance);
+                Unknowns::of(&motions, &resisted, moments)
+            }
+        };
+        let start = SystemStart { loads: &known, ambient, unknowns: &x };
+        let mut system = CoupledSystem::new(mobility, near, matrix, &spheres, start);
+        let mut residual = system.residual(&x, self.strain_rate);
+        let mut correction = Unknowns::default();
+        let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
+        let outcome = conjugate_gradients(comm, &mut system, iterate, limits);
+        ended(&outcome, limits)?;
+        let (motion, x) =
+            system.finish(FinalIterate { x, residual: &residual, correction }, END * limits.tolerance, comm);
+        if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
+            return Err(SolveError::NotFinite);
+        }
+        known.add(1.0, &x.loads());
+        let far = system::far_loads(&known, &x.moments);
+        let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
+        let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
+        let induced = induced(&spheres.motion, &motion, &far);
+        let (curvature, Outcome { iterations, residual, .. }) = (0.0, outcome);
+        Ok(Solution { motion, stresslets, far, induced, curvature, iterations, residual })
     }
-    known.add(1.0, &x.loads());
-    let far = system::far_loads(&known, &x.moments);
-    let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
-    let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
-    let induced = induced(&single, &motion, &far);
-    let (curvature, Outcome { iterations, residual, .. }) = (0.0, outcome);
-    Ok(Solution { motion, stresslets, far, induced, curvature, iterations, residual })
 }
 
 /// The error of a solve that failed.
@@ -290,37 +322,11 @@ fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
     Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
 }
 
-/// Resistances of single spheres to motions and to strain.
-fn alone(viscosity: f64, radii: &[f64]) -> (Vec<SixVector>, Vec<f64>) {
-    let strain = |a: &f64| sphere::strain_resistance(viscosity, *a);
-    (radii.iter().map(|&a| single(viscosity, a)).collect(), radii.iter().map(strain).collect())
-}
-
-/// Resistance of a single sphere to translation and rotation.
-fn single(viscosity: f64, radius: f64) -> SixVector {
-    let (force, torque) = (sphere::drag(viscosity, radius), sphere::rotational_drag(viscosity, radius));
-    SixVector::new(Vector::splat(force), Vector::splat(torque))
-}
-
-/// Unknowns that correspond to a guess. From the guessed induced motions (zero if unknown), the motions `U` of all near
-/// pairs follow from `(M_0^-1 + R) U = M_0^-1 U_induced + F`, with an error of `tolerance`; without a preconditioner
-/// matrix they are the guessed velocities. Collective.
-fn start<'a>(
-    near: &'a NearPairs,
-    (matrix, tolerance): (Option<&mut Preconditioner<'a>>, f64),
-    (single, known): (&[SixVector], &SixVectors),
-    (guess, is_rigid): (&Guess, bool),
-) -> Unknowns {
-    let count = known.0.len();
-    let motions = SixVectors::new(count, &guess.velocities, &guess.angular_velocities);
+/// First moments of a guess for `count` spheres.
+fn moments(guess: &Guess, count: usize) -> Vec<Traceless> {
     let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
-    moments.resize(if is_rigid { count } else { 0 }, Traceless::ZERO);
-    let Some(matrix) = matrix else { return unknowns(near, &motions, moments) };
-    let mut loads = known.clone();
-    let induced = SixVectors::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
-    loads.add_resisted(1.0, single, &induced);
-    let [motions, resisted] = matrix.solve_with_all(motions, &loads, tolerance);
-    Unknowns::of(&motions, &resisted, moments)
+    moments.resize(count, Traceless::ZERO);
+    moments
 }
 
 /// Unknowns that correspond to motions of the particles. Collective.

@@ -1,14 +1,14 @@
 //! Change of a solution under a small displacement of the spheres, for finite-difference drift.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH, alone, ended, unknowns};
+use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH, ended, unknowns};
 use crate::pairs::search::NearPairs;
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{NO_AMBIENT, Solution, StoredSolution};
-use crate::system::{CoupledSystem, Residual, Unknowns};
+use crate::system::{CoupledSystem, FinalIterate, Residual, SingleSpheres, SystemStart, Unknowns};
 use crate::units::{self, Scaled};
-use domain::{Interrupt, Particles, PeriodicBox, Traceless, Units};
+use domain::{DomainView, Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Iterate, Limits, Loads, Motion, SolveError, conjugate_gradients};
 
 /// The system at given positions, and the residual of a solution there.
@@ -19,23 +19,41 @@ struct ResidualSystem<'a> {
     interrupt: &'a Interrupt,
 }
 
+/// Rigid spheres after a displacement, with their loads and the ambient motions.
+pub struct DisplacedSpheres<'a> {
+    pub cell: &'a PeriodicBox,
+    pub particles: &'a Particles,
+    pub loads: &'a Loads,
+    pub ambient: &'a Motion,
+}
+
+/// Spheres at which the system is set up, and a solution whose residual there is wanted.
+struct SystemAt<'a> {
+    cell: &'a PeriodicBox,
+    particles: &'a Particles,
+    loads: &'a Loads,
+    ambient: &'a Motion,
+    found: &'a StoredSolution,
+    have_moved: bool,
+}
+
 impl CoupledSolver {
     /// The ambient motions for which `solved` is the exact solution under `loads` (backward error), and that solution.
     /// The ambient motions are those of the solve, corrected by its error, plus the effect of the background flow on
     /// the spheres. `solved` has to be the latest solution. Collective.
     pub fn equivalent_ambient(
         &mut self,
-        place: (&PeriodicBox, &Particles),
+        cell: &PeriodicBox,
+        particles: &Particles,
         loads: &Loads,
         solved: &Solution,
     ) -> Result<(Motion, StoredSolution), SolveError> {
         let units = self.units;
         let motion = Motion { strain_rates: Vec::new(), ..solved.motion.clone() };
         let found = StoredSolution { motion, stresslets_far: solved.far.stresslets.clone(), stresslets: Vec::new() };
+        let ambient = &NO_AMBIENT;
         self.residual_system(
-            place,
-            (loads, &NO_AMBIENT),
-            (&found, false),
+            &SystemAt { cell, particles, loads, ambient, found: &found, have_moved: false },
             |ResidualSystem { near, residual, .. }| {
                 let Residual { stiff, strain_rates, .. } = residual;
                 let needed = Motion { velocities: stiff.linear(), angular_velocities: stiff.angular(), strain_rates };
@@ -57,13 +75,13 @@ impl CoupledSolver {
     /// error on all ranks.
     pub fn perturbed_solution(
         &mut self,
-        place: (&PeriodicBox, &Particles),
-        (loads, fluid): (&Loads, &Motion),
+        at: &DisplacedSpheres,
         found: &StoredSolution,
         tolerance: f64,
     ) -> Result<StoredSolution, SolveError> {
+        let &DisplacedSpheres { cell, particles, loads, ambient } = at;
         let (units, comm) = (self.units, self.partition.comm().clone());
-        self.residual_system(place, (loads, fluid), (found, true), |left| {
+        self.residual_system(&SystemAt { cell, particles, loads, ambient, found, have_moved: true }, |left| {
             let ResidualSystem { near, mut system, mut residual, interrupt } = left;
             let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt };
             let count = found.stresslets.len();
@@ -71,7 +89,8 @@ impl CoupledSolver {
             let mut correction = Unknowns::default();
             let iterate = Iterate { x: &mut change, residual: &mut residual, z: &mut correction };
             ended(&conjugate_gradients(&comm, &mut system, iterate, limits), limits)?;
-            let (motion, change) = system.finish((change, &residual, correction), tolerance, &comm);
+            let (motion, change) =
+                system.finish(FinalIterate { x: change, residual: &residual, correction }, tolerance, &comm);
             let mut motion = units::motion_back(&motion, &units);
             motion.strain_rates.clear();
             motion.add(1.0, &found.motion);
@@ -85,15 +104,17 @@ impl CoupledSolver {
     /// The mobility is moved to these positions, and a preconditioner made, only if the spheres have moved.
     fn residual_system<T>(
         &mut self,
-        (cell, particles): (&PeriodicBox, &Particles),
-        (loads, fluid): (&Loads, &Motion),
-        (found, have_moved): (&StoredSolution, bool),
+        at: &SystemAt,
         then: impl FnOnce(ResidualSystem) -> Result<T, SolveError>,
     ) -> Result<T, SolveError> {
+        let &SystemAt { cell, particles, loads, ambient, found, have_moved } = at;
         let (units, own) = (self.units, units::particles(particles, &self.units));
         let scaled_cell = cell.scaled(1.0 / units.length);
         let near = match &mut self.near {
-            Some(field) => NearPairs::find((field, None), &own, (&scaled_cell, StrainRate::default()), &self.partition),
+            Some(field) => {
+                let view = DomainView { cell: &scaled_cell, partition: &self.partition };
+                NearPairs::find(field, None, &own, view, StrainRate::default())
+            }
             None => NearPairs::none(&own, &scaled_cell, &self.partition),
         };
         let (interrupt, comm) = (self.far.interrupt().clone(), self.partition.comm());
@@ -102,15 +123,15 @@ impl CoupledSolver {
         if have_moved {
             mobility.arrange(cell, particles);
         }
-        let (single, strain_resistance) = alone(mobility.plan().viscosity / units.viscosity, &own.radii);
+        let spheres = SingleSpheres::new(mobility.plan().viscosity / units.viscosity, &own.radii);
         let is_matrix = have_moved && self.preconditioned && self.near.is_some();
-        let matrix = is_matrix.then(|| Preconditioner::new(comm, &near, &single, ROUGH));
-        let start = guessed(&near, &single, &units::found(found, &units));
+        let matrix = is_matrix.then(|| Preconditioner::new(comm, &near, &spheres.motion, ROUGH));
+        let start = guessed(&near, &spheres.motion, &units::found(found, &units));
         let loads = units::times(loads, 1.0 / units.torque());
         let known = SixVectors::new(own.len(), &loads.forces, &loads.torques);
-        let parts = (&known, &units::motion(fluid, &units), &start);
-        let system =
-            CoupledSystem::new(Scaled { mobility, units }, &near, matrix, (&single, &strain_resistance), parts);
+        let scaled = units::motion(ambient, &units);
+        let given = SystemStart { loads: &known, ambient: &scaled, unknowns: &start };
+        let system = CoupledSystem::new(Scaled { mobility, units }, &near, matrix, &spheres, given);
         let residual = system.residual(&start, Traceless::ZERO);
         then(ResidualSystem { near: &near, system, residual, interrupt: &interrupt })
     }

@@ -9,7 +9,7 @@ mod walls;
 use super::*;
 use crate::ambient::StrainRate;
 use crate::solution::NO_AMBIENT;
-use domain::random_packing;
+use domain::{Vector, random_packing};
 use fcm::{Costs, Fixed, Loading, Multipoles, Output, Precision, Problem};
 use lubrication::PairMotion;
 use std::f64::consts::PI;

@@ -9,7 +9,7 @@ use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
-use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
+use domain::{DomainView, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Precision;
 use lubrication::WallForce;
 use rayon::prelude::*;
@@ -41,7 +41,8 @@ pub struct Present {
 
 impl NearField {
     /// Collects particles and ghosts, and updates the neighbour lists. Collective.
-    pub fn present(&mut self, particles: &Particles, (cell, partition): (&PeriodicBox, &Partition)) -> Present {
+    pub fn present(&mut self, particles: &Particles, view: DomainView) -> Present {
+        let DomainView { cell, partition } = view;
         let halo = Halo::plan(partition, cell, &particles.positions, [self.reach; 2]);
         let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
         let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
@@ -94,13 +95,15 @@ impl Resisting {
 impl NearPairs {
     /// Finds the pairs within the range of lubrication or springs, in a flow with a strain rate. Collective.
     pub fn find(
-        (field, springs): (&mut NearField, Option<&Springs>),
+        field: &mut NearField,
+        springs: Option<&Springs>,
         particles: &Particles,
-        (cell, strain_rate): (&PeriodicBox, StrainRate),
-        partition: &Partition,
+        view: DomainView,
+        strain_rate: StrainRate,
     ) -> Self {
+        let cell = view.cell;
         let owned = particles.len();
-        let Present { halo, positions, ids, species } = field.present(particles, (cell, partition));
+        let Present { halo, positions, ids, species } = field.present(particles, view);
         let NearField { lubrication, at_walls, lists, radii, .. } = &*field;
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref();
@@ -113,7 +116,7 @@ impl NearPairs {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, &mut loads.0, &mut moments)),
             Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, &mut loads.0, &mut moments)),
         };
-        let at_walls = walls::find((at_walls.as_ref(), springs), particles, (cell, strain_rate));
+        let at_walls = walls::find(at_walls.as_ref(), springs, particles, cell, strain_rate);
         for at_wall in &at_walls {
             let (load, moment) = at_wall.in_flow;
             stiff.add_own(at_wall.row, &at_wall.own());

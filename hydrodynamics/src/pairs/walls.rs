@@ -23,9 +23,11 @@ pub struct AtWall {
 /// The spheres of a rank within the range of lubrication or springs at walls, by rows, in an ambient flow with a strain
 /// rate.
 pub fn find(
-    (lubrication, springs): (Option<&WallForce>, Option<&Springs>),
+    lubrication: Option<&WallForce>,
+    springs: Option<&Springs>,
     particles: &Particles,
-    (cell, strain_rate): (&PeriodicBox, StrainRate),
+    cell: &PeriodicBox,
+    strain_rate: StrainRate,
 ) -> Vec<AtWall> {
     let rows = particles.positions.iter().zip(&particles.radii).enumerate();
     let of_row = |(row, (&place, &radius))| {
@@ -126,7 +128,7 @@ mod tests {
     #[test]
     fn the_block_of_a_row_is_the_resistance_of_its_walls() {
         let force = WallForce::new(1.0, LubricationRange::default());
-        let found = find((Some(&force), None), &spheres(), (&cell(), StrainRate::default()));
+        let found = find(Some(&force), None, &spheres(), &cell(), StrainRate::default());
         assert_eq!(found.iter().map(|at| (at.row, at.axis.z)).collect::<Vec<_>>(), [(0, -1.0), (2, 1.0)]);
         for at in &found {
             let motion = [Vector::new(0.3, -0.2, 0.9), Vector::new(-0.4, 0.8, 0.1)];
@@ -148,7 +150,7 @@ mod tests {
                 let z = if is_upper { height - 1.0 - gap } else { 1.0 + gap };
                 let mut particles = Particles::default();
                 particles.push(0, Vector::new(5.0, 5.0, z), 1.0, 0);
-                let found = find((Some(&force), None), &particles, (&cell(), flow.strain_rate()));
+                let found = find(Some(&force), None, &particles, &cell(), flow.strain_rate());
                 let held = [-flow.velocity(z), -flow.angular_velocity(z)];
                 let by_motion = found[0].own().times(held.map(|v| v.to_array()));
                 found[0].in_flow.0.0[0] - by_motion[0]
@@ -168,7 +170,7 @@ mod tests {
         let contacts = [vec![contact(ContactSprings::wall(0))], vec![], vec![]];
         let tethers = TetherResistance::default();
         let springs = Springs { resistance: &|_, _| 2.0, contacts: &contacts, tethers: &tethers };
-        let found = find((None, Some(&springs)), &spheres(), (&cell(), StrainRate::default()));
+        let found = find(None, Some(&springs), &spheres(), &cell(), StrainRate::default());
         let at = found.iter().find(|at| at.row == 0 && at.axis.z < 0.0).unwrap();
         let force = |velocity: Vector, turning: Vector| at.own().times([velocity.to_array(), turning.to_array()]);
         let along = [force(Vector::Z, Vector::ZERO)[2], force(Vector::X, Vector::ZERO)[0]];

@@ -139,8 +139,8 @@ fn against(springs: &Springs, particles: &Particles, (plan, reach): (&Plan, f64)
     let own = crate::units::particles(particles, &units);
     let resistance = crate::units::resistance(springs, &units);
     let springs = Springs { resistance: &resistance, contacts: &[], tethers: springs.tethers };
-    let still = (&plan.cell().scaled(1.0 / units.length), StrainRate::default());
-    let near = NearPairs::find((field, Some(&springs)), &own, still, &partition);
+    let view = DomainView { cell: &plan.cell().scaled(1.0 / units.length), partition: &partition };
+    let near = NearPairs::find(field, Some(&springs), &own, view, StrainRate::default());
     let motion = crate::units::motion(motion, &units);
     let motions = SixVectors::new(particles.len(), &motion.velocities, &motion.angular_velocities);
     near.times(&[Pairs::Stiff, Pairs::Soft], &motions).linear()

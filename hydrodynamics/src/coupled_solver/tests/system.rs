@@ -36,8 +36,7 @@ fn suspension() -> (Plan, Particles) {
 struct Setting {
     mobility: Mobility,
     near: NearPairs,
-    single: Vec<SixVector>,
-    strain_resistance: Vec<f64>,
+    spheres: SingleSpheres,
 }
 
 impl Setting {
@@ -49,16 +48,20 @@ impl Setting {
         let (reach, radii) = (force.reach(), plan.radii.clone());
         let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
         let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii, reach };
-        let near = NearPairs::find((&mut field, None), &particles, (&cell, StrainRate::default()), &partition);
+        let near = NearPairs::find(
+            &mut field,
+            None,
+            &particles,
+            DomainView { cell: &cell, partition: &partition },
+            StrainRate::default(),
+        );
         let mut mobility = Mobility::new(&plan, &partition);
         mobility.arrange(&cell, &particles);
-        let radii = &particles.radii;
-        let strain_resistance = radii.iter().map(|a| 20.0 / 3.0 * PI * a.powi(3)).collect();
-        Self { mobility, near, single: radii.iter().map(|&a| single(1.0, a)).collect(), strain_resistance }
+        Self { mobility, near, spheres: SingleSpheres::new(1.0, &particles.radii) }
     }
 
     fn spheres(&self) -> usize {
-        self.single.len()
+        self.spheres.motion.len()
     }
 
     /// A unit vector of unknowns: motions for stiff pairs, motions for soft pairs, or moments in an orthonormal basis,
@@ -71,7 +74,7 @@ impl Setting {
             motions[k / (6 * n)].0[k / 6 % n].0[k % 6] = 1.0;
         } else {
             let (particle, component) = ((k - 12 * n) / 5, (k - 12 * n) % 5);
-            moments[particle] = orthonormal()[component] * self.strain_resistance[particle].sqrt();
+            moments[particle] = orthonormal()[component] * self.spheres.strain[particle].sqrt();
         }
         let [stiff, soft] = motions;
         let stiff = resisted(&self.near, Pairs::Stiff, &stiff);
@@ -83,14 +86,14 @@ impl Setting {
         let resisted = MotionsWithLoads { motions: nothing.clone(), loads: nothing.clone() };
         let moments = vec![Traceless::ZERO; self.spheres()];
         let start = Unknowns { stiff: resisted.clone(), soft: resisted, moments };
-        let matrix = Some(Preconditioner::new(&Comm::alone(), &self.near, &self.single, 0.1));
+        let matrix = Some(Preconditioner::new(&Comm::alone(), &self.near, &self.spheres.motion, 0.1));
         let mobility = Scaled { mobility: &mut self.mobility, units: Units::ONE };
         CoupledSystem::new(
             mobility,
             &self.near,
             matrix,
-            (&self.single, &self.strain_resistance),
-            (&nothing, &NO_AMBIENT, &start),
+            &self.spheres,
+            SystemStart { loads: &nothing, ambient: &NO_AMBIENT, unknowns: &start },
         )
     }
 }
@@ -117,7 +120,7 @@ fn eigenvalues_exceed(bound: f64, matrix: &[Vec<f64>]) -> bool {
 #[test]
 fn the_system_is_symmetric_and_positive_definite() {
     let mut setting = Setting::new();
-    let strain_resistance = setting.strain_resistance.clone();
+    let strain_resistance = setting.spheres.strain.clone();
     let units: Vec<Unknowns> = (0..17 * setting.spheres()).map(|k| setting.unit(k)).collect();
     let mut system = setting.system();
     let (mut matrix, mut measure) = (vec![Vec::new(); units.len()], vec![Vec::new(); units.len()]);
@@ -154,7 +157,7 @@ fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
 #[test]
 fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut setting = Setting::new();
-    let (near, single) = (&setting.near, &setting.single);
+    let (near, single) = (&setting.near, &setting.spheres.motion);
     let mut matrix = Preconditioner::new(&Comm::alone(), near, single, 0.1);
     let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let error = |matrix: &mut Preconditioner| {
@@ -180,7 +183,7 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
 #[test]
 fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
-    let (near, single) = (&setting.near, &setting.single);
+    let (near, single) = (&setting.near, &setting.spheres.motion);
     let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let [motions, resisted] = Preconditioner::new(&Comm::alone(), near, single, 0.1).solve(&loads);
     let mut difference = near.times(&[Pairs::Stiff], &motions);
@@ -201,8 +204,8 @@ fn loads_and_moments_count_as_errors() {
     let [load, moment] = [stiff, 12 * n].map(|k| setting.unit(k));
     let mut both = load.clone();
     both.add(1.0, &moment);
-    let residual = as_residual(&both, &setting.strain_resistance);
-    let single = setting.single.clone();
+    let residual = as_residual(&both, &setting.spheres.strain);
+    let single = setting.spheres.motion.clone();
     let system = setting.system();
     let [by_load, by_moment, by_both] = [&load, &moment, &both].map(|z| system.error(&residual, z));
     let loads = load.stiff.loads.0.iter().zip(&single);
