@@ -6,7 +6,7 @@ mod heap;
 
 use common::Suspension;
 use domain::{Boundaries, Comm, ExpectedCounts, Partition, PeriodicBox, Traceless, Vector};
-use fcm::{Fixed, Footprint, Method, Mobility, Plan, Problem, StressletSolver};
+use fcm::{Fixed, Footprint, Method, Mobility, Plan, Problem, Stream, StressletSolver};
 use heap::measured;
 
 const COUNT: usize = 3000;
@@ -50,6 +50,25 @@ fn predictions_are_what_is_allocated() {
     }
     boxes_that_lean();
     flow_at_points();
+    dense_matrix();
+}
+
+/// A matrix and its Cholesky factor.
+fn dense_matrix() {
+    let suspension = Suspension::random(60, 1.0, PeriodicBox::new(Vector::splat(14.0)).unwrap(), 1);
+    let plan = suspension.plan(1e-3, Fixed { method: Some(Method::Dense), ..Fixed::default() });
+    let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+    let expected = ExpectedCounts::new(plan.edges, &[(1.0, 60)], partition.place());
+    let footprint = Footprint::new(&plan, partition.place(), rayon::current_num_threads(), &expected);
+    let particles = suspension.particles();
+    let (_, found) = measured(|| {
+        let mut mobility = Mobility::new(&plan, &partition);
+        mobility.arrange(&suspension.cell, &particles);
+        mobility.noise(&particles.ids, 1e-3, Stream::new(1, 1));
+        mobility
+    });
+    near(0.1, footprint.mobility().kept, found.kept);
+    near(0.1, footprint.mobility().most, found.most);
 }
 
 /// Between walls, where the flow is computed plane by plane.

@@ -20,6 +20,9 @@ const ERROR: f64 = 1e-12;
 const APPLIED: f64 = 0.6e-9;
 const FOUND: f64 = 1e-4;
 
+/// Bytes of a chunk of wavevectors for a component of a sphere's motion: 64 of four numbers each.
+const WAVES: f64 = 2048.0;
+
 /// Evaluations at the same positions that share the cost of the entries: those of a usual solve.
 const EVALUATIONS: f64 = 10.0;
 
@@ -88,11 +91,14 @@ impl Gridless for Dense {
         Costs { stencils: 0.0, transforms: 0.0, pairs: entries + FOUND * pairs / EVALUATIONS }
     }
 
-    /// Rows of the matrix and of its factor, and the whole matrix while it is factorised; loads of all particles.
+    /// Rows of the matrix, and the columns of a chunk of wavevectors while they are found; rows of the factor, and the
+    /// whole matrix while it is factorised. In an evaluation, loads of all particles.
     fn bytes(&self, multipoles: Multipoles, RankParticles { owned, total }: RankParticles) -> GridlessBytes {
         let whole = matrix_bytes(multipoles, total);
         let rows = if total > 0.0 { whole * owned / total } else { 0.0 };
-        let arranged = Bytes::keep(2.0 * rows).then(Bytes::keep(whole).freed());
+        let columns = Bytes::temporary(WAVES * total * multipoles.components() as f64);
+        let factor = Bytes::keep(rows).then(Bytes::temporary(whole));
+        let arranged = Bytes::keep(rows).then(columns).then(factor);
         GridlessBytes { arranged, evaluation: Bytes::list::<[f64; 33]>(total).freed() }
     }
 
