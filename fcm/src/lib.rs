@@ -9,7 +9,7 @@
 //! `F / (6 pi mu a)`, is `1 - 2.8373 a/L + 4.19 (a/L)^3` (Hasimoto 1959):
 //! ```
 //! use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
-//! use fcm::{Costs, Fixed, StressletSolver, Loading, Loads, Multipoles, Plan, Problem};
+//! use fcm::{Costs, Fixed, Loading, Loads, Multipoles, Plan, Problem, StressletSolver};
 //!
 //! let (radius, edge, viscosity) = (1.0, 32.0, 1.0);
 //! let plan = Plan::choose(&Problem {
@@ -43,6 +43,10 @@
 //! assert!((solved.motion.velocities[0].z - expected).abs() < 1e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! The modules, each of which imports those before it: `grid` spreads and interpolates; `pairs` has the pair
+//! corrections; `plan` the problem, its plan and the identity of plans; `walls` the images in walls; `mobility` the
+//! map itself, by one of the back ends in `mobility/far_field`; `rigid` the solve for stresslets.
 
 mod envelope;
 mod grid;

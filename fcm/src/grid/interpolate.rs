@@ -1,6 +1,6 @@
 //! Interpolation: velocity field to motions.
 
-use crate::grid::kernel::{Kernel, Slab};
+use crate::grid::kernel::{Kernel, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
@@ -70,7 +70,8 @@ impl<T: Real, K: Kernel<T>> VectorKernel<T> for Weigh<'_, T, K> {
         let Interpolation { classes, volume, .. } = self.to;
         let mut scratch = K::Scratch::default();
         for stencil in self.stencils {
-            let weighed = self.kernel.collect::<V>(&mut scratch, (stencil, classes[stencil.row as usize]), self.slab);
+            let sphere = SphereStencil { stencil, class: classes[stencil.row as usize] };
+            let weighed = self.kernel.collect::<V>(&mut scratch, sphere, self.slab);
             let (mut velocity, mut gradient) = (Vector::ZERO, [Vector::ZERO; 3]);
             for c in 0..3 {
                 velocity[c] = weighed.velocity[c].to_f64();

@@ -20,7 +20,8 @@ pub(crate) trait Kernel<T: Real>: Sync {
     fn deposit<V: Lanes<T>>(
         &self,
         scratch: &mut Self::Scratch,
-        particle: (&Stencil, u32, &Load<T>),
+        sphere: SphereStencil,
+        load: &Load<T>,
         slab: &mut Slab<&mut [T]>,
     );
 
@@ -28,9 +29,16 @@ pub(crate) trait Kernel<T: Real>: Sync {
     fn collect<V: Lanes<T>>(
         &self,
         scratch: &mut Self::Scratch,
-        particle: (&Stencil, u32),
+        sphere: SphereStencil,
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T>;
+}
+
+/// Stencil of a sphere, and the class of its radius.
+#[derive(Clone, Copy)]
+pub(crate) struct SphereStencil<'a> {
+    pub stencil: &'a Stencil,
+    pub class: u32,
 }
 
 /// Force and dipole of one particle in the grid's precision: `dipole[c][j] = G_cj`.

@@ -1,6 +1,6 @@
 //! Spreading: loads to force density.
 
-use crate::grid::kernel::{Kernel, Load, Slab};
+use crate::grid::kernel::{Kernel, Load, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, VectorKernel};
@@ -54,7 +54,8 @@ impl<T: Real, K: Kernel<T>> VectorKernel<T> for Fill<'_, T, K> {
         for stencil in *stencils {
             let row = stencil.row as usize;
             dirty.clear_for(stencil, planes, *period, &mut self.slab);
-            self.kernel.deposit::<V>(&mut scratch, (stencil, classes[row], &loads[row]), &mut self.slab);
+            let sphere = SphereStencil { stencil, class: classes[row] };
+            self.kernel.deposit::<V>(&mut scratch, sphere, &loads[row], &mut self.slab);
         }
         dirty.clear_rest(&mut self.slab);
     }

@@ -3,7 +3,7 @@
 use crate::grid::gaussian::axis::GaussianAxis;
 use crate::grid::gaussian::passes::{GaussianPass, PassPoint, passes};
 use crate::grid::gaussian::shape::{GaussianColumns, GaussianShape, OF_ROW, Sources, StencilRow, tabulate, weights};
-use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, StencilOffsets, WeightedSums};
+use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, SphereStencil, StencilOffsets, WeightedSums};
 use crate::grid::stencil::{Stencil, Support};
 use crate::grid::totals::Totals;
 use domain::Vector;
@@ -185,9 +185,11 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
     fn deposit<V: Lanes<T>>(
         &self,
         scratch: &mut GaussianScratch<T>,
-        (stencil, class, load): (&Stencil, u32, &Load<T>),
+        sphere: SphereStencil,
+        load: &Load<T>,
         slab: &mut Slab<&mut [T]>,
     ) {
+        let SphereStencil { stencil, class } = sphere;
         let sources = &self.lattice.sources[class as usize];
         let Some(end) = scratch.prepare::<S, V, _>(stencil, sources, self.lattice, slab) else {
             return;
@@ -215,9 +217,10 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
     fn collect<V: Lanes<T>>(
         &self,
         scratch: &mut GaussianScratch<T>,
-        (stencil, class): (&Stencil, u32),
+        sphere: SphereStencil,
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {
+        let SphereStencil { stencil, class } = sphere;
         let sources = &self.lattice.sources[class as usize];
         scratch.totals.clear();
         if let Some(end) = scratch.prepare::<S, V, _>(stencil, sources, self.lattice, slab) {

@@ -11,7 +11,7 @@
 //! at once, from coefficients that are computed for all planes at once. Interpolation runs through the same steps in
 //! reverse.
 
-use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, StencilOffsets, WeightedSums};
+use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, SphereStencil, StencilOffsets, WeightedSums};
 use crate::grid::stencil::Stencil;
 use crate::grid::totals::Totals;
 use crate::grid::window::WindowLattice;
@@ -156,9 +156,11 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     fn deposit_with<V: Lanes<T>, const WIDTH: usize>(
         &self,
         scratch: &mut WindowScratch<T>,
-        (stencil, class, load): (&Stencil, u32, &Load<T>),
+        sphere: SphereStencil,
+        load: &Load<T>,
         slab: &mut Slab<&mut [T]>,
     ) {
+        let SphereStencil { stencil, class } = sphere;
         let Some(end) = self.prepare::<V, WIDTH, _>(scratch, stencil, slab) else {
             return;
         };
@@ -204,9 +206,10 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     fn collect_with<V: Lanes<T>, const WIDTH: usize>(
         &self,
         scratch: &mut WindowScratch<T>,
-        (stencil, class): (&Stencil, u32),
+        sphere: SphereStencil,
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {
+        let SphereStencil { stencil, class } = sphere;
         let Some(end) = self.prepare::<V, WIDTH, _>(scratch, stencil, slab) else {
             return WeightedSums { velocity: [T::default(); 3], gradient: [[T::default(); 3]; 3] };
         };
@@ -361,13 +364,14 @@ impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
     fn deposit<V: Lanes<T>>(
         &self,
         scratch: &mut WindowScratch<T>,
-        particle: (&Stencil, u32, &Load<T>),
+        sphere: SphereStencil,
+        load: &Load<T>,
         slab: &mut Slab<&mut [T]>,
     ) {
         match self.0.pieces.lanes() {
-            lanes if lanes < V::LANES => self.deposit_with::<V::Half, 1>(scratch, particle, slab),
-            lanes if lanes == V::LANES => self.deposit_with::<V, 1>(scratch, particle, slab),
-            _ => self.deposit_with::<V, 2>(scratch, particle, slab),
+            lanes if lanes < V::LANES => self.deposit_with::<V::Half, 1>(scratch, sphere, load, slab),
+            lanes if lanes == V::LANES => self.deposit_with::<V, 1>(scratch, sphere, load, slab),
+            _ => self.deposit_with::<V, 2>(scratch, sphere, load, slab),
         }
     }
 
@@ -375,13 +379,13 @@ impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
     fn collect<V: Lanes<T>>(
         &self,
         scratch: &mut WindowScratch<T>,
-        particle: (&Stencil, u32),
+        sphere: SphereStencil,
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {
         match self.0.pieces.lanes() {
-            lanes if lanes < V::LANES => self.collect_with::<V::Half, 1>(scratch, particle, slab),
-            lanes if lanes == V::LANES => self.collect_with::<V, 1>(scratch, particle, slab),
-            _ => self.collect_with::<V, 2>(scratch, particle, slab),
+            lanes if lanes < V::LANES => self.collect_with::<V::Half, 1>(scratch, sphere, slab),
+            lanes if lanes == V::LANES => self.collect_with::<V, 1>(scratch, sphere, slab),
+            _ => self.collect_with::<V, 2>(scratch, sphere, slab),
         }
     }
 }
