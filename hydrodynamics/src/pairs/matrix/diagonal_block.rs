@@ -1,7 +1,7 @@
 //! Diagonal blocks of the resistance matrix.
 
 use crate::pairs::matrix::inverse_block::Block;
-use crate::pairs::matrix::lanes::{LANES, SimdLanes, turn};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes, transpose};
 use crate::six_vector::SixVector;
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
@@ -51,7 +51,7 @@ impl<V: Width<f64>> DiagonalBlock<SimdLanes<V>> {
         }
         let mut lanes = [[0.0; LANES]; NUMBERS];
         for (k, lanes) in lanes.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            turn::<V, NUMBERS>(&records, k * LANES, lanes);
+            transpose::<V, NUMBERS>(&records, k * LANES, lanes);
         }
         let zero = SimdLanes::constant(0.0);
         let mut own = Self { force: [zero; 6], torque: [zero; 6], coupling: [zero; 3] };

@@ -13,7 +13,7 @@ pub const LANES: usize = 8;
 
 /// Transposition: eight numbers of each record, starting at `first`, become the lanes of eight vectors.
 #[inline(always)]
-pub fn turn<V: SimdVector<f64>, const N: usize>(
+pub fn transpose<V: SimdVector<f64>, const N: usize>(
     records: &[[f64; N]; LANES],
     first: usize,
     lanes: &mut [[f64; LANES]; LANES],

@@ -2,7 +2,7 @@
 
 use crate::pairs::contacts::ContactResistances;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, turn};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, transpose};
 use crate::pairs::matrix::row_sums::{InStrain, SphereRowSums};
 use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup};
 use domain::{Traceless, Vector};
@@ -91,7 +91,7 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
     ) {
         let mut numbers = [[0.0; LANES]; N];
         for (k, lanes) in numbers.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            turn::<V, N>(&self.records, k * LANES, lanes);
+            transpose::<V, N>(&self.records, k * LANES, lanes);
         }
         let side = self.kind.sides::<V>(&numbers);
         let mut z = [SimdLanes::constant(0.0); 3];
@@ -201,12 +201,12 @@ impl<T: StoredLanes> LaneGroup<T> {
     /// Sets the coefficients of loads due to the motion of the other particle.
     #[inline(always)]
     fn set<V: Width<f64>>(&mut self, side: &SphereRow<SimdLanes<V>>) {
-        T::store(side.ya[1], &mut self.across);
-        T::store(side.xa[1] - side.ya[1], &mut self.along);
-        T::store(side.yc[1], &mut self.roll);
-        T::store(side.xc[1] - side.yc[1], &mut self.spin);
-        T::store(side.yb[1], &mut self.coupling[0]);
-        T::store(side.yb_other, &mut self.coupling[1]);
+        T::store(side.ya[1], &mut self.ya);
+        T::store(side.xa[1] - side.ya[1], &mut self.axial_excess);
+        T::store(side.yc[1], &mut self.yc);
+        T::store(side.xc[1] - side.yc[1], &mut self.spin_excess);
+        T::store(side.yb[1], &mut self.yb[0]);
+        T::store(side.yb_other, &mut self.yb[1]);
     }
 }
 
@@ -214,7 +214,7 @@ impl<T: StoredLanes> MomentGroup<T> {
     /// Sets the coefficients of the first moments.
     #[inline(always)]
     fn set<V: Width<f64>>(&mut self, side: &SphereRow<SimdLanes<V>>) {
-        for (both, to) in [(side.xg, &mut self.pull), (side.yg, &mut self.drag), (side.yh, &mut self.turn)] {
+        for (both, to) in [(side.xg, &mut self.xg), (side.yg, &mut self.yg), (side.yh, &mut self.yh)] {
             T::store(both[0], &mut to[0]);
             T::store(both[1], &mut to[1]);
         }

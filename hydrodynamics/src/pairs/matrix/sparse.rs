@@ -2,7 +2,7 @@
 
 use crate::pairs::matrix::diagonal_block::{DiagonalBlock, Inverses};
 use crate::pairs::matrix::inverse_block::Block;
-use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, turn};
+use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, transpose};
 use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
@@ -52,14 +52,14 @@ pub struct Slice {
 #[repr(C, align(64))]
 pub struct LaneGroup<T> {
     pub axis: [[T; LANES]; 3],
-    pub across: [T; LANES],
-    /// Translation along the axis minus translation across it: `along - across`.
-    pub along: [T; LANES],
-    pub roll: [T; LANES],
-    /// Rotation about the axis minus rotation across it: `spin - roll`.
-    pub spin: [T; LANES],
+    pub ya: [T; LANES],
+    /// Translation along the axis minus translation across it: `xa - ya`.
+    pub axial_excess: [T; LANES],
+    pub yc: [T; LANES],
+    /// Rotation about the axis minus rotation across it: `xc - yc`.
+    pub spin_excess: [T; LANES],
     /// Coefficients of the force due to the other's angular velocity, and of the torque due to its velocity.
-    pub coupling: [[T; LANES]; 2],
+    pub yb: [[T; LANES]; 2],
     /// Rows of the other particles.
     pub others: [u32; LANES],
 }
@@ -68,9 +68,9 @@ pub struct LaneGroup<T> {
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
 pub struct MomentGroup<T> {
-    pub pull: [[T; LANES]; 2],
-    pub drag: [[T; LANES]; 2],
-    pub turn: [[T; LANES]; 2],
+    pub xg: [[T; LANES]; 2],
+    pub yg: [[T; LANES]; 2],
+    pub yh: [[T; LANES]; 2],
 }
 
 impl Slice {
@@ -192,7 +192,7 @@ fn gathered<V: Width<f64>>(present: &[Padded], rows: &[u32; LANES]) -> [[SimdLan
         records[lane] = present[rows[lane] as usize].0;
     }
     let mut lanes = [[0.0; LANES]; LANES];
-    turn::<V, LANES>(&records, 0, &mut lanes);
+    transpose::<V, LANES>(&records, 0, &mut lanes);
     let mut motions = [[SimdLanes::constant(0.0); 3]; 2];
     for k in 0..3 {
         motions[0][k] = SimdLanes::read(&lanes[k]);
@@ -209,7 +209,7 @@ pub fn scattered<V: Width<f64>>(sums: &[SimdLanes<V>]) -> [[f64; LANES]; LANES] 
         sums[k].write(&mut lanes[k]);
     }
     let mut records = [[0.0; LANES]; LANES];
-    turn::<V, LANES>(&lanes, 0, &mut records);
+    transpose::<V, LANES>(&lanes, 0, &mut records);
     records
 }
 
@@ -272,11 +272,11 @@ impl<T: StoredLanes> LaneGroup<T> {
     #[inline(always)]
     fn add<V: Width<f64>>(&self, present: &[Padded], sums: &mut [SimdLanes<V>; 6]) {
         let ([u, o], z) = (gathered::<V>(present, &self.others), axis::<T, V>(self));
-        let along = dot(z, u) * T::lanes(&self.along);
-        let spin = dot(z, o) * T::lanes(&self.spin);
+        let along = dot(z, u) * T::lanes(&self.axial_excess);
+        let spin = dot(z, o) * T::lanes(&self.spin_excess);
         let (turning, moving) = (cross(o, z), cross(z, u));
-        let (across, roll) = (T::lanes(&self.across), T::lanes(&self.roll));
-        let coupling = [T::lanes(&self.coupling[0]), T::lanes(&self.coupling[1])];
+        let (across, roll) = (T::lanes(&self.ya), T::lanes(&self.yc));
+        let coupling = [T::lanes(&self.yb[0]), T::lanes(&self.yb[1])];
         for k in 0..3 {
             sums[k] = sums[k].plus(across, u[k]).plus(along, z[k]).plus(coupling[0], turning[k]);
             sums[3 + k] = sums[3 + k].plus(roll, o[k]).plus(spin, z[k]).plus(coupling[1], moving[k]);
@@ -333,8 +333,8 @@ impl<T: StoredLanes> MomentGroup<T> {
         let mut shear = [SimdLanes::constant(0.0); 3];
         for (k, [u, o]) in [of_own, of_others].into_iter().enumerate() {
             let (along, turning) = (dot(z, u), cross(o, z));
-            let (drag, turn) = (T::lanes(&self.drag[k]), T::lanes(&self.turn[k]));
-            stretch = stretch.plus(along, T::lanes(&self.pull[k]));
+            let (drag, turn) = (T::lanes(&self.yg[k]), T::lanes(&self.yh[k]));
+            stretch = stretch.plus(along, T::lanes(&self.xg[k]));
             for i in 0..3 {
                 shear[i] = shear[i].plus(drag, u[i] - along * z[i]).plus(turn, turning[i]);
             }
