@@ -46,7 +46,7 @@ impl<'a> Preconditioner<'a> {
     }
 
     /// [`Self::solve`], continued from an earlier solution. Collective.
-    pub fn go_on(&mut self, [motions, resisted]: [SixVectors; 2], loads: &SixVectors) -> [SixVectors; 2] {
+    pub fn continue_solve(&mut self, [motions, resisted]: [SixVectors; 2], loads: &SixVectors) -> [SixVectors; 2] {
         let residual = self.remainder(loads, &resisted, &motions);
         let limits = self.limits();
         self.solve_from(motions, loads, residual, limits)
@@ -142,7 +142,7 @@ impl System for Preconditioner<'_> {
         let mut motions = SixVectors::zero(residual.0.len());
         let chunks =
             self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
-        chunks.for_each(|((blocks, screws), results)| f64::dispatch(Products { blocks, screws, results }));
+        chunks.for_each(|((blocks, vectors), results)| f64::dispatch(Products { blocks, vectors, results }));
         motions
     }
 
@@ -201,14 +201,14 @@ impl VectorKernel<f64> for StepAndMeasure<'_> {
             add(residual, -length, image);
             former = dot(residual, z);
         }
-        Products { blocks, screws: residual, results: z }.run::<V>();
+        Products { blocks, vectors: residual, results: z }.run::<V>();
         Sums { product: dot(residual, z), former, error: error(residual, single), size: size(x, single) }
     }
 }
 
 #[inline(always)]
-fn add(screws: &mut [SixVector], factor: f64, others: &[SixVector]) {
-    for (a, b) in screws.iter_mut().zip(others) {
+fn add(vectors: &mut [SixVector], factor: f64, others: &[SixVector]) {
+    for (a, b) in vectors.iter_mut().zip(others) {
         (0..6).for_each(|k| a.0[k] += factor * b.0[k]);
     }
 }
@@ -227,10 +227,10 @@ fn size(motions: &[SixVector], single: &[SixVector]) -> f64 {
 }
 
 #[inline(always)]
-fn squares(screws: &[SixVector], single: &[SixVector], square: impl Fn(f64, f64) -> f64) -> f64 {
+fn squares(vectors: &[SixVector], single: &[SixVector], square: impl Fn(f64, f64) -> f64) -> f64 {
     let mut sums = [0.0; 6];
-    for (screw, single) in screws.iter().zip(single) {
-        (0..6).for_each(|k| sums[k] += square(screw.0[k], single.0[k]));
+    for (vector, single) in vectors.iter().zip(single) {
+        (0..6).for_each(|k| sums[k] += square(vector.0[k], single.0[k]));
     }
     sums.iter().sum()
 }

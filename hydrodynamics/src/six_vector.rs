@@ -49,8 +49,8 @@ impl SixVectors {
     /// Six-vectors from lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
-        let screw = |i: usize| SixVector::new(at(linear, i), at(angular, i));
-        Self((0..count).into_par_iter().with_min_len(BATCH).map(screw).collect())
+        let vector = |i: usize| SixVector::new(at(linear, i), at(angular, i));
+        Self((0..count).into_par_iter().with_min_len(BATCH).map(vector).collect())
     }
 
     /// Velocities, or forces.
@@ -82,7 +82,7 @@ impl SixVectors {
 
     /// The negative of all six-vectors.
     pub fn negative(&self) -> Self {
-        Self(self.0.par_iter().with_min_len(BATCH).map(|&screw| -screw).collect())
+        Self(self.0.par_iter().with_min_len(BATCH).map(|&vector| -vector).collect())
     }
 
     /// Loads of single spheres with the given resistances in these motions.
@@ -113,9 +113,9 @@ impl SixVectors {
 
 /// Inner product.
 #[inline(always)]
-pub fn dot(screws: &[SixVector], others: &[SixVector]) -> f64 {
+pub fn dot(vectors: &[SixVector], others: &[SixVector]) -> f64 {
     let mut sums = [0.0; 6];
-    for (a, b) in screws.iter().zip(others) {
+    for (a, b) in vectors.iter().zip(others) {
         (0..6).for_each(|k| sums[k] += a.0[k] * b.0[k]);
     }
     sums.iter().sum()

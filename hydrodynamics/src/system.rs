@@ -203,7 +203,7 @@ impl<'a> CoupledSystem<'a> {
             && matrix.tighten_to(needed)
         {
             let MotionsWithLoads { motions, loads } = correction.stiff;
-            let [motions, loads] = matrix.go_on([motions, loads], &residual.stiff.resisted(self.single));
+            let [motions, loads] = matrix.continue_solve([motions, loads], &residual.stiff.resisted(self.single));
             correction.stiff = MotionsWithLoads { motions, loads };
         }
         x.add(1.0, &correction);

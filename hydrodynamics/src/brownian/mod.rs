@@ -48,13 +48,13 @@ pub fn solve(
     let acting =
         SolveInput { loads, strain_rate: StrainRate::default(), springs: None, ambient: fluid, constant_flux: false };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
-    note_solved(hydrodynamics, cell, particles, loads, &solved)?;
+    store_solution(hydrodynamics, cell, particles, loads, &solved)?;
     Ok(solved)
 }
 
 /// Stores a solution under loads, and the ambient motions for which it is exact. Collective; fails on every rank or on
 /// none.
-pub fn note_solved(
+pub fn store_solution(
     hydrodynamics: &mut CoupledSolver,
     cell: &PeriodicBox,
     particles: &mut Particles,
@@ -63,7 +63,7 @@ pub fn note_solved(
 ) -> Result<(), SolveError> {
     let (exact, found) = hydrodynamics.equivalent_ambient(cell, particles, loads, solved)?;
     set_ambient(particles, &exact, 1.0);
-    note(particles, loads, &found);
+    store_in_columns(particles, loads, &found);
     Ok(())
 }
 
@@ -87,13 +87,13 @@ pub struct Change {
 /// `M` of rigid, lubricated spheres, and `-kT div D` for the first moments caused by forces. Near walls, where the
 /// divergence of the method's mobility is nonzero, `over` times `kT` times this divergence is added to the motion of
 /// the fluid.
-pub fn note_drift(
+pub fn store_drift(
     hydrodynamics: &mut CoupledSolver,
     cell: &PeriodicBox,
     particles: &mut Particles,
     Change { over, energy, tolerance }: Change,
 ) -> Result<(), SolveError> {
-    let (mut fluid, loads, found) = (ambient(particles), loads(particles), found(particles));
+    let (mut fluid, loads, found) = (ambient(particles), loads(particles), load_from_columns(particles));
     hydrodynamics.add_divergence(cell, particles, over * energy, &mut fluid);
     let moved = DisplacedSpheres { cell, particles, loads: &loads, ambient: &fluid };
     let StoredSolution { mut motion, stresslets, .. } = hydrodynamics.perturbed_solution(&moved, &found, tolerance)?;
@@ -108,7 +108,7 @@ pub fn note_drift(
 
 /// Stores the Brownian drift of particles without resistance to strain: the thermal energy times the divergence of the
 /// method's mobility.
-pub fn note_divergence(hydrodynamics: &mut CoupledSolver, cell: &PeriodicBox, particles: &mut Particles, energy: f64) {
+pub fn store_divergence(hydrodynamics: &mut CoupledSolver, cell: &PeriodicBox, particles: &mut Particles, energy: f64) {
     let mut motion = Motion { velocities: vec![Vector::ZERO; particles.len()], ..Motion::default() };
     hydrodynamics.add_divergence(cell, particles, energy, &mut motion);
     particles.vectors(DRIFT_VELOCITY).copy_from_slice(&motion.velocities);
@@ -136,7 +136,7 @@ pub fn displace(particles: &mut Particles, time: f64) {
 }
 
 /// Removes the columns of random motions.
-pub fn forget(particles: &mut Particles) {
+pub fn clear_history(particles: &mut Particles) {
     let names = [RANDOM, LOADS, STRESSLETS, DRIFT].concat();
     let is_random = |name: &str| name == AMBIENT || name == DISPLACEMENT || names.contains(&name);
     particles.columns.retain(|column| !is_random(&column.name));
@@ -169,7 +169,7 @@ pub fn ambient(particles: &mut Particles) -> Motion {
 }
 
 /// Stores loads and the solution under them.
-fn note(particles: &mut Particles, loads: &Loads, found: &StoredSolution) {
+fn store_in_columns(particles: &mut Particles, loads: &Loads, found: &StoredSolution) {
     let Motion { velocities, angular_velocities, .. } = &found.motion;
     let vectors = RANDOM.into_iter().zip([velocities, angular_velocities]);
     for (name, list) in vectors.chain(LOADS.into_iter().zip([&loads.forces, &loads.torques])) {
@@ -185,7 +185,7 @@ fn loads(particles: &mut Particles) -> Loads {
     Loads { forces, torques, stresslets: Vec::new() }
 }
 
-fn found(particles: &mut Particles) -> StoredSolution {
+fn load_from_columns(particles: &mut Particles) -> StoredSolution {
     let [velocities, angular_velocities] = RANDOM.map(|name| particles.vectors(name).to_vec());
     let [stresslets_far, stresslets] = STRESSLETS.map(|name| tensors(particles, name).to_vec());
     StoredSolution {

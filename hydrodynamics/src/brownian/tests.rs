@@ -121,14 +121,14 @@ fn divergence(
             let mut moved = particles.clone();
             moved.positions[sphere][axis] += length;
             let change = Change { over: length, energy: 0.0, tolerance };
-            note_drift(hydrodynamics, cell, &mut moved, change).unwrap();
+            store_drift(hydrodynamics, cell, &mut moved, change).unwrap();
             add(0.5, drift(&mut moved));
         }
     }
     let (mut particles, zeros) = (particles.clone(), vec![Vector::ZERO; 3]);
     let rest = Motion { velocities: zeros.clone(), angular_velocities: zeros, strain_rates: vec![Traceless::ZERO; 3] };
     solve(hydrodynamics, cell, &mut particles, &Loads::default(), &rest).unwrap();
-    note_drift(hydrodynamics, cell, &mut particles, Change { over: 1.0, energy: 1.0, tolerance }).unwrap();
+    store_drift(hydrodynamics, cell, &mut particles, Change { over: 1.0, energy: 1.0, tolerance }).unwrap();
     add(1.0, drift(&mut particles));
     (sums, stresslets)
 }

@@ -50,9 +50,9 @@ impl Mobility {
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
                 let change = Change { over: step, energy: 1.0, tolerance: CHANGE };
-                brownian::note_drift(&mut self.hydrodynamics, &cell, &mut particles, change)?;
+                brownian::store_drift(&mut self.hydrodynamics, &cell, &mut particles, change)?;
             } else {
-                brownian::note_divergence(&mut self.hydrodynamics, &cell, &mut particles, 1.0);
+                brownian::store_divergence(&mut self.hydrodynamics, &cell, &mut particles, 1.0);
             }
             let (mut motion, mut stresslets) = brownian::drift(&mut particles.gathered(&self.partition));
             turn_motion(&mut motion, self.turn.inverse());

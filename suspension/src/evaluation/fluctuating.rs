@@ -83,7 +83,7 @@ impl Dynamics {
     }
 
     /// [`Self::evaluate_fluctuating`] with results that are intermediate: the velocities are stored as the first past
-    /// ones, and the motions are stored for their finite difference, see [`brownian::note_solved`]. Collective;
+    /// ones, and the motions are stored for their finite difference, see [`brownian::store_solution`]. Collective;
     /// fails on every rank or on none.
     pub fn move_at_random(
         &mut self,
@@ -95,16 +95,16 @@ impl Dynamics {
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
         if self.rigid {
             let cell = *self.moving.cell();
-            let noted = brownian::note_solved(&mut self.hydrodynamics, &cell, particles, &loads, &solved);
+            let noted = brownian::store_solution(&mut self.hydrodynamics, &cell, particles, &loads, &solved);
             noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         }
         Ok(Outcome::of(&solved))
     }
 
     /// Stores the drift of the random motions from a finite difference at the present positions, see
-    /// [`brownian::note_drift`]. For particles without resistance to strain it is the divergence of the mobility.
+    /// [`brownian::store_drift`]. For particles without resistance to strain it is the divergence of the mobility.
     /// Collective; fails on every rank or on none.
-    pub fn note_drift(
+    pub fn store_drift(
         &mut self,
         particles: &mut Particles,
         moment: &StageTime,
@@ -112,11 +112,11 @@ impl Dynamics {
     ) -> Result<(), StepError> {
         let cell = *self.moving.cell();
         if !self.rigid {
-            brownian::note_divergence(&mut self.hydrodynamics, &cell, particles, energy);
+            brownian::store_divergence(&mut self.hydrodynamics, &cell, particles, energy);
             return Ok(());
         }
         let change = Change { over, energy, tolerance: CHANGE };
-        let noted = brownian::note_drift(&mut self.hydrodynamics, &cell, particles, change);
+        let noted = brownian::store_drift(&mut self.hydrodynamics, &cell, particles, change);
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }
 

@@ -93,7 +93,7 @@ fn midpoint(
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
     motion::advance(particles, [VELOCITY, PAST[0]], [2.0 * half, -half]);
     dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
-    brownian::forget(particles);
+    brownian::clear_history(particles);
     Ok(outcome)
 }
 
@@ -109,10 +109,10 @@ fn two_evaluations(
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
     motion::advance(particles, [DISPLACEMENT], [1.0]);
     dynamics.wrap_and_migrate(particles, &start)?;
-    dynamics.note_drift(particles, &start, (DIFFERENCE_FRACTION, noise.energy))?;
+    dynamics.store_drift(particles, &start, (DIFFERENCE_FRACTION, noise.energy))?;
     brownian::limit_drift(particles, clock.dt());
     motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
-    brownian::forget(particles);
+    brownian::clear_history(particles);
     dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
     Ok(outcome)
 }

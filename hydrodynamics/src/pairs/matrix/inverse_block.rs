@@ -16,8 +16,8 @@ impl Block {
 
     /// Product of the matrix and a six-vector.
     #[cfg(test)]
-    pub fn times(&self, screw: &SixVector) -> SixVector {
-        let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * screw.0[k]).sum();
+    pub fn times(&self, vector: &SixVector) -> SixVector {
+        let row = |i: usize| (0..6).map(|k| self.0[6 * i + k] * vector.0[k]).sum();
         SixVector(std::array::from_fn(row))
     }
 }
@@ -31,7 +31,7 @@ impl Default for Block {
 /// Products of blocks with one six-vector each.
 pub struct Products<'a> {
     pub blocks: &'a [Block],
-    pub screws: &'a [SixVector],
+    pub vectors: &'a [SixVector],
     pub results: &'a mut [SixVector],
 }
 
@@ -40,11 +40,11 @@ impl VectorKernel<f64> for Products<'_> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        for ((block, screw), product) in self.blocks.iter().zip(self.screws).zip(self.results) {
+        for ((block, vector), product) in self.blocks.iter().zip(self.vectors).zip(self.results) {
             let mut sum = SimdLanes::<V>::constant(0.0);
             for k in 0..6 {
                 // By symmetry a row is a column. Numbers beyond its end are summed too, and discarded.
-                sum = sum.plus(SimdLanes::constant(screw.0[k]), SimdLanes::read(&block.0[6 * k..]));
+                sum = sum.plus(SimdLanes::constant(vector.0[k]), SimdLanes::read(&block.0[6 * k..]));
             }
             let mut wide = [0.0; LANES];
             sum.write(&mut wide);
@@ -64,11 +64,11 @@ mod tests {
             let (i, j) = (k / 6, k % 6);
             if i == j { 2.0 + i as f64 } else { 1.0 / (1.0 + i as f64 + j as f64) }
         }));
-        let screws = [SixVector([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), SixVector([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
+        let vectors = [SixVector([1.0, -2.0, 3.0, 0.5, -0.25, 4.0]), SixVector([0.0, 1.0, 0.0, 0.0, 0.0, -1.0])];
         let mut products = [SixVector::default(); 2];
-        f64::dispatch(Products { blocks: &[block; 2], screws: &screws, results: &mut products });
-        for (product, screw) in products.iter().zip(&screws) {
-            assert!(product.0.iter().zip(block.times(screw).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");
+        f64::dispatch(Products { blocks: &[block; 2], vectors: &vectors, results: &mut products });
+        for (product, vector) in products.iter().zip(&vectors) {
+            assert!(product.0.iter().zip(block.times(vector).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");
         }
     }
 }

@@ -178,8 +178,8 @@ impl<T: StoredLanes> Resistance for PairMatrix<T> {
 pub struct Padded([f64; LANES]);
 
 impl From<&SixVector> for Padded {
-    fn from(screw: &SixVector) -> Self {
-        let [ux, uy, uz, ox, oy, oz] = screw.0;
+    fn from(vector: &SixVector) -> Self {
+        let [ux, uy, uz, ox, oy, oz] = vector.0;
         Self([ux, uy, uz, ox, oy, oz, 0.0, 0.0])
     }
 }
