@@ -94,10 +94,10 @@ impl<'a> Footprint<'a> {
     /// An evaluation, from loads to motions: loads of the particles present, also in the grid's precision; motions as
     /// they are found, sorted, and returned to their owners.
     pub fn evaluation(&self) -> Bytes {
+        type Found = (Vector, Tensor);
         if let Some(bytes) = self.gridless() {
             return bytes.evaluation.then(self.motion());
         }
-        type Found = (Vector, Tensor);
         let (owned, present) = (self.expected.owned(), self.present());
         let dipoles = self.plan.multipoles == Multipoles::Dipole;
         let loads = Bytes::list::<Vector>(present).then(Bytes::list::<Tensor>(if dipoles { present } else { 0.0 }));

@@ -37,16 +37,13 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
     let spilt = (bytes / CACHE - 1.0).clamp(0.0, 1.0);
     let particles = particles as f64;
     let terms = if plan.multipoles == Multipoles::Dipole { 1.0 } else { 0.6 };
-    let stencil = match plan.method {
-        Method::Direct => {
-            let rows = length(&plan.support, plan.spacing(), strain, if single { 16 } else { 8 });
-            rows * if single { 18e-9 } else { 17e-9 }
-        }
+    let stencil = if plan.method == Method::Direct {
+        let rows = length(&plan.support, plan.spacing(), strain, if single { 16 } else { 8 });
+        rows * if single { 18e-9 } else { 17e-9 }
+    } else {
         // Rows of eight points, or of sixteen in two vectors.
-        _ => {
-            let rows = (plan.support.support * plan.support.support) as f64;
-            rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()
-        }
+        let rows = (plan.support.support * plan.support.support) as f64;
+        rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()
     };
     let neighbours = plan.split.map_or(0.0, |Split { cutoff, .. }| {
         particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)

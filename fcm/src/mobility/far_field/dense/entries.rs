@@ -58,7 +58,9 @@ pub(super) fn rows_of(shapes: &Shapes, cell: &PeriodicBox, spheres: &[LocatedSph
     }
     // The other blocks are transposes.
     let mut is_own = vec![false; spheres.len()];
-    own.iter().for_each(|&i| is_own[i] = true);
+    for &i in own {
+        is_own[i] = true;
+    }
     let is_summed = |i: usize, j: usize| j >= i || !is_own[j];
     let pairs = PairSum::new(shapes, cell);
     rows.par_chunks_mut(height * length).zip(own).for_each(|(rows, &i)| {
