@@ -14,9 +14,9 @@ COUNT, FRACTIONS, ROUNDS = 2000, (0.1, 0.3), 7 if FULL else 3
 # Steps of a run.
 STEPS = 16
 # Schemes, steps per row of the time series, and the intended cost of a step in solves.
-SCHEMES = [("midpoint", STEPS, "1.3"), ("two-evaluations", STEPS, "1.9"), ("two-evaluations", 1, "")]
+SCHEMES = [("drifter-corrector", STEPS, "1.3"), ("random-finite-difference", STEPS, "1.9"), ("random-finite-difference", 1, "")]
 # Distance of the walls in radii, and the schemes between them.
-HEIGHT, BETWEEN_WALLS = 20.0, [("midpoint", STEPS, ""), ("two-evaluations", STEPS, "")]
+HEIGHT, BETWEEN_WALLS = 20.0, [("drifter-corrector", STEPS, ""), ("random-finite-difference", STEPS, "")]
 TOLERANCE = 1e-3
 
 

@@ -39,7 +39,7 @@ fluid = {{ viscosity = 1.0, thermal_energy = 1.0 }}
 flow = {{ kind = "shear", rate = {rate} }}
 repulsion = {{ strength = {STRENGTH}, range = {RANGE} }}
 hydrodynamics = {{ lubrication = true, tolerance = 1e-2 }}
-time = {{ step = {step * DIFFUSIVE}, steps = {round(length / step)}, brownian = "two-evaluations" }}
+time = {{ step = {step * DIFFUSIVE}, steps = {round(length / step)}, brownian = "random-finite-difference" }}
 output = {{ trajectory_every = {round(length / step / frames) if frames else 0}, observables_every = {every}, checkpoint_every = 0 }}
 [[species]]
 radius = 1.0

@@ -25,7 +25,7 @@ STRENGTH, RANGE = 60.0, 0.4
 STEPS = (2e-3, 4e-3, 8e-3) if FULL else (4e-3, 8e-3)
 LENGTH, SETTLED = (60.0, 6.0) if FULL else (16.0, 4.0)
 SWEEPS = 60000 if FULL else 15000
-SCHEMES = ("midpoint", "two-evaluations")
+SCHEMES = ("drifter-corrector", "random-finite-difference")
 # Allowed relative error of heights extrapolated to step 0 beyond the statistical error, for nonlinear terms.
 BENT = 0.01
 BINS = np.linspace(0, HEIGHT, 37)

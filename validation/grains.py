@@ -84,7 +84,7 @@ def speeds_of_disks(rounds=3):
 
 
 def disks(folder):
-    ready = seconds_until_it_marches(folder, {"preparation.settled": 0.0, "preparation.mixed": 0.0})
+    ready = seconds_until_it_marches(folder, {"preparation.inelastic_until": 0.0, "preparation.elastic_until": 0.0})
     prepared = seconds_until_it_marches(folder, {})
     one, two = speeds_of_disks()
     found = [
@@ -132,7 +132,7 @@ def jam(folder):
         row = [f"{fraction:.2f}"]
         for engine, curve in curves.items():
             step = {"time.collision_step": 5e-7} if engine == "time-stepped" else {}
-            times = {"time.settle": SETTLE, "time.duration": SETTLE + MEASURED}
+            times = {"time.transient": SETTLE, "time.duration": SETTLE + MEASURED}
             ran = solve("shear-cell", folder, {"collisions": f'"{engine}"', "grains.solid_fraction": fraction} | times | step, False)
             if ran.returncode:
                 row.append("jams" if "the grains jam" in ran.stderr else ran.stderr.strip().splitlines()[-1])

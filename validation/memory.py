@@ -20,10 +20,10 @@ MOST_DIRECT = 100_000
 
 GRAINS = {
     "disks": ("granular-disks", {"time.steps": 300, "output.checkpoint_every": 100}),
-    "400,000 disks": ("granular-disks", {"box.edges": "[1500.0, 1500.0]", "time.steps": 30, "preparation.mixed": 3.0,
-                                         "preparation.settled": 1.5, "output.checkpoint_every": 10}),
-    "shear cell, events": ("shear-cell", {"time.steps": 20, "time.settle": 0.002}),
-    "shear cell, steps": ("shear-cell", {"time.steps": 20, "time.settle": 0.002, "collisions": "time-stepped",
+    "400,000 disks": ("granular-disks", {"box.edges": "[1500.0, 1500.0]", "time.steps": 30, "preparation.elastic_until": 3.0,
+                                         "preparation.inelastic_until": 1.5, "output.checkpoint_every": 10}),
+    "shear cell, events": ("shear-cell", {"time.steps": 20, "time.transient": 0.002}),
+    "shear cell, steps": ("shear-cell", {"time.steps": 20, "time.transient": 0.002, "collisions": "time-stepped",
                                          "time.collision_step": 1e-6}),
     "continuum": ("shear-cell-continuum", {}),
     "continuum, 20,000 heights": ("shear-cell-continuum", {"output.points": 20_000}),

@@ -39,9 +39,13 @@ fn read_here(path: &Path, overrides: &[String], comm: &Comm) -> anyhow::Result<S
             path.display(),
             family.members().len()
         );
-        for warning in family.warnings() {
-            streams::log(format_args!("warning: {warning}"));
-        }
+    }
+    let warnings = match &file {
+        SceneFile::Scene(scene) => scene.warnings(),
+        SceneFile::Family(family) => family.warnings(),
+    };
+    for warning in warnings {
+        streams::log(format_args!("warning: {warning}"));
     }
     Ok(file)
 }

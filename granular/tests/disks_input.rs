@@ -26,7 +26,7 @@ fn each_parameter_is_refused_by_its_key() {
         ("particles.mass_exponent", refusal(|p| p.mass_exponent = 0)),
         ("contact.restitution", refusal(|p| p.restitution = 1.1)),
         ("preparation.restitution", refusal(|p| p.preparation.restitution = 0.0)),
-        ("preparation.mixed", refusal(|p| p.preparation = late)),
+        ("preparation.elastic_until", refusal(|p| p.preparation = late)),
         ("time.step", refusal(|p| p.time_step = f64::NAN)),
         ("fluid.viscosity", refusal(|p| p.viscosity = 0.2)),
         ("flow.rate", refusal(|p| p.flow = Flow::Shear { rate: f64::INFINITY })),

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from os import PathLike, fspath
 from typing import Any
+from warnings import warn
 
 from . import _core, _toml
+from ._errors import Caution
 
 
 class Scene:
@@ -54,7 +56,9 @@ class Scene:
         return self._is_whole
 
     def _take(self, text, overrides):
-        self._text, self._is_whole = _core.check(text, self._name, overrides)
+        self._text, self._is_whole, warnings = _core.check(text, self._name, overrides)
+        for warning in warnings:
+            warn(warning, Caution, stacklevel=3)
 
     def __repr__(self):
         return f"<fcm_solve.Scene {self._name}>"

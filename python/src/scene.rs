@@ -23,12 +23,12 @@ pub fn read(path: &str) -> PyResult<String> {
     Ok(SCENES.read(Path::new(path), &[]).map_err(|cause| of_scene(&cause))?.text().to_owned())
 }
 
-/// Checks the text of a scene with some keys set, each `key=value`. Returns the new text, and whether the scene is
-/// carried out as a whole.
+/// Checks the text of a scene with some keys set, each `key=value`. Returns the new text, whether the scene is carried
+/// out as a whole, and warnings about the way in which it is written.
 #[pyfunction]
-pub fn check(text: &str, name: &str, overrides: Vec<String>) -> PyResult<(String, bool)> {
+pub fn check(text: &str, name: &str, overrides: Vec<String>) -> PyResult<(String, bool, Vec<String>)> {
     let scene = parsed(text, name, &overrides)?;
-    Ok((scene.text().to_owned(), WholeScene::of(&scene).is_some()))
+    Ok((scene.text().to_owned(), WholeScene::of(&scene).is_some(), scene.warnings().to_vec()))
 }
 
 /// Parses the text of a scene.

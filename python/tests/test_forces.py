@@ -240,7 +240,7 @@ def test_views_can_not_be_written_to_and_outlive_everything(sheared):
 
 
 def test_grains_have_neighbours_too():
-    scene = fcm.Scene.new("granular-disks").set({"box.edges": [30.0, 30.0], "time.strain": 0.05, "preparation.mixed": 21.0})
+    scene = fcm.Scene.new("granular-disks").set({"box.edges": [30.0, 30.0], "time.strain": 0.05, "preparation.elastic_until": 21.0})
     with fcm.Simulation(scene) as simulation:
         simulation.run(steps=2)
         positions, lattice, radii = simulation.positions, simulation.lattice, simulation.radii
@@ -250,7 +250,7 @@ def test_grains_have_neighbours_too():
         expected = all_pairs(positions, flat, 4.0)
         assert len(near) == len(expected) > 100
         assert np.allclose(near.gaps + radii[near.pairs].sum(axis=1), near.distances, rtol=1e-12)
-    scene = fcm.Scene.new("shear-cell").set({"grains.solid_fraction": 0.05, "time.steps": 3, "time.settle": 1e-3})
+    scene = fcm.Scene.new("shear-cell").set({"grains.solid_fraction": 0.05, "time.steps": 3, "time.transient": 1e-3})
     with fcm.Simulation(scene) as simulation:
         lattice = simulation.lattice * [[1], [1e6], [1e6]]
         assert len(simulation.neighbours(3 * simulation.radii[0])) == len(

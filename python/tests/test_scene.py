@@ -41,6 +41,13 @@ def test_keys_are_set_in_a_chain_or_together(pair):
     assert scene.to_toml() == before
 
 
+def test_former_names_of_keys_warn():
+    scene = fcm.Scene.new("shear-cell")
+    with pytest.warns(fcm.Caution, match="time.settle has another name now: time.transient"):
+        scene.set("time.settle", 0.02)
+    assert "transient = 0.02" in scene.to_toml()
+
+
 def test_dicts_are_written_as_toml(pair):
     text = fcm.Scene.from_dict({**pair, "title": 'a "title"\nof two lines', "seed": None}).to_toml()
     assert fcm.Scene(text).to_toml() == text

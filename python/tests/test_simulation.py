@@ -47,8 +47,8 @@ def test_results_are_the_program_s_to_the_bit(program, scenes, tmp_path):
 
 
 GRAINS = {
-    "granular-disks": {"box.edges": [30.0, 30.0], "time.strain": 0.05, "preparation.mixed": 21.0},
-    "shear-cell": {"grains.solid_fraction": 0.05, "time.steps": 3, "time.settle": 1e-3, "output.trajectory_every": 1},
+    "granular-disks": {"box.edges": [30.0, 30.0], "time.strain": 0.05, "preparation.elastic_until": 21.0},
+    "shear-cell": {"grains.solid_fraction": 0.05, "time.steps": 3, "time.transient": 1e-3, "output.trajectory_every": 1},
 }
 
 

@@ -182,12 +182,12 @@ def test_spheres_in_stokes_flow_have_no_velocities_to_set(pair):
 
 def disks():
     return fcm.Scene.new("granular-disks").set(
-        {"box.edges": [30.0, 30.0], "time.strain": 0.05, "preparation.mixed": 21.0}
+        {"box.edges": [30.0, 30.0], "time.strain": 0.05, "preparation.elastic_until": 21.0}
     )
 
 
 def cell():
-    return fcm.Scene.new("shear-cell").set({"grains.solid_fraction": 0.05, "time.steps": 6, "time.settle": 1e-3})
+    return fcm.Scene.new("shear-cell").set({"grains.solid_fraction": 0.05, "time.steps": 6, "time.transient": 1e-3})
 
 
 @pytest.mark.parametrize("scene", [disks, cell])

@@ -170,7 +170,7 @@ impl Simulation for SuspensionRun {
         let [_, settles] = self.chooses_stiffness;
         let (value, _) = self.suspension.contact_stiffness().filter(|(_, stays)| settles && *stays)?;
         Some(SettledParameter {
-            key: "contacts.settled_stiffness",
+            key: "contacts.adapted_stiffness",
             value,
             what: "the stiffness of contacts has settled",
         })

@@ -70,14 +70,14 @@ fn run(model: &Model, ranks: usize) -> Particles {
 }
 
 /// The scheme with two evaluations.
-const TWO: &str = r#"time.brownian="two-evaluations""#;
+const TWO: &str = r#"time.brownian="random-finite-difference""#;
 const TIGHT: &str = "hydrodynamics.tolerance=1e-5";
 
 #[test]
 fn a_resumed_run_has_the_same_bits() {
     let steady = r#"flow={kind="shear",rate=4.0}"#;
     let oscillating = r#"flow={kind="shear",oscillation={amplitude=0.8,frequency=9.0}}"#;
-    let midpoint = r#"time.brownian="midpoint""#;
+    let midpoint = r#"time.brownian="drifter-corrector""#;
     let periodic = [[steady, midpoint], [oscillating, midpoint], [steady, TWO], [oscillating, TWO]].map(Vec::from);
     let bounded =
         [WALLS, OPEN].into_iter().flat_map(|of| [midpoint, TWO].map(|scheme| [of[0], of[1], scheme].to_vec()));
@@ -101,7 +101,7 @@ fn steps_are_the_same_unseen() {
         (0..3).for_each(|_| suspension.step_seen(is_seen).unwrap());
         suspension.gathered(None).positions
     };
-    for scheme in [r#"time.brownian="midpoint""#, TWO] {
+    for scheme in [r#"time.brownian="drifter-corrector""#, TWO] {
         assert_eq!(places(scheme, true), places(scheme, false), "{scheme}");
     }
 }
@@ -141,7 +141,7 @@ fn both_schemes_move_spheres_alike() {
     let distances = |step: f64| {
         let ends = ["time.steps=1", "time.steps=0"].map(str::to_owned);
         let step = format!("time.step={step}");
-        let [midpoint, two] = [r#"time.brownian="midpoint""#, TWO]
+        let [midpoint, two] = [r#"time.brownian="drifter-corrector""#, TWO]
             .map(|scheme| run(&model_of(SHEARED, &[TIGHT, &ends[0], &step, scheme]), 1));
         let start = run(&model_of(SHEARED, &[&ends[1], &step]), 1);
         [largest_distance(&midpoint, &two), largest_distance(&midpoint, &start)]
@@ -172,7 +172,7 @@ fn stress_by_heat_is_told_apart() {
     assert!(xy("stress_brownian").abs() > 1e-8);
     let found = of("relative_viscosity")[0];
     assert!((found - 1.0 - sum / 4.0).abs() < 1e-12 * found.abs(), "{found} is not that of {sum}");
-    assert!(row(r#"time.brownian="midpoint""#).iter().all(|(name, _)| *name != "stress_brownian"));
+    assert!(row(r#"time.brownian="drifter-corrector""#).iter().all(|(name, _)| *name != "stress_brownian"));
 }
 
 /// The osmotic pressure is the sum of that of an ideal gas and of the repulsion.
@@ -232,7 +232,7 @@ fn runs_in_which_spheres_overlap_say_so() {
     let deepest = rows.iter().fold(0.0, |most: f64, [.., depth]| most.max(*depth));
     let said = said.iter().find(|said| said.contains("solved for")).unwrap();
     let expected = format!("spheres overlapped in {with_overlap} of 20 steps where");
-    assert!(said.starts_with(&expected) && said.contains("two-evaluations") && deepest > 0.0, "{said}");
+    assert!(said.starts_with(&expected) && said.contains("random-finite-difference") && deepest > 0.0, "{said}");
     let (on_ranks, _) = told(&model_of(SHEARED, near), 3);
     assert!(rows.iter().zip(&on_ranks).all(|(a, b)| a[..2] == b[..2] && (a[2] - b[2]).abs() < 1e-4), "{on_ranks:?}");
     let calm = ["particles.positions=[[5.0,8.6,4.0],[7.6,8.6,4.0],[3.0,4.0,2.0],[8.0,5.0,7.0]]", "time.step=5e-4"];
@@ -258,7 +258,9 @@ time = { step = 0.0377, steps = 20 }
 radius = 1.0
 count = 24
 "#;
-    for (seed, scheme) in [1, 2, 4].into_iter().flat_map(|seed| [(seed, r#"time.brownian="midpoint""#), (seed, TWO)]) {
+    for (seed, scheme) in
+        [1, 2, 4].into_iter().flat_map(|seed| [(seed, r#"time.brownian="drifter-corrector""#), (seed, TWO)])
+    {
         let (rows, _) = told(&model_of(CROWDED, &[scheme, &format!("seed={seed}")]), 1);
         let deepest = rows.iter().fold(0.0, |most: f64, [.., depth]| most.max(*depth));
         assert!(deepest < 0.3, "{scheme}, seed {seed}: {deepest}");

@@ -14,7 +14,7 @@ box.edges = [6.6, 7.1, 6.1]
 fluid.viscosity = 1.0
 flow = { kind = "shear", rate = 2.0 }
 hydrodynamics = { lubrication = true, tolerance = 1e-2 }
-contacts = { friction = 0.5, roughness = 0.02, settling = 0.3 }
+contacts = { friction = 0.5, roughness = 0.02, adaptation_strain = 0.3 }
 time = { step = 0.01, steps = 20 }
 [[species]]
 radius = 1.0
@@ -54,7 +54,7 @@ fn overlaps_settle_at_their_target() {
         let of_start = |seed: u64| {
             let keys = [
                 format!("seed={seed}"),
-                format!("contacts={{friction=0.2, roughness=0.02, settling=1.5, law=\"{law}\"}}"),
+                format!("contacts={{friction=0.2, roughness=0.02, adaptation_strain=1.5, law=\"{law}\"}}"),
                 "box.edges=[8.0, 8.0, 8.0]".to_owned(),
                 "species=[{radius=1.0, count=24}, {radius=1.3, count=12}]".to_owned(),
                 "time.step=0.0025".to_owned(),
@@ -82,7 +82,7 @@ fn ranks_agree() {
     let tight = [
         "hydrodynamics.tolerance=1e-7",
         "hydrodynamics.iteration_tolerance=1e-9",
-        "contacts.settling=0.2",
+        "contacts.adaptation_strain=0.2",
         "box.edges=[7.4, 7.4, 7.4]",
         "time.steps=12",
     ];
@@ -131,7 +131,7 @@ fn a_state_knows_more_than_the_scene() {
     let model = dense(&[]);
     let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
     (0..6).for_each(|_| whole.step().unwrap());
-    let kept = dense(&["contacts.settled_stiffness=123.0"]);
+    let kept = dense(&["contacts.adapted_stiffness=123.0"]);
     let mut resumed = Suspension::resume(&kept, Some(whole.state()), &Comm::alone()).unwrap();
     for _ in 0..12 {
         whole.step().unwrap();
@@ -154,10 +154,10 @@ fn a_number_stays_what_it_is() {
         let model = dense(&[&format!("contacts={{friction=0.5, roughness=0.02{contacts}}}"), "time.steps=8"]);
         ended(&model, 1, |suspension| (stiffness(suspension), suspension.gathered(None)))
     };
-    let unsettled = of(", settling=0.0");
+    let unsettled = of(", adaptation_strain=0.0");
     let estimate = unsettled.0.0;
     assert!(unsettled.1.columns.iter().all(|column| column.name != "contact stiffness"));
-    for contacts in [format!(", stiffness={estimate:e}"), format!(", settled_stiffness={estimate:e}")] {
+    for contacts in [format!(", stiffness={estimate:e}"), format!(", adapted_stiffness={estimate:e}")] {
         assert!(of(&contacts) == unsettled, "{contacts}");
     }
     assert!(of("").1.columns.iter().any(|column| column.name == "contact stiffness"));
@@ -225,7 +225,7 @@ fn the_stiffness_is_told() {
     observed.observe();
     assert!(!observed.warnings().iter().any(|words| words.contains("settled")), "{:?}", observed.warnings());
     let found = found.unwrap();
-    assert_eq!((found.key, found.value), ("contacts.settled_stiffness", stiffness(observed.suspension()).0));
+    assert_eq!((found.key, found.value), ("contacts.adapted_stiffness", stiffness(observed.suspension()).0));
     observed.sample();
     let summary = observed.averages().unwrap().tables.into_iter().find(|table| table.name == "summary").unwrap();
     let row = summary.rows.iter().find(|(words, _)| words[0] == "contact_stiffness").unwrap();

@@ -26,7 +26,7 @@ const ATTRACTIONS: [(&str, SurfaceForce); 2] = [
         SurfaceForce::VanDerWaals { hamaker: 0.05, closest: 0.01, range: 1.0 },
     ),
     (
-        r#"attraction={kind="depletion",pressure=10.0,depletant_radius=0.2}"#,
+        r#"attraction={kind="depletion",osmotic_pressure=10.0,depletant_radius=0.2}"#,
         SurfaceForce::Depletion { pressure: 10.0, thickness: 0.2 },
     ),
 ];

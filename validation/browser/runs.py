@@ -43,7 +43,7 @@ SCENES = {
     "disks": ("granular-disks", {"box.edges": "[40.0, 40.0]", "time.strain": 0.4, "output.trajectory_every": 40}),
     "cell": (
         "shear-cell",
-        {"cell.length": 0.004, "cell.width": 0.005, "time.settle": 0.0, "time.steps": 20, "output.trajectory_every": 2},
+        {"cell.length": 0.004, "cell.width": 0.005, "time.transient": 0.0, "time.steps": 20, "output.trajectory_every": 2},
     ),
 }
 

@@ -32,8 +32,8 @@ SUSPENSION = {
 }
 DISKS = {
     "box.edges": "[40.0, 50.0]",
-    "preparation.settled": 2.0,
-    "preparation.mixed": 10.0,
+    "preparation.inelastic_until": 2.0,
+    "preparation.elastic_until": 10.0,
     "time.steps": 60,
     "output.observables_every": 20,
     "output.checkpoint_every": 25,
@@ -43,7 +43,7 @@ CELL = {
     "cell.length": 0.004,
     "cell.width": 0.004,
     "grains.solid_fraction": 0.3,
-    "time.settle": 0.002,
+    "time.transient": 0.002,
     "time.steps": 6,
     "output.checkpoint_every": 2,
     "output.trajectory_every": 3,

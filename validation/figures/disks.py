@@ -23,7 +23,7 @@ def scene(viscosity=0.01, strain=SHOWN, output=None, **more):
         "box": {"edges": [100.0, 100.0]},
         "fluid": {"viscosity": viscosity},
         "flow": {"kind": "shear", "rate": RATE},
-        "species": [{"radius": 1.0, "share": 1.0}, {"radius": 4.0, "share": 0.05}],
+        "species": [{"radius": 1.0, "number_fraction": 1.0}, {"radius": 4.0, "number_fraction": 0.05}],
         "particles": {"area_fraction": 0.6},
         "time": {"step": STEP, "strain": float(strain)},
         "output": {"observables_every": UNIT, "checkpoint_every": 20 * UNIT, **(output or {})},

@@ -7,7 +7,7 @@ from runs import make
 
 def draw(mode):
     """The final state of equal disks at a viscosity of 0.01, gray by the excess velocity."""
-    run = snapshots("fig5", species=[{"radius": 1.0, "share": 1.0}])
+    run = snapshots("fig5", species=[{"radius": 1.0, "number_fraction": 1.0}])
     make([run])
     report = Report("disks-fig5", mode, "Fig. 5: equal disks at a viscosity of 0.01", panels=2)
     draw_disks(report.panels[0], run, SHOWN, by="excess")

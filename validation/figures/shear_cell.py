@@ -66,7 +66,7 @@ def particles(collisions, speed, seed, mode):
                 "contact_time": 1e-7 * slow,
             },
             "walls": {"restitution": 0.9, "friction": 0.3},
-            "time": {"step": 20 * window, "steps": settle + measured, "settle": settle * 20 * window} | collision_step,
+            "time": {"step": 20 * window, "steps": settle + measured, "transient": settle * 20 * window} | collision_step,
             "measure": {"window": window},
             "output": {"trajectory_every": 0, "checkpoint_every": 10},
         },

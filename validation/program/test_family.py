@@ -255,7 +255,7 @@ class Families(unittest.TestCase):
     def test_every_kind_of_scene_has_families(self):
         cases = {
             "granular-disks": ('"fluid.viscosity" = [0.01, 0.02]', {"box.edges": "[40.0, 50.0]", "time.steps": 50}, True),
-            "shear-cell": ('"grains.restitution" = [0.8, 0.9]', {"time.steps": 2, "time.settle": 0.001}, True),
+            "shear-cell": ('"grains.restitution" = [0.8, 0.9]', {"time.steps": 2, "time.transient": 0.001}, True),
             "shear-cell-continuum": ('"grains.restitution" = [0.8, 0.85]', {}, False),
         }
         for kind, (sweep, sets, is_random) in cases.items():

@@ -18,7 +18,7 @@ from support.checkpoint import state_of
 
 # Settings of short runs: about a second each, with checkpoints.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
-EVENTS = {"time.steps": 60, "time.settle": 0.02, "output.checkpoint_every": 7, "grains.solid_fraction": 0.45}
+EVENTS = {"time.steps": 60, "time.transient": 0.02, "output.checkpoint_every": 7, "grains.solid_fraction": 0.45}
 RUNS = {
     "disks": ("granular-disks", DISKS),
     "event-driven": ("shear-cell", EVENTS),
@@ -181,7 +181,7 @@ class Grains(unittest.TestCase):
 
     def test_a_signal_ends_a_run_within_a_long_step(self):
         """A step that would take minutes is abandoned."""
-        long = {"time.step": 20.0, "time.settle": 20.0, "time.duration": 40.0, "grains.solid_fraction": 0.45}
+        long = {"time.step": 20.0, "time.transient": 20.0, "time.duration": 40.0, "grains.solid_fraction": 0.45}
         engines = ({}, {"collisions": "time-stepped", "time.collision_step": 5e-7})
         for name, engine in zip(("event-driven", "time-stepped"), engines):
             out = self.out.with_name(name)
@@ -289,6 +289,12 @@ class Grains(unittest.TestCase):
         self.assertIn('warning: sweep.viscosities has another name now: [sweep] "fluid.viscosity"\n', said)
         self.assertNotIn("warning", run(["resume", self.out]))
         self.assertEqual(len(table(self.out / "branches.csv")), 2)
+
+    def test_keys_have_former_names_with_a_warning(self):
+        sets = {"time.steps": 2, "time.settle": 0.0, "grains.solid_fraction": 0.05}
+        said = self.run_scene("shear-cell", sets)
+        self.assertIn("warning: time.settle has another name now: time.transient\n", said)
+        self.assertIn("transient = 0.0", (self.out / "scene.toml").read_text())
 
     def test_disks_start_from_a_file_and_from_a_former_run(self):
         self.run_scene("granular-disks", DISKS | {"time.steps": 10})

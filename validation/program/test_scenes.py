@@ -34,7 +34,7 @@ SMALLER = {
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},
     "family": {"time.strain": 0.05},
-    "shear-cell": {"time.steps": 3, "time.settle": 0},
+    "shear-cell": {"time.steps": 3, "time.transient": 0},
 }
 # Scenes of grains and families run in one process.
 ALONE = {"family", "granular-disks", "disk-sweep", "poiseuille-disks", "shear-cell", "shear-cell-continuum"}

@@ -38,7 +38,7 @@ SCENES = {
     "disks": ("poiseuille-disks", {"box.edges": "[20.0, 25.0]", "time.strain": 0.3}),
     "cell": (
         "shear-cell",
-        {"cell.length": 0.004, "cell.width": 0.005, "time.settle": 0.0, "time.steps": 10, "output.trajectory_every": 2},
+        {"cell.length": 0.004, "cell.width": 0.005, "time.transient": 0.0, "time.steps": 10, "output.trajectory_every": 2},
     ),
 }
 # Boxes that are not periodic along all axes: walls across y, and one that grows with the spheres.

@@ -139,11 +139,16 @@ impl Model {
         check_step("preparation.time_step", p.preparation.time_step)?;
         let (settled, mixed) = (p.preparation.settled, p.preparation.mixed);
         let is_time = settled >= 0.0 && settled.is_finite();
-        require(is_time, "preparation.settled", Number(settled), "a time, not negative")?;
+        require(is_time, "preparation.inelastic_until", Number(settled), "a time, not negative")?;
         let ordered = mixed >= settled && mixed.is_finite();
-        require(ordered, "preparation.mixed", Number(mixed), "a time that is not before preparation.settled")?;
+        require(
+            ordered,
+            "preparation.elastic_until",
+            Number(mixed),
+            "a time that is not before preparation.inelastic_until",
+        )?;
         let (countable, most) = (mixed / p.preparation.time_step < MOST_STEPS, Number(MOST_STEPS));
-        require(countable, "preparation.mixed", Number(mixed), format_args!("less than {most} steps"))?;
+        require(countable, "preparation.elastic_until", Number(mixed), format_args!("less than {most} steps"))?;
         require(p.measure_every > 0, "output.measure_every", p.measure_every, "at least one step")?;
         let radii = || sizes.iter().map(|s| s.radius);
         let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));

@@ -66,7 +66,7 @@ impl Sizes {
                 require(!list.is_empty(), "species", "an empty list", "at least one species")?;
                 list.iter().try_for_each(|s| {
                     positive("species.radius", s.radius)?;
-                    positive("species.share", s.share)
+                    positive("species.number_fraction", s.share)
                 })
             }
             &Self::Spread { smallest, largest, exponent } => {

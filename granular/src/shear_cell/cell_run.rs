@@ -59,7 +59,7 @@ impl Experiment {
         let [end, from] = [self.steps, self.transient].map(|steps| Number(steps as f64 * self.time_step));
         (self.transient > 0 && self.transient >= self.steps).then(|| {
             format!(
-                "time.settle = {from:.6}, but the run ends at time {end:.6}: nothing is measured, and there will be \
+                "time.transient = {from:.6}, but the run ends at time {end:.6}: nothing is measured, and there will be \
                  no profiles unless the run goes on for longer"
             )
         })

@@ -50,6 +50,21 @@ pub struct MobilityParameters {
 }
 
 impl MobilityParameters {
+    /// Rigid spheres in a fluid, evaluated with dipoles to a relative error of 1e-3, without lubrication.
+    pub fn new(cell: PeriodicBox, viscosity: f64, radii: Vec<f64>) -> Self {
+        Self {
+            cell,
+            radii,
+            viscosity,
+            multipoles: Multipoles::Dipole,
+            rigid: true,
+            tolerance: 1e-3,
+            lubrication: None,
+            method: None,
+            costs: Costs::default(),
+        }
+    }
+
     /// Refuses a box too elongated for random motions.
     pub fn check_noise(&self) -> Result<(), MobilityError> {
         check_box_of_noise(&self.cell).map_err(MobilityError::Box)

@@ -1,6 +1,6 @@
 //! The section `answers` of scenes: the times that means are taken of.
 
-use crate::error::Fault;
+use crate::fault::Fault;
 use crate::time_and_output::Time;
 use domain::Number;
 use schemars::JsonSchema;

@@ -1,6 +1,6 @@
 //! Range checks of numbers.
 
-use crate::error::Fault;
+use crate::fault::Fault;
 use domain::ParameterError;
 use suspension::MAX_SPHERES;
 

@@ -2,6 +2,7 @@
 
 use crate::Scene;
 use crate::document::excerpt;
+use crate::former_names::bring_up_to_date;
 use toml::{Table, Value};
 
 /// A key with different values in two scenes.
@@ -22,7 +23,8 @@ impl std::fmt::Display for Difference {
 
 impl Scene {
     /// Keys whose values differ from those of another scene, in alphabetical order. Comments, order, and the notation
-    /// of numbers make no difference; an explicit default value does.
+    /// of numbers make no difference; an explicit default value does. Former names of keys are
+    /// taken as the present ones.
     pub fn differences(&self, other: &Self) -> Vec<Difference> {
         differences_of(self.text(), other.text()).expect("the scenes were read from these texts")
     }
@@ -32,7 +34,9 @@ impl Scene {
 pub fn differences_of(here: &str, there: &str) -> Result<Vec<Difference>, toml::de::Error> {
     let leaves = |text: &str| {
         let mut leaves = Vec::new();
-        collect(Value::Table(toml::from_str::<Table>(text)?), String::new(), &mut leaves);
+        let mut table = Value::Table(toml::from_str::<Table>(text)?);
+        bring_up_to_date(&mut table);
+        collect(table, String::new(), &mut leaves);
         Ok::<_, toml::de::Error>(leaves)
     };
     let [mut here, mut there] = [leaves(here)?, leaves(there)?];

@@ -1,8 +1,9 @@
 //! Errors in scenes, as messages for their authors.
 
 use crate::document::{Misfit, Node, bounded, excerpt, line};
-use crate::overrides;
-use domain::ParameterError;
+use crate::fault::Fault;
+use crate::overrides::{self, is_in};
+use crate::written_names::FormerNames;
 use std::fmt::Display;
 
 /// Reasons why a scene is refused.
@@ -66,35 +67,6 @@ fn place(name: &str, line: Option<usize>) -> String {
     line.map_or_else(|| name.to_owned(), |line| format!("{name}:{line}"))
 }
 
-/// A key and the problem with it.
-#[derive(Debug)]
-pub(super) struct Fault {
-    key: String,
-    message: String,
-}
-
-impl Fault {
-    pub(super) fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { key: key.into(), message: message.into() }
-    }
-
-    pub(super) fn key(&self) -> &str {
-        &self.key
-    }
-
-    /// The same of the key by another name.
-    pub(super) fn of_key(self, key: impl Into<String>) -> Self {
-        Self { key: key.into(), ..self }
-    }
-}
-
-/// Message of a library about one of its parameters.
-impl From<ParameterError> for Fault {
-    fn from(ParameterError { key, message }: ParameterError) -> Self {
-        Self { key, message }
-    }
-}
-
 /// Formulates the errors of the parser and of the checks.
 pub(super) struct Explain<'a> {
     /// Text of the file, and its parsed content.
@@ -103,6 +75,8 @@ pub(super) struct Explain<'a> {
     pub(super) name: &'a str,
     /// Keys set on the command line.
     pub(super) overrides: &'a [String],
+    /// Former names in both.
+    pub(super) former: &'a FormerNames,
 }
 
 impl Explain<'_> {
@@ -120,8 +94,10 @@ impl Explain<'_> {
         SceneError::Invalid { name: self.name.to_owned(), line, with, message: bounded(message) }
     }
 
+    /// A message about a key by the name that is written.
     pub(super) fn fault(&self, fault: &Fault) -> SceneError {
-        self.about(&fault.key, &format!("{} {}", fault.key, fault.message))
+        let key = self.former.as_written(&fault.key);
+        self.about(&key, &format!("{key} {}", fault.message))
     }
 
     /// Text that is not TOML.
@@ -134,11 +110,7 @@ impl Explain<'_> {
 
     /// TOML that is not a scene: unknown or missing keys, or values of the wrong type.
     pub(super) fn structure(&self, misfit: &Misfit) -> SceneError {
-        self.about(&misfit.key(), &misfit.in_words("a scene"))
+        let key = self.former.as_written(&misfit.key());
+        self.about(&key, &format!("{} {}", if key.is_empty() { "a scene" } else { &key }, misfit.message("a scene")))
     }
-}
-
-/// Whether a key is equal to another one or inside it.
-pub(super) fn is_in(key: &str, other: &str) -> bool {
-    key.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }

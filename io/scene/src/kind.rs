@@ -2,6 +2,7 @@
 
 use crate::Output;
 use crate::granular_disks::GranularDisksScene;
+use crate::kind_names::KINDS;
 use crate::shear_cell::ShearCellScene;
 use crate::shear_cell_continuum::ContinuumScene;
 use crate::suspension::SuspensionScene;
@@ -19,9 +20,6 @@ pub enum Kind {
     /// The kinetic theory of a shear cell.
     Continuum(Box<ContinuumScene>),
 }
-
-/// Names of the kinds.
-pub(crate) const KINDS: [&str; 4] = ["suspension", "granular-disks", "shear-cell", "shear-cell-continuum"];
 
 impl Kind {
     /// Name of the kind in scenes.

@@ -20,9 +20,12 @@ pub mod document;
 mod error;
 mod family;
 mod family_sections;
+mod fault;
+mod former_names;
 mod granular_disks;
 mod kept_paths;
 mod kind;
+mod kind_names;
 mod overrides;
 mod reader;
 mod scene;
@@ -35,6 +38,7 @@ mod suspension;
 mod template;
 mod text_size;
 mod time_and_output;
+mod written_names;
 
 pub use self::suspension::SuspensionScene;
 pub use case::{

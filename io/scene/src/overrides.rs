@@ -1,20 +1,25 @@
 //! Keys set on the command line.
 
 use crate::document::excerpt;
+use crate::former_names::{bring_up_to_date, kind_of, present_key};
 use toml::{Table, Value};
 
 /// The text of a scene with the keys of `overrides` set, each `key=value` with a dotted key such as
-/// `species[0].radius` and a TOML value; a bare word is a string. The sections in `without` and comments are removed.
+/// `species[0].radius` and a TOML value; a bare word is a string. The sections in `without` and comments are removed,
+/// and former names are replaced by the present ones.
 pub(super) fn apply(text: &str, overrides: &[String], without: &[&str]) -> Result<String, String> {
     let mut table: Table = toml::from_str(text).map_err(|e| e.to_string())?;
     table.retain(|key, _| !without.contains(&key));
     let mut root = Value::Table(table);
+    bring_up_to_date(&mut root);
     for item in overrides {
         let shown = excerpt(item);
         let (key, value) =
             item.split_once('=').ok_or_else(|| format!("{shown}: write key=value, as in time.step=0.01"))?;
-        set(&mut root, key.trim(), value_of(value.trim())).map_err(|message| format!("{shown}: {message}"))?;
+        let key = present_key(kind_of(&root), key.trim());
+        set(&mut root, &key, value_of(value.trim())).map_err(|message| format!("{shown}: {message}"))?;
     }
+    bring_up_to_date(&mut root);
     toml::to_string(&root).map_err(|e| e.to_string())
 }
 
@@ -30,6 +35,11 @@ pub(super) fn key_of(item: &str) -> String {
         }
     }
     written
+}
+
+/// Whether a key is equal to another one or inside it.
+pub(crate) fn is_in(key: &str, other: &str) -> bool {
+    key.strip_prefix(other).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
 /// Value of a key, if there is one.

@@ -1,13 +1,16 @@
 //! A checked scene, and the reading of one.
 
 use crate::document::{Node, excerpt, known};
-use crate::error::{Explain, Fault};
+use crate::error::Explain;
+use crate::fault::Fault;
 use crate::granular_disks::GranularDisksScene;
-use crate::kind::{KINDS, Kind};
+use crate::kind::Kind;
+use crate::kind_names::KINDS;
 use crate::shear_cell::ShearCellScene;
 use crate::shear_cell_continuum::ContinuumScene;
 use crate::start_box::EdgesOfStartFile;
 use crate::suspension::SuspensionScene;
+use crate::written_names::FormerNames;
 use crate::{SceneError, family_sections, kept_paths, overrides, start_box};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +21,7 @@ pub struct Scene {
     text: String,
     folder: PathBuf,
     kind: Kind,
+    warnings: Vec<String>,
     edges_of: EdgesOfStartFile,
 }
 
@@ -50,9 +54,12 @@ impl Scene {
     /// Checks a text with the keys of `overrides` set, and without some sections.
     pub(crate) fn of_text(source: SceneText) -> Result<Self, SceneError> {
         let SceneText { text, name, folder, overrides, without, edges_of } = source;
-        let explain = Explain { text, written: None, name, overrides: &[] };
+        let none = FormerNames::default();
+        let explain = Explain { text, written: None, name, overrides: &[], former: &none };
         let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
         let explain = Explain { written: Some(&written), overrides, ..explain };
+        let former = FormerNames::of(&written, overrides).map_err(|fault| explain.fault(&fault))?;
+        let explain = Explain { former: &former, ..explain };
         let set = |text: &str, keys: &[String]| {
             let text = overrides::apply(text, keys, without).map_err(|message| SceneError::Override { message })?;
             let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
@@ -60,12 +67,14 @@ impl Scene {
         };
         let is_as_written = overrides.is_empty() && without.is_empty();
         let mut changed = if is_as_written { None } else { Some(set(text, overrides)?) };
-        let document = changed.as_ref().map_or(&written, |(_, document)| document);
+        let renamed = former.renamed(&written);
+        let as_given = renamed.as_ref().unwrap_or(&written);
+        let document = changed.as_ref().map_or(as_given, |(_, document)| document);
         let missing_edges = start_box::missing_edges(document, folder, edges_of);
         if let Some(edges) = missing_edges.map_err(|fault| explain.fault(&fault))? {
             changed = Some(set(changed.as_ref().map_or(text, |(text, _)| text), &[edges])?);
         }
-        let (text, document) = changed.as_ref().map_or((text, &written), |(text, document)| (text.as_str(), document));
+        let (text, document) = changed.as_ref().map_or((text, as_given), |(text, document)| (text.as_str(), document));
         Reading { document, folder, explain, edges_of }.scene(text)
     }
 
@@ -77,6 +86,11 @@ impl Scene {
     /// Kind of the scene, with its parameters.
     pub fn kind(&self) -> &Kind {
         &self.kind
+    }
+
+    /// Warnings about the way in which the scene is written: names of former versions.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Reader of boxes in start files with which the scene was read.
@@ -113,8 +127,9 @@ impl Reading<'_> {
                 return Err(self.explain.fault(&Fault::new("kind", message)));
             }
         };
+        let warnings = self.explain.former.warnings().to_vec();
         let text = kept_paths::with_absolute_paths(text, self.folder).unwrap_or_else(|| text.to_owned());
-        Ok(Scene { text, folder: self.folder.to_owned(), kind, edges_of: self.edges_of })
+        Ok(Scene { text, folder: self.folder.to_owned(), kind, warnings, edges_of: self.edges_of })
     }
 
     /// Reads the keys of the file, then checks their values.

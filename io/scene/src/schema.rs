@@ -1,6 +1,6 @@
 //! The JSON Schema of scenes.
 
-use crate::kind::KINDS;
+use crate::kind_names::KINDS;
 use crate::{granular_disks, shear_cell, shear_cell_continuum, suspension};
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, SchemaGenerator};

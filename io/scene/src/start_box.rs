@@ -2,7 +2,7 @@
 
 use crate::StartSource;
 use crate::document::{Node, Value};
-use crate::error::Fault;
+use crate::fault::Fault;
 use std::path::Path;
 
 /// Edges of the box in a start file; `None` if the file has no box. The error says why the file cannot be read.

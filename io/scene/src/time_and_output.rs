@@ -1,7 +1,7 @@
 //! The sections `time` and `output` of scenes: the steps of a run, and its output.
 
 use crate::checks::positive;
-use crate::error::Fault;
+use crate::fault::Fault;
 use domain::Number;
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -151,7 +151,7 @@ impl std::fmt::Display for Remedies {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let repulsion = if self.repels { "a larger repulsion.strength or repulsion.range" } else { "a [repulsion]" };
         // Half a step of the noise ignores lubrication in this scheme.
-        let scheme = if self.is_midpoint { ", or time.brownian = \"two-evaluations\"" } else { "" };
+        let scheme = if self.is_midpoint { ", or time.brownian = \"random-finite-difference\"" } else { "" };
         write!(f, "a shorter time.step, {repulsion}{scheme}")
     }
 }
@@ -256,7 +256,8 @@ mod tests {
             "spheres overlapped in 1 of 3 steps where their motions were solved for, up to 2 pairs at a time and by \
              0.01 (0.02 of the smallest radius) at most; in 2 of 3 steps up to 3 pairs had a gap below 1e-6 mean \
              radii, where lubrication grows no more; stresses and motions of these are not those of spheres: try a \
-             shorter time.step, a larger repulsion.strength or repulsion.range, or time.brownian = \"two-evaluations\""
+             shorter time.step, a larger repulsion.strength or repulsion.range, or time.brownian = \
+             \"random-finite-difference\""
         );
         let without = Remedies { repels: false, is_midpoint: false, may_be_direct: true };
         assert!(steps.warning(without, 0.5).unwrap().ends_with("try a shorter time.step, a [repulsion]"));

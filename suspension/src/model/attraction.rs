@@ -47,11 +47,11 @@ impl Attraction {
         match *self {
             Self::VanDerWaals { hamaker, closest, range } => {
                 ParameterError::require_positive("attraction.hamaker", hamaker)?;
-                ParameterError::require_between("attraction.closest", closest, [1e-4, 1.0])?;
+                ParameterError::require_between("attraction.regularisation_length", closest, [1e-4, 1.0])?;
                 ParameterError::require_between("attraction.range", range, [closest, 2.0]).map(drop)
             }
             Self::Depletion { pressure, radius } => {
-                ParameterError::require_positive("attraction.pressure", pressure)?;
+                ParameterError::require_positive("attraction.osmotic_pressure", pressure)?;
                 ParameterError::require_positive("attraction.depletant_radius", radius)?;
                 let smallest = p.species.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
                 if radius > smallest {

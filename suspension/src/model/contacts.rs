@@ -134,7 +134,7 @@ impl Contacts {
         if !(self.overlap > 0.0 && self.overlap < 1.0) {
             let overlap = Number(self.overlap);
             let message = format!("is {overlap}; spheres would touch bare: give more than 0 and less than 1");
-            return error("contacts.overlap", message);
+            return error("contacts.target_overlap", message);
         }
         self.check_settling(p)?;
         self.contact(p).check()?;
@@ -148,14 +148,14 @@ impl Contacts {
     }
 
     fn check_settling(&self, p: &Parameters) -> Result<(), ParameterError> {
-        let keys = [("contacts.settling", self.settling), ("contacts.settled_stiffness", self.settled)];
+        let keys = [("contacts.adaptation_strain", self.settling), ("contacts.adapted_stiffness", self.settled)];
         if let Some((key, _)) = keys.into_iter().find(|(_, given)| given.is_some() && self.stiffness.is_some()) {
             let message = "is set, but contacts.stiffness is a number, which stays what it is; set that to \"auto\", \
                 or leave one of them out";
             return Err(ParameterError::new(key, message));
         }
         if let Some(settled) = self.settled {
-            ParameterError::require_positive("contacts.settled_stiffness", settled)?;
+            ParameterError::require_positive("contacts.adapted_stiffness", settled)?;
         }
         let Some(settling) = self.settling else { return Ok(()) };
         let message = if !(settling >= 0.0 && settling.is_finite()) {
@@ -170,7 +170,7 @@ impl Contacts {
         } else {
             return Ok(());
         };
-        Err(ParameterError::new("contacts.settling", message))
+        Err(ParameterError::new("contacts.adaptation_strain", message))
     }
 
     /// Contacts are identified by the ids of their two spheres, so a sphere must not touch two images of another.

@@ -67,8 +67,8 @@ impl SizeDistribution {
         match self {
             Self::LogNormal { mean, deviation } => {
                 ParameterError::require_positive(&key("mean"), *mean)?;
-                ParameterError::require_positive(&key("deviation"), *deviation)?;
-                ParameterError::require_between(&key("deviation"), *deviation, [1e-6 * mean, *mean]).map(drop)
+                ParameterError::require_positive(&key("standard_deviation"), *deviation)?;
+                ParameterError::require_between(&key("standard_deviation"), *deviation, [1e-6 * mean, *mean]).map(drop)
             }
             Self::PowerLaw { smallest, largest, exponent } => {
                 ParameterError::require_positive(&key("smallest"), *smallest)?;
@@ -210,7 +210,7 @@ mod tests {
         let said = |d: SizeDistribution, n| d.classes(n, "species[0].distribution").unwrap_err().to_string();
         let normal = |mean, deviation| SizeDistribution::LogNormal { mean, deviation };
         let power = |smallest, largest| SizeDistribution::PowerLaw { smallest, largest, exponent: -3.0 };
-        assert!(said(normal(1.0, 0.0), 3).starts_with("species[0].distribution.deviation is 0; "));
+        assert!(said(normal(1.0, 0.0), 3).starts_with("species[0].distribution.standard_deviation is 0; "));
         assert!(said(normal(1.0, 0.1), 13).starts_with("species[0].distribution.classes is 13; "));
         assert!(said(power(2.0, 1.0), 3).starts_with("species[0].distribution.largest is 1; "));
         assert!(said(SizeDistribution::Table(vec![[1.0, -1.0]]), 3).starts_with("species[0].distribution.table needs"));

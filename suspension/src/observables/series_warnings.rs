@@ -128,7 +128,7 @@ impl SeriesWarnings {
         let stiffness = Number(self.adapting?);
         Some(format!(
             "the stiffness of contacts, {stiffness:.4} at the end, had not settled yet: take a longer run, a smaller \
-             contacts.settling, or a number as contacts.stiffness"
+             contacts.adaptation_strain, or a number as contacts.stiffness"
         ))
     }
 
@@ -163,7 +163,7 @@ impl GivenStress {
         ((found - 1.0).abs() > OFF).then(|| {
             format!(
                 "the stress was {:.3} times flow.stress in the mean: contacts bounce where steps are too long for \
-                 their stiffness; try a shorter time.step, a smaller contacts.stiffness, or contacts.settling = 0.0",
+                 their stiffness; try a shorter time.step, a smaller contacts.stiffness, or contacts.adaptation_strain = 0.0",
                 Number(found)
             )
         })

@@ -262,7 +262,7 @@ fn grains_are_answered_by_stress_and_temperature() {
             ("temperature", &|time| 0.5 + 0.1 * noise(time, 2)),
         ],
     );
-    let found = answers("shear-cell", &["time.step=1.0", "time.steps=300", "time.settle=100.0"], &of_cell);
+    let found = answers("shear-cell", &["time.step=1.0", "time.steps=300", "time.transient=100.0"], &of_cell);
     for (quantity, expected) in
         [("pressure_on_bottom", 3.0), ("shear_stress_on_bottom", 1.0), ("granular_temperature", 0.5)]
     {

@@ -75,6 +75,12 @@ impl Node {
         entries.iter().find(|entry| *entry.key == *key).map(|entry| &entry.node)
     }
 
+    /// The same, to be changed.
+    pub fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
+        let Value::Section(entries) = &mut self.value else { return None };
+        entries.iter_mut().find(|entry| *entry.key == *key).map(|entry| &mut entry.node)
+    }
+
     /// The text, if the value is a text.
     pub fn text(&self) -> Option<&str> {
         if let Value::Text(text) = &self.value { Some(text) } else { None }

@@ -172,7 +172,7 @@ fn stiffness(root: &Value, scene: &Scene) -> Result<Change, String> {
     if let Some(contacts) = &suspension.model.contacts {
         let key = match contacts.stiffness {
             Some(stiffness) => scaled("contacts.stiffness", stiffness, 4.0),
-            None => scaled("contacts.overlap", contacts.overlap, 0.25),
+            None => scaled("contacts.target_overlap", contacts.overlap, 0.25),
         };
         return Ok(Change { name, keys: vec![key] });
     }
@@ -215,7 +215,11 @@ mod tests {
             "{:?}",
             differences(&found, 3)
         );
-        assert!(differences(&found, 4)[0].starts_with("contacts.overlap is 0.075"), "{:?}", differences(&found, 4));
+        assert!(
+            differences(&found, 4)[0].starts_with("contacts.target_overlap is 0.075"),
+            "{:?}",
+            differences(&found, 4)
+        );
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Lists of `[sweep]` in scenes of sheared disks by their names in former versions.
 
-use crate::error::Fault;
-use crate::kind::KINDS;
+use crate::fault::Fault;
+use crate::kind_names::KINDS;
 use toml::{Table, Value};
 
 /// Former names, and the keys of now: seeds are listed in the section `[ensemble]`.

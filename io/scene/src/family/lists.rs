@@ -1,8 +1,9 @@
 //! The sections `[ensemble]` and `[sweep]`: lists of seeds, and of values of keys.
 
 use super::{SECTIONS, shown};
-use crate::error::{Fault, is_in};
+use crate::fault::Fault;
 use crate::overrides;
+use crate::overrides::is_in;
 use std::collections::HashSet;
 use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};

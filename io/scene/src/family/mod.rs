@@ -9,10 +9,12 @@ mod swept_paths;
 mod tests;
 
 use crate::document::{Node, excerpt};
-use crate::error::{Explain, Fault};
+use crate::error::Explain;
 use crate::family_sections::{SECTIONS, has_sections, is_of_family};
+use crate::fault::Fault;
 use crate::scene::SceneText;
 use crate::start_box::EdgesOfStartFile;
+use crate::written_names::FormerNames;
 use crate::{Scene, SceneError, kept_paths, overrides};
 pub use convergence::Convergence;
 use former_lists::Renamed;
@@ -64,9 +66,11 @@ impl Family {
     /// Checks the text of a family, and each of its members.
     fn of_text(source: SceneText) -> Result<Self, SceneError> {
         let SceneText { text, name, folder, overrides, edges_of, .. } = source;
-        let explain = Explain { text, written: None, name, overrides };
+        let none = FormerNames::default();
+        let explain = Explain { text, written: None, name, overrides, former: &none };
         let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
         let explain = Explain { written: Some(&written), ..explain };
+        let former = FormerNames::of(&written, overrides).map_err(|fault| explain.fault(&fault))?;
         let given = text;
         let text = match overrides {
             [] => text.to_owned(),
@@ -79,10 +83,16 @@ impl Family {
         let text = swept_paths::with_absolute_paths(renamed.text.clone(), &folder);
         let lists = Lists::read(&text).map_err(explain_lists)?;
         let (name, keys, warnings) = (name.to_owned(), lists.keys.clone(), renamed.warnings());
+        let warnings = warnings.into_iter().chain(former.warnings().iter().cloned()).collect();
         let is_as_written = text == given;
         let mut family = Self { text, name, folder, keys, members: Vec::new(), warnings, is_as_written, edges_of };
         family.members = family.members_of(lists, &explain_lists)?;
-        family.members.iter().try_for_each(|member| family.scene(member).map(drop))?;
+        for member in &family.members {
+            let scene = family.scene(member)?;
+            let new = scene.warnings().iter().filter(|warning| !family.warnings.contains(warning)).cloned();
+            let new: Vec<String> = new.collect();
+            family.warnings.extend(new);
+        }
         Ok(family)
     }
 

@@ -5,7 +5,7 @@ mod raw;
 use crate::StartSource;
 use crate::answers::RawAnswers;
 use crate::checks::rows;
-use crate::error::Fault;
+use crate::fault::Fault;
 use crate::time_and_output::{Output, Time, steps_in};
 use domain::Number;
 use granular::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
@@ -97,7 +97,7 @@ fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
         length_unit: raw.particles.length_unit.map_or(usual.length_unit, Into::into),
         mass_exponent: raw.particles.mass_exponent.unwrap_or(usual.mass_exponent),
         restitution: raw.contact.restitution.unwrap_or(usual.restitution),
-        clip_attraction: raw.contact.clip_attraction,
+        clip_attraction: raw.contact.suppress_attraction,
         viscosity: raw.fluid.viscosity,
         flow: flow(&raw.flow)?,
         gear: raw.time.integrator.map_or(usual.gear, Into::into),
@@ -111,8 +111,8 @@ fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
 fn preparation(raw: &raw::Preparation, usual: Preparation) -> Preparation {
     Preparation {
         restitution: raw.restitution.unwrap_or(usual.restitution),
-        settled: raw.settled.unwrap_or(usual.settled),
-        mixed: raw.mixed.unwrap_or(usual.mixed),
+        settled: raw.inelastic_until.unwrap_or(usual.settled),
+        mixed: raw.elastic_until.unwrap_or(usual.mixed),
         gear: raw.integrator.map_or(usual.gear, Into::into),
         time_step: raw.time_step.unwrap_or(usual.time_step),
     }
@@ -132,7 +132,7 @@ fn area_fraction(raw: &Raw) -> Result<f64, Fault> {
 }
 
 fn sizes(raw: &Raw) -> Result<Sizes, Fault> {
-    let species = |s: &raw::Species| Species { radius: s.radius, share: s.share };
+    let species = |s: &raw::Species| Species { radius: s.radius, share: s.number_fraction };
     match (&raw.particles.spread, raw.species.is_empty(), &raw.particles.path) {
         (Some(_), false, _) => {
             Err(Fault::new("particles.spread", "is set, and [[species]] too; leave one of them out"))
@@ -140,7 +140,7 @@ fn sizes(raw: &Raw) -> Result<Sizes, Fault> {
         (Some(s), true, _) => Ok(Sizes::Spread { smallest: s.smallest, largest: s.largest, exponent: s.exponent }),
         (None, true, None) => Err(Fault::new(
             "species",
-            "is missing; write [[species]] sections with radius and share, or particles.spread",
+            "is missing; write [[species]] sections with radius and number_fraction, or particles.spread",
         )),
         (None, true, Some(_)) => Ok(Sizes::monodisperse()),
         (None, false, _) => Ok(Sizes::Species(raw.species.iter().map(species).collect())),

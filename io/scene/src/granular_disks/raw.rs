@@ -85,7 +85,7 @@ pub(super) struct Species {
     /// Radius, relative to those of the other species.
     pub(super) radius: f64,
     /// Number, relative to those of the other species.
-    pub(super) share: f64,
+    pub(super) number_fraction: f64,
 }
 
 #[derive(Deserialize, JsonSchema)]
@@ -141,7 +141,7 @@ pub(super) struct Contact {
     /// Coefficient of restitution of a contact without flow.
     pub(super) restitution: Option<f64>,
     /// Whether a contact that is about to end may not attract.
-    pub(super) clip_attraction: bool,
+    pub(super) suppress_attraction: bool,
 }
 
 #[derive(Deserialize, JsonSchema, Default)]
@@ -150,9 +150,9 @@ pub(super) struct Preparation {
     /// Coefficient of restitution while overlaps are removed.
     pub(super) restitution: Option<f64>,
     /// Time until which overlaps are removed.
-    pub(super) settled: Option<f64>,
+    pub(super) inelastic_until: Option<f64>,
     /// Time until which contacts are elastic after that.
-    pub(super) mixed: Option<f64>,
+    pub(super) elastic_until: Option<f64>,
     /// Integrator of the preparation.
     pub(super) integrator: Option<Integrator>,
     /// Time step of the preparation.

@@ -4,7 +4,7 @@ mod raw;
 
 use crate::answers::RawAnswers;
 use crate::checks::{few_enough, rows};
-use crate::error::Fault;
+use crate::fault::Fault;
 use crate::time_and_output::{Output, Time};
 use domain::{Number, ParameterError};
 use granular::shear_cell::{
@@ -44,7 +44,7 @@ impl ShearCellScene {
         let count = count(&raw.grains, &model)?;
         let output = raw.output.checked(time.steps, time.steps);
         output.check(time.steps, count as f64)?;
-        let transient = whole("time.settle", raw.time.settle, ("time.step", raw.time.step))?;
+        let transient = whole("time.transient", raw.time.transient, ("time.step", raw.time.step))?;
         let (seed, time_step, steps) = (raw.seed, time.step, time.steps);
         let experiment =
             Experiment { model, seed, count, agitation, collisions, sampling, transient, time_step, steps };
@@ -54,13 +54,13 @@ impl ShearCellScene {
 }
 
 fn agitation(raw: &Raw) -> Result<f64, Fault> {
-    let agitation = raw.grains.agitation.unwrap_or(AGITATION * raw.cell.speed);
+    let agitation = raw.grains.initial_velocity_deviation.unwrap_or(AGITATION * raw.cell.speed);
     // Its square is part of the energy.
     if (0.0..=1e70).contains(&agitation) {
         return Ok(agitation);
     }
     let message = format!("is {}; it needs to be a speed from 0 to 1e70", Number(agitation));
-    Err(Fault::new("grains.agitation", message))
+    Err(Fault::new("grains.initial_velocity_deviation", message))
 }
 
 /// Default time within which two collisions count as one contact: a small fraction of the time in which a grain crosses

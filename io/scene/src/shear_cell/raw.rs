@@ -103,7 +103,7 @@ pub(super) struct Grains {
     #[serde(default)]
     pub(super) friction: f64,
     /// Standard deviation of each component of the initial velocities.
-    pub(super) agitation: Option<f64>,
+    pub(super) initial_velocity_deviation: Option<f64>,
     /// Two collisions within this time are one contact, for "event-driven".
     pub(super) contact_time: Option<f64>,
 }
@@ -140,7 +140,7 @@ pub(super) struct Time {
     pub(super) duration: Option<f64>,
     /// Time at the start that is not measured.
     #[serde(default)]
-    pub(super) settle: f64,
+    pub(super) transient: f64,
     /// Time step of collisions, for "time-stepped".
     pub(super) collision_step: Option<f64>,
 }

@@ -3,7 +3,7 @@
 mod raw;
 
 use crate::checks::rows;
-use crate::error::Fault;
+use crate::fault::Fault;
 use domain::Number;
 use granular::kinetic_theory::{
     GrainProperties, Parameters, Problem, RadialDistribution, Roughness, SolutionStart, Wall, WallShape,

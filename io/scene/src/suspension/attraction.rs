@@ -7,9 +7,9 @@ use suspension::Attraction;
 pub(super) fn attraction(raw: &raw::Attraction) -> Result<Attraction, Fault> {
     let keys = [
         ("hamaker", raw.hamaker.is_some(), VanDerWaals),
-        ("closest", raw.closest.is_some(), VanDerWaals),
+        ("regularisation_length", raw.regularisation_length.is_some(), VanDerWaals),
         ("range", raw.range.is_some(), VanDerWaals),
-        ("pressure", raw.pressure.is_some(), Depletion),
+        ("osmotic_pressure", raw.osmotic_pressure.is_some(), Depletion),
         ("depletant_radius", raw.depletant_radius.is_some(), Depletion),
     ];
     if let Some((name, ..)) = keys.into_iter().find(|&(_, is_set, kind)| is_set && kind != raw.kind) {
@@ -22,11 +22,11 @@ pub(super) fn attraction(raw: &raw::Attraction) -> Result<Attraction, Fault> {
     Ok(match raw.kind {
         VanDerWaals => Attraction::VanDerWaals {
             hamaker: needed("hamaker", raw.hamaker)?,
-            closest: raw.closest.unwrap_or(Attraction::CLOSEST),
+            closest: raw.regularisation_length.unwrap_or(Attraction::CLOSEST),
             range: raw.range.unwrap_or(Attraction::RANGE),
         },
         Depletion => Attraction::Depletion {
-            pressure: needed("pressure", raw.pressure)?,
+            pressure: needed("osmotic_pressure", raw.osmotic_pressure)?,
             radius: needed("depletant_radius", raw.depletant_radius)?,
         },
     })

@@ -98,7 +98,7 @@ fn around(raw: &Raw) -> [f64; 3] {
 fn largest(species: &raw::Species) -> f64 {
     let of_list = |raw: &raw::Distribution| {
         let table = raw.table.iter().flatten().map(|row| row[0]).fold(0.0, f64::max);
-        let spread = raw.mean.unwrap_or(0.0) + SOMEWHERE * raw.deviation.unwrap_or(0.0);
+        let spread = raw.mean.unwrap_or(0.0) + SOMEWHERE * raw.standard_deviation.unwrap_or(0.0);
         table.max(spread).max(raw.largest.unwrap_or(0.0))
     };
     species.radius.or(species.distribution.as_ref().map(of_list)).unwrap_or(0.0)

@@ -2,7 +2,7 @@
 
 use super::raw;
 use crate::checks::positive;
-use crate::error::Fault;
+use crate::fault::Fault;
 use crate::time_and_output::{Time, steps_in};
 use suspension::{Flow, Protocol, RateChange};
 

@@ -3,7 +3,7 @@
 use super::raw;
 use crate::checks::positive;
 use crate::document::NumberOr;
-use crate::error::Fault;
+use crate::fault::Fault;
 use domain::Number;
 use suspension::{Extension, Flow, Protocol, RateChange};
 

@@ -13,7 +13,7 @@ use crate::StartSource;
 use crate::answers::RawAnswers;
 use crate::checks::positive;
 use crate::document::NumberOr;
-use crate::error::Fault;
+use crate::fault::Fault;
 use crate::time_and_output::{Output, Time, share};
 use domain::{AxisRotation, Boundaries, PeriodicBox, Vector, sphere};
 pub(super) use raw::Raw;
@@ -166,10 +166,10 @@ fn contacts(raw: &raw::Contacts) -> Contacts {
     });
     Contacts {
         stiffness,
-        settling: raw.settling,
-        settled: raw.settled_stiffness,
+        settling: raw.adaptation_strain,
+        settled: raw.adapted_stiffness,
         roughness: raw.roughness.unwrap_or(usual.roughness),
-        overlap: raw.overlap.unwrap_or(usual.overlap),
+        overlap: raw.target_overlap.unwrap_or(usual.overlap),
         tangential_ratio: raw.tangential_ratio.unwrap_or(usual.tangential_ratio),
         rolling_friction: raw.rolling_friction.unwrap_or(usual.rolling_friction),
         critical_load: raw.critical_load.unwrap_or(usual.critical_load),

@@ -117,7 +117,7 @@ pub(super) struct Distribution {
     /// Number average of the radius, for "log-normal".
     pub(super) mean: Option<f64>,
     /// Standard deviation of the radius by number, for "log-normal".
-    pub(super) deviation: Option<f64>,
+    pub(super) standard_deviation: Option<f64>,
     /// Smallest radius, for "power-law".
     pub(super) smallest: Option<f64>,
     /// Largest radius, for "power-law".
@@ -298,7 +298,22 @@ names! { Multipoles for suspension::Multipoles: Monopole Dipole }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }
 names! { Axis for suspension::Axis: X Y Z }
-names! { BrownianScheme for suspension::BrownianScheme: Midpoint TwoEvaluations }
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum BrownianMethod {
+    DrifterCorrector,
+    RandomFiniteDifference,
+}
+
+impl From<BrownianMethod> for suspension::BrownianScheme {
+    fn from(scheme: BrownianMethod) -> Self {
+        match scheme {
+            BrownianMethod::DrifterCorrector => Self::Midpoint,
+            BrownianMethod::RandomFiniteDifference => Self::TwoEvaluations,
+        }
+    }
+}
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -316,9 +331,9 @@ pub(super) struct Time {
     /// end of a substep, so that their stiffness does not limit it, and is the default with contacts; "brownian" is
     /// the default with thermal energy.
     pub(super) integrator: Option<Integrator>,
-    /// Computation of the drift in "brownian" steps: by one solve at the midpoint, "midpoint" (default), or by
-    /// "two-evaluations", for dense suspensions and for stresses.
-    pub(super) brownian: Option<BrownianScheme>,
+    /// Computation of the drift in "brownian" steps: by one solve at the midpoint, "drifter-corrector"
+    /// (default), or by "random-finite-difference", for dense suspensions and for stresses.
+    pub(super) brownian: Option<BrownianMethod>,
     /// Order of the steps, 2 to 4, for "adams-bashforth"; 4 by default.
     pub(super) order: Option<u8>,
     /// Error of a substep in any position, over the radius, for "adaptive" and "implicit".

@@ -60,7 +60,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
     use raw::DistributionKind::{LogNormal, PowerLaw, Table};
     let keys = [
         ("mean", raw.mean.is_some(), LogNormal),
-        ("deviation", raw.deviation.is_some(), LogNormal),
+        ("standard_deviation", raw.standard_deviation.is_some(), LogNormal),
         ("smallest", raw.smallest.is_some(), PowerLaw),
         ("largest", raw.largest.is_some(), PowerLaw),
         ("exponent", raw.exponent.is_some(), PowerLaw),
@@ -75,7 +75,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
         return Err(Fault::new(format!("{key}.{name}"), message));
     }
     let [mean, deviation, smallest, largest, exponent] =
-        [raw.mean, raw.deviation, raw.smallest, raw.largest, raw.exponent].map(Option::unwrap_or_default);
+        [raw.mean, raw.standard_deviation, raw.smallest, raw.largest, raw.exponent].map(Option::unwrap_or_default);
     Ok(match raw.kind {
         LogNormal => SizeDistribution::LogNormal { mean, deviation },
         PowerLaw => SizeDistribution::PowerLaw { smallest, largest, exponent },

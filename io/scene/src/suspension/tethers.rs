@@ -2,7 +2,7 @@
 
 use super::raw;
 use crate::document::excerpt;
-use crate::error::Fault;
+use crate::fault::Fault;
 use domain::Vector;
 use suspension::{Bonds, Centres, Species, Trapped, Traps};
 

@@ -29,7 +29,7 @@ def draw(folder, scene):
     if cells is not None and cells.has("z", "y", "solid_fraction"):
         parts.append(lambda axes: _draw_map(axes, cells, units))
     if not parts:
-        raise PlotError(f"{folder} has no averages yet; if the run is still in progress, try again after time.settle")
+        raise PlotError(f"{folder} has no averages yet; if the run is still in progress, try again after time.transient")
     width = PAGE if len(parts) > 1 else PAGE / 2
     figure, places = sheet(in_rows(len(parts)), 2.5, read_answers(folder), units, width)
     for part, axes in zip(parts, places):

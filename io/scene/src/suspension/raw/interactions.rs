@@ -31,11 +31,11 @@ pub(in crate::suspension) struct Attraction {
     pub(in crate::suspension) hamaker: Option<f64>,
     /// Smallest gap in the force law, which bounds the force at contact, over the mean radius of the two spheres, for
     /// "van-der-waals"; 0.01 by default.
-    pub(in crate::suspension) closest: Option<f64>,
+    pub(in crate::suspension) regularisation_length: Option<f64>,
     /// Gap at which it ends, over the mean radius of the two spheres, for "van-der-waals"; 1 by default.
     pub(in crate::suspension) range: Option<f64>,
     /// Osmotic pressure of the small spheres, for "depletion".
-    pub(in crate::suspension) pressure: Option<f64>,
+    pub(in crate::suspension) osmotic_pressure: Option<f64>,
     /// Radius of the small spheres, for "depletion".
     pub(in crate::suspension) depletant_radius: Option<f64>,
 }
@@ -58,11 +58,11 @@ pub(in crate::suspension) struct Contacts {
     pub(in crate::suspension) stiffness: Option<Stiffness>,
     /// Strain over which "auto" adapts the stiffness from an estimate, in a steady flow; by default 2, or under a
     /// given stress 0, which keeps the estimate.
-    pub(in crate::suspension) settling: Option<f64>,
+    pub(in crate::suspension) adaptation_strain: Option<f64>,
     /// Stiffness found by "auto", which a run adds to the scene in its folder: the stiffness from the start.
-    pub(in crate::suspension) settled_stiffness: Option<f64>,
+    pub(in crate::suspension) adapted_stiffness: Option<f64>,
     /// Target of the largest overlap, over the roughness; 0.3 by default.
-    pub(in crate::suspension) overlap: Option<f64>,
+    pub(in crate::suspension) target_overlap: Option<f64>,
     /// Tangential stiffness over normal stiffness; 0.4 by default.
     pub(in crate::suspension) tangential_ratio: Option<f64>,
     /// Largest force of rolling resistance over the normal force; 0 by default.
