@@ -1,7 +1,7 @@
 //! `fcm-solve check`: plan, memory and cost of a scene.
 
 use crate::family;
-use crate::outlined::{Outlined, outlined};
+use crate::outlined::{OutlinedScene, outlined};
 use crate::scene_file::read_any;
 use crate::streams::{self, json};
 use anyhow::{bail, ensure};
@@ -48,7 +48,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     // The time on ranks that are not present is extrapolated from that on one rank.
     let is_tried = !args.no_trial && (args.ranks.is_none() || comm.size() == 1);
     let asked = asked(args, comm);
-    let Outlined { scene, outline, trial } = outlined(scene, asked, is_tried, comm)?;
+    let OutlinedScene { scene, outline, trial } = outlined(scene, asked, is_tried, comm)?;
     let outline = match trial {
         None => outline,
         Some(trial) if asked.are_present => trial.add_to(outline),

@@ -11,7 +11,7 @@ use scene::Scene;
 use std::process::ExitCode;
 
 /// Continues a run to the end of its scene, and logs damaged checkpoints and changed keys. Collective.
-pub fn go_on(mut resumption: Resumption, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+pub fn continue_run(mut resumption: Resumption, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     for damaged in resumption.damaged().iter().filter(|_| comm.is_first()) {
         streams::log(format_args!("warning: {damaged}"));
     }

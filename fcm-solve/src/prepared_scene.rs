@@ -6,7 +6,7 @@ use scene::Scene;
 
 /// A scene that is ready to be run, and the values determined for it: labels of at most ten letters, each with a text,
 /// on the first rank.
-pub struct Prepared {
+pub struct PreparedScene {
     /// The scene.
     pub scene: Scene,
     /// Values determined for the scene, as labels and texts.
@@ -15,12 +15,12 @@ pub struct Prepared {
 
 /// Completes a scene with the box strain of its start file, the measured costs of this machine and, if it asks for that
 /// and `is_calibrated`, a calibrated repulsion. Collective.
-pub fn prepared(scene: Scene, is_calibrated: bool, comm: &Comm) -> anyhow::Result<Prepared> {
+pub fn prepared(scene: Scene, is_calibrated: bool, comm: &Comm) -> anyhow::Result<PreparedScene> {
     let (scene, notes) = run::with_start_file(scene, comm)?;
     let scene = run::on_this_machine(scene, comm)?;
     let mut notes: Vec<_> = notes.into_iter().map(|note| ("start", note)).collect();
     if !is_calibrated {
-        return Ok(Prepared { scene, notes });
+        return Ok(PreparedScene { scene, notes });
     }
     let _calibrating = PartProgress::start(comm, "the repulsion is calibrated");
     let (scene, strength) = run::with_least_repulsion(scene, comm)?;
@@ -28,5 +28,5 @@ pub fn prepared(scene: Scene, is_calibrated: bool, comm: &Comm) -> anyhow::Resul
         let text = format!("strength {:.5} keeps the spheres apart in a trial", Number(strength));
         notes.push(("repulsion", text));
     }
-    Ok(Prepared { scene, notes })
+    Ok(PreparedScene { scene, notes })
 }

@@ -2,7 +2,7 @@
 
 use crate::causes::in_full;
 use crate::commands::resume_command;
-use crate::continuation::{go_on, kept_scene};
+use crate::continuation::{continue_run, kept_scene};
 use crate::family::{self, Part, Work};
 use crate::scene_file::read_any;
 use crate::signals::{Signals, StopArgs};
@@ -44,7 +44,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
         run::check_memory(scene.kind(), comm)?;
         return carry_out(&work, (&scene, &folder), comm);
     }
-    go_on(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
+    continue_run(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
 }
 
 /// Makes the missing members of a family. Collective.

@@ -2,10 +2,10 @@
 
 use crate::causes::in_full;
 use crate::commands::{quoted, resume_command};
-use crate::continuation::go_on;
+use crate::continuation::continue_run;
 use crate::family::{self, Part, Work};
 use crate::part_progress::PartProgress;
-use crate::prepared_scene::{Prepared, prepared};
+use crate::prepared_scene::{PreparedScene, prepared};
 use crate::run_loop::run_to_end;
 use crate::scene_file::{read, read_any};
 use crate::signals::{Signals, StopArgs};
@@ -78,7 +78,7 @@ fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitC
 
 /// Starts a run from the beginning. Collective.
 fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
-    let Prepared { scene, notes } = prepared(scene, true, comm)?;
+    let PreparedScene { scene, notes } = prepared(scene, true, comm)?;
     for (label, note) in notes {
         streams::inform(format_args!("{label:<10} {note}"));
     }
@@ -125,7 +125,7 @@ fn start_or_go_on(
     if resumption.step() >= end {
         return Ok(finished(&format!(", after step {end}"), resumption.folder(), comm));
     }
-    go_on(resumption, comm, signals)
+    continue_run(resumption, comm, signals)
 }
 
 fn finished(when: &str, folder: &RunFolder, comm: &Comm) -> ExitCode {

@@ -28,7 +28,7 @@ pub struct StopArgs {
 }
 
 /// Error of a program whose time limit is reached before it has written any new result.
-const VAIN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more \
+const NOTHING_WRITTEN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more \
     time (--walltime, or the job's limit)";
 
 /// Handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at once; a
@@ -84,7 +84,7 @@ impl Signals {
             command: Mutex::new(command),
             steps_taken: stops.steps_taken.clone(),
         });
-        let mut signals = signal_hook::iterator::Signals::new(heeded())?;
+        let mut signals = signal_hook::iterator::Signals::new(handled_signals())?;
         let listener = requests.clone();
         let listen = move || signals.forever().for_each(|signal| listener.receive(Stop::Signal(signal as u8)));
         std::thread::Builder::new().name("signals".to_owned()).spawn(listen)?;
@@ -118,7 +118,7 @@ impl Signals {
 
     /// A request to stop received on any rank. Collective.
     pub fn received(&self) -> Option<Stop> {
-        let mut number = [f64::from(self.requests.look())];
+        let mut number = [f64::from(self.requests.poll())];
         self.comm.max(&mut number);
         let stop = Stop::of_number(number[0] as u8)?;
         self.requests.ask(stop);
@@ -128,7 +128,7 @@ impl Signals {
     /// Interrupt flag for computations: whether this rank is asked to stop.
     pub fn interrupt(&self) -> Interrupt {
         let requests = self.requests.clone();
-        Interrupt::when(move || requests.look() != 0)
+        Interrupt::when(move || requests.poll() != 0)
     }
 
     /// Records the duration of a checkpoint, so that enough time is reserved for the last one.
@@ -161,10 +161,10 @@ impl Signals {
 impl Requests {
     /// Number of the request, 0 for none. The time limit is a request to stop as soon as the remaining time is no more
     /// than a stop takes.
-    fn look(&self) -> u8 {
+    fn poll(&self) -> u8 {
         if let Some(end) = self.end {
             let now = Instant::now();
-            if now + self.pace().look(now) >= end {
+            if now + self.pace().poll(now) >= end {
                 self.ask(Stop::TimeIsUp);
             }
         }
@@ -192,7 +192,7 @@ impl Requests {
         self.tell_steps_taken(results);
         if self.is_first {
             streams::log(if is_vain {
-                VAIN.to_owned()
+                NOTHING_WRITTEN.to_owned()
             } else {
                 format!("stopped by {stop}; go on with: {}", self.command())
             });
@@ -220,7 +220,7 @@ impl Requests {
 impl Pace {
     /// Records the time of this check and returns the time that a stop can take from now: the time until the next
     /// check, and twice that of a checkpoint, since a file system may be busy when many jobs end.
-    fn look(&mut self, now: Instant) -> Duration {
+    fn poll(&mut self, now: Instant) -> Duration {
         if let Some(before) = self.looked.replace(now) {
             self.pause = self.pause.max(now - before);
         }
@@ -230,7 +230,7 @@ impl Pace {
 
 /// Signals to handle: all but those ignored since the start of the process, as `nohup` ignores SIGHUP, and shells
 /// SIGINT for background jobs.
-fn heeded() -> Vec<i32> {
+fn handled_signals() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
     let is_ignored = |signal: i32| mask.unwrap_or(0) >> (signal - 1) & 1 == 1;
@@ -245,9 +245,9 @@ mod tests {
     #[test]
     fn a_stop_is_given_the_time_that_it_takes() {
         let (start, mut pace) = (Instant::now(), Pace::default());
-        assert_eq!(pace.look(start), ENDING);
-        assert_eq!(pace.look(start + Duration::from_secs(3)), ENDING + Duration::from_secs(3));
+        assert_eq!(pace.poll(start), ENDING);
+        assert_eq!(pace.poll(start + Duration::from_secs(3)), ENDING + Duration::from_secs(3));
         pace.checkpoint = Duration::from_secs(2);
-        assert_eq!(pace.look(start + Duration::from_secs(4)), ENDING + Duration::from_secs(7));
+        assert_eq!(pace.poll(start + Duration::from_secs(4)), ENDING + Duration::from_secs(7));
     }
 }

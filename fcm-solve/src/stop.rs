@@ -14,7 +14,7 @@ pub enum Stop {
 }
 
 /// Exit code of a run that stopped and can be resumed: `EX_TEMPFAIL` of sysexits.h, "try again later".
-const RESUME_ME: u8 = 75;
+const EXIT_RESUMABLE: u8 = 75;
 
 /// Number of [`Stop::TimeIsUp`]; no signal has it.
 const TIME_IS_UP: u8 = u8::MAX;
@@ -41,7 +41,7 @@ impl Stop {
     pub fn exit_code(self) -> u8 {
         match self {
             Self::Signal(signal) if [SIGINT, SIGTERM].contains(&i32::from(signal)) => 128 + signal,
-            _ => RESUME_ME,
+            _ => EXIT_RESUMABLE,
         }
     }
 }

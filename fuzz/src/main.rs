@@ -1,11 +1,11 @@
 //! Hostile input for fcm-solve: valid files of every kind with edits, and the program's reaction to them.
 
 mod bytes;
+mod case_environment;
 mod checkpoint;
 mod hdf5_file;
 mod hostile;
 mod kinds;
-mod lab;
 mod misfit;
 mod pool;
 mod program;
@@ -17,9 +17,9 @@ mod tree;
 mod verdict;
 
 use anyhow::Context;
+use case_environment::CaseEnvironment;
 use clap::Parser;
 use kinds::{KINDS, kind_of};
-use lab::Lab;
 use pool::Pool;
 use program::{Limits, Program};
 use report::Report;
@@ -96,7 +96,7 @@ fn try_case(report: &Report, program: &Program, pool: &Pool, [seed, number]: [u6
         Ok(folder) => folder,
         Err(error) => return eprintln!("case {number}: no folder for it: {error}"),
     };
-    let mut lab = Lab::new(program, pool, folder.path(), [seed, number]);
+    let mut lab = CaseEnvironment::new(program, pool, folder.path(), [seed, number]);
     let result = KINDS[kind].2(&mut lab);
     report.add(kind, number, result, folder);
 }

@@ -1,7 +1,7 @@
 //! Results of the cases.
 
+use crate::case_environment::Fault;
 use crate::kinds::KINDS;
-use crate::lab::Fault;
 use crate::verdict::End;
 use std::fmt::{Display, Formatter};
 use std::path::{Path, PathBuf};

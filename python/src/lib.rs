@@ -5,19 +5,19 @@
 
 mod arrays;
 mod communicator;
-mod confined;
 mod error;
 mod family;
 mod mobility;
 mod neighbours;
-mod own_loads;
 mod report;
 mod run;
 mod scene;
 mod signals;
 mod simulation;
 mod snapshot;
+mod thread_bound;
 mod threads;
+mod user_loads;
 mod whole_scene;
 
 use pyo3::prelude::*;

@@ -2,9 +2,9 @@
 
 use crate::arrays::{Rows, list_of, rows_of};
 use crate::communicator::ranks;
-use crate::confined::{Confined, without_lock};
 use crate::error::{explained, refused};
 use crate::signals::Signals;
+use crate::thread_bound::{ThreadBound, without_lock};
 use domain::{AxisRotation, Bytes, Comm, Tensor, Vector};
 use fcm::{Loads, Motion, Multipoles};
 use lubrication::LubricationRange;
@@ -18,7 +18,7 @@ use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
 /// A planned mobility.
 #[pyclass(frozen, module = "fcm_solve._core")]
 pub struct Mobility {
-    planned: Confined<suspension::Mobility>,
+    planned: ThreadBound<suspension::Mobility>,
     signals: Signals,
     is_first: bool,
 }
@@ -188,7 +188,7 @@ impl Mobility {
         let planned = without_lock(py, || suspension::Mobility::new(parameters, array_bytes(count), comm));
         let mut planned = planned.map_err(|cause| failed(&cause))?.turned(turn);
         planned.listen(signals.interrupt());
-        Ok(Self { planned: Confined::new(planned), signals, is_first: comm.is_first() })
+        Ok(Self { planned: ThreadBound::new(planned), signals, is_first: comm.is_first() })
     }
 }
 

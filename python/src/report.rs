@@ -1,7 +1,7 @@
 //! HTML pages about runs.
 
-use crate::confined::without_lock;
 use crate::error::explained;
+use crate::thread_bound::without_lock;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 //! A simulation, and the folder of its results.
 
-use crate::own_loads::{OwnFunction, Raised};
 use crate::signals::Signals;
 use crate::snapshot::{Snapshot, count, shared};
+use crate::user_loads::{OwnFunction, PendingException};
 use domain::Comm;
 use files::SCENES;
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use std::path::Path;
 /// A simulation, with the recorder of its output.
 pub struct Run {
     pub simulation: Box<dyn Simulation>,
-    pub raised: Raised,
+    pub raised: PendingException,
     /// The user's load functions, in the order in which they were added.
     own_loads: Vec<OwnFunction>,
     scene: Scene,
@@ -74,7 +74,7 @@ impl Run {
     fn of(mut simulation: Box<dyn Simulation>, scene: Scene, output: Output) -> Self {
         let (signals, room) = (Signals::default(), scene.kind().steps());
         simulation.listen(signals.interrupt());
-        let (raised, own_loads) = (Raised::default(), Vec::new());
+        let (raised, own_loads) = (PendingException::default(), Vec::new());
         Self { simulation, raised, own_loads, scene, output, signals, room, has_failed: false }
     }
 

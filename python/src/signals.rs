@@ -22,11 +22,11 @@ impl Signals {
     /// Interrupt flag for computations.
     pub fn interrupt(&self) -> Interrupt {
         let signals = self.clone();
-        Interrupt::when(move || signals.look())
+        Interrupt::when(move || signals.poll())
     }
 
     /// Whether a signal handler has raised an exception.
-    fn look(&self) -> bool {
+    fn poll(&self) -> bool {
         let mut heard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if heard.raised.is_some() {
             return true;

@@ -2,13 +2,13 @@
 
 use crate::arrays::{rows_of, table_of};
 use crate::communicator::ranks;
-use crate::confined::{Confined, without_lock};
 use crate::error::{explained, of_run, refused};
 use crate::neighbours::Neighbours;
-use crate::own_loads::{Gives, OwnFunction};
 use crate::run::{Ended, Run};
 use crate::scene::parsed;
 use crate::snapshot::{Moved, Snapshot, rearrangement};
+use crate::thread_bound::{ThreadBound, without_lock};
+use crate::user_loads::{LoadKind, OwnFunction};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// A simulation.
 #[pyclass(frozen, module = "fcm_solve._core")]
 pub struct Simulation {
-    run: Confined<Run>,
+    run: ThreadBound<Run>,
     notes: Vec<String>,
 }
 
@@ -48,7 +48,7 @@ impl Simulation {
         let former = |force| if force { ExistingRun::Replace } else { ExistingRun::Keep };
         let folder = folder.as_ref().map(|(path, force)| (path.as_path(), former(*force)));
         let run = without_lock(py, || Run::start(scene, folder, &comm)).map_err(|cause| of_run(&cause))?;
-        Ok(Self { run: Confined::new(run), notes: Vec::new() })
+        Ok(Self { run: ThreadBound::new(run), notes: Vec::new() })
     }
 
     /// Resumes the run of a folder from its last checkpoint; `accepted` has the keys of the scene whose change is
@@ -59,7 +59,7 @@ impl Simulation {
         let comm = ranks(comm)?;
         let (run, notes) =
             without_lock(py, || Run::resume(&folder, &accepted, &comm)).map_err(|cause| of_run(&cause))?;
-        Ok(Self { run: Confined::new(run), notes })
+        Ok(Self { run: ThreadBound::new(run), notes })
     }
 
     /// Advances to a step.
@@ -78,7 +78,7 @@ impl Simulation {
     /// a cutoff.
     #[pyo3(signature = (function, gives, cutoff))]
     fn add_loads(&self, py: Python<'_>, function: Py<PyAny>, gives: &str, cutoff: Option<f64>) -> PyResult<()> {
-        let loads = OwnFunction { function: Arc::new(function), gives: Gives::of(gives, cutoff)? };
+        let loads = OwnFunction { function: Arc::new(function), gives: LoadKind::of(gives, cutoff)? };
         let added = self.run.with(py, |run| run.add_loads(loads))?;
         match self.raised(py)? {
             Some(raised) => Err(raised),

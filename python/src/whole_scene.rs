@@ -1,8 +1,8 @@
 //! Scenes without time steps, carried out as a whole.
 
-use crate::confined::without_lock;
 use crate::error::{error, of_run};
 use crate::scene::parsed;
+use crate::thread_bound::without_lock;
 use crate::threads::check_this_thread;
 use domain::Comm;
 use pyo3::prelude::*;
@@ -11,9 +11,9 @@ use scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// Listener that passes lines on to a Python function.
-struct Told(Py<PyAny>);
+struct PythonListener(Py<PyAny>);
 
-impl Listener for Told {
+impl Listener for PythonListener {
     fn line(&self, text: &str) {
         // Exceptions of the listener do not affect the run.
         let _ = Python::attach(|py| self.0.call1(py, (text,)).map(drop));
@@ -41,11 +41,11 @@ pub fn carry_out(
         (_, true) => ExistingRun::Continue,
         _ => ExistingRun::Keep,
     };
-    let told = Told(tell);
+    let told = PythonListener(tell);
     without_lock(py, || in_folder(&scene, (&path, former), &told)).map_err(|cause| of_run(&cause))
 }
 
-fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &Told) -> Result<(), RunError> {
+fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &PythonListener) -> Result<(), RunError> {
     let comm = Comm::alone();
     let work = WholeScene::of(scene).ok_or(RunError::NoSteps)?;
     let mut folder = RunFolder::claim(path, &comm, former)?;

@@ -1,7 +1,7 @@
 //! `fcm-solve check` of a family: the outline of each point, the number of runs, and the time in all.
 
 use super::at_once;
-use crate::outlined::{Outlined, outlined};
+use crate::outlined::{OutlinedScene, outlined};
 use crate::streams::json;
 use anyhow::{anyhow, bail, ensure};
 use domain::{Comm, Number, readable_bytes};
@@ -45,7 +45,7 @@ fn point<'a>(members: &'a [Member], family: &Family, is_tried: bool) -> anyhow::
         outlined(family.scene(member)?, Asked::present(&comm), is_tried, &comm)
     };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-    let Outlined { outline, trial, .. } = one.install(work).map_err(|error| anyhow!("{member}: {error:#}"))?;
+    let OutlinedScene { outline, trial, .. } = one.install(work).map_err(|error| anyhow!("{member}: {error:#}"))?;
     if let Some(reason) = outline.refused() {
         bail!("{member}: {reason}");
     }

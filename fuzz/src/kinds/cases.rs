@@ -1,36 +1,36 @@
 //! Cases of `mobility`.
 
 use super::{change_bytes, change_tree};
-use crate::lab::{Fault, Lab};
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::verdict::End;
 use crate::{hdf5_file, tree};
 use proptest::prelude::*;
 
 /// Evaluates a case, with the answer on the standard output or in a file.
-fn evaluate(lab: &mut Lab, case: &str) -> Result<End, Fault> {
+fn evaluate(lab: &mut CaseEnvironment, case: &str) -> Result<End, Fault> {
     let answer = *lab.one_of(&["", "answer.h5", "answer.json"]);
     let out: &[&str] = if answer.is_empty() { &[] } else { &["--out", answer] };
-    let end = lab.ask(&[&["mobility", case], out].concat())?;
+    let end = lab.run(&[&["mobility", case], out].concat())?;
     if end == End::Answered && !answer.is_empty() {
         lab.is_numbers(&lab.folder.join(answer))?;
     }
     Ok(end)
 }
 
-pub fn json(lab: &mut Lab) -> Result<End, Fault> {
+pub fn json(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let tree = changed_case(lab);
     lab.write("case.json", tree::to_json(&tree))?;
     evaluate(lab, "case.json")
 }
 
-pub fn json_bytes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn json_bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let good = tree::to_json(lab.one_of(&lab.pool.cases));
     let bytes = change_bytes(lab, good.as_bytes());
     lab.write("case.json", bytes)?;
     evaluate(lab, "case.json")
 }
 
-pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
+pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let path = lab.folder.join("case.h5");
     if lab.draw(any::<bool>()) {
         let tree = changed_case(lab);
@@ -43,19 +43,19 @@ pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
     evaluate(lab, "case.h5")
 }
 
-pub fn hdf5_bytes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn hdf5_bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let good = std::fs::read(good_file(lab))?;
     let bytes = change_bytes(lab, &good);
     lab.write("case.h5", bytes)?;
     evaluate(lab, "case.h5")
 }
 
-fn changed_case(lab: &mut Lab) -> toml::Value {
+fn changed_case(lab: &mut CaseEnvironment) -> toml::Value {
     let good = lab.one_of(&lab.pool.cases).clone();
     change_tree(lab, good)
 }
 
-fn good_file(lab: &mut Lab) -> std::path::PathBuf {
+fn good_file(lab: &mut CaseEnvironment) -> std::path::PathBuf {
     let number = lab.draw(0..lab.pool.cases.len());
     lab.pool.folder.join(format!("case-{number}.h5"))
 }

@@ -1,7 +1,7 @@
 //! Command lines.
 
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::hostile;
-use crate::lab::{Fault, Lab};
 use crate::pool::{CASES, SCENES};
 use crate::verdict::End;
 use std::ffi::OsString;
@@ -26,15 +26,15 @@ const COMMANDS: [&[&str]; 15] = [
     &["--help"],
 ];
 
-pub fn words(lab: &mut Lab) -> Result<End, Fault> {
+pub fn words(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     lab.write("scene.toml", SCENES[1].1)?;
     lab.write("case.json", CASES[0])?;
-    lab.bring("plain")?;
+    lab.copy_results("plain")?;
     let mut words: Vec<OsString> = lab.one_of(&COMMANDS).iter().map(OsString::from).collect();
     for _ in 0..lab.draw(1..4usize) {
         change_words(lab, &mut words);
     }
-    let end = lab.ask_os(&words)?;
+    let end = lab.run_os(&words)?;
     let answer = lab.folder.join("answer.h5");
     if answer.is_file() {
         lab.is_numbers(&answer)?;
@@ -42,7 +42,7 @@ pub fn words(lab: &mut Lab) -> Result<End, Fault> {
     Ok(end)
 }
 
-fn change_words(lab: &mut Lab, words: &mut Vec<OsString>) {
+fn change_words(lab: &mut CaseEnvironment, words: &mut Vec<OsString>) {
     if words.is_empty() {
         return;
     }

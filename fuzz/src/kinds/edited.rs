@@ -1,6 +1,6 @@
 //! Results with a scene that was edited before they are resumed.
 
-use crate::lab::{Fault, Lab};
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::misfit;
 use crate::surroundings::Permit;
 use crate::tree::{self, Part};
@@ -29,9 +29,9 @@ fn may_change(path: &str) -> bool {
     MAY_CHANGE.iter().any(|key| path.starts_with(key)) || path.starts_with("statistics")
 }
 
-pub fn scenes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let name = *lab.one_of(&RUNS);
-    let folder = lab.bring(name)?;
+    let folder = lab.copy_results(name)?;
     let scene = folder.join("scene.toml");
     let mut tree: Value = toml::from_str(&std::fs::read_to_string(&scene)?)?;
     let mut places = tree::places(&tree);
@@ -44,12 +44,12 @@ pub fn scenes(lab: &mut Lab) -> Result<End, Fault> {
     std::fs::write(&scene, toml::to_string(&tree)?)?;
     let command = ["resume", name, "--steps", "3"];
     if may_change(&tree::path(&at)) {
-        return lab.ask(&command);
+        return lab.run(&command);
     }
-    let before = lab.ask_within(&["check", &format!("{name}/scene.toml")], &Permit::default())?;
+    let before = lab.run_within(&["check", &format!("{name}/scene.toml")], &Permit::default())?;
     let word = if before == End::Refused { "" } else { misfit::key(&at) };
-    match lab.ask_within(&command, &Permit::default())? {
-        End::Refused if lab.said().contains(word) => Ok(End::Refused),
+    match lab.run_within(&command, &Permit::default())? {
+        End::Refused if lab.stderr().contains(word) => Ok(End::Refused),
         End::Refused => Err(lab.fault_of(&command, &format!("an error that does not name {word}"))),
         _ => Err(lab.fault_of(&command, &format!("it goes on with another {}", tree::path(&at)))),
     }

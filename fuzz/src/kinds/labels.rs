@@ -1,6 +1,6 @@
 //! Names of species, which appear in tables.
 
-use crate::lab::{Fault, Lab, files};
+use crate::case_environment::{CaseEnvironment, Fault, files};
 use crate::pool::SCENES;
 use crate::verdict::{End, of_cells};
 use proptest::prelude::*;
@@ -45,7 +45,7 @@ fn is_forbidden(name: &str) -> bool {
         || name.starts_with(['=', '+', '-', '@'])
 }
 
-pub fn names(lab: &mut Lab) -> Result<End, Fault> {
+pub fn names(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let name =
         lab.draw(prop_oneof![3 => select(&NAMES[..]).prop_map(str::to_owned), 1 => "\\PC{1,6}|[a-c,;\"\\s=]{1,6}"]);
     let mut tree: toml::Value = toml::from_str(SCENES[3].1)?;
@@ -55,15 +55,15 @@ pub fn names(lab: &mut Lab) -> Result<End, Fault> {
     lab.write("scene.toml", toml::to_string(&tree)?)?;
     let run = ["run", "scene.toml", "--out", "out", "--set", "time.steps=1"];
     if is_forbidden(&name) {
-        lab.ask_refused(&["check", "scene.toml"], "name")?;
-        return lab.ask_refused(&run, "name");
+        lab.run_refused(&["check", "scene.toml"], "name")?;
+        return lab.run_refused(&run, "name");
     }
-    let end = lab.ask(&run)?;
+    let end = lab.run(&run)?;
     if end == End::Answered {
         for path in files(&lab.folder.join("out")).iter().filter(|path| path.extension().is_some_and(|e| e == "csv")) {
             of_cells(&std::fs::read_to_string(path)?, &name).map_err(|what| lab.fault_of(&run, &what))?;
         }
-        lab.ask(&["report", "out"])?;
+        lab.run(&["report", "out"])?;
     }
     Ok(end)
 }

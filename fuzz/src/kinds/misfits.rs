@@ -1,6 +1,6 @@
 //! Lists and tables of scenes and cases with a wrong length or type. All of them must be refused by key.
 
-use crate::lab::{Fault, Lab};
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::SCENES;
 use crate::verdict::End;
 use crate::{hdf5_file, misfit, tree};
@@ -12,7 +12,7 @@ const MORE: &str = "[[bonds]]\npairs = [[0, 1]]\nstiffness = 10.0\n[flow]\nkind 
     rate = [[0.0, 1.0], [0.1, -0.5]]\n[gravity]\nacceleration = [0.0, 0.0, -1.0]\n\
     [repulsion]\nstrength = 1.0\n[[traps]]\nparticles = [0]\nstiffness = 1.0\n";
 
-pub fn scenes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let place = lab.draw(0..=SCENES.len());
     let text = SCENES.get(place).map_or_else(with_more_lists, |(_, text)| (*text).to_owned());
     let good = toml::from_str(&text)?;
@@ -35,25 +35,25 @@ fn with_more_lists() -> String {
 }
 
 /// Requires that both `check` and `run` refuse the scene.
-fn refused(lab: &Lab, more: &[&str], key: &str) -> Result<End, Fault> {
-    lab.ask_refused(&[&["check", "scene.toml"], more].concat(), key)?;
-    lab.ask_refused(&[&["run", "scene.toml", "--out", "out"], more].concat(), key)
+fn refused(lab: &CaseEnvironment, more: &[&str], key: &str) -> Result<End, Fault> {
+    lab.run_refused(&[&["check", "scene.toml"], more].concat(), key)?;
+    lab.run_refused(&[&["run", "scene.toml", "--out", "out"], more].concat(), key)
 }
 
-pub fn cases(lab: &mut Lab) -> Result<End, Fault> {
+pub fn cases(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let good = lab.one_of(&lab.pool.cases).clone();
     let (tree, at) = changed(lab, &good);
     let Some(at) = at else { return Ok(End::Refused) };
     let key = misfit::key(&at).to_owned();
     if lab.draw(any::<bool>()) {
         lab.write("case.json", tree::to_json(&tree))?;
-        return lab.ask_refused(&["mobility", "case.json"], &key);
+        return lab.run_refused(&["mobility", "case.json"], &key);
     }
     hdf5_file::write_tree(&lab.folder.join("case.h5"), &tree)?;
-    lab.ask_refused(&["mobility", "case.h5"], &key)
+    lab.run_refused(&["mobility", "case.h5"], &key)
 }
 
-fn changed(lab: &mut Lab, good: &Value) -> (Value, Option<Vec<tree::Part>>) {
+fn changed(lab: &mut CaseEnvironment, good: &Value) -> (Value, Option<Vec<tree::Part>>) {
     let misfit = lab.draw(misfit::any_misfit());
     let candidates = misfit::candidates(good, misfit);
     let mut tree = good.clone();

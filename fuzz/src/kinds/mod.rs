@@ -12,12 +12,12 @@ mod starts;
 mod strangers;
 
 use crate::bytes;
-use crate::lab::{Fault, Lab};
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::tree;
 use crate::verdict::End;
 
 /// Makes a case and judges the program's reaction; mistakes of the harness itself are faults, too.
-pub type Trial = fn(&mut Lab) -> Result<End, Fault>;
+pub type Trial = fn(&mut CaseEnvironment) -> Result<End, Fault>;
 
 /// The kinds, with their shares of all cases.
 pub const KINDS: [(&str, usize, Trial); 23] = [
@@ -54,7 +54,7 @@ pub fn kind_of(number: u64) -> usize {
 }
 
 /// Applies random edits to a tree.
-fn change_tree(lab: &mut Lab, mut tree: toml::Value) -> toml::Value {
+fn change_tree(lab: &mut CaseEnvironment, mut tree: toml::Value) -> toml::Value {
     for edit in lab.draw(tree::edits(lab.pool.keys)) {
         tree::apply(&mut tree, &edit);
     }
@@ -62,7 +62,7 @@ fn change_tree(lab: &mut Lab, mut tree: toml::Value) -> toml::Value {
 }
 
 /// Applies random edits to bytes.
-fn change_bytes(lab: &mut Lab, good: &[u8]) -> Vec<u8> {
+fn change_bytes(lab: &mut CaseEnvironment, good: &[u8]) -> Vec<u8> {
     let mut bytes = good.to_vec();
     for edit in lab.draw(bytes::edits()) {
         bytes::apply(&mut bytes, &edit);

@@ -1,7 +1,7 @@
 //! Results of runs: checkpoints, HDF5 files, tables, and their folders.
 
 use super::change_bytes;
-use crate::lab::{Fault, Lab, files};
+use crate::case_environment::{CaseEnvironment, Fault, files};
 use crate::pool::SCENES;
 use crate::verdict::End;
 use crate::{checkpoint, hdf5_file, hostile, tree};
@@ -12,11 +12,11 @@ use std::path::Path;
 /// Scenes whose runs leave checkpoints; the first ones are suspensions.
 const RUNS: [&str; 8] = ["suspension", "plain", "direct", "positions", "disks", "poiseuille", "cell", "stepped-cell"];
 
-pub fn checkpoint_bytes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn checkpoint_bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     with_checkpoints(lab, |lab, good| Some(change_bytes(lab, good)))
 }
 
-pub fn checkpoint_numbers(lab: &mut Lab) -> Result<End, Fault> {
+pub fn checkpoint_numbers(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     with_checkpoints(lab, |lab, good| {
         let header = if lab.draw(any::<bool>()) { lab.draw(tree::edits(lab.pool.keys)) } else { vec![] };
         let numbers = lab.draw(prop::collection::vec((any::<Index>(), hostile::number()), 0..3));
@@ -25,9 +25,12 @@ pub fn checkpoint_numbers(lab: &mut Lab) -> Result<End, Fault> {
 }
 
 /// Resumes a run whose only checkpoint was edited.
-fn with_checkpoints(lab: &mut Lab, change: impl Fn(&mut Lab, &[u8]) -> Option<Vec<u8>>) -> Result<End, Fault> {
+fn with_checkpoints(
+    lab: &mut CaseEnvironment,
+    change: impl Fn(&mut CaseEnvironment, &[u8]) -> Option<Vec<u8>>,
+) -> Result<End, Fault> {
     let name = *lab.one_of(&RUNS);
-    let folder = lab.bring(name)?;
+    let folder = lab.copy_results(name)?;
     let mut checkpoints = files(&folder);
     checkpoints.retain(|path| path.extension().is_some_and(|extension| extension == "bin"));
     let Some(last) = checkpoints.pop() else { return Err(Fault::new("the run left no checkpoint")) };
@@ -37,10 +40,10 @@ fn with_checkpoints(lab: &mut Lab, change: impl Fn(&mut Lab, &[u8]) -> Option<Ve
     let good = std::fs::read(&last)?;
     let changed = change(lab, &good).ok_or_else(|| Fault::new("checkpoints have another form now"))?;
     std::fs::write(&last, changed)?;
-    lab.ask(&["resume", name, "--steps", "5"])
+    lab.run(&["resume", name, "--steps", "5"])
 }
 
-pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
+pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     with_results(
         lab,
         |lab, path| {
@@ -51,7 +54,7 @@ pub fn hdf5(lab: &mut Lab) -> Result<End, Fault> {
     )
 }
 
-pub fn bytes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     with_results(
         lab,
         |lab, path| {
@@ -64,33 +67,33 @@ pub fn bytes(lab: &mut Lab) -> Result<End, Fault> {
 
 /// Gives all commands on a folder of results in which one file was edited.
 fn with_results(
-    lab: &mut Lab,
-    change: impl Fn(&mut Lab, &Path) -> Result<(), Fault>,
+    lab: &mut CaseEnvironment,
+    change: impl Fn(&mut CaseEnvironment, &Path) -> Result<(), Fault>,
     extensions: &[&str],
 ) -> Result<End, Fault> {
     let name = lab.one_of(&SCENES).0;
-    let folder = lab.bring(name)?;
+    let folder = lab.copy_results(name)?;
     let mut candidates = files(&folder);
     candidates.retain(|path| path.extension().and_then(|e| e.to_str()).is_some_and(|e| extensions.contains(&e)));
     let path = lab.one_of(&candidates).clone();
     change(lab, &path)?;
     let file = path.strip_prefix(&lab.folder).unwrap_or(&path).to_string_lossy().into_owned();
-    let mut end = lab.ask(&["info", &file])?;
+    let mut end = lab.run(&["info", &file])?;
     if RUNS[..4].contains(&name) && file.contains("trajectory") {
-        end = lab.ask(&["stats", name])?;
+        end = lab.run(&["stats", name])?;
         if end == End::Answered {
             lab.results_are_numbers(&format!("{name}/stats"))?;
         }
     }
-    lab.ask(&["report", name])?;
+    lab.run(&["report", name])?;
     let format = *lab.one_of(&["xyz", "gsd", "vtp"]);
-    lab.ask(&["export", name, "--to", format])?;
-    lab.ask(&["resume", name]).map(|resumed| if resumed == End::Answered { resumed } else { end })
+    lab.run(&["export", name, "--to", format])?;
+    lab.run(&["resume", name]).map(|resumed| if resumed == End::Answered { resumed } else { end })
 }
 
-pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
+pub fn folders(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let name = lab.one_of(&SCENES).0;
-    let folder = lab.bring(name)?;
+    let folder = lab.copy_results(name)?;
     let path = lab.one_of(&files(&folder)).clone();
     std::fs::remove_file(&path)?;
     match lab.draw(0..6) {
@@ -102,10 +105,10 @@ pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
         _ => Ok(()),
     }?;
     let file = path.strip_prefix(&lab.folder).unwrap_or(&path).to_string_lossy().into_owned();
-    lab.ask(&["info", &file])?;
-    lab.ask(&["stats", name])?;
-    lab.ask(&["report", name])?;
-    lab.ask(&["export", name, "--to", "xyz"])?;
-    lab.ask(&["check", &format!("{name}/scene.toml")])?;
-    lab.ask(&["resume", name])
+    lab.run(&["info", &file])?;
+    lab.run(&["stats", name])?;
+    lab.run(&["report", name])?;
+    lab.run(&["export", name, "--to", "xyz"])?;
+    lab.run(&["check", &format!("{name}/scene.toml")])?;
+    lab.run(&["resume", name])
 }

@@ -1,13 +1,13 @@
 //! Starts from files of all formats: the spheres have the positions in the file, or the file is refused.
 
-use crate::lab::{Fault, Lab};
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::PLACED;
 use crate::start::{Shape, any_start};
 use crate::verdict::End;
 
 const RUN: [&str; 6] = ["run", "scene.toml", "--out", "out", "--set", "output.trajectory_every=1"];
 
-pub fn formats(lab: &mut Lab) -> Result<End, Fault> {
+pub fn formats(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let start = lab.draw(any_start());
     let name = *lab.one_of(&["start.csv", "start.xyz", "start.dump", "start.h5md"]);
     match name {
@@ -18,12 +18,12 @@ pub fn formats(lab: &mut Lab) -> Result<End, Fault> {
     }
     lab.write("scene.toml", format!("{PLACED}path = '{name}'\n"))?;
     if start.other_box && name != "start.csv" {
-        return lab.ask_refused(&RUN, name);
+        return lab.run_refused(&RUN, name);
     }
     taken(lab, &start)
 }
 
-pub fn shapes(lab: &mut Lab) -> Result<End, Fault> {
+pub fn shapes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let start = lab.draw(any_start());
     let shapes = [Shape::Rows, Shape::Columns, Shape::Four, Shape::Two, Shape::Flat, Shape::Deep];
     let shape = *lab.one_of(&shapes);
@@ -32,12 +32,12 @@ pub fn shapes(lab: &mut Lab) -> Result<End, Fault> {
     if shape == Shape::Rows {
         return taken(lab, &start);
     }
-    lab.ask_refused(&RUN, "positions")
+    lab.run_refused(&RUN, "positions")
 }
 
 /// Requires that an unambiguous file is accepted.
-fn taken(lab: &Lab, start: &crate::start::Start) -> Result<End, Fault> {
-    match lab.ask(&RUN)? {
+fn taken(lab: &CaseEnvironment, start: &crate::start::Start) -> Result<End, Fault> {
+    match lab.run(&RUN)? {
         End::Answered => {}
         End::Refused => return Err(lab.fault_of(&RUN, "it refused a file without a doubt")),
         End::Stopped => return Ok(End::Stopped),

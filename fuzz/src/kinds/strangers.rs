@@ -1,6 +1,6 @@
 //! Results folders with files that no run has made.
 
-use crate::lab::{Fault, Lab};
+use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::SCENES;
 use crate::surroundings::Permit;
 use crate::verdict::End;
@@ -48,7 +48,7 @@ const COMMANDS: [&[&str]; 8] = [
     &["export", "FOLDER", "--to", "xyz"],
 ];
 
-pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
+pub fn folders(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     std::fs::create_dir(lab.folder.join("outside.d"))?;
     lab.write("outside.d/kept.txt", "kept")?;
     let text = SCENES[1].1;
@@ -58,7 +58,7 @@ pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
     lab.write("inside.toml", text.replace("[output]", &format!("[output]\n{inside}")))?;
     let mut made = BTreeSet::new();
     if folder == "plain" {
-        lab.bring("plain")?;
+        lab.copy_results("plain")?;
         made = listed(&lab.folder, folder);
         damage(lab, &mut made)?;
     }
@@ -66,7 +66,7 @@ pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
         let name = *lab.one_of(&NAMES);
         plant(lab, &Path::new(folder).join(name))?;
     }
-    let strange: BTreeSet<PathBuf> = crate::lab::files(&lab.folder.join(folder))
+    let strange: BTreeSet<PathBuf> = crate::case_environment::files(&lab.folder.join(folder))
         .iter()
         .filter_map(|path| path.strip_prefix(&lab.folder).ok().map(Path::to_owned))
         .filter(|path| !made.contains(path))
@@ -76,7 +76,7 @@ pub fn folders(lab: &mut Lab) -> Result<End, Fault> {
         let words = lab.one_of(&COMMANDS).iter().map(|word| if *word == "FOLDER" { folder } else { word });
         let words: Vec<&str> = words.collect();
         let permit = Permit { made: made.clone(), into: Some(folder.into()) };
-        end = lab.ask_within(&words, &permit)?;
+        end = lab.run_within(&words, &permit)?;
         made.extend(listed(&lab.folder, folder).difference(&strange).cloned());
     }
     Ok(end)
@@ -92,7 +92,7 @@ fn listed(place: &Path, folder: &str) -> BTreeSet<PathBuf> {
 }
 
 /// Sometimes removes the scene, or lists a file outside of the folder in the manifest.
-fn damage(lab: &mut Lab, made: &mut BTreeSet<PathBuf>) -> Result<(), Fault> {
+fn damage(lab: &mut CaseEnvironment, made: &mut BTreeSet<PathBuf>) -> Result<(), Fault> {
     match lab.draw(0..4) {
         0 => {
             std::fs::remove_file(lab.folder.join("plain/scene.toml"))?;
@@ -109,7 +109,7 @@ fn damage(lab: &mut Lab, made: &mut BTreeSet<PathBuf>) -> Result<(), Fault> {
 }
 
 /// Creates a file, a folder or a link where nothing exists.
-fn plant(lab: &mut Lab, name: &Path) -> Result<(), Fault> {
+fn plant(lab: &mut CaseEnvironment, name: &Path) -> Result<(), Fault> {
     let path = lab.folder.join(name);
     let Some(parent) = path.parent() else { return Ok(()) };
     if path.symlink_metadata().is_ok()

@@ -15,11 +15,11 @@ pub fn replace(path: &Path, content: &[u8]) -> Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return std::fs::write(path, content).map_err(|e| FileError::write(path, &e));
     }
-    put(path, |file, _| file.write_all(content))
+    write_with(path, |file, _| file.write_all(content))
 }
 
 /// Like [`replace`], with content that `write` writes to the handle or the path of the temporary file.
-pub(crate) fn put<E: std::fmt::Display>(
+pub(crate) fn write_with<E: std::fmt::Display>(
     path: &Path,
     write: impl FnOnce(&mut File, &Path) -> Result<(), E>,
 ) -> Result<(), FileError> {
@@ -50,17 +50,17 @@ pub(crate) fn place(file: &File, path: &Path) -> std::io::Result<()> {
     sync(file)?;
     std::fs::rename(temporary(path), path)?;
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    bear(File::open(folder).and_then(|folder| folder.sync_all()))
+    ignore_unsupported(File::open(folder).and_then(|folder| folder.sync_all()))
 }
 
 /// Waits until a file is on the disk, where the file system supports that.
 pub(crate) fn sync(file: &File) -> std::io::Result<()> {
-    bear(file.sync_all())
+    ignore_unsupported(file.sync_all())
 }
 
 /// Ignores errors of file systems that do not support syncing, which the program can do without. Disk
 /// failures have other error codes.
-fn bear(synced: std::io::Result<()>) -> std::io::Result<()> {
+fn ignore_unsupported(synced: std::io::Result<()>) -> std::io::Result<()> {
     synced.or_else(|error| match error.raw_os_error() {
         Some(number) if CANNOT.contains(&number) => Ok(()),
         _ => Err(error),
@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn what_a_file_system_cannot_do_is_borne_and_errors_of_a_disk_are_not() {
-        let after = |number| bear(Err(std::io::Error::from_raw_os_error(number)));
+        let after = |number| ignore_unsupported(Err(std::io::Error::from_raw_os_error(number)));
         assert!([libc::EINVAL, libc::EBADF, libc::EOPNOTSUPP, libc::ENOSYS].into_iter().all(|n| after(n).is_ok()));
         assert!([libc::EIO, libc::ENOSPC, libc::EDQUOT, libc::ENOENT].into_iter().all(|n| after(n).is_err()));
     }

@@ -1,13 +1,13 @@
 //! Atomic replacement of HDF5 files.
 
-use crate::{FileError, atomic_file, stored_inside};
+use crate::{FileError, atomic_file, self_contained};
 use hdf5::{File, FileBuilder, OpenMode};
 use std::path::Path;
 
 /// Writes a file with `fill`. It appears under its name when it is complete and on the disk; until then a former
 /// file of that name is intact.
 pub(crate) fn write(path: &Path, fill: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
-    atomic_file::put(path, |_, temporary| {
+    atomic_file::write_with(path, |_, temporary| {
         let file = at_once().create(temporary)?;
         fill(&file).and_then(|()| file.flush()).inspect_err(|_| leave_open(&file))?;
         file.close()
@@ -16,10 +16,10 @@ pub(crate) fn write(path: &Path, fill: impl FnOnce(&File) -> hdf5::Result<()>) -
 
 /// Edits a copy of a file with `edit`, which then replaces the file like [`write()`].
 pub(crate) fn change(path: &Path, edit: impl FnOnce(&File) -> hdf5::Result<()>) -> Result<(), FileError> {
-    atomic_file::put(path, |_, temporary| {
+    atomic_file::write_with(path, |_, temporary| {
         std::fs::copy(path, temporary).map_err(|e| hdf5::Error::from(e.to_string()))?;
         let file = at_once().open_as(temporary, OpenMode::ReadWrite)?;
-        stored_inside::check(&file)?;
+        self_contained::check(&file)?;
         edit(&file).and_then(|()| file.flush()).inspect_err(|_| leave_open(&file))?;
         file.close()
     })

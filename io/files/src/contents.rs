@@ -2,7 +2,7 @@
 
 use crate::frames::Sums;
 use crate::scene_history::{self, SceneHistory};
-use crate::{FileError, Provenance, claimed_size, stored_inside, text, verified};
+use crate::{FileError, Provenance, claimed_size, self_contained, text, verified};
 use domain::Number;
 use hdf5::{Dataset, File, Group};
 use scene::SceneChange;
@@ -61,7 +61,7 @@ impl Contents {
         if !starts_as_hdf5(path).map_err(|e| FileError::read(path, &e))? {
             return Err(FileError::read(path, &"it is no HDF5 file; results have names such as trajectory.h5"));
         }
-        let file = stored_inside::open(path).map_err(|e| FileError::damaged(path, &e))?;
+        let file = self_contained::open(path).map_err(|e| FileError::damaged(path, &e))?;
         if !file.link_exists("parameters") {
             return Err(FileError::read(
                 path,

@@ -1,6 +1,6 @@
 //! Provenance of results, stored in every result file.
 
-use crate::{FileError, frames, stored_inside, text};
+use crate::{FileError, frames, self_contained, text};
 use hdf5::types::{FixedAscii, VarLenUnicode};
 use hdf5::{File, Group};
 use serde::Serialize;
@@ -32,7 +32,7 @@ impl Provenance {
     pub fn of_folder(folder: &Path) -> Result<Option<Self>, FileError> {
         let file = FILES.iter().map(|name| folder.join(name)).find(|path| path.is_file());
         let read = |path: PathBuf| {
-            let file = stored_inside::open(&path);
+            let file = self_contained::open(&path);
             file.and_then(|file| Self::read(&file)).map_err(|e| FileError::damaged(&path, &e))
         };
         file.map(read).transpose()

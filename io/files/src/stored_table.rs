@@ -1,6 +1,6 @@
 //! Reader of tables of results.
 
-use crate::{FileError, checksum, claimed_size, stored_inside, text};
+use crate::{FileError, checksum, claimed_size, self_contained, text};
 use domain::Number;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
 use hdf5::{Dataset, Group};
@@ -31,7 +31,7 @@ impl StoredTable {
     }
 
     fn try_all(path: &Path) -> hdf5::Result<Vec<Self>> {
-        let groups = stored_inside::open(path)?.groups()?.into_iter();
+        let groups = self_contained::open(path)?.groups()?.into_iter();
         let tables = groups.filter(|group| !["/h5md", "/parameters"].contains(&group.name().as_str()));
         tables.map(|group| Self::read(&group)).collect()
     }

@@ -1,6 +1,6 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
-use crate::frames::{Added, Damage, Element, Frames, Kind};
+use crate::frames::{Damage, Element, Frames, Kind, NewValue};
 use crate::origin::Origin;
 use crate::scene_history::SceneHistory;
 use crate::{FileError, Provenance, checksum, text};
@@ -129,16 +129,16 @@ impl Trajectory {
         // A lattice is determined by its vectors alone.
         let strain = if cell.axes().is_none() { cell.strain() } else { 0.0 };
         let mut values = vec![
-            Added::InBlocks(Box::new(|each| rows.positions(|x| each(&bytemuck::cast_slice::<_, f64>(x).into())))),
-            Added::InBlocks(Box::new(|each| rows.steps(|steps| each(&steps.as_flattened().into())))),
-            Added::Whole(lattice.as_flattened().into()),
-            Added::Whole(strain.into()),
+            NewValue::InBlocks(Box::new(|each| rows.positions(|x| each(&bytemuck::cast_slice::<_, f64>(x).into())))),
+            NewValue::InBlocks(Box::new(|each| rows.steps(|steps| each(&steps.as_flattened().into())))),
+            NewValue::Whole(lattice.as_flattened().into()),
+            NewValue::Whole(strain.into()),
         ];
         for element in &self.description.elements[values.len()..] {
             let is_its =
                 |(name, _): (&str, usize)| COLUMNS.iter().any(|&(n, path, _)| path == element.path && n == name);
             let place = rows.columns().position(is_its).expect("the columns of the first frame");
-            values.push(Added::InBlocks(Box::new(move |each| rows.column(place, |values| each(&values.into())))));
+            values.push(NewValue::InBlocks(Box::new(move |each| rows.column(place, |values| each(&values.into())))));
         }
         self.description.with_kind(rows, |kind| self.frames.append_blocks(kind, clock, &values))
     }

@@ -3,7 +3,7 @@
 use crate::frames::Sums;
 use crate::missing_steps::MissingSteps;
 use crate::scene_history::{self, SceneHistory};
-use crate::{FileError, Provenance, checksum, claimed_size, stored_inside};
+use crate::{FileError, Provenance, checksum, claimed_size, self_contained};
 use domain::{BoxError, Column, Particles, PeriodicBox, Vector};
 use hdf5::types::FixedAscii;
 use hdf5::{Group, H5Type, Hyperslab};
@@ -50,7 +50,7 @@ impl TrajectoryReader {
     }
 
     fn try_open(path: &Path) -> hdf5::Result<Self> {
-        let file = stored_inside::open(path)?;
+        let file = self_contained::open(path)?;
         let group = file.group("particles/all")?;
         let ids: Vec<u64> = checksum::read(&group.dataset("id")?)?;
         let count = ids.len();

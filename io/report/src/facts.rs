@@ -10,12 +10,12 @@ use scene::{Family, Kind};
 pub(super) type Fact = (&'static str, String);
 
 /// Trajectory of a run with the frames that are shown, and its time series.
-pub(super) struct Course<'a> {
+pub(super) struct RunProgress<'a> {
     pub(super) trajectory: Option<(&'a TrajectoryReader, &'a Playback)>,
     pub(super) series: &'a Observables,
 }
 
-impl Course<'_> {
+impl RunProgress<'_> {
     /// The last step with a frame or a row.
     pub(super) fn last_step(&self) -> Option<u64> {
         let of_frames = self.trajectory.and_then(|(recorded, _)| recorded.steps().last().copied());
@@ -24,7 +24,7 @@ impl Course<'_> {
 }
 
 /// The kind, particles, box, steps, program and seed of a run.
-pub(super) fn facts(about: &About, provenance: &Provenance, course: &Course) -> Vec<Fact> {
+pub(super) fn facts(about: &About, provenance: &Provenance, course: &RunProgress) -> Vec<Fact> {
     let steps = about.kind().map_or(0, Kind::steps);
     let last = course.last_step().filter(|_| steps > 0);
     let shown = course.trajectory.map(|(_, playback)| playback);

@@ -4,7 +4,6 @@
 mod about;
 mod answer_table;
 mod answers;
-mod base64;
 mod chart;
 mod charts;
 mod error;

@@ -2,7 +2,7 @@
 
 use crate::about::About;
 use crate::error::ReportError;
-use crate::facts::Course;
+use crate::facts::RunProgress;
 use crate::page::Page;
 use crate::playback::Playback;
 use crate::{AnswerRange, answer_table, charts, facts, run_answers, tables, warnings};
@@ -29,7 +29,7 @@ pub fn write_report(folder: &Path, out: &Path) -> Result<(), ReportError> {
     let playback = trajectory.as_ref().map(|recorded| Playback::of(recorded, &contacts, &about.colours()));
     let series = Observables::read(&folder.join("observables.h5"))?.unwrap_or_default();
     let stored = stored_tables(folder)?;
-    let course = Course { trajectory: trajectory.as_ref().zip(playback.as_ref()), series: &series };
+    let course = RunProgress { trajectory: trajectory.as_ref().zip(playback.as_ref()), series: &series };
     let answers_of = |scene| run_answers(folder, scene, &AnswerRange::of_run(folder, scene));
     let found = about.scene().map(answers_of).transpose()?;
     let name = folder.canonicalize().ok().and_then(|path| Some(path.file_name()?.to_string_lossy().into_owned()));

@@ -1,7 +1,7 @@
 //! Warnings about a run and its results.
 
 use crate::about::About;
-use crate::facts::Course;
+use crate::facts::RunProgress;
 use domain::Number;
 use files::StoredTable;
 use scene::Kind;
@@ -10,7 +10,7 @@ use scene::Kind;
 const TOLD: usize = 5;
 
 /// The warnings that follow from the results.
-pub(super) fn warnings(about: &About, course: &Course, tables: &[StoredTable]) -> Vec<String> {
+pub(super) fn warnings(about: &About, course: &RunProgress, tables: &[StoredTable]) -> Vec<String> {
     let mut warnings = Vec::new();
     let steps = about.kind().map_or(0, Kind::steps);
     if let Some(last) = course.last_step().filter(|&last| last < steps && !is_due_later(about, last, steps)) {
@@ -33,7 +33,7 @@ fn is_due_later(about: &About, last: u64, steps: u64) -> bool {
 }
 
 /// Warning if spheres overlap in rows of the time series.
-fn overlaps(course: &Course) -> Option<String> {
+fn overlaps(course: &RunProgress) -> Option<String> {
     let gaps: Vec<f64> = course.series.get("smallest_gap")?.column(0, 0).collect();
     let overlapping = gaps.iter().filter(|&&gap| gap < 0.0).count();
     let deepest = gaps.iter().copied().fold(0.0, f64::min);

@@ -20,7 +20,7 @@ pub(super) struct Files {
 }
 
 /// Parameters for opening files: at the start, or after the last step of an earlier part, with room until a step.
-pub(super) struct Open<'a> {
+pub(super) struct OpenParameters<'a> {
     pub run: &'a Manifest,
     pub provenance: &'a Provenance,
     /// The scene, and the output schedules.
@@ -49,7 +49,7 @@ impl Files {
     }
 }
 
-impl Open<'_> {
+impl OpenParameters<'_> {
     pub fn files(
         &self,
         output: &Output,

@@ -1,6 +1,6 @@
 //! Output files of a run.
 
-use crate::open_files::{Files, Open};
+use crate::open_files::{Files, OpenParameters};
 use crate::{RunError, RunFolder};
 use domain::{ById, Comm};
 use files::{Checkpoints, Provenance, SceneRecord, Series, write_contacts, write_field, write_tables};
@@ -60,7 +60,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// The same run with another end, that of `scene`, in files with room until step `room`. Written data are kept.
+    /// The same run with another end, that of `scene`, in files with room until step `room`. OutputForecast data are kept.
     pub fn extend(self, scene: &Scene, room: u64, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let Self { folder, files, comm, scene: record, .. } = self;
         drop(files);
@@ -97,7 +97,7 @@ impl Recorder {
             (Some(former), Some(last)) => former.changed(scene.text(), &output, last),
             _ => SceneRecord::new(scene.text(), &output),
         };
-        let open = Open { run: folder.manifest(), provenance: &provenance, scene: &record, last, room };
+        let open = OpenParameters { run: folder.manifest(), provenance: &provenance, scene: &record, last, room };
         let files = frame.particles.by_id(&comm, |rows| open.files(&output, (rows, frame.periodic), &quantities));
         let files = comm.agree(files.unwrap_or_else(|| Ok(Files::default())))?;
         let from = last.map_or(0, |step| step + 1);

@@ -82,21 +82,21 @@ const CONTACTS: f64 = 1.5 * 108.0;
 
 /// A simulation for a trial; ratios of the cost of an evaluation and of the number of particles of the run to those
 /// of the simulation; and the number of points of the run's velocity fields.
-struct Trying {
+struct TrialSimulation {
     simulation: Box<dyn Simulation>,
     costs: f64,
     particles: f64,
     field_points: f64,
 }
 
-impl Trying {
+impl TrialSimulation {
     fn as_it_is(simulation: Box<dyn Simulation>) -> Self {
         Self { simulation, costs: 1.0, particles: 1.0, field_points: 0.0 }
     }
 }
 
 /// Bytes that a run writes, and the time for writing them.
-struct Written {
+struct OutputForecast {
     bytes: f64,
     seconds: f64,
 }
@@ -189,18 +189,18 @@ fn next(output: &Output, step: u64) -> u64 {
     due.min().unwrap_or(u64::MAX)
 }
 
-fn trying(scene: &Scene, comm: &Comm) -> Result<Option<Trying>, RunError> {
+fn trying(scene: &Scene, comm: &Comm) -> Result<Option<TrialSimulation>, RunError> {
     Ok(match scene.kind() {
         Kind::Suspension(scene) => of_spheres(scene, comm)?,
         Kind::GranularDisks(disks) if disks.start.is_none() && disks.model.sizes().len() > MOST_GRAINS => None,
         Kind::ShearCell(cell) if cell.experiment.count > MOST_GRAINS => None,
         Kind::Continuum(_) => None,
-        _ => Some(Trying::as_it_is(start::start(scene, comm, &mut |_| ())?)),
+        _ => Some(TrialSimulation::as_it_is(start::start(scene, comm, &mut |_| ())?)),
     })
 }
 
 /// Spheres from a file are tried themselves, if they are few; other scenes with a reduced copy of similar spheres.
-fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, RunError> {
+fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<TrialSimulation>, RunError> {
     let placed = start::start_positions(scene, comm)?;
     if scene.model.start == Start::Given {
         let mut count = [placed.as_ref().map_or(0, |placed| placed.positions.len()) as f64];
@@ -208,7 +208,7 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
         if count[0] > MOST_SPHERES {
             return Ok(None);
         }
-        return Ok(Some(Trying::as_it_is(Box::new(SuspensionRun::start(&scene.model, placed, comm)?))));
+        return Ok(Some(TrialSimulation::as_it_is(Box::new(SuspensionRun::start(&scene.model, placed, comm)?))));
     }
     let copy = scene.model.with_at_most(MOST_SPHERES);
     let forecasts = copy.as_ref().and_then(|copy| Some((Forecast::of(&scene.model)?, Forecast::of(copy)?, copy)));
@@ -219,7 +219,7 @@ fn of_spheres(scene: &SuspensionScene, comm: &Comm) -> Result<Option<Trying>, Ru
     }
     // A copy may fail to start even if the scene itself starts.
     let Ok(simulation) = SuspensionRun::start(copy, None, comm) else { return Ok(None) };
-    Ok(Some(Trying {
+    Ok(Some(TrialSimulation {
         simulation: Box::new(simulation),
         costs: whole.evaluation / part.evaluation,
         particles: whole.particles / part.particles,
@@ -234,14 +234,16 @@ fn steps_of_all(scene: &Scene, strain: Option<StrainEnd>) -> f64 {
 }
 
 /// Bytes and time of the output up to step `last`.
-fn written(trying: &mut Trying, (scene, output): (&Scene, &Output), last: u64) -> Written {
+fn written(trying: &mut TrialSimulation, (scene, output): (&Scene, &Output), last: u64) -> OutputForecast {
     let count = |schedule: Schedule| schedule.count_until(last) as f64;
     let [rows, frames] = [output.observables, output.trajectory].map(count);
     let simulation = &mut *trying.simulation;
     let quantities = simulation.quantities();
     let numbers: usize = quantities.iter().map(|quantity| quantity.columns().len()).sum();
-    let series =
-        Written { bytes: rows * NUMBER * numbers as f64, seconds: rows * QUANTITY_TIME * quantities.len() as f64 };
+    let series = OutputForecast {
+        bytes: rows * NUMBER * numbers as f64,
+        seconds: rows * QUANTITY_TIME * quantities.len() as f64,
+    };
     let now = simulation.frame();
     let frame = trying.particles * Trajectory::frame_bytes(&now) as f64;
     let state = simulation.state();
@@ -263,7 +265,7 @@ fn written(trying: &mut Trying, (scene, output): (&Scene, &Output), last: u64) -
     // One at the start and one at the end.
     let checkpoints = count(output.checkpoints).max(1.0) + 1.0;
     let a_checkpoint = CHECKPOINT_TIME + TABLE_TIME * tables.len() as f64 + BYTE_TIME * (state + averages);
-    Written {
+    OutputForecast {
         bytes: FILE * files
             + frames * frame
             + series.bytes

@@ -1,6 +1,6 @@
 //! The section `answers` of scenes: the times that means are taken of.
 
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::time_and_output::Time;
 use domain::Number;
 use schemars::JsonSchema;
@@ -16,7 +16,7 @@ pub(super) struct RawAnswers {
 
 impl RawAnswers {
     /// The time from which means are taken, in a run that lasts longer than that; none without the section.
-    pub(super) fn start(raw: Option<Self>, time: &Time) -> Result<Option<f64>, Fault> {
+    pub(super) fn start(raw: Option<Self>, time: &Time) -> Result<Option<f64>, KeyError> {
         let Some(Self { from }) = raw else { return Ok(None) };
         let end = time.end();
         if from >= 0.0 && from < end {
@@ -28,6 +28,6 @@ impl RawAnswers {
             Number(from),
             Number(end)
         );
-        Err(Fault::new("answers.from", message))
+        Err(KeyError::new("answers.from", message))
     }
 }

@@ -1,7 +1,7 @@
 //! Errors in scenes, as messages for their authors.
 
-use crate::document::{Misfit, Node, bounded, excerpt, line};
-use crate::fault::Fault;
+use crate::document::{Node, TypeMismatch, bounded, excerpt, line};
+use crate::key_error::KeyError;
 use crate::overrides::{self, is_in};
 use crate::written_names::FormerNames;
 use std::fmt::Display;
@@ -68,7 +68,7 @@ fn place(name: &str, line: Option<usize>) -> String {
 }
 
 /// Formulates the errors of the parser and of the checks.
-pub(super) struct Explain<'a> {
+pub(super) struct ErrorContext<'a> {
     /// Text of the file, and its parsed content.
     pub(super) text: &'a str,
     pub(super) written: Option<&'a Node>,
@@ -79,7 +79,7 @@ pub(super) struct Explain<'a> {
     pub(super) former: &'a FormerNames,
 }
 
-impl Explain<'_> {
+impl ErrorContext<'_> {
     /// A message about a key, with its line unless it is set on the command line.
     fn about(&self, key: &str, message: &str) -> SceneError {
         let is_set = self.overrides.iter().any(|set| is_in(key, &overrides::key_of(set)));
@@ -95,7 +95,7 @@ impl Explain<'_> {
     }
 
     /// A message about a key by the name that is written.
-    pub(super) fn fault(&self, fault: &Fault) -> SceneError {
+    pub(super) fn fault(&self, fault: &KeyError) -> SceneError {
         let key = self.former.as_written(&fault.key);
         self.about(&key, &format!("{key} {}", fault.message))
     }
@@ -109,8 +109,8 @@ impl Explain<'_> {
     }
 
     /// TOML that is not a scene: unknown or missing keys, or values of the wrong type.
-    pub(super) fn structure(&self, misfit: &Misfit) -> SceneError {
-        let key = self.former.as_written(&misfit.key());
-        self.about(&key, &format!("{} {}", if key.is_empty() { "a scene" } else { &key }, misfit.message("a scene")))
+    pub(super) fn structure(&self, mismatch: &TypeMismatch) -> SceneError {
+        let key = self.former.as_written(&mismatch.key());
+        self.about(&key, &format!("{} {}", if key.is_empty() { "a scene" } else { &key }, mismatch.message("a scene")))
     }
 }

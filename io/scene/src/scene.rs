@@ -1,9 +1,9 @@
 //! A checked scene, and the reading of one.
 
 use crate::document::{Node, excerpt, known};
-use crate::error::Explain;
-use crate::fault::Fault;
+use crate::error::ErrorContext;
 use crate::granular_disks::GranularDisksScene;
+use crate::key_error::KeyError;
 use crate::kind::Kind;
 use crate::kind_names::KINDS;
 use crate::shear_cell::ShearCellScene;
@@ -55,14 +55,14 @@ impl Scene {
     pub(crate) fn of_text(source: SceneText) -> Result<Self, SceneError> {
         let SceneText { text, name, folder, overrides, without, edges_of } = source;
         let none = FormerNames::default();
-        let explain = Explain { text, written: None, name, overrides: &[], former: &none };
-        let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
-        let explain = Explain { written: Some(&written), overrides, ..explain };
-        let former = FormerNames::of(&written, overrides).map_err(|fault| explain.fault(&fault))?;
-        let explain = Explain { former: &former, ..explain };
+        let context = ErrorContext { text, written: None, name, overrides: &[], former: &none };
+        let written = Node::of_toml(text).map_err(|error| context.syntax(&error))?;
+        let context = ErrorContext { written: Some(&written), overrides, ..context };
+        let former = FormerNames::of(&written, overrides).map_err(|fault| context.fault(&fault))?;
+        let context = ErrorContext { former: &former, ..context };
         let set = |text: &str, keys: &[String]| {
             let text = overrides::apply(text, keys, without).map_err(|message| SceneError::Override { message })?;
-            let document = Node::of_toml(&text).map_err(|error| explain.syntax(&error))?;
+            let document = Node::of_toml(&text).map_err(|error| context.syntax(&error))?;
             Ok((text, document))
         };
         let is_as_written = overrides.is_empty() && without.is_empty();
@@ -71,11 +71,11 @@ impl Scene {
         let as_given = renamed.as_ref().unwrap_or(&written);
         let document = changed.as_ref().map_or(as_given, |(_, document)| document);
         let missing_edges = start_box::missing_edges(document, folder, edges_of);
-        if let Some(edges) = missing_edges.map_err(|fault| explain.fault(&fault))? {
+        if let Some(edges) = missing_edges.map_err(|fault| context.fault(&fault))? {
             changed = Some(set(changed.as_ref().map_or(text, |(text, _)| text), &[edges])?);
         }
         let (text, document) = changed.as_ref().map_or((text, as_given), |(text, document)| (text.as_str(), document));
-        Reading { document, folder, explain, edges_of }.scene(text)
+        Reading { document, folder, context, edges_of }.scene(text)
     }
 
     /// The scene as TOML including the overrides, as stored with the results.
@@ -103,7 +103,7 @@ impl Scene {
 struct Reading<'a> {
     document: &'a Node,
     folder: &'a Path,
-    explain: Explain<'a>,
+    context: ErrorContext<'a>,
     edges_of: EdgesOfStartFile,
 }
 
@@ -113,7 +113,7 @@ impl Reading<'_> {
         if let Some(section) = family_sections::section_of(self.document, text) {
             let message = "makes a family of many runs, which `fcm-solve run`, `check` and `resume` take, but which \
                 is no scene of one";
-            return Err(self.explain.fault(&Fault::new(section, message)));
+            return Err(self.context.fault(&KeyError::new(section, message)));
         }
         let kind = match self.document.get("kind").and_then(Node::text).unwrap_or(KINDS[0]) {
             "suspension" => Kind::Suspension(self.check(SuspensionScene::checked)?),
@@ -124,10 +124,10 @@ impl Reading<'_> {
             "shear-cell-continuum" => Kind::Continuum(self.check(|raw, _| ContinuumScene::checked(raw))?),
             other => {
                 let message = format!("is \"{}\"; {}", excerpt(other), known(other, &KINDS));
-                return Err(self.explain.fault(&Fault::new("kind", message)));
+                return Err(self.context.fault(&KeyError::new("kind", message)));
             }
         };
-        let warnings = self.explain.former.warnings().to_vec();
+        let warnings = self.context.former.warnings().to_vec();
         let text = kept_paths::with_absolute_paths(text, self.folder).unwrap_or_else(|| text.to_owned());
         Ok(Scene { text, folder: self.folder.to_owned(), kind, warnings, edges_of: self.edges_of })
     }
@@ -135,10 +135,10 @@ impl Reading<'_> {
     /// Reads the keys of the file, then checks their values.
     fn check<Raw: serde::de::DeserializeOwned, Checked>(
         &self,
-        checked: impl FnOnce(Raw, &Path) -> Result<Checked, Fault>,
+        checked: impl FnOnce(Raw, &Path) -> Result<Checked, KeyError>,
     ) -> Result<Box<Checked>, SceneError> {
-        let raw = self.document.read().map_err(|misfit| self.explain.structure(&misfit))?;
-        let scene = checked(raw, self.folder).map_err(|fault| self.explain.fault(&fault))?;
+        let raw = self.document.read().map_err(|mismatch| self.context.structure(&mismatch))?;
+        let scene = checked(raw, self.folder).map_err(|fault| self.context.fault(&fault))?;
         Ok(Box::new(scene))
     }
 }

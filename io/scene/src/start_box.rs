@@ -2,7 +2,7 @@
 
 use crate::StartSource;
 use crate::document::{Node, Value};
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use std::path::Path;
 
 /// Edges of the box in a start file; `None` if the file has no box. The error says why the file cannot be read.
@@ -14,7 +14,7 @@ pub(super) fn missing_edges(
     document: &Node,
     folder: &Path,
     edges_of: EdgesOfStartFile,
-) -> Result<Option<String>, Fault> {
+) -> Result<Option<String>, KeyError> {
     let text_at =
         |section: &str, key: &str| document.get(section).and_then(|section| section.get(key)).and_then(Node::text);
     let has_box = document.get("box").is_some_and(|cell| cell.get("edges").is_some());
@@ -27,7 +27,7 @@ pub(super) fn missing_edges(
     let Some(path) = text_at("particles", "path") else { return Ok(None) };
     let group = text_at("particles", "group").map(str::to_owned);
     let source = StartSource { path: folder.join(path), frame: frame(document), group };
-    let edges = edges_of(&source).map_err(|error| Fault::new("box.edges", format!("are missing, and {error}")))?;
+    let edges = edges_of(&source).map_err(|error| KeyError::new("box.edges", format!("are missing, and {error}")))?;
     Ok(edges.map(|[x, y, z]| format!("box.edges=[{x:?}, {y:?}, {z:?}]")))
 }
 

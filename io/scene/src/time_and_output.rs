@@ -1,7 +1,7 @@
 //! The sections `time` and `output` of scenes: the steps of a run, and its output.
 
 use crate::checks::positive;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use domain::Number;
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -38,19 +38,21 @@ pub struct Output {
 
 impl Time {
     /// A run that ends after a number of steps or a duration, one of which is given.
-    pub(super) fn until(step: f64, steps: Option<u64>, duration: Option<f64>) -> Result<Self, Fault> {
+    pub(super) fn until(step: f64, steps: Option<u64>, duration: Option<f64>) -> Result<Self, KeyError> {
         positive("time.step", step)?;
         let steps = match (steps, duration) {
             (Some(steps), None) => return Self::of_steps(step, steps, "time.steps"),
             (None, Some(duration)) => steps_in(positive("time.duration", duration)?, step),
-            (None, None) => return Err(Fault::new("time", "has neither steps nor duration; set one of them")),
-            (Some(_), Some(_)) => return Err(Fault::new("time", "has both steps and duration; leave one of them out")),
+            (None, None) => return Err(KeyError::new("time", "has neither steps nor duration; set one of them")),
+            (Some(_), Some(_)) => {
+                return Err(KeyError::new("time", "has both steps and duration; leave one of them out"));
+            }
         };
         Self::of_steps(step, steps, "time.duration")
     }
 
     /// A run of a number of steps that follows from a key.
-    pub(super) fn of_steps(step: f64, steps: u64, key: &str) -> Result<Self, Fault> {
+    pub(super) fn of_steps(step: f64, steps: u64, key: &str) -> Result<Self, KeyError> {
         positive("time.step", step)?;
         let time = Self { step, steps };
         if steps > MOST_STEPS {
@@ -59,11 +61,11 @@ impl Time {
                  end earlier",
                 Number(steps as f64)
             );
-            return Err(Fault::new(key, message));
+            return Err(KeyError::new(key, message));
         }
         if !time.end().is_finite() {
             let message = format!("is {}; {steps} steps of it are no finite time: take a shorter one", Number(step));
-            return Err(Fault::new("time.step", message));
+            return Err(KeyError::new("time.step", message));
         }
         Ok(time)
     }
@@ -80,7 +82,7 @@ pub(super) const MOST_STEPS: u64 = 1 << 53;
 impl Output {
     /// Refuses more output than files can hold, for this number of steps and particles: the length of a file has 63
     /// bits, that of the largest array of a frame, the stresslets, 32.
-    pub(super) fn check(&self, steps: u64, particles: f64) -> Result<(), Fault> {
+    pub(super) fn check(&self, steps: u64, particles: f64) -> Result<(), KeyError> {
         let frame = 8.0 * 5.0 * particles;
         let is_due = |schedule: Schedule| schedule.count_until(steps) > 0;
         if is_due(self.trajectory) && frame > f64::from(u32::MAX) {
@@ -89,7 +91,7 @@ impl Output {
                  it to 0, which is never",
                 f64::from(u32::MAX) / 8.0 / 5.0
             );
-            return Err(Fault::new("output.trajectory_every", message));
+            return Err(KeyError::new("output.trajectory_every", message));
         }
         // Positions, lattice steps, velocities, angular velocities and stresslets; and the
         // numbers of a row, and its page.
@@ -105,7 +107,7 @@ impl Output {
                      from one to the next"
                 )
             };
-            if count * bytes < LONGEST { Ok(()) } else { Err(Fault::new(key, message())) }
+            if count * bytes < LONGEST { Ok(()) } else { Err(KeyError::new(key, message())) }
         })
     }
 }

@@ -1,8 +1,8 @@
 //! Names of former versions in a scene as its author wrote it: warnings, and messages about keys by the written name.
 
 use crate::document::{Node, Value};
-use crate::fault::Fault;
 use crate::former_names::{FORMER_KEYS, FORMER_WORDS, FormerKey, FormerWord, bring_up_to_date, kind_of, present_key};
+use crate::key_error::KeyError;
 use crate::overrides::{self, is_in};
 
 /// The former names in a scene as its author wrote it.
@@ -16,7 +16,7 @@ pub(crate) struct FormerNames {
 impl FormerNames {
     /// Former names in a document and in keys that are set, each `key=value`. `Err` if the document has a key by both
     /// of its names.
-    pub(crate) fn of(document: &Node, overrides: &[String]) -> Result<Self, Fault> {
+    pub(crate) fn of(document: &Node, overrides: &[String]) -> Result<Self, KeyError> {
         let (kind, mut found) = (kind_of(document), Self::default());
         for FormerKey { section, former, present, .. } in FORMER_KEYS.iter().filter(|one| one.kind == kind) {
             for (prefix, entries) in sections(document, section) {
@@ -26,7 +26,7 @@ impl FormerNames {
                 let [former, now] = [former, present].map(|name| format!("{prefix}.{name}"));
                 if entries.get(present).is_some() {
                     let message = format!("is the former name of {now}, which is set too; leave one of them out");
-                    return Err(Fault::new(former, message));
+                    return Err(KeyError::new(former, message));
                 }
                 found.note_key(former, now);
             }

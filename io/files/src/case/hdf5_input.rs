@@ -5,7 +5,7 @@ use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenU
 use hdf5::{Container, Group, H5Type};
 use ndarray::{ArrayD, ArrayViewD};
 use scene::Case;
-use scene::document::{Entry, Misfit, Node, Value, Whole};
+use scene::document::{Entry, Node, TypeMismatch, Value, Whole};
 
 /// Bytes of a string of fixed length.
 const WORD: usize = 256;
@@ -33,9 +33,9 @@ pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Node> {
 }
 
 /// Message about an invalid value, with the shape of its dataset.
-pub(super) fn in_words(misfit: &Misfit, file: &Group) -> String {
-    let words = misfit.in_words(Case::DOCUMENT);
-    let shape = misfit.first_key().and_then(|key| file.dataset(key).ok()).map(|dataset| dataset.shape());
+pub(super) fn in_words(mismatch: &TypeMismatch, file: &Group) -> String {
+    let words = mismatch.in_words(Case::DOCUMENT);
+    let shape = mismatch.first_key().and_then(|key| file.dataset(key).ok()).map(|dataset| dataset.shape());
     match shape.as_deref() {
         None | Some([]) => words,
         Some(&[width @ (3 | 5), count]) if count != 3 && count != 5 => format!(

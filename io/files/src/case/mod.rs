@@ -5,7 +5,7 @@ mod hdf5_input;
 
 pub use answer::Answer;
 
-use crate::{FileError, stored_inside};
+use crate::{FileError, self_contained};
 use scene::Case;
 use std::path::Path;
 
@@ -15,9 +15,10 @@ pub fn read_case(path: &Path) -> Result<Case, FileError> {
         let text = std::fs::read_to_string(path).map_err(|e| FileError::read(path, &e))?;
         return parse_case(&text, path);
     }
-    let file = stored_inside::open(path).map_err(|e| FileError::read(path, &e))?;
+    let file = self_contained::open(path).map_err(|e| FileError::read(path, &e))?;
     let document = hdf5_input::contents(&file, true).map_err(|e| FileError::read(path, &e))?;
-    Case::of_document(&document, &|misfit| hdf5_input::in_words(misfit, &file)).map_err(|e| FileError::read(path, &e))
+    Case::of_document(&document, &|mismatch| hdf5_input::in_words(mismatch, &file))
+        .map_err(|e| FileError::read(path, &e))
 }
 
 /// Checks a case in JSON; `name` identifies it in messages.

@@ -218,7 +218,7 @@ pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<
     let header: Header = serde_json::from_str(&header).map_err(|e| e.to_string())?;
     let lengths = header.lengths();
     let Header { step, strain, plan, particles: count, columns, scene, .. } = header;
-    let mut deal = Deal { file: whole.map(|whole| whole.file), count, comm, failed: None };
+    let mut deal = Distribution { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
         ids: deal.rows(1),
         positions: deal.rows(1),
@@ -238,14 +238,14 @@ pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<
 }
 
 /// Distribution to all ranks of the arrays that the first rank reads.
-struct Deal<'a> {
+struct Distribution<'a> {
     file: Option<BufReader<File>>,
     count: usize,
     comm: &'a Comm,
     failed: Option<String>,
 }
 
-impl Deal<'_> {
+impl Distribution<'_> {
     /// This rank's rows of the next array. Collective.
     fn rows<T: Pod>(&mut self, width: usize) -> Vec<T> {
         let ranks = self.comm.size();

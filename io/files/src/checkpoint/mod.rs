@@ -49,7 +49,7 @@ impl<'a> Checkpoints<'a> {
         let path = Checkpoints(run.folder()).path(state.step);
         let put = |rows: &domain::ById| {
             run.enter(&path)?;
-            atomic_file::put(&path, |file, _| bytes::write(file, (state, scene), rows))
+            atomic_file::write_with(&path, |file, _| bytes::write(file, (state, scene), rows))
         };
         let Some(written) = state.particles.by_id_with(&state.statistics, comm, put) else { return Ok(()) };
         written?;

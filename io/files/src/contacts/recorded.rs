@@ -1,7 +1,7 @@
 //! Reader of the contacts of a run.
 
 use super::files;
-use crate::{FileError, checksum, stored_inside};
+use crate::{FileError, checksum, self_contained};
 use domain::Vector;
 use hdf5::File;
 use simulation::{ContactForce, ContactForces, ContactState};
@@ -39,7 +39,7 @@ impl RecordedContacts {
 }
 
 fn read<T>(path: &Path, what: impl FnOnce(&File) -> hdf5::Result<T>) -> Result<T, FileError> {
-    stored_inside::open(path).and_then(|file| what(&file)).map_err(|e| FileError::damaged(path, &e))
+    self_contained::open(path).and_then(|file| what(&file)).map_err(|e| FileError::damaged(path, &e))
 }
 
 fn clock(file: &File) -> hdf5::Result<(u64, f64)> {

@@ -42,7 +42,7 @@ pub fn export_contacts(
     }
     run.enter(path)?;
     match format {
-        ContactFormat::Csv => atomic_file::put(path, |file, _| table(&mut BufWriter::new(file), steps)),
+        ContactFormat::Csv => atomic_file::write_with(path, |file, _| table(&mut BufWriter::new(file), steps)),
         ContactFormat::Vtp => write_pieces((path, run), &mut steps.map(|contacts| lines(&contacts))),
     }
 }

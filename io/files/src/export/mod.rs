@@ -52,9 +52,9 @@ pub fn export(
     }
     run.enter(path)?;
     match format {
-        Format::Xyz => atomic_file::put(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
+        Format::Xyz => atomic_file::write_with(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
         Format::Gsd => {
-            atomic_file::put(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames))
+            atomic_file::write_with(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames))
         }
         Format::Vtp => vtp::write((path, run), frames),
     }

@@ -31,7 +31,7 @@ pub(super) fn write_pieces(
         let file = format!("{}.vtp", piece.step);
         let path = folder.join(&file);
         run.enter(&path)?;
-        atomic_file::put(&path, |out, _| piece.write(&mut BufWriter::new(out)))?;
+        atomic_file::write_with(&path, |out, _| piece.write(&mut BufWriter::new(out)))?;
         let (time, path) = (piece.time, escaped(&format!("{name}/{file}")));
         writeln!(entries, "    <DataSet timestep=\"{time:?}\" part=\"0\" file=\"{path}\"/>").expect("text grows");
     }

@@ -3,7 +3,7 @@
 
 use super::lattice::{self, Lattice};
 use super::repeated::GROUP;
-use crate::stored_inside;
+use crate::self_contained;
 use std::path::Path;
 
 /// Description of a field for the XDMF file.
@@ -34,7 +34,7 @@ enum Meshes {
 impl Frame {
     /// Reads a field's file.
     pub(super) fn read(path: &Path) -> hdf5::Result<Self> {
-        let file = stored_inside::open(path)?;
+        let file = self_contained::open(path)?;
         let (edges, shape) = (file.attr("edges")?.read_raw::<f64>()?, file.dataset("velocity")?.shape());
         let (&[x, y, z], &[nz, ny, nx, 3]) = (&edges[..], &shape[..]) else {
             return Err(format!("it has {} edges, and `velocity` is of the shape {shape:?}", edges.len()).into());

@@ -1,6 +1,6 @@
 //! One quantity of a file of frames.
 
-use super::room::Room;
+use super::capacity::Capacity;
 use crate::checksum::Sum;
 use crate::text;
 use bytemuck::{NoUninit, Zeroable};
@@ -77,14 +77,14 @@ impl From<f64> for Values<'_> {
 pub(crate) type Blocks<'a> = dyn Fn(&mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> + 'a;
 
 /// Value of one quantity in a frame to be added.
-pub(crate) enum Added<'a> {
-    /// In one piece.
+pub(crate) enum NewValue<'a> {
+    /// In one chunk.
     Whole(Values<'a>),
     /// Block by block.
     InBlocks(Box<Blocks<'a>>),
 }
 
-impl Added<'_> {
+impl NewValue<'_> {
     fn each(&self, each: &mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> {
         match self {
             Self::Whole(values) => each(values),
@@ -97,21 +97,21 @@ impl Added<'_> {
 pub(super) const BLOCK: usize = 1 << 16;
 
 /// Dataset of a quantity.
-pub(super) struct Stored {
+pub(super) struct StoredElement {
     values: Dataset,
     shape: Option<[usize; 2]>,
     whole: bool,
 }
 
-impl Stored {
+impl StoredElement {
     /// Creates the group of a quantity; its steps and times are those of the group `clock`.
-    pub(super) fn create(file: &File, element: &Element, (clock, room): (&str, Room)) -> hdf5::Result<Self> {
+    pub(super) fn create(file: &File, element: &Element, (clock, capacity): (&str, Capacity)) -> hdf5::Result<Self> {
         let group = group(file, &element.path)?;
         let shape = element.shape.as_ref().map_or(&[][..], |shape| shape);
         let values = if element.whole {
-            growing::<i32>(&group, "value", shape, room)?
+            growing::<i32>(&group, "value", shape, capacity)?
         } else {
-            growing::<f64>(&group, "value", shape, room)?
+            growing::<f64>(&group, "value", shape, capacity)?
         };
         text::write_dimensions(&values, element.unit)?;
         if element.path != clock {
@@ -136,7 +136,7 @@ impl Stored {
     }
 
     /// Writes the value of a frame; returns its checksum.
-    pub(super) fn write(&self, frame: usize, value: &Added) -> hdf5::Result<u64> {
+    pub(super) fn write(&self, frame: usize, value: &NewValue) -> hdf5::Result<u64> {
         resize_first(&self.values, frame + 1)?;
         let (mut sum, mut row) = (Sum::default(), 0);
         value.each(&mut |values| {
@@ -171,11 +171,11 @@ impl Stored {
     }
 
     /// The value of a frame in the form that [`Self::write`] takes.
-    pub(super) fn blocks(&self, frame: usize) -> Added<'_> {
+    pub(super) fn blocks(&self, frame: usize) -> NewValue<'_> {
         let Some([rows, _]) = self.shape else {
-            return Added::InBlocks(Box::new(move |each| each(&self.read(frame)?)));
+            return NewValue::InBlocks(Box::new(move |each| each(&self.read(frame)?)));
         };
-        Added::InBlocks(Box::new(move |each| {
+        NewValue::InBlocks(Box::new(move |each| {
             for first in (0..rows).step_by(BLOCK) {
                 let part = rows_of(frame, first..rows.min(first + BLOCK));
                 if self.whole {
@@ -234,9 +234,9 @@ pub(crate) fn group(file: &File, path: &str) -> hdf5::Result<Group> {
 }
 
 /// A one-dimensional dataset without frames, with all storage reserved.
-pub(super) fn reserve<T: H5Type>(group: &Group, name: &str, room: Room) -> hdf5::Result<Dataset> {
+pub(super) fn reserve<T: H5Type>(group: &Group, name: &str, capacity: Capacity) -> hdf5::Result<Dataset> {
     let new = group.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Early)).fill_time(FillTime::Never));
-    let dataset = new.chunk((room.frames.min(512),)).shape((0..=room.frames,)).create(name)?;
+    let dataset = new.chunk((capacity.frames.min(512),)).shape((0..=capacity.frames,)).create(name)?;
     // The first frame makes the library reserve the storage; then the dataset is emptied again.
     resize_first(&dataset, 1)?;
     resize_first(&dataset, 0)?;
@@ -248,12 +248,12 @@ pub(super) fn growing<T: H5Type + Clone + Zeroable>(
     group: &Group,
     name: &str,
     shape: &[usize],
-    room: Room,
+    capacity: Capacity,
 ) -> hdf5::Result<Dataset> {
     let new = group.new_dataset::<T>().with_dcpl(|d| d.alloc_time(Some(AllocTime::Incr)).fill_time(FillTime::Never));
-    let piece = room.piece(shape.iter().product::<usize>() * size_of::<T>());
-    let chunk = [&[piece], shape].concat();
-    let extents = [Extent::from(0..=room.frames)].into_iter().chain(shape.iter().map(|&n| Extent::from(n)));
+    let chunk = capacity.chunk(shape.iter().product::<usize>() * size_of::<T>());
+    let chunk = [&[chunk], shape].concat();
+    let extents = [Extent::from(0..=capacity.frames)].into_iter().chain(shape.iter().map(|&n| Extent::from(n)));
     let dataset = new.chunk(chunk).shape(extents.collect::<Vec<_>>()).create(name)?;
     // The first number makes the library write the list of chunks; later it only changes addresses in the list.
     resize_first(&dataset, 1)?;

@@ -15,17 +15,17 @@
 //!
 //! `h5repack` compresses a finished file.
 
+mod capacity;
 mod element;
 mod end_of_file;
 mod open;
-mod room;
 mod sums;
 
 use crate::watched_file::WatchedFile;
 use crate::{FileError, atomic_file, atomic_hdf5};
-pub(crate) use element::{Added, Element, Values, group, one_of};
+pub(crate) use element::{Element, NewValue, Values, group, one_of};
 use hdf5::File;
-use open::Open;
+use open::OpenFile;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 pub use sums::Damage;
@@ -41,7 +41,7 @@ const SMALL: u64 = 64 << 20;
 pub(crate) struct Frames {
     path: PathBuf,
     /// `None` after a failed write: the content of the file then stays as it is.
-    open: Option<Open>,
+    open: Option<OpenFile>,
     /// Second handle of the file, for detecting changes by others.
     file: WatchedFile,
     damage: Vec<Damage>,
@@ -69,7 +69,7 @@ impl Frames {
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let file = atomic_file::create_temporary(path).map_err(failed)?;
         let open =
-            Open::create(&atomic_file::temporary(path), kind, written).map_err(|e| FileError::write(path, &e))?;
+            OpenFile::create(&atomic_file::temporary(path), kind, written).map_err(|e| FileError::write(path, &e))?;
         let file = WatchedFile::new(path, file).map_err(failed)?;
         Ok(Self { path: path.to_owned(), open: Some(open), file, damage: Vec::new() })
     }
@@ -88,7 +88,7 @@ impl Frames {
         if !is_small {
             end_of_file::restore(file.file()).map_err(|e| FileError::write(path, &e))?;
         }
-        let open = Open::existing(path, kind.elements).map_err(|e| damaged(&e))?;
+        let open = OpenFile::existing(path, kind.elements).map_err(|e| damaged(&e))?;
         let (keep, damage) = open.kept(last).map_err(|e| damaged(&e))?;
         let mut old = Self { path: path.to_owned(), open: Some(open), file, damage };
         if old.look(|open| Ok(open.ends_with(keep)))? {
@@ -100,7 +100,7 @@ impl Frames {
         old.attempt(|open, _| open.truncate(keep))?;
         // Space that was freed would be reused: after a power failure it may be beyond the end of the file.
         old.open = None;
-        old.open = Some(Open::existing(path, kind.elements).map_err(|e| damaged(&e))?);
+        old.open = Some(OpenFile::existing(path, kind.elements).map_err(|e| damaged(&e))?);
         old.file.note_length()?;
         Ok(old)
     }
@@ -124,7 +124,7 @@ impl Frames {
 
     /// Steps of the frames, in order.
     pub(crate) fn steps_written(&self) -> Result<Vec<u64>, FileError> {
-        self.look(Open::steps_written)
+        self.look(OpenFile::steps_written)
     }
 
     /// Step, time and values of a frame.
@@ -135,12 +135,17 @@ impl Frames {
     /// Appends a frame with one value for each element of the kind, in their order. It is in
     /// the file when this returns.
     pub(crate) fn append(&mut self, kind: &Kind, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
-        let values: Vec<Added> = values.iter().map(|values| Added::Whole(values.borrowed())).collect();
+        let values: Vec<NewValue> = values.iter().map(|values| NewValue::Whole(values.borrowed())).collect();
         self.append_blocks(kind, clock, &values)
     }
 
     /// Like [`Self::append`], with values that may come block by block.
-    pub(crate) fn append_blocks(&mut self, kind: &Kind, clock: (u64, f64), values: &[Added]) -> Result<(), FileError> {
+    pub(crate) fn append_blocks(
+        &mut self,
+        kind: &Kind,
+        clock: (u64, f64),
+        values: &[NewValue],
+    ) -> Result<(), FileError> {
         self.file.check().inspect_err(|_| self.abandon())?;
         if self.look(|open| Ok(open.is_full()))? {
             let frames = self.steps_written()?.len();
@@ -174,15 +179,15 @@ impl Frames {
         atomic_file::sync(self.file.file()).map_err(|e| FileError::write(&self.path, &e))
     }
 
-    fn open(&self) -> Result<&Open, FileError> {
+    fn open(&self) -> Result<&OpenFile, FileError> {
         self.open.as_ref().ok_or_else(|| FileError::write(&self.path, &"a write to it has failed before"))
     }
 
-    fn look<T>(&self, read: impl FnOnce(&Open) -> hdf5::Result<T>) -> Result<T, FileError> {
+    fn look<T>(&self, read: impl FnOnce(&OpenFile) -> hdf5::Result<T>) -> Result<T, FileError> {
         read(self.open()?).map_err(|e| FileError::damaged(&self.path, &e))
     }
 
-    fn attempt<T>(&mut self, write: impl FnOnce(&Open, &std::fs::File) -> hdf5::Result<T>) -> Result<T, FileError> {
+    fn attempt<T>(&mut self, write: impl FnOnce(&OpenFile, &std::fs::File) -> hdf5::Result<T>) -> Result<T, FileError> {
         let error = match write(self.open()?, self.file.file()) {
             Ok(value) => return Ok(value),
             Err(error) => error,

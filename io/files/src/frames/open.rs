@@ -1,25 +1,25 @@
 //! A file of frames that is open in the HDF5 library.
 
-use super::element::{Stored, group, growing, reserve, resize_first, write_number};
-use super::room::Room;
-use super::{Added, Damage, Element, Kind, Sums, Values, end_of_file};
-use crate::{atomic_hdf5, claimed_size, stored_inside, text};
+use super::capacity::Capacity;
+use super::element::{StoredElement, group, growing, reserve, resize_first, write_number};
+use super::{Damage, Element, Kind, NewValue, Sums, Values, end_of_file};
+use crate::{atomic_hdf5, claimed_size, self_contained, text};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
 use std::path::Path;
 
 /// The file and its datasets.
-pub(super) struct Open {
+pub(super) struct OpenFile {
     file: File,
-    stored: Vec<Stored>,
+    stored: Vec<StoredElement>,
     steps: Dataset,
     times: Dataset,
     /// `None` for files of versions without checksums.
     sums: Option<Sums>,
 }
 
-impl Open {
-    /// Creates a file without frames, with room for `written` frames that will be copied to it.
+impl OpenFile {
+    /// Creates a file without frames, with capacity for `written` frames that will be copied to it.
     pub(super) fn create(path: &Path, kind: &Kind, written: usize) -> hdf5::Result<Self> {
         // A superblock of this version has no flag for files open for writing, which a killed program would leave set.
         File::with_options()
@@ -27,22 +27,22 @@ impl Open {
             .create(path)?
             .close()?;
         let file = for_writing(path)?;
-        let room = Room::new(kind.elements, kind.planned, written);
-        Self::fill(&file, kind, room).inspect_err(|_| atomic_hdf5::leave_open(&file))
+        let capacity = Capacity::new(kind.elements, kind.planned, written);
+        Self::fill(&file, kind, capacity).inspect_err(|_| atomic_hdf5::leave_open(&file))
     }
 
-    fn fill(file: &File, kind: &Kind, room: Room) -> hdf5::Result<Self> {
+    fn fill(file: &File, kind: &Kind, capacity: Capacity) -> hdf5::Result<Self> {
         let elements = kind.elements;
         let first = group(file, &elements[0].path)?;
-        let steps = reserve::<i64>(&first, "step", room)?;
-        let times = growing::<f64>(&first, "time", &[], room)?;
+        let steps = reserve::<i64>(&first, "step", capacity)?;
+        let times = growing::<f64>(&first, "time", &[], capacity)?;
         text::write_dimensions(&times, "time")?;
         let mut stored = Vec::with_capacity(elements.len());
         for element in elements {
-            stored.push(Stored::create(file, element, (&elements[0].path, room))?);
+            stored.push(StoredElement::create(file, element, (&elements[0].path, capacity))?);
         }
         let paths: Vec<String> = elements.iter().map(|element| element.path.clone()).collect();
-        let sums = Some(Sums::create(file, &paths, room)?);
+        let sums = Some(Sums::create(file, &paths, capacity)?);
         (kind.fixed)(file)?;
         file.flush()?;
         Ok(Self { file: file.clone(), stored, steps, times, sums })
@@ -51,10 +51,10 @@ impl Open {
     /// Opens a file of an earlier part of the run.
     pub(super) fn existing(path: &Path, elements: &[Element]) -> hdf5::Result<Self> {
         let file = for_writing(path)?;
-        stored_inside::check(&file)?;
+        self_contained::check(&file)?;
         let first = file.group(&elements[0].path)?;
         let (steps, times) = (first.dataset("step")?, first.dataset("time")?);
-        let stored = elements.iter().map(|element| Stored::open(&file, element)).collect::<hdf5::Result<_>>()?;
+        let stored = elements.iter().map(|element| StoredElement::open(&file, element)).collect::<hdf5::Result<_>>()?;
         let sums = Sums::open(&file)?;
         Ok(Self { file, stored, steps, times, sums })
     }
@@ -69,7 +69,7 @@ impl Open {
         self.steps.read_raw()
     }
 
-    /// Whether the file has no room for another frame.
+    /// Whether the file has no capacity for another frame.
     pub(super) fn is_full(&self) -> bool {
         let most = |d: &Dataset| d.space().ok()?.maxdims().first().copied()?;
         most(&self.steps).is_some_and(|most| self.steps.size() >= most)
@@ -88,7 +88,7 @@ impl Open {
     }
 
     /// Writes the values of a frame after the last one; returns their checksums.
-    pub(super) fn write(&self, clock: (u64, f64), values: &[Added]) -> hdf5::Result<Vec<u64>> {
+    pub(super) fn write(&self, clock: (u64, f64), values: &[NewValue]) -> hdf5::Result<Vec<u64>> {
         assert_eq!(values.len(), self.stored.len(), "a value for each element");
         let frame = self.steps.size();
         let mut sums = vec![Sums::of_clock(clock)];
@@ -139,7 +139,7 @@ impl Open {
 
     /// All datasets of frames except the steps.
     fn growing(&self) -> Vec<&Dataset> {
-        let values = self.stored.iter().map(Stored::values);
+        let values = self.stored.iter().map(StoredElement::values);
         values.chain([&self.times]).chain(self.sums.as_ref().map(Sums::stored)).collect()
     }
 
@@ -147,7 +147,7 @@ impl Open {
     pub(super) fn copy_to(&self, new: &Self, frames: usize) -> hdf5::Result<()> {
         for frame in 0..frames {
             let clock = (one::<i64>(&self.steps, frame)?, one(&self.times, frame)?);
-            let values: Vec<Added> = self.stored.iter().map(|stored| stored.blocks(frame)).collect();
+            let values: Vec<NewValue> = self.stored.iter().map(|stored| stored.blocks(frame)).collect();
             let now = new.write((clock.0 as u64, clock.1), &values)?;
             let former = self.sums.as_ref().map(|sums| sums.read(frame)).transpose()?;
             new.write_sums(frame, &former.unwrap_or(now))?;

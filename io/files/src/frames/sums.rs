@@ -1,7 +1,7 @@
 //! Checksums of frames.
 
+use super::capacity::Capacity;
 use super::element::{BLOCK, growing, one_of, resize_first, rows_of};
-use super::room::Room;
 use crate::checksum::{self, Sum};
 use bytemuck::NoUninit;
 use hdf5::types::{TypeDescriptor, VarLenUnicode};
@@ -40,10 +40,10 @@ pub struct Damage {
 
 impl Sums {
     /// Creates the dataset for frames of the elements at these paths.
-    pub(super) fn create(file: &File, paths: &[String], room: Room) -> hdf5::Result<Self> {
+    pub(super) fn create(file: &File, paths: &[String], capacity: Capacity) -> hdf5::Result<Self> {
         let names: Vec<&str> = [CLOCK].into_iter().chain(paths.iter().map(String::as_str)).collect();
         let (folder, name) = PLACE.split_once('/').expect("a group and a name");
-        let stored = growing::<u64>(&super::group(file, folder)?, name, &[names.len()], room)?;
+        let stored = growing::<u64>(&super::group(file, folder)?, name, &[names.len()], capacity)?;
         let names: Vec<VarLenUnicode> = names.into_iter().map(crate::text::scalar).collect();
         stored.new_attr_builder().with_data(&names).create("of")?;
         Self::of(file, stored)

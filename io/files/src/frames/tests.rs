@@ -156,16 +156,17 @@ fn blocks_of_rows_make_up_the_frame() {
         let (reals, integers): (Vec<f64>, Vec<i32>) = (0..150).map(|k| (0.1 * f64::from(k), k)).unzip();
         for step in 0..3 {
             let values = [
-                Added::InBlocks(Box::new(|each| reals.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
-                Added::InBlocks(Box::new(|each| integers.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
-                Added::Whole(7.0.into()),
+                NewValue::InBlocks(Box::new(|each| reals.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
+                NewValue::InBlocks(Box::new(|each| integers.chunks(3 * rows).try_for_each(|part| each(&part.into())))),
+                NewValue::Whole(7.0.into()),
             ];
             frames.append_blocks(&kind(&elements(), 4), (step, 0.5), &values).unwrap();
         }
         let ((step, time), values) = frames.frame(1).unwrap();
         assert_eq!((step, time, &values[..2]), (1, 0.5, &[reals.as_slice().into(), integers.as_slice().into()][..]));
         assert_eq!(Sums::open(&File::open(&path).unwrap()).unwrap().unwrap().read(1).unwrap()[1], checksum::of(&reals));
-        let short = [Added::Whole(reals[..3].into()), Added::Whole(integers[..].into()), Added::Whole(7.0.into())];
+        let short =
+            [NewValue::Whole(reals[..3].into()), NewValue::Whole(integers[..].into()), NewValue::Whole(7.0.into())];
         let error = frames.append_blocks(&kind(&elements(), 4), (3, 0.5), &short).unwrap_err().to_string();
         assert!(error.contains("1 rows of a value of the shape Some([50, 3])"), "{error}");
     }

@@ -3,7 +3,7 @@
 use super::entry::Entries;
 use super::{SCENE, found, is_checkpoint};
 use crate::signatures::{ANSWERS, ANSWERS_START, REPORT_START, starts_with};
-use crate::{FileError, stored_inside, text};
+use crate::{FileError, self_contained, text};
 use hdf5::types::VarLenUnicode;
 use std::path::{Path, PathBuf};
 
@@ -78,7 +78,7 @@ pub(super) fn looks_like_ours(path: &Path) -> bool {
 /// Whether an HDF5 file has the parameters that this program writes; adds the names of its tables to `tables`.
 fn is_of_this_program(path: &Path, tables: &mut Vec<String>) -> bool {
     let read = || {
-        let file = stored_inside::open(path)?;
+        let file = self_contained::open(path)?;
         let program = file.group("parameters")?.attr("program")?.read_scalar::<VarLenUnicode>()?;
         Ok((program, file.as_group()?.member_names()?))
     };

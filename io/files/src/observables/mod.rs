@@ -3,7 +3,7 @@
 mod text_table;
 
 use crate::frames::Sums;
-use crate::{FileError, claimed_size, stored_inside, text};
+use crate::{FileError, claimed_size, self_contained, text};
 use hdf5::Group;
 use hdf5::types::VarLenUnicode;
 use simulation::csv_words;
@@ -57,7 +57,7 @@ impl Observables {
     }
 
     fn try_read(path: &Path, names: &dyn Fn(&str) -> bool) -> hdf5::Result<Self> {
-        let file = stored_inside::open(path)?;
+        let file = self_contained::open(path)?;
         let groups = file.group("observables")?.groups()?;
         let Some(clock) = groups.first() else { return Err("it has no observables".into()) };
         let (steps, times): (Vec<u64>, Vec<f64>) =

@@ -53,7 +53,7 @@ pub fn disks(mut file: StartFile, parameters: &disks::Parameters) -> Result<Fitt
         notes.extend(moved(&mut file.positions, cell, &scene));
     }
     notes.extend(order::sort(&mut file)?);
-    let species = file.species.take().map(super::Kinds::labels).transpose()?;
+    let species = file.species.take().map(super::SpeciesColumn::labels).transpose()?;
     let given = GivenPositions { positions: file.positions, radii: file.radii, species, ..GivenPositions::default() };
     Ok(Fitted { given, notes })
 }

@@ -14,7 +14,7 @@ use domain::{Number, Vector};
 pub use file_box::FileBox;
 pub use fit::{Fitted, disks, spheres, strain_for_disks, strain_for_spheres};
 use scene::{SceneReader, StartSource};
-use species::Kinds;
+use species::SpeciesColumn;
 use std::fmt::{Display, Formatter};
 use std::fs::File;
 use std::io::Read;
@@ -29,7 +29,7 @@ pub struct StartFile {
     images: Option<Vec<[i32; 3]>>,
     /// Radii.
     pub radii: Option<Vec<f64>>,
-    species: Option<Kinds>,
+    species: Option<SpeciesColumn>,
     /// Numbers that identify the particles, in any order.
     ids: Option<Vec<u64>>,
     /// The box.
@@ -109,7 +109,7 @@ fn check(file: &StartFile) -> Result<(), String> {
     let count = file.positions.len();
     let lists = [
         ("radii", file.radii.as_ref().map(Vec::len)),
-        ("species", file.species.as_ref().map(Kinds::len)),
+        ("species", file.species.as_ref().map(SpeciesColumn::len)),
         ("ids", file.ids.as_ref().map(Vec::len)),
         ("images", file.images.as_ref().map(Vec::len)),
     ];

@@ -34,7 +34,7 @@ fn arranged<T: Clone>(list: &mut [T], rows: &[usize]) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::species::Kinds;
+    use super::super::species::SpeciesColumn;
     use super::*;
     use domain::Vector;
 
@@ -42,7 +42,7 @@ mod tests {
         StartFile {
             positions: ids.iter().map(|&id| Vector::X * id as f64).collect(),
             radii: Some(ids.iter().map(|&id| 1.0 + id as f64).collect()),
-            species: Some(Kinds::Indices(ids.iter().map(|&id| id as u32).collect())),
+            species: Some(SpeciesColumn::Indices(ids.iter().map(|&id| id as u32).collect())),
             images: Some(ids.iter().map(|&id| [id as i32; 3]).collect()),
             ids: Some(ids.to_vec()),
             ..StartFile::default()

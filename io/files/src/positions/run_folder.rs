@@ -1,6 +1,6 @@
 //! Positions from the folder of a run: a frame of the trajectory, or the last checkpoint if there is no trajectory.
 
-use super::species::Kinds;
+use super::species::SpeciesColumn;
 use super::{FileBox, StartFile, TakenFrame, frame};
 use crate::{Checkpoints, FileError, Latest};
 use domain::{Comm, PeriodicBox, Vector};
@@ -61,10 +61,10 @@ fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
 }
 
 /// Species of a run by number, with the names in its scene.
-pub(super) fn recorded(numbers: Vec<u32>, scene: &Scene) -> Kinds {
-    let Kind::Suspension(scene) = scene.kind() else { return Kinds::Indices(numbers) };
+pub(super) fn recorded(numbers: Vec<u32>, scene: &Scene) -> SpeciesColumn {
+    let Kind::Suspension(scene) = scene.kind() else { return SpeciesColumn::Indices(numbers) };
     let names = scene.model.species.iter().map(|species| species.name.clone()).collect();
-    Kinds::Recorded { numbers, names }
+    SpeciesColumn::Recorded { numbers, names }
 }
 
 fn sheared(edges: Vector, strain: f64) -> Result<FileBox, String> {

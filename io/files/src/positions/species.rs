@@ -5,7 +5,7 @@ use suspension::Species;
 
 /// Species of particles as a file specifies them.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Kinds {
+pub(super) enum SpeciesColumn {
     /// Numbers from 0, in the order of the scene.
     Indices(Vec<u32>),
     /// Numbers from 1, in the order of the scene.
@@ -30,9 +30,9 @@ const NOTHING: &str = "X";
 
 /// Species of a scene for each sphere, if the file determines them; and a note on the
 /// assignment, if the user should know.
-pub(super) type Assigned = (Option<Vec<u32>>, Option<String>);
+pub(super) type Assignment = (Option<Vec<u32>>, Option<String>);
 
-impl Kinds {
+impl SpeciesColumn {
     pub(super) fn len(&self) -> usize {
         match self {
             Self::Indices(numbers) | Self::Types(numbers) | Self::Recorded { numbers, .. } => numbers.len(),
@@ -49,7 +49,7 @@ impl Kinds {
     }
 
     /// Species of the scene for each particle.
-    pub(super) fn assigned(self, species: &[Species]) -> Result<Assigned, String> {
+    pub(super) fn assigned(self, species: &[Species]) -> Result<Assignment, String> {
         match self {
             Self::Indices(numbers) => indices(numbers, species.len()).map(|numbers| (Some(numbers), None)),
             Self::Types(numbers) => types(numbers, species.len()).map(|numbers| (Some(numbers), None)),
@@ -100,7 +100,7 @@ fn types(numbers: Vec<u32>, count: usize) -> Result<Vec<u32>, String> {
 }
 
 impl Names {
-    fn assigned(self, species: &[Species]) -> Result<Assigned, String> {
+    fn assigned(self, species: &[Species]) -> Result<Assignment, String> {
         let place = |name: &String| species.iter().position(|s| s.name == *name).map(|place| place as u32);
         let places: Vec<Option<u32>> = self.list.iter().map(place).collect();
         if let Some(places) = places.iter().copied().collect::<Option<Vec<u32>>>() {
@@ -122,7 +122,7 @@ impl Names {
 
     /// Assigns species by the order of rows if the names are unknown to the scene but consistent with that: rows of
     /// one name must be of one species.
-    fn by_order(self, species: &[Species]) -> Result<Assigned, String> {
+    fn by_order(self, species: &[Species]) -> Result<Assignment, String> {
         let is_unnamed = species.iter().enumerate().all(|(index, s)| s.name == format!("{}", index + 1));
         let may_be_symbols = self.are_symbols || is_unnamed || self.list == [NOTHING];
         if !may_be_symbols || !self.fits_order(species) {
@@ -180,7 +180,7 @@ mod tests {
         names.iter().map(|name| Species::new(name, 1.0, 2)).collect()
     }
 
-    fn named(rows: &[&str], are_symbols: bool) -> Kinds {
+    fn named(rows: &[&str], are_symbols: bool) -> SpeciesColumn {
         let mut list: Vec<String> = Vec::new();
         let mut place = |row: &&str| {
             list.iter().position(|name| name == row).unwrap_or_else(|| {
@@ -189,7 +189,7 @@ mod tests {
             }) as u32
         };
         let of = rows.iter().map(&mut place).collect();
-        Kinds::Names(Names { list, of, are_symbols })
+        SpeciesColumn::Names(Names { list, of, are_symbols })
     }
 
     fn found(rows: &[&str], are_symbols: bool, names: &[&str]) -> Result<Option<Vec<u32>>, String> {
@@ -232,7 +232,7 @@ mod tests {
     fn species_of_a_former_run_keep_their_names_or_else_their_numbers() {
         let names = ["A", "B", "gone"].map(str::to_owned).to_vec();
         let of = |numbers: &[u32], scene: &[Species]| {
-            let kinds = Kinds::Recorded { numbers: numbers.to_vec(), names: names.clone() };
+            let kinds = SpeciesColumn::Recorded { numbers: numbers.to_vec(), names: names.clone() };
             kinds.assigned(scene).map(|(species, _)| species.unwrap())
         };
         assert_eq!(of(&[0, 1, 0], &scene(&["B", "A"])), Ok(vec![1, 0, 1]));
@@ -245,13 +245,13 @@ mod tests {
     #[test]
     fn numbers_beyond_the_species_are_refused() {
         let species = scene(&["A", "B"]);
-        let of = |kinds: Kinds| kinds.assigned(&species).map(|(species, _)| species.unwrap());
-        assert_eq!(of(Kinds::Indices(vec![1, 0])), Ok(vec![1, 0]));
-        assert_eq!(of(Kinds::Types(vec![2, 1])), Ok(vec![1, 0]));
-        let message = of(Kinds::Indices(vec![1, 2])).unwrap_err();
+        let of = |kinds: SpeciesColumn| kinds.assigned(&species).map(|(species, _)| species.unwrap());
+        assert_eq!(of(SpeciesColumn::Indices(vec![1, 0])), Ok(vec![1, 0]));
+        assert_eq!(of(SpeciesColumn::Types(vec![2, 1])), Ok(vec![1, 0]));
+        let message = of(SpeciesColumn::Indices(vec![1, 2])).unwrap_err();
         assert!(message.contains("species 2; the scene has 2 species, from 0; numbers from 1"), "{message}");
-        assert!(of(Kinds::Types(vec![1, 3])).unwrap_err().contains("type 3"));
-        assert!(of(Kinds::Types(vec![0])).is_err());
-        assert_eq!(Kinds::Types(vec![3, 1]).labels(), Ok(vec![2, 0]));
+        assert!(of(SpeciesColumn::Types(vec![1, 3])).unwrap_err().contains("type 3"));
+        assert!(of(SpeciesColumn::Types(vec![0])).is_err());
+        assert_eq!(SpeciesColumn::Types(vec![3, 1]).labels(), Ok(vec![2, 0]));
     }
 }

@@ -36,7 +36,7 @@ fn put<T: hdf5::H5Type, D: ndarray::Dimension>(group: &hdf5::Group, name: &str, 
 fn csv_is_read_by_its_names() {
     let placed = read("a.csv", "# by hand\nradius, x, y, z, species\n1.5, 1, 2, 3, 0\n\n2.5, 4, 5e-1, 6, 1\n").unwrap();
     assert_eq!(placed.positions, [Vector::new(1.0, 2.0, 3.0), Vector::new(4.0, 0.5, 6.0)]);
-    assert_eq!((placed.radii, placed.species), (Some(vec![1.5, 2.5]), Some(Kinds::Indices(vec![0, 1]))));
+    assert_eq!((placed.radii, placed.species), (Some(vec![1.5, 2.5]), Some(SpeciesColumn::Indices(vec![0, 1]))));
     assert!(read("a.csv", "x,y,z\n1,2,3\n1,two,3\n").unwrap_err().contains("line 3 has two"));
     assert!(read("a.csv", "x,y,z\n1,2,nan\n").unwrap_err().contains("position 0 is"));
 }
@@ -51,7 +51,7 @@ fn numbers_that_mean_nothing_are_refused() {
     assert!(message("a.csv", "x,y,z,species\n1,2,3,-1\n").contains("line 2 has species -1; species are whole"));
     assert!(message("a.csv", "x,y,z,species\n1,2,3,0.5\n").contains("line 2 has species 0.5"));
     let placed = read("a.csv", "x,y,z,species\n1,2,3,1.0\n").unwrap();
-    assert_eq!(placed.species, Some(Kinds::Indices(vec![1])));
+    assert_eq!(placed.species, Some(SpeciesColumn::Indices(vec![1])));
     assert!(message("a.csv", "x,y,z,species\n1,2,3,\n").contains("line 2 has no species"));
     assert!(message("a.csv", "x,y,z\n").contains("it has no positions"));
 }

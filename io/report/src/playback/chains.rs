@@ -1,7 +1,7 @@
 //! Contact forces as lines between centres.
 
 use super::in_box;
-use crate::base64::base64;
+use base64::prelude::{BASE64_STANDARD, Engine};
 use domain::{Number, PeriodicBox, Vector};
 use files::{RecordedContacts, Snapshot};
 use serde_json::{Value, json};
@@ -79,7 +79,10 @@ impl Chains {
         }
         let unit = 255.0 / self.largest().max(f64::MIN_POSITIVE);
         let widths: Vec<u8> = self.forces.iter().map(|&force| (f64::from(force) * unit).round() as u8).collect();
-        vec![("chains".to_owned(), base64(self.places.as_flattened())), ("widths".to_owned(), base64(&widths))]
+        vec![
+            ("chains".to_owned(), BASE64_STANDARD.encode(self.places.as_flattened())),
+            ("widths".to_owned(), BASE64_STANDARD.encode(&widths)),
+        ]
     }
 }
 

@@ -6,7 +6,7 @@ mod colouring;
 #[cfg(test)]
 mod tests;
 
-use crate::base64::base64;
+use base64::prelude::{BASE64_STANDARD, Engine};
 use chains::Chains;
 use chosen::chosen;
 pub(super) use colouring::Colours;
@@ -122,9 +122,13 @@ impl Playback {
             "chains": self.chains.described(),
         });
         let radii: Vec<u8> = self.radii.iter().flat_map(|radius| radius.to_le_bytes()).collect();
-        let lists = [("radii".to_owned(), base64(&radii)), ("positions".to_owned(), base64(&self.positions))];
+        let lists = [
+            ("radii".to_owned(), BASE64_STANDARD.encode(&radii)),
+            ("positions".to_owned(), BASE64_STANDARD.encode(&self.positions)),
+        ];
         let of_colours = self.colourings.iter().enumerate();
-        let of_colours = of_colours.map(|(k, colouring)| (format!("colouring-{k}"), base64(&colouring.values)));
+        let of_colours =
+            of_colours.map(|(k, colouring)| (format!("colouring-{k}"), BASE64_STANDARD.encode(&colouring.values)));
         (description, lists.into_iter().chain(of_colours).chain(self.chains.lists()).collect())
     }
 }

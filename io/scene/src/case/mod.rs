@@ -10,7 +10,7 @@ pub use boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
 pub use bounded_box::{CaseBox, CaseBoxError};
 pub use method::{CaseMethod, UnknownMethod};
 
-use crate::document::{Alternative, Misfit, Node, NumberOr, bounded};
+use crate::document::{Alternative, Node, NumberOr, TypeMismatch, bounded};
 use domain::{AxisRotation, PeriodicBox};
 use serde::{Deserialize, Serialize};
 
@@ -145,12 +145,12 @@ impl Case {
     /// Checks a case in JSON.
     pub fn parse(text: &str) -> Result<Self, String> {
         let document = Node::of_json(text).map_err(|e| bounded(&e.to_string()))?;
-        Self::of_document(&document, &|misfit| misfit.in_words(Self::DOCUMENT))
+        Self::of_document(&document, &|mismatch| mismatch.in_words(Self::DOCUMENT))
     }
 
     /// Checks a document of any format; `in_words` is the message about a value of the wrong form.
-    pub fn of_document(document: &Node, in_words: &dyn Fn(&Misfit) -> String) -> Result<Self, String> {
-        let case: Self = document.read().map_err(|misfit| bounded(&in_words(&misfit)))?;
+    pub fn of_document(document: &Node, in_words: &dyn Fn(&TypeMismatch) -> String) -> Result<Self, String> {
+        let case: Self = document.read().map_err(|mismatch| bounded(&in_words(&mismatch)))?;
         case.check()?;
         Ok(case)
     }

@@ -1,6 +1,6 @@
 //! The strict reader of documents.
 
-use super::{Entry, Misfit, Node, Value};
+use super::{Entry, Node, TypeMismatch, Value};
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
@@ -13,17 +13,17 @@ const LIST: &str = "a list";
 const SECTION: &str = "a section of keys";
 
 impl Node {
-    fn not(&self, expected: &str) -> Misfit {
-        Misfit::of_type(self.value.shown(), expected)
+    fn not(&self, expected: &str) -> TypeMismatch {
+        TypeMismatch::of_type(self.value.shown(), expected)
     }
 
     /// Items of a list.
-    fn items(&self, expected: &str) -> Result<&[Node], Misfit> {
+    fn items(&self, expected: &str) -> Result<&[Node], TypeMismatch> {
         if let Value::List(items) = &self.value { Ok(items) } else { Err(self.not(expected)) }
     }
 
     /// The number, if it is representable exactly.
-    fn number(&self) -> Result<f64, Misfit> {
+    fn number(&self) -> Result<f64, TypeMismatch> {
         match &self.value {
             Value::Real(number) => Ok(*number),
             Value::Whole(number) => number.real().ok_or_else(|| {
@@ -35,27 +35,27 @@ impl Node {
         }
     }
 
-    fn text_or(&self, expected: &str) -> Result<&str, Misfit> {
+    fn text_or(&self, expected: &str) -> Result<&str, TypeMismatch> {
         self.text().ok_or_else(|| self.not(expected))
     }
 }
 
 /// Visits all items of a list, and refuses a list with surplus items.
-fn pass_all<'de, V: Visitor<'de>>(list: &[Node], visitor: V) -> Result<V::Value, Misfit> {
+fn pass_all<'de, V: Visitor<'de>>(list: &[Node], visitor: V) -> Result<V::Value, TypeMismatch> {
     let mut items = Items { list, passed: 0 };
     let value = visitor.visit_seq(&mut items)?;
     if items.passed == list.len() { Ok(value) } else { Err(other_length(list, items.passed)) }
 }
 
 /// Error of a list whose length differs from the wanted one.
-fn other_length(list: &[Node], wanted: usize) -> Misfit {
+fn other_length(list: &[Node], wanted: usize) -> TypeMismatch {
     let things = match list.first().map(|item| &item.value) {
         Some(Value::List(_)) => " lists",
         Some(Value::Text(_)) => " words",
         Some(Value::Whole(_) | Value::Real(_)) => " numbers",
         _ => "",
     };
-    Misfit::of_type(format!("a list of length {}", list.len()), format!("a list of {wanted}{things}"))
+    TypeMismatch::of_type(format!("a list of length {}", list.len()), format!("a list of {wanted}{things}"))
 }
 
 struct Items<'a> {
@@ -64,12 +64,12 @@ struct Items<'a> {
 }
 
 impl<'de> SeqAccess<'de> for Items<'_> {
-    type Error = Misfit;
+    type Error = TypeMismatch;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Misfit> {
+    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, TypeMismatch> {
         let Some(item) = self.list.get(self.passed) else { return Ok(None) };
         self.passed += 1;
-        seed.deserialize(item).map(Some).map_err(|misfit| misfit.in_item(self.passed - 1))
+        seed.deserialize(item).map(Some).map_err(|mismatch| mismatch.in_item(self.passed - 1))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -83,30 +83,30 @@ struct Entries<'a> {
 }
 
 impl<'de> MapAccess<'de> for Entries<'_> {
-    type Error = Misfit;
+    type Error = TypeMismatch;
 
-    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Misfit> {
+    fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, TypeMismatch> {
         self.next = self.list.next();
-        let key = |entry: &Entry| seed.deserialize::<StrDeserializer<Misfit>>((*entry.key).into_deserializer());
+        let key = |entry: &Entry| seed.deserialize::<StrDeserializer<TypeMismatch>>((*entry.key).into_deserializer());
         self.next.map(key).transpose()
     }
 
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Misfit> {
+    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, TypeMismatch> {
         let entry = self.next.expect("a key was asked for before its value");
-        seed.deserialize(&entry.node).map_err(|misfit| misfit.in_key(&entry.key))
+        seed.deserialize(&entry.node).map_err(|mismatch| mismatch.in_key(&entry.key))
     }
 }
 
 /// Methods for whole numbers.
 macro_rules! whole_numbers {
     ($($unsigned:ident)*; $($signed:ident)*) => {
-        $(fn $unsigned<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        $(fn $unsigned<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
             match &self.value {
                 Value::Whole(number) if !number.is_negative || number.size == 0 => visitor.visit_u64(number.size),
                 _ => Err(self.not(COUNT)),
             }
         })*
-        $(fn $signed<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+        $(fn $signed<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
             let Value::Whole(number) = &self.value else { return Err(self.not(WHOLE)) };
             let size = i64::try_from(number.size).map_err(|_| self.not(WHOLE))?;
             visitor.visit_i64(if number.is_negative { -size } else { size })
@@ -115,9 +115,9 @@ macro_rules! whole_numbers {
 }
 
 impl<'de> Deserializer<'de> for &Node {
-    type Error = Misfit;
+    type Error = TypeMismatch;
 
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         match &self.value {
             Value::Null => visitor.visit_unit(),
             Value::Bool(value) => visitor.visit_bool(*value),
@@ -128,7 +128,7 @@ impl<'de> Deserializer<'de> for &Node {
         }
     }
 
-    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         if let Value::Bool(value) = self.value { visitor.visit_bool(value) } else { Err(self.not(BOOL)) }
     }
 
@@ -137,35 +137,39 @@ impl<'de> Deserializer<'de> for &Node {
         deserialize_i8 deserialize_i16 deserialize_i32 deserialize_i64
     }
 
-    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_f32<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         visitor.visit_f64(self.number()?)
     }
 
-    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         visitor.visit_f64(self.number()?)
     }
 
-    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         visitor.visit_str(self.text_or(TEXT)?)
     }
 
-    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_string<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         visitor.visit_str(self.text_or(TEXT)?)
     }
 
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         if self.value == Value::Null { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
-    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, TypeMismatch> {
         visitor.visit_newtype_struct(self)
     }
 
-    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         pass_all(self.items(LIST)?, visitor)
     }
 
-    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_tuple<V: Visitor<'de>>(self, length: usize, visitor: V) -> Result<V::Value, TypeMismatch> {
         let items = self.items(&format!("a list of {length}"))?;
         if items.len() == length { pass_all(items, visitor) } else { Err(other_length(items, length)) }
     }
@@ -175,11 +179,11 @@ impl<'de> Deserializer<'de> for &Node {
         _: &'static str,
         length: usize,
         visitor: V,
-    ) -> Result<V::Value, Misfit> {
+    ) -> Result<V::Value, TypeMismatch> {
         self.deserialize_tuple(length, visitor)
     }
 
-    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         let Value::Section(entries) = &self.value else { return Err(self.not(SECTION)) };
         visitor.visit_map(Entries { list: entries.iter(), next: None })
     }
@@ -189,7 +193,7 @@ impl<'de> Deserializer<'de> for &Node {
         _: &'static str,
         _: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Misfit> {
+    ) -> Result<V::Value, TypeMismatch> {
         self.deserialize_map(visitor)
     }
 
@@ -198,9 +202,9 @@ impl<'de> Deserializer<'de> for &Node {
         _: &'static str,
         words: &'static [&'static str],
         visitor: V,
-    ) -> Result<V::Value, Misfit> {
+    ) -> Result<V::Value, TypeMismatch> {
         let word = self.text_or(&format!("one of the words {}", words.join(", ")))?;
-        visitor.visit_enum::<StrDeserializer<Misfit>>(word.into_deserializer())
+        visitor.visit_enum::<StrDeserializer<TypeMismatch>>(word.into_deserializer())
     }
 
     serde::forward_to_deserialize_any! {

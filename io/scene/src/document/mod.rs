@@ -4,17 +4,17 @@
 mod deserializer;
 mod excerpt;
 mod json;
-mod misfit;
 mod names;
 mod number_or;
 mod toml_text;
+mod type_mismatch;
 mod value;
 
 pub use excerpt::{bounded, excerpt};
-pub use misfit::Misfit;
 pub use names::known;
 pub use number_or::{Alternative, NumberOr};
 pub use toml_text::line;
+pub use type_mismatch::TypeMismatch;
 pub use value::{Entry, Node, Value, Whole};
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Suggestion of the nearest known name.
 
+use strsim::osa_distance;
+
 /// Largest number of letters of a name that may be a misspelling.
 const LONGEST: usize = 60;
 
@@ -9,7 +11,7 @@ fn nearest<'a>(name: &str, known: &[&'a str]) -> Option<&'a str> {
         return None;
     }
     let name = name.to_lowercase().replace('_', "-");
-    let distance = |other: &str| edits(&name, &other.to_lowercase().replace('_', "-"));
+    let distance = |other: &str| osa_distance(&name, &other.to_lowercase().replace('_', "-"));
     let (best, edits) = known.iter().map(|&k| (k, distance(k))).min_by_key(|&(_, d)| d)?;
     (edits <= 1 + name.chars().count() / 3).then_some(best)
 }
@@ -23,26 +25,6 @@ pub fn known(name: &str, known: &[&str]) -> String {
     }
 }
 
-/// Number of letters to insert, delete, replace or swap with their neighbour (Damerau's distance,
-/// each letter touched once).
-fn edits(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![(0..=b.len()).collect::<Vec<_>>()];
-    for i in 1..=a.len() {
-        let mut row = vec![i];
-        for j in 1..=b.len() {
-            let replaced = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut least = replaced.min(rows[i - 1][j] + 1).min(row[j - 1] + 1);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                least = least.min(rows[i - 2][j - 2] + 1);
-            }
-            row.push(least);
-        }
-        rows.push(row);
-    }
-    rows[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -53,6 +35,6 @@ mod tests {
         assert_eq!(nearest("raduis", &names), Some("radius"));
         assert_eq!(nearest("volume-fraction", &names), Some("volume_fraction"));
         assert_eq!(nearest("colour", &names), None);
-        assert_eq!((edits("kitten", "sitting"), edits("ab", "ba"), edits("", "abc")), (3, 1, 3));
+        assert_eq!([osa_distance("kitten", "sitting"), osa_distance("ab", "ba"), osa_distance("", "abc")], [3, 1, 3]);
     }
 }

@@ -33,12 +33,12 @@ enum Word {
 }
 
 fn read(text: &str) -> Result<Scene, String> {
-    Node::of_toml(text).unwrap().read().map_err(|misfit: Misfit| misfit.in_words("a scene"))
+    Node::of_toml(text).unwrap().read().map_err(|mismatch: TypeMismatch| mismatch.in_words("a scene"))
 }
 
 fn read_json(text: &str) -> Result<Scene, String> {
     let node = Node::of_json(text).map_err(|error| error.to_string())?;
-    node.read().map_err(|misfit: Misfit| misfit.in_words("a case"))
+    node.read().map_err(|mismatch: TypeMismatch| mismatch.in_words("a case"))
 }
 
 #[test]

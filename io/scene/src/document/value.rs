@@ -1,6 +1,6 @@
 //! The values of a document.
 
-use super::{Misfit, excerpt};
+use super::{TypeMismatch, excerpt};
 use serde::de::DeserializeOwned;
 use std::num::NonZeroU32;
 
@@ -65,7 +65,7 @@ impl Node {
     }
 
     /// Deserialises the value as a type. The error names the key.
-    pub fn read<T: DeserializeOwned>(&self) -> Result<T, Misfit> {
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, TypeMismatch> {
         T::deserialize(self)
     }
 

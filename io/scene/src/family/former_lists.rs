@@ -1,6 +1,6 @@
 //! Lists of `[sweep]` in scenes of sheared disks by their names in former versions.
 
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::kind_names::KINDS;
 use toml::{Table, Value};
 
@@ -22,7 +22,7 @@ pub(super) struct Renamed {
 
 impl Renamed {
     /// Renames the lists of a text that has some.
-    pub(super) fn of(text: String) -> Result<Self, Fault> {
+    pub(super) fn of(text: String) -> Result<Self, KeyError> {
         let unchanged = |text| Ok(Self { text, names: Vec::new() });
         let Ok(mut table) = toml::from_str::<Table>(&text) else { return unchanged(text) };
         let is_of_disks = table.get("kind").and_then(Value::as_str) == Some(KINDS[1]);
@@ -36,7 +36,7 @@ impl Renamed {
             let twice = if former == "seeds" { ensemble(&mut table, list) } else { sweep.insert(key.to_owned(), list) };
             if twice.is_some() {
                 let message = format!("is the former name of {}, which is set too; leave one of them out", shown(key));
-                return Err(Fault::new(format!("sweep.{former}"), message));
+                return Err(KeyError::new(format!("sweep.{former}"), message));
             }
             names.push((former, key));
         }
@@ -46,7 +46,7 @@ impl Renamed {
         if !sweep.is_empty() {
             table.insert("sweep".to_owned(), Value::Table(sweep));
         }
-        let text = toml::to_string(&table).map_err(|error| Fault::new("sweep", error.to_string()))?;
+        let text = toml::to_string(&table).map_err(|error| KeyError::new("sweep", error.to_string()))?;
         Ok(Self { text, names })
     }
 
@@ -57,7 +57,7 @@ impl Renamed {
     }
 
     /// A fault in the renamed text with the name of the key that was written.
-    pub(super) fn as_written(&self, fault: Fault) -> Fault {
+    pub(super) fn as_written(&self, fault: KeyError) -> KeyError {
         let written = |(former, key): &(&str, &str)| {
             let quoted = fault.key().strip_prefix("sweep.\"").and_then(|key| key.strip_suffix('"'));
             let within = quoted.unwrap_or(fault.key()).strip_prefix(key)?;
@@ -77,7 +77,7 @@ fn ensemble(table: &mut Table, seeds: Value) -> Option<Value> {
 }
 
 /// Former sweeps of the rate ended at one strain, however their length was given.
-fn check(former: &str, list: &Value, table: &Table) -> Result<(), Fault> {
+fn check(former: &str, list: &Value, table: &Table) -> Result<(), KeyError> {
     let is_one = list.as_array().is_none_or(|rates| rates.len() < 2);
     let has_strain = table.get("time").and_then(|time| time.get("strain")).is_some();
     if former != "rates" || is_one || has_strain {
@@ -85,7 +85,7 @@ fn check(former: &str, list: &Value, table: &Table) -> Result<(), Fault> {
     }
     let message = "is the former name of \"flow.rate\", whose runs end at the same strain by time.strain only; set \
         that in place of time.steps or time.duration";
-    Err(Fault::new("sweep.rates", message))
+    Err(KeyError::new("sweep.rates", message))
 }
 
 /// A key as it is written: swept ones in quotes.

@@ -1,7 +1,7 @@
 //! The sections `[ensemble]` and `[sweep]`: lists of seeds, and of values of keys.
 
 use super::{SECTIONS, shown};
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::overrides;
 use crate::overrides::is_in;
 use std::collections::HashSet;
@@ -40,8 +40,8 @@ const NOT_SWEPT: [(&str, &str); 5] = [
 
 impl Lists {
     /// Reads the lists of a text that is known to be TOML.
-    pub(super) fn read(text: &str) -> Result<Self, Fault> {
-        let mut table: Table = toml::from_str(text).map_err(|error| Fault::new("sweep", error.to_string()))?;
+    pub(super) fn read(text: &str) -> Result<Self, KeyError> {
+        let mut table: Table = toml::from_str(text).map_err(|error| KeyError::new("sweep", error.to_string()))?;
         let seeds = table.get("ensemble").map(seeds).transpose()?;
         let (keys, points) = match table.remove("sweep") {
             None => (Vec::new(), vec![Vec::new()]),
@@ -53,7 +53,7 @@ impl Lists {
                      key",
                     shown(&other)
                 );
-                return Err(Fault::new("sweep", message));
+                return Err(KeyError::new("sweep", message));
             }
         };
         keys.iter().try_for_each(|key| check_key(key, &keys))?;
@@ -62,33 +62,36 @@ impl Lists {
     }
 }
 
-fn seeds(ensemble: &Value) -> Result<Seeds, Fault> {
+fn seeds(ensemble: &Value) -> Result<Seeds, KeyError> {
     let Some(table) = ensemble.as_table() else {
-        return Err(Fault::new("ensemble", format!("is {}; write a section: [ensemble] seeds = 8", shown(ensemble))));
+        return Err(KeyError::new(
+            "ensemble",
+            format!("is {}; write a section: [ensemble] seeds = 8", shown(ensemble)),
+        ));
     };
     if let Some(key) = table.keys().find(|key| *key != "seeds") {
-        return Err(Fault::new(format!("ensemble.{key}"), "is not a key of a scene; known here: seeds"));
+        return Err(KeyError::new(format!("ensemble.{key}"), "is not a key of a scene; known here: seeds"));
     }
     let key = "ensemble.seeds";
-    let wrong = |found: &Value| Fault::new(key, format!("has {}; seeds are whole numbers, 0 or more", shown(found)));
+    let wrong = |found: &Value| KeyError::new(key, format!("has {}; seeds are whole numbers, 0 or more", shown(found)));
     let seed = |value: &Value| value.as_integer().and_then(|n| u64::try_from(n).ok()).ok_or_else(|| wrong(value));
     match table.get("seeds") {
-        None => Err(Fault::new(key, "is missing; give the number of seeds, or a list of them")),
+        None => Err(KeyError::new(key, "is missing; give the number of seeds, or a list of them")),
         Some(Value::Integer(count)) => match u64::try_from(*count) {
             Ok(count) if (1..=MOST_SEEDS).contains(&count) => Ok(Seeds::Count(count)),
-            _ => Err(Fault::new(key, format!("is {count}; it needs 1 <= seeds <= {MOST_SEEDS}"))),
+            _ => Err(KeyError::new(key, format!("is {count}; it needs 1 <= seeds <= {MOST_SEEDS}"))),
         },
-        Some(Value::Array(list)) if list.is_empty() => Err(Fault::new(key, EMPTY)),
+        Some(Value::Array(list)) if list.is_empty() => Err(KeyError::new(key, EMPTY)),
         Some(Value::Array(list)) => {
             let list = list.iter().map(seed).collect::<Result<Vec<_>, _>>()?;
             let mut seen = HashSet::new();
             match list.iter().find(|seed| !seen.insert(**seed)) {
-                Some(twice) => Err(Fault::new(key, format!("has {twice} {TWICE}"))),
+                Some(twice) => Err(KeyError::new(key, format!("has {twice} {TWICE}"))),
                 None => Ok(Seeds::Listed(list)),
             }
         }
         Some(other) => {
-            Err(Fault::new(key, format!("is {}; give the number of seeds, or a list of them", shown(other))))
+            Err(KeyError::new(key, format!("is {}; give the number of seeds, or a list of them", shown(other))))
         }
     }
 }
@@ -98,13 +101,13 @@ const TWICE: &str = "more than once; the runs would be the same: list each value
 
 impl Seeds {
     /// The seeds of a scene whose own is `first`.
-    pub(super) fn from(self, first: u64) -> Result<Vec<u64>, Fault> {
+    pub(super) fn from(self, first: u64) -> Result<Vec<u64>, KeyError> {
         match self {
             Self::Listed(seeds) => Ok(seeds),
             Self::Count(count) => match first.checked_add(count - 1).filter(|last| i64::try_from(*last).is_ok()) {
                 Some(last) => Ok((first..=last).collect()),
                 None => {
-                    Err(Fault::new("ensemble.seeds", format!("is {count}; from seed {first} there are not so many")))
+                    Err(KeyError::new("ensemble.seeds", format!("is {count}; from seed {first} there are not so many")))
                 }
             },
         }
@@ -114,9 +117,9 @@ impl Seeds {
 type Points = (Vec<String>, Vec<Vec<Value>>);
 
 /// Every combination of the values of some keys; the last key changes first.
-fn grid(lists: Vec<(String, Value)>) -> Result<Points, Fault> {
+fn grid(lists: Vec<(String, Value)>) -> Result<Points, KeyError> {
     if lists.is_empty() {
-        return Err(Fault::new(
+        return Err(KeyError::new(
             "sweep",
             "has no keys; write a key in quotes and a list of its values, or leave it out",
         ));
@@ -125,17 +128,17 @@ fn grid(lists: Vec<(String, Value)>) -> Result<Points, Fault> {
     for (key, values) in &lists {
         let Value::Array(values) = values else {
             let message = format!("is {0}; list its values, as in [{0}]", shown(values));
-            return Err(Fault::new(named(key), message));
+            return Err(KeyError::new(named(key), message));
         };
         if values.is_empty() {
-            return Err(Fault::new(named(key), EMPTY));
+            return Err(KeyError::new(named(key), EMPTY));
         }
         check_different(
             std::slice::from_ref(key),
             &values.iter().map(|value| vec![value.clone()]).collect::<Vec<_>>(),
         )?;
         if points.len().saturating_mul(values.len()) > super::MOST {
-            return Err(Fault::new("sweep", format!("has more than {} points; list fewer values", super::MOST)));
+            return Err(KeyError::new("sweep", format!("has more than {} points; list fewer values", super::MOST)));
         }
         let with = |point: &Vec<Value>| {
             values.iter().map(|value| [&point[..], std::slice::from_ref(value)].concat()).collect::<Vec<_>>()
@@ -146,28 +149,29 @@ fn grid(lists: Vec<(String, Value)>) -> Result<Points, Fault> {
 }
 
 /// Points that are listed one by one, each with all keys.
-fn listed(points: Vec<Value>, text: &str) -> Result<Points, Fault> {
+fn listed(points: Vec<Value>, text: &str) -> Result<Points, KeyError> {
     let points: Vec<Table> = points.into_iter().filter_map(|point| point.try_into().ok()).collect();
     if points.is_empty() {
-        return Err(Fault::new("sweep", EMPTY));
+        return Err(KeyError::new("sweep", EMPTY));
     }
     let keys: Vec<String> = in_order(points[0].clone(), text).into_iter().map(|(key, _)| key).collect();
     if keys.is_empty() {
-        return Err(Fault::new("sweep[0]", "has no keys; write a key in quotes and its value"));
+        return Err(KeyError::new("sweep[0]", "has no keys; write a key in quotes and its value"));
     }
     let values = |(place, point): (usize, Table)| {
         let mut leaves = leaves(point);
         let taken = keys.iter().map(|key| {
             let found = leaves.iter().position(|(other, _)| other == key);
             let missing =
-                || Fault::new(format!("sweep[{place}]"), format!("has no {key}; each point sets the same keys"));
+                || KeyError::new(format!("sweep[{place}]"), format!("has no {key}; each point sets the same keys"));
             found.map(|found| leaves.swap_remove(found).1).ok_or_else(missing)
         });
         let values = taken.collect::<Result<Vec<_>, _>>()?;
         match leaves.first() {
-            Some((key, _)) => {
-                Err(Fault::new(format!("sweep[{place}]"), format!("has {key} besides; each point sets the same keys")))
-            }
+            Some((key, _)) => Err(KeyError::new(
+                format!("sweep[{place}]"),
+                format!("has {key} besides; each point sets the same keys"),
+            )),
             None => Ok(values),
         }
     };
@@ -213,31 +217,32 @@ fn collect_places(table: &DeTable, path: &str, places: &mut Vec<(String, usize)>
 }
 
 /// Refuses a key that makes no member of its own, or is in another swept key.
-fn check_key(key: &str, keys: &[String]) -> Result<(), Fault> {
-    overrides::check_key(key).map_err(|message| Fault::new("sweep", format!("has a key that is none: {message}")))?;
+fn check_key(key: &str, keys: &[String]) -> Result<(), KeyError> {
+    overrides::check_key(key)
+        .map_err(|message| KeyError::new("sweep", format!("has a key that is none: {message}")))?;
     if let Some((_, why)) = NOT_SWEPT.iter().find(|(other, _)| is_in(key, other)) {
-        return Err(Fault::new(named(key), *why));
+        return Err(KeyError::new(named(key), *why));
     }
     if SECTIONS.iter().any(|section| is_in(key, section)) {
-        return Err(Fault::new(named(key), "is not swept: a member of a family is no family"));
+        return Err(KeyError::new(named(key), "is not swept: a member of a family is no family"));
     }
     match keys.iter().filter(|other| is_in(key, other)).count() {
         1 => Ok(()),
-        _ => Err(Fault::new(named(key), "is swept twice, by itself or as a part of another key; list it once")),
+        _ => Err(KeyError::new(named(key), "is swept twice, by itself or as a part of another key; list it once")),
     }
 }
 
 /// Refuses points of the same values.
-fn check_different(keys: &[String], points: &[Vec<Value>]) -> Result<(), Fault> {
+fn check_different(keys: &[String], points: &[Vec<Value>]) -> Result<(), KeyError> {
     let mut seen = HashSet::new();
     let twice = points.iter().find(|point| !seen.insert(point.iter().map(canonical).collect::<Vec<_>>()));
     match (twice, keys) {
         (None, _) => Ok(()),
-        (Some(point), [key]) => Err(Fault::new(named(key), format!("has {} {TWICE}", shown(&point[0])))),
+        (Some(point), [key]) => Err(KeyError::new(named(key), format!("has {} {TWICE}", shown(&point[0])))),
         (Some(point), _) => {
             let values: Vec<String> =
                 keys.iter().zip(point).map(|(key, value)| format!("{key} = {}", shown(value))).collect();
-            Err(Fault::new("sweep", format!("has the point {} {TWICE}", values.join(", "))))
+            Err(KeyError::new("sweep", format!("has the point {} {TWICE}", values.join(", "))))
         }
     }
 }

@@ -9,9 +9,9 @@ mod swept_paths;
 mod tests;
 
 use crate::document::{Node, excerpt};
-use crate::error::Explain;
+use crate::error::ErrorContext;
 use crate::family_sections::{SECTIONS, has_sections, is_of_family};
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::scene::SceneText;
 use crate::start_box::EdgesOfStartFile;
 use crate::written_names::FormerNames;
@@ -67,10 +67,10 @@ impl Family {
     fn of_text(source: SceneText) -> Result<Self, SceneError> {
         let SceneText { text, name, folder, overrides, edges_of, .. } = source;
         let none = FormerNames::default();
-        let explain = Explain { text, written: None, name, overrides, former: &none };
-        let written = Node::of_toml(text).map_err(|error| explain.syntax(&error))?;
-        let explain = Explain { written: Some(&written), ..explain };
-        let former = FormerNames::of(&written, overrides).map_err(|fault| explain.fault(&fault))?;
+        let context = ErrorContext { text, written: None, name, overrides, former: &none };
+        let written = Node::of_toml(text).map_err(|error| context.syntax(&error))?;
+        let context = ErrorContext { written: Some(&written), ..context };
+        let former = FormerNames::of(&written, overrides).map_err(|fault| context.fault(&fault))?;
         let given = text;
         let text = match overrides {
             [] => text.to_owned(),
@@ -78,8 +78,8 @@ impl Family {
         };
         let folder = folder.to_owned();
         let text = kept_paths::with_absolute_paths(&text, &folder).unwrap_or(text);
-        let renamed = Renamed::of(text).map_err(|fault| explain.fault(&fault))?;
-        let explain_lists = |fault| explain.fault(&renamed.as_written(fault));
+        let renamed = Renamed::of(text).map_err(|fault| context.fault(&fault))?;
+        let explain_lists = |fault| context.fault(&renamed.as_written(fault));
         let text = swept_paths::with_absolute_paths(renamed.text.clone(), &folder);
         let lists = Lists::read(&text).map_err(explain_lists)?;
         let (name, keys, warnings) = (name.to_owned(), lists.keys.clone(), renamed.warnings());
@@ -100,7 +100,7 @@ impl Family {
     fn members_of(
         &self,
         Lists { seeds, points, keys }: Lists,
-        explain: &impl Fn(Fault) -> SceneError,
+        context: &impl Fn(KeyError) -> SceneError,
     ) -> Result<Vec<Member>, SceneError> {
         let first = Member::new(0, (&keys, &points[0]), None);
         let scene = self.scene(&first)?;
@@ -110,15 +110,15 @@ impl Family {
                     "goes with scenes that have random numbers; one of kind \"{}\" has none",
                     scene.kind().name()
                 );
-                return Err(explain(Fault::new("ensemble", message)));
+                return Err(context(KeyError::new("ensemble", message)));
             }
-            Some(seeds) => seeds.from(scene.kind().seed()).map_err(explain)?.into_iter().map(Some).collect(),
+            Some(seeds) => seeds.from(scene.kind().seed()).map_err(context)?.into_iter().map(Some).collect(),
             None => vec![scene.kind().has_seed().then(|| scene.kind().seed())],
         };
         let count = points.len().saturating_mul(seeds.len());
         if count > MOST {
             let message = format!("makes {count} runs; a family has at most {MOST}: list fewer values or seeds");
-            return Err(explain(Fault::new(if points.len() > 1 { "sweep" } else { "ensemble" }, message)));
+            return Err(context(KeyError::new(if points.len() > 1 { "sweep" } else { "ensemble" }, message)));
         }
         let of_point = |(place, values): (usize, &Vec<Value>)| {
             seeds.iter().map(|seed| Member::new(place, (&keys, values), *seed)).collect::<Vec<_>>()

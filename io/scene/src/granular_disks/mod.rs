@@ -5,7 +5,7 @@ mod raw;
 use crate::StartSource;
 use crate::answers::RawAnswers;
 use crate::checks::rows;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::time_and_output::{Output, Time, steps_in};
 use domain::Number;
 use granular::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
@@ -40,7 +40,7 @@ const ROWS: u64 = 500;
 const STRIPS: usize = 50;
 
 impl GranularDisksScene {
-    pub(super) fn checked(raw: &Raw, folder: &Path) -> Result<Self, Fault> {
+    pub(super) fn checked(raw: &Raw, folder: &Path) -> Result<Self, KeyError> {
         let parameters = parameters(raw)?;
         let model = Model::new(parameters)?;
         let time = time(raw, model.parameters())?;
@@ -48,7 +48,7 @@ impl GranularDisksScene {
         output.check(time.steps, model.sizes().len() as f64)?;
         let profile_strips = rows("output.profile_strips", raw.output.profile_strips.unwrap_or(STRIPS))?;
         if profile_strips == 0 {
-            return Err(Fault::new("output.profile_strips", "is 0; a profile needs at least one strip"));
+            return Err(KeyError::new("output.profile_strips", "is 0; a profile needs at least one strip"));
         }
         Ok(Self {
             title: raw.title.clone().unwrap_or_default(),
@@ -64,11 +64,11 @@ impl GranularDisksScene {
 }
 
 /// File that the disks come from.
-fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, Fault> {
+fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, KeyError> {
     for (name, is_set) in [("frame", raw.frame.is_some()), ("group", raw.group.is_some())] {
         if is_set && raw.path.is_none() {
             let message = "goes with particles.path only; leave it out, or name a file";
-            return Err(Fault::new(format!("particles.{name}"), message));
+            return Err(KeyError::new(format!("particles.{name}"), message));
         }
     }
     let source = |path| StartSource { path: folder.join(path), frame: raw.frame, group: raw.group.clone() };
@@ -76,18 +76,18 @@ fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, Fau
 }
 
 /// Strain of the box set in the scene.
-fn strain(raw: &Raw) -> Result<Option<f64>, Fault> {
+fn strain(raw: &Raw) -> Result<Option<f64>, KeyError> {
     match raw.cell.strain {
         Some(_) if raw.particles.path.is_none() => {
             let message =
                 "is that of a box that disks of a file were in; name that file by particles.path, or leave it out";
-            Err(Fault::new("box.strain", message))
+            Err(KeyError::new("box.strain", message))
         }
         strain => Ok(strain),
     }
 }
 
-fn parameters(raw: &Raw) -> Result<Parameters, Fault> {
+fn parameters(raw: &Raw) -> Result<Parameters, KeyError> {
     let usual = Parameters::default();
     Ok(Parameters {
         edges: raw.cell.edges,
@@ -118,27 +118,27 @@ fn preparation(raw: &raw::Preparation, usual: Preparation) -> Preparation {
     }
 }
 
-fn area_fraction(raw: &Raw) -> Result<f64, Fault> {
+fn area_fraction(raw: &Raw) -> Result<f64, KeyError> {
     let key = "particles.area_fraction";
     match (raw.particles.area_fraction, &raw.particles.path) {
         (Some(_), Some(_)) => {
-            Err(Fault::new(key, "is set, but particles.path brings the disks; leave one of them out"))
+            Err(KeyError::new(key, "is set, but particles.path brings the disks; leave one of them out"))
         }
         (None, None) => {
-            Err(Fault::new(key, "is missing; say how much of the area disks cover, or name a particles.path"))
+            Err(KeyError::new(key, "is missing; say how much of the area disks cover, or name a particles.path"))
         }
         (fraction, _) => Ok(fraction.unwrap_or(Parameters::default().area_fraction)),
     }
 }
 
-fn sizes(raw: &Raw) -> Result<Sizes, Fault> {
+fn sizes(raw: &Raw) -> Result<Sizes, KeyError> {
     let species = |s: &raw::Species| Species { radius: s.radius, share: s.number_fraction };
     match (&raw.particles.spread, raw.species.is_empty(), &raw.particles.path) {
         (Some(_), false, _) => {
-            Err(Fault::new("particles.spread", "is set, and [[species]] too; leave one of them out"))
+            Err(KeyError::new("particles.spread", "is set, and [[species]] too; leave one of them out"))
         }
         (Some(s), true, _) => Ok(Sizes::Spread { smallest: s.smallest, largest: s.largest, exponent: s.exponent }),
-        (None, true, None) => Err(Fault::new(
+        (None, true, None) => Err(KeyError::new(
             "species",
             "is missing; write [[species]] sections with radius and number_fraction, or particles.spread",
         )),
@@ -147,7 +147,7 @@ fn sizes(raw: &Raw) -> Result<Sizes, Fault> {
     }
 }
 
-fn flow(raw: &raw::Flow) -> Result<Flow, Fault> {
+fn flow(raw: &raw::Flow) -> Result<Flow, KeyError> {
     use raw::FlowKind::{None as Still, Poiseuille, Shear};
     for (key, is_set, kind, name) in
         [("flow.rate", raw.rate.is_some(), Shear, "shear"), ("flow.peak", raw.peak.is_some(), Poiseuille, "poiseuille")]
@@ -158,7 +158,7 @@ fn flow(raw: &raw::Flow) -> Result<Flow, Fault> {
             } else {
                 format!("is missing; a flow of kind \"{name}\" needs it")
             };
-            return Err(Fault::new(key, message));
+            return Err(KeyError::new(key, message));
         }
     }
     Ok(match raw.kind {
@@ -168,17 +168,17 @@ fn flow(raw: &raw::Flow) -> Result<Flow, Fault> {
     })
 }
 
-fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, Fault> {
+fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, KeyError> {
     let (time, step) = (&raw.time, parameters.time_step);
     let Some(strain) = time.strain else { return Time::until(step, time.steps, time.duration) };
     if time.steps.is_some() || time.duration.is_some() {
-        return Err(Fault::new("time.strain", "is set, and steps or duration too; leave all but one of them out"));
+        return Err(KeyError::new("time.strain", "is set, and steps or duration too; leave all but one of them out"));
     }
     let rate = parameters.flow.rate(parameters.edges[1]).abs();
     let possible = rate > 0.0 && strain > 0.0 && strain.is_finite();
     if !possible {
         let message = format!("is {}; it needs to be above 0, in a flow that shears", Number(strain));
-        return Err(Fault::new("time.strain", message));
+        return Err(KeyError::new("time.strain", message));
     }
     Time::of_steps(step, steps_in(strain / rate, step), "time.strain")
 }

@@ -4,7 +4,7 @@ mod raw;
 
 use crate::answers::RawAnswers;
 use crate::checks::{few_enough, rows};
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::time_and_output::{Output, Time};
 use domain::{Number, ParameterError};
 use granular::shear_cell::{
@@ -35,7 +35,7 @@ const CONTACT: f64 = 2e-4;
 const AGITATION: f64 = 0.05;
 
 impl ShearCellScene {
-    pub(super) fn checked(raw: Raw) -> Result<Self, Fault> {
+    pub(super) fn checked(raw: Raw) -> Result<Self, KeyError> {
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
         let agitation = agitation(&raw)?;
         let model = Model::new(parameters(&raw, agitation)?)?;
@@ -53,14 +53,14 @@ impl ShearCellScene {
     }
 }
 
-fn agitation(raw: &Raw) -> Result<f64, Fault> {
+fn agitation(raw: &Raw) -> Result<f64, KeyError> {
     let agitation = raw.grains.initial_velocity_deviation.unwrap_or(AGITATION * raw.cell.speed);
     // Its square is part of the energy.
     if (0.0..=1e70).contains(&agitation) {
         return Ok(agitation);
     }
     let message = format!("is {}; it needs to be a speed from 0 to 1e70", Number(agitation));
-    Err(Fault::new("grains.initial_velocity_deviation", message))
+    Err(KeyError::new("grains.initial_velocity_deviation", message))
 }
 
 /// Default time within which two collisions count as one contact: a small fraction of the time in which a grain crosses
@@ -72,7 +72,7 @@ fn contact_time(raw: &Raw, agitation: f64) -> f64 {
     if crossings > 0.0 { CONTACT / crossings } else { CONTACT * raw.time.step }
 }
 
-fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, Fault> {
+fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, KeyError> {
     let (cell, grains, walls) = (&raw.cell, &raw.grains, &raw.walls);
     let law = match walls.friction_law {
         raw::FrictionLaw::Box => FrictionLaw::Box,
@@ -95,34 +95,35 @@ fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, Fault> {
     })
 }
 
-fn top(raw: &raw::Top) -> Result<Top, Fault> {
+fn top(raw: &raw::Top) -> Result<Top, KeyError> {
     match (raw.kind, raw.pressure, raw.mass_per_area) {
         (raw::TopKind::Fixed, None, None) => Ok(Top::Fixed),
-        (raw::TopKind::Fixed, ..) => {
-            Err(Fault::new("top", "is fixed, but has a pressure or a mass; set top.kind = \"free\" or leave them out"))
-        }
+        (raw::TopKind::Fixed, ..) => Err(KeyError::new(
+            "top",
+            "is fixed, but has a pressure or a mass; set top.kind = \"free\" or leave them out",
+        )),
         (raw::TopKind::Free, Some(pressure), Some(mass_per_area)) => Ok(Top::Free { pressure, mass_per_area }),
         (raw::TopKind::Free, ..) => {
-            Err(Fault::new("top", "is free, so it needs both a pressure that loads it and a mass_per_area"))
+            Err(KeyError::new("top", "is free, so it needs both a pressure that loads it and a mass_per_area"))
         }
     }
 }
 
-fn collisions(raw: &Raw) -> Result<CollisionDetection, Fault> {
+fn collisions(raw: &Raw) -> Result<CollisionDetection, KeyError> {
     let key = "time.collision_step";
     match (raw.collisions, raw.time.collision_step) {
         (raw::Collisions::EventDriven, None) => Ok(CollisionDetection::EventDriven),
         (raw::Collisions::EventDriven, Some(_)) => {
-            Err(Fault::new(key, "goes with collisions = \"time-stepped\" only; leave it out or change that"))
+            Err(KeyError::new(key, "goes with collisions = \"time-stepped\" only; leave it out or change that"))
         }
         (raw::Collisions::TimeStepped, Some(step)) => Ok(CollisionDetection::TimeStepped { step }),
-        (raw::Collisions::TimeStepped, None) => Err(Fault::new(key, "is missing; time-stepped collisions need it")),
+        (raw::Collisions::TimeStepped, None) => Err(KeyError::new(key, "is missing; time-stepped collisions need it")),
     }
 }
 
 const WINDOW: &str = "measure.window";
 
-fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, Fault> {
+fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, KeyError> {
     let usual = Sampling::default();
     let sampling = Sampling {
         window: raw.measure.window.unwrap_or(raw.time.step),
@@ -135,7 +136,7 @@ fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, Fault
     sampling.check(collisions).map_err(|error| match error {
         // The window is one step if the scene does not set it.
         ParameterError { key, message } if key == WINDOW && raw.measure.window.is_none() => {
-            Fault::new("time.step", message)
+            KeyError::new("time.step", message)
         }
         other => other.into(),
     })?;
@@ -144,17 +145,17 @@ fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, Fault
 }
 
 /// Ratio of a time to a unit, which must be a whole number.
-fn whole(key: &str, time: f64, (unit, length): (&str, f64)) -> Result<u64, Fault> {
+fn whole(key: &str, time: f64, (unit, length): (&str, f64)) -> Result<u64, KeyError> {
     let times = time / length;
     let fits = time >= 0.0 && (times - times.round()).abs() <= 1e-6 * times && times < 1e15;
     let fault = || {
         let message = format!("is {}; it needs a whole number of {unit}, which is {}", Number(time), Number(length));
-        Fault::new(key, message)
+        KeyError::new(key, message)
     };
     if fits { Ok(times.round() as u64) } else { Err(fault()) }
 }
 
-fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
+fn count(raw: &raw::Grains, model: &Model) -> Result<usize, KeyError> {
     match (raw.count, raw.solid_fraction) {
         (Some(count), None) => {
             let volume = std::f64::consts::PI / 6.0 * model.parameters().diameter.powi(3);
@@ -165,20 +166,20 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, Fault> {
             }
             let message =
                 format!("is {count}, a solid fraction of {fraction:.3}; it needs at least 1 and at most 0.62");
-            Err(Fault::new("grains.count", message))
+            Err(KeyError::new("grains.count", message))
         }
         (None, Some(fraction)) => match model.count(fraction)? {
             count if count as f64 > MAX_SPHERES => {
                 let found = format!("{}, with grains.diameter = {}", Number(fraction), Number(raw.diameter));
                 few_enough("grains.solid_fraction", &found, (count as f64, "grains")).map(|()| count)
             }
-            0 => Err(Fault::new(
+            0 => Err(KeyError::new(
                 "grains.solid_fraction",
                 format!("is {}, which is less than one grain", Number(fraction)),
             )),
             count => Ok(count),
         },
-        (None, None) => Err(Fault::new("grains", "has neither count nor solid_fraction; set one of them")),
-        (Some(_), Some(_)) => Err(Fault::new("grains", "has both count and solid_fraction; leave one of them out")),
+        (None, None) => Err(KeyError::new("grains", "has neither count nor solid_fraction; set one of them")),
+        (Some(_), Some(_)) => Err(KeyError::new("grains", "has both count and solid_fraction; leave one of them out")),
     }
 }

@@ -3,7 +3,7 @@
 mod raw;
 
 use crate::checks::rows;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use domain::Number;
 use granular::kinetic_theory::{
     GrainProperties, Parameters, Problem, RadialDistribution, Roughness, SolutionStart, Wall, WallShape,
@@ -31,21 +31,21 @@ const MOST_PROBLEMS: f64 = 100_000.0;
 const POINTS: usize = 101;
 
 impl ContinuumScene {
-    pub(super) fn checked(raw: Raw) -> Result<Self, Fault> {
+    pub(super) fn checked(raw: Raw) -> Result<Self, KeyError> {
         for (key, list) in [("cell.speeds", &raw.cell.speeds), ("cell.pressures", &raw.cell.pressures)] {
             if list.is_empty() {
-                return Err(Fault::new(key, "is empty; list at least one value"));
+                return Err(KeyError::new(key, "is empty; list at least one value"));
             }
         }
         let problems = raw.cell.speeds.len() as f64 * raw.cell.pressures.len() as f64;
         if problems > MOST_PROBLEMS {
             let message =
                 format!("and cell.pressures make {problems:.1e} problems; at most {MOST_PROBLEMS} are solved");
-            return Err(Fault::new("cell.speeds", message));
+            return Err(KeyError::new("cell.speeds", message));
         }
         let points = rows("output.points", raw.output.points.unwrap_or(POINTS))?;
         if points < 2 {
-            return Err(Fault::new("output.points", format!("is {points}; a profile needs at least 2 heights")));
+            return Err(KeyError::new("output.points", format!("is {points}; a profile needs at least 2 heights")));
         }
         let (grains, wall) = (grains(&raw.grains), wall(&raw)?);
         let start = raw.start.map_or(SolutionStart::Densest, SolutionStart::SolidFraction);
@@ -71,12 +71,12 @@ fn grains(raw: &raw::Grains) -> GrainProperties {
     GrainProperties { diameter: raw.diameter, density: raw.density, restitution: raw.restitution, radial }
 }
 
-fn wall(raw: &Raw) -> Result<Wall, Fault> {
+fn wall(raw: &Raw) -> Result<Wall, KeyError> {
     let walls = &raw.walls;
     let degrees = walls.theta.unwrap_or(90.0);
     if !(degrees > 0.0 && degrees <= 90.0) {
         let message = format!("is {}; it needs 0 < theta <= 90 (degrees)", Number(degrees));
-        return Err(Fault::new("walls.theta", message));
+        return Err(KeyError::new("walls.theta", message));
     }
     let shape = match walls.shape {
         raw::Shape::Disk => WallShape::Disk,

@@ -1,10 +1,10 @@
 //! The attraction of a scene.
 
-use super::{Fault, raw};
+use super::{KeyError, raw};
 use raw::AttractionKind::{Depletion, VanDerWaals};
 use suspension::Attraction;
 
-pub(super) fn attraction(raw: &raw::Attraction) -> Result<Attraction, Fault> {
+pub(super) fn attraction(raw: &raw::Attraction) -> Result<Attraction, KeyError> {
     let keys = [
         ("hamaker", raw.hamaker.is_some(), VanDerWaals),
         ("regularisation_length", raw.regularisation_length.is_some(), VanDerWaals),
@@ -14,10 +14,10 @@ pub(super) fn attraction(raw: &raw::Attraction) -> Result<Attraction, Fault> {
     ];
     if let Some((name, ..)) = keys.into_iter().find(|&(_, is_set, kind)| is_set && kind != raw.kind) {
         let message = "goes with another attraction.kind; leave it out or change that";
-        return Err(Fault::new(format!("attraction.{name}"), message));
+        return Err(KeyError::new(format!("attraction.{name}"), message));
     }
     let needed = |name: &str, value: Option<f64>| {
-        value.ok_or_else(|| Fault::new(format!("attraction.{name}"), "is missing; this kind of attraction needs it"))
+        value.ok_or_else(|| KeyError::new(format!("attraction.{name}"), "is missing; this kind of attraction needs it"))
     };
     Ok(match raw.kind {
         VanDerWaals => Attraction::VanDerWaals {

@@ -1,7 +1,7 @@
 //! The box of a scene.
 
 use super::raw::{self, Raw};
-use super::{Fault, flow};
+use super::{KeyError, flow};
 use crate::CaseBoundary;
 use crate::case::boundaries_of;
 use crate::checks::positive;
@@ -12,7 +12,7 @@ const SOMEWHERE: f64 = 10.0;
 
 /// The box, with its non-periodic axis last, and the rotation of axes to it. For an extension it is another periodic
 /// box with the same volume; in unbounded fluid it is a box around the initial positions.
-pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), Fault> {
+pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), KeyError> {
     let (boundaries, turn) = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
     let edges = Vector::from_array(turn.list(edges(raw, boundaries)?));
     let extension = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind));
@@ -21,19 +21,19 @@ pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), Fault> {
         (Some(extension), Boundaries::Periodic) => {
             if raw.cell.strain.is_some() {
                 let message = "is set, but the box of an extension starts as that flow needs it; leave it out";
-                return Err(Fault::new("box.strain", message));
+                return Err(KeyError::new("box.strain", message));
             }
             return Ok((extension.cell(edges)?, turn));
         }
         (Some(_), _) => {
             let message = "has walls or an open axis, but an extension needs a box that repeats along all axes, or \
                 fluid that is open along all; leave it out";
-            return Err(Fault::new("box.boundaries", message));
+            return Err(KeyError::new("box.boundaries", message));
         }
     }
     let strain = strain(raw, boundaries)?;
-    let cell = PeriodicBox::sheared(edges, strain).map_err(|e| Fault::new("box.edges", e.to_string()))?;
-    let cell = cell.with_boundaries(boundaries).map_err(|e| Fault::new("box.boundaries", e.to_string()))?;
+    let cell = PeriodicBox::sheared(edges, strain).map_err(|e| KeyError::new("box.edges", e.to_string()))?;
+    let cell = cell.with_boundaries(boundaries).map_err(|e| KeyError::new("box.boundaries", e.to_string()))?;
     Ok((cell, turn))
 }
 
@@ -41,9 +41,9 @@ pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), Fault> {
 const MAX_STRAIN: f64 = 1e9;
 
 /// Strain of the box at the start.
-fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, Fault> {
+fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, KeyError> {
     let Some(strain) = raw.cell.strain else { return Ok(0.0) };
-    let refused = |message: &str| Err(Fault::new("box.strain", message));
+    let refused = |message: &str| Err(KeyError::new("box.strain", message));
     if !matches!(raw.particles.initial, raw::Initial::File | raw::Initial::Positions) {
         return refused("goes with particles.initial = \"file\" or \"positions\" only; leave it out or change that");
     }
@@ -57,13 +57,13 @@ fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, Fault> {
     Ok(strain)
 }
 
-fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
+fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
     let starts_in_box = matches!(raw.particles.initial, raw::Initial::Random | raw::Initial::Lattice);
     match raw.cell.edges {
         Some(_) if boundaries == Boundaries::Open && !starts_in_box => {
             let message = "are given, but in open fluid only particles.initial = \"random\" and \"lattice\" start in \
                 a box; leave them out";
-            Err(Fault::new("box.edges", message))
+            Err(KeyError::new("box.edges", message))
         }
         Some(edges) => {
             for (axis, length) in edges.iter().enumerate() {
@@ -75,7 +75,7 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], Fault> {
         None => {
             let message = "are missing; only spheres in open fluid that start as a cloud, at positions or from a file \
                 need none, and spheres from a file that has a box";
-            Err(Fault::new("box.edges", message))
+            Err(KeyError::new("box.edges", message))
         }
     }
 }
@@ -104,11 +104,11 @@ fn largest(species: &raw::Species) -> f64 {
     species.radius.or(species.distribution.as_ref().map(of_list)).unwrap_or(0.0)
 }
 
-fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, AxisRotation), Fault> {
+fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, AxisRotation), KeyError> {
     boundaries_of(axes.map(CaseBoundary::from)).map_err(|_| {
         let message = "is none that is possible: \"periodic\" along all axes; \"open\" along all axes; or along one \
             axis \"walls\", one at 0 and one at the edge, \"wall\", one at 0 with open fluid above, or \"open\", and \
             \"periodic\" along the other two";
-        Fault::new("box.boundaries", message)
+        KeyError::new("box.boundaries", message)
     })
 }

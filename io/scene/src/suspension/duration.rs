@@ -2,14 +2,14 @@
 
 use super::raw;
 use crate::checks::positive;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::time_and_output::{Time, steps_in};
 use suspension::{Flow, Protocol, RateChange};
 
 const KEY: &str = "time.strain";
 
 /// Number of steps of a run in a flow, and under a given stress the strain at which it ends.
-pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<(Time, Option<f64>), Fault> {
+pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<(Time, Option<f64>), KeyError> {
     let has_other = raw.steps.is_some() || raw.duration.is_some();
     let Some(strain) = raw.strain else {
         return Ok((Time::until(raw.step, raw.steps, raw.duration)?, None));
@@ -17,14 +17,14 @@ pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<
     positive(KEY, strain)?;
     match protocol {
         Protocol::Stress(_) if has_other => Ok((Time::until(raw.step, raw.steps, raw.duration)?, Some(strain))),
-        Protocol::Stress(_) => Err(Fault::new(
+        Protocol::Stress(_) => Err(KeyError::new(
             KEY,
             "is set in a flow under a given stress, whose rate nobody knows before: set time.duration too, the \
              longest time that the strain may take",
         )),
-        _ if has_other => Err(Fault::new(KEY, "is set, and steps or duration too; leave all but one of them out")),
+        _ if has_other => Err(KeyError::new(KEY, "is set, and steps or duration too; leave all but one of them out")),
         Protocol::Oscillation { .. } => {
-            Err(Fault::new(KEY, "is set, but a strain that oscillates has no end; set time.duration or time.steps"))
+            Err(KeyError::new(KEY, "is set, but a strain that oscillates has no end; set time.duration or time.steps"))
         }
         Protocol::Steps(changes) => {
             let steps = steps_to(strain, (rate_of(flow)?, changes), raw.step)?;
@@ -33,10 +33,10 @@ pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<
     }
 }
 
-fn rate_of(flow: &Flow) -> Result<f64, Fault> {
+fn rate_of(flow: &Flow) -> Result<f64, KeyError> {
     match flow {
         Flow::Shear { rate, .. } | Flow::Extension { rate, .. } => Ok(*rate),
-        _ => Err(Fault::new(
+        _ => Err(KeyError::new(
             KEY,
             "is set, but nothing is sheared; set flow.kind = \"shear\", or time.duration or time.steps",
         )),
@@ -44,7 +44,7 @@ fn rate_of(flow: &Flow) -> Result<f64, Fault> {
 }
 
 /// Number of steps to reach a strain, counted as its absolute value, at a rate that changes.
-fn steps_to(strain: f64, (first, changes): (f64, &[RateChange]), step: f64) -> Result<u64, Fault> {
+fn steps_to(strain: f64, (first, changes): (f64, &[RateChange]), step: f64) -> Result<u64, KeyError> {
     let (mut rate, mut from, mut left) = (first.abs(), 0, strain);
     for change in changes {
         let until_change = rate * step * (change.step - from) as f64;
@@ -57,7 +57,7 @@ fn steps_to(strain: f64, (first, changes): (f64, &[RateChange]), step: f64) -> R
     if rate > 0.0 {
         Ok(from.saturating_add(steps_in(left / rate, step)))
     } else {
-        Err(Fault::new(KEY, "is never reached: the rate of the flow is 0 before; set time.duration or time.steps"))
+        Err(KeyError::new(KEY, "is never reached: the rate of the flow is 0 before; set time.duration or time.steps"))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::raw;
 use crate::checks::positive;
 use crate::document::NumberOr;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use domain::Number;
 use suspension::{Extension, Flow, Protocol, RateChange};
 
@@ -16,7 +16,7 @@ pub fn flow(
     raw: Option<&raw::Flow>,
     (viscosity, time_step): (f64, f64),
     shears: bool,
-) -> Result<(Flow, Protocol), Fault> {
+) -> Result<(Flow, Protocol), KeyError> {
     let Some(raw) = raw else { return Ok((Flow::None, Protocol::STEADY)) };
     if let raw::FlowKind::None | raw::FlowKind::Poiseuille = raw.kind {
         let keys = [
@@ -31,7 +31,7 @@ pub fn flow(
             Some((key, _)) => {
                 let kind = name(raw.kind);
                 let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"shear\" or leave it out");
-                Err(Fault::new(key, message))
+                Err(KeyError::new(key, message))
             }
         };
     }
@@ -39,11 +39,11 @@ pub fn flow(
     let (rate, protocol) = match (raw.control, raw.stress) {
         (Some(raw::Control::Stress), Some(stress)) => driven(raw, stress, viscosity)?,
         (Some(raw::Control::Stress), None) => {
-            return Err(Fault::new("flow.stress", "is missing; flow.control = \"stress\" needs it"));
+            return Err(KeyError::new("flow.stress", "is missing; flow.control = \"stress\" needs it"));
         }
         (_, Some(_)) => {
             let message = "is set, but the rate is given; set flow.control = \"stress\" or leave it out";
-            return Err(Fault::new("flow.stress", message));
+            return Err(KeyError::new("flow.stress", message));
         }
         _ => rates(raw, time_step)?,
     };
@@ -55,11 +55,11 @@ pub fn flow(
         Some(_) if !shears => "is set, but in open fluid there is no box that could go with the flow; leave it out",
         _ => return Ok((Flow::Extension { kind, rate }, protocol)),
     };
-    Err(Fault::new("flow.lees_edwards", message))
+    Err(KeyError::new("flow.lees_edwards", message))
 }
 
-fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
-    let error = |key: &str, message: &str| Err(Fault::new(key, message));
+fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), KeyError> {
+    let error = |key: &str, message: &str| Err(KeyError::new(key, message));
     if raw.kind != raw::FlowKind::Poiseuille {
         return unless_poiseuille(raw).map(|()| (Flow::None, Protocol::STEADY));
     }
@@ -77,7 +77,7 @@ fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), Fault> {
 }
 
 /// Refuses keys of a pressure-driven flow.
-fn unless_poiseuille(raw: &raw::Flow) -> Result<(), Fault> {
+fn unless_poiseuille(raw: &raw::Flow) -> Result<(), KeyError> {
     let keys = [
         ("flow.pressure_gradient", raw.pressure_gradient.is_some()),
         ("flow.mean_velocity", raw.mean_velocity.is_some()),
@@ -85,7 +85,7 @@ fn unless_poiseuille(raw: &raw::Flow) -> Result<(), Fault> {
     let kind = name(raw.kind);
     keys.into_iter().find(|(_, is_set)| *is_set).map_or(Ok(()), |(key, _)| {
         let message = format!("is set, but flow.kind is \"{kind}\"; set flow.kind = \"poiseuille\" or leave it out");
-        Err(Fault::new(key, message))
+        Err(KeyError::new(key, message))
     })
 }
 
@@ -111,16 +111,19 @@ fn name(kind: raw::FlowKind) -> &'static str {
     }
 }
 
-fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
+fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), KeyError> {
     match (&raw.rate, &raw.reversal_at, &raw.oscillation) {
         (None, None, Some(oscillation)) => oscillating(oscillation),
         (rate, _, Some(_)) => {
             let key = if rate.is_some() { "flow.rate" } else { "flow.reversal_at" };
-            Err(Fault::new(key, "is set beside flow.oscillation, which says the whole strain; leave one of them out"))
+            Err(KeyError::new(
+                key,
+                "is set beside flow.oscillation, which says the whole strain; leave one of them out",
+            ))
         }
         (None, _, None) => {
             let flow = if extension(raw.kind).is_some() { "an extension" } else { "a shear flow u = rate y" };
-            Err(Fault::new("flow.rate", format!("is missing; {flow} needs it")))
+            Err(KeyError::new("flow.rate", format!("is missing; {flow} needs it")))
         }
         (Some(NumberOr::Number(rate)), None, _) => Ok((*rate, Protocol::STEADY)),
         (Some(NumberOr::Number(rate)), Some(strains), _) => {
@@ -129,12 +132,12 @@ fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), Fault> {
         (Some(NumberOr::Other(table)), None, _) => from_table(table, time_step),
         (Some(NumberOr::Other(_)), Some(_), _) => {
             let message = "goes with one flow.rate; with a table of rates give the reversals there";
-            Err(Fault::new("flow.reversal_at", message))
+            Err(KeyError::new("flow.reversal_at", message))
         }
     }
 }
 
-fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol), Fault> {
+fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol), KeyError> {
     let is_table = matches!(raw.rate, Some(NumberOr::Other(_)));
     let keys = [
         ("flow.oscillation", raw.oscillation.is_some()),
@@ -144,28 +147,28 @@ fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol
     if let Some((key, _)) = keys.into_iter().find(|(_, is_set)| *is_set) {
         let message = "can't be with flow.control = \"stress\", where the rate is what the stress makes it; leave one \
             of them out";
-        return Err(Fault::new(key, message));
+        return Err(KeyError::new(key, message));
     }
     if !stress.is_finite() {
-        return Err(Fault::new("flow.stress", format!("is {}; it needs to be a finite number", Number(stress))));
+        return Err(KeyError::new("flow.stress", format!("is {}; it needs to be a finite number", Number(stress))));
     }
     positive("fluid.viscosity", viscosity)?;
     let rate = if let Some(NumberOr::Number(rate)) = raw.rate { rate } else { stress / viscosity };
     Ok((rate, Protocol::Stress(stress)))
 }
 
-fn oscillating(raw: &raw::Oscillation) -> Result<(f64, Protocol), Fault> {
+fn oscillating(raw: &raw::Oscillation) -> Result<(f64, Protocol), KeyError> {
     let frequency = positive("flow.oscillation.frequency", raw.frequency)?;
     let amplitude = positive("flow.oscillation.amplitude", raw.amplitude)?;
     let rate = amplitude * frequency;
     if !rate.is_finite() {
         let message = "has a largest rate, amplitude times frequency, beyond the range of numbers; take smaller ones";
-        return Err(Fault::new("flow.oscillation", message));
+        return Err(KeyError::new("flow.oscillation", message));
     }
     Ok((rate, Protocol::Oscillation { frequency }))
 }
 
-fn reversals(rate: f64, strains: &[f64], time_step: f64) -> Result<Vec<RateChange>, Fault> {
+fn reversals(rate: f64, strains: &[f64], time_step: f64) -> Result<Vec<RateChange>, KeyError> {
     let mut sign = 1.0;
     let mut reverse = |(k, strain): (usize, &f64)| {
         sign = -sign;
@@ -175,18 +178,18 @@ fn reversals(rate: f64, strains: &[f64], time_step: f64) -> Result<Vec<RateChang
     strains.iter().enumerate().map(&mut reverse).collect()
 }
 
-fn from_table(table: &[[f64; 2]], time_step: f64) -> Result<(f64, Protocol), Fault> {
+fn from_table(table: &[[f64; 2]], time_step: f64) -> Result<(f64, Protocol), KeyError> {
     let [[0.0, first], later @ ..] = table else {
-        return Err(Fault::new("flow.rate", "is a table that does not start at time 0; begin it with [0.0, rate]"));
+        return Err(KeyError::new("flow.rate", "is a table that does not start at time 0; begin it with [0.0, rate]"));
     };
     let change = |(k, &[time, rate]): (usize, &[f64; 2])| {
         Ok(RateChange { step: step_at(time, time_step, &format!("flow.rate[{}]", k + 1), time)?, rate })
     };
-    Ok((*first, Protocol::Steps(later.iter().enumerate().map(change).collect::<Result<_, Fault>>()?)))
+    Ok((*first, Protocol::Steps(later.iter().enumerate().map(change).collect::<Result<_, KeyError>>()?)))
 }
 
 /// The step that begins at a time; `key` and `said` are the key and its value in the scene.
-fn step_at(time: f64, time_step: f64, key: &str, said: f64) -> Result<u64, Fault> {
+fn step_at(time: f64, time_step: f64, key: &str, said: f64) -> Result<u64, KeyError> {
     let steps = time / time_step;
     let whole = steps.round();
     if whole >= 1.0 && (steps - whole).abs() <= ROUND_OFF * whole.max(1.0) && whole < 1e15 {
@@ -195,5 +198,5 @@ fn step_at(time: f64, time_step: f64, key: &str, said: f64) -> Result<u64, Fault
     let [said, step] = [said, time_step].map(Number);
     let message =
         format!("is {said}, where no step begins; steps of time.step = {step} need to begin where the rate changes");
-    Err(Fault::new(key, message))
+    Err(KeyError::new(key, message))
 }

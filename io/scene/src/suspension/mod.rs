@@ -13,7 +13,7 @@ use crate::StartSource;
 use crate::answers::RawAnswers;
 use crate::checks::positive;
 use crate::document::NumberOr;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use crate::time_and_output::{Output, Time, share};
 use domain::{AxisRotation, Boundaries, PeriodicBox, Vector, sphere};
 pub(super) use raw::Raw;
@@ -45,7 +45,7 @@ pub struct SuspensionScene {
 }
 
 impl SuspensionScene {
-    pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, Fault> {
+    pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, KeyError> {
         let (cell, turn) = cell::cell(&raw)?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, room(&raw, &cell))?;
@@ -97,12 +97,12 @@ impl SuspensionScene {
 }
 
 /// Refuses output of contacts if there can be none.
-fn check_contacts(raw: &Raw) -> Result<(), Fault> {
+fn check_contacts(raw: &Raw) -> Result<(), KeyError> {
     match raw.output.contacts_every {
         every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() => {
             let message =
                 format!("is {every}, but there is nothing to write: add [contacts] or [[bonds]], or leave it out");
-            Err(Fault::new("output.contacts_every", message))
+            Err(KeyError::new("output.contacts_every", message))
         }
         _ => Ok(()),
     }
@@ -114,7 +114,7 @@ fn room(raw: &Raw, cell: &PeriodicBox) -> f64 {
 }
 
 /// Initial placement of the spheres, and the file with their positions.
-fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSource>), Fault> {
+fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSource>), KeyError> {
     use raw::Initial::{Cloud, File, Lattice, Positions, Random};
     let of_gap = if raw.initial == Cloud { Cloud } else { Random };
     let belongs = [
@@ -129,10 +129,10 @@ fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSour
     for (name, is_set, initial, with) in belongs {
         if is_set && raw.initial != initial {
             let message = format!("goes with particles.initial = \"{with}\" only; leave it out or change that");
-            return Err(Fault::new(format!("particles.{name}"), message));
+            return Err(KeyError::new(format!("particles.{name}"), message));
         }
     }
-    let missing = |name: &str, what: &str| Fault::new(format!("particles.{name}"), format!("is missing; {what}"));
+    let missing = |name: &str, what: &str| KeyError::new(format!("particles.{name}"), format!("is missing; {what}"));
     match raw.initial {
         Random => Ok((Start::Random { minimum_gap: raw.minimum_gap.unwrap_or(0.0) }, None)),
         Cloud => {
@@ -217,28 +217,28 @@ fn usual_integrator(raw: &Raw) -> raw::Integrator {
     }
 }
 
-fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> Result<Integrator, Fault> {
+fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> Result<Integrator, KeyError> {
     let integrator = raw.integrator.unwrap_or(usual);
     if let raw::Integrator::AdamsBashforth | raw::Integrator::Brownian = integrator {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {
             if given.is_some() {
                 let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", \
                     or leave it out";
-                return Err(Fault::new(key, message));
+                return Err(KeyError::new(key, message));
             }
         }
     }
     if raw.brownian.is_some() && integrator != raw::Integrator::Brownian {
         let message =
             "is set, but only steps of \"brownian\", with fluid.thermal_energy, have a choice of it; leave it out";
-        return Err(Fault::new("time.brownian", message));
+        return Err(KeyError::new("time.brownian", message));
     }
     if integrator == raw::Integrator::AdamsBashforth {
         return Ok(Integrator::AdamsBashforth { order: raw.order.unwrap_or(4) });
     }
     if raw.order.is_some() {
         let message = "is set, but only steps of \"adams-bashforth\" have a choice of it; leave it out";
-        return Err(Fault::new("time.order", message));
+        return Err(KeyError::new("time.order", message));
     }
     if integrator == raw::Integrator::Brownian {
         return Ok(Integrator::Brownian(raw.brownian.map_or_else(BrownianScheme::default, Into::into)));

@@ -1,6 +1,6 @@
 //! Names of species, which appear in tables of results.
 
-use super::Fault;
+use super::KeyError;
 use crate::document::excerpt;
 
 /// Name of the rows about all spheres in tables.
@@ -14,7 +14,7 @@ const LONGEST: usize = 100;
 const FORMULAS: [char; 8] = ['=', '+', '-', '@', '\u{ff1d}', '\u{ff0b}', '\u{ff0d}', '\u{ff20}'];
 
 /// Refuses a name of a species that would make a table ambiguous or unreadable.
-pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), Fault> {
+pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), KeyError> {
     let Some(name) = name else { return Ok(()) };
     let shown = excerpt(name);
     let message = if name.trim().is_empty() {
@@ -34,7 +34,7 @@ pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), Fault> {
     } else {
         return Ok(());
     };
-    Err(Fault::new(format!("species[{index}].name"), message))
+    Err(KeyError::new(format!("species[{index}].name"), message))
 }
 
 /// Control characters, line and paragraph separators, direction marks and zero-width joiners.

@@ -1,7 +1,7 @@
 //! Species of a scene.
 
 use super::super::checks::{few_enough, positive};
-use super::{Fault, names, raw};
+use super::{KeyError, names, raw};
 use domain::{Number, Vector, sphere};
 use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 
@@ -9,18 +9,18 @@ use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 const CLASSES: usize = 4;
 
 /// Species of a scene, in a box or a ball with this volume.
-pub(super) fn species(raw: &raw::Raw, volume: f64) -> Result<Vec<Species>, Fault> {
+pub(super) fn species(raw: &raw::Raw, volume: f64) -> Result<Vec<Species>, KeyError> {
     raw.species.iter().enumerate().try_for_each(|(index, one)| names::check(one.name.as_deref(), index))?;
     let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, volume)).collect();
     Ok(lists?.into_iter().flatten().collect())
 }
 
 /// Species of a section: one, or the classes of a distribution.
-fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>, Fault> {
+fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>, KeyError> {
     let one = &raw.species[index];
     if one.density_difference.is_some() && raw.gravity.is_none() {
         let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force instead";
-        return Err(Fault::new(format!("species[{index}].density_difference"), message));
+        return Err(KeyError::new(format!("species[{index}].density_difference"), message));
     }
     let classes = classes(one, index)?;
     let total = count(raw, index, (volume, &classes))?;
@@ -37,13 +37,13 @@ fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>,
     if one.distribution.is_some() && all.iter().any(|class| class.count == Some(0)) {
         let message =
             format!("has {} classes, the rarest of which would have no sphere; take fewer, or more spheres", all.len());
-        return Err(Fault::new(format!("species[{index}].distribution"), message));
+        return Err(KeyError::new(format!("species[{index}].distribution"), message));
     }
     Ok(all)
 }
 
 /// Radii of a section, and their relative numbers.
-fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, Fault> {
+fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, KeyError> {
     let key = format!("species[{index}].radius");
     match (one.radius, &one.distribution) {
         (Some(radius), None) => Ok(vec![SizeClass { radius: positive(&key, radius)?, share: 1.0 }]),
@@ -51,12 +51,12 @@ fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, Fault> {
             let key = format!("species[{index}].distribution");
             Ok(distribution(raw, &key)?.classes(raw.classes.unwrap_or(CLASSES), &key)?)
         }
-        (None, None) => Err(Fault::new(key, "is missing; a species has a radius, or a distribution of them")),
-        (Some(_), Some(_)) => Err(Fault::new(key, "is set, and a distribution too; leave one of them out")),
+        (None, None) => Err(KeyError::new(key, "is missing; a species has a radius, or a distribution of them")),
+        (Some(_), Some(_)) => Err(KeyError::new(key, "is set, and a distribution too; leave one of them out")),
     }
 }
 
-fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, Fault> {
+fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, KeyError> {
     use raw::DistributionKind::{LogNormal, PowerLaw, Table};
     let keys = [
         ("mean", raw.mean.is_some(), LogNormal),
@@ -72,7 +72,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
             (true, false) => "goes with another kind; leave it out",
             _ => continue,
         };
-        return Err(Fault::new(format!("{key}.{name}"), message));
+        return Err(KeyError::new(format!("{key}.{name}"), message));
     }
     let [mean, deviation, smallest, largest, exponent] =
         [raw.mean, raw.standard_deviation, raw.smallest, raw.largest, raw.exponent].map(Option::unwrap_or_default);
@@ -84,9 +84,9 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
 }
 
 /// Number of spheres of all classes.
-fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -> Result<Option<u64>, Fault> {
+fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -> Result<Option<u64>, KeyError> {
     let one = &raw.species[index];
-    let fault = |name: &str, message: &str| Err(Fault::new(format!("species[{index}]{name}"), message));
+    let fault = |name: &str, message: &str| Err(KeyError::new(format!("species[{index}]{name}"), message));
     let from_file = raw.particles.initial == raw::Initial::File;
     match (one.count, one.volume_fraction) {
         (None, None) if from_file => Ok(None),
@@ -106,10 +106,10 @@ fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -
 }
 
 /// Number of spheres of a radius that fill a fraction of the box.
-fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64)) -> Result<u64, Fault> {
+fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64)) -> Result<u64, KeyError> {
     if !(fraction > 0.0 && fraction < MAX_FRACTION) {
         let message = format!("is {}; spheres need 0 < volume_fraction < {MAX_FRACTION}", Number(fraction));
-        return Err(Fault::new(key, message));
+        return Err(KeyError::new(key, message));
     }
     let volume = sphere::volume(radius);
     let count = (fraction * room / volume).round();
@@ -117,7 +117,7 @@ fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64
     if count < 1.0 {
         let found = Number(fraction);
         let message = format!("is {found}, which is less than one sphere in this box; set count instead");
-        return Err(Fault::new(key, message));
+        return Err(KeyError::new(key, message));
     }
     Ok(count as u64)
 }

@@ -2,7 +2,7 @@
 
 use super::raw;
 use crate::document::excerpt;
-use crate::fault::Fault;
+use crate::key_error::KeyError;
 use domain::Vector;
 use suspension::{Bonds, Centres, Species, Trapped, Traps};
 
@@ -16,7 +16,7 @@ pub(super) fn bonds(raw: &[raw::Bonds]) -> Vec<Bonds> {
     raw.iter().map(bonds).collect()
 }
 
-pub(super) fn traps(raw: &[raw::Traps], species: &[Species]) -> Result<Vec<Traps>, Fault> {
+pub(super) fn traps(raw: &[raw::Traps], species: &[Species]) -> Result<Vec<Traps>, KeyError> {
     let traps = |(index, raw): (usize, &raw::Traps)| {
         let (of, centres) = (trapped(raw, index, species)?, centres(raw, index)?);
         Ok(Traps { of, centres, stiffness: raw.stiffness })
@@ -24,35 +24,35 @@ pub(super) fn traps(raw: &[raw::Traps], species: &[Species]) -> Result<Vec<Traps
     raw.iter().enumerate().map(traps).collect()
 }
 
-fn trapped(raw: &raw::Traps, index: usize, species: &[Species]) -> Result<Trapped, Fault> {
+fn trapped(raw: &raw::Traps, index: usize, species: &[Species]) -> Result<Trapped, KeyError> {
     match (&raw.species, &raw.particles) {
         (None, None) => Ok(Trapped::All),
         (None, Some(ids)) => Ok(Trapped::Spheres(ids.clone())),
         (Some(name), None) => of_species(name, index, species),
         (Some(_), Some(_)) => {
             let message = "is set beside traps.species; leave one of them out";
-            Err(Fault::new(format!("traps[{index}].particles"), message))
+            Err(KeyError::new(format!("traps[{index}].particles"), message))
         }
     }
 }
 
-fn of_species(name: &str, index: usize, species: &[Species]) -> Result<Trapped, Fault> {
+fn of_species(name: &str, index: usize, species: &[Species]) -> Result<Trapped, KeyError> {
     let place = species.iter().position(|one| one.name == name);
     place.map(|place| Trapped::Species(place as u32)).ok_or_else(|| {
         let names: Vec<String> = species.iter().map(|one| format!("\"{}\"", one.name)).collect();
         let message = format!("is \"{}\"; the scene has {}", excerpt(name), names.join(", "));
-        Fault::new(format!("traps[{index}].species"), message)
+        KeyError::new(format!("traps[{index}].species"), message)
     })
 }
 
-fn centres(raw: &raw::Traps, index: usize) -> Result<Centres, Fault> {
+fn centres(raw: &raw::Traps, index: usize) -> Result<Centres, KeyError> {
     match (&raw.centre, &raw.centres) {
         (None, None) => Ok(Centres::AtStart),
         (Some(centre), None) => Ok(Centres::One(Vector::from_array(*centre))),
         (None, Some(list)) => Ok(Centres::Each(list.iter().map(|&centre| centre.into()).collect())),
         (Some(_), Some(_)) => {
             let message = "are set beside traps.centre; leave one of them out";
-            Err(Fault::new(format!("traps[{index}].centres"), message))
+            Err(KeyError::new(format!("traps[{index}].centres"), message))
         }
     }
 }

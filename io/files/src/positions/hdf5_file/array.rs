@@ -1,7 +1,7 @@
 //! Arrays of HDF5 files, read strictly: numbers, shapes and names are as stored, or refused.
 
 use crate::frames::one_of;
-use crate::positions::species::{Kinds, Names};
+use crate::positions::species::{Names, SpeciesColumn};
 use crate::{claimed_size, verified};
 use domain::Vector;
 use hdf5::types::{EnumType, FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
@@ -129,7 +129,7 @@ impl Array {
     }
 
     /// Species, as non-negative integers or by name: one per particle, or one for all `count`.
-    pub(super) fn kinds(&self, count: usize) -> Result<Kinds, String> {
+    pub(super) fn kinds(&self, count: usize) -> Result<SpeciesColumn, String> {
         let kinds = match self.kind()? {
             TypeDescriptor::Enum(names) => self.enumerated(&names)?,
             TypeDescriptor::VarLenUnicode => named(&self.raw::<VarLenUnicode>()?),
@@ -143,20 +143,22 @@ impl Array {
                 };
                 let numbers: Option<Vec<u32>> = self.numbers()?.into_iter().map(whole).collect();
                 let wrong = || format!("{} has numbers that are no species; these are whole, from 0 on", self.name());
-                Kinds::Indices(numbers.ok_or_else(wrong)?)
+                SpeciesColumn::Indices(numbers.ok_or_else(wrong)?)
             }
         };
         self.for_each(kinds, count)
     }
 
     /// The same species for each of `count` particles if there is only one.
-    fn for_each(&self, mut kinds: Kinds, count: usize) -> Result<Kinds, String> {
+    fn for_each(&self, mut kinds: SpeciesColumn, count: usize) -> Result<SpeciesColumn, String> {
         match (self.shape().as_slice(), kinds.numbers_mut()) {
             ([] | [1], [only]) => {
                 let all = vec![*only; count];
                 match &mut kinds {
-                    Kinds::Indices(numbers) | Kinds::Types(numbers) | Kinds::Recorded { numbers, .. } => *numbers = all,
-                    Kinds::Names(names) => names.of = all,
+                    SpeciesColumn::Indices(numbers)
+                    | SpeciesColumn::Types(numbers)
+                    | SpeciesColumn::Recorded { numbers, .. } => *numbers = all,
+                    SpeciesColumn::Names(names) => names.of = all,
                 }
                 Ok(kinds)
             }
@@ -166,7 +168,7 @@ impl Array {
     }
 
     /// Names of an enumeration.
-    fn enumerated(&self, names: &EnumType) -> Result<Kinds, String> {
+    fn enumerated(&self, names: &EnumType) -> Result<SpeciesColumn, String> {
         let place = |value: i64| names.members.iter().position(|member| member.value as i64 == value);
         let of: Option<Vec<u32>> = self.raw::<i64>()?.into_iter().map(|value| Some(place(value)? as u32)).collect();
         let of = of.ok_or_else(|| format!("{} has a number that its enumeration does not name", self.name()))?;
@@ -181,7 +183,7 @@ impl Array {
             list.push(member.name.clone());
         }
         let of = of.into_iter().map(|place| numbers[place as usize]).collect();
-        Ok(Kinds::Names(Names { list, of, are_symbols: false }))
+        Ok(SpeciesColumn::Names(Names { list, of, are_symbols: false }))
     }
 
     fn kind(&self) -> Result<TypeDescriptor, String> {
@@ -213,7 +215,7 @@ fn shape_in_words(shape: &[usize]) -> String {
 }
 
 /// Distinct names, and the index of each particle's name.
-fn named<T: AsRef<str>>(rows: &[T]) -> Kinds {
+fn named<T: AsRef<str>>(rows: &[T]) -> SpeciesColumn {
     let (mut list, mut of, mut places) = (Vec::new(), Vec::new(), HashMap::new());
     for row in rows {
         let name = row.as_ref().trim_end_matches('\0');
@@ -222,7 +224,7 @@ fn named<T: AsRef<str>>(rows: &[T]) -> Kinds {
             list.len() as u32 - 1
         }));
     }
-    Kinds::Names(Names { list, of, are_symbols: false })
+    SpeciesColumn::Names(Names { list, of, are_symbols: false })
 }
 
 fn in_words(kind: &TypeDescriptor) -> &'static str {

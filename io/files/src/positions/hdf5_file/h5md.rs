@@ -5,7 +5,7 @@ use super::element::Element;
 use crate::Provenance;
 use crate::frames::Sums;
 use crate::positions::run_folder::recorded;
-use crate::positions::species::Kinds;
+use crate::positions::species::SpeciesColumn;
 use crate::positions::{FileBox, StartFile, TakenFrame, frame};
 use domain::Vector;
 use hdf5::types::{FixedAscii, VarLenAscii, VarLenUnicode};
@@ -40,11 +40,11 @@ pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, Strin
 
 /// Adds the species names of the scene, if the file is from a run of this program. Species numbers of other programs
 /// are taken to start from 1 if none is 0: otherwise the first species would have no particle.
-fn with_names(kinds: Kinds, file: &File) -> Kinds {
+fn with_names(kinds: SpeciesColumn, file: &File) -> SpeciesColumn {
     let text = Provenance::read(file).map(|provenance| provenance.scene).unwrap_or_default();
     match (kinds, Scene::parse(&text, "the scene of the run", &[]).ok()) {
-        (Kinds::Indices(numbers), Some(scene)) => recorded(numbers, &scene),
-        (Kinds::Indices(numbers), None) if !numbers.contains(&0) => Kinds::Types(numbers),
+        (SpeciesColumn::Indices(numbers), Some(scene)) => recorded(numbers, &scene),
+        (SpeciesColumn::Indices(numbers), None) if !numbers.contains(&0) => SpeciesColumn::Types(numbers),
         (kinds, _) => kinds,
     }
 }

@@ -6,7 +6,7 @@ mod flat;
 mod h5md;
 
 use super::StartFile;
-use crate::{FileError, stored_inside};
+use crate::{FileError, self_contained};
 use hdf5::File;
 use scene::StartSource;
 
@@ -18,7 +18,7 @@ pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
     }
     let unfit = |reason: String| FileError::start(path, &reason);
     let file = File::open(path).map_err(|e| unfit(format!("it is no whole HDF5 file: {e}")))?;
-    stored_inside::check(&file).map_err(|e| unfit(e.to_string()))?;
+    self_contained::check(&file).map_err(|e| unfit(e.to_string()))?;
     let read = if file.group("particles").is_ok() { h5md::read(&file, source) } else { flat::read(&file, source) };
     read.map_err(unfit)
 }

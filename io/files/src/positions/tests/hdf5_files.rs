@@ -56,7 +56,7 @@ fn lists_in_hdf5_have_an_entry_for_each_position() {
         })
     };
     assert_eq!(with("radii", vec![2.0]).unwrap().radii, Some(vec![2.0; 3]));
-    assert_eq!(with("species", vec![1.0, 0.0, 1.0]).unwrap().species, Some(Kinds::Indices(vec![1, 0, 1])));
+    assert_eq!(with("species", vec![1.0, 0.0, 1.0]).unwrap().species, Some(SpeciesColumn::Indices(vec![1, 0, 1])));
     let message = with("radii", vec![1.0, 1.0]).unwrap_err();
     assert!(message.contains("radii has the shape (2,); it needs (3,), one for each of 3 positions"), "{message}");
     assert!(with("species", vec![0.5, 0.0, 1.0]).unwrap_err().contains("numbers that are no species"));
@@ -151,11 +151,21 @@ fn species_of_h5md_are_fixed_or_of_frames_numbers_or_names() {
         .map(|read| read.species.unwrap())
     };
     let names = |list: &[&str], of: &[u32]| {
-        Kinds::Names(Names { list: list.iter().map(|&s| s.to_owned()).collect(), of: of.to_vec(), are_symbols: false })
+        SpeciesColumn::Names(Names {
+            list: list.iter().map(|&s| s.to_owned()).collect(),
+            of: of.to_vec(),
+            are_symbols: false,
+        })
     };
-    assert_eq!(with(&|group| put(group, "species", &Array1::from(vec![1_u8, 0]))), Ok(Kinds::Indices(vec![1, 0])));
-    assert_eq!(with(&|group| drop(scalar(group, "species", 0))), Ok(Kinds::Indices(vec![0, 0])));
-    assert_eq!(with(&|group| put(group, "species", &Array1::from(vec![2_i64, 1]))), Ok(Kinds::Types(vec![2, 1])));
+    assert_eq!(
+        with(&|group| put(group, "species", &Array1::from(vec![1_u8, 0]))),
+        Ok(SpeciesColumn::Indices(vec![1, 0]))
+    );
+    assert_eq!(with(&|group| drop(scalar(group, "species", 0))), Ok(SpeciesColumn::Indices(vec![0, 0])));
+    assert_eq!(
+        with(&|group| put(group, "species", &Array1::from(vec![2_i64, 1]))),
+        Ok(SpeciesColumn::Types(vec![2, 1]))
+    );
     let sorts = Array1::from(vec![Sort::Tracer, Sort::Colloid]);
     assert_eq!(with(&|group| put(group, "species", &sorts)), Ok(names(&["Colloid", "Tracer"], &[1, 0])));
     let of_frames = |group: &hdf5::Group| {
@@ -163,7 +173,7 @@ fn species_of_h5md_are_fixed_or_of_frames_numbers_or_names() {
         put(&species, "value", &Array2::from_shape_vec((2, 2), vec![0_i32, 0, 1, 0]).unwrap());
         listed(&species, &[0, 5]);
     };
-    assert_eq!(with(&of_frames), Ok(Kinds::Indices(vec![1, 0])));
+    assert_eq!(with(&of_frames), Ok(SpeciesColumn::Indices(vec![1, 0])));
     let words: Vec<hdf5::types::VarLenUnicode> = ["b", "a"].map(|s| s.parse().unwrap()).to_vec();
     assert_eq!(with(&|group| put(group, "species", &Array1::from(words.clone()))), Ok(names(&["b", "a"], &[0, 1])));
 }
@@ -215,7 +225,7 @@ fn a_former_run_is_read_with_the_strain_of_its_box() {
     drop(trajectory);
     let placed = read_start(&StartSource::last(folder.path())).unwrap();
     assert_eq!(placed.positions, frame.particles.positions);
-    assert_eq!((placed.radii, placed.species), (Some(vec![1.0, 2.0]), Some(Kinds::Indices(vec![0, 1]))));
+    assert_eq!((placed.radii, placed.species), (Some(vec![1.0, 2.0]), Some(SpeciesColumn::Indices(vec![0, 1]))));
     assert_eq!(placed.cell, Some(FileBox::of_cell(&cell(2))));
     assert_eq!(placed.frame, TakenFrame { number: 2, count: 3, step: Some(2), time: Some(0.1) });
     let first = read_start(&StartSource { frame: Some(0), ..StartSource::last(folder.path()) }).unwrap();

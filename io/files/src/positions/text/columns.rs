@@ -2,7 +2,7 @@
 
 use super::number::{Numbers, whole};
 use crate::positions::StartFile;
-use crate::positions::species::{Kinds, Names};
+use crate::positions::species::{Names, SpeciesColumn};
 use domain::Vector;
 use scene::document::excerpt;
 use std::borrow::Cow;
@@ -132,15 +132,15 @@ impl Labelled {
         Ok(())
     }
 
-    fn kinds(self, meaning: Labels) -> Result<Kinds, String> {
+    fn kinds(self, meaning: Labels) -> Result<SpeciesColumn, String> {
         let are_numbers = self.list.iter().all(|(label, _)| label.parse::<f64>().is_ok());
         match meaning {
-            Labels::Indices => self.numbers(0).map(Kinds::Indices),
-            Labels::Types => self.numbers(1).map(Kinds::Types),
-            Labels::NamesOrIndices if are_numbers => self.numbers(0).map(Kinds::Indices),
+            Labels::Indices => self.numbers(0).map(SpeciesColumn::Indices),
+            Labels::Types => self.numbers(1).map(SpeciesColumn::Types),
+            Labels::NamesOrIndices if are_numbers => self.numbers(0).map(SpeciesColumn::Indices),
             _ => {
                 let list = self.list.into_iter().map(|(label, _)| label).collect();
-                Ok(Kinds::Names(Names { list, of: self.of, are_symbols: meaning == Labels::Symbols }))
+                Ok(SpeciesColumn::Names(Names { list, of: self.of, are_symbols: meaning == Labels::Symbols }))
             }
         }
     }

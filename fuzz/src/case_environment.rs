@@ -35,7 +35,7 @@ impl Fault {
 }
 
 /// Environment of a case.
-pub struct Lab<'a> {
+pub struct CaseEnvironment<'a> {
     /// The program.
     pub program: &'a Program,
     /// Valid files.
@@ -45,7 +45,7 @@ pub struct Lab<'a> {
     random: TestRunner,
 }
 
-impl<'a> Lab<'a> {
+impl<'a> CaseEnvironment<'a> {
     /// Environment of the case with this number.
     pub fn new(program: &'a Program, pool: &'a Pool, folder: &Path, [seed, number]: [u64; 2]) -> Self {
         let mut bytes = [0; 32];
@@ -72,20 +72,20 @@ impl<'a> Lab<'a> {
     }
 
     /// Copies a folder of valid results to the case's folder, under the same name.
-    pub fn bring(&self, name: &str) -> std::io::Result<PathBuf> {
+    pub fn copy_results(&self, name: &str) -> std::io::Result<PathBuf> {
         let to = self.folder.join(name);
         copy(&self.pool.folder.join(name), &to)?;
         Ok(to)
     }
 
     /// Runs the program and judges its reaction.
-    pub fn ask(&self, arguments: &[&str]) -> Result<End, Fault> {
+    pub fn run(&self, arguments: &[&str]) -> Result<End, Fault> {
         let arguments: Vec<OsString> = arguments.iter().map(OsString::from).collect();
-        self.ask_os(&arguments)
+        self.run_os(&arguments)
     }
 
     /// Like [`Self::ask`], with arguments that need not be text.
-    pub fn ask_os(&self, arguments: &[OsString]) -> Result<End, Fault> {
+    pub fn run_os(&self, arguments: &[OsString]) -> Result<End, Fault> {
         let ended = self.program.run(&self.folder, arguments).map_err(|error| Fault {
             what: format!("it does not start: {error}"),
             command: arguments.to_vec(),
@@ -95,9 +95,9 @@ impl<'a> Lab<'a> {
     }
 
     /// Like [`Self::ask`], but requires that only permitted paths in the case's folder are changed.
-    pub fn ask_within(&self, arguments: &[&str], permit: &Permit) -> Result<End, Fault> {
+    pub fn run_within(&self, arguments: &[&str], permit: &Permit) -> Result<End, Fault> {
         let before = Surroundings::of(&self.folder)?;
-        let end = self.ask(arguments)?;
+        let end = self.run(arguments)?;
         match before.touched(&Surroundings::of(&self.folder)?, permit) {
             None => Ok(end),
             Some(what) => Err(self.fault_of(arguments, &format!("a file that the run did not make: {what}"))),
@@ -105,11 +105,11 @@ impl<'a> Lab<'a> {
     }
 
     /// Requires that an invalid input is refused with an error that contains `word`.
-    pub fn ask_refused(&self, arguments: &[&str], word: &str) -> Result<End, Fault> {
-        if self.ask(arguments)? != End::Refused {
+    pub fn run_refused(&self, arguments: &[&str], word: &str) -> Result<End, Fault> {
+        if self.run(arguments)? != End::Refused {
             return Err(self.fault_of(arguments, "it accepted what it can't have read whole"));
         }
-        if !self.said().contains(word) {
+        if !self.stderr().contains(word) {
             return Err(self.fault_of(arguments, &format!("an error that does not name {word}")));
         }
         Ok(End::Refused)
@@ -118,11 +118,11 @@ impl<'a> Lab<'a> {
     /// A fault of the last command.
     pub fn fault_of(&self, arguments: &[&str], what: &str) -> Fault {
         let command = arguments.iter().map(OsString::from).collect();
-        Fault { what: what.to_owned(), command, stderr: self.said() }
+        Fault { what: what.to_owned(), command, stderr: self.stderr() }
     }
 
     /// Errors and warnings of the last command.
-    pub fn said(&self) -> String {
+    pub fn stderr(&self) -> String {
         String::from_utf8_lossy(&std::fs::read(self.folder.join("stderr")).unwrap_or_default()).into_owned()
     }
 

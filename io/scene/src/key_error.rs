@@ -4,12 +4,12 @@ use domain::ParameterError;
 
 /// A key and the problem with it.
 #[derive(Debug)]
-pub(crate) struct Fault {
+pub(crate) struct KeyError {
     pub(crate) key: String,
     pub(crate) message: String,
 }
 
-impl Fault {
+impl KeyError {
     pub(crate) fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
         Self { key: key.into(), message: message.into() }
     }
@@ -25,7 +25,7 @@ impl Fault {
 }
 
 /// Message of a library about one of its parameters.
-impl From<ParameterError> for Fault {
+impl From<ParameterError> for KeyError {
     fn from(ParameterError { key, message }: ParameterError) -> Self {
         Self { key, message }
     }

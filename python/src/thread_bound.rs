@@ -8,16 +8,16 @@ use std::thread::ThreadId;
 
 /// A value that is confined to the thread that made it, since MPI allows calls from one thread alone, and communicators
 /// are counted without locks. Other threads are refused.
-pub struct Confined<T> {
+pub struct ThreadBound<T> {
     value: Option<RefCell<T>>,
     home: ThreadId,
 }
 
 // SAFETY: the value is accessed through `with` alone, which refuses all threads but its home thread, and is dropped
 // there alone.
-unsafe impl<T> Send for Confined<T> {}
+unsafe impl<T> Send for ThreadBound<T> {}
 // SAFETY: as above; on the home thread, the cell refuses a second use during the first.
-unsafe impl<T> Sync for Confined<T> {}
+unsafe impl<T> Sync for ThreadBound<T> {}
 
 /// A closure that is called without Python's lock, on the same thread.
 struct SameThread<F>(F);
@@ -37,7 +37,7 @@ pub fn without_lock<R>(py: Python<'_>, compute: impl FnOnce() -> R) -> R {
     py.detach(move || here.call()).0
 }
 
-impl<T> Confined<T> {
+impl<T> ThreadBound<T> {
     /// Confines a value to this thread.
     pub fn new(value: T) -> Self {
         Self { value: Some(RefCell::new(value)), home: std::thread::current().id() }
@@ -55,7 +55,7 @@ impl<T> Confined<T> {
     }
 }
 
-impl<T> Drop for Confined<T> {
+impl<T> Drop for ThreadBound<T> {
     fn drop(&mut self) {
         if std::thread::current().id() != self.home {
             std::mem::forget(self.value.take());

@@ -15,12 +15,12 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct OwnFunction {
     pub function: Arc<Py<PyAny>>,
-    pub gives: Gives,
+    pub gives: LoadKind,
 }
 
 /// Kinds of loads that a Python function returns.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Gives {
+pub enum LoadKind {
     /// `(positions, time) -> (N, 3)`.
     Forces,
     /// `(positions, time) -> (N, 3)`.
@@ -31,7 +31,7 @@ pub enum Gives {
     PairForces(f64),
 }
 
-impl Gives {
+impl LoadKind {
     /// The kind with a name, with the cutoff of pair forces.
     pub fn of(name: &str, cutoff: Option<f64>) -> PyResult<Self> {
         match (name, cutoff) {
@@ -51,9 +51,9 @@ impl Gives {
 
 /// Exception raised by such a function, kept until it is taken.
 #[derive(Clone, Default)]
-pub struct Raised(Rc<RefCell<Option<PyErr>>>);
+pub struct PendingException(Rc<RefCell<Option<PyErr>>>);
 
-impl Raised {
+impl PendingException {
     /// Takes the exception that was raised, if any.
     pub fn take(&self) -> Option<PyErr> {
         self.0.borrow_mut().take()
@@ -69,7 +69,7 @@ impl Raised {
     pub fn loads(&self, own: OwnFunction) -> simulation::UserLoads {
         let raised = self.clone();
         match own.gives {
-            Gives::PairForces(cutoff) => simulation::UserLoads::OfPairs {
+            LoadKind::PairForces(cutoff) => simulation::UserLoads::OfPairs {
                 cutoff,
                 function: Box::new(move |near, time| {
                     let called = Python::attach(|py| of_pairs(py, &own.function, near, time));
@@ -94,8 +94,8 @@ fn of_positions(py: Python<'_>, own: &OwnFunction, positions: &[Vector], time: f
     let given = own.function.bind(py).call1((rows_of::<_, f64>(py, positions.to_vec())?, time))?;
     let mut loads = AppliedLoads::default();
     match own.gives {
-        Gives::Torques => loads.torques = list_of(Some(given.extract()?))?,
-        Gives::ForcesAndMoments => {
+        LoadKind::Torques => loads.torques = list_of(Some(given.extract()?))?,
+        LoadKind::ForcesAndMoments => {
             let (forces, moments) = given.extract()?;
             loads.forces = list_of(Some(forces))?;
             loads.moments = list_of(Some(moments))?.into_iter().map(tensor).collect();

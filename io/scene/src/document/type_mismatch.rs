@@ -6,7 +6,7 @@ use std::fmt::Display;
 
 /// A value that differs from the expected form.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Misfit {
+pub struct TypeMismatch {
     /// Path to the value, innermost step first.
     steps: Vec<Step>,
     problem: Problem,
@@ -28,7 +28,7 @@ enum Problem {
     Other(String),
 }
 
-impl Misfit {
+impl TypeMismatch {
     /// A value of the wrong type.
     pub(super) fn of_type(found: impl Into<String>, expected: impl Into<String>) -> Self {
         Self::of(Problem::Type { found: found.into(), expected: expected.into() })
@@ -100,15 +100,15 @@ fn quoted(key: &str) -> String {
     if is_bare { excerpt(key) } else { format!("\"{}\"", excerpt(key)) }
 }
 
-impl Display for Misfit {
+impl Display for TypeMismatch {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.in_words("the document"))
     }
 }
 
-impl std::error::Error for Misfit {}
+impl std::error::Error for TypeMismatch {}
 
-impl Error for Misfit {
+impl Error for TypeMismatch {
     fn custom<T: Display>(message: T) -> Self {
         Self::of(Problem::Other(message.to_string()))
     }
