@@ -82,7 +82,7 @@ fn answer(args: &Args, wanted: &Convergence, folder: &FamilyFolder) -> anyhow::R
     let names = std::iter::once("as it is").chain(wanted.changes.iter().copied());
     let rows: Vec<(&str, Option<AnswerChange>)> = names.zip(found).collect();
     let verdicts = folder.first_verdicts(&wanted.family, (&quantity, &species))?;
-    Ok(if args.json { values(&quantity, &species, &rows) } else { words((&quantity, &species), &verdicts, &rows) })
+    Ok(if args.json { values(&quantity, &species, &rows) } else { words(&quantity, &species, &verdicts, &rows) })
 }
 
 /// The quantity of that name, or the only one whose name contains it.
@@ -105,7 +105,7 @@ fn quantity(name: &str, known: &BTreeSet<(String, String)>) -> anyhow::Result<(S
     )
 }
 
-fn words((quantity, species): (&str, &str), verdicts: &str, rows: &[(&str, Option<AnswerChange>)]) -> String {
+fn words(quantity: &str, species: &str, verdicts: &str, rows: &[(&str, Option<AnswerChange>)]) -> String {
     let of = if species.is_empty() || species == "all" { String::new() } else { format!(" of {species}") };
     let mut text = format!("{quantity}{of}, over the second half of each run\n");
     let width = rows.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
@@ -207,7 +207,7 @@ mod tests {
             ("a tenth of the tolerance", None),
             ("four times the stiffness", Some(AnswerChange { change: -0.02, change_error: 0.002, ..base })),
         ];
-        let text = words(("relative_viscosity", "all"), "2 converged, 1 too short", &rows);
+        let text = words("relative_viscosity", "all", "2 converged, 1 too short", &rows);
         for expected in [
             "relative_viscosity, over the second half of each run\n",
             "as it is                  2 +- 0.1  (3 seeds; by themselves 2 converged, 1 too short)\n",

@@ -90,7 +90,7 @@ fn write_frames(args: &Args, format: Format) -> anyhow::Result<()> {
         frames.peek().is_some(),
         "the trajectory has no whole frame in that span; change --from, --until or --frames"
     );
-    files::export(&recorded, &mut frames, format, (&out, &Manifest::of(&args.folder)?))?;
+    files::export(&recorded, &mut frames, format, &out, &Manifest::of(&args.folder)?)?;
     streams::print_here(&format!("{count} frames in {}\n", out.display()))
 }
 
@@ -114,7 +114,7 @@ fn write_contacts(args: &Args, format: ContactFormat) -> anyhow::Result<()> {
         .inspect(|_| count += 1)
         .peekable();
     ensure!(steps.peek().is_some(), "there are no whole contacts in that span; change --from, --until or --frames");
-    files::export_contacts(&mut steps, format, (&out, &Manifest::of(&args.folder)?))?;
+    files::export_contacts(&mut steps, format, &out, &Manifest::of(&args.folder)?)?;
     streams::print_here(&format!("{count} steps in {}\n", out.display()))
 }
 

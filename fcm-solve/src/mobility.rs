@@ -71,7 +71,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 
 /// Evaluates a case; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
-    let (parameters, turn) = parameters(case, (tolerance, run::kept_costs(comm)?))?;
+    let (parameters, turn) = parameters(case, tolerance, run::kept_costs(comm)?)?;
     case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
@@ -96,7 +96,7 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
              motions are without it"
         ));
     }
-    let mut answer = comm.is_first().then(|| answer(&motions, case, (mobility.plan(), mobility.turn()), seconds));
+    let mut answer = comm.is_first().then(|| answer(&motions, case, mobility.plan(), mobility.turn(), seconds));
     if let (Some(answer), Some((motions, _))) = (&mut answer, noise) {
         add_noise(answer, &motions, case);
     }
@@ -130,7 +130,7 @@ fn text_bytes(case: &Case) -> Bytes {
     Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)
 }
 
-fn parameters(case: &Case, (tolerance, costs): (f64, Costs)) -> anyhow::Result<(MobilityParameters, AxisRotation)> {
+fn parameters(case: &Case, tolerance: f64, costs: Costs) -> anyhow::Result<(MobilityParameters, AxisRotation)> {
     let (cell, turn) = case.bounded_box()?;
     let cutoff = case.lubrication_cutoff.unwrap_or(LubricationRange::WIDE);
     let parameters = MobilityParameters {
@@ -159,7 +159,7 @@ fn loads(case: &Case) -> Loads {
     Loads { forces: vectors(&case.forces), torques: vectors(&case.torques), stresslets }
 }
 
-fn answer(motions: &Motions, case: &Case, (plan, turn): (&Plan, AxisRotation), seconds: f64) -> Answer {
+fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, seconds: f64) -> Answer {
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;

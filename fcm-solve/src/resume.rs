@@ -42,7 +42,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     if let Some(work) = WholeScene::of(&scene) {
         run::check_ranks(scene.kind(), comm.size())?;
         run::check_memory(scene.kind(), comm)?;
-        return carry_out(&work, (&scene, &folder), comm);
+        return carry_out(&work, &scene, &folder, comm);
     }
     continue_run(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
 }

@@ -60,7 +60,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let signals = comm.agree(signals)?;
     let folder = comm.agree(RunFolder::claim(&path, comm, args.former()).map_err(|e| in_full(&e.into())))?;
     if args.goes_on && folder.holds_run(comm) {
-        return start_or_go_on(scene, folder, &args.accept, (comm, &signals));
+        return start_or_go_on(scene, folder, &args.accept, comm, &signals);
     }
     start(scene, folder, comm, &signals)
 }
@@ -86,7 +86,7 @@ fn start(scene: Scene, mut folder: RunFolder, comm: &Comm, signals: &Signals) ->
         run::check_memory(scene.kind(), comm)?;
         folder.start_with(scene.text())?;
         signals.go_on_with(resume_command(folder.path(), None));
-        return carry_out(&work, (&scene, &folder), comm);
+        return carry_out(&work, &scene, &folder, comm);
     }
     let mut preparing = PartProgress::start(comm, "the particles are placed");
     let mut started = run::start(&scene, comm, &mut |part| preparing.show(part))?;
@@ -100,7 +100,8 @@ fn start_or_go_on(
     scene: Scene,
     folder: RunFolder,
     accepted: &[String],
-    (comm, signals): (&Comm, &Signals),
+    comm: &Comm,
+    signals: &Signals,
 ) -> anyhow::Result<ExitCode> {
     let kept = read(&folder.scene(), &[], comm)?;
     if let Some(work) = WholeScene::of(&kept) {
@@ -110,7 +111,7 @@ fn start_or_go_on(
             Ok(finished("", &folder, comm))
         } else {
             signals.go_on_with(resume_command(folder.path(), None));
-            carry_out(&work, (&kept, &folder), comm)
+            carry_out(&work, &kept, &folder, comm)
         };
     }
     refuse_another(scene.fixed_differences(&kept).into_iter(), folder.path())?;

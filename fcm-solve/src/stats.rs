@@ -100,7 +100,7 @@ impl Args {
             )));
         }
         let times = [self.from.unwrap_or(f64::NEG_INFINITY), until];
-        self.of_trajectory.statistics_of(&self.folder, (scene, suspension), times).map(Ok)
+        self.of_trajectory.statistics_of(&self.folder, scene, suspension, times).map(Ok)
     }
 }
 

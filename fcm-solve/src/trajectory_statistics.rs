@@ -45,7 +45,8 @@ impl Options {
     pub fn statistics_of(
         &self,
         folder: &Path,
-        (scene, suspension): (&Scene, &SuspensionScene),
+        scene: &Scene,
+        suspension: &SuspensionScene,
         [from, until]: [f64; 2],
     ) -> anyhow::Result<TrajectoryStatistics> {
         let trajectory = folder.join("trajectory.h5");
@@ -56,7 +57,7 @@ impl Options {
             streams::log(format_args!("warning: {}: {change}; the statistics are of both", trajectory.display()));
         }
         let chosen = SampledFrames::of(&recorded, &(wanted.from..=until), &trajectory);
-        let (statistics, damaged) = sampled(&recorded, &chosen, (model, wanted), &trajectory)?;
+        let (statistics, damaged) = sampled(&recorded, &chosen, model, wanted, &trajectory)?;
         let Some(mut statistics) = statistics else {
             bail!("the trajectory has no whole frame in that span; change --from and --until")
         };
@@ -67,7 +68,7 @@ impl Options {
             Provenance { scene: of_run.scene.clone(), ..provenance(scene, of_run.plan.clone(), &Comm::alone()) };
         let tables = statistics.tables();
         let manifest = Manifest::of(folder)?;
-        write_tables((&out, "statistics"), &provenance, &tables, &manifest).context("the statistics are lost")?;
+        write_tables(&out, "statistics", &provenance, &tables, &manifest).context("the statistics are lost")?;
         let summary = tables.into_iter().next().expect("the summary is the first of the tables");
         Ok(TrajectoryStatistics { summary, folder: out, missing: chosen.missing.count(), damaged })
     }

@@ -17,7 +17,7 @@ impl Listener for Shown {
 }
 
 /// Does the work of a scene without time steps. A signal ends the program at once.
-pub fn carry_out(work: &WholeScene, (scene, folder): (&Scene, &RunFolder), comm: &Comm) -> anyhow::Result<ExitCode> {
+pub fn carry_out(work: &WholeScene, scene: &Scene, folder: &RunFolder, comm: &Comm) -> anyhow::Result<ExitCode> {
     let shown = Shown(PartProgress::start_late(comm, "all problems"));
     work.carry_out(scene, folder, comm, &shown)?;
     drop(shown);

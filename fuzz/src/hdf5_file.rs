@@ -153,7 +153,7 @@ fn change(file: &File, names: &[String], edit: &Edit) -> hdf5::Result<()> {
             file.unlink(name(at))?;
             file.create_group(name(at)).map(drop)
         }
-        Edit::Attribute(at, attribute, number) => set_attribute(file, name(at), (attribute, *number)),
+        Edit::Attribute(at, attribute, number) => set_attribute(file, name(at), attribute, *number),
     }
 }
 
@@ -165,7 +165,7 @@ fn link(file: &File, at: &str, to: &str, hard: bool) -> hdf5::Result<()> {
     if hard { file.link_hard(to, at) } else { file.link_soft(to, at) }
 }
 
-fn set_attribute(file: &File, at: &str, (name, number): (&str, Option<f64>)) -> hdf5::Result<()> {
+fn set_attribute(file: &File, at: &str, name: &str, number: Option<f64>) -> hdf5::Result<()> {
     let group = file.group(at)?;
     drop(group.delete_attr(name));
     match number {

@@ -42,10 +42,10 @@ pub fn carry_out(
         _ => ExistingRun::Keep,
     };
     let told = PythonListener(tell);
-    without_lock(py, || in_folder(&scene, (&path, former), &told)).map_err(|cause| of_run(&cause))
+    without_lock(py, || in_folder(&scene, &path, former, &told)).map_err(|cause| of_run(&cause))
 }
 
-fn in_folder(scene: &Scene, (path, former): (&Path, ExistingRun), listener: &PythonListener) -> Result<(), RunError> {
+fn in_folder(scene: &Scene, path: &Path, former: ExistingRun, listener: &PythonListener) -> Result<(), RunError> {
     let comm = Comm::alone();
     let work = WholeScene::of(scene).ok_or(RunError::NoSteps)?;
     let mut folder = RunFolder::claim(path, &comm, former)?;

@@ -21,7 +21,8 @@ pub(crate) fn of_text(text: &str) -> String {
 /// Stores a list of `count` numbers, which `each` passes on block by block, with its checksum.
 pub(crate) fn write_blocks<T: H5Type + NoUninit>(
     group: &Group,
-    (name, count): (&str, usize),
+    name: &str,
+    count: usize,
     each: impl FnOnce(&mut dyn FnMut(&[T]) -> hdf5::Result<()>) -> hdf5::Result<()>,
 ) -> hdf5::Result<Dataset> {
     let dataset = group.new_dataset::<T>().shape((count,)).create(name)?;

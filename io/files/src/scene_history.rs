@@ -94,11 +94,11 @@ impl SceneHistory {
             file.flush()?;
         }
         for (row, change) in latest.iter().enumerate().skip(same) {
-            put(file, "key", (row, text::<KEY>(Some(&change.key))?))?;
-            put(file, "before", (row, text::<VALUE>(change.before.as_ref())?))?;
-            put(file, "after", (row, text::<VALUE>(change.after.as_ref())?))?;
+            put(file, "key", row, text::<KEY>(Some(&change.key))?)?;
+            put(file, "before", row, text::<VALUE>(change.before.as_ref())?)?;
+            put(file, "after", row, text::<VALUE>(change.after.as_ref())?)?;
             file.flush()?;
-            put(file, "step", (row, change.step))?;
+            put(file, "step", row, change.step)?;
             file.flush()?;
         }
         Ok(())
@@ -203,7 +203,7 @@ fn short<T: H5Type>(dataset: &Dataset) -> hdf5::Result<Vec<T>> {
     dataset.read_raw()
 }
 
-fn put<T: H5Type + Clone>(file: &File, name: &str, (row, value): (usize, T)) -> hdf5::Result<()> {
+fn put<T: H5Type + Clone>(file: &File, name: &str, row: usize, value: T) -> hdf5::Result<()> {
     let dataset = file.dataset(&format!("{PLACE}/{name}"))?;
     dataset.resize((row + 1,))?;
     dataset.write_slice(&[value], row..=row)

@@ -40,7 +40,8 @@ fn write(table: &Table, file: &File) -> hdf5::Result<()> {
 /// Writes tables to a folder, which is created: each as a separate CSV file, and all together as `NAME.h5`. Existing
 /// files of those names are replaced if the manifest lists them or is not that of the folder.
 pub fn write_tables(
-    (folder, name): (&Path, &str),
+    folder: &Path,
+    name: &str,
     provenance: &Provenance,
     tables: &[Table],
     manifest: &Manifest,
@@ -75,7 +76,7 @@ mod tests {
         table.add(&["large, \"round\""], &[2.0, f64::NAN]);
         for _ in 0..2 {
             let none = Manifest::none(folder.path());
-            write_tables((folder.path(), "all"), &provenance, &[table.clone()], &none).unwrap();
+            write_tables(folder.path(), "all", &provenance, &[table.clone()], &none).unwrap();
         }
         let csv = std::fs::read_to_string(folder.path().join("sizes.csv")).unwrap();
         assert_eq!(csv, "species,length,share\nsmall,0.1,0.5\n\"large, \"\"round\"\"\",2.0,NaN\n");

@@ -169,9 +169,9 @@ fn elements<'a>(columns: impl Iterator<Item = (&'a str, usize)>, count: usize) -
 /// Writes the data that are the same for all frames.
 fn write_fixed(file: &hdf5::File, (rows, periodic): (&ById, [bool; 3])) -> hdf5::Result<()> {
     let (group, count) = (file.group("particles/all")?, rows.count());
-    checksum::write_blocks::<u64>(&group, ("id", count), |each| rows.ids(each))?;
-    checksum::write_blocks::<u32>(&group, ("species", count), |each| rows.species(each))?;
-    let radii = checksum::write_blocks::<f64>(&group, ("radius", count), |each| rows.radii(each))?;
+    checksum::write_blocks::<u64>(&group, "id", count, |each| rows.ids(each))?;
+    checksum::write_blocks::<u32>(&group, "species", count, |each| rows.species(each))?;
+    let radii = checksum::write_blocks::<f64>(&group, "radius", count, |each| rows.radii(each))?;
     text::write_dimensions(&radii, "length")?;
     let cell = group.group("box")?;
     cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;

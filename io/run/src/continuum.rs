@@ -38,7 +38,7 @@ pub(super) fn solve(
         }
     }
     let provenance = provenance(scene, outline::continuum(problems).text().to_owned(), &Comm::alone());
-    write_tables((run.folder(), SOLUTION), &provenance, &[summary, profile], run)?;
+    write_tables(run.folder(), SOLUTION, &provenance, &[summary, profile], run)?;
     if unsolved.is_empty() { Ok(()) } else { Err(RunError::Unsolved { unsolved, problems: problems.problems.len() }) }
 }
 

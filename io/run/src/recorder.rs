@@ -268,7 +268,7 @@ impl Recorder {
         // Data that precede a checkpoint must be on the disk before it.
         let is_whole = || self.files.sync().and_then(|()| self.folder.check_scene());
         self.comm.agree(if self.comm.is_first() { is_whole() } else { Ok(()) })?;
-        self.comm.agree(Checkpoints::write(self.folder.manifest(), (&state, &self.scene), &self.comm))?;
+        self.comm.agree(Checkpoints::write(self.folder.manifest(), &state, &self.scene, &self.comm))?;
         self.saved = Some(simulation.clock().step());
         Ok(())
     }
@@ -277,7 +277,7 @@ impl Recorder {
         let path = self.folder.path();
         let write = simulation.averages().map_or(Ok(()), |set| {
             let folder = set.folder.map_or_else(|| path.to_owned(), |name| path.join(name));
-            write_tables((&folder, set.name), &self.provenance, &set.tables, self.folder.manifest())
+            write_tables(&folder, set.name, &self.provenance, &set.tables, self.folder.manifest())
         });
         Ok(self.comm.agree(write)?)
     }

@@ -146,7 +146,7 @@ pub fn trial(scene: &Scene, comm: &Comm) -> Result<Option<Trial>, RunError> {
     let strain = StrainEnd::of(&*trying.simulation, last);
     let all = steps_of_all(scene, strain);
     let steps = step * (all - warm_step as f64).max(0.0);
-    let written = written(&mut trying, (scene, output), all.ceil() as u64);
+    let written = written(&mut trying, scene, output, all.ceil() as u64);
     let copy = (trying.particles > 1.0).then(|| trying.simulation.frame().particles.len());
     let start = LAUNCH_TIME + trying.costs * start;
     let run = start + trying.costs * warm_time + steps + written.seconds;
@@ -234,7 +234,7 @@ fn steps_of_all(scene: &Scene, strain: Option<StrainEnd>) -> f64 {
 }
 
 /// Bytes and time of the output up to step `last`.
-fn written(trying: &mut TrialSimulation, (scene, output): (&Scene, &Output), last: u64) -> OutputForecast {
+fn written(trying: &mut TrialSimulation, scene: &Scene, output: &Output, last: u64) -> OutputForecast {
     let count = |schedule: Schedule| schedule.count_until(last) as f64;
     let [rows, frames] = [output.observables, output.trajectory].map(count);
     let simulation = &mut *trying.simulation;

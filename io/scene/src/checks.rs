@@ -9,7 +9,7 @@ pub(super) fn positive(key: &str, value: f64) -> Result<f64, KeyError> {
 }
 
 /// Limits a number of `things` that follows from a key; `found` describes how.
-pub(super) fn few_enough(key: &str, found: &str, (count, things): (f64, &str)) -> Result<(), KeyError> {
+pub(super) fn few_enough(key: &str, found: &str, count: f64, things: &str) -> Result<(), KeyError> {
     if count <= MAX_SPHERES {
         return Ok(());
     }

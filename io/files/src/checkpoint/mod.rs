@@ -45,7 +45,7 @@ impl<'a> Checkpoints<'a> {
     /// Writes a checkpoint of a state, of which each rank contributes its own particles, and removes all but the last
     /// two of those that the run's manifest lists. The file appears under its name only when it is complete and on
     /// the disk. The first rank writes. Collective.
-    pub fn write(run: &Manifest, (state, scene): (&State, &SceneRecord), comm: &Comm) -> Result<(), FileError> {
+    pub fn write(run: &Manifest, state: &State, scene: &SceneRecord, comm: &Comm) -> Result<(), FileError> {
         let path = Checkpoints(run.folder()).path(state.step);
         let put = |rows: &domain::ById| {
             run.enter(&path)?;

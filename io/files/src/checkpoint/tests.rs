@@ -26,7 +26,7 @@ fn record() -> SceneRecord {
 #[test]
 fn what_is_written_is_read_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::write(&Manifest::of_test(folder.path()), (&state(12), &record()), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), &state(12), &record(), &Comm::alone()).unwrap();
     let Latest { state: found, scene, damaged } = Checkpoints::of(folder.path()).latest(&Comm::alone()).unwrap();
     assert_eq!((&found, scene), (&state(12), Some(record())));
     assert_eq!(found.particles.columns[0].values[7].to_bits(), (-0.0_f64).to_bits());
@@ -44,7 +44,7 @@ fn one_piece_is_as_it_was() {
     for statistics in [Vec::new(), vec![vec![3, 4]]] {
         let folder = tempfile::tempdir().unwrap();
         let state = State { statistics, ..state(2) };
-        Checkpoints::write(&Manifest::of_test(folder.path()), (&state, &record()), &Comm::alone()).unwrap();
+        Checkpoints::write(&Manifest::of_test(folder.path()), &state, &record(), &Comm::alone()).unwrap();
         let bytes = std::fs::read(Checkpoints::of(folder.path()).path(2)).unwrap();
         assert!(!bytes.windows(6).any(|word| word == b"pieces"));
         assert_eq!(bytes.len(), bytes_of(&state, &record()));
@@ -58,13 +58,13 @@ fn ranks_write_one_file_and_read_shares_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let (whole, alone) = (state(3), folder.path().join("alone"));
     std::fs::create_dir(&alone).unwrap();
-    Checkpoints::write(&Manifest::of_test(&alone), (&whole, &record()), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(&alone), &whole, &record(), &Comm::alone()).unwrap();
     for ranks in [1, 2, 3, 7, 9] {
         let shares = Comm::threads(ranks, |comm| {
             let rows: Vec<usize> = (0..7).rev().filter(|row| row % ranks == comm.rank()).collect();
             let statistics = pieces(&whole, &comm);
             let share = State { particles: whole.particles.selected(&rows), statistics, ..whole.clone() };
-            Checkpoints::write(&Manifest::of_test(folder.path()), (&share, &record()), &comm).unwrap();
+            Checkpoints::write(&Manifest::of_test(folder.path()), &share, &record(), &comm).unwrap();
             let found = Checkpoints::of(folder.path()).latest(&comm).unwrap().state;
             assert_eq!(found.statistics, pieces(&whole, &comm));
             found
@@ -89,7 +89,7 @@ fn the_last_two_are_kept_and_nothing_half_written() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("checkpoint-0000000099.bin"), "of somebody else").unwrap();
     for step in [0, 5, 10, 100_000] {
-        Checkpoints::write(&Manifest::of_test(folder.path()), (&state(step), &record()), &Comm::alone()).unwrap();
+        Checkpoints::write(&Manifest::of_test(folder.path()), &state(step), &record(), &Comm::alone()).unwrap();
     }
     let mut names: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
@@ -102,8 +102,8 @@ fn the_last_two_are_kept_and_nothing_half_written() {
 #[test]
 fn any_damage_to_the_last_one_is_seen_and_the_one_before_serves() {
     let folder = tempfile::tempdir().unwrap();
-    Checkpoints::write(&Manifest::of_test(folder.path()), (&state(1), &record()), &Comm::alone()).unwrap();
-    Checkpoints::write(&Manifest::of_test(folder.path()), (&state(2), &record()), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), &state(1), &record(), &Comm::alone()).unwrap();
+    Checkpoints::write(&Manifest::of_test(folder.path()), &state(2), &record(), &Comm::alone()).unwrap();
     let last = Checkpoints::of(folder.path()).path(2);
     let whole = std::fs::read(&last).unwrap();
     let mut changed = whole.clone();

@@ -52,7 +52,8 @@ impl Columns<'_> {
     fn write<T: H5Type + bytemuck::NoUninit, const N: usize>(
         &self,
         name: &str,
-        (unit, width): (&str, usize),
+        unit: &str,
+        width: usize,
         of_one: impl Fn(&ContactForce) -> [T; N],
     ) -> hdf5::Result<()> {
         let values: Vec<T> = self.list.iter().flat_map(of_one).collect();

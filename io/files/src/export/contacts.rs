@@ -35,7 +35,8 @@ const HEAD: &str = "step,time,first,second,x,y,z,dx,dy,dz,normal_force,tangentia
 pub fn export_contacts(
     steps: &mut dyn Iterator<Item = ContactForces>,
     format: ContactFormat,
-    (path, run): (&Path, &Manifest),
+    path: &Path,
+    run: &Manifest,
 ) -> std::result::Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return Err(FileError::write(path, &"it is no file"));
@@ -43,7 +44,7 @@ pub fn export_contacts(
     run.enter(path)?;
     match format {
         ContactFormat::Csv => atomic_file::write_with(path, |file, _| table(&mut BufWriter::new(file), steps)),
-        ContactFormat::Vtp => write_pieces((path, run), &mut steps.map(|contacts| lines(&contacts))),
+        ContactFormat::Vtp => write_pieces(path, run, &mut steps.map(|contacts| lines(&contacts))),
     }
 }
 
@@ -115,7 +116,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("contacts").with_extension(format.extension());
         let none = Manifest::none(folder.path());
-        export_contacts(&mut (0..3).map(contacts), format, (&path, &none)).unwrap();
+        export_contacts(&mut (0..3).map(contacts), format, &path, &none).unwrap();
         let text = std::fs::read_to_string(path).unwrap();
         (folder, text)
     }

@@ -45,7 +45,8 @@ pub fn export(
     recorded: &TrajectoryReader,
     frames: &mut dyn Iterator<Item = Snapshot>,
     format: Format,
-    (path, run): (&Path, &Manifest),
+    path: &Path,
+    run: &Manifest,
 ) -> Result<(), FileError> {
     if path.exists() && !path.is_file() {
         return Err(FileError::write(path, &"it is no file"));

@@ -8,13 +8,8 @@ fn exported(format: Format) -> (tempfile::TempDir, Vec<u8>) {
     let folder = tempfile::tempdir().unwrap();
     let recorded = recorded(folder.path());
     let out = folder.path().join("out").with_extension(format.extension());
-    export(
-        &recorded,
-        &mut (0..2).map(|k| recorded.snapshot(k).unwrap()),
-        format,
-        (&out, &Manifest::none(folder.path())),
-    )
-    .unwrap();
+    export(&recorded, &mut (0..2).map(|k| recorded.snapshot(k).unwrap()), format, &out, &Manifest::none(folder.path()))
+        .unwrap();
     let content = std::fs::read(out).unwrap();
     (folder, content)
 }
@@ -94,7 +89,7 @@ fn names_that_will_not_do_are_refused() {
     let recorded = recorded(folder.path());
     let refused = |format, name: &str| {
         let (path, none) = (folder.path().join(name), Manifest::none(folder.path()));
-        export(&recorded, &mut std::iter::empty(), format, (&path, &none)).unwrap_err().to_string()
+        export(&recorded, &mut std::iter::empty(), format, &path, &none).unwrap_err().to_string()
     };
     assert!(refused(Format::Vtp, "a.vtp").contains("needs to end in .pvd"));
     assert!(refused(Format::Xyz, ".").contains("it is no file"));

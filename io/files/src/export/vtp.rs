@@ -12,12 +12,13 @@ pub(super) fn write(
     list: (&Path, &Manifest),
     frames: &mut dyn Iterator<Item = Snapshot>,
 ) -> std::result::Result<(), FileError> {
-    write_pieces(list, &mut frames.map(|snapshot| Piece::of_frame(&snapshot)))
+    write_pieces(list.0, list.1, &mut frames.map(|snapshot| Piece::of_frame(&snapshot)))
 }
 
 /// Writes each piece to a separate file, and the list of the files.
 pub(super) fn write_pieces(
-    (list, run): (&Path, &Manifest),
+    list: &Path,
+    run: &Manifest,
     pieces: &mut dyn Iterator<Item = Piece>,
 ) -> std::result::Result<(), FileError> {
     if list.extension().is_none_or(|extension| extension != "pvd") {

@@ -105,7 +105,7 @@ pub(super) struct StoredElement {
 
 impl StoredElement {
     /// Creates the group of a quantity; its steps and times are those of the group `clock`.
-    pub(super) fn create(file: &File, element: &Element, (clock, capacity): (&str, Capacity)) -> hdf5::Result<Self> {
+    pub(super) fn create(file: &File, element: &Element, clock: &str, capacity: Capacity) -> hdf5::Result<Self> {
         let group = group(file, &element.path)?;
         let shape = element.shape.as_ref().map_or(&[][..], |shape| shape);
         let values = if element.whole {
@@ -141,8 +141,8 @@ impl StoredElement {
         let (mut sum, mut row) = (Sum::default(), 0);
         value.each(&mut |values| {
             row += match values {
-                Values::Reals(values) => self.write_rows::<f64>((frame, row), values, &mut sum)?,
-                Values::Integers(values) => self.write_rows::<i32>((frame, row), values, &mut sum)?,
+                Values::Reals(values) => self.write_rows::<f64>(frame, row, values, &mut sum)?,
+                Values::Integers(values) => self.write_rows::<i32>(frame, row, values, &mut sum)?,
             };
             Ok(())
         })?;
@@ -155,7 +155,8 @@ impl StoredElement {
     /// Writes rows of a frame's value, starting at row `first`; returns their number.
     fn write_rows<T: H5Type + NoUninit>(
         &self,
-        (frame, first): (usize, usize),
+        frame: usize,
+        first: usize,
         values: &[T],
         sum: &mut Sum,
     ) -> hdf5::Result<usize> {

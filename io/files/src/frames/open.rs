@@ -39,7 +39,7 @@ impl OpenFile {
         text::write_dimensions(&times, "time")?;
         let mut stored = Vec::with_capacity(elements.len());
         for element in elements {
-            stored.push(StoredElement::create(file, element, (&elements[0].path, capacity))?);
+            stored.push(StoredElement::create(file, element, &elements[0].path, capacity)?);
         }
         let paths: Vec<String> = elements.iter().map(|element| element.path.clone()).collect();
         let sums = Some(Sums::create(file, &paths, capacity)?);
@@ -91,7 +91,7 @@ impl OpenFile {
     pub(super) fn write(&self, clock: (u64, f64), values: &[NewValue]) -> hdf5::Result<Vec<u64>> {
         assert_eq!(values.len(), self.stored.len(), "a value for each element");
         let frame = self.steps.size();
-        let mut sums = vec![Sums::of_clock(clock)];
+        let mut sums = vec![Sums::of_clock(clock.0, clock.1)];
         for (stored, value) in self.stored.iter().zip(values) {
             sums.push(stored.write(frame, value)?);
         }

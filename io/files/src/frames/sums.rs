@@ -69,7 +69,7 @@ impl Sums {
     }
 
     /// Checksum of a frame's step and time.
-    pub(super) fn of_clock((step, time): (u64, f64)) -> u64 {
+    pub(super) fn of_clock(step: u64, time: f64) -> u64 {
         checksum::of(&[step, time.to_bits()])
     }
 
@@ -113,7 +113,7 @@ impl Sums {
         let [steps, times] = self.clock.as_ref().ok_or("there are no steps")?;
         let step = steps.read_slice::<u64, _, IxDyn>(one_of(frame, 1))?;
         let time = times.read_slice::<f64, _, IxDyn>(one_of(frame, 1))?;
-        Ok(Self::of_clock((step.first().copied().unwrap_or(0), time.first().copied().unwrap_or(0.0))))
+        Ok(Self::of_clock(step.first().copied().unwrap_or(0), time.first().copied().unwrap_or(0.0)))
     }
 }
 

@@ -92,7 +92,7 @@ fn results_of_older_versions_are_known_by_what_they_contain() {
     let statistics = path.join("statistics");
     std::fs::create_dir(&statistics).unwrap();
     let tables = [table];
-    crate::write_tables((&statistics, "statistics"), &provenance, &tables, &Manifest::none(&statistics)).unwrap();
+    crate::write_tables(&statistics, "statistics", &provenance, &tables, &Manifest::none(&statistics)).unwrap();
     std::fs::write(statistics.join("mine.csv"), "mine").unwrap();
     std::fs::write(path.join("checkpoint-0000000002.bin"), "fcm-solve checkpoint 1\n...").unwrap();
     let manifest = Manifest::of_older_version(path).unwrap().unwrap();

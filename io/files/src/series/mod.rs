@@ -109,7 +109,7 @@ impl Series {
 
     /// Appends a row with the numbers of each quantity in turn.
     pub fn append(&mut self, clock: (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
-        let line = line(clock, values.iter().flatten());
+        let line = line(clock.0, clock.1, values.iter().flatten());
         self.csv.check()?;
         self.csv.file().write_all(line.as_bytes()).map_err(|e| FileError::write(&self.csv_path, &e))?;
         self.csv.note_growth()?;
@@ -180,7 +180,7 @@ fn for_appending(path: &Path) -> std::io::Result<File> {
     OpenOptions::new().append(true).open(path)
 }
 
-fn line<'a>((step, time): (u64, f64), values: impl IntoIterator<Item = &'a f64>) -> String {
+fn line<'a>(step: u64, time: f64, values: impl IntoIterator<Item = &'a f64>) -> String {
     let mut line = format!("{step},{time:?}");
     for value in values {
         write!(line, ",{value:?}").expect("text grows");
@@ -194,9 +194,9 @@ fn table(frames: &Frames, quantities: &[Quantity], former: &ExistingRows) -> Res
     for (frame, step) in frames.steps_written()?.into_iter().enumerate() {
         if !frames.damage().iter().any(|damage| damage.frame == frame) {
             let (clock, values) = frames.frame(frame)?;
-            table += &line(clock, values.iter().flat_map(Values::reals));
+            table += &line(clock.0, clock.1, values.iter().flat_map(Values::reals));
         } else if let Some((clock, values)) = former.rows.iter().find(|(clock, _)| clock.0 == step) {
-            table += &line(*clock, values.iter().flatten());
+            table += &line(clock.0, clock.1, values.iter().flatten());
         }
     }
     Ok(table)

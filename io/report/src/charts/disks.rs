@@ -18,14 +18,14 @@ pub(super) fn charts(series: &Observables, profile: Option<&StoredTable>) -> Vec
     ];
     let profiles = profile.into_iter().flat_map(|table| {
         [
-            over_height(table, "Velocity over the height", ("velocity", "velocity along x")),
-            over_height(table, "Granular temperature over the height", ("temperature", "temperature")),
+            over_height(table, "Velocity over the height", "velocity", "velocity along x"),
+            over_height(table, "Granular temperature over the height", "temperature", "temperature"),
         ]
     });
     over_time.into_iter().chain(profiles).flatten().collect()
 }
 
-fn over_height(table: &StoredTable, title: &str, (column, name): (&str, &str)) -> Option<Chart> {
+fn over_height(table: &StoredTable, title: &str, column: &str, name: &str) -> Option<Chart> {
     let rows: Vec<usize> = (0..table.len()).collect();
     let (points, errors) = table.points("height", column, &rows)?;
     let mut chart = Chart::new(title, ("height", "length"), (name, table.numbers(column)?.1));

@@ -16,15 +16,15 @@ pub(super) fn charts(series: &Observables, profile: Option<&StoredTable>) -> Vec
     });
     let profiles = profile.into_iter().flat_map(|table| {
         [
-            over_height(table, "Solid fraction over the height", ("solid_fraction", "solid fraction")),
-            over_height(table, "Velocity over the height", ("velocity_x", "velocity along x")),
-            over_height(table, "Granular temperature over the height", ("temperature", "temperature")),
+            over_height(table, "Solid fraction over the height", "solid_fraction", "solid fraction"),
+            over_height(table, "Velocity over the height", "velocity_x", "velocity along x"),
+            over_height(table, "Granular temperature over the height", "temperature", "temperature"),
         ]
     });
     on_walls.chain(profiles).flatten().collect()
 }
 
-fn over_height(table: &StoredTable, title: &str, (column, name): (&str, &str)) -> Option<Chart> {
+fn over_height(table: &StoredTable, title: &str, column: &str, name: &str) -> Option<Chart> {
     let rows: Vec<usize> = (0..table.len()).collect();
     let (points, errors) = table.points("y", column, &rows)?;
     let mut chart = Chart::new(title, ("height y", "length"), (name, table.numbers(column)?.1)).with_level(0.0);

@@ -32,7 +32,7 @@ fn density(table: &StoredTable) -> Option<Chart> {
     for (of, rows) in &groups {
         let points = table.points("deviations", "density", rows)?.0;
         let axis = ["x", "y", "z"].iter().position(|axis| of[1] == *axis).unwrap_or(0);
-        chart.lines.push(line(&species, &of[0], (axis, points)));
+        chart.lines.push(line(&species, &of[0], axis, points));
     }
     Some(chart)
 }
@@ -68,7 +68,7 @@ fn add_lags(table: &StoredTable, name: &str, chart: &mut Chart, of: &Change) -> 
     for (words, rows) in &groups {
         for (axis, letter) in ["x", "y", "z"].iter().enumerate() {
             let points = of(&table.points("time", &format!("{name}_{letter}"), rows)?.0);
-            chart.lines.push(line(&species, &words[0], (axis, points)));
+            chart.lines.push(line(&species, &words[0], axis, points));
         }
     }
     Some(())
@@ -92,7 +92,7 @@ fn first_words(groups: &[(Vec<String>, Vec<usize>)]) -> Vec<String> {
 
 /// A line of a species along an axis: the species sets the colour and the axis the dashes; with a single species
 /// the axis sets the colour.
-fn line(species: &[String], name: &str, (axis, points): (usize, Vec<[f64; 2]>)) -> Line {
+fn line(species: &[String], name: &str, axis: usize, points: Vec<[f64; 2]>) -> Line {
     let letter = ["x", "y", "z"][axis];
     if species.len() == 1 {
         return Line { name: format!("along {letter}"), points, colour: axis, ..Line::default() };

@@ -14,7 +14,7 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
         ("particle_pressure", "particle pressure"),
     ];
     let charts = [
-        about.force_axis().map(|axis| mean_velocity(series, means, axis)),
+        about.force_axis().map(|(axis, name)| mean_velocity(series, means, axis, name)),
         series.get("velocity_variance").map(|variances| fluctuations(series, variances)),
         numbers(series, "Relative viscosity", "viscosity over the fluid's", &[("relative_viscosity", "")]),
         numbers(series, "Shear rate", "rate", &[("shear_rate", "")]).map(|chart| chart.with_level(0.0)),
@@ -40,7 +40,7 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
 }
 
 /// Mean velocity of each species along the force.
-fn mean_velocity(series: &Observables, means: &Observed, (axis, name): (usize, char)) -> Chart {
+fn mean_velocity(series: &Observables, means: &Observed, axis: usize, name: char) -> Chart {
     let title = format!("Mean velocity along {name}");
     let mut chart = Chart::new(&title, ("time", "time"), ("mean velocity", &means.unit)).with_level(0.0);
     for (row, species) in means.rows.iter().enumerate() {

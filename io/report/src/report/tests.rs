@@ -131,7 +131,7 @@ fn tables_of_solutions_are_a_report() {
     let folder = tempfile::tempdir().unwrap();
     let mut summary = Table::new("summary", &[], &[("speed", "length/time"), ("slip", "length/time"), ("dilute", "")]);
     summary.add(&[], &[1.5, 0.25, 1.0]);
-    write_tables((folder.path(), "solution"), &provenance(), &[summary], &Manifest::none(folder.path())).unwrap();
+    write_tables(folder.path(), "solution", &provenance(), &[summary], &Manifest::none(folder.path())).unwrap();
     let page = report(folder.path()).unwrap();
     assert!(page.contains("<th>speed (length/time)</th>") && page.contains("<td>1.5</td>"), "{page}");
     assert!(page.contains("1 of 1 solutions are dilute."));
@@ -149,7 +149,8 @@ fn statistics_are_charts_and_a_table() {
     summary.add(&["T_xx", "a", "length^2/time^2"], &[0.5, 0.01, 0.0]);
     summary.add(&["D_slope_x", "a", "length^2/time"], &[f64::NAN, f64::NAN, 1.0]);
     write_tables(
-        (&folder.path().join("stats"), "statistics"),
+        &folder.path().join("stats"),
+        "statistics",
         &provenance(),
         &[pairs, summary],
         &Manifest::none(folder.path()),
@@ -176,7 +177,8 @@ fn displacements_of_the_species_are_drawn_without_their_mean() {
             }
         }
         write_tables(
-            (&folder.path().join("stats"), "statistics"),
+            &folder.path().join("stats"),
+            "statistics",
             &provenance(),
             &[lags],
             &Manifest::none(folder.path()),
@@ -197,7 +199,7 @@ fn stresses_on_walls_are_a_table() {
     add_series(folder.path(), &[0.1]);
     let mut walls = Table::new("walls", &["wall"], &[("normal", "force/length"), ("normal_error", "force/length")]);
     walls.add(&["lower"], &[2.5, 0.125]);
-    write_tables((folder.path(), "averages"), &provenance(), &[walls], &Manifest::none(folder.path())).unwrap();
+    write_tables(folder.path(), "averages", &provenance(), &[walls], &Manifest::none(folder.path())).unwrap();
     let page = report(folder.path()).unwrap();
     assert!(page.contains("Stresses on the walls") && page.contains("<td>lower</td><td>2.5</td><td>0.125</td>"));
 }

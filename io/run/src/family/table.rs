@@ -23,7 +23,7 @@ pub(super) fn write(folder: &FamilyFolder, family: &Family, manifest: &Manifest)
         ranks: 1,
         seed: family.members()[0].seed.unwrap_or_default(),
     };
-    write_tables((folder.path(), "family"), &provenance, &tables, manifest)
+    write_tables(folder.path(), "family", &provenance, &tables, manifest)
 }
 
 /// Columns of words, and columns of numbers after those of the swept keys.
@@ -41,7 +41,7 @@ pub(super) fn table(folder: &FamilyFolder, family: &Family) -> Result<Table, Fil
         for member in members {
             answers.extend(answers::of(&folder.member(member), &scene)?);
         }
-        add_point(&mut table, (&members[0], &keys), &answers);
+        add_point(&mut table, &members[0], &keys, &answers);
     }
     Ok(table)
 }
@@ -57,7 +57,7 @@ fn number(value: &Value) -> Option<f64> {
 }
 
 /// Adds a row for each quantity for which the runs of a point have answers.
-fn add_point(table: &mut Table, (member, keys): (&Member, &[(usize, &str)]), answers: &[Answer]) {
+fn add_point(table: &mut Table, member: &Member, keys: &[(usize, &str)], answers: &[Answer]) {
     let of: Vec<f64> = keys.iter().filter_map(|(place, _)| number(&member.values()[*place])).collect();
     let name = |answer: &Answer| (answer.quantity.clone(), answer.species.clone());
     let mut names: Vec<_> = answers.iter().map(name).collect();

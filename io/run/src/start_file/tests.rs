@@ -6,12 +6,7 @@ use scene::in_full;
 use std::path::Path;
 
 /// A scene that starts from a file in a folder.
-fn scene(
-    folder: &Path,
-    name: &str,
-    (edges, flow): (&str, &str),
-    species: &[(&str, f64, u64)],
-) -> Result<Scene, String> {
+fn scene(folder: &Path, name: &str, edges: &str, flow: &str, species: &[(&str, f64, u64)]) -> Result<Scene, String> {
     let section = |(name, radius, count): &(&str, f64, u64)| {
         format!("[[species]]\nname = '{name}'\nradius = {radius:?}\ncount = {count}\n")
     };
@@ -28,7 +23,7 @@ fn scene(
 fn started(name: &str, text: &str, species: &[(&str, f64, u64)]) -> Result<(Vec<[f64; 4]>, String), String> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(name), text).unwrap();
-    let scene = scene(folder.path(), name, ("edges = [20.0, 20.0, 20.0]", ""), species)?;
+    let scene = scene(folder.path(), name, "edges = [20.0, 20.0, 20.0]", "", species)?;
     let (scene, notes) = with_start_file(scene, &Comm::alone()).map_err(|e| e.to_string())?;
     let simulation = start(&scene, &Comm::alone(), &mut |_| ()).map_err(|e| in_full(&e))?;
     let Particles { positions, species, .. } = simulation.frame().particles;
@@ -108,7 +103,7 @@ fn the_box_of_a_file_is_that_of_the_scene_or_refused_with_both() {
         let folder = tempfile::tempdir().unwrap();
         let text = format!("1\nLattice=\"{vectors}\" Properties=pos:R:3\n1 2 3\n");
         std::fs::write(folder.path().join("a.xyz"), text).unwrap();
-        let scene = scene(folder.path(), "a.xyz", (edges, flow), &[("A", 1.0, 1)])?;
+        let scene = scene(folder.path(), "a.xyz", edges, flow, &[("A", 1.0, 1)])?;
         let (scene, _) = with_start_file(scene, &Comm::alone()).map_err(|e| e.to_string())?;
         let simulation = start(&scene, &Comm::alone(), &mut |_| ()).map_err(|e| in_full(&e))?;
         let cell = simulation.frame().cell;

@@ -66,7 +66,7 @@ impl CaseBox {
         let (boundaries, turn) = boundaries_of(axes)?;
         let of_box = match given {
             Some(of_box) => of_box,
-            None if boundaries == Boundaries::Open => Self::Edges(around(spheres)),
+            None if boundaries == Boundaries::Open => Self::Edges(around(spheres.0, spheres.1)),
             None => return Err(CaseBoxError::Missing),
         };
         match of_box {
@@ -97,7 +97,7 @@ impl CaseBox {
 }
 
 /// Edges of a box around the spheres.
-fn around((positions, radii): (&[[f64; 3]], &[f64])) -> [f64; 3] {
+fn around(positions: &[[f64; 3]], radii: &[f64]) -> [f64; 3] {
     let radius = radii.iter().copied().fold(0.0, f64::max);
     std::array::from_fn(|axis| {
         let lowest = positions.iter().map(|x| x[axis]).fold(f64::INFINITY, f64::min);

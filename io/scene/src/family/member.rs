@@ -16,7 +16,7 @@ pub struct Member {
 }
 
 impl Member {
-    pub(super) fn new(point: usize, (keys, values): (&[String], &[Value]), seed: Option<u64>) -> Self {
+    pub(super) fn new(point: usize, keys: &[String], values: &[Value], seed: Option<u64>) -> Self {
         let swept = keys.iter().zip(values).map(|(key, value)| format!("{key}={value}"));
         let settings = swept.chain(seed.map(|seed| format!("seed={seed}"))).collect();
         Self { point, seed, values: values.to_vec(), settings }

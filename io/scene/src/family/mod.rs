@@ -102,7 +102,7 @@ impl Family {
         Lists { seeds, points, keys }: Lists,
         context: &impl Fn(KeyError) -> SceneError,
     ) -> Result<Vec<Member>, SceneError> {
-        let first = Member::new(0, (&keys, &points[0]), None);
+        let first = Member::new(0, &keys, &points[0], None);
         let scene = self.scene(&first)?;
         let seeds = match seeds {
             Some(_) if !scene.kind().has_seed() => {
@@ -121,7 +121,7 @@ impl Family {
             return Err(context(KeyError::new(if points.len() > 1 { "sweep" } else { "ensemble" }, message)));
         }
         let of_point = |(place, values): (usize, &Vec<Value>)| {
-            seeds.iter().map(|seed| Member::new(place, (&keys, values), *seed)).collect::<Vec<_>>()
+            seeds.iter().map(|seed| Member::new(place, &keys, values, *seed)).collect::<Vec<_>>()
         };
         Ok(points.iter().enumerate().flat_map(of_point).collect())
     }

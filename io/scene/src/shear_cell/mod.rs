@@ -44,7 +44,7 @@ impl ShearCellScene {
         let count = count(&raw.grains, &model)?;
         let output = raw.output.checked(time.steps, time.steps);
         output.check(time.steps, count as f64)?;
-        let transient = whole("time.transient", raw.time.transient, ("time.step", raw.time.step))?;
+        let transient = whole("time.transient", raw.time.transient, "time.step", raw.time.step)?;
         let (seed, time_step, steps) = (raw.seed, time.step, time.steps);
         let experiment =
             Experiment { model, seed, count, agitation, collisions, sampling, transient, time_step, steps };
@@ -140,12 +140,12 @@ fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, KeyEr
         }
         other => other.into(),
     })?;
-    let every = whole("time.step", raw.time.step, (WINDOW, sampling.window))?;
+    let every = whole("time.step", raw.time.step, WINDOW, sampling.window)?;
     Ok(Sampling { every, ..sampling })
 }
 
 /// Ratio of a time to a unit, which must be a whole number.
-fn whole(key: &str, time: f64, (unit, length): (&str, f64)) -> Result<u64, KeyError> {
+fn whole(key: &str, time: f64, unit: &str, length: f64) -> Result<u64, KeyError> {
     let times = time / length;
     let fits = time >= 0.0 && (times - times.round()).abs() <= 1e-6 * times && times < 1e15;
     let fault = || {
@@ -160,7 +160,7 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, KeyError> {
         (Some(count), None) => {
             let volume = std::f64::consts::PI / 6.0 * model.parameters().diameter.powi(3);
             let fraction = count as f64 * volume / model.edges().element_product();
-            few_enough("grains.count", &format!("{count}"), (count as f64, "grains"))?;
+            few_enough("grains.count", &format!("{count}"), count as f64, "grains")?;
             if count > 0 && fraction <= 0.62 {
                 return Ok(count as usize);
             }
@@ -171,7 +171,7 @@ fn count(raw: &raw::Grains, model: &Model) -> Result<usize, KeyError> {
         (None, Some(fraction)) => match model.count(fraction)? {
             count if count as f64 > MAX_SPHERES => {
                 let found = format!("{}, with grains.diameter = {}", Number(fraction), Number(raw.diameter));
-                few_enough("grains.solid_fraction", &found, (count as f64, "grains")).map(|()| count)
+                few_enough("grains.solid_fraction", &found, count as f64, "grains").map(|()| count)
             }
             0 => Err(KeyError::new(
                 "grains.solid_fraction",

@@ -27,7 +27,7 @@ pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<
             Err(KeyError::new(KEY, "is set, but a strain that oscillates has no end; set time.duration or time.steps"))
         }
         Protocol::Steps(changes) => {
-            let steps = steps_to(strain, (rate_of(flow)?, changes), raw.step)?;
+            let steps = steps_to(strain, rate_of(flow)?, changes, raw.step)?;
             Ok((Time::of_steps(raw.step, steps, KEY)?, None))
         }
     }
@@ -44,7 +44,7 @@ fn rate_of(flow: &Flow) -> Result<f64, KeyError> {
 }
 
 /// Number of steps to reach a strain, counted as its absolute value, at a rate that changes.
-fn steps_to(strain: f64, (first, changes): (f64, &[RateChange]), step: f64) -> Result<u64, KeyError> {
+fn steps_to(strain: f64, first: f64, changes: &[RateChange], step: f64) -> Result<u64, KeyError> {
     let (mut rate, mut from, mut left) = (first.abs(), 0, strain);
     for change in changes {
         let until_change = rate * step * (change.step - from) as f64;

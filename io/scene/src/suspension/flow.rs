@@ -14,7 +14,8 @@ const ROUND_OFF: f64 = 1e-6;
 /// `shears`, unless the scene says otherwise.
 pub fn flow(
     raw: Option<&raw::Flow>,
-    (viscosity, time_step): (f64, f64),
+    viscosity: f64,
+    time_step: f64,
     shears: bool,
 ) -> Result<(Flow, Protocol), KeyError> {
     let Some(raw) = raw else { return Ok((Flow::None, Protocol::STEADY)) };

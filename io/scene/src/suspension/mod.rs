@@ -51,7 +51,7 @@ impl SuspensionScene {
         let species = species::species(&raw, room(&raw, &cell))?;
         let shears = cell.boundaries() == Boundaries::Periodic;
         let time_step = positive("time.step", raw.time.step)?;
-        let (flow, protocol) = flow::flow(raw.flow.as_ref(), (raw.fluid.viscosity, time_step), shears)?;
+        let (flow, protocol) = flow::flow(raw.flow.as_ref(), raw.fluid.viscosity, time_step, shears)?;
         let (time, last_strain) = duration::time(&raw.time, &flow, &protocol)?;
         check_contacts(&raw)?;
         let output = output(raw.output, time.steps);

@@ -23,7 +23,7 @@ fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>,
         return Err(KeyError::new(format!("species[{index}].density_difference"), message));
     }
     let classes = classes(one, index)?;
-    let total = count(raw, index, (volume, &classes))?;
+    let total = count(raw, index, volume, &classes)?;
     let name = one.name.clone().unwrap_or_else(|| format!("{}", index + 1));
     let species = |(k, class): (usize, &SizeClass)| Species {
         name: if one.distribution.is_some() { format!("{name} {}", k + 1) } else { name.clone() },
@@ -84,7 +84,7 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
 }
 
 /// Number of spheres of all classes.
-fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -> Result<Option<u64>, KeyError> {
+fn count(raw: &raw::Raw, index: usize, volume: f64, classes: &[SizeClass]) -> Result<Option<u64>, KeyError> {
     let one = &raw.species[index];
     let fault = |name: &str, message: &str| Err(KeyError::new(format!("species[{index}]{name}"), message));
     let from_file = raw.particles.initial == raw::Initial::File;
@@ -93,27 +93,27 @@ fn count(raw: &raw::Raw, index: usize, (volume, classes): (f64, &[SizeClass])) -
         (None, None) => fault("", "has neither count nor volume_fraction; set one of them"),
         (Some(_), Some(_)) => fault("", "has both count and volume_fraction; leave one of them out"),
         (Some(count), None) => {
-            few_enough(&format!("species[{index}].count"), &format!("{count}"), (count as f64, "spheres"))?;
+            few_enough(&format!("species[{index}].count"), &format!("{count}"), count as f64, "spheres")?;
             Ok(Some(count))
         }
         (None, Some(fraction)) => {
             let key = format!("species[{index}].volume_fraction");
             let cube: f64 = classes.iter().map(|class| class.share * class.radius.powi(3)).sum();
             let radius = if let [class] = classes { class.radius } else { cube.cbrt() };
-            counted(&key, (fraction, radius), (index, volume)).map(Some)
+            counted(&key, fraction, radius, index, volume).map(Some)
         }
     }
 }
 
 /// Number of spheres of a radius that fill a fraction of the box.
-fn counted(key: &str, (fraction, radius): (f64, f64), (index, room): (usize, f64)) -> Result<u64, KeyError> {
+fn counted(key: &str, fraction: f64, radius: f64, index: usize, room: f64) -> Result<u64, KeyError> {
     if !(fraction > 0.0 && fraction < MAX_FRACTION) {
         let message = format!("is {}; spheres need 0 < volume_fraction < {MAX_FRACTION}", Number(fraction));
         return Err(KeyError::new(key, message));
     }
     let volume = sphere::volume(radius);
     let count = (fraction * room / volume).round();
-    few_enough(key, &format!("{fraction}, with species[{index}].radius = {radius}"), (count, "spheres"))?;
+    few_enough(key, &format!("{fraction}, with species[{index}].radius = {radius}"), count, "spheres")?;
     if count < 1.0 {
         let found = Number(fraction);
         let message = format!("is {found}, which is less than one sphere in this box; set count instead");

@@ -49,37 +49,37 @@ pub(super) struct Chunk {
 }
 
 impl Chunk {
-    fn new<T: Pod>(name: &str, (kind, columns): (u8, usize), values: &[T]) -> Self {
+    fn new<T: Pod>(name: &str, kind: u8, columns: usize, values: &[T]) -> Self {
         Self { name: name.to_owned(), rows: values.len() / columns, columns, kind, bytes: cast_slice(values).to_vec() }
     }
 
     pub(super) fn u32s(name: &str, values: &[u32]) -> Self {
-        Self::new(name, (3, 1), values)
+        Self::new(name, 3, 1, values)
     }
 
     pub(super) fn u64s(name: &str, values: &[u64]) -> Self {
-        Self::new(name, (4, 1), values)
+        Self::new(name, 4, 1, values)
     }
 
     pub(super) fn f64s(name: &str, values: &[f64]) -> Self {
-        Self::new(name, (10, 1), values)
+        Self::new(name, 10, 1, values)
     }
 
     pub(super) fn i32s(name: &str, values: &[[i32; 3]]) -> Self {
-        Self::new(name, (7, 3), values.as_flattened())
+        Self::new(name, 7, 3, values.as_flattened())
     }
 
     /// Numbers in single precision, `columns` per row.
     pub(super) fn f32s(name: &str, columns: usize, values: &[f64]) -> Self {
         let values: Vec<f32> = values.iter().map(|&value| value as f32).collect();
-        Self::new(name, (9, columns), &values)
+        Self::new(name, 9, columns, &values)
     }
 
     /// One zero-terminated row of characters per name.
     pub(super) fn names(name: &str, names: &[String]) -> Self {
         let columns = 1 + names.iter().map(String::len).max().unwrap_or(0);
         let padded = |name: &String| [name.as_bytes(), &vec![0; columns - name.len()]].concat();
-        Self::new(name, (5, columns), &names.iter().flat_map(padded).collect::<Vec<u8>>())
+        Self::new(name, 5, columns, &names.iter().flat_map(padded).collect::<Vec<u8>>())
     }
 }
 
