@@ -28,8 +28,8 @@ pub struct StopArgs {
 }
 
 /// Error of a program whose time limit is reached before it has written any new result.
-const NOTHING_WRITTEN: &str = "error: the run's time is over before its first step, and nothing new is written: give it more \
-    time (--walltime, or the job's limit)";
+const NOTHING_WRITTEN: &str = "error: the run's time is over before its first step, and nothing new is written: give \
+    it more time (--walltime, or the job's limit)";
 
 /// Handler of signals until the program ends. As long as there is nothing to save, a signal ends the program at once; a
 /// run stops after its next checkpoint. A second Ctrl-C ends the program at once in either case; a second request to

@@ -60,7 +60,7 @@ impl Recorder {
         Ok(recorder)
     }
 
-    /// The same run with another end, that of `scene`, in files with room until step `room`. OutputForecast data are kept.
+    /// The same run with another end, that of `scene`, in files with room until step `room`. Written data are kept.
     pub fn extend(self, scene: &Scene, room: u64, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
         let Self { folder, files, comm, scene: record, .. } = self;
         drop(files);

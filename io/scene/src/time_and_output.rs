@@ -3,8 +3,6 @@
 use crate::checks::positive;
 use crate::key_error::KeyError;
 use domain::Number;
-use schemars::JsonSchema;
-use serde::Deserialize;
 use simulation::Schedule;
 use std::path::PathBuf;
 
@@ -127,18 +125,30 @@ pub(super) fn share(steps: u64, parts: u64) -> u64 {
     steps.div_ceil(parts.max(1)).max(1)
 }
 
-/// The section `output` of scenes without a fluid.
-#[derive(Deserialize, JsonSchema, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct RawOutput {
-    /// Folder of the results.
-    pub(super) folder: Option<PathBuf>,
-    /// Steps between frames of the trajectory; 0 for none.
-    pub(super) trajectory_every: Option<u64>,
-    /// Steps between rows of the time series; 0 for none.
-    pub(super) observables_every: Option<u64>,
-    /// Steps between checkpoints; 0 for none except at start and end.
-    pub(super) checkpoint_every: Option<u64>,
+/// Declares the section `output` of a kind of scene: the keys of all kinds, and those of its own.
+macro_rules! output_section {
+    ($(#[$about:meta])* $name:ident { $($own:tt)* }) => {
+        $(#[$about])*
+        #[derive(::serde::Deserialize, ::schemars::JsonSchema, Default)]
+        #[serde(deny_unknown_fields, default)]
+        pub(super) struct $name {
+            /// Folder of the results.
+            pub(super) folder: Option<::std::path::PathBuf>,
+            /// Steps between frames of the trajectory; 0 for none.
+            pub(super) trajectory_every: Option<u64>,
+            /// Steps between rows of the time series; 0 for none.
+            pub(super) observables_every: Option<u64>,
+            /// Steps between checkpoints; 0 for none except at start and end.
+            pub(super) checkpoint_every: Option<u64>,
+            $($own)*
+        }
+    };
+}
+pub(crate) use output_section;
+
+output_section! {
+    /// The section `output` of scenes without a fluid.
+    RawOutput {}
 }
 
 impl RawOutput {

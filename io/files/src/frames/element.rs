@@ -78,7 +78,7 @@ pub(crate) type Blocks<'a> = dyn Fn(&mut dyn FnMut(&Values) -> hdf5::Result<()>)
 
 /// Value of one quantity in a frame to be added.
 pub(crate) enum NewValue<'a> {
-    /// In one chunk.
+    /// In one piece.
     Whole(Values<'a>),
     /// Block by block.
     InBlocks(Box<Blocks<'a>>),

@@ -1,7 +1,7 @@
 //! Keys of the file as serde reads them.
 
 use crate::answers::RawAnswers;
-use crate::time_and_output::RawOutput;
+use crate::time_and_output::{RawOutput, output_section};
 use granular::disks::{Gear, LengthUnit};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -194,21 +194,13 @@ pub(super) struct Time {
     pub(super) integrator: Option<Integrator>,
 }
 
-#[derive(Deserialize, JsonSchema, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Output {
-    /// Folder of the results.
-    pub(super) folder: Option<PathBuf>,
-    /// Steps between frames of the trajectory; 0 for none.
-    pub(super) trajectory_every: Option<u64>,
-    /// Steps between rows of the time series; 0 for none.
-    pub(super) observables_every: Option<u64>,
-    /// Steps between checkpoints; 0 for none except at start and end.
-    pub(super) checkpoint_every: Option<u64>,
-    /// Steps between measurements of energies and stresses, which rows of the time series average.
-    pub(super) measure_every: Option<u64>,
-    /// Strips of the profiles across the flow.
-    pub(super) profile_strips: Option<usize>,
+output_section! {
+    Output {
+        /// Steps between measurements of energies and stresses, which rows of the time series average.
+        pub(super) measure_every: Option<u64>,
+        /// Strips of the profiles across the flow.
+        pub(super) profile_strips: Option<usize>,
+    }
 }
 
 impl Output {

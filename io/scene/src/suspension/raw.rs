@@ -3,6 +3,7 @@
 use crate::CaseMethod;
 use crate::answers::RawAnswers;
 use crate::document::{Alternative, NumberOr};
+use crate::time_and_output::output_section;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -351,21 +352,13 @@ pub(super) enum Integrator {
     Brownian,
 }
 
-#[derive(Deserialize, JsonSchema, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct Output {
-    /// Folder of the results.
-    pub(super) folder: Option<PathBuf>,
-    /// Steps between frames of the trajectory; 0 for none.
-    pub(super) trajectory_every: Option<u64>,
-    /// Steps between rows of the time series; 0 for none.
-    pub(super) observables_every: Option<u64>,
-    /// Steps between checkpoints; 0 for none except at start and end.
-    pub(super) checkpoint_every: Option<u64>,
-    /// Steps between velocity fields of the fluid at points of the box; 0 for none.
-    pub(super) fields_every: u64,
-    /// Steps between files of contact and bond forces; 0 for none.
-    pub(super) contacts_every: u64,
+output_section! {
+    Output {
+        /// Steps between velocity fields of the fluid at points of the box; 0 for none.
+        pub(super) fields_every: u64,
+        /// Steps between files of contact and bond forces; 0 for none.
+        pub(super) contacts_every: u64,
+    }
 }
 
 #[derive(Deserialize, JsonSchema)]
