@@ -125,7 +125,7 @@ impl Contents {
 
 /// Number of values of a dataset, such as the steps of frames; 0 if there is no such file or dataset.
 pub fn stored_rows(path: &Path, dataset: &str) -> u64 {
-    let stored = stored_inside::open(path).and_then(|file| file.dataset(dataset));
+    let stored = self_contained::open(path).and_then(|file| file.dataset(dataset));
     stored.map_or(0, |values| values.size() as u64)
 }
 

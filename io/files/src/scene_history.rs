@@ -5,7 +5,7 @@
 use crate::Provenance;
 use crate::frames::group;
 use crate::missing_steps::Period;
-use crate::stored_inside;
+use crate::self_contained;
 use hdf5::dataset::{AllocTime, FillTime};
 use hdf5::types::FixedUnicode;
 use hdf5::{Dataset, File, Group, H5Type};
@@ -35,7 +35,7 @@ pub struct SceneHistory {
 impl SceneHistory {
     /// Scene history of a file, as far as it can be read.
     pub fn of(path: &Path) -> Option<Self> {
-        let file = stored_inside::open(path).ok()?;
+        let file = self_contained::open(path).ok()?;
         let changes = changes(&file).ok()?;
         Some(Self { first: Provenance::read(&file).ok()?.scene, changes })
     }

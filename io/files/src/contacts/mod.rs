@@ -34,12 +34,12 @@ fn fill(file: &File, contacts: &ContactForces, provenance: &Provenance) -> hdf5:
     let lattice: Vec<f64> = contacts.lattice.iter().flat_map(domain::Vector::to_array).collect();
     root.new_attr::<f64>().shape((3, 3)).create("lattice")?.write_raw(&lattice)?;
     let columns = Columns { file, list: &contacts.list };
-    columns.write("pair", ("", 2), |contact| contact.ids)?;
-    columns.write("position", ("length", 3), |contact| contact.position.to_array())?;
-    columns.write("separation", ("length", 3), |contact| contact.separation.to_array())?;
-    columns.write("normal_force", ("force", 1), |contact| [contact.normal])?;
-    columns.write("tangential_force", ("force", 3), |contact| contact.tangential.to_array())?;
-    columns.write("state", ("", 1), |contact| [contact.state.number()])
+    columns.write("pair", "", 2, |contact| contact.ids)?;
+    columns.write("position", "length", 3, |contact| contact.position.to_array())?;
+    columns.write("separation", "length", 3, |contact| contact.separation.to_array())?;
+    columns.write("normal_force", "force", 1, |contact| [contact.normal])?;
+    columns.write("tangential_force", "force", 3, |contact| contact.tangential.to_array())?;
+    columns.write("state", "", 1, |contact| [contact.state.number()])
 }
 
 /// Datasets of a file, one row per contact.
