@@ -86,7 +86,7 @@ fn shear_is_in_a_box_that_shears_or_is_warned_of() {
     let flow = |key: &str| format!("[flow]\nkind = 'shear'\nrate = 1.0\n{key}\n[time]\nstep = 0.05\nsteps = 3\n");
     assert!(!said(&scene(1.0, &flow("")), &["check", "-"], 0).contains("warning"));
     let warned = said(&scene(1.0, &flow("lees_edwards = false")), &["check", "-"], 0);
-    assert!(warned.contains("warning: flow.lees_edwards = false: the box stays straight"), "{warned}");
+    assert!(warned.contains("warning: flow.lees_edwards = false: the box stays rectangular"), "{warned}");
 }
 
 #[test]

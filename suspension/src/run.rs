@@ -172,7 +172,7 @@ impl Simulation for SuspensionRun {
         Some(SettledParameter {
             key: "contacts.adapted_stiffness",
             value,
-            what: "the stiffness of contacts has settled",
+            what: "the stiffness of contacts has adapted",
         })
     }
 

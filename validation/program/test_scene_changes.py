@@ -157,9 +157,9 @@ class SceneChanges(unittest.TestCase):
 
     def test_changed_statistics_begin_anew(self):
         self.edit((r"(?s)\Z", "\n[statistics]\nevery = 1\n"))
-        self.assertIn("begin anew at step 6", run(["resume", self.out, "--steps", 9]))
+        self.assertIn("start afresh at step 6", run(["resume", self.out, "--steps", 9]))
         self.edit((r"\[statistics\]\nevery = 1", "[statistics]\nevery = 2\ndistance = 3.0"))
-        self.assertIn("begin anew at step 9", run(["resume", self.out, "--steps", 14]))
+        self.assertIn("start afresh at step 9", run(["resume", self.out, "--steps", 14]))
         self.assertRegex((self.out / "statistics" / "summary.csv").read_text(), r"samples,all,,3\.0")
 
     def test_job_scripts_may_change_the_same_keys(self):

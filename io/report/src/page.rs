@@ -78,7 +78,7 @@ impl Page<'_> {
         let counts = self.playback.map(|(playback, _)| (playback.shown(), playback.recorded));
         let part = counts.filter(|(shown, recorded)| shown < recorded).map_or_else(String::new, |(shown, recorded)| {
             format!(
-                "Of the {recorded} frames of the trajectory this page has {shown}, evenly apart, so that it stays \
+                "Of the {recorded} frames of the trajectory this page has {shown}, equally spaced, so that it stays \
                 small. "
             )
         });

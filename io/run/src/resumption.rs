@@ -38,7 +38,7 @@ impl Resumption {
         let mut notes: Vec<String> = changes.iter().map(|change| format!("the scene has changed: {change}")).collect();
         if begins_statistics_anew(&scene, &changes) {
             state.statistics = Vec::new();
-            notes.push(format!("the averages of [statistics] begin anew at step {step}"));
+            notes.push(format!("the averages of [statistics] start afresh at step {step}"));
         }
         Ok(Self { folder, scene, step, state: Some(state), record, changes, damaged, notes })
     }

@@ -87,11 +87,11 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
 }
 
 /// Warns of shear in a straight box, where the flow `u = rate y` jumps by `rate Ly` across the faces along y. The
-/// observed stress is then that of spheres next to images that do not move with the flow. With walls and in open fluid
-/// there are no such faces.
+/// observed stress is then that of spheres next to images that do not move with the flow. With walls and in unbounded
+/// fluid there are no such faces.
 fn straight_box(model: &Model) -> Option<String> {
     let Flow::Shear { rate, lees_edwards: false } = model.flow else { return None };
-    let message = "flow.lees_edwards = false: the box stays straight, so that spheres near its faces along y meet \
+    let message = "flow.lees_edwards = false: the box stays rectangular, so that spheres near its faces along y meet \
         images that do not move with the flow; relative_viscosity and stresses in the time series are not those of a \
         sheared suspension. Leave the key out unless this is what you want";
     (rate != 0.0 && model.cell.boundaries() == Boundaries::Periodic).then(|| message.to_owned())

@@ -46,8 +46,8 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
     };
     ParameterError::require_positive("fluid.thermal_energy", energy)?;
     if !is_brownian {
-        let message =
-            "leaves heat out; with fluid.thermal_energy steps need to be \"brownian\", which is the default then";
+        let message = "leaves Brownian motion out; with fluid.thermal_energy steps need to be \"brownian\", which is \
+            the default then";
         return Err(ParameterError::new("time.integrator", message));
     }
     if p.contacts.is_some() {
@@ -61,14 +61,14 @@ fn check_heat(p: &Parameters) -> Result<(), ParameterError> {
     }
     let is_periodic = p.cell.boundaries() == Boundaries::Periodic;
     if let (Flow::Shear { lees_edwards: false, .. }, true) = (p.flow, is_periodic) {
-        let message = "is false, but heat moves spheres across the faces of the box, beyond which images that do not \
-            move with the flow are no places of equilibrium; leave it out";
+        let message = "is false, but Brownian motion moves spheres across the faces of the box, beyond which images \
+            that do not move with the flow are no places of equilibrium; leave it out";
         return Err(ParameterError::new("flow.lees_edwards", message));
     }
     Ok(())
 }
 
-/// Refuses features that are not available with walls or in open fluid.
+/// Refuses features that are not available with walls or in unbounded fluid.
 fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
     let refused = |key: &str, message: &str| Err(ParameterError::new(key, message));
     let boundaries = p.cell.boundaries();
@@ -88,12 +88,12 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
         return refused("flow.control", message);
     }
     if p.thermal_energy.is_some() && p.flow.keeps_flux() {
-        let message = "is set with fluid.thermal_energy, but heat has no part in what keeps the flux; give \
+        let message = "is set with fluid.thermal_energy, but Brownian motion has no part in what keeps the flux; give \
             flow.pressure_gradient";
         return refused("flow.mean_velocity", message);
     }
     if p.statistics.is_some() && boundaries == Boundaries::Open {
-        let message = "are those of a box that repeats along two axes or all; leave them out in open fluid";
+        let message = "are those of a box that repeats along two axes or all; leave them out in unbounded fluid";
         return refused("statistics", message);
     }
     if boundaries == Boundaries::OpenAlongZ { check_layer(p) } else { Ok(()) }
@@ -103,8 +103,8 @@ fn check_boundaries(p: &Parameters) -> Result<(), ParameterError> {
 /// motion due to forces along the layer, could be relative.
 fn check_layer(p: &Parameters) -> Result<(), ParameterError> {
     if p.thermal_energy.is_some() {
-        let message = "can't be in a layer in fluid that is open on both sides: heat moves spheres along it, and all \
-            fluid with them; make box.boundaries periodic, open along all axes, or with walls";
+        let message = "can't be in a layer in fluid that is open on both sides: Brownian motion moves spheres along \
+            it, and all fluid with them; make box.boundaries periodic, open along all axes, or with walls";
         return Err(ParameterError::new("fluid.thermal_energy", message));
     }
     if !matches!(p.flow, Flow::None) {
@@ -178,7 +178,8 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
     }
     let carried = [("flow.oscillation", rates.frequency().is_some()), ("flow.control", rates.stress().is_some())];
     if let Some((key, _)) = carried.into_iter().find(|(_, is_set)| *is_set && is_straight) {
-        let message = "is set, but with flow.lees_edwards = false the box stays straight; leave flow.lees_edwards out";
+        let message =
+            "is set, but with flow.lees_edwards = false the box stays rectangular; leave flow.lees_edwards out";
         return Err(ParameterError::new(key, message));
     }
     if rates.stress().is_some() && p.hydrodynamics.multipoles == Multipoles::Monopole {
@@ -204,15 +205,15 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
         }
     }
     if p.hydrodynamics.lubrication && is_straight {
-        let message = "is true, but with flow.lees_edwards = false the box stays straight, and spheres on either side \
-            of its y boundary would rub against images that do not move with the flow; set flow.lees_edwards = true, \
-            or lubrication = false";
+        let message = "is true, but with flow.lees_edwards = false the box stays rectangular, and spheres on either \
+            side of its y boundary would rub against images that do not move with the flow; set flow.lees_edwards = \
+            true, or lubrication = false";
         return Err(ParameterError::new("hydrodynamics.lubrication", message));
     }
     Ok(())
 }
 
-/// An extension needs its own periodic box and features that support such boxes, or open fluid, for which
+/// An extension needs its own periodic box and features that support such boxes, or unbounded fluid, for which
 /// [`check_boundaries`] is enough.
 fn check_extension(p: &Parameters, kind: Extension) -> Result<(), ParameterError> {
     if p.cell.boundaries() == Boundaries::Open {

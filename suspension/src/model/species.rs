@@ -35,7 +35,7 @@ pub enum Start {
         /// Smallest gap between surfaces.
         minimum_gap: f64,
     },
-    /// Random positions without overlap, with the centres in a ball around the origin, in open fluid.
+    /// Random positions without overlap, with the centres in a ball around the origin, in unbounded fluid.
     Cloud {
         /// Radius of the ball.
         radius: f64,
@@ -120,7 +120,8 @@ fn check_filling(species: &[Species], cell: &PeriodicBox) -> Result<(), Paramete
         return Err(ParameterError::new("species", format!("is a list of several: {}", too_many(total))));
     }
     let fraction = species.iter().map(|s| count(s) * volume(s.radius)).sum::<f64>() / cell.volume();
-    // In open fluid spheres may lie outside of the box; the random placement itself refuses a box that is too full.
+    // In unbounded fluid spheres may lie outside of the box; the random placement itself refuses a box that is too
+    // full.
     if fraction >= MAX_FRACTION && cell.boundaries() != Boundaries::Open {
         let filled = Number(fraction);
         let message = format!("fill {filled:.3} of the box together; spheres need less than {MAX_FRACTION}");
@@ -167,13 +168,13 @@ impl Start {
     }
 }
 
-/// A cloud needs open fluid.
+/// A cloud needs unbounded fluid.
 fn check_open(cell: &PeriodicBox) -> Result<(), ParameterError> {
     if cell.boundaries() == Boundaries::Open {
         return Ok(());
     }
-    let message =
-        "is \"cloud\", which is in open fluid; set box.boundaries = [\"open\", \"open\", \"open\"], or take \"random\"";
+    let message = "is \"cloud\", which is in unbounded fluid; set box.boundaries = [\"open\", \"open\", \"open\"], or \
+        take \"random\"";
     Err(ParameterError::new("particles.initial", message))
 }
 
@@ -181,7 +182,7 @@ fn check_places(places: &[Vector], p: &Parameters) -> Result<(), ParameterError>
     let (species, cell, axes) = (&p.species, &p.cell, p.user_axes());
     let counted: u64 = species.iter().filter_map(|s| s.count).sum();
     if places.len() as u64 != counted {
-        let message = format!("has {} places, but the species count {counted} spheres", places.len());
+        let message = format!("has {} positions, but the species count {counted} spheres", places.len());
         return Err(ParameterError::new("particles.positions", message));
     }
     for (row, &place) in places.iter().enumerate() {

@@ -79,7 +79,7 @@ impl Traps {
             return Err(ParameterError::new(key, message));
         };
         if ids.len() != list.len() {
-            let message = format!("has {} places for {} particles; give one for each", list.len(), ids.len());
+            let message = format!("has {} positions for {} particles; give one for each", list.len(), ids.len());
             return Err(ParameterError::new(key, message));
         }
         for (row, &centre) in list.iter().enumerate() {
@@ -105,8 +105,7 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
         counted(&p.species).map_or(Ok(()), |count| traps.check_ids(index, count))?;
     }
     if !p.traps.is_empty() && p.shear_rates().stress().is_some() {
-        let message =
-            "can't be with flow.control = \"stress\": what holds spheres in place bears a part of it; give flow.rate";
+        let message = "can't be with flow.control = \"stress\": the traps carry part of the stress; give flow.rate";
         return Err(ParameterError::new("traps", message));
     }
     let mut named: Vec<([u64; 2], usize)> =

@@ -163,7 +163,8 @@ impl GivenStress {
         ((found - 1.0).abs() > OFF).then(|| {
             format!(
                 "the stress was {:.3} times flow.stress in the mean: contacts bounce where steps are too long for \
-                 their stiffness; try a shorter time.step, a smaller contacts.stiffness, or contacts.adaptation_strain = 0.0",
+                 their stiffness; try a shorter time.step, a smaller contacts.stiffness, or \
+                 contacts.adaptation_strain = 0.0",
                 Number(found)
             )
         })

@@ -11,7 +11,7 @@ pub enum CaseBoundary {
     Periodic,
     /// Walls at 0 and at the edge.
     Walls,
-    /// A wall at 0, and open fluid above.
+    /// A wall at 0, and unbounded fluid above.
     Wall,
     /// Open fluid.
     Open,

@@ -50,7 +50,7 @@ pub enum CaseBoxError {
     #[error("boundaries other than \"periodic\" are for a box of three edges that is not sheared")]
     Bounded,
     /// No box where one is needed.
-    #[error("box is missing; only spheres that are in open fluid along all axes need none")]
+    #[error("box is missing; only spheres that are in unbounded fluid along all axes need none")]
     Missing,
 }
 

@@ -146,7 +146,7 @@ fn box_of(root: &Value, scene: &Scene) -> Result<Change, String> {
 
 fn periodic_axes(scene: &SuspensionScene, root: &Value) -> Result<Vec<bool>, String> {
     if scene.model.cell.boundaries() == Boundaries::Open {
-        return Err("the box: open fluid has none".to_owned());
+        return Err("the box: unbounded fluid has none".to_owned());
     }
     let named = get(root, "box.boundaries").and_then(Value::as_array);
     Ok(named.map_or(vec![true; 3], |names| names.iter().map(|name| name.as_str() == Some("periodic")).collect()))

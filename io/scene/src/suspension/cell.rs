@@ -61,8 +61,8 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
     let starts_in_box = matches!(raw.particles.initial, raw::Initial::Random | raw::Initial::Lattice);
     match raw.cell.edges {
         Some(_) if boundaries == Boundaries::Open && !starts_in_box => {
-            let message = "are given, but in open fluid only particles.initial = \"random\" and \"lattice\" start in \
-                a box; leave them out";
+            let message = "are given, but in unbounded fluid only particles.initial = \"random\" and \"lattice\" \
+                start in a box; leave them out";
             Err(KeyError::new("box.edges", message))
         }
         Some(edges) => {
@@ -73,8 +73,8 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
         }
         None if boundaries == Boundaries::Open && !starts_in_box => Ok(around(raw)),
         None => {
-            let message = "are missing; only spheres in open fluid that start as a cloud, at positions or from a file \
-                need none, and spheres from a file that has a box";
+            let message = "are missing; only spheres in unbounded fluid that start as a cloud, at positions or from a \
+                file need none, and spheres from a file that has a box";
             Err(KeyError::new("box.edges", message))
         }
     }
@@ -107,8 +107,8 @@ fn largest(species: &raw::Species) -> f64 {
 fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, AxisRotation), KeyError> {
     boundaries_of(axes.map(CaseBoundary::from)).map_err(|_| {
         let message = "is none that is possible: \"periodic\" along all axes; \"open\" along all axes; or along one \
-            axis \"walls\", one at 0 and one at the edge, \"wall\", one at 0 with open fluid above, or \"open\", and \
-            \"periodic\" along the other two";
+            axis \"walls\", one at 0 and one at the edge, \"wall\", one at 0 with unbounded fluid above, or \"open\", \
+            and \"periodic\" along the other two";
         KeyError::new("box.boundaries", message)
     })
 }

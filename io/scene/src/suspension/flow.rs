@@ -53,7 +53,9 @@ pub fn flow(
     };
     let message = match raw.lees_edwards {
         Some(false) if shears => "is false, but in an extension the box is stretched with the flow; leave it out",
-        Some(_) if !shears => "is set, but in open fluid there is no box that could go with the flow; leave it out",
+        Some(_) if !shears => {
+            "is set, but in unbounded fluid there is no box that could go with the flow; leave it out"
+        }
         _ => return Ok((Flow::Extension { kind, rate }, protocol)),
     };
     Err(KeyError::new("flow.lees_edwards", message))

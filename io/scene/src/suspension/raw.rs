@@ -66,13 +66,13 @@ pub(crate) struct Raw {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Box {
-    /// Edges along x, y and z; between walls, the distance between them. In open fluid the box follows the spheres:
-    /// there they are the initial edges for a random start or a lattice, and otherwise absent.
+    /// Edges along x, y and z; between walls, the distance between them. In unbounded fluid the box follows the
+    /// spheres: there they are the initial edges for a random start or a lattice, and otherwise absent.
     pub(super) edges: Option<[f64; 3]>,
     /// Strain of the box at the start, for spheres that come from a sheared box; by default that of the file's box.
     pub(super) strain: Option<f64>,
     /// Boundary condition along each axis: "periodic" (default) along all axes or along two of them; then the third may
-    /// have "walls" at 0 and at the edge, a "wall" at 0 with open fluid above it, or be "open"; or all are "open".
+    /// have "walls" at 0 and at the edge, a "wall" at 0 with unbounded fluid above it, or be "open"; or all are "open".
     pub(super) boundaries: Option<[Boundary; 3]>,
 }
 

@@ -43,9 +43,9 @@ fn stiff_contacts(model: &Model, radii: &Radii) -> Option<String> {
     let is_dense = radii.volume() / model.cell.volume() > DENSE;
     (rates.stress().is_none() && is_dense && excess > STIFF && model.time_step > limit * 1.001).then(|| {
         format!(
-            "contacts.stiffness = {} is {:.2} times what keeps overlaps at contacts.target_overlap here, and steps have to \
-             be as much shorter: viscosities may come out tens of percent too high with time.step = {}; take {:.3} or \
-             less, or a smaller stiffness",
+            "contacts.stiffness = {} is {:.2} times what keeps overlaps at contacts.target_overlap here, and steps \
+             have to be as much shorter: viscosities may come out tens of percent too high with time.step = {}; take \
+             {:.3} or less, or a smaller stiffness",
             Number(stiffness),
             Number(excess),
             Number(model.time_step),
