@@ -54,7 +54,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
     let work = Work { family: &wanted.family, part: Part::WHOLE, accepted: &[] };
     let former = if args.force { ExistingRun::Replace } else { ExistingRun::Continue };
-    let code = family::run(&work, (&path, former), &signals)?;
+    let code = family::run(&work, &path, former, &signals)?;
     if code == ExitCode::SUCCESS {
         streams::print(comm, &answer(args, &wanted, &FamilyFolder::of(&path))?)?;
     }

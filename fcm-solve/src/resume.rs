@@ -53,7 +53,7 @@ fn resume_family(args: &Args, comm: &Comm, signals: &Signals) -> anyhow::Result<
     match read_any(&args.folder.join("scene.toml"), &[], comm)? {
         SceneFile::Family(family) => {
             let work = Work { family: &family, part: Part::WHOLE, accepted: &args.accept };
-            family::run(&work, (&args.folder, ExistingRun::Continue), signals)
+            family::run(&work, &args.folder, ExistingRun::Continue, signals)
         }
         SceneFile::Scene(_) => bail!("{} holds no family any more", args.folder.display()),
     }

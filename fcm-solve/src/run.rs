@@ -73,7 +73,7 @@ fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitC
     let work = Work { family, part: args.part.unwrap_or(Part::WHOLE), accepted: &args.accept };
     // Programs for other parts may have made the folder already.
     let former = if args.part.is_some() { ExistingRun::Continue } else { args.former() };
-    family::run(&work, (&path, former), &signals)
+    family::run(&work, &path, former, &signals)
 }
 
 /// Starts a run from the beginning. Collective.

@@ -67,7 +67,7 @@ impl Mobility {
             method: CaseMethod::of_word(method).map_err(|cause| refused(&cause))?.alone(),
             costs: without_lock(py, || run::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
         };
-        Self::planned(py, (parameters, turn), (count, &comm))
+        Self::planned(py, parameters, turn, count, &comm)
     }
 
     /// Sets the positions `(N, 3)` of the spheres; returns a warning if spheres overlap.
@@ -181,8 +181,10 @@ impl Mobility {
 impl Mobility {
     fn planned(
         py: Python<'_>,
-        (parameters, turn): (MobilityParameters, AxisRotation),
-        (count, comm): (usize, &Comm),
+        parameters: MobilityParameters,
+        turn: AxisRotation,
+        count: usize,
+        comm: &Comm,
     ) -> PyResult<Self> {
         let signals = Signals::default();
         let planned = without_lock(py, || suspension::Mobility::new(parameters, array_bytes(count), comm));

@@ -38,7 +38,7 @@ pub struct Work<'a> {
 const NAMED: usize = 10;
 
 /// Makes the missing runs of a family, and the table of their answers.
-pub fn run(work: &Work, (path, former): (&Path, ExistingRun), signals: &Signals) -> anyhow::Result<ExitCode> {
+pub fn run(work: &Work, path: &Path, former: ExistingRun, signals: &Signals) -> anyhow::Result<ExitCode> {
     let family = work.family;
     let folder = FamilyFolder::claim(path, family, former)?;
     let members = work.part.of(family.members());
@@ -50,18 +50,18 @@ pub fn run(work: &Work, (path, former): (&Path, ExistingRun), signals: &Signals)
     }
     let at_once = at_once(family, &missing)?.min(missing.len()).max(1);
     let mut progress = PartProgress::start(&Comm::alone(), "all runs");
-    progress.say(&described(work, (members.len(), missing.len()), at_once));
+    progress.say(&described(work, members.len(), missing.len(), at_once));
     progress.say(&format!("results    {}", folder.path().display()));
     let done = members.len() - missing.len();
     progress.show(done as f64 / members.len().max(1) as f64);
-    let mut pool = Pool::new(work, &folder, (at_once, signals), progress);
-    pool.make(&missing, (done, members.len()))?;
+    let mut pool = Pool::new(work, &folder, at_once, signals, progress);
+    pool.make(&missing, done, members.len())?;
     folder.write_table(family)?;
-    end(&pool, &folder, (members.len(), signals))
+    end(&pool, &folder, members.len(), signals)
 }
 
 /// A line that describes the members to make.
-fn described(work: &Work, (all, missing): (usize, usize), at_once: usize) -> String {
+fn described(work: &Work, all: usize, missing: usize, at_once: usize) -> String {
     let Work { family, part, .. } = work;
     let points = family.points().count();
     let part = part.described(family.members().len());
@@ -84,7 +84,7 @@ fn at_once(family: &Family, missing: &[&Member]) -> anyhow::Result<usize> {
 }
 
 /// Reports failures, or the command that continues the family, and returns the exit code.
-fn end(pool: &Pool, folder: &FamilyFolder, (all, signals): (usize, &Signals)) -> anyhow::Result<ExitCode> {
+fn end(pool: &Pool, folder: &FamilyFolder, all: usize, signals: &Signals) -> anyhow::Result<ExitCode> {
     signals.tell_steps_taken(pool.steps_taken());
     if let Some(stop) = signals.received() {
         ensure!(

@@ -58,7 +58,8 @@ impl<'a> Pool<'a> {
     pub fn new(
         work: &'a Work<'a>,
         folder: &'a FamilyFolder,
-        (at_once, signals): (usize, &'a Signals),
+        at_once: usize,
+        signals: &'a Signals,
         progress: PartProgress,
     ) -> Self {
         let (running, failures) = (Vec::new(), Vec::new());
@@ -66,7 +67,7 @@ impl<'a> Pool<'a> {
     }
 
     /// Runs members, at most `at_once` at a time; `done` of `all` members are finished already.
-    pub fn make(&mut self, members: &[&'a Member], (done, all): (usize, usize)) -> anyhow::Result<()> {
+    pub fn make(&mut self, members: &[&'a Member], done: usize, all: usize) -> anyhow::Result<()> {
         self.signals.run_begins(self.signals.command());
         let mut waiting: VecDeque<&Member> = members.iter().copied().collect();
         let mut is_asked = false;
@@ -86,7 +87,7 @@ impl<'a> Pool<'a> {
                 return Ok(());
             }
             std::thread::sleep(PAUSE);
-            self.collect((done, all))?;
+            self.collect(done, all)?;
         }
     }
 
@@ -118,7 +119,7 @@ impl<'a> Pool<'a> {
     }
 
     /// Records the members that have ended, and writes the table now and then.
-    fn collect(&mut self, (done, all): (usize, usize)) -> anyhow::Result<()> {
+    fn collect(&mut self, done: usize, all: usize) -> anyhow::Result<()> {
         let mut place = 0;
         while place < self.running.len() {
             match self.running[place].outcome(self.folder)? {

@@ -66,9 +66,10 @@ impl Trajectory {
         path: &Path,
         provenance: &Provenance,
         first: &Frame,
-        (last, frames): (u64, u64),
+        last: u64,
+        frames: u64,
     ) -> Result<Self, FileError> {
-        alone(&first.particles, |rows| Self::resume_for(path, provenance, (rows, first.periodic), (last, frames)))
+        alone(&first.particles, |rows| Self::resume_for(path, provenance, (rows, first.periodic), last, frames))
     }
 
     /// Like [`Self::resume`], with particles distributed over the ranks.
@@ -76,7 +77,8 @@ impl Trajectory {
         path: &Path,
         provenance: &Provenance,
         first: (&ById, [bool; 3]),
-        (last, frames): (u64, u64),
+        last: u64,
+        frames: u64,
     ) -> Result<Self, FileError> {
         Self::open(provenance, first, frames, |kind| Frames::resume(path, kind, last))
     }

@@ -121,7 +121,7 @@ impl OpenParameters<'_> {
         let (path, provenance) = (self.path(TRAJECTORY), self.provenance_with(scenes));
         self.run.enter(&path)?;
         let mut trajectory = match self.last {
-            Some(last) if path.exists() => Trajectory::resume_for(&path, &provenance, frame, (last, frames)),
+            Some(last) if path.exists() => Trajectory::resume_for(&path, &provenance, frame, last, frames),
             _ => Trajectory::create_for(&path, &provenance, frame, frames),
         }?;
         trajectory.note_scenes(scenes)?;
@@ -131,7 +131,7 @@ impl OpenParameters<'_> {
     fn series(&self, quantities: &[Quantity], rows: u64, scenes: &SceneHistory) -> Result<Series, FileError> {
         let provenance = self.provenance_with(scenes);
         let mut series = match self.last {
-            Some(last) => Series::resume(self.run, &provenance, quantities, (last, rows)),
+            Some(last) => Series::resume(self.run, &provenance, quantities, last, rows),
             None => Series::create(self.run, &provenance, quantities, rows),
         }?;
         series.note_scenes(scenes)?;

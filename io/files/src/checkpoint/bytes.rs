@@ -37,7 +37,8 @@ pub(super) struct Header {
 
 impl Header {
     fn of<'a>(
-        (state, scene): (&State, &SceneRecord),
+        state: &State,
+        scene: &SceneRecord,
         columns: impl Iterator<Item = (&'a str, usize)>,
         particles: usize,
         pieces: &[usize],
@@ -79,14 +80,14 @@ impl Header {
 pub(super) fn count(state: &State, scene: &SceneRecord) -> usize {
     let columns = state.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
     let pieces: Vec<usize> = state.statistics.iter().map(Vec::len).collect();
-    let header = Header::of((state, scene), columns, state.particles.len(), &pieces);
+    let header = Header::of(state, scene, columns, state.particles.len(), &pieces);
     MAGIC.len() + 8 + header.text().len() + header.arrays().unwrap_or(usize::MAX) + 8
 }
 
 /// Writes a state with all its particles.
 pub(super) fn write(file: &mut File, of: (&State, &SceneRecord), rows: &ById) -> std::io::Result<()> {
     let mut out = Summed { file: BufWriter::new(file), sum: Xxh3::new() };
-    let header = Header::of(of, rows.columns(), rows.count(), rows.lengths()).text();
+    let header = Header::of(of.0, of.1, rows.columns(), rows.count(), rows.lengths()).text();
     out.write(MAGIC)?;
     out.write(&(header.len() as u64).to_le_bytes())?;
     out.write(&header)?;

@@ -59,7 +59,8 @@ impl Series {
         run: &Manifest,
         provenance: &Provenance,
         quantities: &[Quantity],
-        (last, rows): (u64, u64),
+        last: u64,
+        rows: u64,
     ) -> Result<Self, FileError> {
         let former = ExistingRows::read(&run.folder().join("observables.csv"), quantities, last)?;
         let path = run.folder().join("observables.h5");

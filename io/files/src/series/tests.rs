@@ -17,7 +17,7 @@ fn rows_go_to_both_files_and_none_is_doubled() {
     let whole = std::fs::read_to_string(&csv).unwrap();
     assert!(whole.starts_with("step,time,gap,mean_x[a],mean_y[a],mean_z[a],mean_x[b],mean_y[b],mean_z[b]\n"));
     std::fs::write(&csv, whole.clone() + "4,0.").unwrap(); // cut short
-    let mut series = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (1, 9)).unwrap();
+    let mut series = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, 1, 9).unwrap();
     assert_eq!(series.last_step().unwrap(), Some(1));
     for step in 2..4 {
         series.append((step, 0.1 * step as f64), &row(step)).unwrap();
@@ -43,7 +43,7 @@ fn each_of_the_two_files_is_mended_from_the_other() {
     drop(series);
     let (csv, h5) = (folder.path().join("observables.csv"), folder.path().join("observables.h5"));
     let (whole, frames) = (std::fs::read_to_string(&csv).unwrap(), std::fs::read(&h5).unwrap());
-    let resume = || Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (3, 4)).unwrap();
+    let resume = || Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, 3, 4).unwrap();
     let second = whole.lines().nth(2).unwrap();
     for damaged in ["", "step,time\n", &whole[..50], &whole.replace(second, "?"), &whole.replace("0.1", "0.7")] {
         std::fs::write(&csv, damaged).unwrap();
@@ -53,7 +53,7 @@ fn each_of_the_two_files_is_mended_from_the_other() {
     std::fs::remove_file(&csv).unwrap();
     resume();
     assert_eq!(std::fs::read_to_string(&csv).unwrap(), whole);
-    let older = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (1, 4)).unwrap();
+    let older = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, 1, 4).unwrap();
     drop(older);
     std::fs::write(&csv, &whole).unwrap();
     assert_eq!(resume().steps().unwrap(), [0, 1, 2, 3], "from the table, where the other is an older copy");
@@ -84,7 +84,7 @@ fn names_with_separators_are_cells_of_their_own() {
     let lines: Vec<Vec<String>> = csv.lines().map(simulation::csv_words).collect();
     assert_eq!((lines[0].len(), lines[1].len()), (8, 8));
     assert_eq!((lines[0][2].as_str(), lines[0][5].as_str()), ("mean_x[silica, 2 um]", "mean_x[a; \"b\"]"));
-    let series = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, (0, 2)).unwrap();
+    let series = Series::resume(&Manifest::none(folder.path()), &provenance, &quantities, 0, 2).unwrap();
     assert_eq!(series.last_step().unwrap(), Some(0));
     drop(series);
     assert_eq!(std::fs::read_to_string(folder.path().join("observables.csv")).unwrap(), csv);

@@ -43,7 +43,7 @@ pub(super) const ALL: &str = "all";
 
 impl Course {
     /// The mean of values.
-    pub(super) fn new((quantity, unit): (&'static str, &'static str), values: Vec<f64>) -> Self {
+    pub(super) fn new(quantity: &'static str, unit: &'static str, values: Vec<f64>) -> Self {
         let (species, precision) = (ALL.to_owned(), RequestedPrecision::USUAL);
         Self { quantity, species, unit, values, precision, is_of_stress: false, result: Result::Mean, reduced: None }
     }

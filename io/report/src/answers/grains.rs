@@ -31,7 +31,8 @@ pub(super) fn of_disks(series: &Observables) -> Vec<Course> {
         (("mean_free_path", "length"), number("mean_free_path")),
         (("segregation", ""), number("segregation")),
     ];
-    let course = |(what, values): (_, Option<Vec<f64>>)| Some(Course::new(what, values?));
+    let course =
+        |(what, values): ((&'static str, &'static str), Option<Vec<f64>>)| Some(Course::new(what.0, what.1, values?));
     list.into_iter().filter_map(course).collect()
 }
 
@@ -47,7 +48,8 @@ pub(super) fn of_shear_cell(series: &Observables) -> Vec<Course> {
         (("granular_temperature", "length^2/time^2"), number("temperature")),
         (("solid_fraction", ""), number("solid_fraction")),
     ];
-    let course = |(what, values): (_, Option<Vec<f64>>)| Some(Course::new(what, values?));
+    let course =
+        |(what, values): ((&'static str, &'static str), Option<Vec<f64>>)| Some(Course::new(what.0, what.1, values?));
     list.into_iter().filter_map(course).collect()
 }
 

@@ -78,10 +78,10 @@ impl Run<'_> {
             if self.model.flow.extension().is_some() { "relative_extensional_viscosity" } else { "relative_viscosity" };
         let mut courses = Vec::new();
         if let (Some(stress), Some(found)) = (rates.stress(), self.number("shear_rate")) {
-            courses.push(Course::new(("shear_rate", "1/time"), found.clone()));
-            courses.push(Course::new((name, ""), found).inverse(stress / viscosity));
+            courses.push(Course::new("shear_rate", "1/time", found.clone()));
+            courses.push(Course::new(name, "", found).inverse(stress / viscosity));
         } else {
-            courses.extend(self.number("relative_viscosity").map(|values| Course::new((name, ""), values)));
+            courses.extend(self.number("relative_viscosity").map(|values| Course::new(name, "", values)));
         }
         let scale = self.mean("relative_viscosity").abs() * of_fluid.abs();
         for (column, reduced) in [
@@ -89,8 +89,7 @@ impl Run<'_> {
             ("second_normal_stress_difference", "reduced_second_normal_stress_difference"),
             ("particle_pressure", "reduced_particle_pressure"),
         ] {
-            let course =
-                |values| Course::new((column, STRESS), values).beside(scale).also_over(reduced, of_fluid.abs());
+            let course = |values| Course::new(column, STRESS, values).beside(scale).also_over(reduced, of_fluid.abs());
             courses.extend(self.number(column).map(course));
         }
         courses.into_iter().map(Course::of_stress).collect()
@@ -111,12 +110,12 @@ impl Run<'_> {
         }
         let size = loss.iter().filter(|loss| loss.is_finite()).fold(0.0, |most: f64, loss| most.max(loss.abs()));
         [("storage_modulus", storage), ("loss_modulus", loss)]
-            .map(|(name, values)| Course::new((name, STRESS), values).beside(size).of_means().of_stress())
+            .map(|(name, values)| Course::new(name, STRESS, values).beside(size).of_means().of_stress())
             .into()
     }
 
     fn osmotic_pressure(&self) -> Vec<Course> {
-        let course = |values| Course::new(("osmotic_pressure", STRESS), values);
+        let course = |values| Course::new("osmotic_pressure", STRESS, values);
         self.number("osmotic_pressure").map(course).into_iter().collect()
     }
 
@@ -137,7 +136,7 @@ impl Run<'_> {
                 continue;
             };
             let scale = if forces[index] == Vector::ZERO { fastest } else { 0.0 };
-            let course = Course::new(("settling_velocity", VELOCITY), velocity).beside(scale).of_species(&species.name);
+            let course = Course::new("settling_velocity", VELOCITY, velocity).beside(scale).of_species(&species.name);
             courses.push(course.also_over("hindered_settling_function", stokes(index)));
             courses.extend(self.fluctuations(index, along));
         }
@@ -163,7 +162,7 @@ impl Run<'_> {
         ];
         let name = &self.model.species[index].name;
         directions
-            .map(|(quantity, weights)| Course::new((quantity, VELOCITY), weighted(weights)).root().of_species(name))
+            .map(|(quantity, weights)| Course::new(quantity, VELOCITY, weighted(weights)).root().of_species(name))
             .into()
     }
 
@@ -174,7 +173,7 @@ impl Run<'_> {
         let columns = [("mean_height", 0), ("height_deviation", 1)];
         let of_species = |(index, species): (usize, &suspension::Species)| {
             let course = move |(name, column)| {
-                Some(Course::new((name, "length"), self.component("height", index, column)?).of_species(&species.name))
+                Some(Course::new(name, "length", self.component("height", index, column)?).of_species(&species.name))
             };
             columns.into_iter().filter_map(course).collect::<Vec<_>>()
         };
@@ -193,7 +192,7 @@ impl Run<'_> {
         let mean_speed = of_parabola.unwrap_or(0.5 * flow.rate() * height).abs();
         let mut courses: Vec<Course> = self
             .number("pressure_gradient")
-            .map(|values| Course::new(("pressure_gradient", "force/length^3"), values))
+            .map(|values| Course::new("pressure_gradient", "force/length^3", values))
             .into_iter()
             .collect();
         for (index, species) in self.model.species.iter().enumerate() {
@@ -201,9 +200,9 @@ impl Run<'_> {
             let of_flow = [
                 self.component("particle_flux", index, 0)
                     .filter(|_| of_parabola.is_some())
-                    .map(|v| Course::new(("particle_flux", VELOCITY), v)),
-                slip.map(|values| Course::new(("slip_velocity", VELOCITY), values).beside(mean_speed)),
-                self.component("migration", index, 0).map(|values| Course::new(("migration", ""), values)),
+                    .map(|v| Course::new("particle_flux", VELOCITY, v)),
+                slip.map(|values| Course::new("slip_velocity", VELOCITY, values).beside(mean_speed)),
+                self.component("migration", index, 0).map(|values| Course::new("migration", "", values)),
             ];
             courses.extend(of_flow.into_iter().flatten().map(|course| course.of_species(&species.name)));
         }
@@ -211,7 +210,7 @@ impl Run<'_> {
             for (row, name) in ["lower_wall_shear_stress", "upper_wall_shear_stress"].into_iter().enumerate() {
                 courses.extend(
                     self.component("wall_shear_stress", row, 0)
-                        .map(|values| Course::new((name, STRESS), values).of_stress()),
+                        .map(|values| Course::new(name, STRESS, values).of_stress()),
                 );
             }
         }
@@ -223,7 +222,7 @@ impl Run<'_> {
         let columns =
             [(("contacts_per_particle", ""), 1.0), (("segregation", ""), 1.0), (("bond_energy", "force*length"), 0.0)];
         let course = |(what, scale): ((&'static str, &'static str), f64)| {
-            Some(Course::new(what, self.number(what.0)?).beside(scale))
+            Some(Course::new(what.0, what.1, self.number(what.0)?).beside(scale))
         };
         columns.into_iter().filter_map(course).collect()
     }

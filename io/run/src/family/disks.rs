@@ -34,7 +34,7 @@ pub(super) fn tables(folder: &FamilyFolder, family: &Family) -> Result<Vec<Table
         let runs = members.iter().map(|member| records(folder, member)).collect::<Result<Vec<_>, _>>()?;
         let runs: Vec<Records> = runs.into_iter().filter(|records| !records.is_empty()).collect();
         if !runs.is_empty() {
-            add(&mut averages, &mut branches, (&members[0], disks, &runs));
+            add(&mut averages, &mut branches, &members[0], disks, &runs);
         }
     }
     Ok(vec![averages, branches])
@@ -56,7 +56,7 @@ fn records(folder: &FamilyFolder, member: &Member) -> Result<Records, FileError>
 }
 
 /// Adds a point: a row for each record that all of its runs have, and one for what they come to.
-fn add(averages: &mut Table, branches: &mut Table, (member, disks, runs): (&Member, &GranularDisksScene, &[Records])) {
+fn add(averages: &mut Table, branches: &mut Table, member: &Member, disks: &GranularDisksScene, runs: &[Records]) {
     let words = [member.point_name(), member.described()];
     let words = [&words[0][..], &words[1]];
     let p = disks.model.parameters();
