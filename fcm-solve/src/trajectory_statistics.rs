@@ -91,7 +91,8 @@ impl Options {
 fn sampled(
     recorded: &TrajectoryReader,
     chosen: &SampledFrames,
-    (model, wanted): (&Model, StatisticsParameters),
+    model: &Model,
+    wanted: StatisticsParameters,
     path: &Path,
 ) -> anyhow::Result<(Option<Statistics>, u64)> {
     let (alone, mut statistics) = (Comm::alone(), None::<Statistics>);
