@@ -56,14 +56,12 @@ impl Case {
 
 /// Width of the narrowest Gaussian on the grid, which sets the spacing, and of the widest, which sets the stencil.
 fn widths(plan: &Plan) -> [f64; 2] {
-    match plan.split {
-        Some(Split { width, .. }) => [width; 2],
-        None => {
-            let of = |radius: &f64| fcm::Envelope::of_sphere(*radius);
-            let [first, last] = [plan.radii.first(), plan.radii.last()].map(|a| of(a.expect("a plan has radii")));
-            [own(plan, first), last.monopole]
-        }
+    if let Some(Split { width, .. }) = plan.split {
+        return [width; 2];
     }
+    let of = |radius: &f64| fcm::Envelope::of_sphere(*radius);
+    let [first, last] = [plan.radii.first(), plan.radii.last()].map(|a| of(a.expect("a plan has radii")));
+    [own(plan, first), last.monopole]
 }
 
 /// Row of a table: the degraded parameter, the error, and the planner's bound.

@@ -84,7 +84,7 @@ impl<'a> CaseEnvironment<'a> {
         self.run_os(&arguments)
     }
 
-    /// Like [`Self::ask`], with arguments that need not be text.
+    /// Like [`Self::run`], with arguments that need not be text.
     pub fn run_os(&self, arguments: &[OsString]) -> Result<End, Fault> {
         let ended = self.program.run(&self.folder, arguments).map_err(|error| Fault {
             what: format!("it does not start: {error}"),
@@ -94,7 +94,7 @@ impl<'a> CaseEnvironment<'a> {
         judge(&ended, &self.names(arguments)).map_err(|what| fault(ended, what))
     }
 
-    /// Like [`Self::ask`], but requires that only permitted paths in the case's folder are changed.
+    /// Like [`Self::run`], but requires that only permitted paths in the case's folder are changed.
     pub fn run_within(&self, arguments: &[&str], permit: &Permit) -> Result<End, Fault> {
         let before = Surroundings::of(&self.folder)?;
         let end = self.run(arguments)?;

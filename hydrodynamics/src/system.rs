@@ -149,6 +149,7 @@ impl SingleSpheres {
 }
 
 /// Known loads and ambient motions of a system, and the unknowns from which the iteration starts.
+#[derive(Clone, Copy)]
 pub struct SystemStart<'a> {
     pub loads: &'a SixVectors,
     pub ambient: &'a Motion,

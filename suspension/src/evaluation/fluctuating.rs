@@ -64,7 +64,9 @@ impl Dynamics {
         self.unless_interrupted()?;
         self.wrap_and_migrate(particles, moment)?;
         let near = self.forces.shared_near(particles, self.domain());
-        near.iter().for_each(|near| self.monitor_overlaps(particles, near));
+        if let Some(near) = &near {
+            self.monitor_overlaps(particles, near);
+        }
         let mut acting = self.acting(particles, near.as_ref(), moment, None, &Motion::default())?;
         drop(near);
         let noise = self.pair_noise(particles, noise);
@@ -128,7 +130,9 @@ impl Dynamics {
     fn monitor_overlaps(&mut self, particles: &Particles, near: &PairsWithHalo) {
         let Self { moving, partition, overlap_monitor, .. } = self;
         let domain = DomainView { cell: moving.cell(), partition };
-        overlap_monitor.iter_mut().for_each(|overlap_monitor| overlap_monitor.look(particles, domain, near));
+        if let Some(overlap_monitor) = overlap_monitor {
+            overlap_monitor.look(particles, domain, near);
+        }
     }
 
     /// Random loads between near pairs. Collective.

@@ -123,7 +123,9 @@ impl Dynamics {
     pub fn register(&mut self, force: Box<dyn Force>) {
         let Self { forces, hydrodynamics, partition, .. } = self;
         let implicit = force.implicit_range(self.largest_radius).filter(|_| self.is_implicit);
-        implicit.into_iter().for_each(|range| hydrodynamics.extend_springs(range));
+        if let Some(range) = implicit {
+            hydrodynamics.extend_springs(range);
+        }
         forces.register(force, self.largest_radius, partition);
     }
 

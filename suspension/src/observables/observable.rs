@@ -6,6 +6,7 @@ use crate::observables::velocities::VelocityMoments;
 use crate::suspension::{StepReport, Suspension};
 use domain::Tensor;
 use simulation::Quantity;
+use std::cell::OnceCell;
 
 /// A quantity of the time series: its name, its unit and its numbers in one place.
 pub trait Observable {
@@ -25,13 +26,13 @@ pub struct ObservedState<'a> {
     stress: Option<Vec<ParticleStress>>,
     velocities: Option<VelocityMoments>,
     heights: Option<Heights>,
-    contacts: Option<Option<[f64; 5]>>,
+    contacts: OnceCell<Option<[f64; 5]>>,
 }
 
 impl<'a> ObservedState<'a> {
     /// The present state of a suspension of a number of species.
     pub fn new(suspension: &'a mut Suspension, species: usize) -> Self {
-        Self { suspension, species, report: None, stress: None, velocities: None, heights: None, contacts: None }
+        Self { suspension, species, report: None, stress: None, velocities: None, heights: None, contacts: OnceCell::new() }
     }
 
     /// The suspension.
@@ -61,7 +62,7 @@ impl<'a> ObservedState<'a> {
 
     /// Numbers of the contacts, see [`Suspension::contact_numbers`].
     pub fn contact_numbers(&mut self) -> Option<[f64; 5]> {
-        *self.contacts.get_or_insert_with(|| self.suspension.contact_numbers())
+        *self.contacts.get_or_init(|| self.suspension.contact_numbers())
     }
 
     /// Mean and variance of the velocities of each species.
