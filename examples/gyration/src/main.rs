@@ -68,10 +68,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     for step in 1..=10 {
         run.advance(step)?;
         let radii = run.observe().pop().unwrap_or_default();
-        println!(
-            "step {step}: {}",
-            names.iter().zip(radii).map(|(name, r)| format!("{name} {r:.4} ")).collect::<String>()
-        );
+        let each: Vec<String> = names.iter().zip(radii).map(|(name, radius)| format!("{name} {radius:.4}")).collect();
+        println!("step {step}: {}", each.join(", "));
     }
     Ok(())
 }

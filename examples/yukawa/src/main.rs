@@ -101,8 +101,8 @@ mod tests {
     const IMPLICIT: Integrator = Integrator::Implicit(Adaptive { tolerance: 1e-3, gap_fraction: 0.5 });
     const EXPLICIT: Integrator = Integrator::AdamsBashforth { order: 2 };
 
-    fn force() -> Box<PairwiseForce<Yukawa>> {
-        Box::new(PairwiseForce::new(LAW))
+    fn force() -> PairwiseForce<Yukawa> {
+        PairwiseForce::new(LAW)
     }
 
     /// Distance at which the repulsion balances a force, by bisection.
@@ -148,7 +148,7 @@ mod tests {
                 for ranks in [1, 3] {
                     let found = Comm::threads(ranks, |comm| {
                         let mut suspension = Suspension::start(&model, &comm).unwrap();
-                        suspension.add_force(force()).unwrap();
+                        suspension.add_force(Box::new(force())).unwrap();
                         (0..steps).for_each(|_| suspension.step().unwrap());
                         let stress = suspension.stress(2);
                         (separation(&suspension), stress[0].of("yukawa") + stress[1].of("yukawa"))
@@ -175,7 +175,7 @@ mod tests {
             place.map(|place| run.observe()[place].clone())
         };
         assert_eq!(numbers(&mut run, "stress_yukawa"), None);
-        run.add_force(force()).unwrap();
+        run.add_force(Box::new(force())).unwrap();
         (0..2).for_each(|step| run.advance(step + 1).unwrap());
         let [yukawa, stresslet] = ["stress_yukawa", "stress_stresslet"].map(|name| numbers(&mut run, name).unwrap());
         assert_eq!(yukawa.len(), 12, "six components of two species");
@@ -191,15 +191,15 @@ mod tests {
         for integrator in [EXPLICIT, IMPLICIT] {
             let model = pressed(5.0, integrator, (0.1, 10)).unwrap();
             let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
-            whole.add_force(force()).unwrap();
+            whole.add_force(Box::new(force())).unwrap();
             (0..5).for_each(|_| whole.step().unwrap());
             let mut resumed = Suspension::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
-            resumed.add_force(force()).unwrap();
+            resumed.add_force(Box::new(force())).unwrap();
             for suspension in [&mut whole, &mut resumed] {
                 (0..5).for_each(|_| suspension.step().unwrap());
             }
             assert_eq!(separation(&whole).to_bits(), separation(&resumed).to_bits());
-            let refused = whole.add_force(force()).unwrap_err().to_string();
+            let refused = whole.add_force(Box::new(force())).unwrap_err().to_string();
             assert!(refused.contains("another force with the name \"yukawa\""), "{refused}");
         }
     }

@@ -38,7 +38,9 @@ impl FormerNames {
                 }
             }
         }
-        overrides.iter().for_each(|set| found.note_set(kind, set));
+        for set in overrides {
+            found.note_set(kind, set);
+        }
         Ok(found)
     }
 
