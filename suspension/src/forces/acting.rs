@@ -78,7 +78,8 @@ pub struct Acting {
     pub loads: Loads,
     /// Implicit resistances.
     pub resistances: Resistances,
-    /// Motions of the ambient fluid at the particles, such as slip; empty lists stand for none.
+    /// Motions of the ambient fluid at the particles, such as slip; empty lists stand for none. Lubrication takes no
+    /// account of them: it resists motions relative to the background flow.
     pub ambient: Motion,
 }
 
