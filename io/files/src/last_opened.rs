@@ -25,13 +25,8 @@ pub(crate) fn note(path: &Path) {
     let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
     let names = names.get_or_insert_default();
     let name: Name = path.as_os_str().as_bytes().into();
-    let stored = match names.get(&name) {
-        Some(stored) => stored,
-        None => {
-            let stored: &'static Name = Box::leak(Box::new(name));
-            names.insert(stored);
-            stored
-        }
-    };
+    let known = names.get(&name).copied();
+    let stored = known.unwrap_or_else(|| Box::leak(Box::new(name)));
+    names.insert(stored);
     LAST.store(std::ptr::from_ref(stored).cast_mut(), Ordering::Release);
 }

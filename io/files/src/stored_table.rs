@@ -41,14 +41,14 @@ impl StoredTable {
         let datasets = group.datasets()?;
         let columns = datasets.iter().map(|dataset| Ok((name(dataset.name()), Column::read(dataset)?)));
         let read = Self { name: name(group.name()), columns: columns.collect::<hdf5::Result<_>>()? };
-        if read.columns.iter().any(|(_, column)| column.len() != read.len()) {
+        if read.columns.iter().any(|(_, column)| column.len() != read.rows()) {
             return Err(format!("the columns of {} differ in length", read.name).into());
         }
         Ok(read)
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub fn rows(&self) -> usize {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
@@ -89,7 +89,7 @@ impl StoredTable {
     /// Groups of rows with equal cells in these columns, and those cells, in the order of their first rows.
     pub fn groups(&self, columns: &[&str]) -> Vec<(Vec<String>, Vec<usize>)> {
         let mut groups: Vec<(Vec<String>, Vec<usize>)> = Vec::new();
-        for row in 0..self.len() {
+        for row in 0..self.rows() {
             let of: Vec<String> = columns.iter().map(|column| self.word(column, row)).collect();
             match groups.iter_mut().find(|(name, _)| *name == of) {
                 Some((_, rows)) => rows.push(row),

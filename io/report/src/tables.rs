@@ -45,7 +45,7 @@ fn statistics(stored: &StoredTable) -> String {
         let value = if cell("value") == "NaN" { "unknown".to_owned() } else { cell("value") };
         vec![cell("quantity"), cell("species"), value, error, unit_text(&cell("unit"))]
     };
-    let rows: Vec<Vec<String>> = (0..stored.len()).map(row).collect();
+    let rows: Vec<Vec<String>> = (0..stored.rows()).map(row).collect();
     table(&["quantity", "species", "value", "standard error", "unit"], &rows)
 }
 
@@ -53,14 +53,14 @@ fn statistics(stored: &StoredTable) -> String {
 fn columns(stored: &StoredTable, names: &[&str]) -> String {
     let heads: Vec<String> = names.iter().map(|name| head(stored, name)).collect();
     let rows: Vec<Vec<String>> =
-        (0..stored.len()).map(|row| names.iter().map(|name| stored.cell(name, row)).collect()).collect();
+        (0..stored.rows()).map(|row| names.iter().map(|name| stored.cell(name, row)).collect()).collect();
     table(&heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
 }
 
 /// A table of one row, transposed.
 fn totals(stored: &StoredTable) -> String {
     let row = |name: &str| vec![head(stored, name), stored.cell(name, 0)];
-    let rows: Vec<Vec<String>> = if stored.len() == 1 { stored.number_names().map(row).collect() } else { Vec::new() };
+    let rows: Vec<Vec<String>> = if stored.rows() == 1 { stored.number_names().map(row).collect() } else { Vec::new() };
     table(&["quantity", "value"], &rows)
 }
 

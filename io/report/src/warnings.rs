@@ -46,7 +46,7 @@ fn overlaps(course: &RunProgress) -> Option<String> {
 /// Warning if solutions of a continuum are dilute, while the theory is meant for dense ones.
 fn dilute(table: &StoredTable) -> Option<String> {
     let count = table.numbers("dilute")?.0.iter().filter(|&&dilute| dilute != 0.0).count();
-    (count > 0).then(|| format!("{count} of {} solutions are dilute.", table.len()))
+    (count > 0).then(|| format!("{count} of {} solutions are dilute.", table.rows()))
 }
 
 /// A family in which no quantity has a mean, so that there is no chart.

@@ -15,7 +15,7 @@ pub fn need(kind: &Kind) -> MemoryNeed {
         Kind::GranularDisks(scene) => disks(scene),
         Kind::ShearCell(scene) => cell(scene),
         Kind::Continuum(scene) => continuum(scene),
-        _ => Bytes::default(),
+        Kind::Suspension(_) => Bytes::default(),
     };
     // Tables are written at once, all other output to files that stay open.
     let process = Process { writes: !matches!(kind, Kind::Continuum(_)), ..Process::ALONE };
@@ -62,7 +62,7 @@ fn remedy(kind: &Kind) -> String {
             scene.problems.len(),
             scene.points
         ),
-        _ => String::new(),
+        Kind::Suspension(_) => String::new(),
     }
 }
 

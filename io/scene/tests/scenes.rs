@@ -58,7 +58,7 @@ fn what_a_scene_leaves_out_has_its_default() {
     assert_eq!(scene.output.trajectory, Schedule::every(1));
     assert_eq!(scene.model.hydrodynamics.method, None);
     let dense = good("least.toml", &["hydrodynamics.method=dense"]);
-    assert_eq!(suspension(&dense).model.hydrodynamics.method.map(|method| method.name()), Some("dense"));
+    assert_eq!(suspension(&dense).model.hydrodynamics.method.map(fcm::Method::name), Some("dense"));
     assert_eq!(suspension(&good("duration.toml", &[])).time.steps, 10);
 }
 

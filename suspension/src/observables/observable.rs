@@ -32,7 +32,15 @@ pub struct ObservedState<'a> {
 impl<'a> ObservedState<'a> {
     /// The present state of a suspension of a number of species.
     pub fn new(suspension: &'a mut Suspension, species: usize) -> Self {
-        Self { suspension, species, report: None, stress: None, velocities: None, heights: None, contacts: OnceCell::new() }
+        Self {
+            suspension,
+            species,
+            report: None,
+            stress: None,
+            velocities: None,
+            heights: None,
+            contacts: OnceCell::new(),
+        }
     }
 
     /// The suspension.

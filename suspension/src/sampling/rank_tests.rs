@@ -104,7 +104,7 @@ fn in_periodic_boxes() {
 #[test]
 fn with_pairs_far_apart() {
     let far = |p: &mut Parameters| {
-        p.statistics = Some(StatisticsParameters { distance: Some(9.0), ..StatisticsParameters::ALL })
+        p.statistics = Some(StatisticsParameters { distance: Some(9.0), ..StatisticsParameters::ALL });
     };
     check(&model(Boundaries::Periodic, Flow::None, far), 37);
 }

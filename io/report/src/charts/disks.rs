@@ -26,7 +26,7 @@ pub(super) fn charts(series: &Observables, profile: Option<&StoredTable>) -> Vec
 }
 
 fn over_height(table: &StoredTable, title: &str, column: &str, name: &str) -> Option<Chart> {
-    let rows: Vec<usize> = (0..table.len()).collect();
+    let rows: Vec<usize> = (0..table.rows()).collect();
     let (points, errors) = table.points("height", column, &rows)?;
     let mut chart = Chart::new(title, ("height", "length"), (name, table.numbers(column)?.1));
     chart.add("", points, errors);

@@ -25,7 +25,7 @@ pub(super) fn charts(series: &Observables, profile: Option<&StoredTable>) -> Vec
 }
 
 fn over_height(table: &StoredTable, title: &str, column: &str, name: &str) -> Option<Chart> {
-    let rows: Vec<usize> = (0..table.len()).collect();
+    let rows: Vec<usize> = (0..table.rows()).collect();
     let (points, errors) = table.points("y", column, &rows)?;
     let mut chart = Chart::new(title, ("height y", "length"), (name, table.numbers(column)?.1)).with_level(0.0);
     chart.add("", points, errors);

@@ -114,7 +114,7 @@ fn contacts_are_lines() {
     let steps = [0.25 / 8.0, -0.25, 0.1].map(|part| (part * 32768.0_f64).round() as i16);
     let expected: Vec<u8> =
         parts.into_iter().flat_map(u16::to_le_bytes).chain(steps.into_iter().flat_map(i16::to_le_bytes)).collect();
-    assert_eq!(lists[names.len() - 2].1, BASE64_STANDARD.encode(&expected.repeat(2)));
+    assert_eq!(lists[names.len() - 2].1, BASE64_STANDARD.encode(expected.repeat(2)));
 }
 
 #[test]
