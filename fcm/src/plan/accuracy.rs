@@ -32,7 +32,7 @@ pub(crate) struct Accuracy {
 }
 
 /// Coefficients of the brackets `(1 + k^2 D/2) (1 + k^2 rest)` that correct the common Gaussian of the split method,
-/// over the square of its width: see [`Common`](crate::envelope::Common).
+/// over the square of its width: see `Common` in `envelope.rs`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Brackets {
     /// `D/2`, half the common difference of the squared widths.

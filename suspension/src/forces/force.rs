@@ -30,7 +30,7 @@ impl StressName {
 }
 
 /// A force on or between particles, besides those of the fluid: everything that evaluations, stresses, implicit steps
-/// and predictions of memory ask of it. A force of pairs is easiest written as a [`super::PairLaw`].
+/// and predictions of memory ask of it. A force of pairs is easiest written as a [`PairLaw`](super::pairwise::PairLaw).
 ///
 /// Methods that take particles are collective: every rank calls them for its own particles. A method that can fail
 /// fails on every rank or on none.
