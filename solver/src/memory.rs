@@ -4,7 +4,7 @@ use crate::Real;
 use bytemuck::{Pod, Zeroable};
 use std::marker::PhantomData;
 
-/// Values aligned to a cache line of 64 bytes, so that no [`simd::Vector`] straddles two.
+/// Values aligned to a cache line of 64 bytes, so that no [`simd::SimdVector`] straddles two.
 #[derive(Debug, Clone, Default)]
 pub struct AlignedMemory<T> {
     lines: Vec<AlignedLine>,
