@@ -5,13 +5,17 @@ use std::f64::consts::FRAC_PI_2;
 /// Probability that a normal deviate is within one standard deviation.
 const WITHIN: f64 = 0.682_689_492_137_085_9;
 
+/// Number of seeds whose spread alone determines the error.
+const ENOUGH: usize = 4;
+
 /// Mean of one quantity over the seeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Spread {
     /// The mean.
     pub(super) mean: f64,
     /// Half-width of the 68.3% confidence interval of the mean: the standard error of the mean times the factor of
-    /// Student's distribution. For a single seed, the error that the run reports.
+    /// Student's distribution. For a single seed, the error that the run reports; for two or three at least that of
+    /// the mean by the errors that they report, since their spread may be small by chance.
     pub(super) error: f64,
     /// Number of seeds.
     pub(super) seeds: usize,
@@ -30,7 +34,14 @@ impl Spread {
         let deviation = (squares / (count - 1.0)).sqrt();
         let errors: Vec<f64> = values.iter().map(|(_, error)| *error).filter(|error| error.is_finite()).collect();
         let claimed = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
-        let error = if values.len() == 1 { claimed } else { student(values.len() - 1) * deviation / count.sqrt() };
+        let reported = claimed / count.sqrt();
+        let error = match values.len() {
+            1 => reported,
+            seeds => {
+                let of_spread = student(seeds - 1) * deviation / count.sqrt();
+                if seeds < ENOUGH { of_spread.max(reported) } else { of_spread }
+            }
+        };
         Self { mean, error, seeds: values.len(), deviation, claimed }
     }
 
@@ -102,5 +113,9 @@ mod tests {
         let one = Spread::of(&[(4.0, 0.25)]);
         assert!((one.error - 0.25).abs() < 1e-15 && one.deviation.is_nan() && one.calibration().is_nan());
         assert!(Spread::of(&[(4.0, f64::NAN)]).error.is_nan());
+        // Two that agree by chance, and four that agree.
+        assert!((Spread::of(&[(4.0, 0.5); 2]).error - 0.5 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(Spread::of(&[(4.0, 0.5); 4]).error.to_bits(), 0);
+        assert!(Spread::of(&[(4.0, f64::NAN); 2]).error.abs() < 1e-15);
     }
 }
