@@ -199,7 +199,7 @@ def test_the_plan_is_that_of_the_program(program, tmp_path):
     assert plan.tolerance == 1e-4 and 0 < plan.expected_error <= 1e-4 and plan.expected_seconds > 0
     for method in ("direct", "split"):
         assert mobility(method=method).plan.method == method
-    with pytest.raises(fcm.InputError, match='"auto", "direct" or "split"'):
+    with pytest.raises(fcm.InputError, match='"auto", "direct", "split" or "dense"'):
         mobility(method="spectral")
 
 
