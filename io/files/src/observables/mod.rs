@@ -62,14 +62,12 @@ impl Observables {
         let Some(clock) = groups.first() else { return Err("it has no observables".into()) };
         let (steps, times): (Vec<u64>, Vec<f64>) =
             (claimed_size::read(clock, "step")?, claimed_size::read(clock, "time")?);
-        let count = steps.len().min(times.len());
-        let quantities = groups
-            .iter()
-            .filter(|group| names(&name_of(group)))
-            .map(|group| Observed::read(group, count))
-            .collect::<hdf5::Result<_>>()?;
+        let selected = groups.iter().filter(|group| names(&name_of(group)));
+        let mut quantities: Vec<Observed> = selected.map(Observed::read).collect::<hdf5::Result<_>>()?;
+        let count = complete_rows(steps.len().min(times.len()), &quantities)?;
+        quantities.iter_mut().for_each(|quantity| quantity.values.truncate(count * quantity.width()));
         let times = times[..count].to_vec();
-        let read = Self { times, last_step: steps.last().copied(), quantities, damage: Vec::new() };
+        let read = Self { times, last_step: steps[..count].last().copied(), quantities, damage: Vec::new() };
         Ok(match Sums::open(&file)? {
             Some(sums) => read.without_damage(&sums),
             None => read,
@@ -114,8 +112,21 @@ fn name_of(group: &Group) -> String {
     group.name().rsplit('/').next().unwrap_or_default().to_owned()
 }
 
+/// Number of rows that all quantities have, of `count` times. The quantities of the last row may be missing: a run is
+/// writing them, or was stopped while it wrote.
+fn complete_rows(count: usize, quantities: &[Observed]) -> hdf5::Result<usize> {
+    let shorter = quantities.iter().min_by_key(|quantity| quantity.values.len() / quantity.width());
+    match shorter.map(|quantity| (quantity, quantity.values.len() / quantity.width())) {
+        Some((quantity, rows)) if rows + 1 < count => {
+            Err(format!("observables/{} has {rows} rows, but needs {count}", quantity.name).into())
+        }
+        Some((_, rows)) => Ok(rows.min(count)),
+        None => Ok(count),
+    }
+}
+
 impl Observed {
-    fn read(group: &Group, count: usize) -> hdf5::Result<Self> {
+    fn read(group: &Group) -> hdf5::Result<Self> {
         let dataset = claimed_size::dataset(group, "value")?;
         let names = |attribute: &str| -> hdf5::Result<Vec<String>> {
             let Ok(attribute) = group.attr(attribute) else { return Ok(Vec::new()) };
@@ -123,13 +134,7 @@ impl Observed {
         };
         let name = name_of(group);
         let (rows, columns) = (names("rows")?, names("columns")?);
-        let mut read = Self { name, unit: text::read_dimensions(&dataset), rows, columns, values: dataset.read_raw()? };
-        let needed = count * read.width();
-        if read.values.len() < needed {
-            return Err(format!("{} has {} numbers, but needs {needed}", group.name(), read.values.len()).into());
-        }
-        read.values.truncate(needed);
-        Ok(read)
+        Ok(Self { name, unit: text::read_dimensions(&dataset), rows, columns, values: dataset.read_raw()? })
     }
 
     /// Number of values per time.

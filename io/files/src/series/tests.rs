@@ -1,4 +1,5 @@
 use super::*;
+use crate::Observables;
 
 #[test]
 fn rows_go_to_both_files_and_none_is_doubled() {
@@ -92,4 +93,29 @@ fn names_with_separators_are_cells_of_their_own() {
     let rows = file.group("observables/mean").unwrap().attr("rows").unwrap();
     let rows = rows.read_scalar::<hdf5::types::VarLenUnicode>().unwrap();
     assert_eq!(simulation::csv_words(&rows), names);
+}
+
+#[test]
+fn a_row_that_is_being_written_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let provenance =
+        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let quantities = [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["one".to_owned()])];
+    let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 4).unwrap();
+    for step in 0..4 {
+        series.append((step, step as f64), &[vec![0.5], vec![1.0; 3]]).unwrap();
+    }
+    drop(series);
+    let path = folder.path().join("observables.h5");
+    let of_rows = |rows: usize| {
+        let file = hdf5::File::open_rw(&path).unwrap();
+        file.dataset("observables/mean/value").unwrap().resize((rows, 1, 3)).unwrap();
+        drop(file);
+        Observables::of_folder(folder.path(), &|_| true)
+    };
+    let whole = of_rows(4).unwrap().unwrap();
+    assert_eq!((whole.times.len(), whole.last_step), (4, Some(3)));
+    let short = of_rows(3).unwrap().unwrap();
+    assert_eq!((short.times.len(), short.last_step, short.get("gap").unwrap().column(0, 0).count()), (3, Some(2), 3));
+    assert!(of_rows(2).unwrap_err().to_string().contains("damaged"), "two rows are missing");
 }
