@@ -65,7 +65,9 @@ impl Observables {
         let selected = groups.iter().filter(|group| names(&name_of(group)));
         let mut quantities: Vec<Observed> = selected.map(Observed::read).collect::<hdf5::Result<_>>()?;
         let count = complete_rows(steps.len().min(times.len()), &quantities)?;
-        quantities.iter_mut().for_each(|quantity| quantity.values.truncate(count * quantity.width()));
+        for quantity in &mut quantities {
+            quantity.values.truncate(count * quantity.width());
+        }
         let times = times[..count].to_vec();
         let read = Self { times, last_step: steps[..count].last().copied(), quantities, damage: Vec::new() };
         Ok(match Sums::open(&file)? {
