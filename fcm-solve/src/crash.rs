@@ -1,4 +1,4 @@
-//! Crashes of the HDF5 library on damaged files, as errors that name the file.
+//! Crashes after an HDF5 file was opened, as errors that name the file: most are of the HDF5 library on damaged files.
 //!
 //! HDF5 trusts sizes and addresses in a file, such as those of texts of variable length, and may follow wrong ones out
 //! of its memory.
@@ -50,7 +50,8 @@ extern "C" fn crashed(signal: c_int, info: *mut libc::siginfo_t, context: *mut c
         Some(path) => {
             write(b"error: can't read ");
             write(path);
-            write(b": the HDF5 library crashed after it opened this file, which is probably damaged: use a copy that is not\n");
+            write(b": the program crashed after it opened this HDF5 file; if the file is damaged, use a whole copy, ");
+            write(b"and otherwise please report this\n");
             // SAFETY: the call ends the process at once.
             unsafe { libc::_exit(1) }
         }
