@@ -44,7 +44,11 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
         run::check_memory(scene.kind(), comm)?;
         return carry_out(&work, &scene, &folder, comm);
     }
-    continue_run(Resumption::of(folder, scene, &args.accept, comm)?, comm, &signals)
+    let resumption = Resumption::of(folder, scene, &args.accept, comm)?;
+    if let Some(last) = args.steps.filter(|last| *last < resumption.step()) {
+        bail!("--steps is {last}, and the run has reached step {}; name a later step", resumption.step());
+    }
+    continue_run(resumption, comm, &signals)
 }
 
 /// Makes the missing members of a family. Collective.

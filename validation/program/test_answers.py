@@ -91,6 +91,20 @@ class Answers(unittest.TestCase):
             run(["run", *SHEAR, "--set", "time.steps=80", "--out", whole])
             self.assertEqual((whole / "summary.csv").read_text(), (out / "summary.csv").read_text())
 
+    def test_answers_that_cannot_be_written_are_an_error(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out = pathlib.Path(folder) / "out"
+            run(["run", *SHEAR, "--set", "time.steps=40", "--out", out])
+            first = (out / "summary.csv").read_text()
+            (out / "summary.csv").unlink()
+            (out / "summary.csv").mkdir()
+            said = run(["resume", out, "--steps", "80"], expect=1)
+            self.assertRegex(said, r"can't write .*summary.csv")
+            self.assertNotIn("finished", said)
+            (out / "summary.csv").rmdir()
+            self.assertIn("finished after step 80", run(["resume", out, "--steps", "80"]))
+            self.assertNotEqual(first, (out / "summary.csv").read_text())
+
     def test_under_a_given_stress_the_rate_is_an_answer(self):
         with tempfile.TemporaryDirectory() as folder:
             out = pathlib.Path(folder) / "out"

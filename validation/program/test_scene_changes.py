@@ -88,6 +88,12 @@ class SceneChanges(unittest.TestCase):
         self.edit((r"from = .*", "from = 9.0"))
         self.assertIn("answers.from is 9; means need a time from 0 on", run(["resume", self.out, "--steps", 80], expect=1))
 
+    def test_an_end_before_the_present_step_is_refused(self):
+        held = self.files()
+        said = run(["resume", self.out, "--steps", 5], expect=1)
+        self.assertIn("--steps is 5, and the run has reached step 6; name a later step", said)
+        self.assertEqual(self.files(), held)
+
     def test_an_edited_scene_is_refused_by_its_keys(self):
         for key, before, after, values in (
             ("time.step", r"(?m)^step = .*", "step = 0.05", "is 0.05 here and 0.025 there"),

@@ -212,7 +212,7 @@ impl Recorder {
     }
 
     /// Writes the answers and the last checkpoint of a run that has ended. Returns the answers on the first rank,
-    /// with a warning if they cannot be computed or written. Collective.
+    /// with a warning if they cannot be computed. Collective.
     pub fn finish(&mut self, simulation: &mut dyn Simulation) -> Result<(&[RunAnswer], Option<&str>), RunError> {
         self.conclude(simulation)?;
         self.checkpoint(simulation)?;
@@ -225,7 +225,13 @@ impl Recorder {
     fn conclude(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         if self.answers.is_none() {
             self.averages(simulation)?;
-            self.answers = Some(if self.comm.is_first() { self.find_answers() } else { (Vec::new(), None) });
+            let found = if self.comm.is_first() { self.find_answers() } else { (Vec::new(), None) };
+            let write = match &found.0[..] {
+                [] => Ok(()),
+                answers => write_answers(answers, self.folder.manifest()).map(drop),
+            };
+            self.comm.agree(write)?;
+            self.answers = Some(found);
         }
         Ok(())
     }
@@ -236,12 +242,7 @@ impl Recorder {
             |scene: Scene| run_answers(self.folder(), &scene, &AnswerRange::of_scene(&scene)).map_err(|e| in_full(&e));
         match scene.and_then(of_scene) {
             Err(reason) => (Vec::new(), Some(format!("there are no answers: {reason}"))),
-            Ok(answers) if answers.is_empty() => (answers, None),
-            Ok(answers) => {
-                let written = write_answers(&answers, self.folder.manifest());
-                let warning = written.err().map(|e| format!("the answers are not written: {}", in_full(&e)));
-                (answers, warning)
-            }
+            Ok(answers) => (answers, None),
         }
     }
 
