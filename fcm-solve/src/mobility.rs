@@ -40,22 +40,23 @@ A case for N particles:
   multipoles  \"monopole\" or \"dipole\" (default)
   lubrication whether near pairs of rigid particles feel lubrication (default: false)
   lubrication_cutoff  the gap where it ends, in radii of the pair's larger sphere (default: 2.5)
-  method      \"direct\", the envelopes themselves on the grid, \"split\", or \"dense\", exact for few spheres; \"auto\" (default): the faster of the first two
+  method      \"direct\", the envelopes themselves on the grid, \"split\", or \"dense\", exact for few
+              spheres; \"auto\" (default): the faster of the first two
   boundaries  [\"periodic\", \"periodic\", \"walls\"]: what the box is along x, y and z (default: periodic);
               one axis may have walls at 0 and its edge, a wall at 0, or be open, or all may be open
               (then box may be left out: spheres are where they are)
   background  {\"velocity_gradient\": 3 x 3, G[i][j] = du_i/dx_j, between walls a shear of both;
               \"pressure_gradient\": dp/dx, dp/dy, dp/dz, between two walls}
   noise       {\"draws\": n, \"seed\": s}: random motions whose covariance is the mobility, besides;
-              with \"drift\": true also random parts of the mean motion by heat
+              with \"drift\": true also random parts of the Brownian drift
   strain      the box's Lees-Edwards strain: its second lattice vector is (strain Ly, Ly, 0)
 What is absent is zero. The answer has velocities and angular_velocities relative to the background
 flow at the centres, strain_rates of the disturbance flow, stresslets (with lubrication the whole
 hydrodynamic ones, and stresslets_far, the far field's part), iterations, residual, seconds and plan;
-noise_velocities and noise_angular_velocities, draws x N x 3, are what heat does to the particles in a
+noise_velocities and noise_angular_velocities, draws x N x 3, are the Brownian displacements over a
 time dt at kT = dt/2, noise_strain_rates those of the fluid, of particles that are not rigid; the mean
-of drift_velocities, drift_angular_velocities and drift_stresslets over many draws is what heat does to
-them in the mean, at kT = 1.";
+of drift_velocities, drift_angular_velocities and drift_stresslets over many draws is the Brownian
+drift, kT times the divergence of the mobility, at kT = 1.";
 
 /// Evaluates the case. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {

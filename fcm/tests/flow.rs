@@ -138,7 +138,7 @@ fn spheres_move_with_the_flow_in_their_envelopes() {
             mean *= raster.spacing.element_product() / (2.0 * PI * sigma * sigma).powf(1.5);
             let off = (mean - *expected).length() / largest(found.iter().copied());
             println!("{boundaries:?}: {off:.1e}");
-            // The lower sphere has less than 1e-3 of its envelope in open fluid beyond the raster.
+            // The lower sphere has less than 1e-3 of its envelope in unbounded fluid beyond the raster.
             let is_whole = boundaries != Boundaries::Open || *place == passive[0];
             assert!(!is_whole || off < tolerance, "{boundaries:?}: {off:e}");
         }

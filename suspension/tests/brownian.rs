@@ -60,7 +60,7 @@ radius = 1.4
 count = 1
 "#;
 
-/// The same between walls, and in open fluid.
+/// The same between walls, and in unbounded fluid.
 const WALLS: [&str; 2] =
     [r#"box={edges=[10.0,9.0,9.6],boundaries=["periodic","periodic","walls"]}"#, r#"flow={kind="shear",rate=0.4}"#];
 const OPEN: [&str; 2] = [r#"box={boundaries=["open","open","open"]}"#, r#"flow={kind="none"}"#];

@@ -127,7 +127,7 @@ fn random_motions_have_the_covariance_of_the_mobility() {
         ("rigid, above a wall", bounded(Boundaries::Wall), 6),
         ("lubricated, between walls", lubricated(bounded(Boundaries::Walls)), 6),
         ("lubricated, above a wall", lubricated(bounded(Boundaries::Wall)), 6),
-        ("lubricated, in open fluid", lubricated(bounded(Boundaries::Open)), 6),
+        ("lubricated, in unbounded fluid", lubricated(bounded(Boundaries::Open)), 6),
     ];
     let mut kinds = Vec::new();
     for (name, parameters, width) in cases {

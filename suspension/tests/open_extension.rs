@@ -1,4 +1,4 @@
-//! Extensional flows of open fluid.
+//! Extensional flows of unbounded fluid.
 
 use crate::support::ended::ended;
 use crate::support::model_of;

@@ -1,4 +1,4 @@
-//! Runs in open fluid, with a box that follows the spheres.
+//! Runs in unbounded fluid, with a box that follows the spheres.
 
 use crate::support::ended::ended;
 use crate::support::model_of;
@@ -231,8 +231,8 @@ fn frames_know_along_which_axes_a_box_repeats() {
     }
 }
 
-/// Rows of the time series have the cloud's position and size; `check` reports the costs of open fluid and walls, and
-/// nothing like that for a periodic box.
+/// Rows of the time series have the cloud's position and size; `check` reports the cost of unbounded fluid and walls,
+/// and nothing like that for a periodic box.
 #[test]
 fn what_is_told_of_clouds_and_of_boundaries() {
     let model = model_of(SHEARED, &["time.steps=0"]);

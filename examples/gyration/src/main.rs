@@ -49,7 +49,7 @@ fn cube(edge: f64) -> impl Iterator<Item = Vector> {
     })
 }
 
-/// A run of a settling cloud in open fluid: light spheres at the corners of a cube, and a heavy one above its middle.
+/// A run of a settling cloud in unbounded fluid: light spheres at the corners of a cube, a heavy one above its middle.
 fn cloud(comm: &Comm) -> Result<(SuspensionRun, Vec<String>), Box<dyn Error>> {
     let pulled = |name, count, force| Species { force: Vector::Z * force, ..Species::new(name, 1.0, count) };
     let cell = PeriodicBox::new(Vector::splat(20.0))?.with_boundaries(Boundaries::Open)?;

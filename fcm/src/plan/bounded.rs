@@ -46,7 +46,7 @@ pub fn check_inside(cell: &PeriodicBox, id: u64, position: Vector, radius: f64) 
         if !(allowed[0] - round_off..=allowed[1] + round_off).contains(&place) {
             let what = match cell.boundaries() {
                 Boundaries::Walls => "walls at both ends",
-                Boundaries::Wall => "a wall at 0 and open fluid above",
+                Boundaries::Wall => "a wall at 0 and unbounded fluid above",
                 _ => "open ends",
             };
             return Err(OutsideError { id, radius, axis: name, place, edge, what, allowed });

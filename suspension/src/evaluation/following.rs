@@ -1,4 +1,4 @@
-//! Box and grid that follow spheres in open fluid.
+//! Box and grid that follow spheres in unbounded fluid.
 
 use super::Dynamics;
 use crate::error::step::StepError;

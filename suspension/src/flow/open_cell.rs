@@ -1,4 +1,4 @@
-//! Boxes that follow spheres in open fluid.
+//! Boxes that follow spheres in unbounded fluid.
 
 use crate::model::Model;
 use crate::model::radii::Radii;

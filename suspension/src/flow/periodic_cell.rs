@@ -24,7 +24,7 @@ const LONGEST_STRAIN: f64 = 0.005;
 /// included, are relative to the flow while particles move, and the box advects both positions and velocities as it
 /// shears, by `x += strain y`. So a multistep method keeps its order, and images that are displaced by exactly the
 /// strain of the box have the same history. In extensions, which separate particles exponentially, this is always done,
-/// by `x -> D x` with the stretch `D`; also in open fluid, where no box stretches with the flow.
+/// by `x -> D x` with the stretch `D`; also in unbounded fluid, where no box stretches with the flow.
 #[derive(Clone)]
 pub struct PeriodicCell {
     start: PeriodicBox,
@@ -49,7 +49,7 @@ enum Motion {
     Still,
     Shearing,
     Stretching(StretchingLattice),
-    /// Static box in an extension of open fluid.
+    /// Static box in an extension of unbounded fluid.
     Open(Extension),
 }
 

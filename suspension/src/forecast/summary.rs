@@ -168,7 +168,7 @@ fn beside_periodic(
     let text = format!(
         "{times:.1} times the time of an evaluation, and {room:.1} times the memory, of a periodic box of {edges}"
     );
-    let outline = outline.line(if boundaries.walls() > 0 { "walls" } else { "open fluid" }, text);
+    let outline = outline.line(if boundaries.walls() > 0 { "walls" } else { "unbounded" }, text);
     let outline = outline.value("time_over_periodic", times).value("memory_over_periodic", room);
     let near = "spheres that lie in layers on one may err by up to two and a half times the tolerance, in stresslets \
         above all";
@@ -177,7 +177,7 @@ fn beside_periodic(
     if follows(boundaries) { outline.line("", follows_them) } else { outline }
 }
 
-/// Volume fraction in the box, or in the ball in which the spheres start; `None` in open fluid.
+/// Volume fraction in the box, or in the ball in which the spheres start; `None` in unbounded fluid.
 fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
     let ball = model.start.ball().map(sphere::volume);
     let is_open = model.cell.boundaries() == Boundaries::Open;

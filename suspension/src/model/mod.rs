@@ -172,7 +172,7 @@ pub enum Flow {
         /// Flux over the area of the cross-section.
         mean_velocity: f64,
     },
-    /// Extensional flow: in a box that stretches with it, or in open fluid.
+    /// Extensional flow: in a box that stretches with it, or in unbounded fluid.
     Extension {
         /// Kind of extension.
         kind: Extension,

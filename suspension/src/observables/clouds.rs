@@ -1,4 +1,4 @@
-//! Position, size and shape of clouds of spheres in open fluid.
+//! Position, size and shape of clouds of spheres in unbounded fluid.
 
 use super::observable::{Observable, measure};
 use domain::{Comm, Particles, Vector};

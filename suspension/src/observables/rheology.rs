@@ -51,7 +51,7 @@ const COMPONENTS: [(&str, usize, usize); 9] = [
 const OF_SYMMETRIC: usize = 6;
 
 impl Rheology {
-    /// The quantities for a model; `None` without a flow, or in open fluid, which has no volume over which to average.
+    /// The quantities for a model; `None` without a flow, or in unbounded fluid, which has no volume to average over.
     pub fn of(model: &Model) -> Option<Self> {
         let rates = model.shear_rates();
         if rates.largest() == 0.0 || model.cell.boundaries() == Boundaries::Open {

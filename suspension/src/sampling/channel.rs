@@ -21,7 +21,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// A profile without samples; `None` in a fully periodic box and in open fluid.
+    /// A profile without samples; `None` in a fully periodic box and in unbounded fluid.
     pub fn of(model: &Model, wanted: StatisticsParameters) -> Option<Self> {
         let count = bins(model, wanted)?;
         let is_layer = model.cell.boundaries() == Boundaries::OpenAlongZ;

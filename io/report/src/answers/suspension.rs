@@ -145,7 +145,7 @@ impl Run<'_> {
 
     /// Root mean square fluctuations along the direction of settling and, of one component, across it.
     fn fluctuations(&self, index: usize, along: Vector) -> Vec<Course> {
-        // Velocities by heat are those of the noise.
+        // Velocities of Brownian spheres are those of the noise.
         let squares = along * along;
         let components = [0, 1, 2].map(|axis| self.component("velocity_variance", index, axis));
         let ([Some(x), Some(y), Some(z)], None) = (components, self.model.thermal_energy) else { return Vec::new() };
