@@ -1,4 +1,5 @@
-"""Runs the tests of this folder, or of those named, and counts them in the last line.
+"""Runs the tests of this folder, or of those named, and counts them in the last line; with --quick without the files that
+set `HEAVY`, which take longer than some twenty seconds.
 
 A file of tests is a process, and as many of them run at a time as there are cores: most tests wait for a program that they stop or kill."""
 
@@ -12,6 +13,7 @@ import sys
 import time
 import unittest
 
+HEAVY = re.compile(r"^HEAVY = True$", re.MULTILINE)
 COUNT = re.compile(r"(\d+) passed, (\d+) failed$")
 
 
@@ -41,11 +43,14 @@ def run_apart(path):
 
 
 def main():
-    given = [pathlib.Path(place) for place in sys.argv[1:]] or [pathlib.Path(__file__).parent]
+    quick = "--quick" in sys.argv
+    given = [pathlib.Path(word) for word in sys.argv[1:] if word != "--quick"] or [pathlib.Path(__file__).parent]
     if len(given) == 1 and given[0].is_file():
         sys.exit(not run_file(given[0]))
     # The longest texts first, so that no long file is left alone at the end.
     files = sorted((file for place in given for file in place.glob("test_*.py")), key=lambda file: -file.stat().st_size)
+    if quick:
+        files = [file for file in files if not HEAVY.search(file.read_text())]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         counts = list(pool.map(run_apart, files))
     passed, failed = (sum(numbers) for numbers in zip(*counts))

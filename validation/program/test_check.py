@@ -10,6 +10,9 @@ import unittest
 from program import PATIENCE, ROOT, command, run
 from test_scenes import SMALLER
 
+# For run.py --quick.
+HEAVY = True
+
 SCENES = {
     "spheres": """
 seed = 1

@@ -16,6 +16,9 @@ from program import ROOT, run, start
 from small_run import has_checkpoint, wait_for
 from support.checkpoint import state_of
 
+# For run.py --quick.
+HEAVY = True
+
 # Settings of short runs: about a second each, with checkpoints.
 DISKS = {"box.edges": "[40.0, 50.0]", "time.steps": 12000, "output.checkpoint_every": 700, "output.trajectory_every": 3000}
 EVENTS = {"time.steps": 60, "time.transient": 0.02, "output.checkpoint_every": 7, "grains.solid_fraction": 0.45}

@@ -14,6 +14,9 @@ sys.path.insert(0, str(ROOT / "validation"))
 import memory  # noqa: E402
 from support.peak import measured, predicted  # noqa: E402
 
+# For run.py --quick.
+HEAVY = True
+
 
 class Memory(unittest.TestCase):
     def setUp(self):

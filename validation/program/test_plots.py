@@ -13,6 +13,9 @@ import numpy as np
 from program import ROOT, run
 from test_scenes import SMALLER
 
+# For run.py --quick.
+HEAVY = True
+
 PLOT = ROOT / "scripts" / "plot"
 # Pictures need only a few rows.
 SHORTER = {
