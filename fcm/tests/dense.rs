@@ -105,7 +105,7 @@ fn any_number_of_ranks_gives_the_same_digits_and_noise() {
                 let motion = if is_random { noise(&mut mobility) } else { mobility.apply(loads, Output::All) };
                 (motion, vec![Traceless::ZERO; particles.len()])
             };
-            on_ranks(&suspension, (&plan, table), &suspension.loads(2), answer).0
+            on_ranks(&suspension, &plan, table, &suspension.loads(2), answer).0
         };
         let alone = on([1, 1]);
         for table in [[1, 2], [2, 2], [3, 5]] {

@@ -136,7 +136,7 @@ fn fixed_choices_change_what_is_expected() {
 /// The outcome on each of four ranks, of which some own nothing.
 fn on_four_ranks(suspension: &Suspension, plan: &Plan, loads: &Loads) -> Vec<Result<(), SolveError>> {
     let outcomes = Mutex::new(Vec::new());
-    on_ranks(suspension, (plan, [2, 2]), loads, |partition, particles, loads| {
+    on_ranks(suspension, plan, [2, 2], loads, |partition, particles, loads| {
         let mut hydrodynamics = StressletSolver::new(plan, partition);
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
         let outcome = hydrodynamics.solve(&suspension.cell, particles, loads, strain, &[]);

@@ -68,9 +68,17 @@ fn stokeslet(x: Vector, force: Vector, sigma: f64) -> Vector {
     (force * a + x * (b * x.dot(force) / x.length_squared())) / (8.0 * PI * sigma * r)
 }
 
+/// Force, torque and stresslet of a sphere.
+struct SphereLoad {
+    force: Vector,
+    torque: Vector,
+    stresslet: Traceless,
+}
+
 /// Flow of a force and a dipole `G d/dx`, whose symmetric part is the stresslet and whose antisymmetric part is the
 /// torque.
-fn of_one(x: Vector, radius: f64, (force, torque, stresslet): (Vector, Vector, Traceless)) -> Vector {
+fn of_one(x: Vector, radius: f64, load: &SphereLoad) -> Vector {
+    let &SphereLoad { force, torque, stresslet } = load;
     let Envelope { monopole, dipole } = Envelope::of_sphere(radius);
     let mut u = stokeslet(x, force, monopole);
     let (h, s) = (1e-3, stresslet.tensor());
@@ -94,8 +102,9 @@ fn flow_in_open_space_is_that_of_closed_forms() {
         let (raster, found) = flow(&suspension, &plan, &loads, 1);
         let exact = |at: &Vector| {
             let all = (0..suspension.radii.len()).map(|row| {
-                let load = (loads.forces[row], loads.torques[row], loads.stresslets[row]);
-                of_one(*at - suspension.positions[row], suspension.radii[row], load)
+                let (force, torque, stresslet) = (loads.forces[row], loads.torques[row], loads.stresslets[row]);
+                let load = SphereLoad { force, torque, stresslet };
+                of_one(*at - suspension.positions[row], suspension.radii[row], &load)
             });
             all.fold(Vector::ZERO, |sum, u| sum + u) / suspension.viscosity
         };

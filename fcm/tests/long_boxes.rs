@@ -72,7 +72,7 @@ fn turning_a_long_box_back_changes_the_motion_by_less_than_the_tolerance() {
         let change = worst(&after.evaluate(&plan, &loads), &motion);
         assert!(change < tolerance, "{tolerance:e}: {change:e}");
         for table in [[2, 1], [2, 2]] {
-            let shared = on_ranks(&before, (&plan, table), &loads, |partition, particles, loads| {
+            let shared = on_ranks(&before, &plan, table, &loads, |partition, particles, loads| {
                 let mut mobility = Mobility::new(&plan, partition);
                 mobility.arrange(&before.cell, particles);
                 (mobility.apply(loads, Output::All), Vec::new())

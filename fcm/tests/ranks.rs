@@ -20,11 +20,11 @@ fn mobility(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loa
         mobility.arrange(&suspension.cell, particles);
         (mobility.apply(loads, Output::All), Vec::new())
     };
-    on_ranks(suspension, (plan, table), loads, answer).0
+    on_ranks(suspension, plan, table, loads, answer).0
 }
 
 fn rigid(suspension: &Suspension, plan: &Plan, table: [usize; 2], loads: &Loads) -> (Motion, Vec<Traceless>) {
-    on_ranks(suspension, (plan, table), loads, |partition, particles, loads| {
+    on_ranks(suspension, plan, table, loads, |partition, particles, loads| {
         let mut hydrodynamics = StressletSolver::new(plan, partition);
         let solved = hydrodynamics.solve(&suspension.cell, particles, loads, BACKGROUND, &[]).unwrap();
         (solved.motion, solved.stresslets)

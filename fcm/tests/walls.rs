@@ -180,7 +180,7 @@ fn ranks_and_units_change_nothing() {
                 mobility.arrange(&suspension.cell, particles);
                 (mobility.apply(loads, Output::All), Vec::new())
             };
-            let (found, _) = on_ranks(&suspension, (&plan, table), &loads, answer);
+            let (found, _) = on_ranks(&suspension, &plan, table, &loads, answer);
             assert!(worst(&found, &alone) < 1e-13, "{table:?}: {:?}", errors(&found, &alone));
         }
         // Scaling by powers of two has no round-off.

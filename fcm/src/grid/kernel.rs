@@ -92,11 +92,12 @@ impl StencilOffsets {
     #[inline(always)]
     pub fn find<S>(&mut self, stencil: &Stencil, count: usize, points: [usize; 3], slab: &Slab<S>) -> Option<usize> {
         let [_, y, z] = stencil.first.map(|first| first as usize);
-        let planes = starts(&mut self.planes, count, (z, points[2]), &slab.planes, slab.strides[1]);
+        let along = |first, axis: usize| StencilAxis { first, count, period: points[axis] };
+        let planes = along(z, 2).starts(&mut self.planes, &slab.planes, slab.strides[1]);
         if !planes.any {
             return None;
         }
-        let rows = starts(&mut self.rows, count, (y, points[1]), &slab.lines, slab.strides[0]);
+        let rows = along(y, 1).starts(&mut self.rows, &slab.lines, slab.strides[0]);
         self.whole = planes.all && rows.all;
         rows.any.then_some(planes.last + rows.last)
     }
@@ -124,28 +125,31 @@ struct StencilSummary {
     last: usize,
 }
 
-/// Offsets in a share of the `count` points of a stencil from `first` on, wrapped at the period.
-#[inline(always)]
-fn starts(
-    starts: &mut Vec<usize>,
+/// The `count` points of a stencil along one axis from `first` on, wrapped at the period.
+struct StencilAxis {
+    first: usize,
     count: usize,
-    (first, period): (usize, usize),
-    share: &Range<usize>,
-    stride: usize,
-) -> StencilSummary {
-    starts.resize(count, 0);
-    let mut found = StencilSummary { any: false, all: true, last: 0 };
-    let mut point = first;
-    for start in starts.iter_mut() {
-        if share.contains(&point) {
-            *start = (point - share.start) * stride;
-            found.last = found.last.max(*start);
-            found.any = true;
-        } else {
-            *start = NOT_IN_SLAB;
-            found.all = false;
+    period: usize,
+}
+
+impl StencilAxis {
+    /// Offsets of the points in a share of the grid, `NOT_IN_SLAB` for the others.
+    #[inline(always)]
+    fn starts(&self, starts: &mut Vec<usize>, share: &Range<usize>, stride: usize) -> StencilSummary {
+        starts.resize(self.count, 0);
+        let mut found = StencilSummary { any: false, all: true, last: 0 };
+        let mut point = self.first;
+        for start in starts.iter_mut() {
+            if share.contains(&point) {
+                *start = (point - share.start) * stride;
+                found.last = found.last.max(*start);
+                found.any = true;
+            } else {
+                *start = NOT_IN_SLAB;
+                found.all = false;
+            }
+            point = if point + 1 == self.period { 0 } else { point + 1 };
         }
-        point = if point + 1 == period { 0 } else { point + 1 };
+        found
     }
-    found
 }

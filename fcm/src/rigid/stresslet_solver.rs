@@ -35,7 +35,7 @@ pub enum SolveError {
     Interrupted(#[from] Interrupted),
 }
 
-/// Motions of rigid spheresand the outcome of the solve for them.
+/// Motions of rigid spheres and the outcome of the solve for them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solved {
     /// Velocities, angular velocities and rates of strain relative to the background flow; with monopoles only, only
@@ -47,6 +47,19 @@ pub struct Solved {
     pub iterations: usize,
     /// Relative error left in the stresslets, as the iteration estimates it.
     pub residual: f64,
+}
+
+/// Input of a solve for rigid spheres.
+#[derive(Debug, Clone, Copy)]
+pub struct RigidInput<'a> {
+    /// Loads; with dipoles, their stresslets are ignored and solved for.
+    pub loads: &'a Loads,
+    /// Additional ambient motions of the fluid, one per particle, or none.
+    pub ambient: &'a Motion,
+    /// Rate of strain of the background flow.
+    pub background: Traceless,
+    /// Stresslets that the iteration starts from, one per particle, or none.
+    pub guess: &'a [Traceless],
 }
 
 /// Solver for rigid spheres: forces and torques to motions, with the stresslets that keep the spheres rigid.
@@ -101,22 +114,20 @@ impl StressletSolver {
         background: Traceless,
         guess: &[Traceless],
     ) -> Result<Solved, SolveError> {
-        self.solve_in(cell, particles, (loads, &Motion::default()), background, guess)
+        self.solve_in(cell, particles, &RigidInput { loads, ambient: &Motion::default(), background, guess })
     }
 
-    /// The same with additional ambient motions of the fluid, one per particle, or none.
+    /// The same with additional ambient motions of the fluid.
     pub fn solve_in(
         &mut self,
         cell: &PeriodicBox,
         particles: &Particles,
-        (loads, ambient): (&Loads, &Motion),
-        background: Traceless,
-        guess: &[Traceless],
+        input: &RigidInput,
     ) -> Result<Solved, SolveError> {
         self.mobility.arrange(cell, particles);
         let solved = match self.mobility.plan().multipoles {
-            Multipoles::Monopole => self.free(loads, ambient),
-            Multipoles::Dipole => self.rigid(&particles.radii, (loads, ambient), background, guess)?,
+            Multipoles::Monopole => self.free(input.loads, input.ambient),
+            Multipoles::Dipole => self.rigid(&particles.radii, input)?,
         };
         let finite = solved.motion.velocities.iter().all(|v| v.is_finite());
         if self.comm.any(!finite) { Err(SolveError::NotFinite) } else { Ok(solved) }
@@ -129,13 +140,8 @@ impl StressletSolver {
         Solved { motion, stresslets: Vec::new(), iterations: 0, residual: 0.0 }
     }
 
-    fn rigid(
-        &mut self,
-        radii: &[f64],
-        (loads, ambient): (&Loads, &Motion),
-        background: Traceless,
-        guess: &[Traceless],
-    ) -> Result<Solved, SolveError> {
+    fn rigid(&mut self, radii: &[f64], input: &RigidInput) -> Result<Solved, SolveError> {
+        let &RigidInput { loads, ambient, background, guess } = input;
         let (mut motion, mut resistances) = {
             let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
             (self.mobility.apply(&start, Output::All), start.stresslets)

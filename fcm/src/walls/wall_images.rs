@@ -11,6 +11,14 @@ use rayon::prelude::*;
 use simd::vectorised;
 use std::f64::consts::PI;
 
+/// A particle that applies loads, or a periodic image of one.
+pub(crate) struct SourceSphere {
+    pub position: Vector,
+    pub class: u32,
+    pub force: Vector,
+    pub dipole: Tensor,
+}
+
 impl Plan {
     /// Approximate number of images of a sphere in a homogeneous suspension of `particles` spheres.
     pub(crate) fn images(&self, particles: f64) -> f64 {
@@ -213,16 +221,11 @@ impl WallImages {
         }
     }
 
-    /// Velocity at height `z`, at `x` from a sphere of a class, by the images of its force and dipole.
-    pub fn velocity_at(
-        &self,
-        cell: &PeriodicBox,
-        (x, z): (Vector, f64),
-        class: u32,
-        (force, dipole): (Vector, &Tensor),
-    ) -> Vector {
-        let block = self.between(cell, x, [(&self.point, z), (self.class(class), z - x.z)]);
-        block.map_or(Vector::ZERO, |block| block.motion(force, dipole).0 * self.inverse_viscosity)
+    /// Velocity at a point by the images of a sphere's force and dipole.
+    pub fn velocity_at(&self, cell: &PeriodicBox, point: Vector, sphere: &SourceSphere) -> Vector {
+        let x = point - sphere.position;
+        let block = self.between(cell, x, [(&self.point, point.z), (self.class(sphere.class), point.z - x.z)]);
+        block.map_or(Vector::ZERO, |block| block.motion(sphere.force, &sphere.dipole).0 * self.inverse_viscosity)
     }
 
     /// Adds the images' flows to the velocities and, if requested, the gradients of the particles in `motions`.

@@ -8,7 +8,8 @@ use fcm::{Loads, Motion, Plan};
 /// stresslets of the particles that it owns, and returns the answers in the order of the suspension.
 pub fn on_ranks(
     suspension: &Suspension,
-    (plan, table): (&Plan, [usize; 2]),
+    plan: &Plan,
+    table: [usize; 2],
     loads: &Loads,
     answer: impl Fn(&Partition, &Particles, &Loads) -> (Motion, Vec<Traceless>) + Sync,
 ) -> (Motion, Vec<Traceless>) {

@@ -100,7 +100,8 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Lubrica
 /// random motions, without their variance. Near walls `A sum_k d_k M_{.,k}` is added.
 fn divergence(
     hydrodynamics: &mut CoupledSolver,
-    (cell, particles): (&PeriodicBox, &Particles),
+    cell: &PeriodicBox,
+    particles: &Particles,
     tolerance: f64,
 ) -> ([f64; 18], [Traceless; 3]) {
     let (mut sums, mut stresslets) = ([0.0; 18], [Traceless::ZERO; 3]);
@@ -136,7 +137,7 @@ fn divergence(
 /// The divergence for the spheres in a sheared box.
 fn divergence_in_shear(lubrication: Option<LubricationRange>, tolerance: f64) -> ([f64; 18], [Traceless; 3]) {
     let cell = PeriodicBox::sheared(Vector::splat(14.0), 0.2).unwrap();
-    divergence(&mut hydrodynamics(&cell, 1e-4, lubrication), (&cell, &particles()), tolerance)
+    divergence(&mut hydrodynamics(&cell, 1e-4, lubrication), &cell, &particles(), tolerance)
 }
 
 /// Distance of two lists, relative to the norm of the second.
@@ -184,7 +185,8 @@ fn rough_changes_are_as_exact_as_they_say() {
 /// forces.
 fn by_differences(
     hydrodynamics: &mut CoupledSolver,
-    (cell, particles): (&PeriodicBox, &Particles),
+    cell: &PeriodicBox,
+    particles: &Particles,
 ) -> ([f64; 18], [Traceless; 3]) {
     const LENGTH: f64 = 5e-3;
     let (mut sums, mut stresslets) = ([0.0; 18], [Traceless::ZERO; 3]);
@@ -229,8 +231,8 @@ fn drift_and_stress_by_heat_are_divergences_near_walls() {
     {
         let cell = PeriodicBox::new(Vector::new(12.0, 13.0, 8.0)).unwrap().with_boundaries(boundaries).unwrap();
         let mut hydrodynamics = hydrodynamics(&cell, 1e-6, lubrication);
-        let (found, stresslets) = divergence(&mut hydrodynamics, (&cell, &particles), 1e-4);
-        let (exact, by_force) = by_differences(&mut hydrodynamics, (&cell, &particles));
+        let (found, stresslets) = divergence(&mut hydrodynamics, &cell, &particles, 1e-4);
+        let (exact, by_force) = by_differences(&mut hydrodynamics, &cell, &particles);
         let flat = |list: &[Traceless]| list.iter().flat_map(along).collect::<Vec<_>>();
         let errors = [
             error(&found[..9], &exact[..9]),

@@ -20,8 +20,8 @@ use domain::{
     Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, VerletList,
 };
 use fcm::{
-    DrawDiagnostics, Iterate, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, SolveError, Stream,
-    conjugate_gradients,
+    DrawDiagnostics, Iterate, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, RigidInput,
+    SolveError, Stream, conjugate_gradients,
 };
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
@@ -173,8 +173,9 @@ impl CoupledSolver {
                 return Ok(solved);
             }
         }
+        let (background, stresslets) = (strain_rate.at_zero, &guess.stresslets_far);
         let solved =
-            self.far.solve_in(cell, particles, (loads, ambient), strain_rate.at_zero, &guess.stresslets_far)?;
+            self.far.solve_in(cell, particles, &RigidInput { loads, ambient, background, guess: stresslets })?;
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
         let plan = self.far.mobility().plan();

@@ -15,7 +15,7 @@ use lubrication::PairMotion;
 use std::f64::consts::PI;
 
 /// Rigid spheres in a periodic cube, with a double-precision grid; a single-precision grid would add noise of 1e-7.
-fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Problem {
+fn problem(edge: f64, radii: &[f64], tolerance: f64, iteration: f64) -> Problem {
     Problem {
         edges: Vector::splat(edge),
         boundaries: domain::Boundaries::Periodic,
@@ -38,8 +38,8 @@ fn problem(edge: f64, radii: &[f64], (tolerance, iteration): (f64, f64)) -> Prob
     }
 }
 
-fn plan(edge: f64, radii: &[f64], tolerances: (f64, f64)) -> Plan {
-    Plan::choose(&problem(edge, radii, tolerances)).unwrap()
+fn plan(edge: f64, radii: &[f64], tolerance: f64, iteration: f64) -> Plan {
+    Plan::choose(&problem(edge, radii, tolerance, iteration)).unwrap()
 }
 
 fn placed(positions: &[Vector], radii: &[f64]) -> Particles {
@@ -88,7 +88,7 @@ fn pair(gap: f64, radii: [f64; 2]) -> (Plan, Particles) {
     let edge = 50.0;
     let middle = Vector::splat(0.5 * edge);
     let positions = [middle, middle + Vector::Z * (radii[0] + radii[1] + gap)];
-    (plan(edge, &radii, (1e-4, 1e-6)), placed(&positions, &radii))
+    (plan(edge, &radii, 1e-4, 1e-6), placed(&positions, &radii))
 }
 
 /// Relative motions and stresslets in strain against the exact solution: A, B and C of Batchelor & Green (1972), and
@@ -241,7 +241,7 @@ fn cluster() -> (Plan, Particles) {
     let first = Vector::new(9.0, 8.0, 10.0);
     let second = first + 2.501 * Vector::new(0.6, 0.0, 0.8);
     let positions = [first, second, first + 2.0001 * Vector::new(-0.6, 0.8, 0.0), second + 3.1 * Vector::Y];
-    (plan(22.0, &radii, (1e-3, 1e-9)), placed(&positions, &radii))
+    (plan(22.0, &radii, 1e-3, 1e-9), placed(&positions, &radii))
 }
 
 #[test]
@@ -276,7 +276,7 @@ fn on_ranks(ranks: usize) -> Vec<f64> {
     let (n, edge) = (24, (24.0 * 4.0 / 3.0 * PI / 0.3_f64).cbrt());
     let (radii, cell) = (vec![1.0; n], cube(edge));
     let positions = random_packing(&cell, &radii, 1e-3, 7).unwrap();
-    let plan = plan(edge, &radii, (1e-3, 1e-6));
+    let plan = plan(edge, &radii, 1e-3, 1e-6);
     PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
     let all = Comm::threads(ranks, |comm| {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
@@ -329,7 +329,7 @@ fn a_solution_is_its_own_best_guess() {
 fn iterations_are_few_and_do_not_grow_as_gaps_shrink() {
     let (n, edge) = (64, (64.0 * 4.0 / 3.0 * PI / 0.4_f64).cbrt());
     let (radii, cell) = (vec![1.0; n], cube(edge));
-    let plan = plan(edge, &radii, (1e-3, 1e-3));
+    let plan = plan(edge, &radii, 1e-3, 1e-3);
     let mut particles = placed(&random_packing(&cell, &radii, 0.0, 5).unwrap(), &radii);
     let shear = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
     let as_packed = solve(&plan, &particles, &[], shear, Some(LubricationRange::default())).iterations;

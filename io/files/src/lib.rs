@@ -54,5 +54,5 @@ pub use series::Series;
 pub use signatures::{ANSWERS, ANSWERS_START, REPORT_START, starts_with};
 pub use stored_table::StoredTable;
 pub use tables::{read_rows, write_tables};
-pub use trajectory::Trajectory;
+pub use trajectory::{ParticleRows, Trajectory};
 pub use trajectory_reader::{Snapshot, TrajectoryReader};

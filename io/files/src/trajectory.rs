@@ -17,6 +17,15 @@ pub struct Trajectory {
     description: Description,
 }
 
+/// Particles distributed over the ranks, in the order of their ids, and which axes are periodic.
+#[derive(Clone, Copy)]
+pub struct ParticleRows<'a> {
+    /// The particles.
+    pub rows: &'a ById<'a>,
+    /// Whether each axis is periodic.
+    pub periodic: [bool; 3],
+}
+
 /// Data for a new file that the particles do not provide.
 struct Description {
     elements: Vec<Element>,
@@ -30,7 +39,7 @@ impl Description {
     fn with_kind<R>(&self, rows: &ById, with: impl FnOnce(&Kind) -> R) -> R {
         let fixed = |file: &hdf5::File| {
             self.origin.write(file)?;
-            write_fixed(file, (rows, self.periodic))
+            write_fixed(file, ParticleRows { rows, periodic: self.periodic })
         };
         with(&Kind { elements: &self.elements, planned: self.planned, fixed: &fixed })
     }
@@ -47,14 +56,16 @@ impl Trajectory {
     /// A trajectory with `frames` frames at the end of the run. The first frame determines radii, species,
     /// periodic axes and columns.
     pub fn create(path: &Path, provenance: &Provenance, first: &Frame, frames: u64) -> Result<Self, FileError> {
-        alone(&first.particles, |rows| Self::create_for(path, provenance, (rows, first.periodic), frames))
+        alone(&first.particles, |rows| {
+            Self::create_for(path, provenance, ParticleRows { rows, periodic: first.periodic }, frames)
+        })
     }
 
     /// Like [`Self::create`], with particles distributed over the ranks.
     pub fn create_for(
         path: &Path,
         provenance: &Provenance,
-        first: (&ById, [bool; 3]),
+        first: ParticleRows,
         frames: u64,
     ) -> Result<Self, FileError> {
         Self::open(provenance, first, frames, |kind| Frames::create(path, kind))
@@ -69,14 +80,16 @@ impl Trajectory {
         last: u64,
         frames: u64,
     ) -> Result<Self, FileError> {
-        alone(&first.particles, |rows| Self::resume_for(path, provenance, (rows, first.periodic), last, frames))
+        alone(&first.particles, |rows| {
+            Self::resume_for(path, provenance, ParticleRows { rows, periodic: first.periodic }, last, frames)
+        })
     }
 
     /// Like [`Self::resume`], with particles distributed over the ranks.
     pub fn resume_for(
         path: &Path,
         provenance: &Provenance,
-        first: (&ById, [bool; 3]),
+        first: ParticleRows,
         last: u64,
         frames: u64,
     ) -> Result<Self, FileError> {
@@ -85,7 +98,7 @@ impl Trajectory {
 
     fn open(
         provenance: &Provenance,
-        (rows, periodic): (&ById, [bool; 3]),
+        ParticleRows { rows, periodic }: ParticleRows,
         planned: u64,
         open: impl FnOnce(&Kind) -> Result<Frames, FileError>,
     ) -> Result<Self, FileError> {
@@ -169,7 +182,7 @@ fn elements<'a>(columns: impl Iterator<Item = (&'a str, usize)>, count: usize) -
 }
 
 /// Writes the data that are the same for all frames.
-fn write_fixed(file: &hdf5::File, (rows, periodic): (&ById, [bool; 3])) -> hdf5::Result<()> {
+fn write_fixed(file: &hdf5::File, ParticleRows { rows, periodic }: ParticleRows) -> hdf5::Result<()> {
     let (group, count) = (file.group("particles/all")?, rows.count());
     checksum::write_blocks::<u64>(&group, "id", count, |each| rows.ids(each))?;
     checksum::write_blocks::<u32>(&group, "species", count, |each| rows.species(each))?;
@@ -211,7 +224,9 @@ mod tests {
                 let rows: Vec<usize> = (0..23).rev().filter(|row| row % ranks == comm.rank()).collect();
                 let own = all.selected(&rows);
                 let axes = [true, true, false];
-                let opened = own.by_id(&comm, |rows| Trajectory::create_for(&path, &provenance, (rows, axes), 2));
+                let opened = own.by_id(&comm, |rows| {
+                    Trajectory::create_for(&path, &provenance, ParticleRows { rows, periodic: axes }, 2)
+                });
                 let mut trajectory = opened.transpose().unwrap();
                 for step in 0..2 {
                     let mut append = |rows: &ById| {

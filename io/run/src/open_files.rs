@@ -1,9 +1,8 @@
 //! Files that grow in the course of a run: opened at its start, or after the last step of an earlier part.
 
-use domain::ById;
 use files::{
-    FileError, Manifest, MissingSteps, OutputKind, Provenance, SceneHistory, SceneRecord, Series, Trajectory,
-    drop_contacts_after, drop_fields_after, stored_rows,
+    FileError, Manifest, MissingSteps, OutputKind, ParticleRows, Provenance, SceneHistory, SceneRecord, Series,
+    Trajectory, drop_contacts_after, drop_fields_after, stored_rows,
 };
 use scene::Output;
 use simulation::Quantity;
@@ -50,12 +49,7 @@ impl Files {
 }
 
 impl OpenParameters<'_> {
-    pub fn files(
-        &self,
-        output: &Output,
-        frame: (&ById, [bool; 3]),
-        quantities: &[Quantity],
-    ) -> Result<Files, FileError> {
+    pub fn files(&self, output: &Output, frame: ParticleRows, quantities: &[Quantity]) -> Result<Files, FileError> {
         if let Some(last) = self.last {
             self.run.remove_temporary_files();
             drop_fields_after(self.run, last)?;
@@ -112,12 +106,7 @@ impl OpenParameters<'_> {
         Ok(histories)
     }
 
-    fn trajectory(
-        &self,
-        frame: (&ById, [bool; 3]),
-        frames: u64,
-        scenes: &SceneHistory,
-    ) -> Result<Trajectory, FileError> {
+    fn trajectory(&self, frame: ParticleRows, frames: u64, scenes: &SceneHistory) -> Result<Trajectory, FileError> {
         let (path, provenance) = (self.path(TRAJECTORY), self.provenance_with(scenes));
         self.run.enter(&path)?;
         let mut trajectory = match self.last {

@@ -3,7 +3,7 @@
 use crate::open_files::{Files, OpenParameters};
 use crate::{RunError, RunFolder};
 use domain::{ById, Comm};
-use files::{Checkpoints, Provenance, SceneRecord, Series, write_contacts, write_field, write_tables};
+use files::{Checkpoints, ParticleRows, Provenance, SceneRecord, Series, write_contacts, write_field, write_tables};
 use report::{AnswerRange, RunAnswer, run_answers, write_answers};
 use scene::{Output, Scene, in_full};
 use simulation::Simulation;
@@ -34,6 +34,18 @@ pub struct Recorder {
     answers: Option<(Vec<RunAnswer>, Option<String>)>,
 }
 
+/// A scene, and the record of that of an earlier part of the run, if it is known.
+pub(super) struct SceneInForce<'a> {
+    pub scene: &'a Scene,
+    pub former: Option<SceneRecord>,
+}
+
+/// Steps of the files: the last one of an earlier part of the run, and the one up to which there is room.
+struct RowSpan {
+    last: Option<u64>,
+    room: u64,
+}
+
 impl Recorder {
     /// A recorder for a new run, which replaces any former run in the folder.
     pub fn create(folder: RunFolder, scene: &Scene, simulation: &mut dyn Simulation) -> Result<Self, RunError> {
@@ -41,19 +53,24 @@ impl Recorder {
         let mut folder = folder;
         let emptied = if comm.is_first() { folder.start_with(scene.text()) } else { Ok(()) };
         comm.agree(emptied.map_err(|e| in_full(&e)))?;
-        Self::open(folder, (scene, None), simulation, (None, scene.kind().steps()))
+        Self::open(
+            folder,
+            SceneInForce { scene, former: None },
+            simulation,
+            RowSpan { last: None, room: scene.kind().steps() },
+        )
     }
 
     /// A recorder for a run that is resumed with a scene, from a checkpoint with the scene of
     /// that time, if that is known.
     pub(super) fn resume(
         folder: RunFolder,
-        scenes: (&Scene, Option<SceneRecord>),
+        scenes: SceneInForce,
         simulation: &mut dyn Simulation,
     ) -> Result<Self, RunError> {
-        let text = scenes.0.text();
-        let (last, end) = (simulation.clock().step(), scenes.0.kind().steps());
-        let recorder = Self::open(folder, scenes, simulation, (Some(last), end))?;
+        let text = scenes.scene.text();
+        let (last, room) = (simulation.clock().step(), scenes.scene.kind().steps());
+        let recorder = Self::open(folder, scenes, simulation, RowSpan { last: Some(last), room })?;
         let is_other = || std::fs::read_to_string(recorder.folder.scene()).ok().as_deref() != Some(text);
         let kept = if recorder.comm.is_first() && is_other() { recorder.folder.keep(text) } else { Ok(()) };
         recorder.comm.agree(kept.map_err(|e| in_full(&e)))?;
@@ -67,7 +84,7 @@ impl Recorder {
         let kept = if comm.is_first() { folder.keep(scene.text()) } else { Ok(()) };
         comm.agree(kept.map_err(|e| in_full(&e)))?;
         let last = simulation.clock().step();
-        Self::open(folder, (scene, Some(record)), simulation, (Some(last), room))
+        Self::open(folder, SceneInForce { scene, former: Some(record) }, simulation, RowSpan { last: Some(last), room })
     }
 
     /// The same run of a scene from the step on to which the simulation has gone back, in files with room until step
@@ -78,16 +95,21 @@ impl Recorder {
         let step = simulation.clock().step();
         let dropped = if comm.is_first() { Checkpoints::drop_after(folder.manifest(), step) } else { Ok(()) };
         comm.agree(dropped.map_err(|e| in_full(&e)))?;
-        let mut recorder = Self::open(folder, (scene, Some(record)), simulation, (Some(step), room))?;
+        let mut recorder = Self::open(
+            folder,
+            SceneInForce { scene, former: Some(record) },
+            simulation,
+            RowSpan { last: Some(step), room },
+        )?;
         recorder.renew_checkpoint(simulation)?;
         Ok(recorder)
     }
 
     fn open(
         folder: RunFolder,
-        (scene, former): (&Scene, Option<SceneRecord>),
+        SceneInForce { scene, former }: SceneInForce,
         simulation: &mut dyn Simulation,
-        (last, room): (Option<u64>, u64),
+        RowSpan { last, room }: RowSpan,
     ) -> Result<Self, RunError> {
         let comm = simulation.comm().clone();
         let output = scene.kind().output().ok_or(RunError::NoSteps)?.clone();
@@ -98,7 +120,9 @@ impl Recorder {
             _ => SceneRecord::new(scene.text(), &output),
         };
         let open = OpenParameters { run: folder.manifest(), provenance: &provenance, scene: &record, last, room };
-        let files = frame.particles.by_id(&comm, |rows| open.files(&output, (rows, frame.periodic), &quantities));
+        let files = frame
+            .particles
+            .by_id(&comm, |rows| open.files(&output, ParticleRows { rows, periodic: frame.periodic }, &quantities));
         let files = comm.agree(files.unwrap_or_else(|| Ok(Files::default())))?;
         let from = last.map_or(0, |step| step + 1);
         let steps = scene.kind().steps();

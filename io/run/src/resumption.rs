@@ -1,5 +1,6 @@
 //! Resuming a run from its last intact checkpoint, with a scene in which some keys may have changed.
 
+use crate::recorder::SceneInForce;
 use crate::{Recorder, RunError, RunFolder, start};
 use domain::Comm;
 use files::{Checkpoints, Latest, SceneHistory, SceneRecord};
@@ -76,7 +77,7 @@ impl Resumption {
     /// Recorder of the simulation, and the scene. Collective.
     pub fn record(self, simulation: &mut dyn Simulation) -> Result<(Recorder, Scene), RunError> {
         let Self { folder, scene, record, changes, .. } = self;
-        let mut recorder = Recorder::resume(folder, (&scene, record), simulation)?;
+        let mut recorder = Recorder::resume(folder, SceneInForce { scene: &scene, former: record }, simulation)?;
         if changes.iter().any(|change| changes_state(&change.key)) {
             recorder.renew_checkpoint(simulation)?;
         }

@@ -14,14 +14,19 @@ pub(crate) struct GaussianAxis<T> {
     gaussians: [AlignedMemory<T>; 2],
 }
 
+/// Points at the distances `offset + i spacing`, `i < count`, from a particle.
+pub(crate) struct AxisPoints {
+    pub count: usize,
+    pub offset: f64,
+    pub spacing: f64,
+}
+
 impl<T: Real> GaussianAxis<T> {
-    /// Fills in `count` points at the distances `offset + i spacing`. In the Gaussians, distances are multiplied by
-    /// `stretch`.
+    /// Fills in the distances of these points. In the Gaussians, distances are multiplied by `stretch`.
     #[inline(always)]
     pub fn fill<S: GaussianShape, V: Lanes<T>>(
         &mut self,
-        count: usize,
-        (offset, spacing): (f64, f64),
+        AxisPoints { count, offset, spacing }: AxisPoints,
         sources: &Sources,
         stretch: f64,
     ) {

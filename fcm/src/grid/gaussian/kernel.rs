@@ -1,6 +1,6 @@
 //! Spreading and interpolation with the Gaussian envelopes themselves.
 
-use crate::grid::gaussian::axis::GaussianAxis;
+use crate::grid::gaussian::axis::{AxisPoints, GaussianAxis};
 use crate::grid::gaussian::passes::{GaussianPass, PassPoint, passes};
 use crate::grid::gaussian::shape::{GaussianColumns, GaussianShape, OF_ROW, Sources, StencilRow, tabulate, weights};
 use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, SphereStencil, StencilOffsets, WeightedSums};
@@ -71,9 +71,10 @@ impl<T: Real> GaussianScratch<T> {
         self.levels.resize(support * OF_PLANE * T::LANES);
         let (offset, spacing) = (stencil.offset, lattice.spacing);
         let [x, y, z] = &mut self.axes;
-        x.fill::<S, V>(columns, (offset.x, spacing.x), sources, 1.0);
-        y.fill::<S, V>(support, (offset.y, spacing.y), sources, sources.strain.mul_add(sources.strain, 1.0).sqrt());
-        z.fill::<S, V>(support, (offset.z, spacing.z), sources, 1.0);
+        let along = |count, axis: usize| AxisPoints { count, offset: offset[axis], spacing: spacing[axis] };
+        x.fill::<S, V>(along(columns, 0), sources, 1.0);
+        y.fill::<S, V>(along(support, 1), sources, sources.strain.mul_add(sources.strain, 1.0).sqrt());
+        z.fill::<S, V>(along(support, 2), sources, 1.0);
         Some(last + stencil.first[0] as usize + columns)
     }
 
@@ -199,15 +200,16 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
             assert!(end <= component.len(), "a stencil ends within its planes");
             component.as_mut_ptr()
         });
+        let sphere = LoadedSphere { sources, load };
         for pass in &self.lattice.passes {
             let column = stencil.first[0] as usize + pass.column;
             // SAFETY: the end was checked, and no pass goes beyond the stencil's columns.
             unsafe {
                 let components = [x.add(column), y.add(column), z.add(column)];
                 if pass.half {
-                    deposit_pass::<T, S, V::Half>(scratch, pass, (sources, load), components);
+                    deposit_pass::<T, S, V::Half>(scratch, pass, &sphere, components);
                 } else {
-                    deposit_pass::<T, S, V>(scratch, pass, (sources, load), components);
+                    deposit_pass::<T, S, V>(scratch, pass, &sphere, components);
                 }
             }
         }
@@ -246,6 +248,12 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
     }
 }
 
+/// Gaussians of a particle, and the load that they spread.
+struct LoadedSphere<'a, T> {
+    sources: &'a Sources,
+    load: &'a Load<T>,
+}
+
 /// Adds the load to the rows of a pass, whose first columns are at `components`.
 ///
 /// # Safety
@@ -254,7 +262,7 @@ impl<T: Real, S: GaussianShape> Kernel<T> for Gaussians<'_, S> {
 unsafe fn deposit_pass<T: Real, S: GaussianShape, V: Lanes<T>>(
     scratch: &mut GaussianScratch<T>,
     pass: &GaussianPass,
-    (sources, load): (&Sources, &Load<T>),
+    LoadedSphere { sources, load }: &LoadedSphere<T>,
     components: [*mut T; 3],
 ) {
     scratch.begin::<S, V>(pass, sources);

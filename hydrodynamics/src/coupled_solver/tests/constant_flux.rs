@@ -15,7 +15,7 @@ fn between_walls(unit: f64) -> (Plan, Particles) {
     let edges = Vector::new(10.0, 9.0, HEIGHT) * unit;
     let radii = [1.0, 1.4, 1.4].map(|a| a * unit);
     let (volume, shortest_vector) = (edges.element_product(), edges.min_element());
-    let usual = problem(unit, &radii, (1e-3, 1e-9));
+    let usual = problem(unit, &radii, 1e-3, 1e-9);
     let problem = Problem { edges, volume, shortest_vector, boundaries: Boundaries::Walls, ..usual };
     let places = [Vector::new(3.0, 3.0, 1.02), Vector::new(5.2, 3.4, 1.9), Vector::new(5.0, 5.0, HEIGHT - 1.45)];
     (Plan::choose(&problem).unwrap(), placed(&places.map(|place| place * unit), &radii))
@@ -109,7 +109,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
         let besides = Poiseuille { curvature: kept.curvature, ..background };
         let whole = Poiseuille { curvature: background.curvature + kept.curvature, ..background };
         let flow = besides.motion(&particles, Multipoles::Dipole);
-        let resisted = against(&springs, &particles, (&plan, reach), &flow);
+        let resisted = against(&springs, &particles, &plan, reach, &flow);
         let pushed = Loads {
             forces: loads.forces.iter().zip(&resisted).map(|(&force, &resisted)| force - resisted).collect(),
             ..Loads::default()
@@ -131,7 +131,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
 }
 
 /// Forces of the springs alone in a motion.
-fn against(springs: &Springs, particles: &Particles, (plan, reach): (&Plan, f64), motion: &Motion) -> Vec<Vector> {
+fn against(springs: &Springs, particles: &Particles, plan: &Plan, reach: f64, motion: &Motion) -> Vec<Vector> {
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut without = fluid(plan, ShortRange { lubrication: None, springs: Some(reach) });
     let field = without.near.as_mut().unwrap();

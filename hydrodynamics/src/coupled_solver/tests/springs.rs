@@ -13,7 +13,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let (_, mut particles) = cluster();
         particles.positions.iter_mut().for_each(|x| *x *= unit);
         particles.radii.iter_mut().for_each(|a| *a *= unit);
-        let plan = plan(22.0 * unit, &particles.radii, (1e-3, 1e-9));
+        let plan = plan(22.0 * unit, &particles.radii, 1e-3, 1e-9);
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let strain = Traceless([0.0, 0.5, 0.0, 0.2, 0.0]);
         let count = particles.len();
@@ -83,7 +83,7 @@ fn springs_push_as_the_motions_say() {
         let (_, mut particles) = cluster();
         particles.positions.iter_mut().for_each(|x| *x *= unit);
         particles.radii.iter_mut().for_each(|a| *a *= unit);
-        let plan = plan(22.0 * unit, &particles.radii, (1e-3, 1e-9));
+        let plan = plan(22.0 * unit, &particles.radii, 1e-3, 1e-9);
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let (reach, strain) = (5.0 * unit, Traceless([0.0, 0.5, 0.0, 0.2, 0.0]));
         let forces: Vec<Vector> =

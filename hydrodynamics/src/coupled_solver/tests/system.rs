@@ -29,7 +29,7 @@ fn suspension() -> (Plan, Particles) {
     positions[1] = positions[0] + line * (2.5 + 1e-3);
     let mut particles = placed(&positions, &radii);
     particles.wrap(&cell);
-    (plan(edge, &radii[..2], (1e-3, 1e-3)), particles)
+    (plan(edge, &radii[..2], 1e-3, 1e-3), particles)
 }
 
 /// A suspension on one rank, with the ingredients of its system.

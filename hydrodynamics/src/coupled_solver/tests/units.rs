@@ -25,7 +25,7 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
         largest_strain: 0.5,
         viscosity,
         fixed: Fixed { precision: Some(precision), ..Fixed::default() },
-        ..problem(length, &place(&radii), (1e-3, 1e-6))
+        ..problem(length, &place(&radii), 1e-3, 1e-6)
     })
     .unwrap();
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);

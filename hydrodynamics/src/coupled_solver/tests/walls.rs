@@ -9,7 +9,7 @@ const HEIGHT: f64 = 16.0;
 /// Walls far apart, in a box wide enough that images parallel to the walls matter little.
 fn between(radii: &[f64], edge: f64) -> Plan {
     let edges = Vector::new(edge, edge, HEIGHT);
-    let problem = Problem { edges, boundaries: Boundaries::Walls, ..problem(edge, radii, (1e-3, 1e-6)) };
+    let problem = Problem { edges, boundaries: Boundaries::Walls, ..problem(edge, radii, 1e-3, 1e-6) };
     Plan::choose(&problem).unwrap()
 }
 

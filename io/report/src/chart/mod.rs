@@ -13,14 +13,21 @@ pub(super) use svg::svg;
 pub(super) struct Chart {
     /// Title.
     pub(super) title: String,
-    /// Quantity and unit of each axis.
-    pub(super) axes: [(String, String); 2],
+    /// Titles of the axes.
+    pub(super) axes: [AxisTitle; 2],
     /// Whether each axis is logarithmic.
     pub(super) log: [bool; 2],
     /// A value that the vertical axis always includes, marked by a thin line.
     pub(super) level: Option<f64>,
     /// The lines.
     pub(super) lines: Vec<Line>,
+}
+
+/// Quantity and unit of an axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct AxisTitle {
+    pub(super) quantity: String,
+    pub(super) unit: String,
 }
 
 /// A line of a chart.
@@ -41,7 +48,7 @@ pub(super) struct Line {
 impl Chart {
     /// A chart without lines, on linear axes.
     pub(super) fn new(title: &str, x: (&str, &str), y: (&str, &str)) -> Self {
-        let axes = [x, y].map(|(name, unit)| (name.to_owned(), unit.to_owned()));
+        let axes = [x, y].map(|(name, unit)| AxisTitle { quantity: name.to_owned(), unit: unit.to_owned() });
         Self { title: title.to_owned(), axes, log: [false; 2], level: None, lines: Vec::new() }
     }
 

@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, power_of_ten};
 use super::thin::thinned;
-use super::{Chart, Line, unit_text};
+use super::{AxisTitle, Chart, Line, unit_text};
 use crate::html::escaped;
 use std::fmt::Write as _;
 
@@ -51,12 +51,12 @@ pub(crate) fn svg(chart: &Chart) -> Option<String> {
 }
 
 /// Label of an axis: its name, and in brackets the unit, with the power of ten that the labels omit.
-fn named(axis: &Axis, (name, unit): &(String, String)) -> String {
+fn named(axis: &Axis, AxisTitle { quantity, unit }: &AxisTitle) -> String {
     let power = if axis.power == 0 { String::new() } else { power_of_ten(axis.power) };
-    let is_said = name == unit;
+    let is_said = quantity == unit;
     let unit = [power, if is_said { String::new() } else { unit_text(unit) }].join(" ");
     let unit = unit.trim();
-    escaped(&if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") })
+    escaped(&if unit.is_empty() { quantity.clone() } else { format!("{quantity} ({unit})") })
 }
 
 /// Ends of the error bars.

@@ -13,24 +13,31 @@ const WIDE: f64 = 30.0;
 /// A chart for each quantity.
 pub(super) fn charts(family: Option<&Family>, table: Option<&StoredTable>) -> Vec<Chart> {
     let Some((family, table)) = family.zip(table) else { return Vec::new() };
-    let Some(place) = family.keys().iter().position(|key| table.numbers(key).is_some()) else { return Vec::new() };
+    let Some(index) = family.keys().iter().position(|key| table.numbers(key).is_some()) else { return Vec::new() };
     let groups = table.groups(&["quantity"]);
     groups
         .into_iter()
         .take(MOST_CHARTS)
-        .filter_map(|(name, rows)| chart((family, place), table, (&name[0], &rows)))
+        .filter_map(|(name, rows)| chart(SweptKey { family, index }, table, &name[0], &rows))
         .collect()
 }
 
-fn chart((family, place): (&Family, usize), table: &StoredTable, (quantity, rows): (&str, &[usize])) -> Option<Chart> {
-    let key = &family.keys()[place];
+/// A swept key of a family, by its index.
+#[derive(Clone, Copy)]
+struct SweptKey<'a> {
+    family: &'a Family,
+    index: usize,
+}
+
+fn chart(SweptKey { family, index }: SweptKey, table: &StoredTable, quantity: &str, rows: &[usize]) -> Option<Chart> {
+    let key = &family.keys()[index];
     let (x, [mean, errors]) = (table.numbers(key)?.0, ["mean", "error"].map(|name| table.numbers(name)));
     let (mean, errors) = (mean?.0, errors?.0);
     let title = quantity.replace('_', " ");
     let mut chart = Chart::new(&title, (key, ""), ("mean over the seeds", &table.cell("unit", rows[0])));
     let mut lines: Vec<(String, Vec<usize>)> = Vec::new();
     for &row in rows {
-        let name = name(family, place, [&table.cell("point", row), &table.cell("species", row)]);
+        let name = name(family, index, [&table.cell("point", row), &table.cell("species", row)]);
         match lines.iter_mut().find(|(other, _)| *other == name) {
             Some((_, rows)) => rows.push(row),
             None => lines.push((name, vec![row])),

@@ -11,6 +11,7 @@ use crate::mobility::loads::Loads;
 use crate::pairs::table::{PairFunctions, Table};
 use crate::plan::Plan;
 use crate::plan::sample_points::SamplePoints;
+use crate::walls::wall_images::SourceSphere;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 
@@ -62,7 +63,7 @@ impl GridFlow<'_> {
         let (near, images) = (&self.near, self.images(raster, k));
         velocities.par_chunks_mut(raster.points[0]).enumerate().for_each(|(j, row)| {
             for image in &images {
-                let across = raster.point([0, j, k]) - image.place;
+                let across = raster.point([0, j, k]) - image.position;
                 let square = near.cutoff * near.cutoff - across.y * across.y - across.z * across.z;
                 if square <= 0.0 {
                     continue;
@@ -72,11 +73,10 @@ impl GridFlow<'_> {
                 let [from, to] = [-half, half].map(|x| (x - across.x) / raster.spacing.x);
                 for i in from.ceil().max(0.0) as usize..((to.floor() + 1.0).max(0.0) as usize).min(row.len()) {
                     let point = raster.point([i, j, k]);
-                    let x = point - image.place;
+                    let x = point - image.position;
                     row[i] += near.velocity(image, x);
                     if let Some(images) = &self.far.wall_images {
-                        let cell = &self.far.arrangement.cell;
-                        row[i] += images.velocity_at(cell, (x, point.z), image.class, (image.force, &image.dipole));
+                        row[i] += images.velocity_at(&self.far.arrangement.cell, point, image);
                     }
                 }
             }
@@ -84,7 +84,7 @@ impl GridFlow<'_> {
     }
 
     /// Particles, and their images along periodic axes, whose near field reaches a plane.
-    fn images(&self, raster: &SamplePoints, k: usize) -> Vec<SphereImage> {
+    fn images(&self, raster: &SamplePoints, k: usize) -> Vec<SourceSphere> {
         let arrangement = &self.far.arrangement;
         let (cell, reach) = (&arrangement.cell, Vector::splat(self.near.cutoff));
         let [nx, ny, _] = raster.points;
@@ -98,8 +98,8 @@ impl GridFlow<'_> {
             for (x, y) in steps(0).flat_map(|x| steps(1).map(move |y| (x, y))) {
                 let place = place + cell.edges() * Vector::new(f64::from(x), f64::from(y), 0.0);
                 if place.cmpge(low).all() && place.cmple(high).all() {
-                    images.push(SphereImage {
-                        place,
+                    images.push(SourceSphere {
+                        position: place,
                         class: arrangement.classes[row],
                         force: self.forces.get(row).copied().unwrap_or_default(),
                         dipole: self.dipoles.get(row).copied().unwrap_or(Tensor::ZERO),
@@ -109,14 +109,6 @@ impl GridFlow<'_> {
         }
         images
     }
-}
-
-/// A particle that applies loads, or a periodic image of one.
-struct SphereImage {
-    place: Vector,
-    class: u32,
-    force: Vector,
-    dipole: Tensor,
 }
 
 /// Pair corrections between spheres of each radius and points.
@@ -138,7 +130,7 @@ impl NearPoints {
     }
 
     /// Near-field velocity at `x` from a particle, as in [`crate::pairs::pair_correction`].
-    fn velocity(&self, from: &SphereImage, x: Vector) -> Vector {
+    fn velocity(&self, from: &SourceSphere, x: Vector) -> Vector {
         let (square, (exact, table)) = (x.length_squared(), &self.functions[from.class as usize]);
         let f = table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square));
         let along = from.dipole * x;
