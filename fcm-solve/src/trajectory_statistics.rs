@@ -139,7 +139,7 @@ fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
 /// Refuses a number of samples of `particles` particles that does not fit into memory.
 fn check_memory(model: &Model, particles: f64, samples: u64) -> anyhow::Result<()> {
     let share = RankCounts::alone(particles);
-    let kept = share.bytes(model, (samples, rayon::current_num_threads()));
+    let kept = share.bytes(model, samples, rayon::current_num_threads());
     let frame = Particles::bytes(particles, 11);
     let peak = kept.then(column_bytes(model)).then(frame).then(share.sample_bytes(model));
     let need = MemoryNeed { resident: Process::ALONE.resident(peak.most), ..MemoryNeed::default() };

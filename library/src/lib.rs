@@ -26,7 +26,7 @@
 //! let force = Vector::new(0.0, 0.0, -6.0 * std::f64::consts::PI);
 //! let spheres = Species { force, ..Species::new("heavy", 1.0, 20) };
 //! let (time_step, steps) = (0.1, 10);
-//! let model = Model::new(Parameters::new(cell, 1.0, vec![spheres], (time_step, steps)))?;
+//! let model = Model::new(Parameters::new(cell, 1.0, vec![spheres], time_step, steps))?;
 //! let mut suspension = Suspension::start(&model, &Comm::alone())?;
 //! for _ in 0..3 {
 //!     suspension.step()?;

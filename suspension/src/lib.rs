@@ -15,7 +15,7 @@
 //! let cell = PeriodicBox::new(Vector::splat(32.0))?;
 //! let places = vec![Vector::new(14.5, 16.0, 24.0), Vector::new(17.5, 16.0, 24.0)];
 //! let start = Start::Positions(places);
-//! let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, vec![spheres], (0.1, 10)) })?;
+//! let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, vec![spheres], 0.1, 10) })?;
 //! let mut suspension = Suspension::start(&model, &Comm::alone())?;
 //! for _ in 0..3 {
 //!     suspension.step()?;

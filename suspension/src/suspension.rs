@@ -12,7 +12,7 @@ use crate::evaluation::velocity_field::FluidVelocity;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::forces::{Forces, tethers, user};
 use crate::integrators::adams_bashforth::{self, AdamsBashforth};
-use crate::integrators::brownian::{self, ThermalNoise};
+use crate::integrators::brownian::{self, BrownianStep, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::neighbourhood;
@@ -102,7 +102,7 @@ impl Suspension {
         let is_tied = if comm.is_first() { tethers::check(&particles, model) } else { Ok(()) };
         comm.agree(is_tied)?;
         placement::share_columns(&mut particles, comm);
-        let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, (comm, step[0]))?)?;
+        let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, comm, step[0])?)?;
         let clock = Clock::at(step[0], model.time_step);
         let (integrator, outcome, comm) = (model.integrator, Outcome::default(), comm.clone());
         let (has_applied_loads, known_forces) = (user::is_among(&particles), Forces::registered_in(&particles));
@@ -171,8 +171,9 @@ impl Suspension {
             Integrator::Adaptive(control) => adaptive::advance(particles, clock, control, dynamics)?,
             Integrator::Implicit(control) => implicit::advance(particles, clock, control, dynamics)?,
             Integrator::Brownian(scheme) => {
-                let noise_source = noise_source.as_ref().expect("a model whose steps are Brownian has thermal noise");
-                brownian::advance(particles, (clock, is_seen), (noise_source, *scheme), dynamics)?
+                let noise_source = noise_source.expect("a model whose steps are Brownian has thermal noise");
+                let step = BrownianStep { noise_source, scheme: *scheme, is_seen };
+                brownian::advance(particles, clock, step, dynamics)?
             }
             Integrator::AdamsBashforth { order } => {
                 fixed_step(particles, clock, AdamsBashforth::of_order(*order), dynamics)?
@@ -294,7 +295,7 @@ fn fixed_step(
     let mut outcome = Outcome::default();
     let steps = dynamics.steps_before(clock);
     dynamics.remember(particles, steps);
-    adams_bashforth::advance(particles, (clock.dt(), steps), method, |particles, fraction| {
+    adams_bashforth::advance(particles, clock.dt(), steps, method, |particles, fraction| {
         outcome = dynamics.evaluate(particles, &StageTime::in_step(clock, fraction, steps))?;
         Ok::<(), StepError>(())
     })?;

@@ -55,7 +55,7 @@ fn cloud(comm: &Comm) -> Result<(SuspensionRun, Vec<String>), Box<dyn Error>> {
     let cell = PeriodicBox::new(Vector::splat(20.0))?.with_boundaries(Boundaries::Open)?;
     let start =
         Start::Positions(cube(6.0).chain([Vector::Z * 2.0]).map(|corner| corner + Vector::splat(10.0)).collect());
-    let usual = Parameters::new(cell, 1.0, vec![pulled("light", 8, -1.0), pulled("heavy", 1, -4.0)], (0.1, 10));
+    let usual = Parameters::new(cell, 1.0, vec![pulled("light", 8, -1.0), pulled("heavy", 1, -4.0)], 0.1, 10);
     let model = Model::new(Parameters { start, ..usual })?;
     let names: Vec<String> = model.species.iter().map(|species| species.name.clone()).collect();
     let mut run = SuspensionRun::start(&model, None, comm)?;

@@ -69,18 +69,18 @@ impl PairLaw for Yukawa {
 const START: f64 = 3.5;
 
 /// Two spheres of different sizes that a force presses together.
-fn pressed(force: f64, integrator: Integrator, (step, steps): (f64, u64)) -> Result<Model, Box<dyn Error>> {
+fn pressed(force: f64, integrator: Integrator, step: f64, steps: u64) -> Result<Model, Box<dyn Error>> {
     let species = [("left", 1.0, force), ("right", 1.3, -force)]
         .map(|(name, radius, along)| Species { force: Vector::X * along, ..Species::new(name, radius, 1) });
     let cell = PeriodicBox::new(Vector::splat(14.0))?;
     let start = Start::Positions([0.0, START].map(|x| Vector::new(6.0 + x, 7.0, 7.0)).to_vec());
-    let usual = Parameters::new(cell, 1.0, species.to_vec(), (step, steps));
+    let usual = Parameters::new(cell, 1.0, species.to_vec(), step, steps);
     Ok(Model::new(Parameters { start, integrator, ..usual })?)
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (law, implicit) = (Yukawa { strength: 30.0, length: 0.4 }, Integrator::Implicit(Adaptive::default()));
-    let model = pressed(5.0, implicit, (0.5, 100))?;
+    let model = pressed(5.0, implicit, 0.5, 100)?;
     let mut suspension = Suspension::start(&model, &Comm::alone())?;
     suspension.add_force(Box::new(PairwiseForce::new(law)))?;
     for _ in 0..model.steps {
@@ -142,7 +142,7 @@ mod tests {
         let expected = balance(LAW, 5.0);
         for (integrator, step, steps) in [(EXPLICIT, 0.1, 600), (IMPLICIT, 0.5, 120)] {
             for lubrication in [false, true] {
-                let model = pressed(5.0, integrator, (step, steps)).unwrap();
+                let model = pressed(5.0, integrator, step, steps).unwrap();
                 let hydrodynamics = Hydrodynamics { lubrication, ..Hydrodynamics::default() };
                 let model = Model::new(Parameters { hydrodynamics, ..Parameters::clone(&model) }).unwrap();
                 for ranks in [1, 3] {
@@ -166,7 +166,7 @@ mod tests {
     #[test]
     fn its_stress_is_a_column() {
         let flow = Flow::Shear { rate: 0.2, lees_edwards: true };
-        let model = pressed(5.0, EXPLICIT, (0.1, 2)).unwrap();
+        let model = pressed(5.0, EXPLICIT, 0.1, 2).unwrap();
         let start = Start::Positions(vec![Vector::splat(6.0), Vector::new(8.0, 8.0, 6.5)]);
         let model = Model::new(Parameters { flow, start, ..Parameters::clone(&model) }).unwrap();
         let mut run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn a_resumed_run_goes_on_bit_for_bit() {
         for integrator in [EXPLICIT, IMPLICIT] {
-            let model = pressed(5.0, integrator, (0.1, 10)).unwrap();
+            let model = pressed(5.0, integrator, 0.1, 10).unwrap();
             let mut whole = Suspension::start(&model, &Comm::alone()).unwrap();
             whole.add_force(Box::new(force())).unwrap();
             (0..5).for_each(|_| whole.step().unwrap());

@@ -7,7 +7,7 @@ use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
 use crate::neighbourhood::PairsWithHalo;
 use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
 use fcm::{Loads, Motion, Stream};
-use hydrodynamics::brownian::{self, CHANGE, Change, ambient, set_ambient};
+use hydrodynamics::brownian::{self, Change, ambient, set_ambient};
 use hydrodynamics::{Guess, Solution};
 
 /// Thermal fluctuations of a step.
@@ -48,7 +48,7 @@ impl Dynamics {
         moment: &StageTime,
         noise: Noise,
     ) -> Result<Outcome, StepError> {
-        let (_, solved) = self.solve_fluctuating(particles, moment, (noise, noise.energy))?;
+        let (_, solved) = self.solve_fluctuating(particles, moment, noise, noise.energy)?;
         self.record(particles, &solved);
         Ok(Outcome::of(&solved))
     }
@@ -59,7 +59,8 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         moment: &StageTime,
-        (noise, energy): (Noise, f64),
+        noise: Noise,
+        energy: f64,
     ) -> Result<(Loads, Solution), StepError> {
         self.unless_interrupted()?;
         self.wrap_and_migrate(particles, moment)?;
@@ -93,7 +94,7 @@ impl Dynamics {
         moment: &StageTime,
         noise: Noise,
     ) -> Result<Outcome, StepError> {
-        let (loads, solved) = self.solve_fluctuating(particles, moment, (noise, 0.0))?;
+        let (loads, solved) = self.solve_fluctuating(particles, moment, noise, 0.0)?;
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
         if self.rigid {
             let cell = *self.moving.cell();
@@ -110,14 +111,13 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         moment: &StageTime,
-        (over, energy): (f64, f64),
+        change: Change,
     ) -> Result<(), StepError> {
         let cell = *self.moving.cell();
         if !self.rigid {
-            brownian::store_divergence(&mut self.hydrodynamics, &cell, particles, energy);
+            brownian::store_divergence(&mut self.hydrodynamics, &cell, particles, change.energy);
             return Ok(());
         }
-        let change = Change { over, energy, tolerance: CHANGE };
         let noted = brownian::store_drift(&mut self.hydrodynamics, &cell, particles, change);
         noted.map_err(|source| self.unsolved(source, particles, moment.clock.step()))
     }

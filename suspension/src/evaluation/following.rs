@@ -40,7 +40,7 @@ impl Dynamics {
     pub(super) fn follow(&mut self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
         let Some(following) = &self.following else { return Ok(()) };
         let comm = self.partition.comm();
-        let cell = around(&following.model.cell, particles, (following.radii.largest(), comm));
+        let cell = around(&following.model.cell, particles, following.radii.largest(), comm);
         if !self.fits(&cell) {
             let edges = self.axes.list(cell.edges().to_array()).map(|edge| Number(edge).to_string()).join(" x ");
             let planned = self.planned(&cell);

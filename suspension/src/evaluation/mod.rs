@@ -68,6 +68,13 @@ pub struct Dynamics {
     axes: UserAxes,
 }
 
+/// Results of previous solves: the initial guess of the next one, and the motions of the last one, empty unless forces
+/// follow them.
+struct PreviousSolutions {
+    guess: Guess,
+    motion: Motion,
+}
+
 impl Dynamics {
     /// The dynamics of a prepared scene, and its particles.
     pub fn new(model: &Model, setup: Setup) -> Result<(Self, Particles), StartError> {
@@ -202,10 +209,11 @@ impl Dynamics {
         } else {
             Guess::default()
         };
-        let before = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
+        let motion = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
+        let previous = PreviousSolutions { guess, motion };
         let outcome = match self.moving.search() {
-            None => self.solve_at(particles, (&guess, &before), moment)?,
-            Some(search) => self.drive(particles, (search, guess, &before), moment)?,
+            None => self.solve_at(particles, &previous, moment)?,
+            Some(search) => self.drive(particles, search, previous, moment)?,
         };
         if self.rigid {
             self.warm_start.update_blend(particles, &moment.ages, moment.since_last_solution, self.partition.comm());
@@ -213,12 +221,12 @@ impl Dynamics {
         Ok(outcome)
     }
 
-    /// Solves for the motions of the particles at their present positions, given the motions of the previous solution,
-    /// and writes them into the particles' columns. Collective.
+    /// Solves for the motions of the particles at their present positions, and writes them into the particles' columns.
+    /// Collective.
     fn solve_at(
         &mut self,
         particles: &mut Particles,
-        (guess, before): (&Guess, &Motion),
+        PreviousSolutions { guess, motion }: &PreviousSolutions,
         moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
@@ -226,7 +234,7 @@ impl Dynamics {
         let prediction =
             expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
         let near = self.forces.near(particles, self.domain());
-        let acting = self.acting(particles, near.as_ref(), moment, prediction.as_ref(), before)?;
+        let acting = self.acting(particles, near.as_ref(), moment, prediction.as_ref(), motion)?;
         drop(near);
         let solved = self.solved(particles, &acting, &acting.ambient, guess, moment)?;
         self.record(particles, &solved);
@@ -372,7 +380,7 @@ mod tests {
     #[test]
     fn spheres_that_overlap_are_named_where_no_flow_is_found() {
         let cell = PeriodicBox::new(Vector::splat(14.0)).unwrap();
-        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (0.05, 6));
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], 0.05, 6);
         let start = Start::Positions(vec![Vector::splat(3.0), Vector::new(6.5, 3.0, 3.0)]);
         let model = Model::new(Parameters { start, ..usual }).unwrap();
         let (dynamics, mut particles) =

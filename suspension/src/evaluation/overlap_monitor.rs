@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn pairs_that_overlap_or_nearly_are_counted() {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
-        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 6)], (0.1, 1));
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 6)], 0.1, 1);
         for (lubrication, at_minimum_gap) in [(true, 2), (false, 0)] {
             let mut parameters = usual.clone();
             parameters.hydrodynamics.lubrication = lubrication;
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn spheres_at_walls_are_counted() {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
-        let mut parameters = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 3)], (0.1, 1));
+        let mut parameters = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 3)], 0.1, 1);
         parameters.hydrodynamics.lubrication = true;
         let model = Model::new(parameters).unwrap();
         let partition = Partition::new(&Comm::alone(), [8, 8]);
@@ -227,7 +227,8 @@ mod tests {
             PeriodicBox::new(Vector::splat(12.0)).unwrap(),
             1.0,
             vec![Species::new("one", 1.0, 6)],
-            (0.1, 1),
+            0.1,
+            1,
         );
         let said = |parameters: &Parameters| Remedies::of(&Model::new(parameters.clone()).unwrap()).left_out(0.0123);
         let direct =

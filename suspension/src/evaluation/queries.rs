@@ -2,7 +2,7 @@
 
 use super::Dynamics;
 use super::following::Following;
-use crate::evaluation::velocity_field::{self, FluidVelocity};
+use crate::evaluation::velocity_field::{self, FluidVelocity, LoadedSpheres};
 use crate::forces::Forces;
 use crate::forces::contacts::ContactStatistics;
 use domain::{Boundaries, DomainView, Particles, Partition, PeriodicBox, Tensor};
@@ -121,7 +121,7 @@ impl Dynamics {
         let loads = self.warm_start.loads_on_fluid(loads, particles);
         // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
         let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
-        let flow = (self.moving.cell(), self.moving.flux_correction());
-        Ok(velocity_field::velocity(&plan, flow, (particles, &loads), self.partition.comm()))
+        let spheres = LoadedSpheres { cell: self.moving.cell(), particles, loads: &loads };
+        Ok(velocity_field::velocity(&plan, &spheres, self.moving.flux_correction(), self.partition.comm()))
     }
 }

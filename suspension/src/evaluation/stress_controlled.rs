@@ -1,26 +1,25 @@
 //! Evaluations under stress control.
 
-use super::{Dynamics, Outcome, StageTime};
+use super::{Dynamics, Outcome, PreviousSolutions, StageTime};
 use crate::columns::EXPECTED;
 use crate::columns::{STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
 use crate::forces::acting::{Configuration, Prediction};
 use domain::{Particles, Traceless};
-use fcm::Motion;
-use hydrodynamics::Guess;
 
 impl Dynamics {
     /// Solves for the shear rate at which the stress has its given value, and for the motions at that rate. Collective.
     pub(super) fn drive(
         &mut self,
         particles: &mut Particles,
-        (mut search, mut guess, before): (Search, Guess, &Motion),
+        mut search: Search,
+        mut previous: PreviousSolutions,
         moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         loop {
             self.moving.set_rate(search.rate());
-            let outcome = self.solve_at(particles, (&guess, before), moment)?;
+            let outcome = self.solve_at(particles, &previous, moment)?;
             let stress = self.stress_at(particles, moment);
             if !search.goes_on(stress) {
                 if let Some(driven) = self.moving.driven() {
@@ -28,7 +27,7 @@ impl Dynamics {
                 }
                 return Ok(outcome);
             }
-            guess = self.warm_start.found(particles);
+            previous.guess = self.warm_start.found(particles);
         }
     }
 

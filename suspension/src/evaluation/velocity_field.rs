@@ -14,18 +14,23 @@ pub struct FluidVelocity {
     pub values: Vec<Vector>,
 }
 
+/// Spheres in a box, and the loads that they apply to the fluid.
+pub struct LoadedSpheres<'a> {
+    /// The box.
+    pub cell: &'a PeriodicBox,
+    /// This rank's spheres.
+    pub particles: &'a Particles,
+    /// Their loads.
+    pub loads: &'a Loads,
+}
+
 /// Velocity of the fluid relative to the background flow, by a plan [`Plan::of_flow`], plus an additional
 /// pressure-driven flow. In a fully periodic box it is given on all points of a grid that resolves every particle's own
 /// envelope, whatever method is used for the motions. In other boxes it is evaluated point by point with the method of
 /// the motions. Collective.
-pub fn velocity(
-    plan: &Plan,
-    (cell, besides): (&PeriodicBox, Option<Poiseuille>),
-    (particles, loads): (&Particles, &Loads),
-    comm: &Comm,
-) -> FluidVelocity {
+pub fn velocity(plan: &Plan, spheres: &LoadedSpheres, besides: Option<Poiseuille>, comm: &Comm) -> FluidVelocity {
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-    let (particles, loads) = moved(particles, loads, (&partition, cell));
+    let (cell, (particles, loads)) = (spheres.cell, spheres.moved(&partition));
     let mut mobility = Mobility::new(plan, &partition);
     mobility.arrange(cell, &particles);
     if plan.boundaries == Boundaries::Periodic {
@@ -47,26 +52,29 @@ pub fn velocity(
     FluidVelocity { raster, values }
 }
 
-/// The particles and their loads on the ranks of another partition.
-fn moved(particles: &Particles, loads: &Loads, (partition, cell): (&Partition, &PeriodicBox)) -> (Particles, Loads) {
-    let lists: [(&str, usize, &[f64]); 3] = [
-        ("force", 3, cast_slice(&loads.forces)),
-        ("torque", 3, cast_slice(&loads.torques)),
-        ("stresslet", 5, cast_slice(&loads.stresslets)),
-    ];
-    let mut moved = particles.without_columns();
-    for (name, width, values) in lists {
-        moved.column(name, width).values[..values.len()].copy_from_slice(values);
+impl LoadedSpheres<'_> {
+    /// The particles and their loads on the ranks of another partition.
+    fn moved(&self, partition: &Partition) -> (Particles, Loads) {
+        let Self { cell, particles, loads } = self;
+        let lists: [(&str, usize, &[f64]); 3] = [
+            ("force", 3, cast_slice(&loads.forces)),
+            ("torque", 3, cast_slice(&loads.torques)),
+            ("stresslet", 5, cast_slice(&loads.stresslets)),
+        ];
+        let mut moved = particles.without_columns();
+        for (name, width, values) in lists {
+            moved.column(name, width).values[..values.len()].copy_from_slice(values);
+        }
+        moved.migrate(partition, cell);
+        let [forces, torques, stresslets] =
+            lists.map(|(name, width, _)| std::mem::take(&mut moved.column(name, width).values));
+        let loads = Loads {
+            forces: cast_slice(&forces).to_vec(),
+            torques: cast_slice(&torques).to_vec(),
+            stresslets: cast_slice(&stresslets).to_vec(),
+        };
+        (moved.without_columns(), loads)
     }
-    moved.migrate(partition, cell);
-    let [forces, torques, stresslets] =
-        lists.map(|(name, width, _)| std::mem::take(&mut moved.column(name, width).values));
-    let loads = Loads {
-        forces: cast_slice(&forces).to_vec(),
-        torques: cast_slice(&torques).to_vec(),
-        stresslets: cast_slice(&stresslets).to_vec(),
-    };
-    (moved.without_columns(), loads)
 }
 
 /// Gathers the ranks' parts of a field, `[component][z][y][x]`, on the first rank.

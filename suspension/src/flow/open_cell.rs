@@ -23,15 +23,15 @@ pub fn follows(boundaries: Boundaries) -> bool {
 }
 
 /// The box of a model, fitted around its spheres if it follows them. Collective.
-pub fn of(model: &Model, particles: &Particles, (radii, comm): (&Radii, &Comm)) -> PeriodicBox {
+pub fn of(model: &Model, particles: &Particles, radii: &Radii, comm: &Comm) -> PeriodicBox {
     let scene = &model.cell;
-    if follows(scene.boundaries()) { around(scene, particles, (radii.largest(), comm)) } else { *scene }
+    if follows(scene.boundaries()) { around(scene, particles, radii.largest(), comm) } else { *scene }
 }
 
 /// The box that contains the centres of the spheres, centred along open axes; above a wall it is at least as high as
 /// the scene's box. It depends only on the positions and the largest radius, so that a resumed run continues in the
 /// same box. Collective.
-pub fn around(scene: &PeriodicBox, particles: &Particles, (largest_radius, comm): (f64, &Comm)) -> PeriodicBox {
+pub fn around(scene: &PeriodicBox, particles: &Particles, largest_radius: f64, comm: &Comm) -> PeriodicBox {
     let [lowest, highest] = extremes(particles, comm);
     let (mut origin, mut edges) = (scene.origin(), scene.edges());
     for axis in (0..3).filter(|&axis| !scene.is_periodic(axis)) {
@@ -76,7 +76,7 @@ mod tests {
     }
 
     fn found(boundaries: Boundaries, places: &[[f64; 3]]) -> (Vector, Vector) {
-        let cell = around(&scene(boundaries), &at(places), (1.0, &Comm::alone()));
+        let cell = around(&scene(boundaries), &at(places), 1.0, &Comm::alone());
         assert_eq!(cell.boundaries(), boundaries);
         (cell.origin(), cell.edges())
     }
@@ -104,7 +104,7 @@ mod tests {
         let alone = found(Boundaries::Open, &places);
         let on_ranks = Comm::threads(7, |comm| {
             let own: Vec<[f64; 3]> = places.iter().copied().skip(comm.rank()).step_by(7).collect();
-            let cell = around(&scene(Boundaries::Open), &at(&own), (1.0, &comm));
+            let cell = around(&scene(Boundaries::Open), &at(&own), 1.0, &comm);
             (cell.origin(), cell.edges())
         });
         assert!(on_ranks.iter().all(|cell| *cell == alone));

@@ -4,7 +4,7 @@ use crate::columns::VELOCITY_COLUMNS;
 use crate::flow::constant_flux::ConstantFluxState;
 use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
-use crate::flow::stress_control::{Search, StressControl};
+use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
 use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
 use hydrodynamics::Poiseuille;
@@ -159,8 +159,8 @@ impl PeriodicCell {
     /// This box under stress control, with `stress` the shear stress, the viscosity and the tolerance of solves; the
     /// state is restored from the particles of the first rank, if they store it. Collective.
     #[must_use]
-    pub fn under_stress(mut self, stress: (f64, f64, f64), particles: &Particles, comm: &Comm) -> Self {
-        let driven = StressControl::start(stress, self.rate).load_from_columns(particles, comm);
+    pub fn under_stress(mut self, target: StressTarget, particles: &Particles, comm: &Comm) -> Self {
+        let driven = StressControl::start(target, self.rate).load_from_columns(particles, comm);
         self.driven = Some(driven);
         self.set_rate(driven.rate());
         (self.cell, self.vectors) = self.shape_at(self.time);

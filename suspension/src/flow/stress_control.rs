@@ -45,10 +45,20 @@ pub struct StressControl {
     slope: f64,
 }
 
+/// A shear stress that the rate is adapted to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StressTarget {
+    /// The stress.
+    pub stress: f64,
+    /// Viscosity of the fluid.
+    pub viscosity: f64,
+    /// Tolerance of the solve.
+    pub tolerance: f64,
+}
+
 impl StressControl {
-    /// A flow under a shear stress in a fluid of a viscosity, with a first guess of the rate and the tolerance of the
-    /// solve.
-    pub fn start((stress, viscosity, tolerance): (f64, f64, f64), rate: f64) -> Self {
+    /// A flow under a shear stress, with a first guess of the rate.
+    pub fn start(StressTarget { stress, viscosity, tolerance }: StressTarget, rate: f64) -> Self {
         let slope = (stress / rate).max(viscosity);
         Self {
             stress,
@@ -190,11 +200,16 @@ impl Search {
 mod tests {
     use super::*;
 
+    /// A flow under a stress in a fluid of viscosity 1.
+    fn start(stress: f64, rate: f64) -> StressControl {
+        StressControl::start(StressTarget { stress, viscosity: 1.0, tolerance: 1e-3 }, rate)
+    }
+
     /// A stress that is linear in the rate is met in three solves, and in one solve once the slope is known.
     #[test]
     fn a_linear_stress_is_met() {
         let stress = |rate: f64| 0.7 + 9.0 * rate;
-        let mut driven = StressControl::start((2.0, 1.0, 1e-3), 0.9);
+        let mut driven = start(2.0, 0.9);
         for most in [3, 1] {
             let mut search = driven.search();
             let mut solves = 1;
@@ -214,7 +229,7 @@ mod tests {
     fn strain_follows_the_rate() {
         let error = |steps: u32| {
             let (h, mut time) = (1.0 / f64::from(steps), 0.0_f64);
-            let mut driven = StressControl::start((1.0, 1.0, 1e-3), 1.0);
+            let mut driven = start(1.0, 1.0);
             for k in 0..steps {
                 let share = if k == 0 { 1.0 } else { 2.0 / 3.0 };
                 let now_and_past = if k == 0 { [1.0, 0.0] } else { [2.0, -1.0] };
@@ -228,7 +243,7 @@ mod tests {
                 let mut particles = Particles::default();
                 particles.push(0, domain::Vector::ZERO, 1.0, 0);
                 driven.store_in_columns(&mut particles);
-                let again = StressControl::start((1.0, 1.0, 1e-3), 5.0).load_from_columns(&particles, &Comm::alone());
+                let again = start(1.0, 5.0).load_from_columns(&particles, &Comm::alone());
                 assert_eq!((again.strain, again.rates), (driven.strain, driven.rates));
             }
             (driven.strain() - 1.0_f64.sin()).abs()
@@ -239,7 +254,7 @@ mod tests {
 
     #[test]
     fn what_stands_still_is_jammed() {
-        let mut driven = StressControl::start((1.0, 1.0, 1e-3), 1e-6);
+        let mut driven = start(1.0, 1e-6);
         assert!(!{
             driven.rates[1] = 0.1;
             driven.is_jammed()

@@ -56,7 +56,7 @@ pub fn least_repulsion(
     let suffices = |strength: f64| {
         let repulsion = Some(Repulsion { strength, calibrate: false, ..repulsion });
         let trial = Model::new(Parameters { repulsion, ..Parameters::clone(model) })?;
-        keeps_apart(&trial, placed.cloned(), (comm, strength))
+        keeps_apart(&trial, placed.cloned(), comm, strength)
     };
     least(repulsion.strength, suffices).map(Some)
 }
@@ -91,7 +91,8 @@ fn least(start: f64, suffices: impl Fn(f64) -> Result<bool, LeastRepulsionError>
 fn keeps_apart(
     model: &Model,
     placed: Option<GivenPositions>,
-    (comm, strength): (&Comm, f64),
+    comm: &Comm,
+    strength: f64,
 ) -> Result<bool, LeastRepulsionError> {
     let started = Suspension::start_with(model, placed, comm);
     let mut suspension = started.map_err(|source| LeastRepulsionError::Start { strength, source: Box::new(source) })?;
@@ -121,7 +122,7 @@ mod tests {
             start: Start::Positions(vec![Vector::new(4.9, 6.0, 6.0), Vector::new(7.0, 6.0, 6.0)]),
             hydrodynamics: Hydrodynamics { tolerance: 1e-2, ..Hydrodynamics::default() },
             repulsion: Some(Repulsion { calibrate: true, ..Repulsion::new(2.0) }),
-            ..Parameters::new(cell, 1.0, species, (0.04, 150))
+            ..Parameters::new(cell, 1.0, species, 0.04, 150)
         });
         let strength = least_repulsion(&model.unwrap(), None, &Comm::alone()).unwrap().unwrap();
         assert!((9.9..11.1).contains(&strength), "{strength}");

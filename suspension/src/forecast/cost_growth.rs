@@ -81,7 +81,7 @@ mod tests {
     fn with(change: impl FnOnce(Parameters) -> Parameters) -> f64 {
         let cell = PeriodicBox::new(Vector::splat(20.0)).unwrap();
         cost_growth(
-            &Model::new(change(Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 100)], (0.01, 1000)))).unwrap(),
+            &Model::new(change(Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 100)], 0.01, 1000))).unwrap(),
         )
     }
 

@@ -144,7 +144,7 @@ mod tests {
         let force = Vector::new(0.0, 0.0, -1.0);
         let spheres = Species { force, ..Species::new("spheres", 1.0, count) };
         let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
-        Scaling::of(&Model::new(Parameters::new(cell, 1.0, vec![spheres], (0.1, 10))).unwrap()).unwrap()
+        Scaling::of(&Model::new(Parameters::new(cell, 1.0, vec![spheres], 0.1, 10)).unwrap()).unwrap()
     }
 
     /// 20,000 spheres at 12%, for which `docs/src/scale.md` has the bytes and messages counted by the program.

@@ -111,7 +111,7 @@ mod tests {
 
     fn usual(step: f64) -> Parameters {
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
-        Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (step, 1))
+        Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], step, 1)
     }
 
     fn said(parameters: Parameters) -> Vec<String> {

@@ -77,8 +77,8 @@ pub fn outline(
     let memory = Memory::of(model, &planned, asked);
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
-    let outline = with_cost(memory.add_to(outline), (&planned.plan, model.turn), &others);
-    let outline = beside_periodic(outline, (model, &cell), &planned, asked.ranks);
+    let outline = with_cost(memory.add_to(outline), &planned.plan, model.turn, &others);
+    let outline = beside_periodic(outline, model, &cell, &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
 
@@ -86,7 +86,7 @@ pub fn outline(
 /// determines the particles.
 pub fn predicted_memory(model: &Model, ranks: Ranks) -> Result<Option<f64>, StartError> {
     let Some(planned) = Planned::of_model(model)? else { return Ok(None) };
-    let needs = memory::needs(model, (&planned.radii, &planned.plan), ranks);
+    let needs = memory::needs(model, &planned.radii, &planned.plan, ranks);
     Ok(needs.iter().map(|need| need.resident).reduce(f64::max))
 }
 
@@ -152,16 +152,11 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
 }
 
 /// Adds the cost of the boundaries, relative to a periodic box with the same edges.
-fn beside_periodic(
-    outline: Outline,
-    (model, cell): (&Model, &PeriodicBox),
-    planned: &Planned,
-    ranks: Ranks,
-) -> Outline {
+fn beside_periodic(outline: Outline, model: &Model, cell: &PeriodicBox, planned: &Planned, ranks: Ranks) -> Outline {
     let boundaries = model.cell.boundaries();
     let periodic = Problem { boundaries: Boundaries::Periodic, ..problem_in(cell, model, &planned.radii) };
     let (Ok(periodic), true) = (Plan::choose(&periodic), boundaries != Boundaries::Periodic) else { return outline };
-    let memory = |plan: &Plan| memory::need(model, (&planned.radii, plan), ranks, 0).resident;
+    let memory = |plan: &Plan| memory::need(model, &planned.radii, plan, ranks, 0).resident;
     let times = planned.plan.predicted_seconds / periodic.predicted_seconds;
     let room = memory(&planned.plan) / memory(&periodic);
     let edges = model.user_axes().list(cell.edges().to_array()).map(|edge| Number(edge).to_string()).join(" x ");
@@ -185,7 +180,7 @@ fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
 }
 
 /// Adds the cost of an evaluation and the fastest alternative plans.
-fn with_cost(outline: Outline, (plan, turn): (&Plan, AxisRotation), others: &[Plan]) -> Outline {
+fn with_cost(outline: Outline, plan: &Plan, turn: AxisRotation, others: &[Plan]) -> Outline {
     let seconds = plan.predicted_seconds;
     let text = format!("about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several");
     let mut outline = outline.line("cost", text).value("seconds_per_evaluation", seconds);
@@ -216,7 +211,7 @@ pub fn plan_values(plan: &Plan, turn: AxisRotation) -> Value {
 
 impl Memory {
     fn of(model: &Model, planned: &Planned, asked: Asked) -> Self {
-        let needs = memory::needs(model, (&planned.radii, &planned.plan), asked.ranks);
+        let needs = memory::needs(model, &planned.radii, &planned.plan, asked.ranks);
         // The first ranks share a machine, and the first of them needs the most memory.
         let together = &needs[..asked.on_a_machine.min(needs.len())];
         let missing = if asked.are_present { None } else { Comm::check_memory_of(together).err() };

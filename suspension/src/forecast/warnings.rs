@@ -105,7 +105,7 @@ mod tests {
 
     fn cautions_of(flow: Flow, boundaries: Boundaries) -> Vec<String> {
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap().with_boundaries(boundaries).unwrap();
-        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (0.1, 1));
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], 0.1, 1);
         let model = Model::new(Parameters { flow, ..usual }).unwrap();
         cautions(&model, &Radii::of_model(&model).unwrap())
     }
@@ -117,7 +117,7 @@ mod tests {
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
         let bonds = vec![Bonds { pairs: vec![[0, 1]], length: Some(2.0), stiffness: 3.0 * PI, breaking_force: None }];
         for (step, warned) in [(0.29, false), (0.31, true)] {
-            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (step, 1));
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], step, 1);
             let model = Model::new(Parameters { bonds: bonds.clone(), ..usual }).unwrap();
             let said = cautions(&model, &Radii::of_model(&model).unwrap());
             assert_eq!(said.iter().any(|s| s.contains("relax within 1; take 0.3 or less, or")), warned, "{said:?}");

@@ -89,7 +89,8 @@ impl AdamsBashforth {
 /// their place.
 pub fn advance<E>(
     particles: &mut Particles,
-    (dt, steps): (f64, u64),
+    dt: f64,
+    steps: u64,
     method: AdamsBashforth,
     mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -165,7 +166,7 @@ mod tests {
                 circle(particles, clock.time_at(fraction));
                 Ok::<(), ()>(())
             };
-            advance(&mut particles, (clock.dt(), clock.step()), method, go).unwrap();
+            advance(&mut particles, clock.dt(), clock.step(), method, go).unwrap();
             clock.tick();
         }
         let angle = 2.0_f64 + 2.0;
@@ -195,7 +196,7 @@ mod tests {
         decay(&mut particles, 0.0).unwrap();
         let mut clock = Clock::at(0, dt);
         for _ in 0..4000 {
-            advance(&mut particles, (clock.dt(), clock.step()), method, decay).unwrap();
+            advance(&mut particles, clock.dt(), clock.step(), method, decay).unwrap();
             clock.tick();
         }
         particles.positions[0].length()
@@ -220,7 +221,7 @@ mod tests {
             let mut clock = Clock::at(0, dt);
             for _ in 0..3 {
                 let time = clock;
-                advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, |p, f| {
+                advance(&mut particles, clock.dt(), clock.step(), AdamsBashforth::Four, |p, f| {
                     circle(p, time.time_at(f));
                     Ok::<(), ()>(())
                 })
@@ -235,7 +236,7 @@ mod tests {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
-        advance(&mut particles, (0.1, 0), AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
+        advance(&mut particles, 0.1, 0, AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
         assert!(particles.columns.iter().all(|c| !STAGES.contains(&c.name.as_str())), "no stage outlives its step");
     }
 
@@ -245,6 +246,6 @@ mod tests {
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
         let method = AdamsBashforth::Four;
-        assert_eq!(advance(&mut particles, (0.1, 5), method, |_, _| Err("no")), Err("no"));
+        assert_eq!(advance(&mut particles, 0.1, 5, method, |_, _| Err("no")), Err("no"));
     }
 }

@@ -9,7 +9,7 @@ use crate::integrators::motion;
 use crate::model::BrownianScheme;
 use domain::Particles;
 use fcm::Stream;
-use hydrodynamics::brownian::{self, DISPLACEMENT, DRIFT_VELOCITY};
+use hydrodynamics::brownian::{self, CHANGE, Change, DISPLACEMENT, DRIFT_VELOCITY};
 use simulation::Clock;
 
 /// Thermal fluctuations of a run.
@@ -27,6 +27,17 @@ impl ThermalNoise {
         let stream = Stream::new(self.seed, clock.step());
         Noise { stream, amplitude: (2.0 * self.energy / clock.dt()).sqrt(), energy: self.energy }
     }
+}
+
+/// Parameters of a step with Brownian motion.
+#[derive(Debug, Clone, Copy)]
+pub struct BrownianStep {
+    /// Source of the thermal fluctuations.
+    pub noise_source: ThermalNoise,
+    /// Time integrator.
+    pub scheme: BrownianScheme,
+    /// Whether the state after the step is recorded.
+    pub is_seen: bool,
 }
 
 /// Size of the displacement for the finite difference of motions, over that in half a step.
@@ -61,8 +72,8 @@ const DIFFERENCE_FRACTION: f64 = 0.02;
 /// Collective; fails on every rank or on none.
 pub fn advance(
     particles: &mut Particles,
-    (clock, is_seen): (&Clock, bool),
-    (noise_source, scheme): (&ThermalNoise, BrownianScheme),
+    clock: &Clock,
+    BrownianStep { noise_source, scheme, is_seen }: BrownianStep,
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
     let noise = noise_source.of_step(clock);
@@ -109,7 +120,8 @@ fn two_evaluations(
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
     motion::advance(particles, [DISPLACEMENT], [1.0]);
     dynamics.wrap_and_migrate(particles, &start)?;
-    dynamics.store_drift(particles, &start, (DIFFERENCE_FRACTION, noise.energy))?;
+    let change = Change { over: DIFFERENCE_FRACTION, energy: noise.energy, tolerance: CHANGE };
+    dynamics.store_drift(particles, &start, change)?;
     brownian::limit_drift(particles, clock.dt());
     motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
     brownian::clear_history(particles);
@@ -126,7 +138,7 @@ mod tests {
 
     fn pair(distance: f64) -> Model {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
-        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], (1e-4, 1));
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], 1e-4, 1);
         let start = Start::Positions(vec![Vector::splat(5.0), Vector::splat(5.0) + Vector::X * distance]);
         let mut parameters = Parameters {
             start,
@@ -157,7 +169,7 @@ mod tests {
 
     /// Mean Brownian drift velocity of a coordinate over pairs of steps with opposite noise, in which the noise itself
     /// cancels, and its standard error.
-    fn drift(model: &Model, (step, count): (Step, u64), coordinate: fn(&Particles) -> f64) -> [f64; 2] {
+    fn drift(model: &Model, step: Step, count: u64, coordinate: fn(&Particles) -> f64) -> [f64; 2] {
         let (mut dynamics, particles) =
             Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();
         let clock = Clock::at(0, 1e-4);
@@ -192,7 +204,7 @@ mod tests {
         let expected = slope + turning;
         for (step, count, largest) in [(midpoint as Step, 1500, 0.1), (two_evaluations, 800, 0.14)] {
             let [mean, error] =
-                drift(&pair(distance), (step, count), |spheres| spheres.positions[1].x - spheres.positions[0].x);
+                drift(&pair(distance), step, count, |spheres| spheres.positions[1].x - spheres.positions[0].x);
             assert!(
                 (mean - expected).abs() < 3.5 * error && error < largest * expected,
                 "{mean} +- {error}, not {expected}"
@@ -207,7 +219,7 @@ mod tests {
         let above = |height: f64| {
             let cell =
                 PeriodicBox::new(Vector::new(9.0, 8.0, 7.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
-            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (1e-4, 1));
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], 1e-4, 1);
             let start = Start::Positions(vec![Vector::new(3.0, 4.0, height)]);
             let integrator = Integrator::Brownian(BrownianScheme::Midpoint);
             let mut parameters = Parameters { start, thermal_energy: Some(1.0), integrator, ..usual };
@@ -219,7 +231,7 @@ mod tests {
                 - separation_rate(&above(height - 0.01), Vector::Z))
                 / 0.02;
             for (step, count) in [(midpoint as Step, 150), (two_evaluations, 100)] {
-                let [mean, error] = drift(&above(height), (step, count), |spheres| spheres.positions[0].z);
+                let [mean, error] = drift(&above(height), step, count, |spheres| spheres.positions[0].z);
                 assert!(
                     (mean - expected).abs() < 3.5 * error + 0.02 * expected.abs() && error < 0.1 * mean * mirrored,
                     "{mean} +- {error}, not {expected}"

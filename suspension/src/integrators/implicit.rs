@@ -127,7 +127,7 @@ impl Substep<'_> {
         let before = (particles.clone(), dynamics.periodic_cell().clone());
         loop {
             let mut approach = dynamics.approach(particles, USED);
-            let length = choose((&mut approach, &ages), (rest, longest), (control, clock), dynamics)?;
+            let length = choose(&mut approach, &ages, LengthBounds { rest, longest, control, clock }, dynamics)?;
             let step = length.step;
             let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
             let implicit = Some(length.implicit() * step);
@@ -160,19 +160,29 @@ impl Substep<'_> {
 /// Length of a substep by its error; the first substep moves no sphere by more than the tolerance. Collective.
 fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, comm: &Comm) -> f64 {
     if ages.len() < 2 {
-        return control.tolerance / largest_displacement(particles, ([VELOCITY], [1.0]), comm);
+        return control.tolerance / largest_displacement(particles, [VELOCITY], [1.0], comm);
     }
     let mut known = [particles.column(AHEAD, 1).values.first().copied().unwrap_or_default()];
     comm.max(&mut known);
     known[0]
 }
 
+/// Bounds of the length of a substep.
+struct LengthBounds<'a> {
+    /// Rest of the clock's step.
+    rest: f64,
+    /// Longest substep that the error allows.
+    longest: f64,
+    control: &'a Adaptive,
+    clock: &'a Clock,
+}
+
 /// Length of a substep: `rest` divided evenly into parts not longer than `longest`, in which no gap is predicted to
 /// lose more than allowed. Collective.
 fn choose(
-    (approach, ages): (&mut RelativeMotion<3>, &[f64]),
-    (rest, mut longest): (f64, f64),
-    (control, clock): (&Adaptive, &Clock),
+    approach: &mut RelativeMotion<3>,
+    ages: &[f64],
+    LengthBounds { rest, mut longest, control, clock }: LengthBounds,
     dynamics: &Dynamics,
 ) -> Result<Length, StepError> {
     let comm = dynamics.partition().comm();
@@ -213,8 +223,8 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let (columns, weights, comm) = ([VELOCITY, EXPECTED], length.correction(), dynamics.partition().comm());
     let share = if length.ages.len() < 2 { 1.0 / 2.0 } else { 1.0 / 3.0 };
     let [now, past] = length.extrapolation().map(|weight| -weight * weights[0]);
-    let difference = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
-    let error = share * largest_displacement(particles, difference, comm) / control.tolerance;
+    let (last, difference) = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
+    let error = share * largest_displacement(particles, last, difference, comm) / control.tolerance;
     let mut approach = dynamics.approach(particles, columns);
     let sheared = approach.advected_by(dynamics.periodic_cell().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);

@@ -31,7 +31,8 @@ pub fn moved_apart<const N: usize>(
 /// one is NaN. Collective.
 pub fn largest_displacement<const N: usize>(
     particles: &mut Particles,
-    (columns, weights): ([&str; N], [f64; N]),
+    columns: [&str; N],
+    weights: [f64; N],
     comm: &Comm,
 ) -> f64 {
     let mut sums = vec![Vector::ZERO; particles.len()];

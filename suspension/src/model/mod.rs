@@ -94,7 +94,7 @@ pub struct Parameters {
 impl Parameters {
     /// Spheres at random positions in a fluid at rest, with a tolerance of 1e-3; `steps` steps by the fourth-order
     /// Adams-Bashforth method.
-    pub fn new(cell: PeriodicBox, viscosity: f64, species: Vec<Species>, (time_step, steps): (f64, u64)) -> Self {
+    pub fn new(cell: PeriodicBox, viscosity: f64, species: Vec<Species>, time_step: f64, steps: u64) -> Self {
         Self {
             seed: 0,
             cell,

@@ -52,7 +52,7 @@ mod tests {
     fn model(counts: [u64; 2], edges: [f64; 3]) -> Model {
         let species = vec![Species::new("small", 1.0, counts[0]), Species::new("large", 2.0, counts[1])];
         let cell = PeriodicBox::new(Vector::from_array(edges)).unwrap();
-        Model::new(Parameters::new(cell, 1.0, species, (0.1, 10))).unwrap()
+        Model::new(Parameters::new(cell, 1.0, species, 0.1, 10)).unwrap()
     }
 
     fn fraction(model: &Model) -> f64 {

@@ -31,13 +31,13 @@ pub struct Averages {
 impl Averages {
     /// Statistics without samples. Collective.
     pub fn new(model: &Model, wanted: StatisticsParameters, suspension: &Suspension) -> Self {
-        Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), suspension)
+        Self::in_blocks_of(IdBlocks::SIZE, model, wanted, suspension)
     }
 
-    fn in_blocks_of(size: u64, of: (&Model, StatisticsParameters), suspension: &Suspension) -> Self {
-        let ((model, wanted), comm) = (of, suspension.comm().clone());
+    fn in_blocks_of(size: u64, model: &Model, wanted: StatisticsParameters, suspension: &Suspension) -> Self {
+        let comm = suspension.comm().clone();
         let sheared = model.shear_rates().frequency().map(|_| (model.species.len(), model.viscosity));
-        let statistics = Statistics::in_blocks_of(size, of, suspension.particles(), &comm);
+        let statistics = Statistics::in_blocks_of(size, model, wanted, suspension.particles(), &comm);
         let (columns, needs_pair_moments) = (needed_columns(model), needs_pair_moments(model));
         Self {
             samples: wanted.samples,
@@ -118,7 +118,7 @@ mod tests {
         let species = vec![Species::new("one", 1.0, count)];
         let turn = if boundaries == Boundaries::Walls { AxisRotation::to_last(0) } else { AxisRotation::default() };
         let statistics = Some(StatisticsParameters::ALL);
-        Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, (0.1, 4)) }).unwrap()
+        Model::new(Parameters { turn, statistics, ..Parameters::new(cell, 1.0, species, 0.1, 4) }).unwrap()
     }
 
     /// A column of a profile, for all species together.
@@ -197,9 +197,8 @@ mod tests {
             let scene = model(13, boundaries);
             let tables = Comm::threads(ranks, |comm| {
                 let mut suspension = Suspension::start(&scene, &comm).unwrap();
-                let none = |suspension: &Suspension| {
-                    Averages::in_blocks_of(4, (&scene, StatisticsParameters::ALL), suspension)
-                };
+                let none =
+                    |suspension: &Suspension| Averages::in_blocks_of(4, &scene, StatisticsParameters::ALL, suspension);
                 let (mut whole, mut half) = (none(&suspension), none(&suspension));
                 for step in 0..4 {
                     if step == 2 {

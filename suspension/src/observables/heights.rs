@@ -136,7 +136,7 @@ mod tests {
         }
         let quantities = |boundaries| {
             let cell = PeriodicBox::new(Vector::ONE).unwrap();
-            let axes = Parameters::new(cell, 1.0, Vec::new(), (1.0, 1)).user_axes();
+            let axes = Parameters::new(cell, 1.0, Vec::new(), 1.0, 1).user_axes();
             heights(boundaries, &["one".to_owned()], &axes).len()
         };
         assert_eq!([Boundaries::Walls, Boundaries::Wall, Boundaries::Periodic].map(quantities), [3, 1, 0]);

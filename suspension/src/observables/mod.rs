@@ -236,7 +236,7 @@ fn segregation(model: &Model) -> Box<dyn Observable> {
     let (columns, edges) = (columns(model), model.cell.edges());
     measure(Quantity::number("segregation", ""), move |present| {
         let suspension = present.suspension();
-        let mut counted = counted((&columns, edges), (suspension.cell(), suspension.particles()));
+        let mut counted = counted(&columns, edges, suspension.cell(), suspension.particles());
         suspension.comm().sum(counted.counts());
         vec![counted.intensity()]
     })

@@ -1,10 +1,10 @@
 //! Profiles between walls, above a wall, or through a layer in unbounded fluid.
 
 use super::column;
-use super::vectors::map_blocks;
+use super::vectors::{BlockRows, map_blocks};
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::{Model, Statistics as StatisticsParameters};
-use domain::{Boundaries, IdBlocks, Particles, Tensor, Traceless, Vector};
+use domain::{Boundaries, Particles, Tensor, Traceless, Vector};
 use statistics::{ChannelProfile, ChannelSample};
 use std::ops::Range;
 
@@ -34,7 +34,7 @@ impl Channel {
 
     /// Adds all spheres at one time; `slips` are velocities relative to the flow, and each rank adds the spheres of its
     /// blocks. Collective.
-    pub fn add(&mut self, (blocks, rows): (&IdBlocks, &[Range<usize>]), particles: &Particles, slips: &[Vector]) {
+    pub fn add(&mut self, BlockRows { blocks, rows }: BlockRows, particles: &Particles, slips: &[Vector]) {
         let mut heights: Vec<f64> = particles.positions.iter().map(|x| x[self.axis]).collect();
         if self.is_layer {
             let sum = |rows: Range<usize>| vec![heights[rows.clone()].iter().sum::<f64>(), rows.len() as f64];

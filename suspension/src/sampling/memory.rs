@@ -27,7 +27,7 @@ impl RankCounts {
     }
 
     /// Memory that persists after a number of samples, with the given number of threads.
-    pub fn bytes(self, model: &Model, (samples, threads): (u64, usize)) -> Bytes {
+    pub fn bytes(self, model: &Model, samples: u64, threads: usize) -> Bytes {
         let species = model.species.len();
         let pairs = if has_pairs(model) { PairDistribution::bytes(species, threads) } else { Bytes::default() };
         self.followed(samples).then(pairs).then(self.profile(model, samples))

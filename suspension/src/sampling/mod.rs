@@ -27,7 +27,7 @@ pub use species_columns::{column_bytes, columns, counted, has_columns};
 use statistics::{Angle, Blocks, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns};
 use std::borrow::Cow;
 use std::ops::Range;
-use vectors::{Vectors, map_blocks};
+use vectors::{BlockRows, Vectors, map_blocks};
 
 /// Columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
@@ -105,33 +105,35 @@ const DISTANCE: f64 = 8.0;
 impl Statistics {
     /// Statistics without samples, for a model and each rank's own particles. Collective.
     pub fn new(model: &Model, wanted: StatisticsParameters, particles: &Particles, comm: &Comm) -> Self {
-        Self::in_blocks_of(IdBlocks::SIZE, (model, wanted), particles, comm)
+        Self::in_blocks_of(IdBlocks::SIZE, model, wanted, particles, comm)
     }
 
     /// Statistics with blocks of `size` ids.
     pub(crate) fn in_blocks_of(
         size: u64,
-        of: (&Model, StatisticsParameters),
+        model: &Model,
+        wanted: StatisticsParameters,
         particles: &Particles,
         comm: &Comm,
     ) -> Self {
-        let (model, wanted) = of;
         let blocks = IdBlocks::of(particles, comm, size);
         let redistributed = blocks.distributed(particles, |_| false);
         let rows = blocks.rows(&redistributed);
         let mut largest = [redistributed.radii.iter().copied().fold(0.0, f64::max)];
         comm.max(&mut largest);
-        let (about, speed, [largest]) = (SampledModel::of(of, (&blocks, &rows), &redistributed), speed(model), largest);
+        let parts = BlockRows { blocks: &blocks, rows: &rows };
+        let about = SampledModel::of(model, wanted, parts, &redistributed);
+        let (speed, [largest]) = (speed(model), largest);
         let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
         let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
-        let distance = distance(of, largest);
+        let distance = distance(model, wanted, largest);
         let pairs = || PairDistribution::new(distance, about.angle, about.counts.clone(), model.cell.volume());
         let profile = || is_periodic.then(|| Profile::new(&model.cell, about.axis, about.names.len()));
         Self {
             times: [f64::NAN, f64::NAN, 0.0],
             velocities: each(speed),
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
-            kept: kept(&redistributed.species, (&blocks, &rows), about.names.len(), profile),
+            kept: kept(&redistributed.species, parts, about.names.len(), profile),
             pairs: is_periodic.then(pairs),
             channel: Channel::of(model, wanted),
             segregation: Blocks::default(),
@@ -152,9 +154,9 @@ impl Statistics {
         let needed = |name: &str| COLUMNS.contains(&name) || (self.channel.is_some() && MORE_COLUMNS.contains(&name));
         let particles = &*self.blocks.distributed(sample.particles, needed);
         let rows = self.blocks.rows(particles);
-        let velocities = self.average(sample.rate, (particles, &rows));
-        self.follow(sample, (particles, &rows), &velocities);
-        let intensity = self.intensity((sample.cell, particles));
+        let velocities = self.average(sample.rate, particles, &rows);
+        self.follow(sample, particles, &rows, &velocities);
+        let intensity = self.intensity(sample.cell, particles);
         if self.blocks.comm().is_first() {
             self.segregation.add(intensity);
             if let (Some(moduli), Some(stress)) = (&mut self.moduli, sample.shear_stress) {
@@ -174,8 +176,8 @@ impl Statistics {
     }
 
     /// Averages velocities relative to the flow, which it returns, and angular velocities.
-    fn average(&mut self, rate: f64, (particles, rows): (&Particles, &[Range<usize>])) -> Vec<Vector> {
-        let (flow, parts) = (self.about.flows.at_rate(rate), (&self.blocks, rows));
+    fn average(&mut self, rate: f64, particles: &Particles, rows: &[Range<usize>]) -> Vec<Vector> {
+        let (flow, parts) = (self.about.flows.at_rate(rate), BlockRows { blocks: &self.blocks, rows });
         let velocities = column(particles, VELOCITY).iter().zip(particles.positions.iter().zip(&particles.radii));
         let velocities: Vec<Vector> = velocities.map(|(&v, (&x, &a))| v - flow.velocity_of(x, a)).collect();
         Vectors::add(&mut self.velocities, parts, &particles.species, &velocities);
@@ -194,7 +196,8 @@ impl Statistics {
     fn follow(
         &mut self,
         &Sample { time, cell, .. }: &Sample,
-        (particles, rows): (&Particles, &[Range<usize>]),
+        particles: &Particles,
+        rows: &[Range<usize>],
         velocities: &[Vector],
     ) {
         let in_lattice = &*in_lattice(cell, self.about.edges, particles);
@@ -218,25 +221,25 @@ impl Statistics {
     }
 
     /// Intensity of segregation of the species; 0 for a single species.
-    fn intensity(&self, (cell, particles): (&PeriodicBox, &Particles)) -> f64 {
+    fn intensity(&self, cell: &PeriodicBox, particles: &Particles) -> f64 {
         if self.about.names.len() == 1 {
             return 0.0;
         }
-        let mut counted = counted((&self.about.columns, self.about.edges), (cell, particles));
+        let mut counted = counted(&self.about.columns, self.about.edges, cell, particles);
         self.blocks.comm().sum(counted.counts());
         counted.intensity()
     }
 }
 
 /// Largest pair distance, for a given largest radius.
-pub fn distance((model, wanted): (&Model, StatisticsParameters), largest: f64) -> f64 {
+pub fn distance(model: &Model, wanted: StatisticsParameters, largest: f64) -> f64 {
     wanted.distance.unwrap_or(DISTANCE * largest).min(model.cell.edges().min_element())
 }
 
 /// State without samples of the particles of each block.
 fn kept(
     species: &[u32],
-    (blocks, rows): (&IdBlocks, &[Range<usize>]),
+    BlockRows { blocks, rows }: BlockRows,
     count: usize,
     profile: impl Fn() -> Option<Profile>,
 ) -> Vec<ParticleHistory> {
@@ -257,8 +260,9 @@ fn kept(
 
 impl SampledModel {
     fn of(
-        (model, wanted): (&Model, StatisticsParameters),
-        (blocks, rows): (&IdBlocks, &[Range<usize>]),
+        model: &Model,
+        wanted: StatisticsParameters,
+        BlockRows { blocks, rows }: BlockRows,
         redistributed: &Particles,
     ) -> Self {
         let rates = model.shear_rates();

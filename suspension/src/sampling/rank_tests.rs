@@ -9,7 +9,7 @@ use simulation::Table;
 fn model(boundaries: Boundaries, flow: Flow, change: impl FnOnce(&mut Parameters)) -> Model {
     let cell = PeriodicBox::new(Vector::new(9.0, 10.0, 12.0)).unwrap().with_boundaries(boundaries).unwrap();
     let species = vec![Species::new("one", 0.5, 20), Species::new("two", 0.7, 17)];
-    let mut parameters = Parameters::new(cell, 1.0, species, (0.05, 60));
+    let mut parameters = Parameters::new(cell, 1.0, species, 0.05, 60);
     (parameters.flow, parameters.statistics) = (flow, Some(StatisticsParameters::ALL));
     parameters.start = Start::Random { minimum_gap: 0.02 };
     change(&mut parameters);
@@ -55,8 +55,8 @@ fn found(model: &Model, count: u64, size: u64, parts: &[(usize, u32)]) -> (Vec<V
                 own.migrate(&partition, &cell);
                 (cell, own)
             };
-            let of = (model, model.statistics.unwrap());
-            let mut statistics = Statistics::in_blocks_of(size, of, &own(all_at(model, count, 0)).1, &comm);
+            let wanted = model.statistics.unwrap();
+            let mut statistics = Statistics::in_blocks_of(size, model, wanted, &own(all_at(model, count, 0)).1, &comm);
             if !pieces.is_empty() {
                 let own: Vec<Vec<u8>> = pieces.iter().skip(comm.rank()).step_by(ranks).cloned().collect();
                 assert!(statistics.restore(&own));
@@ -175,8 +175,8 @@ fn pieces_that_do_not_fit_are_refused() {
         for ranks in [1, 2, 3] {
             let fits = Comm::threads(ranks, |comm| {
                 let own = if comm.is_first() { all_at(&model, 37, 0).1 } else { Particles::default() };
-                let of = (&model, model.statistics.unwrap());
-                let mut statistics = Statistics::in_blocks_of(20, of, &own, &comm);
+                let wanted = model.statistics.unwrap();
+                let mut statistics = Statistics::in_blocks_of(20, &model, wanted, &own, &comm);
                 statistics.restore(&wrong.iter().skip(comm.rank()).step_by(ranks).cloned().collect::<Vec<_>>())
             });
             assert!(!fits.iter().all(|fits| *fits), "{ranks} ranks");

@@ -40,10 +40,7 @@ pub fn axis_and_width(model: &Model) -> (usize, f64) {
 }
 
 /// Counts this rank's particles in a copy of empty columns, which were made for a box with the given edges.
-pub fn counted(
-    (empty, edges): (&SpeciesColumns, Vector),
-    (cell, particles): (&PeriodicBox, &Particles),
-) -> SpeciesColumns {
+pub fn counted(empty: &SpeciesColumns, edges: Vector, cell: &PeriodicBox, particles: &Particles) -> SpeciesColumns {
     let mut columns = empty.clone();
     for (&position, &species) in in_lattice(cell, edges, particles).iter().zip(&particles.species) {
         columns.add(position, species);

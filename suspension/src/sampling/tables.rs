@@ -77,15 +77,15 @@ impl Results<'_> {
         let columns = [("value", ""), ("error", ""), ("converged", "")];
         let mut summary = Summary(Table::new("summary", &["quantity", "species", "unit"], &columns));
         let [first, last, samples] = self.of.times.map(|mean| Estimate { mean, error: 0.0, converged: true });
-        summary.add(("first_time", ALL, "time"), first);
-        summary.add(("last_time", ALL, "time"), last);
-        summary.add(("samples", ALL, ""), samples);
+        summary.add("first_time", ALL, "time", first);
+        summary.add("last_time", ALL, "time", last);
+        summary.add("samples", ALL, "", samples);
         for (name, (&(radius, fraction), vectors)) in
             self.of.about.names.iter().zip(self.of.about.species.iter().zip(&self.of.velocities))
         {
             let exact = |mean| Estimate { mean, error: 0.0, converged: true };
-            summary.add(("radius", name, "length"), exact(radius));
-            summary.add(("volume_fraction", name, ""), exact(fraction));
+            summary.add("radius", name, "length", exact(radius));
+            summary.add("volume_fraction", name, "", exact(fraction));
             summary.add_moments(name, ["mean_velocity", "T"], ["length/time", "length^2/time^2"], vectors);
         }
         for (name, vectors) in
@@ -95,19 +95,19 @@ impl Results<'_> {
         }
         if let Some((_, moduli)) = self.measured_moduli().and_then(|moduli| moduli.estimates().next()) {
             for (name, found) in ["storage_modulus", "loss_modulus"].into_iter().zip(moduli) {
-                summary.add((name, ALL, "force/length^2"), found);
+                summary.add(name, ALL, "force/length^2", found);
             }
         }
         // Not known from a trajectory.
         if let Some(pressure) = self.of.pressure.as_ref().filter(|pressure| pressure.count() > 0) {
-            summary.add(("pressure_gradient", ALL, "force/length^3"), pressure.estimate());
+            summary.add("pressure_gradient", ALL, "force/length^3", pressure.estimate());
         }
         self.add_diffusivities(&mut summary);
         if let Some(channel) = &self.of.channel {
-            summary.add(("volume_outside", ALL, ""), channel.profile.outside());
+            summary.add("volume_outside", ALL, "", channel.profile.outside());
         }
         if self.of.about.names.len() > 1 {
-            summary.add(("segregation", ALL, ""), self.of.segregation.estimate());
+            summary.add("segregation", ALL, "", self.of.segregation.estimate());
         }
         summary.0
     }
@@ -123,8 +123,8 @@ impl Results<'_> {
             for (axis, letter) in AXES.iter().enumerate() {
                 // With Brownian motion, velocities are displacements over the step and depend on its length.
                 let by_integral = if self.of.about.is_brownian { UNKNOWN } else { known(found.by_integral[axis]) };
-                summary.add((&format!("D_integral_{letter}"), name, unit), by_integral);
-                summary.add((&format!("D_slope_{letter}"), name, unit), known(found.by_slope[axis]));
+                summary.add(&format!("D_integral_{letter}"), name, unit, by_integral);
+                summary.add(&format!("D_slope_{letter}"), name, unit, known(found.by_slope[axis]));
             }
             by_species.push(known(found.by_slope[1]));
         }
@@ -141,8 +141,8 @@ impl Results<'_> {
         let global = |d: f64| global_coefficient(d, species, rate);
         let mean = |d: f64| mean_coefficient(global(d), species, &own);
         let scaled = |by: &dyn Fn(f64) -> f64| Estimate { mean: by(all.mean), error: by(all.error), ..all };
-        summary.add(("D_global_y", ALL, ""), scaled(&global));
-        summary.add(("D_mean_y", ALL, ""), scaled(&mean));
+        summary.add("D_global_y", ALL, "", scaled(&global));
+        summary.add("D_mean_y", ALL, "", scaled(&mean));
     }
 
     fn lags(&self) -> Table {
@@ -254,7 +254,7 @@ fn harmonics(moduli: &Moduli) -> Table {
 struct Summary(Table);
 
 impl Summary {
-    fn add(&mut self, (quantity, species, unit): (&str, &str, &str), found: Estimate) {
+    fn add(&mut self, quantity: &str, species: &str, unit: &str, found: Estimate) {
         let converged = f64::from(u8::from(found.converged));
         self.0.add(&[quantity, species, unit], &[found.mean, found.error, converged]);
     }
@@ -262,16 +262,16 @@ impl Summary {
     fn add_moments(&mut self, species: &str, [mean, tensor]: [&str; 2], units: [&str; 2], vectors: &Vectors) {
         let times = |found: Estimate, unit| Estimate { mean: found.mean * unit, error: found.error * unit, ..found };
         for (axis, found) in AXES.iter().zip(vectors.moments.mean()) {
-            self.add((&format!("{mean}_{axis}"), species, units[0]), times(found, vectors.unit));
+            self.add(&format!("{mean}_{axis}"), species, units[0], times(found, vectors.unit));
         }
         for (component, found) in COMPONENTS.iter().zip(vectors.moments.components()) {
-            self.add((&format!("{tensor}_{component}"), species, units[1]), times(found, vectors.unit.powi(2)));
+            self.add(&format!("{tensor}_{component}"), species, units[1], times(found, vectors.unit.powi(2)));
         }
         for (axis, density) in AXES.iter().zip(&vectors.densities) {
             if let Some(fit) = StretchedExponential::fitted(density) {
                 let exact = |mean| Estimate { mean, error: f64::NAN, converged: true };
-                self.add((&format!("{tensor}_{axis}_tail_exponent"), species, ""), exact(fit.exponent));
-                self.add((&format!("{tensor}_{axis}_tail_scale"), species, ""), exact(fit.scale));
+                self.add(&format!("{tensor}_{axis}_tail_exponent"), species, "", exact(fit.exponent));
+                self.add(&format!("{tensor}_{axis}_tail_scale"), species, "", exact(fit.scale));
             }
         }
     }

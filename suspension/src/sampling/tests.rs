@@ -9,12 +9,12 @@ fn model() -> Model {
     let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
     let species = vec![Species::new("small", 1.0, 20), Species::new("large", 1.5, 6)];
     let flow = Flow::Shear { rate: 0.5, lees_edwards: true };
-    let usual = Parameters::new(cell, 1.0, species, (0.05, 6));
+    let usual = Parameters::new(cell, 1.0, species, 0.05, 6);
     Model::new(Parameters { seed: 3, flow, statistics: Some(StatisticsParameters::ALL), ..usual }).unwrap()
 }
 
 /// Takes a sample on one rank.
-fn taken(statistics: &mut Statistics, time: f64, (cell, particles): (&PeriodicBox, &Particles)) {
+fn taken(statistics: &mut Statistics, time: f64, cell: &PeriodicBox, particles: &Particles) {
     let partition = &Partition::new(&Comm::alone(), [1, 1]);
     statistics.sample(&Sample {
         time,
@@ -68,7 +68,7 @@ fn displacements_leave_the_flow_out() {
     for step in 0..60 {
         let time = 0.25 * f64::from(step);
         let (cell, particles) = drifting(model, time);
-        taken(&mut statistics, time, (&cell, &particles));
+        taken(&mut statistics, time, &cell, &particles);
     }
     for lag in statistics.kept[0].lagrangian.sums().lags(None) {
         let expected = lag.correlation * lag.time.powi(2);
@@ -93,13 +93,13 @@ fn an_interruption_changes_nothing() {
     for step in 0..20 {
         let time = 0.25 * f64::from(step);
         let (cell, particles) = drifting(model, time);
-        taken(&mut whole, time, (&cell, &particles));
+        taken(&mut whole, time, &cell, &particles);
         if step == 11 {
             let pieces = parts.pieces();
             parts = empty(model);
             assert!(parts.restore(&pieces));
         }
-        taken(&mut parts, time, (&cell, &particles));
+        taken(&mut parts, time, &cell, &particles);
     }
     assert_eq!(whole.pieces(), parts.pieces());
     assert_eq!(text(&mut whole), text(&mut parts));

@@ -6,6 +6,13 @@ use rayon::prelude::*;
 use statistics::{Counts, Fluctuations, Histogram, SecondMoments, VectorSum};
 use std::ops::Range;
 
+/// This rank's blocks of ids, and the rows of the particles of each.
+#[derive(Clone, Copy)]
+pub struct BlockRows<'a> {
+    pub blocks: &'a IdBlocks,
+    pub rows: &'a [Range<usize>],
+}
+
 /// Moments of a vector over the particles of a species, and probability densities of its components about the mean at
 /// each time, in a unit in which fourth powers are representable. The moments are on the first rank; each rank has the
 /// densities of its own particles.
@@ -27,7 +34,7 @@ impl Vectors {
     }
 
     /// Adds the vectors of the particles of each species at one time; each rank adds those of its blocks. Collective.
-    pub fn add(all: &mut [Self], (blocks, rows): (&IdBlocks, &[Range<usize>]), species: &[u32], vectors: &[Vector]) {
+    pub fn add(all: &mut [Self], BlockRows { blocks, rows }: BlockRows, species: &[u32], vectors: &[Vector]) {
         let scales: Vec<f64> = all.iter().map(|own| 1.0 / own.unit).collect();
         let scaled = |row: usize| (species[row] as usize, vectors[row] * scales[species[row] as usize]);
         let sums = blocks.total(&map_blocks(rows, |rows| {

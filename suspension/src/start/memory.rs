@@ -38,12 +38,12 @@ const DENSE: f64 = 0.25;
 const MANY: usize = 16;
 
 /// Peak memory of each rank of a run.
-pub fn needs(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks) -> Vec<MemoryNeed> {
-    (0..ranks.count).map(|rank| need(model, (radii, plan), ranks, rank)).collect()
+pub fn needs(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks) -> Vec<MemoryNeed> {
+    (0..ranks.count).map(|rank| need(model, radii, plan, ranks, rank)).collect()
 }
 
 /// Peak memory of one rank of a run.
-pub fn need(model: &Model, (radii, plan): (&Radii, &Plan), ranks: Ranks, rank: usize) -> MemoryNeed {
+pub fn need(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks, rank: usize) -> MemoryNeed {
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, &place, ranks.threads, &expected);
@@ -288,7 +288,7 @@ impl Share<'_> {
     /// The rank's share of the statistics, and the number of samples.
     fn statistics(&self) -> Option<(sampling::RankCounts, u64)> {
         let wanted = self.model.statistics?;
-        let distance = sampling::distance((self.model, wanted), self.expected.largest_radius());
+        let distance = sampling::distance(self.model, wanted, self.expected.largest_radius());
         let of_rank = sampling::RankCounts {
             owned: self.expected.owned(),
             present: self.expected.present(distance),
@@ -301,7 +301,7 @@ impl Share<'_> {
 
     /// Memory of accumulated statistics.
     fn estimators(&self) -> Bytes {
-        let kept = |(share, samples): (sampling::RankCounts, u64)| share.bytes(self.model, (samples, self.threads));
+        let kept = |(share, samples): (sampling::RankCounts, u64)| share.bytes(self.model, samples, self.threads);
         self.statistics().map_or_else(Bytes::default, kept)
     }
 

@@ -45,7 +45,7 @@ pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Partic
     let positions = match &model.start {
         Start::Random { minimum_gap } => &random_packing(&model.cell, &radii, *minimum_gap, model.seed)?,
         Start::Cloud { radius, minimum_gap } => &random_cloud(*radius, &radii, *minimum_gap, model.seed)?,
-        Start::Lattice(lattice) => &on_lattice(&model.cell, *lattice, (species.len(), model.seed)),
+        Start::Lattice(lattice) => &on_lattice(&model.cell, *lattice, species.len(), model.seed),
         Start::Positions(positions) => positions,
         Start::Given => unreachable!("taken above"),
     };
@@ -74,13 +74,13 @@ fn store(positions: &[Vector], radii: &[f64], species: &[u32]) -> Particles {
 }
 
 /// Positions on the coarsest lattice of roughly cubic cells with enough sites; vacancies are random.
-fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64)) -> Vec<Vector> {
+fn on_lattice(cell: &PeriodicBox, lattice: Lattice, count: usize, seed: u64) -> Vec<Vector> {
     let basis: &[[f64; 3]] = match lattice {
         Lattice::SimpleCubic => &[[0.5, 0.5, 0.5]],
         Lattice::FaceCentredCubic => &[[0.25, 0.25, 0.25], [0.75, 0.75, 0.25], [0.75, 0.25, 0.75], [0.25, 0.75, 0.75]],
     };
     let edges = cell.edges();
-    let mut cells = (edges / spacing(cell, (basis.len() as f64, count as f64))).round().max(Vector::ONE);
+    let mut cells = (edges / spacing(cell, basis.len() as f64, count as f64)).round().max(Vector::ONE);
     while (cells.element_product() as usize) * basis.len() < count {
         let widths = edges / cells;
         let widest = (0..3).max_by(|&a, &b| widths[a].total_cmp(&widths[b])).expect("three axes");
@@ -102,7 +102,7 @@ fn on_lattice(cell: &PeriodicBox, lattice: Lattice, (count, seed): (usize, u64))
 
 /// Edge of a lattice cell with the given number of sites, such that the box has as many sites as spheres. Along edges
 /// of the box that are shorter than that, the box is one cell wide.
-fn spacing(cell: &PeriodicBox, (sites, spheres): (f64, f64)) -> f64 {
+fn spacing(cell: &PeriodicBox, sites: f64, spheres: f64) -> f64 {
     let mut spacing = (cell.volume() * sites / spheres).cbrt();
     for _ in 0..2 {
         let long: Vec<f64> = cell.edges().to_array().into_iter().filter(|&edge| edge >= 0.5 * spacing).collect();
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn a_lattice_has_sites_enough() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
-        let sites = on_lattice(&cell, Lattice::SimpleCubic, (11, 1));
+        let sites = on_lattice(&cell, Lattice::SimpleCubic, 11, 1);
         assert_eq!(sites.len(), 11);
         let halved = (0..3).filter(|&d| sites.iter().all(|site| [2.5, 7.5].contains(&site[d]))).count();
         assert_eq!(halved, 2, "{sites:?}");
@@ -185,7 +185,7 @@ mod tests {
         for (lattice, count, nearest) in
             [(Lattice::SimpleCubic, 128, 2.0), (Lattice::FaceCentredCubic, 64, 4.0 / 2.0_f64.sqrt())]
         {
-            let sites = on_lattice(&cell, lattice, (count, 1));
+            let sites = on_lattice(&cell, lattice, count, 1);
             assert_eq!(sites.len(), count);
             for (i, &site) in sites.iter().enumerate() {
                 let others = sites.iter().enumerate().filter(|(j, _)| *j != i);
@@ -193,20 +193,20 @@ mod tests {
                 assert!((least - nearest).abs() < 1e-12);
             }
         }
-        assert_eq!(on_lattice(&cell, Lattice::SimpleCubic, (100, 1)).len(), 100);
+        assert_eq!(on_lattice(&cell, Lattice::SimpleCubic, 100, 1).len(), 100);
     }
 
     #[test]
     fn a_lattice_in_a_long_or_flat_box_has_about_as_many_sites_as_spheres() {
         let cells = |edges: [f64; 3], cells: f64| {
             let cell = PeriodicBox::new(Vector::from_array(edges)).unwrap();
-            (cell.edges() / spacing(&cell, (1.0, cells))).round()
+            (cell.edges() / spacing(&cell, 1.0, cells)).round()
         };
         assert_eq!(cells([8.0, 1e20, 8.0], 4.0), Vector::new(0.0, 4.0, 0.0));
         assert_eq!(cells([1.0, 300.0, 300.0], 9.0), Vector::new(0.0, 3.0, 3.0));
         assert_eq!(cells([8.0, 8.0, 16.0], 16.0), Vector::new(2.0, 2.0, 4.0));
         let line = PeriodicBox::new(Vector::new(8.0, 1e20, 8.0)).unwrap();
-        let sites = on_lattice(&line, Lattice::FaceCentredCubic, (8, 1));
+        let sites = on_lattice(&line, Lattice::FaceCentredCubic, 8, 1);
         assert_eq!(sites.len(), 8);
         assert!(sites.iter().any(|site| site.y > 0.5e20) && sites.iter().any(|site| site.y < 0.5e20));
     }

@@ -7,6 +7,7 @@ use crate::evaluation::prepared::{Planned, Setup, partition};
 use crate::flow::constant_flux::ConstantFluxState;
 use crate::flow::open_cell;
 use crate::flow::periodic_cell::PeriodicCell;
+use crate::flow::stress_control::StressTarget;
 use crate::forces::tethers;
 use crate::model::radii::Radii;
 use crate::model::{Flow, Model};
@@ -41,8 +42,8 @@ impl Setup {
         let first = || if comm.is_first() { placement::particles(model, placed) } else { Ok(Particles::default()) };
         let particles = comm.agree(shared.and_then(|shared| shared.flatten().map_or_else(first, Ok)))?;
         let mut setup = match planned {
-            Some(planned) => Self::of(model, (planned, particles), (comm, 0))?,
-            None => Self::at(model, particles, (comm, 0)).map_err(|error| StartError::Given(Box::new(error)))?,
+            Some(planned) => Self::of(model, planned, particles, comm, 0)?,
+            None => Self::at(model, particles, comm, 0).map_err(|error| StartError::Given(Box::new(error)))?,
         };
         if let Some(contacts) = model.contacts.filter(|_| setup.gap().length < 0.0) {
             setup.relax(contacts.roughness, comm);
@@ -82,23 +83,25 @@ impl Setup {
     }
 
     /// Prepares a scene after `step` steps, with its particles on any ranks, if there is memory to run it. Collective.
-    pub fn at(model: &Model, particles: Particles, (comm, step): (&Comm, u64)) -> Result<Self, StartError> {
+    pub fn at(model: &Model, particles: Particles, comm: &Comm, step: u64) -> Result<Self, StartError> {
         let radii = Radii::shared(&particles, comm);
-        let cell = open_cell::of(model, &particles, (&radii, comm));
+        let cell = open_cell::of(model, &particles, &radii, comm);
         let planned = Planned::within(&cell, model, radii, comm)?;
-        Self::of(model, (planned, particles), (comm, step))
+        Self::of(model, planned, particles, comm, step)
     }
 
     fn of(
         model: &Model,
-        (planned, mut particles): (Planned, Particles),
-        (comm, step): (&Comm, u64),
+        planned: Planned,
+        mut particles: Particles,
+        comm: &Comm,
+        step: u64,
     ) -> Result<Self, StartError> {
         if model.hydrodynamics.lubrication {
             let (smallest, largest) = (planned.radii.smallest(), planned.radii.largest());
             check_lubricated(smallest, largest).map_err(StartError::Radii)?;
         }
-        let cell = open_cell::of(model, &particles, (&planned.radii, comm));
+        let cell = open_cell::of(model, &particles, &planned.radii, comm);
         let fits = cell == model.cell || planned.plan.edges == cell.edges();
         let Planned { radii, plan } = if fits { planned } else { Planned::within(&cell, model, planned.radii, comm)? };
         let partition = partition(&plan, comm);
@@ -114,9 +117,11 @@ impl Setup {
             None => moving,
         };
         let moving = match stress {
-            Some(stress) => {
-                moving.under_stress((stress, model.viscosity, model.hydrodynamics.tolerance), &particles, comm)
-            }
+            Some(stress) => moving.under_stress(
+                StressTarget { stress, viscosity: model.viscosity, tolerance: model.hydrodynamics.tolerance },
+                &particles,
+                comm,
+            ),
             None => moving,
         };
         if model.fields {
@@ -149,7 +154,7 @@ impl Planned {
     /// Refuses a run for which the present ranks do not have the memory. Collective.
     pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
-        let need = memory::need(model, (&self.radii, &self.plan), ranks, comm.rank());
+        let need = memory::need(model, &self.radii, &self.plan, ranks, comm.rank());
         let advice = || memory::advice(model, &self.radii);
         comm.agree(comm.check_memory(need).map_err(|error| format!("{error}; {}", advice())))
     }

@@ -21,7 +21,7 @@ impl Suspension {
     /// let (cell, place) = (PeriodicBox::new(Vector::splat(16.0))?, Vector::splat(8.0));
     /// let start = Start::Positions(vec![place]);
     /// let species = vec![Species::new("on a spring", 1.0, 1)];
-    /// let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, species, (0.1, 10)) })?;
+    /// let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, species, 0.1, 10) })?;
     /// let mut suspension = Suspension::start(&model, &Comm::alone())?;
     /// let anchor = place + Vector::X;
     /// suspension.add_loads(Box::new(move |positions: &[Vector], _time| {
@@ -84,7 +84,7 @@ impl Suspension {
     /// let cell = PeriodicBox::new(Vector::splat(16.0))?;
     /// let start = Start::Positions(vec![Vector::new(6.5, 8.0, 8.0), Vector::new(9.5, 8.0, 8.0)]);
     /// let species = vec![Species::new("pushed", 1.0, 2)];
-    /// let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, species, (0.1, 10)) })?;
+    /// let model = Model::new(Parameters { start, ..Parameters::new(cell, 1.0, species, 0.1, 10) })?;
     /// let mut suspension = Suspension::start(&model, &Comm::alone())?;
     /// suspension.add_force(Box::new(PairwiseForce::new(Push)))?;
     /// suspension.step()?;

@@ -26,7 +26,7 @@ fn a_passing_particle_moves_on_a_straight_line() {
     let mut clock = Clock::at(0, 0.05);
     for _ in 0..400 {
         let now = clock;
-        advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, |particles, fraction| {
+        advance(&mut particles, clock.dt(), clock.step(), AdamsBashforth::Four, |particles, fraction| {
             moving.advance_to(now.time_at(fraction), particles);
             flow(particles);
             Ok::<(), ()>(())
@@ -63,7 +63,7 @@ fn a_drifting_particle_follows_an_oscillation() {
                 particles.vectors(VELOCITY).fill(drift);
                 Ok::<(), ()>(())
             };
-            advance(&mut particles, (clock.dt(), clock.step()), AdamsBashforth::Four, go).unwrap();
+            advance(&mut particles, clock.dt(), clock.step(), AdamsBashforth::Four, go).unwrap();
             clock.tick();
         }
         // The integral of rate cos(w t) (y0 + drift t)

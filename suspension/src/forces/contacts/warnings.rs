@@ -65,7 +65,7 @@ mod tests {
         use crate::model::{Adaptive, Contacts, Hydrodynamics, Integrator};
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
         for (step, warned) in [(0.005, false), (0.006, true)] {
-            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], (step, 1));
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], step, 1);
             let model = Model::new(Parameters {
                 flow: Flow::Shear { rate: -2.0, lees_edwards: true },
                 contacts: Some(Contacts::new(0.5)),
@@ -86,7 +86,7 @@ mod tests {
         use crate::model::{Adaptive, Contacts, Hydrodynamics, Integrator};
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
         let said = |count, times: Option<f64>, step| {
-            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, count)], (step, 1));
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, count)], step, 1);
             let sheared = Parameters {
                 flow: Flow::Shear { rate: 2.0, lees_edwards: true },
                 hydrodynamics: Hydrodynamics { lubrication: true, ..Hydrodynamics::default() },

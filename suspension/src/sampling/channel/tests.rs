@@ -13,7 +13,7 @@ fn model(boundaries: Boundaries, flow: Flow, start: Start) -> Model {
     let count = if let Start::Positions(places) = &start { places.len() as u64 } else { 12 };
     let species = vec![Species::new("one", 1.0, count)];
     let statistics = Some(StatisticsParameters { bins: Some(16), ..StatisticsParameters::ALL });
-    let usual = Parameters::new(cell(boundaries), 1.0, species, (0.05, 4));
+    let usual = Parameters::new(cell(boundaries), 1.0, species, 0.05, 4);
     Model::new(Parameters { seed: 4, flow, start, statistics, ..usual }).unwrap()
 }
 

@@ -9,7 +9,7 @@ fn settling(count: u64, fraction: f64) -> Parameters {
     let edge = (count as f64 * 4.0 / 3.0 * std::f64::consts::PI / fraction).cbrt();
     let cell = PeriodicBox::new(Vector::splat(edge)).unwrap();
     let spheres = Species { force: -18.85 * Vector::Z, ..Species::new("heavy", 1.0, count) };
-    Parameters { start: Start::Random { minimum_gap: 0.02 }, ..Parameters::new(cell, 1.0, vec![spheres], (0.001, 2)) }
+    Parameters { start: Start::Random { minimum_gap: 0.02 }, ..Parameters::new(cell, 1.0, vec![spheres], 0.001, 2) }
 }
 
 /// Memory of each of several single-threaded ranks, in MB.
@@ -17,7 +17,7 @@ fn needed(parameters: Parameters, ranks: usize) -> Vec<f64> {
     let model = Model::new(parameters).unwrap();
     let radii = Radii::of_model(&model).unwrap();
     let plan = plan(&model, &radii).unwrap();
-    let needs = needs(&model, (&radii, &plan), Ranks { count: ranks, threads: 1 });
+    let needs = needs(&model, &radii, &plan, Ranks { count: ranks, threads: 1 });
     needs.iter().map(|need| need.resident / 1e6).collect()
 }
 
