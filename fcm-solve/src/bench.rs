@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use domain::Comm;
 use fcm::{Costs, Fixed, Method};
 use serde::Serialize;
-use suspension::benchmark::{Case, Kind, Measurement, Spheres, Task};
+use suspension::benchmark::{BenchmarkCase, BenchmarkKind, CostMeasurement, Spheres, Task};
 
 /// Cases of a benchmark: every combination of the lists, one JSON line each.
 #[derive(clap::Args)]
@@ -79,11 +79,11 @@ enum Choice {
 
 /// One line of the output.
 #[derive(Serialize)]
-struct Line {
+struct BenchLine {
     #[serde(flatten)]
-    case: Case,
+    case: BenchmarkCase,
     #[serde(flatten)]
-    measured: Measurement,
+    measured: CostMeasurement,
 }
 
 /// Runs all cases. Collective.
@@ -93,19 +93,19 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {
             let measured = args.task(tolerance, costs).measure(&spheres, comm)?;
-            streams::print(comm, &(serde_json::to_string(&Line { case, measured })? + "\n"))?;
+            streams::print(comm, &(serde_json::to_string(&BenchLine { case, measured })? + "\n"))?;
         }
     }
     Ok(())
 }
 
 impl Args {
-    fn cases(&self) -> Vec<Case> {
+    fn cases(&self) -> Vec<BenchmarkCase> {
         let mut cases = Vec::new();
         for &particles in &self.particles {
             for &volume_fraction in &self.volume_fraction {
                 for &size_ratio in &self.size_ratio {
-                    cases.push(Case { particles: particles as usize, volume_fraction, size_ratio });
+                    cases.push(BenchmarkCase { particles: particles as usize, volume_fraction, size_ratio });
                 }
             }
         }
@@ -121,9 +121,9 @@ impl Args {
         Task {
             tolerance,
             kind: match (self.monopoles, self.stresslets) {
-                (true, _) => Kind::Forces,
-                (_, true) => Kind::Stresslets,
-                _ => Kind::All,
+                (true, _) => BenchmarkKind::Forces,
+                (_, true) => BenchmarkKind::Stresslets,
+                _ => BenchmarkKind::All,
             },
             repeats: self.repeats,
             with_error: !self.no_error,

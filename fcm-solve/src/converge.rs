@@ -1,7 +1,7 @@
 //! `fcm-solve converge`: change of an answer with the step, the box, the tolerance and the stiffness of contacts.
 
 use crate::commands::quoted;
-use crate::family::{self, Part, Work};
+use crate::family::{self, FamilyTask, Part};
 use crate::scene_file::read;
 use crate::signals::{Signals, StopArgs};
 use crate::streams::{self, json};
@@ -52,7 +52,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     }
     let path = args.folder();
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
-    let work = Work { family: &wanted.family, part: Part::WHOLE, accepted: &[] };
+    let work = FamilyTask { family: &wanted.family, part: Part::WHOLE, accepted: &[] };
     let former = if args.force { ExistingRun::Replace } else { ExistingRun::Continue };
     let code = family::run(&work, &path, former, &signals)?;
     if code == ExitCode::SUCCESS {

@@ -7,9 +7,9 @@ use crate::streams;
 use anyhow::{Context, ensure};
 use domain::{AxisRotation, Bytes, Comm, Tensor, Traceless, Vector};
 use fcm::{Costs, DrawDiagnostics, Loads, Motion, Multipoles, Plan};
-use files::{Answer, FileError, parse_case, read_case};
+use files::{CaseAnswer, FileError, parse_case, read_case};
 use lubrication::LubricationRange;
-use scene::{Case, NOISE_NUMBERS, Noise, Terms};
+use scene::{Case, CaseNoise, CaseTerms, NOISE_NUMBERS};
 use solver::BackgroundFlow;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -71,7 +71,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 }
 
 /// Evaluates a case; the first rank has the answer. Collective.
-fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<Answer>> {
+fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<CaseAnswer>> {
     let (parameters, turn) = parameters(case, tolerance, run::kept_costs(comm)?)?;
     case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
@@ -86,9 +86,9 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let start = Instant::now();
     let motions = mobility.apply(&loads(case), &background)?;
     let seconds = start.elapsed().as_secs_f64();
-    let noise = case.noise.map(|Noise { draws, seed, .. }| mobility.noise(seed, 0..draws)).transpose()?;
+    let noise = case.noise.map(|CaseNoise { draws, seed, .. }| mobility.noise(seed, 0..draws)).transpose()?;
     let drifting = case.noise.filter(|noise| noise.drift);
-    let drift = drifting.map(|Noise { draws, seed, .. }| mobility.drift(seed, 0..draws)).transpose()?;
+    let drift = drifting.map(|CaseNoise { draws, seed, .. }| mobility.drift(seed, 0..draws)).transpose()?;
     if let Some(clipped) =
         noise.as_ref().map(|(_, drawn)| drawn.clipped).filter(|&c| c > DrawDiagnostics::NEGLIGIBLE && comm.is_first())
     {
@@ -126,7 +126,7 @@ fn cautions(overlaps: Option<Overlaps>, mobility: &Mobility) -> Vec<String> {
 /// Memory for the numbers of the case and the answer, 32 for each particle and those of random motions, in binary form
 /// and as text of about 20 characters each.
 fn text_bytes(case: &Case) -> Bytes {
-    let kinds = |noise: Noise| if noise.drift { 2.0 } else { 1.0 };
+    let kinds = |noise: CaseNoise| if noise.drift { 2.0 } else { 1.0 };
     let noise = case.noise.map_or(0.0, |noise| kinds(noise) * noise.draws as f64) * NOISE_NUMBERS as f64;
     Bytes::keep((8.0 + 20.0) * (32.0 + 2.0 * noise) * case.positions.len() as f64)
 }
@@ -139,8 +139,8 @@ fn parameters(case: &Case, tolerance: f64, costs: Costs) -> anyhow::Result<(Mobi
         radii: case.radii(),
         viscosity: case.viscosity,
         multipoles: match case.multipoles {
-            Terms::Monopole => Multipoles::Monopole,
-            Terms::Dipole => Multipoles::Dipole,
+            CaseTerms::Monopole => Multipoles::Monopole,
+            CaseTerms::Dipole => Multipoles::Dipole,
         },
         rigid: case.rigid,
         tolerance,
@@ -160,12 +160,12 @@ fn loads(case: &Case) -> Loads {
     Loads { forces: vectors(&case.forces), torques: vectors(&case.torques), stresslets }
 }
 
-fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, seconds: f64) -> Answer {
+fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, seconds: f64) -> CaseAnswer {
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;
     let Motions { motion, stresslets, stresslets_far, iterations, residual } = motions;
-    Answer {
+    CaseAnswer {
         velocities: vectors(&motion.velocities),
         angular_velocities: dipoles.then(|| vectors(&motion.angular_velocities)),
         strain_rates: dipoles.then(|| tensors(&motion.strain_rates)),
@@ -175,12 +175,12 @@ fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, secon
         residual: *residual,
         seconds,
         plan: plan.describe_for(turn),
-        ..Answer::default()
+        ..CaseAnswer::default()
     }
 }
 
-fn add_noise(answer: &mut Answer, motions: &[Motion], case: &Case) {
-    let dipoles = matches!(case.multipoles, Terms::Dipole);
+fn add_noise(answer: &mut CaseAnswer, motions: &[Motion], case: &Case) {
+    let dipoles = matches!(case.multipoles, CaseTerms::Dipole);
     let each = |of: &dyn Fn(&Motion) -> Vec<Vector>| {
         motions.iter().map(|motion| of(motion).iter().map(Vector::to_array).collect()).collect()
     };
@@ -190,7 +190,7 @@ fn add_noise(answer: &mut Answer, motions: &[Motion], case: &Case) {
         .then(|| motions.iter().map(|motion| motion.strain_rates.iter().map(|tensor| tensor.0).collect()).collect());
 }
 
-fn add_drift(answer: &mut Answer, drift: &[Drift]) {
+fn add_drift(answer: &mut CaseAnswer, drift: &[Drift]) {
     let vectors = |of: &dyn Fn(&Drift) -> &[Vector]| {
         Some(drift.iter().map(|drift| of(drift).iter().map(Vector::to_array).collect()).collect())
     };
@@ -201,7 +201,7 @@ fn add_drift(answer: &mut Answer, drift: &[Drift]) {
 }
 
 /// Refuses an answer with numbers that are not finite.
-fn finite(answer: &Answer) -> anyhow::Result<()> {
+fn finite(answer: &CaseAnswer) -> anyhow::Result<()> {
     let vectors =
         [Some(&answer.velocities), answer.angular_velocities.as_ref()].into_iter().flatten().flatten().flatten();
     let tensors = [&answer.strain_rates, &answer.stresslets, &answer.stresslets_far];
@@ -214,7 +214,7 @@ fn finite(answer: &Answer) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(args: &Args, answer: &Answer) -> anyhow::Result<()> {
+fn write(args: &Args, answer: &CaseAnswer) -> anyhow::Result<()> {
     match &args.out {
         Some(path) => Ok(answer.write(path)?),
         None => streams::print_here(&answer.to_json()),

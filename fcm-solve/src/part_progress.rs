@@ -17,11 +17,11 @@ const LONG_SILENCE: Duration = Duration::from_secs(4);
 /// Progress as a fraction: a bar on a terminal, removed at the end; elsewhere a line now and then. Shown by the first
 /// rank alone.
 pub struct PartProgress {
-    display: Display,
+    display: PartDisplay,
     what: &'static str,
 }
 
-enum Display {
+enum PartDisplay {
     Bar(ProgressBar),
     Lines {
         said: Instant,
@@ -45,10 +45,10 @@ impl PartProgress {
 
     fn start_after(silence: Duration, comm: &Comm, what: &'static str) -> Self {
         let display = match (comm.is_first(), std::io::stderr().is_terminal()) {
-            (false, _) => Display::Nothing,
-            (true, _) if streams::is_quiet() => Display::Quiet,
-            (true, true) => Display::Bar(bar(what, silence)),
-            (true, false) => Display::Lines { said: Instant::now(), naming: Naming::start(what, silence) },
+            (false, _) => PartDisplay::Nothing,
+            (true, _) if streams::is_quiet() => PartDisplay::Quiet,
+            (true, true) => PartDisplay::Bar(bar(what, silence)),
+            (true, false) => PartDisplay::Lines { said: Instant::now(), naming: Naming::start(what, silence) },
         };
         Self { display, what }
     }
@@ -56,32 +56,32 @@ impl PartProgress {
     /// Shows the fraction that is done, from 0 to 1.
     pub fn show(&mut self, part: f64) {
         let percent = (100.0 * part.clamp(0.0, 1.0)) as u64;
-        if let Display::Lines { naming, .. } = &mut self.display {
+        if let PartDisplay::Lines { naming, .. } = &mut self.display {
             *naming = None;
         }
         match &mut self.display {
-            Display::Bar(bar) => bar.set_position(percent),
-            Display::Lines { said, .. } if said.elapsed() >= PAUSE => {
+            PartDisplay::Bar(bar) => bar.set_position(percent),
+            PartDisplay::Lines { said, .. } if said.elapsed() >= PAUSE => {
                 streams::log(format_args!("{}: {percent}%", self.what));
                 *said = Instant::now();
             }
-            Display::Lines { .. } | Display::Quiet | Display::Nothing => {}
+            PartDisplay::Lines { .. } | PartDisplay::Quiet | PartDisplay::Nothing => {}
         }
     }
 
     /// Shows a message together with the progress.
     pub fn say(&self, message: &str) {
         match &self.display {
-            Display::Bar(bar) => bar.suspend(|| streams::log(message)),
-            Display::Lines { .. } | Display::Quiet => streams::log(message),
-            Display::Nothing => {}
+            PartDisplay::Bar(bar) => bar.suspend(|| streams::log(message)),
+            PartDisplay::Lines { .. } | PartDisplay::Quiet => streams::log(message),
+            PartDisplay::Nothing => {}
         }
     }
 }
 
 impl Drop for PartProgress {
     fn drop(&mut self) {
-        if let Display::Bar(bar) = &self.display {
+        if let PartDisplay::Bar(bar) = &self.display {
             bar.finish_and_clear();
         }
     }

@@ -12,7 +12,7 @@ const PAUSE: Duration = Duration::from_secs(5);
 const PAUSE_SHARE: f64 = 0.05;
 
 /// Progress of a run: a bar on a terminal, elsewhere a line now and then. Shown by the first rank alone.
-pub struct Progress {
+pub struct StepProgress {
     display: Display,
     first: u64,
     last: u64,
@@ -31,7 +31,7 @@ enum Display {
     Nothing,
 }
 
-impl Progress {
+impl StepProgress {
     /// Starts the progress from the present step of a simulation to step `last`.
     pub fn start(simulation: &dyn Simulation, last: u64) -> Self {
         let (comm, clock) = (simulation.comm(), simulation.clock());
@@ -95,7 +95,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for StepProgress {
     fn drop(&mut self) {
         if let Display::Bar(bar) = &self.display {
             bar.abandon();

@@ -3,7 +3,7 @@
 use crate::causes::in_full;
 use crate::commands::resume_command;
 use crate::continuation::{continue_run, kept_scene};
-use crate::family::{self, Part, Work};
+use crate::family::{self, FamilyTask, Part};
 use crate::scene_file::read_any;
 use crate::signals::{Signals, StopArgs};
 use crate::whole_scene::carry_out;
@@ -56,7 +56,7 @@ fn resume_family(args: &Args, comm: &Comm, signals: &Signals) -> anyhow::Result<
     ensure!(args.steps.is_none(), "--steps goes with single runs; change the end in the scene of the family");
     match read_any(&args.folder.join("scene.toml"), &[], comm)? {
         SceneFile::Family(family) => {
-            let work = Work { family: &family, part: Part::WHOLE, accepted: &args.accept };
+            let work = FamilyTask { family: &family, part: Part::WHOLE, accepted: &args.accept };
             family::run(&work, &args.folder, ExistingRun::Continue, signals)
         }
         SceneFile::Scene(_) => bail!("{} holds no family any more", args.folder.display()),

@@ -3,7 +3,7 @@
 use crate::causes::in_full;
 use crate::commands::{quoted, resume_command};
 use crate::continuation::continue_run;
-use crate::family::{self, Part, Work};
+use crate::family::{self, FamilyTask, Part};
 use crate::part_progress::PartProgress;
 use crate::prepared_scene::{PreparedScene, prepared};
 use crate::run_loop::run_to_end;
@@ -70,7 +70,7 @@ fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitC
     scene::check_accepted(&args.accept).map_err(anyhow::Error::msg)?;
     let path = args.folder(family.output_folder().as_deref());
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
-    let work = Work { family, part: args.part.unwrap_or(Part::WHOLE), accepted: &args.accept };
+    let work = FamilyTask { family, part: args.part.unwrap_or(Part::WHOLE), accepted: &args.accept };
     // Programs for other parts may have made the folder already.
     let former = if args.part.is_some() { ExistingRun::Continue } else { args.former() };
     family::run(&work, &path, former, &signals)

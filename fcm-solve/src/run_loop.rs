@@ -1,7 +1,7 @@
 //! The time-stepping loop of a run.
 
 use crate::commands::resume_command;
-use crate::progress::Progress;
+use crate::progress::StepProgress;
 use crate::signals::Signals;
 use crate::stop::Stop;
 use anyhow::bail;
@@ -18,7 +18,7 @@ pub fn run_to_end(
 ) -> anyhow::Result<ExitCode> {
     simulation.listen(signals.interrupt());
     signals.run_begins(resume_command(recorder.folder(), None));
-    let mut progress = Progress::start(simulation, last);
+    let mut progress = StepProgress::start(simulation, last);
     for warning in simulation.start_warnings().iter().chain(recorder.warnings()) {
         progress.say(&format!("warning: {warning}"));
     }
@@ -66,7 +66,12 @@ pub fn run_to_end(
 
 /// Ends a run that stops after step `now`. It is an error if the time limit was too short for a single step: such a job
 /// would be started again and again in vain.
-fn stopped(stop: Stop, [first, now, last]: [u64; 3], progress: &Progress, command: &str) -> anyhow::Result<ExitCode> {
+fn stopped(
+    stop: Stop,
+    [first, now, last]: [u64; 3],
+    progress: &StepProgress,
+    command: &str,
+) -> anyhow::Result<ExitCode> {
     if stop == Stop::TimeIsUp && now == first {
         bail!(
             "the run's time is too short for a single step and its checkpoint: it stands at step {now}; give it more \

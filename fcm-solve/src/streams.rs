@@ -77,7 +77,7 @@ pub fn log(line: impl Display) {
     let line = format!("{line}\n");
     match LOG.get_or_init(start) {
         None => write(&line),
-        Some(log) => match log.try_send(Entry::Line(line)) {
+        Some(log) => match log.try_send(LogMessage::Line(line)) {
             Ok(()) | Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) => {}
         },
     }
@@ -87,23 +87,23 @@ pub fn log(line: impl Display) {
 pub fn finish_log() {
     let (done, written) = sync_channel(1);
     if let Some(Some(log)) = LOG.get()
-        && log.try_send(Entry::End(done)).is_ok()
+        && log.try_send(LogMessage::End(done)).is_ok()
     {
         let _ = written.recv_timeout(PATIENCE);
     }
 }
 
 /// Message to the thread that writes the log.
-enum Entry {
+enum LogMessage {
     Line(String),
     /// Request for a notice when all earlier lines are written.
     End(SyncSender<()>),
 }
 
 /// Channel to the thread that writes the log; `None` on a terminal, where lines are written at once.
-static LOG: OnceLock<Option<SyncSender<Entry>>> = OnceLock::new();
+static LOG: OnceLock<Option<SyncSender<LogMessage>>> = OnceLock::new();
 
-fn start() -> Option<SyncSender<Entry>> {
+fn start() -> Option<SyncSender<LogMessage>> {
     if std::io::stderr().is_terminal() {
         return None;
     }
@@ -112,11 +112,11 @@ fn start() -> Option<SyncSender<Entry>> {
     Some(log)
 }
 
-fn write_all(entries: &Receiver<Entry>) {
+fn write_all(entries: &Receiver<LogMessage>) {
     for entry in entries {
         match entry {
-            Entry::Line(line) => write(&line),
-            Entry::End(done) => drop(done.send(())),
+            LogMessage::Line(line) => write(&line),
+            LogMessage::End(done) => drop(done.send(())),
         }
     }
 }

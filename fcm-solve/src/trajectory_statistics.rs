@@ -11,7 +11,7 @@ use scene::{Scene, SuspensionScene};
 use simulation::Table;
 use std::path::{Path, PathBuf};
 use suspension::{
-    Model, Multipoles, RankCounts, SAMPLE_COLUMNS, Sample, Statistics, StatisticsParameters, column_bytes,
+    Model, MultipoleOrder, RankCounts, SAMPLE_COLUMNS, Sample, Statistics, StatisticsParameters, column_bytes,
 };
 
 /// Options of the statistics of a trajectory.
@@ -124,8 +124,11 @@ fn sampled(
 
 /// Refuses particles without the columns that statistics need, or with species that the scene does not have.
 fn fits(particles: &Particles, model: &Model) -> anyhow::Result<()> {
-    let needed =
-        if model.hydrodynamics.multipoles == Multipoles::Dipole { &SAMPLE_COLUMNS[..] } else { &SAMPLE_COLUMNS[..1] };
+    let needed = if model.hydrodynamics.multipoles == MultipoleOrder::Dipole {
+        &SAMPLE_COLUMNS[..]
+    } else {
+        &SAMPLE_COLUMNS[..1]
+    };
     for name in needed {
         let has = particles.columns.iter().any(|column| column.name == *name);
         ensure!(has, "it has no {name}, which statistics are made of");

@@ -8,9 +8,9 @@ use scene::Scene;
 use std::process::ExitCode;
 
 /// Listener that shows messages together with the progress.
-struct Shown(PartProgress);
+struct ShownProgress(PartProgress);
 
-impl Listener for Shown {
+impl Listener for ShownProgress {
     fn line(&self, text: &str) {
         self.0.say(text);
     }
@@ -18,7 +18,7 @@ impl Listener for Shown {
 
 /// Does the work of a scene without time steps. A signal ends the program at once.
 pub fn carry_out(work: &WholeScene, scene: &Scene, folder: &RunFolder, comm: &Comm) -> anyhow::Result<ExitCode> {
-    let shown = Shown(PartProgress::start_late(comm, "all problems"));
+    let shown = ShownProgress(PartProgress::start_late(comm, "all problems"));
     work.carry_out(scene, folder, comm, &shown)?;
     drop(shown);
     streams::inform(format_args!("finished; results in {}", folder.path().display()));

@@ -13,7 +13,7 @@ use fcm::{Fixed, Loads, Method, Motion, Multipoles, Output, Plan, Precision, Pro
 
 /// A suspension, its loads and the exact motion.
 #[derive(Clone)]
-struct Case {
+struct ErrorCase {
     name: String,
     suspension: Suspension,
     multipoles: Multipoles,
@@ -21,7 +21,7 @@ struct Case {
     exact: Motion,
 }
 
-impl Case {
+impl ErrorCase {
     fn new(count: usize, ratio: f64, fraction: f64, multipoles: Multipoles) -> Self {
         let volume = 0.5 * count as f64 * 4.0 / 3.0 * std::f64::consts::PI * (1.0 + ratio.powi(3)) / fraction;
         let cell = PeriodicBox::new(Vector::splat(volume.cbrt())).expect("the volume is positive");
@@ -65,14 +65,14 @@ fn widths(plan: &Plan) -> [f64; 2] {
 }
 
 /// Row of a table: the degraded parameter, the error, and the planner's bound.
-struct Row {
+struct ErrorRow {
     number: String,
     error: f64,
     bound: f64,
 }
 
 /// Error by `Sigma / h`: grids from coarse to fine, with stencils and cutoffs of negligible error.
-fn by_resolution(case: &Case, method: Method) -> Vec<Row> {
+fn by_resolution(case: &ErrorCase, method: Method) -> Vec<ErrorRow> {
     let tight = case.tightest(method);
     let [narrowest, widest] = widths(&tight);
     let row = |points: usize| {
@@ -81,7 +81,7 @@ fn by_resolution(case: &Case, method: Method) -> Vec<Row> {
         // At eight widths to either side a Gaussian is exp(-32).
         let support = if method == Method::Split { 16 } else { (16.0 * widest / spacing).ceil() as usize };
         let resolution = narrowest / spacing;
-        Row {
+        ErrorRow {
             number: format!("{resolution:.2}"),
             error: case.error(&with_support(&plan, support)),
             bound: match method {
@@ -119,18 +119,18 @@ fn is_good(points: usize) -> bool {
 }
 
 /// Error by half the stencil over the width: the direct method's stencils from short to long on the finest grid.
-fn by_reach(case: &Case) -> Vec<Row> {
+fn by_reach(case: &ErrorCase) -> Vec<ErrorRow> {
     let tight = case.tightest(Method::Direct);
     let row = |support: usize| {
         let plan = with_support(&tight, support);
         let reach = plan.support.reach / widths(&tight)[1];
-        Row { number: format!("{reach:.2}"), error: case.error(&plan), bound: stencil_error(reach) }
+        ErrorRow { number: format!("{reach:.2}"), error: case.error(&plan), bound: stencil_error(reach) }
     };
     (8..=tight.support.support).step_by(4).map(row).collect()
 }
 
 /// Errors of the split method's windows, by number of points and by grid.
-fn by_window(case: &Case) -> Vec<Row> {
+fn by_window(case: &ErrorCase) -> Vec<ErrorRow> {
     let tight = case.tightest(Method::Split);
     let brackets = brackets(&tight);
     let mut rows = Vec::new();
@@ -141,7 +141,11 @@ fn by_window(case: &Case) -> Vec<Row> {
             let bound = window_error(case.multipoles, support, resolution, brackets);
             // Skips grids whose own error is not small against the window's.
             if 4.0 * split_grid_error(case.multipoles, resolution, brackets) < bound {
-                rows.push(Row { number: format!("{support} at {resolution:.2}"), error: case.error(&plan), bound });
+                rows.push(ErrorRow {
+                    number: format!("{support} at {resolution:.2}"),
+                    error: case.error(&plan),
+                    bound,
+                });
             }
         }
     }
@@ -161,12 +165,12 @@ fn brackets(plan: &Plan) -> Brackets {
 }
 
 /// Error by the cutoff over the width: cutoffs from short to long on the finest grid.
-fn by_cutoff(case: &Case) -> Vec<Row> {
+fn by_cutoff(case: &ErrorCase) -> Vec<ErrorRow> {
     let tight = case.tightest(Method::Split);
     let row = |tenths: i32| {
         let (width, reach) = (widths(&tight)[0], 0.1 * f64::from(tenths));
         let plan = Plan { split: Some(Split { width, cutoff: reach * width }), ..tight.clone() };
-        Row {
+        ErrorRow {
             number: format!("{reach:.1}"),
             error: case.error(&plan),
             bound: cutoff_error(case.multipoles, reach, brackets(&tight)),
@@ -176,10 +180,10 @@ fn by_cutoff(case: &Case) -> Vec<Row> {
 }
 
 /// Prints a table with the rows of all cases.
-fn print(title: &str, cases: &[Case], measure: impl Fn(&Case) -> Vec<Row>) {
+fn print(title: &str, cases: &[ErrorCase], measure: impl Fn(&ErrorCase) -> Vec<ErrorRow>) {
     println!("\n## {title}\n\n| suspension | number | error | bound | bound / error |\n|---|---|---|---|---|");
     for case in cases {
-        for Row { number, error, bound } in measure(case).into_iter().filter(|row| row.error > 1e-12) {
+        for ErrorRow { number, error, bound } in measure(case).into_iter().filter(|row| row.error > 1e-12) {
             println!("| {} | {number} | {error:.1e} | {bound:.1e} | {:.1} |", case.name, bound / error);
         }
     }
@@ -188,7 +192,7 @@ fn print(title: &str, cases: &[Case], measure: impl Fn(&Case) -> Vec<Row>) {
 fn main() {
     let of = |terms| {
         [(40, 1.0, 0.05), (60, 1.0, 0.4), (30, 2.0, 0.2), (16, 4.0, 0.4)]
-            .map(|(count, ratio, fraction)| Case::new(count, ratio, fraction, terms))
+            .map(|(count, ratio, fraction)| ErrorCase::new(count, ratio, fraction, terms))
     };
     let cases = [of(Multipoles::Dipole), of(Multipoles::Monopole)].concat();
     println!("# Errors by one number at a time\n\nThe largest of the relative errors of velocities, angular");

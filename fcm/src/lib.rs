@@ -73,5 +73,7 @@ pub use plan::plan_identity::PlanIdentity;
 pub use plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
 pub use plan::sample_points::SamplePoints;
 pub use plan::{Plan, PlanError};
-pub use rigid::conjugate_gradients::{Iterate, Limits, Linear, Outcome, Step, Sums, System, conjugate_gradients};
+pub use rigid::conjugate_gradients::{
+    InnerProducts, Iterate, IterationOutcome, Limits, Linear, Step, System, conjugate_gradients,
+};
 pub use rigid::stresslet_solver::{RigidInput, SolveError, Solved, StressletSolver};

@@ -1,6 +1,6 @@
 //! A case: a separate folder, random choices determined by its number, and the program.
 
-use crate::pool::Pool;
+use crate::pool::InputPool;
 use crate::program::{Ended, Program};
 use crate::surroundings::{Permit, Surroundings};
 use crate::verdict::{End, Names, judge, of_hdf5, of_table, of_text};
@@ -39,7 +39,7 @@ pub struct CaseEnvironment<'a> {
     /// The program.
     pub program: &'a Program,
     /// Valid files.
-    pub pool: &'a Pool,
+    pub pool: &'a InputPool,
     /// Folder of the case.
     pub folder: PathBuf,
     random: TestRunner,
@@ -47,7 +47,7 @@ pub struct CaseEnvironment<'a> {
 
 impl<'a> CaseEnvironment<'a> {
     /// Environment of the case with this number.
-    pub fn new(program: &'a Program, pool: &'a Pool, folder: &Path, [seed, number]: [u64; 2]) -> Self {
+    pub fn new(program: &'a Program, pool: &'a InputPool, folder: &Path, [seed, number]: [u64; 2]) -> Self {
         let mut bytes = [0; 32];
         bytes[..8].copy_from_slice(&seed.to_le_bytes());
         bytes[8..16].copy_from_slice(&number.to_le_bytes());

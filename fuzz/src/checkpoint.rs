@@ -8,7 +8,7 @@ use xxhash_rust::xxh3::xxh3_64;
 /// Edits of a checkpoint: of its header's keys, and of numbers in its arrays.
 pub struct Edits {
     /// Edits of the header.
-    pub header: Vec<tree::Edit>,
+    pub header: Vec<tree::TreeEdit>,
     /// Index of eight aligned bytes, and the number that replaces them.
     pub numbers: Vec<(Index, f64)>,
 }

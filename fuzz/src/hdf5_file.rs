@@ -10,7 +10,7 @@ use toml::Value;
 
 /// An edit. Indices count the groups and datasets of the file.
 #[derive(Debug, Clone)]
-pub enum Edit {
+pub enum Hdf5Edit {
     /// Removes the group or dataset.
     Remove(Index),
     /// Exchanges the two.
@@ -54,13 +54,13 @@ pub enum Type {
 
 #[derive(H5Type, Clone, Copy)]
 #[repr(C)]
-struct Pair {
+struct NumberPair {
     first: f64,
     second: i32,
 }
 
 /// One to three edits.
-pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
+pub fn edits() -> impl Strategy<Value = Vec<Hdf5Edit>> {
     let index = any::<Index>;
     let types = prop::sample::select(vec![
         Type::Tiny,
@@ -75,24 +75,25 @@ pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
     let attribute = prop::sample::select(vec!["program", "unit", "box", "seed", "boundary", "version", "viscosity"]);
     prop::collection::vec(
         prop_oneof![
-            2 => index().prop_map(Edit::Remove),
-            2 => (index(), index()).prop_map(|(a, b)| Edit::Swap(a, b)),
-            2 => (index(), index(), any::<bool>()).prop_map(|(at, to, hard)| Edit::Link(at, to, hard)),
-            1 => index().prop_map(Edit::Dangling),
+            2 => index().prop_map(Hdf5Edit::Remove),
+            2 => (index(), index()).prop_map(|(a, b)| Hdf5Edit::Swap(a, b)),
+            2 => (index(), index(), any::<bool>()).prop_map(|(at, to, hard)| Hdf5Edit::Link(at, to, hard)),
+            1 => index().prop_map(Hdf5Edit::Dangling),
             4 => (index(), types, prop::collection::vec(0..4usize, 0..4), hostile::number())
-                .prop_map(|(at, kind, shape, number)| Edit::Replace(at, kind, shape, number)),
-            1 => (index(), 1..4usize).prop_map(|(at, dimensions)| Edit::Huge(at, dimensions)),
-            4 => (index(), index(), hostile::number()).prop_map(|(at, item, number)| Edit::Number(at, item, number)),
-            1 => index().prop_map(Edit::Group),
+                .prop_map(|(at, kind, shape, number)| Hdf5Edit::Replace(at, kind, shape, number)),
+            1 => (index(), 1..4usize).prop_map(|(at, dimensions)| Hdf5Edit::Huge(at, dimensions)),
+            4 => (index(), index(), hostile::number())
+                .prop_map(|(at, item, number)| Hdf5Edit::Number(at, item, number)),
+            1 => index().prop_map(Hdf5Edit::Group),
             1 => (index(), attribute, prop::option::of(hostile::number()))
-                .prop_map(|(at, name, number)| Edit::Attribute(at, name.to_owned(), number)),
+                .prop_map(|(at, name, number)| Hdf5Edit::Attribute(at, name.to_owned(), number)),
         ],
         1..4,
     )
 }
 
 /// Applies edits to a valid file; inapplicable ones are skipped.
-pub fn apply(path: &Path, edits: &[Edit]) -> hdf5::Result<()> {
+pub fn apply(path: &Path, edits: &[Hdf5Edit]) -> hdf5::Result<()> {
     let file = File::open_rw(path)?;
     let mut names = Vec::new();
     collect(&file, "", &mut names)?;
@@ -115,31 +116,31 @@ fn collect(group: &Group, parent: &str, names: &mut Vec<String>) -> hdf5::Result
     Ok(())
 }
 
-fn change(file: &File, names: &[String], edit: &Edit) -> hdf5::Result<()> {
+fn change(file: &File, names: &[String], edit: &Hdf5Edit) -> hdf5::Result<()> {
     let name = |index: &Index| names[index.index(names.len())].as_str();
     match edit {
-        Edit::Remove(at) => file.unlink(name(at)),
-        Edit::Swap(a, b) => {
+        Hdf5Edit::Remove(at) => file.unlink(name(at)),
+        Hdf5Edit::Swap(a, b) => {
             file.relink(name(a), "/moved")?;
             file.relink(name(b), name(a))?;
             file.relink("/moved", name(b))
         }
-        Edit::Link(at, to, hard) => link(file, name(at), name(to), *hard),
-        Edit::Dangling(at) => {
+        Hdf5Edit::Link(at, to, hard) => link(file, name(at), name(to), *hard),
+        Hdf5Edit::Dangling(at) => {
             file.unlink(name(at))?;
             file.link_soft("/nowhere", name(at))
         }
-        Edit::Replace(at, kind, shape, number) => {
+        Hdf5Edit::Replace(at, kind, shape, number) => {
             file.unlink(name(at))?;
             replacement(file, name(at), (*kind, shape), *number)
         }
-        Edit::Huge(at, dimensions) => {
+        Hdf5Edit::Huge(at, dimensions) => {
             file.unlink(name(at))?;
             let shape = [vec![1 << 40], vec![3; dimensions - 1]].concat();
             let chunk = [vec![1024], vec![3; dimensions - 1]].concat();
             file.new_dataset::<f64>().chunk(chunk).shape(shape).create(name(at)).map(drop)
         }
-        Edit::Number(at, item, number) => {
+        Hdf5Edit::Number(at, item, number) => {
             let dataset = file.dataset(name(at))?;
             if dataset.storage_size() == 0 {
                 return Ok(());
@@ -149,11 +150,11 @@ fn change(file: &File, names: &[String], edit: &Edit) -> hdf5::Result<()> {
             values.iter_mut().skip(item.index(count)).take(1).for_each(|value| *value = *number);
             dataset.write(&values)
         }
-        Edit::Group(at) => {
+        Hdf5Edit::Group(at) => {
             file.unlink(name(at))?;
             file.create_group(name(at)).map(drop)
         }
-        Edit::Attribute(at, attribute, number) => set_attribute(file, name(at), attribute, *number),
+        Hdf5Edit::Attribute(at, attribute, number) => set_attribute(file, name(at), attribute, *number),
     }
 }
 
@@ -183,7 +184,7 @@ fn replacement(group: &Group, name: &str, form: (Type, &[usize]), number: f64) -
         Type::Bool => filled(group, name, form.1, number > 0.0),
         Type::Text => filled(group, name, form.1, "a text".parse::<VarLenUnicode>().expect("text")),
         Type::Ascii => filled(group, name, form.1, VarLenAscii::from_ascii("a text").expect("ASCII")),
-        Type::Compound => filled(group, name, form.1, Pair { first: number, second: 1 }),
+        Type::Compound => filled(group, name, form.1, NumberPair { first: number, second: 1 }),
     }
 }
 

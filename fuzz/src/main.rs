@@ -20,8 +20,8 @@ use anyhow::Context;
 use case_environment::CaseEnvironment;
 use clap::Parser;
 use kinds::{KINDS, kind_of};
-use pool::Pool;
-use program::{Limits, Program};
+use pool::InputPool;
+use program::{ProcessLimits, Program};
 use report::Report;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -62,7 +62,7 @@ struct Args {
 
 fn main() -> anyhow::Result<ExitCode> {
     let args = Args::parse();
-    let limits = Limits {
+    let limits = ProcessLimits {
         memory: args.memory << 30,
         patience: Duration::from_secs(args.seconds),
         processor_seconds: args.seconds,
@@ -70,7 +70,7 @@ fn main() -> anyhow::Result<ExitCode> {
     let path = args.program.canonicalize().with_context(|| format!("there is no {}", args.program.display()))?;
     let program = Program { path, limits };
     let place = tempfile::tempdir()?;
-    let pool = Pool::make(place.path(), &program)?;
+    let pool = InputPool::make(place.path(), &program)?;
     std::fs::create_dir_all(&args.keep)?;
     let report = Report::new(&args.keep);
     let numbers = args.case.map_or(0..args.cases, |case| case..case + 1);
@@ -90,7 +90,7 @@ fn main() -> anyhow::Result<ExitCode> {
     Ok(if report.all_survived() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn try_case(report: &Report, program: &Program, pool: &Pool, [seed, number]: [u64; 2]) {
+fn try_case(report: &Report, program: &Program, pool: &InputPool, [seed, number]: [u64; 2]) {
     let kind = kind_of(number);
     let folder = match tempfile::tempdir() {
         Ok(folder) => folder,

@@ -1,6 +1,6 @@
 //! Lists of a wrong length, tables in place of lists, and lists in place of tables.
 
-use crate::tree::{self, Part};
+use crate::tree::{self, TreeStep};
 use proptest::prelude::*;
 use toml::{Table, Value};
 
@@ -25,15 +25,15 @@ pub fn any_misfit() -> impl Strategy<Value = Misfit> {
 }
 
 /// Places at which an edit makes the input invalid.
-pub fn candidates(tree: &Value, misfit: Misfit) -> Vec<Vec<Part>> {
+pub fn candidates(tree: &Value, misfit: Misfit) -> Vec<Vec<TreeStep>> {
     let mut tree = tree.clone();
     let mut places = tree::places(&tree);
     places.retain(|place| tree::find(&mut tree, place).is_some_and(|value| fits(value, place, misfit)));
     places
 }
 
-fn fits(value: &Value, place: &[Part], misfit: Misfit) -> bool {
-    let is_free = matches!(place.last(), Some(Part::Key(key)) if FREE.contains(&key.as_str()));
+fn fits(value: &Value, place: &[TreeStep], misfit: Misfit) -> bool {
+    let is_free = matches!(place.last(), Some(TreeStep::Key(key)) if FREE.contains(&key.as_str()));
     match (value, misfit) {
         (Value::Array(list), _) if list.iter().any(Value::is_table) => false,
         (Value::Array(_) | Value::Table(_), Misfit::Exchanged) => true,
@@ -43,7 +43,7 @@ fn fits(value: &Value, place: &[Part], misfit: Misfit) -> bool {
 }
 
 /// Applies an edit.
-pub fn apply(tree: &mut Value, place: &[Part], misfit: Misfit) {
+pub fn apply(tree: &mut Value, place: &[TreeStep], misfit: Misfit) {
     let Some(value) = tree::find(tree, place) else { return };
     match (&mut *value, misfit) {
         (Value::Array(list), Misfit::Longer) => list.extend(list.last().cloned()),
@@ -58,10 +58,10 @@ pub fn apply(tree: &mut Value, place: &[Part], misfit: Misfit) {
 }
 
 /// Last key of a place, which an error must name.
-pub fn key(place: &[Part]) -> &str {
-    let key = |part: &Part| matches!(part, Part::Key(_));
+pub fn key(place: &[TreeStep]) -> &str {
+    let key = |part: &TreeStep| matches!(part, TreeStep::Key(_));
     match place.iter().rfind(|part| key(part)) {
-        Some(Part::Key(key)) => key,
+        Some(TreeStep::Key(key)) => key,
         _ => "",
     }
 }
@@ -72,7 +72,7 @@ mod tests {
 
     fn changed(text: &str, misfit: Misfit) -> Vec<String> {
         let tree: Value = toml::from_str(text).unwrap();
-        let change = |place: Vec<Part>| {
+        let change = |place: Vec<TreeStep>| {
             let mut after = tree.clone();
             apply(&mut after, &place, misfit);
             assert_ne!(after, tree, "{}", tree::path(&place));

@@ -47,7 +47,7 @@ pub const PLACED: &str = "[box]\nedges = [10.0, 10.0, 10.0]\n[fluid]\nviscosity 
     [time]\nstep = 0.01\nsteps = 1\n[particles]\ninitial = 'file'\n";
 
 /// Valid input on the disk, and its keys.
-pub struct Pool {
+pub struct InputPool {
     /// Folder with results of every scene by name, and cases in HDF5.
     pub folder: PathBuf,
     /// Scenes as trees, by name.
@@ -58,7 +58,7 @@ pub struct Pool {
     pub keys: &'static [String],
 }
 
-impl Pool {
+impl InputPool {
     /// Computes the results with the program itself.
     pub fn make(folder: &Path, program: &Program) -> anyhow::Result<Self> {
         let program = program.with_patience(10);

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 /// Limits of a process.
 #[derive(Debug, Clone, Copy)]
-pub struct Limits {
+pub struct ProcessLimits {
     /// Address space in bytes.
     pub memory: u64,
     /// Time after which a run is asked to stop.
@@ -25,7 +25,7 @@ pub struct Program {
     /// Path of the program.
     pub path: PathBuf,
     /// Limits of its processes.
-    pub limits: Limits,
+    pub limits: ProcessLimits,
 }
 
 /// A process that has ended.
@@ -46,9 +46,12 @@ pub struct Ended {
 impl Program {
     /// The same program with all time limits multiplied.
     pub fn with_patience(&self, times: u32) -> Self {
-        let Limits { memory, patience, processor_seconds } = self.limits;
+        let ProcessLimits { memory, patience, processor_seconds } = self.limits;
         let processor_seconds = processor_seconds * u64::from(times);
-        Self { path: self.path.clone(), limits: Limits { memory, patience: patience * times, processor_seconds } }
+        Self {
+            path: self.path.clone(),
+            limits: ProcessLimits { memory, patience: patience * times, processor_seconds },
+        }
     }
 
     /// Runs the program in a folder, which is also that of the machine's costs.
@@ -71,7 +74,7 @@ impl Program {
 
     fn wait(&self, child: &mut Child, may_take_long: bool) -> anyhow::Result<(ExitStatus, bool)> {
         let pid = Pid::from_child(child);
-        let Limits { memory, patience, processor_seconds } = self.limits;
+        let ProcessLimits { memory, patience, processor_seconds } = self.limits;
         for (resource, most) in [(Resource::As, memory), (Resource::Cpu, processor_seconds), (Resource::Core, 0)] {
             // The process may have ended already.
             let _ = prlimit(Some(pid), resource, Rlimit { current: Some(most), maximum: Some(most) });
@@ -103,7 +106,7 @@ mod tests {
     fn judged(name: &str, lines: &str) -> Result<End, String> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(name), lines).unwrap();
-        let limits = Limits { memory: 1 << 30, patience: Duration::from_secs(1), processor_seconds: 1 };
+        let limits = ProcessLimits { memory: 1 << 30, patience: Duration::from_secs(1), processor_seconds: 1 };
         let shell = Program { path: PathBuf::from("/bin/sh"), limits };
         judge(&shell.run(folder.path(), &[name.into()]).unwrap(), &Names::default())
     }

@@ -13,7 +13,7 @@ pub const RADII: [f64; 2] = [1.0, 1.5];
 
 /// Spheres, and the style in which they are written.
 #[derive(Debug, Clone)]
-pub struct Start {
+pub struct WrittenSpheres {
     /// Positions, far enough apart.
     pub positions: Vec<[f64; 3]>,
     /// Index of the sphere of the second species.
@@ -27,14 +27,14 @@ pub struct Start {
 }
 
 /// Any start of four to six spheres.
-pub fn any_start() -> impl Strategy<Value = Start> {
+pub fn any_start() -> impl Strategy<Value = WrittenSpheres> {
     let places = (4..=6usize).prop_flat_map(|count| prop::collection::vec(prop::array::uniform3(-0.2..0.2), count));
     let rest = (0..4usize, 0..3usize, prop::bool::weighted(0.2), any::<[bool; 4]>());
     (places, rest).prop_map(|(shifts, (large, before, other_box, style))| {
         let site = |n: usize| [2.0 + 3.0 * (n % 2) as f64, 2.0 + 3.0 * (n / 2 % 2) as f64, 2.0 + 3.0 * (n / 4) as f64];
         let place = |(n, shift): (usize, &[f64; 3])| std::array::from_fn(|axis| site(n)[axis] + shift[axis]);
         let positions = shifts.iter().enumerate().map(place).map(|p: [f64; 3]| p.map(rounded)).collect();
-        Start { positions, large, before, other_box, style }
+        WrittenSpheres { positions, large, before, other_box, style }
     })
 }
 
@@ -42,7 +42,7 @@ fn rounded(number: f64) -> f64 {
     (number * 1e6).round() / 1e6
 }
 
-impl Start {
+impl WrittenSpheres {
     fn species(&self, sphere: usize) -> usize {
         usize::from(sphere == self.large)
     }
@@ -118,16 +118,18 @@ impl Start {
     }
 
     /// Datasets of a case, with the positions in the given shape.
-    pub fn datasets(&self, path: &Path, shape: Shape) -> hdf5::Result<()> {
+    pub fn datasets(&self, path: &Path, shape: PositionsShape) -> hdf5::Result<()> {
         let (file, count) = (File::create(path)?, self.positions.len());
         let rows = self.positions.iter();
         let (dimensions, numbers): (Vec<usize>, Vec<f64>) = match shape {
-            Shape::Rows => (vec![count, 3], rows.flatten().copied().collect()),
-            Shape::Columns => (vec![3, count], (0..3).flat_map(|axis| rows.clone().map(move |p| p[axis])).collect()),
-            Shape::Four => (vec![count, 4], rows.flat_map(|p| [p[0], p[1], p[2], 0.0]).collect()),
-            Shape::Two => (vec![count, 2], rows.flat_map(|p| [p[0], p[1]]).collect()),
-            Shape::Flat => (vec![3 * count], rows.flatten().copied().collect()),
-            Shape::Deep => (vec![1, count, 3], rows.flatten().copied().collect()),
+            PositionsShape::Rows => (vec![count, 3], rows.flatten().copied().collect()),
+            PositionsShape::Columns => {
+                (vec![3, count], (0..3).flat_map(|axis| rows.clone().map(move |p| p[axis])).collect())
+            }
+            PositionsShape::Four => (vec![count, 4], rows.flat_map(|p| [p[0], p[1], p[2], 0.0]).collect()),
+            PositionsShape::Two => (vec![count, 2], rows.flat_map(|p| [p[0], p[1]]).collect()),
+            PositionsShape::Flat => (vec![3 * count], rows.flatten().copied().collect()),
+            PositionsShape::Deep => (vec![1, count, 3], rows.flatten().copied().collect()),
         };
         write(&file, "positions", &dimensions, numbers)?;
         let names: Vec<VarLenUnicode> = (0..count).filter_map(|n| ["a", "b"][self.species(n)].parse().ok()).collect();
@@ -157,7 +159,7 @@ impl Start {
 
 /// Shapes of a dataset of positions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
+pub enum PositionsShape {
     /// (N, 3).
     Rows,
     /// (3, N).
@@ -184,12 +186,12 @@ mod tests {
     use proptest::strategy::ValueTree;
     use proptest::test_runner::TestRunner;
 
-    fn start() -> Start {
+    fn start() -> WrittenSpheres {
         any_start().new_tree(&mut TestRunner::deterministic()).unwrap().current()
     }
 
     /// Difference that is found in a trajectory of one frame with these positions.
-    fn found(start: &Start, positions: &[[f64; 3]], swapped: bool) -> Option<String> {
+    fn found(start: &WrittenSpheres, positions: &[[f64; 3]], swapped: bool) -> Option<String> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.h5");
         let file = File::create(&path).unwrap();
@@ -218,7 +220,7 @@ mod tests {
 
     #[test]
     fn the_last_frame_is_the_one_that_is_meant() {
-        let start = Start { before: 2, ..start() };
+        let start = WrittenSpheres { before: 2, ..start() };
         let frames = start.frames();
         assert_eq!((frames.len(), frames.last()), (3, Some(&start.positions)));
         assert!(start.xyz().lines().filter(|line| line.contains("Lattice")).count() == 3);

@@ -6,10 +6,10 @@ use xxhash_rust::xxh3::xxh3_64;
 
 /// Contents of a folder and its subfolders. Links are not followed.
 #[derive(Debug)]
-pub struct Surroundings(BTreeMap<PathBuf, Entry>);
+pub struct Surroundings(BTreeMap<PathBuf, FileEntry>);
 
 #[derive(Debug, PartialEq, Eq)]
-enum Entry {
+enum FileEntry {
     File(u64),
     Link(PathBuf),
     Folder,
@@ -50,17 +50,17 @@ impl Surroundings {
     }
 }
 
-fn collect(folder: &Path, under: &Path, entries: &mut BTreeMap<PathBuf, Entry>) -> std::io::Result<()> {
+fn collect(folder: &Path, under: &Path, entries: &mut BTreeMap<PathBuf, FileEntry>) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let (path, kind) = (under.join(entry.file_name()), entry.file_type()?);
         let found = if kind.is_symlink() {
-            Entry::Link(std::fs::read_link(entry.path())?)
+            FileEntry::Link(std::fs::read_link(entry.path())?)
         } else if kind.is_dir() {
             collect(&entry.path(), &path, entries)?;
-            Entry::Folder
+            FileEntry::Folder
         } else {
-            Entry::File(xxh3_64(&std::fs::read(entry.path())?))
+            FileEntry::File(xxh3_64(&std::fs::read(entry.path())?))
         };
         entries.insert(path, found);
     }

@@ -7,7 +7,7 @@ use toml::Value;
 
 /// An edit. Indices count the nodes of the tree in the order of its text.
 #[derive(Debug, Clone)]
-pub enum Edit {
+pub enum TreeEdit {
     /// Replaces a value.
     Replace(Index, Value),
     /// Multiplies a number of the tree.
@@ -28,7 +28,7 @@ pub enum Edit {
 
 /// A part of a place in a tree; a place is a path from the root.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Part {
+pub enum TreeStep {
     /// A key of a table.
     Key(String),
     /// An item of a list.
@@ -36,63 +36,63 @@ pub enum Part {
 }
 
 /// One to four edits; half of the time they preserve the shape of the tree.
-pub fn edits(keys: &'static [String]) -> impl Strategy<Value = Vec<Edit>> {
+pub fn edits(keys: &'static [String]) -> impl Strategy<Value = Vec<TreeEdit>> {
     let mild = prop_oneof![
-        3 => (any::<Index>(), 0.3..3.0).prop_map(|(at, factor)| Edit::Scale(at, factor)),
-        2 => (any::<Index>(), hostile::number()).prop_map(|(at, factor)| Edit::Scale(at, factor)),
-        2 => (any::<Index>(), hostile::number()).prop_map(|(at, number)| Edit::Replace(at, Value::Float(number))),
+        3 => (any::<Index>(), 0.3..3.0).prop_map(|(at, factor)| TreeEdit::Scale(at, factor)),
+        2 => (any::<Index>(), hostile::number()).prop_map(|(at, factor)| TreeEdit::Scale(at, factor)),
+        2 => (any::<Index>(), hostile::number()).prop_map(|(at, number)| TreeEdit::Replace(at, Value::Float(number))),
     ];
     prop_oneof![prop::collection::vec(mild, 1..3), prop::collection::vec(any_edit(keys), 1..4)]
 }
 
-fn any_edit(keys: &'static [String]) -> impl Strategy<Value = Edit> {
+fn any_edit(keys: &'static [String]) -> impl Strategy<Value = TreeEdit> {
     let index = any::<Index>;
     let name = || prop_oneof![4 => prop::sample::select(keys), 1 => hostile::word()];
     prop_oneof![
-        6 => (index(), hostile::value()).prop_map(|(at, value)| Edit::Replace(at, value)),
-        3 => (index(), hostile::number()).prop_map(|(at, factor)| Edit::Scale(at, factor)),
-        2 => index().prop_map(Edit::Remove),
-        2 => (index(), index()).prop_map(|(from, to)| Edit::Copy(from, to)),
-        2 => (index(), index()).prop_map(|(a, b)| Edit::Swap(a, b)),
-        1 => (index(), name()).prop_map(|(at, name)| Edit::Rename(at, name)),
-        3 => (index(), name(), hostile::value()).prop_map(|(at, name, value)| Edit::Insert(at, name, value)),
-        1 => (index(), 1..200usize).prop_map(|(at, depth)| Edit::Nest(at, depth)),
+        6 => (index(), hostile::value()).prop_map(|(at, value)| TreeEdit::Replace(at, value)),
+        3 => (index(), hostile::number()).prop_map(|(at, factor)| TreeEdit::Scale(at, factor)),
+        2 => index().prop_map(TreeEdit::Remove),
+        2 => (index(), index()).prop_map(|(from, to)| TreeEdit::Copy(from, to)),
+        2 => (index(), index()).prop_map(|(a, b)| TreeEdit::Swap(a, b)),
+        1 => (index(), name()).prop_map(|(at, name)| TreeEdit::Rename(at, name)),
+        3 => (index(), name(), hostile::value()).prop_map(|(at, name, value)| TreeEdit::Insert(at, name, value)),
+        1 => (index(), 1..200usize).prop_map(|(at, depth)| TreeEdit::Nest(at, depth)),
     ]
 }
 
 /// Applies an edit, if the tree has a suitable place.
-pub fn apply(tree: &mut Value, edit: &Edit) {
+pub fn apply(tree: &mut Value, edit: &TreeEdit) {
     let places = places(tree);
     if places.is_empty() {
         return;
     }
     let place = |index: &Index| &places[index.index(places.len())];
     match edit {
-        Edit::Replace(at, value) => put(tree, place(at), value.clone()),
-        Edit::Scale(at, factor) => scale(tree, &places, *at, *factor),
-        Edit::Remove(at) => drop(take(tree, place(at))),
-        Edit::Copy(from, to) => {
+        TreeEdit::Replace(at, value) => put(tree, place(at), value.clone()),
+        TreeEdit::Scale(at, factor) => scale(tree, &places, *at, *factor),
+        TreeEdit::Remove(at) => drop(take(tree, place(at))),
+        TreeEdit::Copy(from, to) => {
             if let Some(value) = find(tree, place(from)).cloned() {
                 put(tree, place(to), value);
             }
         }
-        Edit::Swap(a, b) => {
+        TreeEdit::Swap(a, b) => {
             if let (Some(x), Some(y)) = (find(tree, place(a)).cloned(), find(tree, place(b)).cloned()) {
                 put(tree, place(a), y);
                 put(tree, place(b), x);
             }
         }
-        Edit::Rename(at, name) => {
+        TreeEdit::Rename(at, name) => {
             let place = place(at);
             if let Some(value) = take(tree, place) {
                 insert(tree, &place[..place.len() - 1], name, value);
             }
         }
-        Edit::Insert(at, name, value) => {
+        TreeEdit::Insert(at, name, value) => {
             let place = place(at);
             insert(tree, &place[..place.len() - 1], name, value.clone());
         }
-        Edit::Nest(at, depth) => {
+        TreeEdit::Nest(at, depth) => {
             if let Some(value) = find(tree, place(at)) {
                 let inner = std::mem::replace(value, Value::Boolean(false));
                 *value = (0..*depth).fold(inner, |inner, _| Value::Array(vec![inner]));
@@ -102,51 +102,51 @@ pub fn apply(tree: &mut Value, edit: &Edit) {
 }
 
 /// Places of all values except the root.
-pub fn places(tree: &Value) -> Vec<Vec<Part>> {
+pub fn places(tree: &Value) -> Vec<Vec<TreeStep>> {
     let mut all = Vec::new();
     collect(tree, &mut Vec::new(), &mut all);
     all
 }
 
-fn collect(value: &Value, place: &mut Vec<Part>, all: &mut Vec<Vec<Part>>) {
-    let mut visit = |part: Part, inner: &Value| {
+fn collect(value: &Value, place: &mut Vec<TreeStep>, all: &mut Vec<Vec<TreeStep>>) {
+    let mut visit = |part: TreeStep, inner: &Value| {
         place.push(part);
         all.push(place.clone());
         collect(inner, place, all);
         place.pop();
     };
     match value {
-        Value::Table(table) => table.iter().for_each(|(key, inner)| visit(Part::Key(key.clone()), inner)),
-        Value::Array(list) => list.iter().enumerate().for_each(|(i, inner)| visit(Part::Item(i), inner)),
+        Value::Table(table) => table.iter().for_each(|(key, inner)| visit(TreeStep::Key(key.clone()), inner)),
+        Value::Array(list) => list.iter().enumerate().for_each(|(i, inner)| visit(TreeStep::Item(i), inner)),
         _ => {}
     }
 }
 
 /// The value at a place.
-pub fn find<'a>(tree: &'a mut Value, place: &[Part]) -> Option<&'a mut Value> {
+pub fn find<'a>(tree: &'a mut Value, place: &[TreeStep]) -> Option<&'a mut Value> {
     place.iter().try_fold(tree, |value, part| match (value, part) {
-        (Value::Table(table), Part::Key(key)) => table.get_mut(key),
-        (Value::Array(list), Part::Item(item)) => list.get_mut(*item),
+        (Value::Table(table), TreeStep::Key(key)) => table.get_mut(key),
+        (Value::Array(list), TreeStep::Item(item)) => list.get_mut(*item),
         _ => None,
     })
 }
 
-fn put(tree: &mut Value, place: &[Part], value: Value) {
+fn put(tree: &mut Value, place: &[TreeStep], value: Value) {
     if let Some(found) = find(tree, place) {
         *found = value;
     }
 }
 
-fn take(tree: &mut Value, place: &[Part]) -> Option<Value> {
+fn take(tree: &mut Value, place: &[TreeStep]) -> Option<Value> {
     let (last, parent) = place.split_last()?;
     match (find(tree, parent)?, last) {
-        (Value::Table(table), Part::Key(key)) => table.remove(key),
-        (Value::Array(list), Part::Item(item)) if *item < list.len() => Some(list.remove(*item)),
+        (Value::Table(table), TreeStep::Key(key)) => table.remove(key),
+        (Value::Array(list), TreeStep::Item(item)) if *item < list.len() => Some(list.remove(*item)),
         _ => None,
     }
 }
 
-fn insert(tree: &mut Value, parent: &[Part], name: &str, value: Value) {
+fn insert(tree: &mut Value, parent: &[TreeStep], name: &str, value: Value) {
     match find(tree, parent) {
         Some(Value::Table(table)) => drop(table.insert(name.to_owned(), value)),
         Some(Value::Array(list)) => list.push(value),
@@ -155,10 +155,10 @@ fn insert(tree: &mut Value, parent: &[Part], name: &str, value: Value) {
 }
 
 /// Multiplies a number. Whole numbers stay whole.
-fn scale(tree: &mut Value, places: &[Vec<Part>], at: Index, factor: f64) {
+fn scale(tree: &mut Value, places: &[Vec<TreeStep>], at: Index, factor: f64) {
     let is_number =
-        |place: &&Vec<Part>| matches!(find(&mut tree.clone(), place), Some(Value::Float(_) | Value::Integer(_)));
-    let numbers: Vec<&Vec<Part>> = places.iter().filter(is_number).collect();
+        |place: &&Vec<TreeStep>| matches!(find(&mut tree.clone(), place), Some(Value::Float(_) | Value::Integer(_)));
+    let numbers: Vec<&Vec<TreeStep>> = places.iter().filter(is_number).collect();
     if numbers.is_empty() {
         return;
     }
@@ -171,8 +171,8 @@ fn scale(tree: &mut Value, places: &[Vec<Part>], at: Index, factor: f64) {
 
 /// All keys of a tree.
 pub fn keys(tree: &Value) -> Vec<String> {
-    let key = |place: Vec<Part>| match place.into_iter().next_back() {
-        Some(Part::Key(key)) => Some(key),
+    let key = |place: Vec<TreeStep>| match place.into_iter().next_back() {
+        Some(TreeStep::Key(key)) => Some(key),
         _ => None,
     };
     places(tree).into_iter().filter_map(key).collect()
@@ -184,11 +184,11 @@ pub fn paths(tree: &Value) -> Vec<String> {
 }
 
 /// A place in the notation of messages and `--set`.
-pub fn path(place: &[Part]) -> String {
+pub fn path(place: &[TreeStep]) -> String {
     place.iter().fold(String::new(), |path, part| match part {
-        Part::Key(key) if path.is_empty() => key.clone(),
-        Part::Key(key) => format!("{path}.{key}"),
-        Part::Item(item) => format!("{path}[{item}]"),
+        TreeStep::Key(key) if path.is_empty() => key.clone(),
+        TreeStep::Key(key) => format!("{path}.{key}"),
+        TreeStep::Item(item) => format!("{path}[{item}]"),
     })
 }
 

@@ -4,7 +4,7 @@ use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::{SixVector, SixVectors, dot};
 use domain::{Comm, Interrupt};
-use fcm::{Iterate, Limits, Linear, Step, Sums, System, conjugate_gradients};
+use fcm::{InnerProducts, Iterate, Limits, Linear, Step, System, conjugate_gradients};
 use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
@@ -158,7 +158,7 @@ impl System for Preconditioner<'_> {
         &mut self,
         at: Iterate<SixVectors, SixVectors>,
         step: Option<Step<SixVectors, SixVectors>>,
-    ) -> Sums {
+    ) -> InnerProducts {
         let Iterate { x, residual, z } = at;
         let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
         let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
@@ -167,8 +167,8 @@ impl System for Preconditioner<'_> {
             let step = step.as_ref().map(|step| (step.length, [&step.direction.0[from..], &step.image.0[from..]]));
             f64::dispatch(StepAndMeasure { blocks, single, step, x, residual, z })
         };
-        let sums: Vec<Sums> = places.zip(given).enumerate().map(of_batch).collect();
-        sums.into_iter().fold(Sums::default(), |all, of_batch| all + of_batch)
+        let sums: Vec<InnerProducts> = places.zip(given).enumerate().map(of_batch).collect();
+        sums.into_iter().fold(InnerProducts::default(), |all, of_batch| all + of_batch)
     }
 }
 
@@ -190,10 +190,10 @@ struct StepAndMeasure<'a> {
 }
 
 impl VectorKernel<f64> for StepAndMeasure<'_> {
-    type Output = Sums;
+    type Output = InnerProducts;
 
     #[inline(always)]
-    fn run<V: Width<f64>>(self) -> Sums {
+    fn run<V: Width<f64>>(self) -> InnerProducts {
         let Self { blocks, single, step, x, residual, z } = self;
         let mut former = 0.0;
         if let Some((length, [direction, image])) = step {
@@ -202,7 +202,7 @@ impl VectorKernel<f64> for StepAndMeasure<'_> {
             former = dot(residual, z);
         }
         Products { blocks, vectors: residual, results: z }.run::<V>();
-        Sums { product: dot(residual, z), former, error: error(residual, single), size: size(x, single) }
+        InnerProducts { product: dot(residual, z), former, error: error(residual, single), size: size(x, single) }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::arrays::{Rows, list_of, rows_of};
 use crate::communicator::ranks;
 use crate::error::{explained, refused};
-use crate::signals::Signals;
+use crate::signals::PythonSignals;
 use crate::thread_bound::{ThreadBound, without_lock};
 use domain::{AxisRotation, Bytes, Comm, Tensor, Vector};
 use fcm::{Loads, Motion, Multipoles};
@@ -19,20 +19,21 @@ use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
 #[pyclass(frozen, module = "fcm_solve._core")]
 pub struct Mobility {
     planned: ThreadBound<suspension::Mobility>,
-    signals: Signals,
+    signals: PythonSignals,
     is_first: bool,
 }
 
 /// Velocities, angular velocities, strain rates, stresslets, far stresslets, iterations, residual.
-type Answer<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, Matrix<'py>, usize, f64);
+type MobilityAnswer<'py> =
+    (NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>, usize, f64);
 
 /// Velocities, angular velocities, strain rates or stresslets.
-type Random<'py> = (Matrix<'py>, Matrix<'py>, Matrix<'py>);
+type RandomMotions<'py> = (NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>);
 
 /// Edges in one row or lattice vectors in three, and the boundary condition along each axis.
 type GivenBox = (Vec<[f64; 3]>, [String; 3]);
 
-type Matrix<'py> = Bound<'py, PyArray2<f64>>;
+type NumpyMatrix<'py> = Bound<'py, PyArray2<f64>>;
 
 #[pymethods]
 impl Mobility {
@@ -93,7 +94,7 @@ impl Mobility {
         torques: Option<Rows<'py>>,
         stresslets: Option<Rows<'py>>,
         gradient: Option<[[f64; 3]; 3]>,
-    ) -> PyResult<(Answer<'py>, f64)> {
+    ) -> PyResult<(MobilityAnswer<'py>, f64)> {
         let loads = Loads { forces: list_of(forces)?, torques: list_of(torques)?, stresslets: list_of(stresslets)? };
         let gradient = Tensor::from_cols_array_2d(&gradient.unwrap_or_default()).transpose();
         let flow = BackgroundFlow::with_gradient(gradient).map_err(|cause| refused(&cause))?;
@@ -111,7 +112,7 @@ impl Mobility {
     /// Random motions whose covariance is the mobility, for `draws` draws from number `first` on: velocities, angular
     /// velocities and rates of strain, draw after draw, and the negative weight that was clipped.
     #[pyo3(signature = (draws, seed, first))]
-    fn noise<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<(Random<'py>, f64)> {
+    fn noise<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<(RandomMotions<'py>, f64)> {
         let drawn = self.planned.with(py, |mobility| mobility.noise(seed, first..first + draws))?;
         if let Some(raised) = self.signals.take() {
             return Err(raised);
@@ -131,7 +132,7 @@ impl Mobility {
     /// Random contributions to the drift, for `draws` draws from number `first` on: velocities, angular velocities and
     /// stresslets, draw after draw.
     #[pyo3(signature = (draws, seed, first))]
-    fn drift<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<Random<'py>> {
+    fn drift<'py>(&self, py: Python<'py>, draws: u64, seed: u64, first: u64) -> PyResult<RandomMotions<'py>> {
         let drawn = self.planned.with(py, |mobility| mobility.drift(seed, first..first + draws))?;
         if let Some(raised) = self.signals.take() {
             return Err(raised);
@@ -148,7 +149,7 @@ impl Mobility {
     /// Product of a square root of the mobility, or its transpose, with six numbers a sphere, and the negative weight
     /// that was clipped.
     #[pyo3(signature = (numbers, transposed))]
-    fn root<'py>(&self, py: Python<'py>, numbers: Rows<'py>, transposed: bool) -> PyResult<(Matrix<'py>, f64)> {
+    fn root<'py>(&self, py: Python<'py>, numbers: Rows<'py>, transposed: bool) -> PyResult<(NumpyMatrix<'py>, f64)> {
         let numbers: Vec<[f64; 6]> = list_of(Some(numbers))?;
         let found = self.planned.with(py, |mobility| mobility.root(&numbers, transposed))?;
         if let Some(raised) = self.signals.take() {
@@ -186,7 +187,7 @@ impl Mobility {
         count: usize,
         comm: &Comm,
     ) -> PyResult<Self> {
-        let signals = Signals::default();
+        let signals = PythonSignals::default();
         let planned = without_lock(py, || suspension::Mobility::new(parameters, array_bytes(count), comm));
         let mut planned = planned.map_err(|cause| failed(&cause))?.turned(turn);
         planned.listen(signals.interrupt());
@@ -212,7 +213,7 @@ fn failed(cause: &MobilityError) -> PyErr {
     }
 }
 
-fn answer(py: Python<'_>, motions: Motions) -> PyResult<Answer<'_>> {
+fn answer(py: Python<'_>, motions: Motions) -> PyResult<MobilityAnswer<'_>> {
     let Motions { motion, stresslets, stresslets_far, iterations, residual } = motions;
     Ok((
         rows_of(py, motion.velocities)?,

@@ -1,6 +1,6 @@
 //! A simulation, and the folder of its results.
 
-use crate::signals::Signals;
+use crate::signals::PythonSignals;
 use crate::snapshot::{Snapshot, count, shared};
 use crate::user_loads::{OwnFunction, PendingException};
 use domain::Comm;
@@ -18,8 +18,8 @@ pub struct Run {
     /// The user's load functions, in the order in which they were added.
     own_loads: Vec<OwnFunction>,
     scene: Scene,
-    output: Output,
-    signals: Signals,
+    output: Destination,
+    signals: PythonSignals,
     /// Last step for which the files have room.
     room: u64,
     /// Whether a step has failed, so that the present state must not be written as a checkpoint.
@@ -28,7 +28,7 @@ pub struct Run {
 
 /// Destination of the results.
 #[expect(clippy::large_enum_variant, reason = "there is one")]
-enum Output {
+enum Destination {
     Nowhere,
     /// A folder in which nothing is written before the first step.
     Folder(RunFolder),
@@ -39,7 +39,7 @@ const NO_COLUMN: &str = "the time series in this folder has begun without a colu
     add forces that have one before the first step, or let them have none";
 
 /// Outcome of an advance.
-pub enum Ended {
+pub enum AdvanceOutcome {
     AtItsStep,
     Interrupted,
 }
@@ -52,7 +52,7 @@ impl Run {
         let (scene, _) = run::with_start_file(scene, comm)?;
         let (scene, _) = run::with_least_repulsion(run::on_this_machine(scene, comm)?, comm)?;
         let simulation = run::start(&scene, comm, &mut |_| ())?;
-        Ok(Self::of(simulation, scene, folder.map_or(Output::Nowhere, Output::Folder)))
+        Ok(Self::of(simulation, scene, folder.map_or(Destination::Nowhere, Destination::Folder)))
     }
 
     /// Resumes the run of a folder from its last checkpoint; returns notes on damaged checkpoints and changed keys,
@@ -68,11 +68,11 @@ impl Run {
         let notes = resumption.damaged().iter().chain(resumption.notes()).cloned().collect();
         let mut simulation = resumption.simulation(comm)?;
         let (recorder, scene) = resumption.record(&mut *simulation)?;
-        Ok((Self::of(simulation, scene, Output::Files(recorder)), notes))
+        Ok((Self::of(simulation, scene, Destination::Files(recorder)), notes))
     }
 
-    fn of(mut simulation: Box<dyn Simulation>, scene: Scene, output: Output) -> Self {
-        let (signals, room) = (Signals::default(), scene.kind().steps());
+    fn of(mut simulation: Box<dyn Simulation>, scene: Scene, output: Destination) -> Self {
+        let (signals, room) = (PythonSignals::default(), scene.kind().steps());
         simulation.listen(signals.interrupt());
         let (raised, own_loads) = (PendingException::default(), Vec::new());
         Self { simulation, raised, own_loads, scene, output, signals, room, has_failed: false }
@@ -84,7 +84,7 @@ impl Run {
         let quantities = self.simulation.quantities();
         let has = |name: &str| quantities.iter().any(|quantity| quantity.name == name);
         let lacks = has("relative_viscosity") && !has("stress_applied");
-        if loads.gives.have_stress() && lacks && matches!(self.output, Output::Files(_)) {
+        if loads.gives.have_stress() && lacks && matches!(self.output, Destination::Files(_)) {
             return Err(RunError::Refused(NO_COLUMN.to_owned()));
         }
         self.simulation.add_loads(self.raised.loads(loads.clone()))?;
@@ -109,8 +109,10 @@ impl Run {
         let mut simulation = run::resume(&self.scene, Some(state), &comm)?;
         simulation.listen(self.signals.interrupt());
         self.own_loads.iter().try_for_each(|loads| simulation.add_loads(self.raised.loads(loads.clone())))?;
-        self.output = match std::mem::replace(&mut self.output, Output::Nowhere) {
-            Output::Files(recorder) => Output::Files(recorder.go_back(&self.scene, self.room, &mut *simulation)?),
+        self.output = match std::mem::replace(&mut self.output, Destination::Nowhere) {
+            Destination::Files(recorder) => {
+                Destination::Files(recorder.go_back(&self.scene, self.room, &mut *simulation)?)
+            }
             output => output,
         };
         (self.simulation, self.has_failed) = (simulation, false);
@@ -124,21 +126,21 @@ impl Run {
 
     /// Warnings about the start and the files.
     pub fn cautions(&self) -> Vec<String> {
-        let files = if let Output::Files(recorder) = &self.output { recorder.warnings() } else { &[] };
+        let files = if let Destination::Files(recorder) = &self.output { recorder.warnings() } else { &[] };
         self.simulation.start_warnings().iter().chain(files).cloned().collect()
     }
 
     /// Advances to step `target`, and records what is due. Collective.
-    pub fn run_to(&mut self, target: u64) -> Result<Ended, RunError> {
+    pub fn run_to(&mut self, target: u64) -> Result<AdvanceOutcome, RunError> {
         self.prepare_files(target)?;
         self.record()?;
         while self.simulation.clock().step() < target && self.simulation.end_reason().is_none() {
             if self.simulation.comm().any(self.signals.interrupt().is_requested()) {
                 self.checkpoint()?;
-                return Ok(Ended::Interrupted);
+                return Ok(AdvanceOutcome::Interrupted);
             }
             let step = self.simulation.clock().step();
-            let due = if let Output::Files(recorder) = &self.output { recorder.next_due(step) } else { None };
+            let due = if let Destination::Files(recorder) = &self.output { recorder.next_due(step) } else { None };
             let advanced = self.simulation.advance(due.map_or(target, |due| due.min(target)));
             self.has_failed = advanced.is_err() && !self.raised.is_any();
             advanced?;
@@ -149,12 +151,12 @@ impl Run {
         } else if target == self.end() {
             self.checkpoint()?;
         }
-        Ok(Ended::AtItsStep)
+        Ok(AdvanceOutcome::AtItsStep)
     }
 
     /// Creates the files at the first step, with room until step `target`, or extends files that have too little room.
     fn prepare_files(&mut self, target: u64) -> Result<(), RunError> {
-        if let Output::Nowhere = self.output {
+        if let Destination::Nowhere = self.output {
             return Ok(());
         }
         let is_longer = target > self.end();
@@ -162,16 +164,16 @@ impl Run {
             let end = [format!("time.steps={target}")];
             self.scene = SCENES.parse(self.scene.text(), "the scene with another end", &end)?;
         }
-        self.output = match std::mem::replace(&mut self.output, Output::Nowhere) {
-            Output::Folder(folder) => {
+        self.output = match std::mem::replace(&mut self.output, Destination::Nowhere) {
+            Destination::Folder(folder) => {
                 self.room = self.end();
-                Output::Files(Recorder::create(folder, &self.scene, &mut *self.simulation)?)
+                Destination::Files(Recorder::create(folder, &self.scene, &mut *self.simulation)?)
             }
-            Output::Files(recorder) if is_longer => {
+            Destination::Files(recorder) if is_longer => {
                 if target > self.room {
                     self.room = target.max(2 * self.room);
                 }
-                Output::Files(recorder.extend(&self.scene, self.room, &mut *self.simulation)?)
+                Destination::Files(recorder.extend(&self.scene, self.room, &mut *self.simulation)?)
             }
             output => output,
         };
@@ -180,7 +182,7 @@ impl Run {
 
     fn record(&mut self) -> Result<(), RunError> {
         match &mut self.output {
-            Output::Files(recorder) => recorder.record(&mut *self.simulation),
+            Destination::Files(recorder) => recorder.record(&mut *self.simulation),
             _ => Ok(()),
         }
     }
@@ -188,7 +190,7 @@ impl Run {
     /// Writes a checkpoint of the present state, if there are files. Collective.
     pub fn checkpoint(&mut self) -> Result<(), RunError> {
         match &mut self.output {
-            Output::Files(recorder) if !self.has_failed => recorder.checkpoint(&mut *self.simulation),
+            Destination::Files(recorder) if !self.has_failed => recorder.checkpoint(&mut *self.simulation),
             _ => Ok(()),
         }
     }
@@ -196,7 +198,7 @@ impl Run {
     /// Writes the answers and the checkpoint of a run that ended before its last step. Collective.
     fn finish(&mut self) -> Result<(), RunError> {
         match &mut self.output {
-            Output::Files(recorder) => recorder.finish(&mut *self.simulation).map(drop),
+            Destination::Files(recorder) => recorder.finish(&mut *self.simulation).map(drop),
             _ => Ok(()),
         }
     }
@@ -204,7 +206,7 @@ impl Run {
     /// Writes a last checkpoint and releases the folder. Collective.
     pub fn close(&mut self) -> Result<(), RunError> {
         let saved = self.checkpoint();
-        self.output = Output::Nowhere;
+        self.output = Destination::Nowhere;
         saved
     }
 

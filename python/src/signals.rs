@@ -10,7 +10,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// Exception raised by a signal handler, if any.
 #[derive(Clone, Default)]
-pub struct Signals(Arc<Mutex<Heard>>);
+pub struct PythonSignals(Arc<Mutex<Heard>>);
 
 #[derive(Default)]
 struct Heard {
@@ -18,7 +18,7 @@ struct Heard {
     raised: Option<PyErr>,
 }
 
-impl Signals {
+impl PythonSignals {
     /// Interrupt flag for computations.
     pub fn interrupt(&self) -> Interrupt {
         let signals = self.clone();

@@ -4,7 +4,7 @@ use crate::arrays::{rows_of, table_of};
 use crate::communicator::ranks;
 use crate::error::{explained, of_run, refused};
 use crate::neighbours::Neighbours;
-use crate::run::{Ended, Run};
+use crate::run::{AdvanceOutcome, Run};
 use crate::scene::parsed;
 use crate::snapshot::{Moved, Snapshot, rearrangement};
 use crate::thread_bound::{ThreadBound, without_lock};
@@ -27,7 +27,7 @@ pub struct Simulation {
 
 /// A row of the time series: for each quantity its name and unit, the names of rows and columns if it is a table, and
 /// its numbers.
-type Observables = Vec<(Cow<'static, str>, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
+type ObservableRow = Vec<(Cow<'static, str>, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
 
 #[pymethods]
 impl Simulation {
@@ -69,8 +69,8 @@ impl Simulation {
             return Err(raised);
         }
         match ended.map_err(|cause| of_run(&cause))? {
-            Ended::AtItsStep => Ok(()),
-            Ended::Interrupted => Err(self.run.with(py, |run| run.interruption())?),
+            AdvanceOutcome::AtItsStep => Ok(()),
+            AdvanceOutcome::Interrupted => Err(self.run.with(py, |run| run.interruption())?),
         }
     }
 
@@ -165,7 +165,7 @@ impl Simulation {
     }
 
     /// The present values of the time series.
-    fn observables(&self, py: Python<'_>) -> PyResult<Observables> {
+    fn observables(&self, py: Python<'_>) -> PyResult<ObservableRow> {
         self.run.with(py, |run| {
             let numbers = run.simulation.present_row();
             let quantities = run.simulation.quantities();

@@ -66,8 +66,8 @@ pub use model::box_axes::UserAxes;
 pub use model::radii::Radii;
 pub use model::{
     Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow, Hydrodynamics, Integrator,
-    Lattice, MAX_FRACTION, MAX_SPHERES, Model, Multipoles, Parameters, Protocol, RateChange, Repulsion, ShearRates,
-    SizeClass, SizeDistribution, Species, Start, Statistics as StatisticsParameters, Trapped, Traps,
+    Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Parameters, Protocol, RateChange, Repulsion, ShearRates,
+    SizeClass, SizeDistribution, Species, Start, StatisticsParameters, Trapped, Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;

@@ -1,6 +1,6 @@
 //! Runs of members in child processes of this program.
 
-use super::outcome::Outcome;
+use super::outcome::ProcessOutcome;
 use anyhow::Context;
 use run::FamilyFolder;
 use scene::{Family, Member};
@@ -71,13 +71,13 @@ impl<'a> Running<'a> {
     }
 
     /// Outcome of the process, if it has ended.
-    pub fn outcome(&mut self, folder: &FamilyFolder) -> anyhow::Result<Option<Outcome>> {
+    pub fn outcome(&mut self, folder: &FamilyFolder) -> anyhow::Result<Option<ProcessOutcome>> {
         let Some(status) = self.child.try_wait().with_context(|| format!("can't wait for {}", self.member))? else {
             return Ok(None);
         };
         let steps = std::fs::read_to_string(&self.steps_taken).ok().and_then(|text| text.trim().parse().ok());
         let _ = std::fs::remove_file(&self.steps_taken);
-        Ok(Some(Outcome::of(status, steps, || folder.error(self.member))))
+        Ok(Some(ProcessOutcome::of(status, steps, || folder.error(self.member))))
     }
 }
 

@@ -17,7 +17,7 @@ pub use check::check;
 use domain::{AvailableMemory, Comm};
 pub use info::info;
 pub use part::Part;
-use pool::Pool;
+use pool::ProcessPool;
 use run::{ExistingRun, FamilyFolder, MemberState};
 use scene::{Family, Member};
 pub use stats::stats;
@@ -25,7 +25,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Family to make, the part of it that this program makes, and the changes that are accepted.
-pub struct Work<'a> {
+pub struct FamilyTask<'a> {
     /// Family to make.
     pub family: &'a Family,
     /// Part of the family that this program makes.
@@ -38,7 +38,7 @@ pub struct Work<'a> {
 const NAMED: usize = 10;
 
 /// Makes the missing runs of a family, and the table of their answers.
-pub fn run(work: &Work, path: &Path, former: ExistingRun, signals: &Signals) -> anyhow::Result<ExitCode> {
+pub fn run(work: &FamilyTask, path: &Path, former: ExistingRun, signals: &Signals) -> anyhow::Result<ExitCode> {
     let family = work.family;
     let folder = FamilyFolder::claim(path, family, former)?;
     let members = work.part.of(family.members());
@@ -54,15 +54,15 @@ pub fn run(work: &Work, path: &Path, former: ExistingRun, signals: &Signals) -> 
     progress.say(&format!("results    {}", folder.path().display()));
     let done = members.len() - missing.len();
     progress.show(done as f64 / members.len().max(1) as f64);
-    let mut pool = Pool::new(work, &folder, at_once, signals, progress);
+    let mut pool = ProcessPool::new(work, &folder, at_once, signals, progress);
     pool.make(&missing, done, members.len())?;
     folder.write_table(family)?;
     end(&pool, &folder, members.len(), signals)
 }
 
 /// A line that describes the members to make.
-fn described(work: &Work, all: usize, missing: usize, at_once: usize) -> String {
-    let Work { family, part, .. } = work;
+fn described(work: &FamilyTask, all: usize, missing: usize, at_once: usize) -> String {
+    let FamilyTask { family, part, .. } = work;
     let points = family.points().count();
     let part = part.described(family.members().len());
     let finished = if all > missing { format!(", {} finished before", all - missing) } else { String::new() };
@@ -84,7 +84,7 @@ fn at_once(family: &Family, missing: &[&Member]) -> anyhow::Result<usize> {
 }
 
 /// Reports failures, or the command that continues the family, and returns the exit code.
-fn end(pool: &Pool, folder: &FamilyFolder, all: usize, signals: &Signals) -> anyhow::Result<ExitCode> {
+fn end(pool: &ProcessPool, folder: &FamilyFolder, all: usize, signals: &Signals) -> anyhow::Result<ExitCode> {
     signals.tell_steps_taken(pool.steps_taken());
     if let Some(stop) = signals.received() {
         ensure!(

@@ -5,7 +5,7 @@ use std::process::ExitStatus;
 
 /// Outcome of a process.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
+pub enum ProcessOutcome {
     /// The member is finished.
     Finished,
     /// The member stopped after this number of steps and can be continued.
@@ -17,7 +17,7 @@ pub enum Outcome {
 /// Exit codes of a run that stopped and can be continued: by its time limit, Ctrl-C, and a request to terminate.
 const STOPPED: [i32; 3] = [75, 130, 143];
 
-impl Outcome {
+impl ProcessOutcome {
     /// Outcome from the exit status, the steps that a run reports if it stops before its end, and the error in its log.
     pub fn of(status: ExitStatus, steps: Option<u64>, error: impl FnOnce() -> Option<String>) -> Self {
         match (status.code(), steps) {
@@ -43,12 +43,16 @@ mod tests {
 
     #[test]
     fn what_stopped_is_told_from_what_failed() {
-        let of = |code: i32, steps| Outcome::of(ExitStatus::from_raw(code << 8), steps, || Some("it broke".to_owned()));
-        assert_eq!(of(0, None), Outcome::Finished);
-        assert_eq!([75, 130, 143].map(|code| of(code, Some(7))), [const { Outcome::Stopped(7) }; 3]);
-        assert_eq!(of(1, Some(0)), Outcome::Stopped(0));
-        assert_eq!(of(1, None), Outcome::Failed("it broke".to_owned()));
-        let Outcome::Failed(killed) = Outcome::of(ExitStatus::from_raw(9), None, || None) else { panic!("it failed") };
+        let of = |code: i32, steps| {
+            ProcessOutcome::of(ExitStatus::from_raw(code << 8), steps, || Some("it broke".to_owned()))
+        };
+        assert_eq!(of(0, None), ProcessOutcome::Finished);
+        assert_eq!([75, 130, 143].map(|code| of(code, Some(7))), [const { ProcessOutcome::Stopped(7) }; 3]);
+        assert_eq!(of(1, Some(0)), ProcessOutcome::Stopped(0));
+        assert_eq!(of(1, None), ProcessOutcome::Failed("it broke".to_owned()));
+        let ProcessOutcome::Failed(killed) = ProcessOutcome::of(ExitStatus::from_raw(9), None, || None) else {
+            panic!("it failed")
+        };
         assert!(killed.contains("SIGKILL"), "{killed}");
     }
 }

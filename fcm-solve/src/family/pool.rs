@@ -1,8 +1,8 @@
 //! Pool of the processes of members that run side by side.
 
-use super::Work;
+use super::FamilyTask;
 use super::child::{Launch, Running};
-use super::outcome::Outcome;
+use super::outcome::ProcessOutcome;
 use crate::part_progress::PartProgress;
 use crate::signals::Signals;
 use crate::stop::Stop;
@@ -26,37 +26,37 @@ const LEAST_TIME: Duration = Duration::from_secs(2);
 
 /// A member whose run failed.
 #[derive(Debug)]
-pub struct Failure {
+pub struct MemberFailure {
     member: String,
     why: String,
     /// Log of its run.
     pub log: PathBuf,
 }
 
-impl Display for Failure {
+impl Display for MemberFailure {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} failed: {}; its log is {}", self.member, self.why, self.log.display())
     }
 }
 
 /// Processes of members, on the cores of this process.
-pub struct Pool<'a> {
-    work: &'a Work<'a>,
+pub struct ProcessPool<'a> {
+    work: &'a FamilyTask<'a>,
     folder: &'a FamilyFolder,
     signals: &'a Signals,
     progress: PartProgress,
     at_once: usize,
     running: Vec<Running<'a>>,
     written: Option<(Instant, Duration)>,
-    failures: Vec<Failure>,
+    failures: Vec<MemberFailure>,
     finished: u64,
     steps: u64,
 }
 
-impl<'a> Pool<'a> {
+impl<'a> ProcessPool<'a> {
     /// A pool of at most `at_once` processes at a time.
     pub fn new(
-        work: &'a Work<'a>,
+        work: &'a FamilyTask<'a>,
         folder: &'a FamilyFolder,
         at_once: usize,
         signals: &'a Signals,
@@ -139,9 +139,9 @@ impl<'a> Pool<'a> {
         Ok(())
     }
 
-    fn note(&mut self, Running { member, began, .. }: &Running, outcome: Outcome, (done, all): (usize, usize)) {
+    fn note(&mut self, Running { member, began, .. }: &Running, outcome: ProcessOutcome, (done, all): (usize, usize)) {
         match outcome {
-            Outcome::Finished => {
+            ProcessOutcome::Finished => {
                 self.finished += 1;
                 self.signals.stored_results().fetch_add(1, Ordering::SeqCst);
                 let seconds = Number(began.elapsed().as_secs_f64());
@@ -149,13 +149,13 @@ impl<'a> Pool<'a> {
                 self.progress.say(&format!("run {number} of {all}: {member}, {seconds:.2} s"));
                 self.progress.show(number as f64 / all as f64);
             }
-            Outcome::Stopped(steps) => {
+            ProcessOutcome::Stopped(steps) => {
                 self.steps += steps;
                 // Without a request it stopped by its time limit, which is that of the whole family.
                 self.signals.stop(Stop::TimeIsUp);
             }
-            Outcome::Failed(why) => {
-                let failure = Failure { member: member.to_string(), why, log: self.folder.log(member) };
+            ProcessOutcome::Failed(why) => {
+                let failure = MemberFailure { member: member.to_string(), why, log: self.folder.log(member) };
                 self.progress.say(&failure.to_string());
                 self.failures.push(failure);
             }
@@ -163,7 +163,7 @@ impl<'a> Pool<'a> {
     }
 
     /// Members that failed.
-    pub fn failures(&self) -> &[Failure] {
+    pub fn failures(&self) -> &[MemberFailure] {
         &self.failures
     }
 

@@ -4,7 +4,7 @@ use crate::envelope::Envelope;
 use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
 use crate::pairs::pair_correction::{self, PairCorrection};
-use crate::pairs::table::{PairFunctions, Table};
+use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::Plan;
 use crate::plan::method::{GridlessBytes, RankParticles};
 use crate::plan::problem::{Multipoles, Precision};
@@ -163,7 +163,7 @@ impl<'a> Footprint<'a> {
         let Some(common) = self.plan.common() else { return 0.0 };
         let (cutoff, tolerance) = (self.plan.cutoff(), self.plan.table_tolerance());
         let functions = |&a: &f64| PairFunctions::new(Envelope::POINT, Envelope::of_sphere(a), common);
-        let bytes = |functions: PairFunctions| Table::<f64>::bytes(&functions, cutoff, tolerance).unwrap_or(0.0);
+        let bytes = |functions: PairFunctions| PairTable::<f64>::bytes(&functions, cutoff, tolerance).unwrap_or(0.0);
         self.plan.radii.iter().map(functions).map(bytes).sum()
     }
 

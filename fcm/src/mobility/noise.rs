@@ -32,9 +32,9 @@ impl Stream {
     }
 
     /// Eleven normal numbers of a particle.
-    pub(crate) fn of_particle(self, id: u64) -> Components {
+    pub(crate) fn of_particle(self, id: u64) -> ParticleComponents {
         let mut random = self.of(OF_NEAR, id);
-        let mut numbers = Components::default();
+        let mut numbers = ParticleComponents::default();
         for pair in numbers.chunks_mut(2) {
             let normal = random.normal();
             pair.copy_from_slice(&normal[..pair.len()]);
@@ -59,7 +59,7 @@ impl Draw for Stream {
 
 /// Components of a particle's motion or loads: three of the velocity, three of the angular velocity, and five of the
 /// rate of strain in an orthonormal basis.
-pub(crate) type Components = [f64; COMPONENTS];
+pub(crate) type ParticleComponents = [f64; COMPONENTS];
 
 /// Number of components of a motion with dipoles.
 pub(crate) const COMPONENTS: usize = 11;
@@ -238,7 +238,7 @@ fn eigen(mut matrix: Vec<Vec<f64>>) -> (Vec<f64>, Vec<Vec<f64>>) {
 }
 
 /// Velocity, angular velocity and rate of strain as components, from a velocity and its gradient.
-pub(crate) fn components(motion: &(Vector, Tensor)) -> Components {
+pub(crate) fn components(motion: &(Vector, Tensor)) -> ParticleComponents {
     let (velocity, gradient) = motion;
     let (rotation, strain) = (angular_velocity(gradient), orthonormal(Traceless::part_of(gradient)));
     let mut components = [0.0; COMPONENTS];
@@ -249,7 +249,7 @@ pub(crate) fn components(motion: &(Vector, Tensor)) -> Components {
 }
 
 /// Motion of particles from their components.
-pub(crate) fn motion(components: impl Iterator<Item = Components>) -> Motion {
+pub(crate) fn motion(components: impl Iterator<Item = ParticleComponents>) -> Motion {
     let mut motion = Motion::default();
     for [x, y, z, a, b, c, strain @ ..] in components {
         motion.velocities.push(Vector::new(x, y, z));
@@ -282,14 +282,14 @@ mod tests {
         const LIMITS: (f64, usize) = (1e-12, 60);
         let count = 7;
         let entry = |i: usize, j: usize| if i == j { 2.0 + i as f64 } else { 0.8 / (1.0 + i.abs_diff(j) as f64) };
-        let apply = |x: &[Components]| -> Result<Vec<Components>, Infallible> {
+        let apply = |x: &[ParticleComponents]| -> Result<Vec<ParticleComponents>, Infallible> {
             let flat = x.as_flattened();
             let product = |i: usize| (0..flat.len()).map(|j| entry(i, j) * flat[j]).sum::<f64>();
             let all: Vec<f64> = (0..flat.len()).map(product).collect();
             Ok(all.as_chunks::<11>().0.to_vec())
         };
         let stream = Stream::new(3, 1);
-        let start: Vec<Components> = (0..count).map(|id| stream.of_particle(id)).collect();
+        let start: Vec<ParticleComponents> = (0..count).map(|id| stream.of_particle(id)).collect();
         let comm = Comm::alone();
         let Ok((once, drawn)) = square_root_times(&comm, &start, LIMITS, apply);
         let Ok((twice, _)) = square_root_times(&comm, &once, LIMITS, apply);

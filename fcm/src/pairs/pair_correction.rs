@@ -13,7 +13,7 @@
 
 use crate::envelope::{Common, Envelope};
 use crate::grid::totals::Totals;
-use crate::pairs::table::{PairFunctions, Table};
+use crate::pairs::table::{PairFunctions, PairTable};
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, StridedRows, VectorKernel};
@@ -36,7 +36,7 @@ pub(crate) struct LoadedParticles<'a> {
 }
 
 /// Pair correction in the precision that the plan chose.
-pub(crate) trait NearField {
+pub(crate) trait DynPairCorrection {
     /// Distance beyond which pairs are left out.
     fn cutoff(&self) -> f64;
 
@@ -59,7 +59,7 @@ pub(crate) struct PairCorrection<T> {
 }
 
 enum RadialFunctions<T> {
-    Tabulated { classes: usize, tables: Vec<Table<T>>, alone: Vec<[f64; 9]> },
+    Tabulated { classes: usize, tables: Vec<PairTable<T>>, alone: Vec<[f64; 9]> },
     Exact { envelopes: Vec<Envelope>, common: Common },
 }
 
@@ -96,7 +96,7 @@ impl<T: Real> PairCorrection<T> {
     /// left out; tables are exact to `tolerance`.
     pub fn new(envelopes: Vec<Envelope>, common: Common, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
         let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, common);
-        let table = |functions: PairFunctions| Table::new(&functions, cutoff, tolerance);
+        let table = |functions: PairFunctions| PairTable::new(&functions, cutoff, tolerance);
         let all = || envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| pair(i, j))).map(table).collect();
         let tables: Option<Vec<_>> = if envelopes.len() > MOST_TABULATED { None } else { all() };
         let functions = match tables {
@@ -114,7 +114,7 @@ impl<T: Real> PairCorrection<T> {
         if envelopes.len() > MOST_TABULATED {
             return 0.0;
         }
-        let bytes = |functions: PairFunctions| Table::<T>::bytes(&functions, cutoff, tolerance);
+        let bytes = |functions: PairFunctions| PairTable::<T>::bytes(&functions, cutoff, tolerance);
         let pairs = envelopes.iter().flat_map(|&i| envelopes.iter().map(move |&j| PairFunctions::new(i, j, common)));
         pairs.map(bytes).sum::<Option<f64>>().unwrap_or(0.0)
     }
@@ -130,7 +130,7 @@ impl<T: Real> PairCorrection<T> {
 /// Particles whose lists one thread processes at a time.
 const BATCH: usize = 64;
 
-impl<T: Real> NearField for PairCorrection<T> {
+impl<T: Real> DynPairCorrection for PairCorrection<T> {
     fn cutoff(&self) -> f64 {
         self.cutoff
     }

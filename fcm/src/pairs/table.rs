@@ -6,7 +6,7 @@ use solver::Real;
 
 /// Functions of one pair of radii at one distance: `f_1, f_2` of two forces, `f_2, f_3` of the first's force and the
 /// second's dipole, `f_2, f_3` the other way round, and `f_2, f_3, f_4` of two dipoles.
-pub(crate) type Values = [f64; 9];
+pub(crate) type PairValues = [f64; 9];
 
 /// Differences between two envelopes and two common Gaussians, for the four combinations of force and dipole.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +29,7 @@ impl PairFunctions {
     }
 
     /// Derivatives of the functions by `r^2` of the given order at `r^2 = square`: `d f_n / d(r^2) = f_(n+1)/2`.
-    fn derivative(&self, square: f64, order: usize) -> Values {
+    fn derivative(&self, square: f64, order: usize) -> PairValues {
         let [forces, mixed, other, dipoles] =
             [&self.forces, &self.force_dipole, &self.dipole_force, &self.dipoles].map(|d| d.evaluate(square));
         let half = 0.5_f64.powi(order as i32);
@@ -39,7 +39,7 @@ impl PairFunctions {
     }
 
     /// Functions at `r^2 = square`.
-    pub fn exact(&self, square: f64) -> Values {
+    pub fn exact(&self, square: f64) -> PairValues {
         self.derivative(square, 0)
     }
 }
@@ -50,7 +50,7 @@ const MOST_INTERVALS: usize = 1 << 14;
 
 /// [`PairFunctions`] as Taylor polynomials about the middles of equal intervals of the squared distance.
 #[derive(Debug, Clone)]
-pub(crate) struct Table<T> {
+pub(crate) struct PairTable<T> {
     per_interval: f64,
     intervals: Vec<Interval<T>>,
 }
@@ -63,7 +63,7 @@ struct Interval<T> {
     last: [T; DEGREE + 1],
 }
 
-impl<T: Real> Table<T> {
+impl<T: Real> PairTable<T> {
     /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at distance 0 between
     /// points; `None` if that takes too many intervals, as for a cutoff of hundreds of radii.
     pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
@@ -127,7 +127,7 @@ mod tests {
     fn what_a_table_cannot_hold_is_not_tabulated() {
         let sphere = Envelope::of_sphere(1.0);
         assert!(
-            Table::<f64>::new(
+            PairTable::<f64>::new(
                 &PairFunctions::new(sphere, sphere, Common::new(33.0, [sphere.dipole].into_iter())),
                 275.0,
                 1e-6
@@ -143,7 +143,7 @@ mod tests {
             let functions = PairFunctions::new(i, j, Common::new(2.5, [i.dipole, j.dipole].into_iter()));
             let first = functions.exact(0.0);
             for tolerance in [1e-4, 1e-8, 1e-12] {
-                let table = Table::<f64>::new(&functions, 9.0, tolerance).unwrap();
+                let table = PairTable::<f64>::new(&functions, 9.0, tolerance).unwrap();
                 for n in 0..400 {
                     let square = f64::from(n) * 0.2017;
                     let (found, exact) = (table.evaluate(square), functions.exact(square));

@@ -6,7 +6,7 @@
 //! (`cargo run --release -p fcm --example errors`), for ratios of radii from 1 to 4 and volume fractions up to 40%.
 //! The parts are independent, so their squares add up.
 
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::plan::problem::Multipoles;
 use std::f64::consts::PI;
 use std::ops::{Range, RangeInclusive};
@@ -81,7 +81,7 @@ pub fn stencil_error(reach: f64) -> f64 {
 /// onto those of the Gaussian. Derivatives on the grid amplify the error: one for each side of a dipole, and two for
 /// `1 - rest lap`.
 pub fn window_error(terms: Multipoles, points: usize, resolution: f64, brackets: Brackets) -> f64 {
-    let window = Window::new(points, resolution).shape();
+    let window = KaiserBessel::new(points, resolution).shape();
     let folded = (resolution * brackets.stretch).powi(2);
     let rest = brackets.own * 4.0 * PI * PI * folded;
     match terms {
@@ -144,7 +144,7 @@ impl Accuracy {
         let fewest = if terms == Multipoles::Monopole { 4 } else { 3 };
         let error = |points: usize, resolution: f64| split_error(terms, resolution, points, brackets(resolution));
         let is_enough = |points, hundredths| error(points, resolution(hundredths)) <= GRID_SHARE * tolerance;
-        options(fewest..=Window::POINTS[1], |points| {
+        options(fewest..=KaiserBessel::POINTS[1], |points| {
             // Errors fall with the resolution, so a bisection finds the coarsest.
             let Range { start: mut coarse, end: mut fine } = RESOLUTIONS;
             while coarse < fine {

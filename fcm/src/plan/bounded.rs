@@ -1,7 +1,7 @@
 //! Grids for boxes that are not periodic along all axes.
 
 use crate::envelope::{Common, Envelope};
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::plan::Plan;
 use crate::plan::method::Split;
 use crate::plan::problem::{Multipoles, Problem};
@@ -92,7 +92,7 @@ impl WallGrid {
         let rests = widths.map(|sigma| common.rest(sigma).abs());
         let (cut, error) = WavenumberSplit::choose(&SplitInput {
             spacing: self.spacing / smallest,
-            window: Window::new(self.points, self.width / self.spacing),
+            window: KaiserBessel::new(self.points, self.width / self.spacing),
             own: 0.5 * rests.fold(0.0, f64::max) / self.spacing.powi(2),
             cutoff: self.cutoff / smallest,
             height: if self.boundaries.walls() == 2 { self.height / smallest } else { f64::INFINITY },

@@ -1,7 +1,7 @@
 //! Checks of a problem, with the reason if it can't be planned.
 
 use crate::envelope::Envelope;
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::plan::PlanError;
 use crate::plan::method::Method;
 use crate::plan::problem::{Fixed, Problem};
@@ -24,7 +24,7 @@ impl Fixed {
         if self.support == Some(0) {
             return Err(PlanError::Fixed("hydrodynamics.support is 0; a stencil needs at least 1 point".to_owned()));
         }
-        let [fewest, most] = Window::POINTS;
+        let [fewest, most] = KaiserBessel::POINTS;
         if let (Some(Method::Split), Some(points)) = (self.method, self.support)
             && !(fewest..=most).contains(&points)
         {

@@ -17,7 +17,7 @@ pub(crate) mod wavenumber_split;
 
 use crate::envelope::{Common, Envelope};
 use crate::grid::stencil::Support;
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::plan::costs::Costs;
 use crate::plan::method::{Method, Split};
 use crate::plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
@@ -232,9 +232,9 @@ impl Plan {
     }
 
     /// Window that the split method uses on the grid.
-    pub(crate) fn window(&self) -> Option<Window> {
+    pub(crate) fn window(&self) -> Option<KaiserBessel> {
         let Split { width, .. } = self.split?;
-        Some(Window::new(self.support.support, width / self.spacing().max_element()))
+        Some(KaiserBessel::new(self.support.support, width / self.spacing().max_element()))
     }
 
     /// Class of a radius: its index in [`Plan::radii`].

@@ -3,7 +3,7 @@
 use crate::envelope::{Common, Envelope};
 use crate::grid::gaussian::STEP;
 use crate::grid::stencil::Support;
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::plan::Plan;
 use crate::plan::accuracy::{self, Accuracy, Brackets};
 use crate::plan::bounded::WallGrid;
@@ -133,7 +133,7 @@ impl Problem {
     /// Common Gaussians worth trying: those for each efficient number of points along the longest edge, up to large
     /// numbers, of which steps of a few percent skip some.
     fn split(&self) -> Vec<PlanCandidate> {
-        let [fewest, most] = Window::POINTS;
+        let [fewest, most] = KaiserBessel::POINTS;
         if !self.allows(Method::Split) || self.fixed.support.is_some_and(|p| !(fewest..=most).contains(&p)) {
             return Vec::new();
         }
@@ -220,7 +220,7 @@ impl Problem {
             let (accuracy, error) = of_walls(factor, points);
             (PlanCandidate { accuracy, ..*candidate }, error.hypot(self.amplified(width, accuracy, precision)))
         };
-        let longest = Window::POINTS[1].max(points);
+        let longest = KaiserBessel::POINTS[1].max(points);
         let windows = |factor: f64| (points..=longest).map(move |points| with(factor, points));
         let allowed = ENOUGH * self.allowed_at_walls();
         // If the error of the longest window is too large, so are the others.
@@ -247,7 +247,7 @@ impl Problem {
     /// Round-off error as the highest wavenumbers amplify it, where the transform of a window that is long for its
     /// Gaussian nearly vanishes.
     fn amplified(&self, width: f64, Accuracy { resolution, points }: Accuracy, precision: Precision) -> f64 {
-        let window = Window::new(points, resolution);
+        let window = KaiserBessel::new(points, resolution);
         let Brackets { common, own, .. } = self.brackets(width, self.stretch());
         let gain = |k: f64| {
             let square = (k * resolution).powi(2);

@@ -6,7 +6,7 @@
 //! smallest radius.
 
 use crate::envelope::Envelope;
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use std::f64::consts::PI;
 
 /// Split between the wavenumbers of the grid and those of images.
@@ -24,7 +24,7 @@ pub(crate) struct SplitInput {
     /// Distance between points along the walls.
     pub spacing: f64,
     /// Window that stands for the Gaussian on the grid.
-    pub window: Window,
+    pub window: KaiserBessel,
     /// Coefficient of the correction `1 - own lap` for a sphere's own width, in units of the spacing.
     pub own: f64,
     /// Distance within which spheres have images in each other.

@@ -60,7 +60,7 @@ pub trait System {
         &mut self,
         at: Iterate<Self::Unknowns, Self::Residual>,
         step: Option<Step<Self::Unknowns, Self::Residual>>,
-    ) -> Sums {
+    ) -> InnerProducts {
         let Iterate { x, residual, z } = at;
         let mut former = 0.0;
         if let Some(Step { length, direction, image }) = step {
@@ -69,7 +69,7 @@ pub trait System {
             former = self.product(residual, z);
         }
         *z = self.precondition(residual);
-        Sums { product: self.product(residual, z), former, error: self.error(residual, z), size: self.size(x) }
+        InnerProducts { product: self.product(residual, z), former, error: self.error(residual, z), size: self.size(x) }
     }
 }
 
@@ -101,7 +101,7 @@ pub struct Step<'a, X, R> {
 
 /// Inner products of the residual `r` and `z = P^-1 r`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Sums {
+pub struct InnerProducts {
     /// `r . z`.
     pub product: f64,
     /// `r` times the `z` before the step; 0 if there was no step.
@@ -112,7 +112,7 @@ pub struct Sums {
     pub size: f64,
 }
 
-impl std::ops::Add for Sums {
+impl std::ops::Add for InnerProducts {
     type Output = Self;
 
     fn add(self, more: Self) -> Self {
@@ -127,7 +127,7 @@ impl std::ops::Add for Sums {
 
 /// Result of an iteration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct IterationOutcome {
     /// Number of applications of the matrix.
     pub iterations: usize,
     /// Relative error left, `|r . P^-1 r / x . P x|^(1/2)`, or the system's own measure.
@@ -162,8 +162,8 @@ pub fn conjugate_gradients<S: System>(
     system: &mut S,
     mut iterate: Iterate<S::Unknowns, S::Residual>,
     limits: Limits<'_>,
-) -> Outcome {
-    let small = |at: &Sums| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
+) -> IterationOutcome {
+    let small = |at: &InnerProducts| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
     let (mut at, mut asked) = step_and_measure(comm, system, iterate.reborrow(), None, limits.interrupt);
     let mut direction = iterate.z.clone();
     let mut iterations = 0;
@@ -183,7 +183,7 @@ pub fn conjugate_gradients<S: System>(
     // NaN stays NaN, whatever it is divided by.
     let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };
     let converged = small(&at);
-    Outcome { iterations, residual, converged, interrupted: !converged && asked }
+    IterationOutcome { iterations, residual, converged, interrupted: !converged && asked }
 }
 
 /// [`System::step_and_measure`], with the preconditioner made more exact until `r . z` is positive. Returns the sums
@@ -194,7 +194,7 @@ fn step_and_measure<S: System>(
     mut iterate: Iterate<S::Unknowns, S::Residual>,
     mut step: Option<Step<S::Unknowns, S::Residual>>,
     interrupt: &Interrupt,
-) -> (Sums, bool) {
+) -> (InnerProducts, bool) {
     let mut of_step = None;
     loop {
         let own = system.step_and_measure(iterate.reborrow(), step.take());
@@ -204,7 +204,7 @@ fn step_and_measure<S: System>(
         let [product, former, error, size, asked] = sums;
         let former = *of_step.get_or_insert(former);
         if product >= 0.0 || product.is_nan() || !system.refine_preconditioner() {
-            return (Sums { product, former, error, size }, asked > 0.0);
+            return (InnerProducts { product, former, error, size }, asked > 0.0);
         }
     }
 }
@@ -316,10 +316,10 @@ mod tests {
             limits,
         );
         let residual = (0.25_f64 / 2.0).sqrt();
-        assert_eq!(outcome, Outcome { iterations: 0, residual, converged: false, interrupted: false });
+        assert_eq!(outcome, IterationOutcome { iterations: 0, residual, converged: false, interrupted: false });
     }
 
-    fn solved(left: usize, can: usize) -> ([f64; 2], Outcome) {
+    fn solved(left: usize, can: usize) -> ([f64; 2], IterationOutcome) {
         let (mut x, mut residual) = ([1.0, 0.0], [2.0, 8.0]);
         let limits = Limits { tolerance: 1e-12, iterations: 10, interrupt: &Interrupt::NEVER };
         let outcome = conjugate_gradients(
@@ -345,7 +345,10 @@ mod tests {
         let (x, outcome) = solved(3, 1);
         assert_eq!(
             (x, outcome),
-            ([1.0, 0.0], Outcome { iterations: 0, residual: 68_f64.sqrt(), converged: false, interrupted: false })
+            (
+                [1.0, 0.0],
+                IterationOutcome { iterations: 0, residual: 68_f64.sqrt(), converged: false, interrupted: false }
+            )
         );
     }
 

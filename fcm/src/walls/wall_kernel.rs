@@ -34,7 +34,7 @@ const IMAGINARY: [bool; LOCAL] = [false, false, false, true, true, false, false,
 const DIRECTIONS: usize = 5;
 
 /// Sums over wavenumbers of the products of the waves at two spheres: with even Bessel functions, or with odd ones.
-type Sums = [[[f64; LOCAL]; LOCAL]; TERMS];
+type WaveSums = [[[f64; LOCAL]; LOCAL]; TERMS];
 const TERMS: usize = 3;
 
 /// A sphere as seen from its wall: its distance, and the squared widths of its envelopes of force and dipole.
@@ -135,7 +135,7 @@ fn waves(k: f64, SourceAtWall { distance, squares }: SourceAtWall) -> [[f64; LOC
 
 /// Adds the products of the waves of one wavenumber at two spheres, times each Bessel function.
 #[inline(always)]
-fn add_wavenumber(k: f64, factors: [f64; ORDERS], [first, second]: &[SourceAtWall; 2], sums: &mut Sums) {
+fn add_wavenumber(k: f64, factors: [f64; ORDERS], [first, second]: &[SourceAtWall; 2], sums: &mut WaveSums) {
     let (to, from) = (waves(k, *first), waves(k, *second));
     // Even orders where both or neither are imaginary, odd ones elsewhere.
     let factor = |term: usize, odd: bool| {
@@ -167,7 +167,7 @@ fn add_wavenumber(k: f64, factors: [f64; ORDERS], [first, second]: &[SourceAtWal
 /// Adds a direction's part of the mean over all, whose opposite has the complex conjugate, by the cosine of its angle
 /// to the vector from the second sphere to the first.
 #[inline(always)]
-fn add_direction(n: [f64; 2], cosine: f64, sums: &Sums, block: &mut [[f64; ENTRIES]; ENTRIES]) {
+fn add_direction(n: [f64; 2], cosine: f64, sums: &WaveSums, block: &mut [[f64; ENTRIES]; ENTRIES]) {
     let double = 2.0 * cosine * cosine - 1.0;
     let (first, second) = (2.0 * cosine, 2.0 * double);
     let (third, fourth) = (first * (second - 1.0), second * second - 2.0);

@@ -3,7 +3,7 @@
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::misfit;
 use crate::surroundings::Permit;
-use crate::tree::{self, Part};
+use crate::tree::{self, TreeStep};
 use crate::verdict::End;
 use toml::Value;
 
@@ -56,7 +56,7 @@ pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
 }
 
 /// Multiplies a number; returns whether it has changed.
-fn scale(tree: &mut Value, at: &[Part], factor: f64) -> bool {
+fn scale(tree: &mut Value, at: &[TreeStep], factor: f64) -> bool {
     match tree::find(tree, at) {
         Some(Value::Float(number)) if *number != 0.0 => *number *= factor,
         Some(Value::Float(number)) => *number = 0.25,

@@ -53,7 +53,7 @@ pub fn cases(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     lab.run_refused(&["mobility", "case.h5"], &key)
 }
 
-fn changed(lab: &mut CaseEnvironment, good: &Value) -> (Value, Option<Vec<tree::Part>>) {
+fn changed(lab: &mut CaseEnvironment, good: &Value) -> (Value, Option<Vec<tree::TreeStep>>) {
     let misfit = lab.draw(misfit::any_misfit());
     let candidates = misfit::candidates(good, misfit);
     let mut tree = good.clone();

@@ -17,10 +17,10 @@ use crate::tree;
 use crate::verdict::End;
 
 /// Makes a case and judges the program's reaction; mistakes of the harness itself are faults, too.
-pub type Trial = fn(&mut CaseEnvironment) -> Result<End, Fault>;
+pub type CaseTrial = fn(&mut CaseEnvironment) -> Result<End, Fault>;
 
 /// The kinds, with their shares of all cases.
-pub const KINDS: [(&str, usize, Trial); 23] = [
+pub const KINDS: [(&str, usize, CaseTrial); 23] = [
     ("scenes", 10, scenes::keys),
     ("scenes as bytes", 2, scenes::bytes),
     ("--set", 4, scenes::overrides),

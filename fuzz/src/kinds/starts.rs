@@ -2,7 +2,7 @@
 
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::PLACED;
-use crate::start::{Shape, any_start};
+use crate::start::{PositionsShape, any_start};
 use crate::verdict::End;
 
 const RUN: [&str; 6] = ["run", "scene.toml", "--out", "out", "--set", "output.trajectory_every=1"];
@@ -25,18 +25,25 @@ pub fn formats(lab: &mut CaseEnvironment) -> Result<End, Fault> {
 
 pub fn shapes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let start = lab.draw(any_start());
-    let shapes = [Shape::Rows, Shape::Columns, Shape::Four, Shape::Two, Shape::Flat, Shape::Deep];
+    let shapes = [
+        PositionsShape::Rows,
+        PositionsShape::Columns,
+        PositionsShape::Four,
+        PositionsShape::Two,
+        PositionsShape::Flat,
+        PositionsShape::Deep,
+    ];
     let shape = *lab.one_of(&shapes);
     start.datasets(&lab.folder.join("start.h5"), shape)?;
     lab.write("scene.toml", format!("{PLACED}path = 'start.h5'\n"))?;
-    if shape == Shape::Rows {
+    if shape == PositionsShape::Rows {
         return taken(lab, &start);
     }
     lab.run_refused(&RUN, "positions")
 }
 
 /// Requires that an unambiguous file is accepted.
-fn taken(lab: &CaseEnvironment, start: &crate::start::Start) -> Result<End, Fault> {
+fn taken(lab: &CaseEnvironment, start: &crate::start::WrittenSpheres) -> Result<End, Fault> {
     match lab.run(&RUN)? {
         End::Answered => {}
         End::Refused => return Err(lab.fault_of(&RUN, "it refused a file without a doubt")),

@@ -20,7 +20,7 @@ use domain::{
     Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, VerletList,
 };
 use fcm::{
-    DrawDiagnostics, Iterate, Limits, Linear, Loads, Mobility, Motion, Multipoles, Outcome, Plan, RigidInput,
+    DrawDiagnostics, Iterate, IterationOutcome, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, RigidInput,
     SolveError, Stream, conjugate_gradients,
 };
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
@@ -297,14 +297,14 @@ impl LubricatedSolve<'_> {
         let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
         let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
         let induced = induced(&spheres.motion, &motion, &far);
-        let (curvature, Outcome { iterations, residual, .. }) = (0.0, outcome);
+        let (curvature, IterationOutcome { iterations, residual, .. }) = (0.0, outcome);
         Ok(Solution { motion, stresslets, far, induced, curvature, iterations, residual })
     }
 }
 
 /// The error of a solve that failed.
-fn ended(outcome: &Outcome, limits: Limits) -> Result<(), SolveError> {
-    let Outcome { iterations, residual, converged, interrupted } = *outcome;
+fn ended(outcome: &IterationOutcome, limits: Limits) -> Result<(), SolveError> {
+    let IterationOutcome { iterations, residual, converged, interrupted } = *outcome;
     if interrupted {
         return Err(Interrupted.into());
     }

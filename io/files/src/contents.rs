@@ -1,6 +1,6 @@
 //! The contents of a result file, as `fcm-solve info` shows them.
 
-use crate::frames::Sums;
+use crate::frames::FrameChecksums;
 use crate::scene_history::{self, SceneHistory};
 use crate::{FileError, Provenance, claimed_size, self_contained, text, verified};
 use domain::Number;
@@ -87,7 +87,7 @@ impl Contents {
         };
         contents.walk(file.as_group()?)?;
         let frames = contents.frames.map_or(0, |frames| frames.count);
-        if let Some(sums) = Sums::open(file)? {
+        if let Some(sums) = FrameChecksums::open(file)? {
             contents.damage.extend((0..frames).filter_map(|frame| Some(sums.damage(frame)?.to_string())));
         }
         Ok(contents)

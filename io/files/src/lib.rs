@@ -34,7 +34,7 @@ mod verified;
 mod watched_file;
 
 pub use atomic_file::replace as replace_file;
-pub use case::{Answer, parse_case, read_case};
+pub use case::{CaseAnswer, parse_case, read_case};
 pub use checkpoint::{Checkpoints, Latest, OutputKind, SceneRecord};
 pub use contacts::{RecordedContacts, drop_contacts_after, write_contacts};
 pub use contents::{Contents, DatasetShape, FrameSpan, stored_rows};
@@ -55,4 +55,4 @@ pub use signatures::{ANSWERS, ANSWERS_START, REPORT_START, starts_with};
 pub use stored_table::StoredTable;
 pub use tables::{read_rows, write_tables};
 pub use trajectory::{ParticleRows, Trajectory};
-pub use trajectory_reader::{Snapshot, TrajectoryReader};
+pub use trajectory_reader::{TimedFrame, TrajectoryReader};

@@ -11,11 +11,11 @@ use std::path::Path;
 pub struct StoredTable {
     /// Name.
     pub name: String,
-    columns: Vec<(String, Column)>,
+    columns: Vec<(String, TableColumn)>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Column {
+enum TableColumn {
     Words(Vec<String>),
     /// Numbers with their unit.
     Numbers(Vec<f64>, String),
@@ -39,7 +39,7 @@ impl StoredTable {
     fn read(group: &Group) -> hdf5::Result<Self> {
         let name = |path: String| path.rsplit('/').next().unwrap_or_default().to_owned();
         let datasets = group.datasets()?;
-        let columns = datasets.iter().map(|dataset| Ok((name(dataset.name()), Column::read(dataset)?)));
+        let columns = datasets.iter().map(|dataset| Ok((name(dataset.name()), TableColumn::read(dataset)?)));
         let read = Self { name: name(group.name()), columns: columns.collect::<hdf5::Result<_>>()? };
         if read.columns.iter().any(|(_, column)| column.len() != read.rows()) {
             return Err(format!("the columns of {} differ in length", read.name).into());
@@ -52,28 +52,31 @@ impl StoredTable {
         self.columns.first().map_or(0, |(_, column)| column.len())
     }
 
-    fn get(&self, name: &str) -> Option<&Column> {
+    fn get(&self, name: &str) -> Option<&TableColumn> {
         self.columns.iter().find(|(column, _)| column == name).map(|(_, column)| column)
     }
 
     /// Names of the columns of numbers.
     pub fn number_names(&self) -> impl Iterator<Item = &str> {
-        self.columns.iter().filter(|(_, column)| matches!(column, Column::Numbers(..))).map(|(name, _)| name.as_str())
+        self.columns
+            .iter()
+            .filter(|(_, column)| matches!(column, TableColumn::Numbers(..)))
+            .map(|(name, _)| name.as_str())
     }
 
     /// The numbers of a column with their unit.
     pub fn numbers(&self, name: &str) -> Option<(&[f64], &str)> {
         match self.get(name)? {
-            Column::Numbers(numbers, unit) => Some((numbers, unit)),
-            Column::Words(_) => None,
+            TableColumn::Numbers(numbers, unit) => Some((numbers, unit)),
+            TableColumn::Words(_) => None,
         }
     }
 
     /// Text of a cell: words, or a number with a few digits; empty if there is no such column.
     pub fn cell(&self, name: &str, row: usize) -> String {
         match self.get(name) {
-            Some(Column::Words(words)) => words[row].clone(),
-            Some(Column::Numbers(numbers, _)) => format!("{:.4}", Number(numbers[row])),
+            Some(TableColumn::Words(words)) => words[row].clone(),
+            Some(TableColumn::Numbers(numbers, _)) => format!("{:.4}", Number(numbers[row])),
             None => String::new(),
         }
     }
@@ -81,7 +84,7 @@ impl StoredTable {
     /// Text of a cell, with all digits of a number.
     fn word(&self, name: &str, row: usize) -> String {
         match self.get(name) {
-            Some(Column::Numbers(numbers, _)) => Number(numbers[row]).to_string(),
+            Some(TableColumn::Numbers(numbers, _)) => Number(numbers[row]).to_string(),
             _ => self.cell(name, row),
         }
     }
@@ -109,7 +112,7 @@ impl StoredTable {
     }
 }
 
-impl Column {
+impl TableColumn {
     fn read(dataset: &Dataset) -> hdf5::Result<Self> {
         claimed_size::check(dataset)?;
         if matches!(dataset.dtype()?.to_descriptor()?, TypeDescriptor::VarLenUnicode) {

@@ -1,6 +1,6 @@
 //! Trajectories in the H5MD format (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
-use crate::frames::{Damage, Element, Frames, Kind, NewValue};
+use crate::frames::{Damage, Element, FileKind, Frames, NewValue};
 use crate::origin::Origin;
 use crate::scene_history::SceneHistory;
 use crate::{FileError, Provenance, checksum, text};
@@ -14,7 +14,7 @@ use std::path::Path;
 /// file can be read up to its last complete frame.
 pub struct Trajectory {
     frames: Frames,
-    description: Description,
+    description: TrajectoryDescription,
 }
 
 /// Particles distributed over the ranks, in the order of their ids, and which axes are periodic.
@@ -27,7 +27,7 @@ pub struct ParticleRows<'a> {
 }
 
 /// Data for a new file that the particles do not provide.
-struct Description {
+struct TrajectoryDescription {
     elements: Vec<Element>,
     periodic: [bool; 3],
     /// Number of frames at the end of the run.
@@ -35,13 +35,13 @@ struct Description {
     origin: Origin,
 }
 
-impl Description {
-    fn with_kind<R>(&self, rows: &ById, with: impl FnOnce(&Kind) -> R) -> R {
+impl TrajectoryDescription {
+    fn with_kind<R>(&self, rows: &ById, with: impl FnOnce(&FileKind) -> R) -> R {
         let fixed = |file: &hdf5::File| {
             self.origin.write(file)?;
             write_fixed(file, ParticleRows { rows, periodic: self.periodic })
         };
-        with(&Kind { elements: &self.elements, planned: self.planned, fixed: &fixed })
+        with(&FileKind { elements: &self.elements, planned: self.planned, fixed: &fixed })
     }
 }
 
@@ -100,10 +100,10 @@ impl Trajectory {
         provenance: &Provenance,
         ParticleRows { rows, periodic }: ParticleRows,
         planned: u64,
-        open: impl FnOnce(&Kind) -> Result<Frames, FileError>,
+        open: impl FnOnce(&FileKind) -> Result<Frames, FileError>,
     ) -> Result<Self, FileError> {
         let elements = elements(rows.columns(), rows.count());
-        let description = Description { elements, periodic, planned, origin: Origin::new(provenance) };
+        let description = TrajectoryDescription { elements, periodic, planned, origin: Origin::new(provenance) };
         Ok(Self { frames: description.with_kind(rows, open)?, description })
     }
 

@@ -1,6 +1,6 @@
 //! Reader of trajectories.
 
-use crate::frames::Sums;
+use crate::frames::FrameChecksums;
 use crate::missing_steps::MissingSteps;
 use crate::scene_history::{self, SceneHistory};
 use crate::{FileError, Provenance, checksum, claimed_size, self_contained};
@@ -19,13 +19,13 @@ pub struct TrajectoryReader {
     fixed: Particles,
     times: Vec<f64>,
     steps: Vec<u64>,
-    sums: Option<Sums>,
+    sums: Option<FrameChecksums>,
     provenance: Provenance,
     scenes: SceneHistory,
 }
 
 /// A frame with its step and time.
-pub struct Snapshot {
+pub struct TimedFrame {
     /// Step.
     pub step: u64,
     /// Time.
@@ -66,7 +66,7 @@ impl TrajectoryReader {
         // Times are written before steps, so there may be one more.
         let steps: Vec<u64> = claimed_size::read(&group, "position/step")?;
         times.truncate(steps.len());
-        let (sums, provenance) = (Sums::open(&file)?, Provenance::read(&file)?);
+        let (sums, provenance) = (FrameChecksums::open(&file)?, Provenance::read(&file)?);
         let scenes = SceneHistory { first: provenance.scene.clone(), changes: scene_history::changes(&file)? };
         Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, provenance, scenes })
     }
@@ -121,11 +121,11 @@ impl TrajectoryReader {
     }
 
     /// A frame with its step and time. Errors as for [`Self::frame`].
-    pub fn snapshot(&self, frame: usize) -> Result<Snapshot, FileError> {
+    pub fn snapshot(&self, frame: usize) -> Result<TimedFrame, FileError> {
         let (cell, particles) = self.frame(frame)?;
         let periodic = periodic(&self.group).map_err(|e| FileError::damaged(&self.path, &e))?;
         let (step, time) = (self.steps[frame], self.times[frame]);
-        Ok(Snapshot { step, time, frame: Frame { particles, cell, periodic } })
+        Ok(TimedFrame { step, time, frame: Frame { particles, cell, periodic } })
     }
 
     /// A frame: the box, and all particles in the order of their ids with the columns that the file

@@ -4,7 +4,7 @@ use files::{
     FileError, Manifest, MissingSteps, OutputKind, ParticleRows, Provenance, SceneHistory, SceneRecord, Series,
     Trajectory, drop_contacts_after, drop_fields_after, stored_rows,
 };
-use scene::Output;
+use scene::OutputSchedules;
 use simulation::Quantity;
 use std::path::PathBuf;
 
@@ -49,7 +49,12 @@ impl Files {
 }
 
 impl OpenParameters<'_> {
-    pub fn files(&self, output: &Output, frame: ParticleRows, quantities: &[Quantity]) -> Result<Files, FileError> {
+    pub fn files(
+        &self,
+        output: &OutputSchedules,
+        frame: ParticleRows,
+        quantities: &[Quantity],
+    ) -> Result<Files, FileError> {
         if let Some(last) = self.last {
             self.run.remove_temporary_files();
             drop_fields_after(self.run, last)?;
@@ -72,7 +77,7 @@ impl OpenParameters<'_> {
     }
 
     /// Numbers of frames and rows at the end: existing ones, at whatever intervals, and future ones.
-    fn capacities(&self, output: &Output, quantities: &[Quantity]) -> [u64; 2] {
+    fn capacities(&self, output: &OutputSchedules, quantities: &[Quantity]) -> [u64; 2] {
         let first = quantities.first().map_or(String::new(), |quantity| format!("observables/{}/step", quantity.name));
         let files = [
             (output.trajectory, OutputKind::Frames, TRAJECTORY, "particles/all/position/step"),

@@ -5,7 +5,7 @@ use crate::{RunError, RunFolder};
 use domain::{ById, Comm};
 use files::{Checkpoints, ParticleRows, Provenance, SceneRecord, Series, write_contacts, write_field, write_tables};
 use report::{AnswerRange, RunAnswer, run_answers, write_answers};
-use scene::{Output, Scene, in_full};
+use scene::{OutputSchedules, Scene, in_full};
 use simulation::Simulation;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// every call is collective.
 pub struct Recorder {
     folder: RunFolder,
-    output: Output,
+    output: OutputSchedules,
     provenance: Provenance,
     /// The scene that checkpoints belong to.
     scene: SceneRecord,
@@ -154,7 +154,7 @@ impl Recorder {
 
     /// First step after this one at which any output is due.
     pub fn next_due(&self, step: u64) -> Option<u64> {
-        let Output { trajectory, observables, checkpoints, fields, contacts, .. } = &self.output;
+        let OutputSchedules { trajectory, observables, checkpoints, fields, contacts, .. } = &self.output;
         [trajectory, observables, checkpoints, fields, contacts].into_iter().filter_map(|s| s.next_after(step)).min()
     }
 

@@ -4,7 +4,7 @@ use crate::strain_end::StrainEnd;
 use crate::{RunError, start};
 use domain::{Comm, Interrupt, Number, readable_bytes};
 use files::{SceneRecord, Trajectory, checkpoint};
-use scene::{Kind, Output, Scene, SuspensionScene};
+use scene::{Kind, OutputSchedules, Scene, SuspensionScene};
 use simulation::{Outline, Schedule, Simulation, Table};
 use std::time::{Duration, Instant};
 use suspension::{Forecast, RankCounts, Start, SuspensionRun};
@@ -176,15 +176,15 @@ fn agreed(since: Instant, comm: &Comm) -> f64 {
 }
 
 /// Evaluates the results of a step as a run does.
-fn observe(simulation: &mut dyn Simulation, output: &Output) {
+fn observe(simulation: &mut dyn Simulation, output: &OutputSchedules) {
     if output.observables.is_due(simulation.clock().step()) {
         simulation.observe();
     }
     simulation.sample();
 }
 
-fn next(output: &Output, step: u64) -> u64 {
-    let Output { trajectory, observables, checkpoints, fields, contacts, .. } = output;
+fn next(output: &OutputSchedules, step: u64) -> u64 {
+    let OutputSchedules { trajectory, observables, checkpoints, fields, contacts, .. } = output;
     let due = [trajectory, observables, checkpoints, fields, contacts].into_iter().filter_map(|s| s.next_after(step));
     due.min().unwrap_or(u64::MAX)
 }
@@ -234,7 +234,7 @@ fn steps_of_all(scene: &Scene, strain: Option<StrainEnd>) -> f64 {
 }
 
 /// Bytes and time of the output up to step `last`.
-fn written(trying: &mut TrialSimulation, scene: &Scene, output: &Output, last: u64) -> OutputForecast {
+fn written(trying: &mut TrialSimulation, scene: &Scene, output: &OutputSchedules, last: u64) -> OutputForecast {
     let count = |schedule: Schedule| schedule.count_until(last) as f64;
     let [rows, frames] = [output.observables, output.trajectory].map(count);
     let simulation = &mut *trying.simulation;

@@ -9,12 +9,12 @@ use serde::Deserialize;
 /// The section, as serde finds it.
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RawAnswers {
+pub(super) struct AnswersSection {
     /// Time from which means are taken; by default the transient is left out that is found.
     from: f64,
 }
 
-impl RawAnswers {
+impl AnswersSection {
     /// The time from which means are taken, in a run that lasts longer than that; none without the section.
     pub(super) fn start(raw: Option<Self>, time: &Time) -> Result<Option<f64>, KeyError> {
         let Some(Self { from }) = raw else { return Ok(None) };

@@ -1,6 +1,6 @@
 //! Kinds of scenes, and the properties that all of them have.
 
-use crate::Output;
+use crate::OutputSchedules;
 use crate::granular_disks::GranularDisksScene;
 use crate::kind_names::KINDS;
 use crate::shear_cell::ShearCellScene;
@@ -34,7 +34,7 @@ impl Kind {
     }
 
     /// Output schedules and folder. `None` for a continuum, which is written once, when it is solved.
-    pub fn output(&self) -> Option<&Output> {
+    pub fn output(&self) -> Option<&OutputSchedules> {
         match self {
             Self::Suspension(scene) => Some(&scene.output),
             Self::GranularDisks(scene) => Some(&scene.output),

@@ -42,8 +42,8 @@ mod written_names;
 
 pub use self::suspension::SuspensionScene;
 pub use case::{
-    Background, BoundariesError, Case, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, NOISE_NUMBERS, Noise, OneOrAll,
-    Terms, UnknownBoundary, UnknownMethod,
+    BoundariesError, Case, CaseBackground, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, CaseNoise, CaseTerms,
+    NOISE_NUMBERS, OneOrAll, UnknownBoundary, UnknownMethod,
 };
 pub use causes::in_full;
 pub use changes::{Rule, SceneChange, check_accepted, is_none, rule, some_of};
@@ -60,4 +60,4 @@ pub use shear_cell_continuum::ContinuumScene;
 pub use start_box::EdgesOfStartFile;
 pub use start_source::StartSource;
 pub use template::{TEMPLATES, Template};
-pub use time_and_output::{Output, Time};
+pub use time_and_output::{OutputSchedules, Time};

@@ -29,9 +29,9 @@ pub(super) fn key_of(item: &str) -> String {
     let mut written = String::new();
     for part in parts(key).into_iter().flatten() {
         match part {
-            Part::Key(name) if written.is_empty() => name.clone_into(&mut written),
-            Part::Key(name) => written = format!("{written}.{name}"),
-            Part::Item(index) => written = format!("{written}[{index}]"),
+            KeyPart::Key(name) if written.is_empty() => name.clone_into(&mut written),
+            KeyPart::Key(name) => written = format!("{written}.{name}"),
+            KeyPart::Item(index) => written = format!("{written}[{index}]"),
         }
     }
     written
@@ -45,8 +45,8 @@ pub(crate) fn is_in(key: &str, other: &str) -> bool {
 /// Value of a key, if there is one.
 pub(super) fn get<'a>(root: &'a Value, key: &str) -> Option<&'a Value> {
     parts(key).ok()?.into_iter().try_fold(root, |place, part| match part {
-        Part::Key(name) => place.get(name),
-        Part::Item(index) => place.get(index),
+        KeyPart::Key(name) => place.get(name),
+        KeyPart::Item(index) => place.get(index),
     })
 }
 
@@ -71,12 +71,14 @@ fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
     let mut place = root;
     for part in parts(key)? {
         place = match (place, part) {
-            (Value::Table(table), Part::Key(name)) => table.entry(name).or_insert_with(|| Value::Table(Table::new())),
-            (Value::Array(list), Part::Item(index)) => {
+            (Value::Table(table), KeyPart::Key(name)) => {
+                table.entry(name).or_insert_with(|| Value::Table(Table::new()))
+            }
+            (Value::Array(list), KeyPart::Item(index)) => {
                 let count = list.len();
                 list.get_mut(index).ok_or_else(|| format!("there is no item {index}; the scene has {count}, from 0"))?
             }
-            (Value::Table(table), Part::Item(_)) if table.is_empty() => {
+            (Value::Table(table), KeyPart::Item(_)) if table.is_empty() => {
                 return Err(format!("there is no list in the scene in which {} could be an item", excerpt(key)));
             }
             (found, part) => {
@@ -93,12 +95,12 @@ fn set(root: &mut Value, key: &str, value: Value) -> Result<(), String> {
 }
 
 /// A part of a key.
-enum Part<'a> {
+enum KeyPart<'a> {
     Key(&'a str),
     Item(usize),
 }
 
-impl Part<'_> {
+impl KeyPart<'_> {
     fn shown(&self) -> String {
         match self {
             Self::Key(name) => format!("\"{}\"", excerpt(name)),
@@ -108,20 +110,20 @@ impl Part<'_> {
 }
 
 /// Parts of a key such as `species[0].radius`, which may be written `species.0.radius`.
-fn parts(key: &str) -> Result<Vec<Part<'_>>, String> {
+fn parts(key: &str) -> Result<Vec<KeyPart<'_>>, String> {
     let wrong = || format!("{} is not a key; write it as in species[0].radius", excerpt(key));
     let mut parts = Vec::new();
     for part in key.split('.') {
         let (name, items) = part.find('[').map_or((part, ""), |start| part.split_at(start));
         match name.parse() {
-            Ok(index) => parts.push(Part::Item(index)),
+            Ok(index) => parts.push(KeyPart::Item(index)),
             Err(_) if name.is_empty() => return Err(wrong()),
-            Err(_) => parts.push(Part::Key(name)),
+            Err(_) => parts.push(KeyPart::Key(name)),
         }
         if !items.is_empty() {
             let inside = items.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).ok_or_else(wrong)?;
             for index in inside.split("][") {
-                parts.push(Part::Item(index.parse().map_err(|_| wrong())?));
+                parts.push(KeyPart::Item(index.parse().map_err(|_| wrong())?));
             }
         }
     }

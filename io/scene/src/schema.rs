@@ -11,10 +11,10 @@ use serde_json::{Value, json};
 pub fn scene_schema() -> Value {
     let mut generator = SchemaSettings::draft07().into_generator();
     let kinds = [
-        of_kind::<suspension::Raw>(KINDS[0], &mut generator),
-        of_kind::<granular_disks::Raw>(KINDS[1], &mut generator),
-        of_kind::<shear_cell::Raw>(KINDS[2], &mut generator),
-        of_kind::<shear_cell_continuum::Raw>(KINDS[3], &mut generator),
+        of_kind::<suspension::SuspensionSections>(KINDS[0], &mut generator),
+        of_kind::<granular_disks::DisksSections>(KINDS[1], &mut generator),
+        of_kind::<shear_cell::ShearCellSections>(KINDS[2], &mut generator),
+        of_kind::<shear_cell_continuum::ContinuumSections>(KINDS[3], &mut generator),
     ];
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",

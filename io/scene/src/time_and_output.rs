@@ -19,7 +19,7 @@ pub struct Time {
 /// Output schedules and folder.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Output {
+pub struct OutputSchedules {
     /// Results folder; `None` if the caller chooses it.
     pub folder: Option<PathBuf>,
     /// Schedule of the trajectory's frames.
@@ -77,7 +77,7 @@ impl Time {
 /// Largest number of steps of a run: the times of all steps are distinct in double precision.
 pub(super) const MOST_STEPS: u64 = 1 << 53;
 
-impl Output {
+impl OutputSchedules {
     /// Refuses more output than files can hold, for this number of steps and particles: the length of a file has 63
     /// bits, that of the largest array of a frame, the stresslets, 32.
     pub(super) fn check(&self, steps: u64, particles: f64) -> Result<(), KeyError> {
@@ -148,13 +148,13 @@ pub(crate) use output_section;
 
 output_section! {
     /// The section `output` of scenes without a fluid.
-    RawOutput {}
+    OutputSection {}
 }
 
-impl RawOutput {
+impl OutputSection {
     /// The checked section, with `rows` rows of the time series by default.
-    pub(super) fn checked(self, steps: u64, rows: u64) -> Output {
-        Output {
+    pub(super) fn checked(self, steps: u64, rows: u64) -> OutputSchedules {
+        OutputSchedules {
             folder: self.folder,
             trajectory: Schedule::every(self.trajectory_every.unwrap_or(share(steps, 100))),
             observables: Schedule::every(self.observables_every.unwrap_or(share(steps, rows))),

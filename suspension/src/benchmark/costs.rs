@@ -1,17 +1,17 @@
 //! Measured costs of the parts of an evaluation on this machine.
 
-use super::{BenchmarkError, Case, Kind, Spheres, Task};
+use super::{BenchmarkCase, BenchmarkError, BenchmarkKind, Spheres, Task};
 use domain::Comm;
 use fcm::{Costs, Fixed, Seconds};
 
 /// Costs of stencils, transforms and pairs on this machine, over those that the planner expects: medians over
 /// evaluations at two tolerances.
 pub fn measured_costs(comm: &Comm) -> Result<Costs, BenchmarkError> {
-    let case = Case { particles: 3200, volume_fraction: 0.12, size_ratio: 1.0 };
+    let case = BenchmarkCase { particles: 3200, volume_fraction: 0.12, size_ratio: 1.0 };
     let spheres = Spheres::random(&case, comm)?;
     let task = |tolerance| Task {
         tolerance,
-        kind: Kind::All,
+        kind: BenchmarkKind::All,
         repeats: 9,
         with_error: false,
         fixed: Fixed::default(),

@@ -1,7 +1,7 @@
 //! Time and error of one benchmark case.
 
 use super::BenchmarkError;
-use super::spheres::{Kind, Spheres, loads};
+use super::spheres::{BenchmarkKind, Spheres, loads};
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{Costs, Fixed, Loading, Method, Mobility, Motion, Multipoles, Output, Plan, Precision, Problem, Seconds};
 use hydrodynamics::SingleEvaluation;
@@ -17,7 +17,7 @@ pub struct Task {
     /// Relative error allowed.
     pub tolerance: f64,
     /// Kind of loads and motions.
-    pub kind: Kind,
+    pub kind: BenchmarkKind,
     /// Number of evaluations that are timed.
     pub repeats: u32,
     /// Whether to measure the error.
@@ -33,7 +33,7 @@ type Sent = [u64; 2];
 
 /// Result of a measurement.
 #[derive(Debug, Serialize)]
-pub struct Measurement {
+pub struct CostMeasurement {
     tolerance: f64,
     method: &'static str,
     precision: &'static str,
@@ -62,11 +62,11 @@ struct Times {
 
 impl Task {
     /// Times repeated evaluations of the mobility of the spheres. Collective.
-    pub fn measure(&self, spheres: &Spheres, comm: &Comm) -> Result<Measurement, BenchmarkError> {
+    pub fn measure(&self, spheres: &Spheres, comm: &Comm) -> Result<CostMeasurement, BenchmarkError> {
         let plan = self.plan(spheres, comm)?;
         let (times, sent, found) = self.evaluate(&plan, spheres, comm, 0..=self.repeats);
         let error = if self.with_error { Some(self.error(&found, spheres, comm)?) } else { None };
-        Ok(Measurement {
+        Ok(CostMeasurement {
             tolerance: self.tolerance,
             method: plan.method.name(),
             precision: if plan.precision == Precision::Single { "f32" } else { "f64" },
@@ -101,7 +101,7 @@ impl Task {
             largest_tilts: [0.0; 2],
             radii: spheres.radii.iter().map(|&radius| (radius, 1)).collect(),
             viscosity: 1.0,
-            multipoles: if self.kind == Kind::Forces { Multipoles::Monopole } else { Multipoles::Dipole },
+            multipoles: if self.kind == BenchmarkKind::Forces { Multipoles::Monopole } else { Multipoles::Dipole },
             rigid: false,
             lubricated: false,
             loading: Loading::Varied,
@@ -137,9 +137,9 @@ impl Task {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let mut mobility = Mobility::new(plan, &partition);
         let wanted = match self.kind {
-            Kind::All => Output::All,
-            Kind::Forces => Output::Velocities,
-            Kind::Stresslets => Output::Gradients,
+            BenchmarkKind::All => Output::All,
+            BenchmarkKind::Forces => Output::Velocities,
+            BenchmarkKind::Stresslets => Output::Gradients,
         };
         let (mut times, mut sent) = (Vec::new(), [0; 2]);
         let mut last = (Particles::default(), Motion::default());
@@ -211,7 +211,7 @@ fn medians(times: &[(Seconds, f64)]) -> Times {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Case;
+    use super::super::BenchmarkCase;
     use super::*;
 
     #[test]
@@ -244,21 +244,23 @@ mod tests {
         assert_eq!(parts(&even), [3, -3, 1, 9, 7, 30]);
     }
 
-    fn task(kind: Kind, tolerance: f64, method: Method) -> Task {
+    fn task(kind: BenchmarkKind, tolerance: f64, method: Method) -> Task {
         let fixed = Fixed { method: Some(method), ..Fixed::default() };
         Task { tolerance, kind, repeats: 1, with_error: true, fixed, costs: Costs::default() }
     }
 
-    const CASE: Case = Case { particles: 12, volume_fraction: 0.1, size_ratio: 1.5 };
+    const CASE: BenchmarkCase = BenchmarkCase { particles: 12, volume_fraction: 0.1, size_ratio: 1.5 };
 
-    fn measured(task: Task, ranks: usize) -> Vec<Measurement> {
+    fn measured(task: Task, ranks: usize) -> Vec<CostMeasurement> {
         Comm::threads(ranks, |comm| task.measure(&Spheres::random(&CASE, &comm).unwrap(), &comm).unwrap())
     }
 
     /// The measured error of a plan is below the tolerance but not far below, on any number of ranks.
     #[test]
     fn the_measured_error_is_that_of_the_plan() {
-        for (kind, tolerance) in [(Kind::All, 1e-3), (Kind::Forces, 1e-2), (Kind::Stresslets, 1e-4)] {
+        for (kind, tolerance) in
+            [(BenchmarkKind::All, 1e-3), (BenchmarkKind::Forces, 1e-2), (BenchmarkKind::Stresslets, 1e-4)]
+        {
             for (method, ranks) in [(Method::Direct, 1), (Method::Split, 1), (Method::Split, 2)] {
                 let error = measured(task(kind, tolerance, method), ranks)[0].error.unwrap();
                 let likely = 1e-3 * tolerance..=tolerance;

@@ -5,8 +5,8 @@ mod measure;
 mod spheres;
 
 pub use costs::measured_costs;
-pub use measure::{Measurement, Task};
-pub use spheres::{Case, Kind, Spheres};
+pub use measure::{CostMeasurement, Task};
+pub use spheres::{BenchmarkCase, BenchmarkKind, Spheres};
 
 use domain::{BoxError, Failure};
 use fcm::PlanError;

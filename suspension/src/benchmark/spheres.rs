@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// Loads that are applied, and motions that are evaluated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum BenchmarkKind {
     /// Forces, torques and stresslets; velocities, angular velocities and strain rates.
     All,
     /// Forces; velocities.
@@ -21,7 +21,7 @@ pub enum Kind {
 
 /// A benchmark case.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub struct Case {
+pub struct BenchmarkCase {
     /// Number of spheres.
     pub particles: usize,
     /// Volume fraction of the spheres.
@@ -43,7 +43,7 @@ const SEED: u64 = 1;
 
 impl Spheres {
     /// Places the spheres of a case without overlap. Collective.
-    pub fn random(case: &Case, comm: &Comm) -> Result<Self, BenchmarkError> {
+    pub fn random(case: &BenchmarkCase, comm: &Comm) -> Result<Self, BenchmarkError> {
         let count = case.particles as f64;
         let placing =
             Bytes::list::<(Vector, [f64; 4])>(2.0 * count).then(packing_bytes(count, case.volume_fraction > 0.25));
@@ -79,7 +79,7 @@ impl Spheres {
 }
 
 /// Random loads of a kind, keyed by the particles' ids: forces scale as `a`, torques and stresslets as `a^2`.
-pub fn loads(particles: &Particles, kind: Kind) -> Loads {
+pub fn loads(particles: &Particles, kind: BenchmarkKind) -> Loads {
     let mut loads = Loads::default();
     for (&id, &radius) in particles.ids.iter().zip(&particles.radii) {
         // Independent of the random positions: forces that all point away from a corner would hardly move anything.
@@ -87,13 +87,13 @@ pub fn loads(particles: &Particles, kind: Kind) -> Loads {
         let mut vector = |scale: f64| (random.point() - Vector::splat(0.5)) * scale;
         let (force, torque) = (vector(radius), vector(radius * radius));
         let (p, q) = (vector(radius * radius), vector(radius * radius));
-        if kind != Kind::Stresslets {
+        if kind != BenchmarkKind::Stresslets {
             loads.forces.push(force);
         }
-        if kind == Kind::All {
+        if kind == BenchmarkKind::All {
             loads.torques.push(torque);
         }
-        if kind != Kind::Forces {
+        if kind != BenchmarkKind::Forces {
             loads.stresslets.push(Traceless([p.x, p.y, p.z, q.x, q.y]));
         }
     }
@@ -109,7 +109,7 @@ mod tests {
         let of_radius = |radius: f64| {
             let mut particles = Particles::default();
             particles.push(7, Vector::ZERO, radius, 0);
-            loads(&particles, Kind::All)
+            loads(&particles, BenchmarkKind::All)
         };
         let (one, two) = (of_radius(1.0), of_radius(2.0));
         assert!(one.forces[0] != Vector::ZERO && one.torques[0] != Vector::ZERO);

@@ -34,7 +34,7 @@ use crate::forces::acting::{Acting, Instant, Prediction, SolvedMotion};
 use crate::forces::contacts::Contacts;
 use crate::forces::force::Force;
 use crate::model::box_axes::UserAxes;
-use crate::model::{Integrator, Model, Multipoles};
+use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::{Motion, SolveError};
@@ -97,7 +97,7 @@ impl Dynamics {
             warm_start: WarmStart::new(model.is_coupled()),
             forces,
             is_implicit,
-            rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
             viscosity: model.viscosity,
             tolerance: model.hydrodynamics.tolerance,
             clipped: 0.0,

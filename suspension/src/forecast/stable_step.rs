@@ -3,7 +3,7 @@
 use crate::forces::surface::repulsion;
 use crate::integrators::adams_bashforth::AdamsBashforth;
 use crate::model::radii::Radii;
-use crate::model::{Integrator, Model, Multipoles};
+use crate::model::{Integrator, Model, MultipoleOrder};
 use domain::Number;
 use lubrication::{PairModel, relative_axial_mobility};
 
@@ -60,8 +60,8 @@ fn longest_for(model: &Model, radii: &Radii) -> Option<f64> {
 
 fn pair_model(model: &Model) -> PairModel {
     match model.hydrodynamics.multipoles {
-        Multipoles::Monopole => PairModel::Forces,
-        Multipoles::Dipole if model.hydrodynamics.lubrication => PairModel::Exact,
-        Multipoles::Dipole => PairModel::Rigid,
+        MultipoleOrder::Monopole => PairModel::Forces,
+        MultipoleOrder::Dipole if model.hydrodynamics.lubrication => PairModel::Exact,
+        MultipoleOrder::Dipole => PairModel::Rigid,
     }
 }

@@ -38,7 +38,7 @@ impl Asked {
 }
 
 /// Memory of each rank, and an error if this machine does not have it.
-struct Memory {
+struct MemoryForecast {
     needs: Vec<MemoryNeed>,
     missing: Option<String>,
 }
@@ -74,7 +74,7 @@ pub fn outline(
             .value("diffusive_step", step),
     };
     let outline = with_flux(with_stiffness(outline, model), model);
-    let memory = Memory::of(model, &planned, asked);
+    let memory = MemoryForecast::of(model, &planned, asked);
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
     let outline = with_cost(memory.add_to(outline), &planned.plan, model.turn, &others);
@@ -209,7 +209,7 @@ pub fn plan_values(plan: &Plan, turn: AxisRotation) -> Value {
     })
 }
 
-impl Memory {
+impl MemoryForecast {
     fn of(model: &Model, planned: &Planned, asked: Asked) -> Self {
         let needs = memory::needs(model, &planned.radii, &planned.plan, asked.ranks);
         // The first ranks share a machine, and the first of them needs the most memory.

@@ -64,7 +64,7 @@ pub fn advance(
         let ages = ages(particles, &comm);
         let rest = (1.0 - fraction) * clock.dt();
         let Chosen { step, weights, apart } =
-            Substep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
+            AdaptiveSubstep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
         motion::advance(particles, USED, weights);
         motion::move_apart(particles, &apart);
@@ -80,7 +80,7 @@ pub fn advance(
 }
 
 /// A substep whose length is to be chosen.
-struct Substep<'a> {
+struct AdaptiveSubstep<'a> {
     particles: &'a mut Particles,
     ages: &'a [f64],
     control: &'a Adaptive,
@@ -103,7 +103,7 @@ struct Known {
     gap: f64,
 }
 
-impl Substep<'_> {
+impl AdaptiveSubstep<'_> {
     /// Chooses the longest substep that is allowed and divides `rest` evenly, so that no small remainder is left at the
     /// end.
     fn choose(mut self, rest: f64, dynamics: &Dynamics) -> Result<Chosen, StepError> {

@@ -2,7 +2,8 @@
 
 use super::species::check_species;
 use super::{
-    Axis, Extension, Flow, Integrator, Multipoles, Parameters, Protocol, Repulsion, Species, bonds, displacement, traps,
+    Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, Species, bonds, displacement,
+    traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -182,7 +183,7 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
             "is set, but with flow.lees_edwards = false the box stays rectangular; leave flow.lees_edwards out";
         return Err(ParameterError::new(key, message));
     }
-    if rates.stress().is_some() && p.hydrodynamics.multipoles == Multipoles::Monopole {
+    if rates.stress().is_some() && p.hydrodynamics.multipoles == MultipoleOrder::Monopole {
         let message = "is \"stress\", of which spheres without stresslets have no part; set hydrodynamics.multipoles \
             = \"dipole\"";
         return Err(ParameterError::new("flow.control", message));

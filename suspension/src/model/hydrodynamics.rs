@@ -8,7 +8,7 @@ use fcm::Method;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hydrodynamics {
     /// Order of the multipole expansion.
-    pub multipoles: Multipoles,
+    pub multipoles: MultipoleOrder,
     /// Relative error that the user accepts.
     pub tolerance: f64,
     /// Method of the far field; `None` for the fastest.
@@ -33,7 +33,7 @@ pub struct Hydrodynamics {
 
 /// Order of the multipole expansion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Multipoles {
+pub enum MultipoleOrder {
     /// Forces alone.
     Monopole,
     /// Forces, torques and the stresslets of rigid spheres.
@@ -43,7 +43,7 @@ pub enum Multipoles {
 impl Default for Hydrodynamics {
     fn default() -> Self {
         Self {
-            multipoles: Multipoles::Dipole,
+            multipoles: MultipoleOrder::Dipole,
             tolerance: 1e-3,
             method: None,
             grid: None,
@@ -78,7 +78,7 @@ impl Hydrodynamics {
     }
 
     fn check_lubrication(&self) -> Result<(), ParameterError> {
-        if self.lubrication && self.multipoles == Multipoles::Monopole {
+        if self.lubrication && self.multipoles == MultipoleOrder::Monopole {
             let message = "is true, but hydrodynamics.multipoles is \"monopole\"; lubrication needs \"dipole\"";
             return Err(ParameterError::new("hydrodynamics.lubrication", message));
         }

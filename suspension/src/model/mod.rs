@@ -31,13 +31,13 @@ use domain::{AxisRotation, Boundaries, ParameterError, PeriodicBox, Tensor, Vect
 pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
-pub use hydrodynamics::{Hydrodynamics, Multipoles};
+pub use hydrodynamics::{Hydrodynamics, MultipoleOrder};
 pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use protocol::{Protocol, RateChange, ShearRates};
 pub use sizes::{SizeClass, SizeDistribution};
 use solver::BackgroundFlow;
 pub use species::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
-pub use statistics::{Axis, Statistics};
+pub use statistics::{Axis, StatisticsParameters};
 use std::ops::Deref;
 pub use traps::{Centres, Trapped, Traps};
 
@@ -86,7 +86,7 @@ pub struct Parameters {
     /// Time integrator.
     pub integrator: Integrator,
     /// Averages to be taken.
-    pub statistics: Option<Statistics>,
+    pub statistics: Option<StatisticsParameters>,
     /// Whether velocity fields will be asked for during the run.
     pub fields: bool,
 }

@@ -5,7 +5,7 @@ use simulation::Schedule;
 
 /// Statistics that are accumulated during a run, and the times of their samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Statistics {
+pub struct StatisticsParameters {
     /// Times of the samples.
     pub samples: Schedule,
     /// Time of the first sample.
@@ -37,7 +37,7 @@ const SHORTEST: f64 = 1e-6;
 /// Largest number of bins of a profile.
 const MOST_BINS: usize = 1024;
 
-impl Statistics {
+impl StatisticsParameters {
     /// A sample at every frame, and defaults.
     pub const ALL: Self =
         Self { samples: Schedule::EVERY_TIME, from: 0.0, distance: None, axis: None, bins: None, diffusive_from: None };
@@ -133,7 +133,7 @@ mod tests {
             (0.7, 1, 0.1, 7),
             (0.8, 1, 0.1, 7),
         ] {
-            let wanted = Statistics { samples: Schedule::every(every), from, ..Statistics::ALL };
+            let wanted = StatisticsParameters { samples: Schedule::every(every), from, ..StatisticsParameters::ALL };
             let is_taken = |k: &u64| k.is_multiple_of(every) && *k as f64 * step >= from;
             assert_eq!(
                 wanted.samples_until(step, steps),
@@ -146,7 +146,9 @@ mod tests {
     #[test]
     fn statistics_without_samples_are_warned_of_with_both_times() {
         let said = |from, every| {
-            Statistics { samples: Schedule::every(every), from, ..Statistics::ALL }.caution(0.01, 8).unwrap_or_default()
+            StatisticsParameters { samples: Schedule::every(every), from, ..StatisticsParameters::ALL }
+                .caution(0.01, 8)
+                .unwrap_or_default()
         };
         assert!(said(1e6, 1).contains("time 0.08") && said(1e6, 1).contains("statistics.from = 1"), "{}", said(1e6, 1));
         assert!(said(0.01, 9).contains("statistics.every = 9"));

@@ -4,7 +4,7 @@ use crate::Suspension;
 use crate::columns::{PAIR_MOMENT, PAIR_MOMENT_NUMBERS};
 use crate::evaluation::stress::ParticleStress;
 use crate::model::box_axes::UserAxes;
-use crate::model::{Flow, Model, Statistics as StatisticsParameters};
+use crate::model::{Flow, Model, StatisticsParameters};
 use crate::sampling::{Sample, Statistics, has_profile, needed_columns, needs_pair_moments};
 use domain::{Comm, IdBlocks};
 use simulation::{Schedule, TableSet};

@@ -4,7 +4,7 @@ use super::observable::{Observable, ObservedState, measure};
 use crate::evaluation::stress::ParticleStress;
 use crate::forces::force::StressName;
 use crate::model::box_axes::UserAxes;
-use crate::model::{BrownianScheme, Flow, Integrator, Model, Multipoles};
+use crate::model::{BrownianScheme, Flow, Integrator, Model, MultipoleOrder};
 use domain::{Boundaries, Tensor};
 use simulation::Quantity;
 
@@ -156,7 +156,7 @@ impl StressedFlow {
 /// Contributions to the stress of a model: those of the fluid, the model's forces, random motions and the user's
 /// forces.
 pub fn parts(model: &Model, [of_model, of_user]: &[Vec<StressName>; 2]) -> Vec<StressName> {
-    let is_rigid = model.hydrodynamics.multipoles == Multipoles::Dipole;
+    let is_rigid = model.hydrodynamics.multipoles == MultipoleOrder::Dipole;
     let is_brownian = is_rigid && model.integrator == Integrator::Brownian(BrownianScheme::TwoEvaluations);
     let of_fluid = |is_present: bool, name| is_present.then_some(StressName::symmetric(name));
     let first = [

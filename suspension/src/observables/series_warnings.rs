@@ -18,7 +18,7 @@ const OFF: f64 = 0.05;
 
 /// Observations of all rows that lead to warnings.
 pub struct SeriesWarnings {
-    overlaps: Overlaps,
+    overlaps: OverlapRows,
     repels: bool,
     crowded: OverlappedSteps,
     remedies: Remedies,
@@ -52,7 +52,7 @@ struct GivenStress {
 
 /// Counts of rows with overlapping spheres.
 #[derive(Debug, Clone, Copy, Default)]
-struct Overlaps {
+struct OverlapRows {
     rows: u64,
     with_overlap: u64,
     largest: f64,
@@ -62,7 +62,7 @@ impl SeriesWarnings {
     /// Nothing seen yet of a model.
     pub fn of(model: &Model, rheology: Option<&Rheology>, smallest_radius: f64) -> Self {
         Self {
-            overlaps: Overlaps::default(),
+            overlaps: OverlapRows::default(),
             repels: model.repulsion.is_some(),
             crowded: OverlappedSteps::default(),
             remedies: Remedies::of(model),
@@ -134,7 +134,7 @@ impl SeriesWarnings {
 
     /// A warning about overlaps, if there were any.
     fn overlapped(&self) -> Option<String> {
-        let Overlaps { rows, with_overlap, largest } = self.overlaps;
+        let OverlapRows { rows, with_overlap, largest } = self.overlaps;
         let remedy = if self.repels { "a larger repulsion.strength or a shorter time.step" } else { "a [repulsion]" };
         (with_overlap > 0).then(|| {
             format!(
@@ -171,7 +171,7 @@ impl GivenStress {
     }
 }
 
-impl Overlaps {
+impl OverlapRows {
     fn see(&mut self, smallest_gap: f64) {
         self.rows += 1;
         self.with_overlap += u64::from(smallest_gap < 0.0);

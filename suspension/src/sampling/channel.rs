@@ -3,7 +3,7 @@
 use super::column;
 use super::vectors::{BlockRows, map_blocks};
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
-use crate::model::{Model, Statistics as StatisticsParameters};
+use crate::model::{Model, StatisticsParameters};
 use domain::{Boundaries, Particles, Tensor, Traceless, Vector};
 use statistics::{ChannelProfile, ChannelSample};
 use std::ops::Range;
@@ -12,7 +12,7 @@ use std::ops::Range;
 pub const MORE_COLUMNS: [&str; 2] = [STRESSLET, PAIR_MOMENT];
 
 /// Profile along the axis that is not periodic, from the wall at 0, or around the centre of a layer.
-pub struct Channel {
+pub struct ChannelSampling {
     pub profile: ChannelProfile,
     /// Whether heights are relative to the mean height of all centres.
     is_layer: bool,
@@ -20,7 +20,7 @@ pub struct Channel {
     pub axis: usize,
 }
 
-impl Channel {
+impl ChannelSampling {
     /// A profile without samples; `None` in a fully periodic box and in unbounded fluid.
     pub fn of(model: &Model, wanted: StatisticsParameters) -> Option<Self> {
         let count = bins(model, wanted)?;

@@ -11,9 +11,9 @@ mod vectors;
 
 use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY};
 use crate::forces::Forces;
-use crate::model::{Axis, Extension, Flow, Model, Multipoles, ShearRates, Species, Statistics as StatisticsParameters};
+use crate::model::{Axis, Extension, Flow, Model, MultipoleOrder, ShearRates, Species, StatisticsParameters};
 use background::Flows;
-use channel::{Channel, MORE_COLUMNS};
+use channel::{ChannelSampling, MORE_COLUMNS};
 use domain::{
     Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs, sphere,
 };
@@ -27,7 +27,7 @@ pub use species_columns::{column_bytes, columns, counted, has_columns};
 use statistics::{Angle, Blocks, Lagrangian, Moduli, PairDistribution, Profile, SpeciesColumns};
 use std::borrow::Cow;
 use std::ops::Range;
-use vectors::{BlockRows, Vectors, map_blocks};
+use vectors::{BlockRows, VectorMoments, map_blocks};
 
 /// Columns that a sample needs.
 pub const COLUMNS: [&str; 2] = [VELOCITY, ANGULAR_VELOCITY];
@@ -40,14 +40,14 @@ pub struct Statistics {
     blocks: IdBlocks,
     /// First time, last time, and number of samples; on every rank.
     times: [f64; 3],
-    velocities: Vec<Vectors>,
-    angular_velocities: Vec<Vectors>,
+    velocities: Vec<VectorMoments>,
+    angular_velocities: Vec<VectorMoments>,
     /// State of each of this rank's blocks.
     kept: Vec<ParticleHistory>,
     /// Pair distribution in a fully periodic box; each rank counts the pairs in its part of space.
     pairs: Option<PairDistribution>,
     /// Profile in a box with one or two walls, or open along z.
-    channel: Option<Channel>,
+    channel: Option<ChannelSampling>,
     segregation: Blocks,
     /// Moduli in an oscillating flow.
     moduli: Option<Moduli>,
@@ -124,7 +124,7 @@ impl Statistics {
         let parts = BlockRows { blocks: &blocks, rows: &rows };
         let about = SampledModel::of(model, wanted, parts, &redistributed);
         let (speed, [largest]) = (speed(model), largest);
-        let each = |size: f64| about.names.iter().map(|_| Vectors::about(size)).collect();
+        let each = |size: f64| about.names.iter().map(|_| VectorMoments::about(size)).collect();
         let is_periodic = model.cell.boundaries() == Boundaries::Periodic;
         let distance = distance(model, wanted, largest);
         let pairs = || PairDistribution::new(distance, about.angle, about.counts.clone(), model.cell.volume());
@@ -135,7 +135,7 @@ impl Statistics {
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
             kept: kept(&redistributed.species, parts, about.names.len(), profile),
             pairs: is_periodic.then(pairs),
-            channel: Channel::of(model, wanted),
+            channel: ChannelSampling::of(model, wanted),
             segregation: Blocks::default(),
             moduli: about.rates.frequency().map(|w| Moduli::new(about.rates.largest() / w, w)),
             blocks,
@@ -180,11 +180,11 @@ impl Statistics {
         let (flow, parts) = (self.about.flows.at_rate(rate), BlockRows { blocks: &self.blocks, rows });
         let velocities = column(particles, VELOCITY).iter().zip(particles.positions.iter().zip(&particles.radii));
         let velocities: Vec<Vector> = velocities.map(|(&v, (&x, &a))| v - flow.velocity_of(x, a)).collect();
-        Vectors::add(&mut self.velocities, parts, &particles.species, &velocities);
+        VectorMoments::add(&mut self.velocities, parts, &particles.species, &velocities);
         if self.about.rigid {
             let turning = column(particles, ANGULAR_VELOCITY).iter().zip(&particles.positions);
             let turning: Vec<Vector> = turning.map(|(&w, &x)| w - flow.angular_velocity_at(x)).collect();
-            Vectors::add(&mut self.angular_velocities, parts, &particles.species, &turning);
+            VectorMoments::add(&mut self.angular_velocities, parts, &particles.species, &turning);
         }
         if let Some(channel) = &mut self.channel {
             channel.add(parts, particles, &velocities);
@@ -289,7 +289,7 @@ impl SampledModel {
             flows,
             edges: model.cell.edges(),
             rates,
-            rigid: model.hydrodynamics.multipoles == Multipoles::Dipole,
+            rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
             is_brownian: model.thermal_energy.is_some(),
             axis: axis(model, wanted.axis),
             angle: angle(&flow, model.flow, axis(model, wanted.axis)),

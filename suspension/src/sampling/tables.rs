@@ -1,8 +1,8 @@
 //! Statistics as tables.
 
 use super::Statistics;
-use super::channel::Channel;
-use super::vectors::Vectors;
+use super::channel::ChannelSampling;
+use super::vectors::VectorMoments;
 use simulation::Table;
 use statistics::{
     Angle, Diffusivity, Estimate, LagSums, Moduli, PairDistribution, Profile, StretchedExponential, global_coefficient,
@@ -210,7 +210,7 @@ const ACROSS: [(&str, &[&str], &str); 6] = [
 
 impl Results<'_> {
     /// Averages in bins across the channel.
-    fn across(&self, Channel { profile, axis, .. }: &Channel) -> Table {
+    fn across(&self, ChannelSampling { profile, axis, .. }: &ChannelSampling) -> Table {
         let scalars = [("volume_fraction".to_owned(), ""), ("number_density".to_owned(), "1/length^3")];
         let component = |(name, of, unit): &(&str, &[&str], &'static str)| -> Vec<(String, &'static str)> {
             of.iter().map(|component| (format!("{name}_{component}"), *unit)).collect()
@@ -259,7 +259,7 @@ impl Summary {
         self.0.add(&[quantity, species, unit], &[found.mean, found.error, converged]);
     }
 
-    fn add_moments(&mut self, species: &str, [mean, tensor]: [&str; 2], units: [&str; 2], vectors: &Vectors) {
+    fn add_moments(&mut self, species: &str, [mean, tensor]: [&str; 2], units: [&str; 2], vectors: &VectorMoments) {
         let times = |found: Estimate, unit| Estimate { mean: found.mean * unit, error: found.error * unit, ..found };
         for (axis, found) in AXES.iter().zip(vectors.moments.mean()) {
             self.add(&format!("{mean}_{axis}"), species, units[0], times(found, vectors.unit));
@@ -279,7 +279,7 @@ impl Summary {
 
 /// Probability densities of fluctuations in units of the standard deviation, with the best fit by a stretched
 /// exponential.
-fn densities(name: &'static str, species: &[String], vectors: &[Vectors]) -> Table {
+fn densities(name: &'static str, species: &[String], vectors: &[VectorMoments]) -> Table {
     let columns = [("deviations", ""), ("density", ""), ("stretched_exponential", "")];
     let mut table = Table::new(name, &["species", "axis"], &columns);
     for (species, vectors) in species.iter().zip(vectors) {

@@ -16,7 +16,7 @@ pub struct BlockRows<'a> {
 /// Moments of a vector over the particles of a species, and probability densities of its components about the mean at
 /// each time, in a unit in which fourth powers are representable. The moments are on the first rank; each rank has the
 /// densities of its own particles.
-pub struct Vectors {
+pub struct VectorMoments {
     pub unit: f64,
     pub moments: Fluctuations,
     pub densities: [Histogram; 3],
@@ -25,7 +25,7 @@ pub struct Vectors {
 /// Magnitudes between this and its inverse are averaged without a change of unit.
 const ORDINARY: f64 = 1e36;
 
-impl Vectors {
+impl VectorMoments {
     /// No samples yet, for vectors of about the given magnitude.
     pub fn about(size: f64) -> Self {
         let is_ordinary = (1.0 / ORDINARY..ORDINARY).contains(&size);

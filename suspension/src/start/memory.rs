@@ -14,7 +14,7 @@ use crate::forces::surface::{SurfaceForces, repulsion};
 use crate::integrators::adams_bashforth::{AdamsBashforth, PAST_OF_ANY_LENGTH};
 use crate::integrators::adaptive;
 use crate::model::radii::Radii;
-use crate::model::{BrownianScheme, Integrator, Model, Multipoles, Species, Start};
+use crate::model::{BrownianScheme, Integrator, Model, MultipoleOrder, Species, Start};
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use crate::sampling;
 use crate::start::plan::largest_strain;
@@ -198,7 +198,7 @@ impl Share<'_> {
     }
 
     fn is_rigid(&self) -> bool {
-        self.model.hydrodynamics.multipoles == Multipoles::Dipole
+        self.model.hydrodynamics.multipoles == MultipoleOrder::Dipole
     }
 
     /// Memory of near pairs within a distance.

@@ -1,7 +1,7 @@
 //! Plan of the far field of a scene.
 
 use crate::model::radii::Radii;
-use crate::model::{Flow, Model, Multipoles, Start};
+use crate::model::{Flow, Model, MultipoleOrder, Start};
 use domain::{PeriodicBox, Vector};
 use fcm::{Costs, Fixed, Loading, Plan, PlanError, Problem};
 
@@ -38,8 +38,8 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         radii: radii.0.clone(),
         viscosity: model.viscosity,
         multipoles: match model.hydrodynamics.multipoles {
-            Multipoles::Monopole => fcm::Multipoles::Monopole,
-            Multipoles::Dipole => fcm::Multipoles::Dipole,
+            MultipoleOrder::Monopole => fcm::Multipoles::Monopole,
+            MultipoleOrder::Dipole => fcm::Multipoles::Dipole,
         },
         rigid: true,
         lubricated: model.hydrodynamics.lubrication,

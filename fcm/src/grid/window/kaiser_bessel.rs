@@ -9,7 +9,7 @@ pub(crate) const DERIVATIVES: usize = 4;
 /// (Kaiser & Schafer 1980; as a gridding window Jackson et al. 1991). Within its support it is an entire function of
 /// `x`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Window {
+pub(crate) struct KaiserBessel {
     points: usize,
     /// `beta`
     shape: f64,
@@ -17,7 +17,7 @@ pub(crate) struct Window {
     peak: f64,
 }
 
-impl Window {
+impl KaiserBessel {
     /// Smallest and largest number of points of a window.
     pub const POINTS: [usize; 2] = [2, 16];
 
@@ -129,7 +129,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_window() {
-        let (window, step) = (Window::new(7, 1.2), 1e-4);
+        let (window, step) = (KaiserBessel::new(7, 1.2), 1e-4);
         for x in [-3.4, -1.0, 0.0, 2.3, 3.1] {
             let [before, here, after] = [x - step, x, x + step].map(|x| window.derivatives(x));
             for n in 0..DERIVATIVES - 1 {
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn the_transform_is_that_of_the_window() {
         for points in [4, 7, 12] {
-            let window = Window::new(points, 1.3);
+            let window = KaiserBessel::new(points, 1.3);
             let half = 0.5 * points as f64;
             for k in [0.0, 0.7, 2.0, PI, 5.0] {
                 // Simpson's rule.
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn moments_are_those_of_the_window() {
-        let (window, k) = (Window::new(7, 1.3), 1.7);
+        let (window, k) = (KaiserBessel::new(7, 1.3), 1.7);
         let integral = |weight: &dyn Fn(f64) -> f64| {
             let (count, half) = (20_000, 3.5);
             let step = 2.0 * half / f64::from(count);
@@ -178,9 +178,9 @@ mod tests {
 
     #[test]
     fn the_transform_has_no_zero_on_the_grid() {
-        for points in Window::POINTS[0]..=Window::POINTS[1] {
+        for points in KaiserBessel::POINTS[0]..=KaiserBessel::POINTS[1] {
             for resolution in [0.5, 0.8, 1.0, 1.5, 3.0] {
-                assert!(Window::new(points, resolution).transform(PI) > 0.0);
+                assert!(KaiserBessel::new(points, resolution).transform(PI) > 0.0);
             }
         }
     }

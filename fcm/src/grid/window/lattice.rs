@@ -1,7 +1,7 @@
 //! Grid and window in lattice coordinates.
 
 use crate::envelope::{Common, Envelope};
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::grid::window::pieces::Pieces;
 use solver::{Grid, Real};
 
@@ -22,7 +22,7 @@ pub(crate) struct WindowLattice<T> {
     pub points: [usize; 3],
     /// Points along x by which each row begins before the previous one, see [`Grid::row_shift`].
     pub row_shift: usize,
-    pub window: Window,
+    pub window: KaiserBessel,
     pub pieces: Pieces<T>,
     /// Inverse spacings.
     pub inverse: [f64; 3],
@@ -44,7 +44,7 @@ pub(crate) struct Slants<T> {
 
 impl<T: Real> WindowLattice<T> {
     /// For envelopes that share a common Gaussian.
-    pub fn new(grid: &Grid, window: Window, common: Common, envelopes: &[Envelope]) -> Self {
+    pub fn new(grid: &Grid, window: KaiserBessel, common: Common, envelopes: &[Envelope]) -> Self {
         Self::of_pieces(grid, window, Pieces::new(window), common, envelopes)
     }
 
@@ -53,7 +53,7 @@ impl<T: Real> WindowLattice<T> {
         Self::of_pieces(grid, self.window, self.pieces.clone(), common, envelopes)
     }
 
-    fn of_pieces(grid: &Grid, window: Window, pieces: Pieces<T>, common: Common, envelopes: &[Envelope]) -> Self {
+    fn of_pieces(grid: &Grid, window: KaiserBessel, pieces: Pieces<T>, common: Common, envelopes: &[Envelope]) -> Self {
         let (inverse, s, [t, r]) = (grid.spacing().recip().to_array(), grid.strain(), grid.cell().tilts());
         let ([x, y, z], f) = (inverse, t - s * r);
         let laplacian = [

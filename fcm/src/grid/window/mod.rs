@@ -11,6 +11,6 @@ mod kernel;
 mod lattice;
 mod pieces;
 
-pub(crate) use kaiser_bessel::Window;
+pub(crate) use kaiser_bessel::KaiserBessel;
 pub(crate) use kernel::Windowed;
 pub(crate) use lattice::WindowLattice;

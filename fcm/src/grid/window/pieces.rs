@@ -1,6 +1,6 @@
 //! Piecewise polynomial approximation of a window.
 
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use simd::SimdVector as Lanes;
 use solver::{AlignedMemory, Real};
@@ -26,7 +26,7 @@ struct WindowSeries<T> {
 
 impl<T: Real> Pieces<T> {
     /// Polynomials as accurate as the window itself.
-    pub fn new(window: Window) -> Self {
+    pub fn new(window: KaiserBessel) -> Self {
         let points = window.points();
         let lanes = if points <= T::LANES / 2 { T::LANES / 2 } else { points.next_multiple_of(T::LANES) };
         let pieces: Vec<_> = (0..points).map(|point| polynomials(window, point)).collect();
@@ -89,7 +89,7 @@ const NODES: usize = 32;
 /// Polynomials in `t` of the window and its derivatives at a point of the stencil: `t` runs from -1, where the first
 /// point is half the window away from the particle, to 1, where it is one spacing nearer. Coefficients begin with the
 /// constant.
-fn polynomials(window: Window, point: usize) -> [Vec<f64>; DERIVATIVES] {
+fn polynomials(window: KaiserBessel, point: usize) -> [Vec<f64>; DERIVATIVES] {
     let half = 0.5 * window.points() as f64;
     let angle = |i: usize| PI * (i as f64 + 0.5) / NODES as f64;
     let sample = |i: usize| window.derivatives(point as f64 - half + 0.5 * (angle(i).cos() + 1.0));

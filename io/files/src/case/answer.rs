@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// The answer to a [`Case`](scene::Case); fields that were not computed are absent.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Answer {
+pub struct CaseAnswer {
     /// Velocities at the centres, relative to the background flow.
     pub velocities: Vec<[f64; 3]>,
     /// Angular velocities relative to the background flow.
@@ -52,7 +52,7 @@ pub struct Answer {
     pub plan: String,
 }
 
-impl Answer {
+impl CaseAnswer {
     /// Writes the answer to a file, HDF5 if its name ends in `.h5` or `.hdf5`, else JSON.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         if is_hdf5(path) {

@@ -5,7 +5,7 @@ use hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenU
 use hdf5::{Container, Group, H5Type};
 use ndarray::{ArrayD, ArrayViewD};
 use scene::Case;
-use scene::document::{Entry, Node, TypeMismatch, Value, Whole};
+use scene::document::{KeyValue, Node, TypeMismatch, Value, WholeNumber};
 
 /// Bytes of a string of fixed length.
 const WORD: usize = 256;
@@ -13,10 +13,10 @@ const WORD: usize = 256;
 /// Reads the datasets and attributes of a group, and its groups; the content of these only if `counts`: a case has
 /// only one level of groups, and links may form cycles.
 pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Node> {
-    let mut entries: Vec<Entry> = Vec::new();
+    let mut entries: Vec<KeyValue> = Vec::new();
     for name in group.attr_names()? {
         let node = value(&name, &*group.attr(&name)?)?;
-        entries.push(Entry { key: name.into(), node });
+        entries.push(KeyValue { key: name.into(), node });
     }
     for name in group.member_names()? {
         if entries.iter().any(|entry| *entry.key == *name) {
@@ -27,7 +27,7 @@ pub(super) fn contents(group: &Group, counts: bool) -> hdf5::Result<Node> {
             Err(_) if counts => contents(&group.group(&name)?, false)?,
             Err(_) => Value::Section(Box::default()).into(),
         };
-        entries.push(Entry { key: name.into(), node });
+        entries.push(KeyValue { key: name.into(), node });
     }
     Ok(Value::Section(entries.into()).into())
 }
@@ -75,7 +75,7 @@ fn text(word: &str) -> Value {
 }
 
 fn whole(number: i128) -> Value {
-    Value::Whole(Whole::of(number).expect("a number of 64 bits"))
+    Value::Whole(WholeNumber::of(number).expect("a number of 64 bits"))
 }
 
 fn reals(name: &str, container: &Container) -> hdf5::Result<Node> {

@@ -3,7 +3,7 @@
 mod answer;
 mod hdf5_input;
 
-pub use answer::Answer;
+pub use answer::CaseAnswer;
 
 use crate::{FileError, self_contained};
 use scene::Case;

@@ -2,7 +2,7 @@ use super::*;
 use domain::AxisRotation;
 use hdf5::File;
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use scene::{CaseBoundary, CaseBox, Terms};
+use scene::{CaseBoundary, CaseBox, CaseTerms};
 
 fn read(text: &str) -> Result<Case, String> {
     let folder = tempfile::tempdir().unwrap();
@@ -49,7 +49,7 @@ fn links_that_lead_back_end() {
 fn what_is_absent_is_zero_and_rigid() {
     let case =
         read(r#"{"box": [4, 5, 6], "viscosity": 1, "positions": [[1, 2, 3], [3, 2, 1]], "radii": 0.5}"#).unwrap();
-    assert_eq!((case.radii(), case.rigid, case.multipoles), (vec![0.5, 0.5], true, Terms::Dipole));
+    assert_eq!((case.radii(), case.rigid, case.multipoles), (vec![0.5, 0.5], true, CaseTerms::Dipole));
     assert_eq!((case.strain, case.background.velocity_gradient), (0.0, [[0.0; 3]; 3]));
 }
 
@@ -173,7 +173,7 @@ fn hdf5_of_other_shapes_and_types_is_refused_by_key() {
         file.new_dataset::<FixedAscii<8>>().create("multipoles").unwrap().write_scalar(&word).unwrap();
     });
     let case = whole.unwrap();
-    assert_eq!((case.noise.unwrap().draws, case.multipoles), (7, Terms::Monopole));
+    assert_eq!((case.noise.unwrap().draws, case.multipoles), (7, CaseTerms::Monopole));
 }
 
 #[derive(hdf5::H5Type, Clone, Copy)]
@@ -238,7 +238,7 @@ fn hdf5_has_the_same_names() {
     assert!((case.background.velocity_gradient[0][1] - 1.0).abs() < 1e-15);
     let noise_velocities = Some(vec![vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]; 4]);
     let plan = "a plan".to_owned();
-    let answer = Answer { velocities: vec![[1.0, 2.0, 3.0]; 2], noise_velocities, plan, ..Answer::default() };
+    let answer = CaseAnswer { velocities: vec![[1.0, 2.0, 3.0]; 2], noise_velocities, plan, ..CaseAnswer::default() };
     let path = folder.path().join("answer.h5");
     answer.write(&path).unwrap();
     let found = File::open(&path).unwrap().dataset("velocities").unwrap().read_raw::<f64>().unwrap();

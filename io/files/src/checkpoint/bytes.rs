@@ -18,7 +18,7 @@ const BLOCK: usize = 1 << 16;
 
 /// Header before the arrays.
 #[derive(Serialize, Deserialize)]
-pub(super) struct Header {
+pub(super) struct CheckpointHeader {
     step: u64,
     /// Bits of the number, which text would not preserve.
     strain: u64,
@@ -35,7 +35,7 @@ pub(super) struct Header {
     scene: Option<SceneRecord>,
 }
 
-impl Header {
+impl CheckpointHeader {
     fn of<'a>(
         state: &State,
         scene: &SceneRecord,
@@ -80,14 +80,14 @@ impl Header {
 pub(super) fn count(state: &State, scene: &SceneRecord) -> usize {
     let columns = state.particles.columns.iter().map(|column| (column.name.as_str(), column.width));
     let pieces: Vec<usize> = state.statistics.iter().map(Vec::len).collect();
-    let header = Header::of(state, scene, columns, state.particles.len(), &pieces);
+    let header = CheckpointHeader::of(state, scene, columns, state.particles.len(), &pieces);
     MAGIC.len() + 8 + header.text().len() + header.arrays().unwrap_or(usize::MAX) + 8
 }
 
 /// Writes a state with all its particles.
 pub(super) fn write(file: &mut File, of: (&State, &SceneRecord), rows: &ById) -> std::io::Result<()> {
     let mut out = Summed { file: BufWriter::new(file), sum: Xxh3::new() };
-    let header = Header::of(of.0, of.1, rows.columns(), rows.count(), rows.lengths()).text();
+    let header = CheckpointHeader::of(of.0, of.1, rows.columns(), rows.count(), rows.lengths()).text();
     out.write(MAGIC)?;
     out.write(&(header.len() as u64).to_le_bytes())?;
     out.write(&header)?;
@@ -119,12 +119,12 @@ impl Summed<'_> {
 }
 
 /// A checkpoint whose checksum and values have been verified, positioned at the start of its arrays.
-pub(super) struct Whole {
+pub(super) struct VerifiedCheckpoint {
     file: BufReader<File>,
-    header: Header,
+    header: CheckpointHeader,
 }
 
-impl Whole {
+impl VerifiedCheckpoint {
     /// Reads a checkpoint once; `Err` says what is wrong with it.
     pub fn open(file: File) -> Result<Self, String> {
         let length = file.metadata().map_err(|e| e.to_string())?.len() as usize;
@@ -134,7 +134,7 @@ impl Whole {
         let left = length - MAGIC.len() - 8;
         let size = values::<u64>(&mut file, 1, left)?[0] as usize;
         let text = values::<u8>(&mut file, size, left - 8)?;
-        let header: Header = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
+        let header: CheckpointHeader = serde_json::from_slice(&text).map_err(|e| e.to_string())?;
         if header.arrays().is_none_or(|arrays| arrays > left - 8 - size) {
             return Err("it is cut short".into());
         }
@@ -213,13 +213,13 @@ fn values<T: Pod>(file: &mut impl Read, count: usize, left: usize) -> Result<Vec
 
 /// State and scene of a checkpoint that the first rank has opened, on each rank with its share of the particles;
 /// shares are of equal size. Collective.
-pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<SceneRecord>), String> {
+pub(super) fn dealt(whole: Option<VerifiedCheckpoint>, comm: &Comm) -> Result<(State, Option<SceneRecord>), String> {
     let header = whole.as_ref().map_or_else(Vec::new, |whole| whole.header.text());
     let header = comm.broadcast_text(&String::from_utf8(header).expect("JSON is text"));
-    let header: Header = serde_json::from_str(&header).map_err(|e| e.to_string())?;
+    let header: CheckpointHeader = serde_json::from_str(&header).map_err(|e| e.to_string())?;
     let lengths = header.lengths();
-    let Header { step, strain, plan, particles: count, columns, scene, .. } = header;
-    let mut deal = Distribution { file: whole.map(|whole| whole.file), count, comm, failed: None };
+    let CheckpointHeader { step, strain, plan, particles: count, columns, scene, .. } = header;
+    let mut deal = ArrayDistribution { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
         ids: deal.rows(1),
         positions: deal.rows(1),
@@ -239,14 +239,14 @@ pub(super) fn dealt(whole: Option<Whole>, comm: &Comm) -> Result<(State, Option<
 }
 
 /// Distribution to all ranks of the arrays that the first rank reads.
-struct Distribution<'a> {
+struct ArrayDistribution<'a> {
     file: Option<BufReader<File>>,
     count: usize,
     comm: &'a Comm,
     failed: Option<String>,
 }
 
-impl Distribution<'_> {
+impl ArrayDistribution<'_> {
     /// This rank's rows of the next array. Collective.
     fn rows<T: Pod>(&mut self, width: usize) -> Vec<T> {
         let ranks = self.comm.size();

@@ -5,7 +5,7 @@ mod scene_record;
 
 use crate::atomic_file;
 use crate::{FileError, Manifest, manifest};
-use bytes::Whole;
+use bytes::VerifiedCheckpoint;
 use domain::{Comm, Failure};
 pub use scene_record::OutputKind;
 pub use scene_record::SceneRecord;
@@ -101,7 +101,7 @@ impl<'a> Checkpoints<'a> {
         Ok(Latest { state, scene, damaged: damaged.unwrap_or_default() })
     }
 
-    fn latest_whole(&self) -> Result<(Whole, Vec<FileError>), FileError> {
+    fn latest_whole(&self) -> Result<(VerifiedCheckpoint, Vec<FileError>), FileError> {
         let mut damaged = Vec::new();
         for path in self.paths()?.iter().rev() {
             match open(path) {
@@ -132,9 +132,9 @@ fn is_one(path: &Path) -> bool {
     manifest::is_numbered(path, "checkpoint-", ".bin")
 }
 
-fn open(path: &Path) -> Result<Whole, FileError> {
+fn open(path: &Path) -> Result<VerifiedCheckpoint, FileError> {
     let file = File::open(path).map_err(|e| FileError::read(path, &e))?;
-    Whole::open(file).map_err(|reason| FileError::damaged(path, &reason))
+    VerifiedCheckpoint::open(file).map_err(|reason| FileError::damaged(path, &reason))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::checksum;
 use crate::missing_steps::Period;
-use scene::Output;
+use scene::OutputSchedules;
 use serde::{Deserialize, Serialize};
 use simulation::Schedule;
 
@@ -37,14 +37,14 @@ pub enum OutputKind {
 
 impl SceneRecord {
     /// Record of a run at its start.
-    pub fn new(text: &str, output: &Output) -> Self {
+    pub fn new(text: &str, output: &OutputSchedules) -> Self {
         let every = intervals(output);
         Self { text: text.to_owned(), digest: digest(text), written: vec![Intervals { from: 0, every }] }
     }
 
     /// Record of the same run with a scene that has changed after a step.
     #[must_use]
-    pub fn changed(mut self, text: &str, output: &Output, step: u64) -> Self {
+    pub fn changed(mut self, text: &str, output: &OutputSchedules, step: u64) -> Self {
         let every = intervals(output);
         self.written.retain(|intervals| intervals.from <= step);
         if self.written.last().is_none_or(|last| last.every != every) {
@@ -74,7 +74,7 @@ impl SceneRecord {
     }
 }
 
-fn intervals(output: &Output) -> [u64; 4] {
+fn intervals(output: &OutputSchedules) -> [u64; 4] {
     let every = |schedule: Schedule| schedule.next_after(0).unwrap_or(0);
     [output.trajectory, output.observables, output.fields, output.contacts].map(every)
 }
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use scene::Scene;
 
-    fn output(every: u64) -> Output {
+    fn output(every: u64) -> OutputSchedules {
         let template = scene::Template::named("settling").unwrap();
         let overrides = [format!("output.trajectory_every={every}"), "output.observables_every=3".to_owned()];
         Scene::parse(template.text, "settling", &overrides).unwrap().kind().output().unwrap().clone()

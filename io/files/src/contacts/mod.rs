@@ -33,7 +33,7 @@ fn fill(file: &File, contacts: &ContactForces, provenance: &Provenance) -> hdf5:
     root.new_attr::<f64>().create("time")?.write_scalar(&contacts.time)?;
     let lattice: Vec<f64> = contacts.lattice.iter().flat_map(domain::Vector::to_array).collect();
     root.new_attr::<f64>().shape((3, 3)).create("lattice")?.write_raw(&lattice)?;
-    let columns = Columns { file, list: &contacts.list };
+    let columns = ContactDatasets { file, list: &contacts.list };
     columns.write("pair", "", 2, |contact| contact.ids)?;
     columns.write("position", "length", 3, |contact| contact.position.to_array())?;
     columns.write("separation", "length", 3, |contact| contact.separation.to_array())?;
@@ -43,12 +43,12 @@ fn fill(file: &File, contacts: &ContactForces, provenance: &Provenance) -> hdf5:
 }
 
 /// Datasets of a file, one row per contact.
-struct Columns<'a> {
+struct ContactDatasets<'a> {
     file: &'a File,
     list: &'a [ContactForce],
 }
 
-impl Columns<'_> {
+impl ContactDatasets<'_> {
     fn write<T: H5Type + bytemuck::NoUninit, const N: usize>(
         &self,
         name: &str,

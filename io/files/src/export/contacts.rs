@@ -1,6 +1,6 @@
 //! Export of contact forces: a table, or the lines of force chains.
 
-use super::vtp::{Array, Piece, write_pieces};
+use super::vtp::{DataArray, Piece, write_pieces};
 use crate::{FileError, Manifest, atomic_file};
 use domain::Vector;
 use simulation::{ContactForce, ContactForces};
@@ -70,24 +70,26 @@ fn lines(contacts: &ContactForces) -> Piece {
     let normal = of_each(&|contact| contact.normal);
     let of_ends: Vec<f64> = normal.iter().flat_map(|&force| [force; 2]).collect();
     let tangential: Vec<Vector> = list.iter().map(|contact| contact.tangential).collect();
-    let id = |k: usize| Array::integers(["first", "second"][k], list.iter().map(move |c| c.ids[k] as i64));
+    let id = |k: usize| DataArray::integers(["first", "second"][k], list.iter().map(move |c| c.ids[k] as i64));
     let data = vec![
         id(0),
         id(1),
-        Array::reals("normal_force", 1, &normal),
-        Array::reals("tangential_force", 3, bytemuck::cast_slice(&tangential)),
-        Array::integers("state", list.iter().map(|contact| i64::from(contact.state.number()))),
+        DataArray::reals("normal_force", 1, &normal),
+        DataArray::reals("tangential_force", 3, bytemuck::cast_slice(&tangential)),
+        DataArray::integers("state", list.iter().map(|contact| i64::from(contact.state.number()))),
     ];
-    let connected =
-        vec![Array::integers("connectivity", 0..points), Array::integers("offsets", (1..=count).map(|k| 2 * k))];
+    let connected = vec![
+        DataArray::integers("connectivity", 0..points),
+        DataArray::integers("offsets", (1..=count).map(|k| 2 * k)),
+    ];
     Piece {
         step: contacts.step,
         time: contacts.time,
         lattice: contacts.lattice,
         counts: format!("NumberOfPoints=\"{points}\" NumberOfLines=\"{count}\""),
         groups: vec![
-            ("Points", vec![Array::reals("Points", 3, bytemuck::cast_slice(&ends))]),
-            ("PointData", vec![Array::reals("normal_force", 1, &of_ends)]),
+            ("Points", vec![DataArray::reals("Points", 3, bytemuck::cast_slice(&ends))]),
+            ("PointData", vec![DataArray::reals("normal_force", 1, &of_ends)]),
             ("CellData", data),
             ("Lines", connected),
         ],

@@ -11,7 +11,7 @@ mod xyz;
 pub use contacts::{ContactFormat, export_contacts};
 pub use range::FrameRange;
 
-use crate::trajectory_reader::{Snapshot, TrajectoryReader};
+use crate::trajectory_reader::{TimedFrame, TrajectoryReader};
 use crate::{FileError, Manifest, atomic_file};
 use scene::{Kind, Scene};
 use std::io::BufWriter;
@@ -43,7 +43,7 @@ impl Format {
 /// file appears under its name when it is complete.
 pub fn export(
     recorded: &TrajectoryReader,
-    frames: &mut dyn Iterator<Item = Snapshot>,
+    frames: &mut dyn Iterator<Item = TimedFrame>,
     format: Format,
     path: &Path,
     run: &Manifest,

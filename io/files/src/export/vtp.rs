@@ -1,6 +1,6 @@
 //! `PolyData` of VTK in XML, one file per frame: `NAME/STEP.vtp` and the list `NAME.pvd`.
 
-use crate::trajectory_reader::Snapshot;
+use crate::trajectory_reader::TimedFrame;
 use crate::{FileError, Manifest, atomic_file};
 use domain::Vector;
 use simulation::Frame;
@@ -10,7 +10,7 @@ use std::path::Path;
 
 pub(super) fn write(
     list: (&Path, &Manifest),
-    frames: &mut dyn Iterator<Item = Snapshot>,
+    frames: &mut dyn Iterator<Item = TimedFrame>,
 ) -> std::result::Result<(), FileError> {
     write_pieces(list.0, list.1, &mut frames.map(|snapshot| Piece::of_frame(&snapshot)))
 }
@@ -46,14 +46,14 @@ fn escaped(text: &str) -> String {
 }
 
 /// An array of the file: name, VTK type, numbers per point, and bytes.
-pub(super) struct Array {
+pub(super) struct DataArray {
     name: String,
     kind: &'static str,
     width: usize,
     bytes: Vec<u8>,
 }
 
-impl Array {
+impl DataArray {
     pub(super) fn reals(name: &str, width: usize, values: &[f64]) -> Self {
         let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         Self { name: name.to_owned(), kind: "Float64", width, bytes }
@@ -80,21 +80,23 @@ pub(super) struct Piece {
     /// Numbers of points and of vertices or lines, as attributes of the piece.
     pub(super) counts: String,
     /// Elements of the piece and their arrays.
-    pub(super) groups: Vec<(&'static str, Vec<Array>)>,
+    pub(super) groups: Vec<(&'static str, Vec<DataArray>)>,
 }
 
 impl Piece {
     /// A frame, in which each particle is a point and a vertex.
-    fn of_frame(Snapshot { step, time, frame: Frame { particles, cell, .. } }: &Snapshot) -> Self {
+    fn of_frame(TimedFrame { step, time, frame: Frame { particles, cell, .. } }: &TimedFrame) -> Self {
         let count = particles.len() as i64;
-        let points = vec![Array::reals("Points", 3, bytemuck::cast_slice(&particles.positions))];
+        let points = vec![DataArray::reals("Points", 3, bytemuck::cast_slice(&particles.positions))];
         let mut data = vec![
-            Array::integers("id", particles.ids.iter().map(|&id| id as i64)),
-            Array::integers("species", particles.species.iter().map(|&species| i64::from(species))),
-            Array::reals("radius", 1, &particles.radii),
+            DataArray::integers("id", particles.ids.iter().map(|&id| id as i64)),
+            DataArray::integers("species", particles.species.iter().map(|&species| i64::from(species))),
+            DataArray::reals("radius", 1, &particles.radii),
         ];
-        data.extend(particles.columns.iter().map(|column| Array::reals(&column.name, column.width, &column.values)));
-        let vertices = vec![Array::integers("connectivity", 0..count), Array::integers("offsets", 1..=count)];
+        data.extend(
+            particles.columns.iter().map(|column| DataArray::reals(&column.name, column.width, &column.values)),
+        );
+        let vertices = vec![DataArray::integers("connectivity", 0..count), DataArray::integers("offsets", 1..=count)];
         Self {
             step: *step,
             time: *time,
@@ -120,7 +122,7 @@ impl Piece {
             writeln!(out, "</{group}>")?;
         }
         write!(out, "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_")?;
-        for Array { bytes, .. } in self.groups.iter().flat_map(|(_, arrays)| arrays) {
+        for DataArray { bytes, .. } in self.groups.iter().flat_map(|(_, arrays)| arrays) {
             out.write_all(&(bytes.len() as u64).to_le_bytes())?;
             out.write_all(bytes)?;
         }

@@ -1,11 +1,11 @@
 //! Extended XYZ: for each frame the number of particles, a line of keys, and one line per particle.
 
-use crate::trajectory_reader::Snapshot;
+use crate::trajectory_reader::TimedFrame;
 use domain::{Column, Particles, PeriodicBox, Vector};
 use simulation::Frame;
 use std::io::{Result, Write};
 
-pub(super) fn write(out: &mut impl Write, frames: &mut dyn Iterator<Item = Snapshot>) -> Result<()> {
+pub(super) fn write(out: &mut impl Write, frames: &mut dyn Iterator<Item = TimedFrame>) -> Result<()> {
     for snapshot in frames {
         frame(out, &snapshot)?;
     }
@@ -13,7 +13,7 @@ pub(super) fn write(out: &mut impl Write, frames: &mut dyn Iterator<Item = Snaps
 }
 
 /// Writes numbers in the shortest form that reads back exactly.
-fn frame(out: &mut impl Write, Snapshot { step, time, frame }: &Snapshot) -> Result<()> {
+fn frame(out: &mut impl Write, TimedFrame { step, time, frame }: &TimedFrame) -> Result<()> {
     let Frame { particles, cell, periodic } = frame;
     let lattice = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map(|steps| cell.lattice(steps).to_array());
     let lattice = lattice.as_flattened().iter().map(|number| format!("{number:?}")).collect::<Vec<_>>().join(" ");
@@ -58,7 +58,7 @@ mod tests {
         let line = |cell: PeriodicBox| {
             let frame = Frame { particles: Particles::default(), cell, periodic: [false; 3] };
             let mut out = Vec::new();
-            super::frame(&mut out, &Snapshot { step: 3, time: 0.5, frame }).unwrap();
+            super::frame(&mut out, &TimedFrame { step: 3, time: 0.5, frame }).unwrap();
             String::from_utf8(out).unwrap().lines().nth(1).unwrap().to_owned()
         };
         assert!(line(moved).contains("2.0\" Origin=\"-4.0 0.0 0.5\" Properties="), "{}", line(moved));

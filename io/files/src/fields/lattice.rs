@@ -8,7 +8,7 @@ use simulation::VelocityField;
 
 /// Grid of the points, by x, y and z.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lattice {
+pub(super) struct PointLattice {
     /// Position of the first point.
     pub(super) origin: [f64; 3],
     /// Spacing along each axis.
@@ -29,7 +29,7 @@ pub(super) fn write(root: &Group, field: &VelocityField) -> hdf5::Result<()> {
 }
 
 /// Reads the attributes, if a file has them.
-pub(super) fn read(file: &File) -> hdf5::Result<Option<Lattice>> {
+pub(super) fn read(file: &File) -> hdf5::Result<Option<PointLattice>> {
     if !file.attr_names()?.iter().any(|name| name == "boundary") {
         return Ok(None);
     }
@@ -40,5 +40,5 @@ pub(super) fn read(file: &File) -> hdf5::Result<Option<Lattice>> {
     let boundary = file.attr("boundary")?.read_raw::<FixedAscii<64>>()?;
     let &[x, y, z] = &boundary[..] else { return Err(format!("`boundary` has {} words", boundary.len()).into()) };
     let periodic = [x, y, z].map(|word| word.as_str() == "periodic");
-    Ok(Some(Lattice { origin: three("origin")?, spacing: three("spacing")?, periodic }))
+    Ok(Some(PointLattice { origin: three("origin")?, spacing: three("spacing")?, periodic }))
 }

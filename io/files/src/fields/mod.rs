@@ -71,7 +71,7 @@ fn field_files(run: &Manifest) -> Vec<PathBuf> {
 fn add_to_index(run: &Manifest, path: &Path) -> Result<(), FileError> {
     let (index, before) = (run.folder().join(INDEX), field_files(run).len() - 1);
     let series = std::fs::read_to_string(&index).unwrap_or_default();
-    let frame = xdmf::Frame::read(path).map_err(|e| FileError::damaged(path, &e))?;
+    let frame = xdmf::XdmfFrame::read(path).map_err(|e| FileError::damaged(path, &e))?;
     let Some(longer) = xdmf::longer(&series, before, &frame) else { return index_fields(run) };
     if xdmf::is_curved(&series) && !frame.has_position {
         complete(path, true)?;
@@ -88,7 +88,7 @@ fn index_fields(run: &Manifest) -> Result<(), FileError> {
     let files = field_files(run);
     let mut frames = Vec::with_capacity(files.len());
     for path in &files {
-        frames.push(xdmf::Frame::read(path).map_err(|e| FileError::damaged(path, &e))?);
+        frames.push(xdmf::XdmfFrame::read(path).map_err(|e| FileError::damaged(path, &e))?);
     }
     let curved = frames.iter().any(|frame| frame.strain != 0.0);
     for (frame, path) in frames.iter().zip(&files) {

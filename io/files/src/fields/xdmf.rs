@@ -1,13 +1,13 @@
 //! The XDMF file that describes fields for visualisation programs. Paths are relative to it; axes
 //! are in the order z, y, x.
 
-use super::lattice::{self, Lattice};
+use super::lattice::{self, PointLattice};
 use super::repeated::GROUP;
 use crate::self_contained;
 use std::path::Path;
 
 /// Description of a field for the XDMF file.
-pub(super) struct Frame {
+pub(super) struct XdmfFrame {
     /// Whether its file has the velocity with repeated planes.
     pub(super) has_velocity: bool,
     /// Whether it has the positions of those points.
@@ -19,7 +19,7 @@ pub(super) struct Frame {
     edges: [f64; 3],
     points: [usize; 3],
     /// Grid of the points, if the box is not periodic along all axes.
-    lattice: Option<Lattice>,
+    lattice: Option<PointLattice>,
 }
 
 /// Mesh type of a series, the same for all frames.
@@ -31,7 +31,7 @@ enum Meshes {
     Collected,
 }
 
-impl Frame {
+impl XdmfFrame {
     /// Reads a field's file.
     pub(super) fn read(path: &Path) -> hdf5::Result<Self> {
         let file = self_contained::open(path)?;
@@ -109,9 +109,9 @@ impl Frame {
 
 /// The whole file. For fully periodic boxes it has the frames on the same grid as the last one, and in a comment the
 /// names of the others; for other boxes it has all frames.
-pub(super) fn series(frames: Vec<Frame>, curved: bool) -> String {
+pub(super) fn series(frames: Vec<XdmfFrame>, curved: bool) -> String {
     let last = frames.last().map(|frame| (frame.points, frame.lattice.is_some()));
-    let is_like_last = |frame: &Frame| {
+    let is_like_last = |frame: &XdmfFrame| {
         last.is_some_and(|(points, is_bounded)| {
             frame.lattice.is_some() == is_bounded && (is_bounded || frame.points == points)
         })
@@ -140,7 +140,7 @@ pub(super) fn is_curved(series: &str) -> bool {
 }
 
 /// The file with one more frame, if it has `before` frames of the same grid and mesh type; otherwise `None`.
-pub(super) fn longer(series: &str, before: usize, frame: &Frame) -> Option<String> {
+pub(super) fn longer(series: &str, before: usize, frame: &XdmfFrame) -> Option<String> {
     let has = series.matches("<Time ").count() + series.matches("<!-- left out").count();
     let meshes = match (is_curved(series), series.contains(COLLECTION)) {
         (true, _) => Meshes::Curved,

@@ -74,14 +74,14 @@ impl From<f64> for Values<'_> {
 }
 
 /// Function that passes on the rows of a value, block by block.
-pub(crate) type Blocks<'a> = dyn Fn(&mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> + 'a;
+pub(crate) type ValueBlocks<'a> = dyn Fn(&mut dyn FnMut(&Values) -> hdf5::Result<()>) -> hdf5::Result<()> + 'a;
 
 /// Value of one quantity in a frame to be added.
 pub(crate) enum NewValue<'a> {
     /// In one piece.
     Whole(Values<'a>),
     /// Block by block.
-    InBlocks(Box<Blocks<'a>>),
+    InBlocks(Box<ValueBlocks<'a>>),
 }
 
 impl NewValue<'_> {

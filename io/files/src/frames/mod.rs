@@ -29,7 +29,7 @@ use open::OpenFile;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 pub use sums::Damage;
-pub(crate) use sums::Sums;
+pub(crate) use sums::FrameChecksums;
 
 /// Size up to which frames are dropped by making a copy without them. The library cuts a file before it updates the
 /// superblock: a larger file, whose copy would take long, is invalid for a moment, and if the program is killed then,
@@ -48,7 +48,7 @@ pub(crate) struct Frames {
 }
 
 /// Description that all files of a kind share.
-pub(crate) struct Kind<'a> {
+pub(crate) struct FileKind<'a> {
     /// Quantities of a frame.
     pub(crate) elements: &'a [Element],
     /// Number of frames at the end of the run.
@@ -59,13 +59,13 @@ pub(crate) struct Kind<'a> {
 
 impl Frames {
     /// Creates a file without frames; it replaces any file of that name once it is complete.
-    pub(crate) fn create(path: &Path, kind: &Kind) -> Result<Self, FileError> {
+    pub(crate) fn create(path: &Path, kind: &FileKind) -> Result<Self, FileError> {
         let made = Self::prepare(path, kind, 0).and_then(Self::place);
         made.inspect_err(|_| atomic_file::remove_temporary(path))
     }
 
     /// Creates the file under a temporary name, with room for the `written` frames that will be copied to it as well.
-    fn prepare(path: &Path, kind: &Kind, written: usize) -> Result<Self, FileError> {
+    fn prepare(path: &Path, kind: &FileKind, written: usize) -> Result<Self, FileError> {
         let failed = |e: std::io::Error| FileError::write(path, &e);
         let file = atomic_file::create_temporary(path).map_err(failed)?;
         let open =
@@ -80,7 +80,7 @@ impl Frames {
     }
 
     /// Opens a file of an earlier part of the run and drops the frames after step `last`.
-    pub(crate) fn resume(path: &Path, kind: &Kind, last: u64) -> Result<Self, FileError> {
+    pub(crate) fn resume(path: &Path, kind: &FileKind, last: u64) -> Result<Self, FileError> {
         let damaged = |e: &hdf5::Error| FileError::damaged(path, e);
         let file = std::fs::File::options().read(true).write(true).open(path);
         let file = file.and_then(|file| WatchedFile::new(path, file)).map_err(|e| FileError::read(path, &e))?;
@@ -106,7 +106,7 @@ impl Frames {
     }
 
     /// A larger file that replaces this one, with its first frames and room for more.
-    fn larger(&self, kind: &Kind, frames: usize) -> Result<Self, FileError> {
+    fn larger(&self, kind: &FileKind, frames: usize) -> Result<Self, FileError> {
         let copied = || {
             let mut new = Self::prepare(&self.path, kind, frames)?;
             let old = self.open()?;
@@ -134,7 +134,7 @@ impl Frames {
 
     /// Appends a frame with one value for each element of the kind, in their order. It is in
     /// the file when this returns.
-    pub(crate) fn append(&mut self, kind: &Kind, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
+    pub(crate) fn append(&mut self, kind: &FileKind, clock: (u64, f64), values: &[Values]) -> Result<(), FileError> {
         let values: Vec<NewValue> = values.iter().map(|values| NewValue::Whole(values.borrowed())).collect();
         self.append_blocks(kind, clock, &values)
     }
@@ -142,7 +142,7 @@ impl Frames {
     /// Like [`Self::append`], with values that may come block by block.
     pub(crate) fn append_blocks(
         &mut self,
-        kind: &Kind,
+        kind: &FileKind,
         clock: (u64, f64),
         values: &[NewValue],
     ) -> Result<(), FileError> {

@@ -2,7 +2,7 @@
 
 use super::capacity::Capacity;
 use super::element::{StoredElement, group, growing, reserve, resize_first, write_number};
-use super::{Damage, Element, Kind, NewValue, Sums, Values, end_of_file};
+use super::{Damage, Element, FileKind, FrameChecksums, NewValue, Values, end_of_file};
 use crate::{atomic_hdf5, claimed_size, self_contained, text};
 use hdf5::file::{FileAccessBuilder, LibraryVersion};
 use hdf5::{Dataset, File, OpenMode};
@@ -15,12 +15,12 @@ pub(super) struct OpenFile {
     steps: Dataset,
     times: Dataset,
     /// `None` for files of versions without checksums.
-    sums: Option<Sums>,
+    sums: Option<FrameChecksums>,
 }
 
 impl OpenFile {
     /// Creates a file without frames, with capacity for `written` frames that will be copied to it.
-    pub(super) fn create(path: &Path, kind: &Kind, written: usize) -> hdf5::Result<Self> {
+    pub(super) fn create(path: &Path, kind: &FileKind, written: usize) -> hdf5::Result<Self> {
         // A superblock of this version has no flag for files open for writing, which a killed program would leave set.
         File::with_options()
             .with_fapl(|f| in_pages(f).libver_bounds(LibraryVersion::V18, LibraryVersion::V18))
@@ -31,7 +31,7 @@ impl OpenFile {
         Self::fill(&file, kind, capacity).inspect_err(|_| atomic_hdf5::leave_open(&file))
     }
 
-    fn fill(file: &File, kind: &Kind, capacity: Capacity) -> hdf5::Result<Self> {
+    fn fill(file: &File, kind: &FileKind, capacity: Capacity) -> hdf5::Result<Self> {
         let elements = kind.elements;
         let first = group(file, &elements[0].path)?;
         let steps = reserve::<i64>(&first, "step", capacity)?;
@@ -42,7 +42,7 @@ impl OpenFile {
             stored.push(StoredElement::create(file, element, &elements[0].path, capacity)?);
         }
         let paths: Vec<String> = elements.iter().map(|element| element.path.clone()).collect();
-        let sums = Some(Sums::create(file, &paths, capacity)?);
+        let sums = Some(FrameChecksums::create(file, &paths, capacity)?);
         (kind.fixed)(file)?;
         file.flush()?;
         Ok(Self { file: file.clone(), stored, steps, times, sums })
@@ -55,7 +55,7 @@ impl OpenFile {
         let first = file.group(&elements[0].path)?;
         let (steps, times) = (first.dataset("step")?, first.dataset("time")?);
         let stored = elements.iter().map(|element| StoredElement::open(&file, element)).collect::<hdf5::Result<_>>()?;
-        let sums = Sums::open(&file)?;
+        let sums = FrameChecksums::open(&file)?;
         Ok(Self { file, stored, steps, times, sums })
     }
 
@@ -91,7 +91,7 @@ impl OpenFile {
     pub(super) fn write(&self, clock: (u64, f64), values: &[NewValue]) -> hdf5::Result<Vec<u64>> {
         assert_eq!(values.len(), self.stored.len(), "a value for each element");
         let frame = self.steps.size();
-        let mut sums = vec![Sums::of_clock(clock.0, clock.1)];
+        let mut sums = vec![FrameChecksums::of_clock(clock.0, clock.1)];
         for (stored, value) in self.stored.iter().zip(values) {
             sums.push(stored.write(frame, value)?);
         }
@@ -140,7 +140,7 @@ impl OpenFile {
     /// All datasets of frames except the steps.
     fn growing(&self) -> Vec<&Dataset> {
         let values = self.stored.iter().map(StoredElement::values);
-        values.chain([&self.times]).chain(self.sums.as_ref().map(Sums::stored)).collect()
+        values.chain([&self.times]).chain(self.sums.as_ref().map(FrameChecksums::stored)).collect()
     }
 
     /// Appends the first `frames` frames to another file, which nobody reads yet, with their stored checksums.

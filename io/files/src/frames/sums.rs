@@ -16,15 +16,15 @@ const CLOCK: &str = "step and time";
 
 /// XXH3 checksums (64 bits) of each frame: of the bytes of its step (i64) and time (f64), and of the bytes of each
 /// element's value, little-endian, row by row.
-pub(crate) struct Sums {
+pub(crate) struct FrameChecksums {
     stored: Dataset,
-    columns: Vec<Column>,
+    columns: Vec<ChecksumColumn>,
     /// Datasets of steps and times.
     clock: Option<[Dataset; 2]>,
 }
 
 /// An element with checksums.
-struct Column {
+struct ChecksumColumn {
     path: String,
     values: Option<Dataset>,
 }
@@ -38,7 +38,7 @@ pub struct Damage {
     pub elements: Vec<String>,
 }
 
-impl Sums {
+impl FrameChecksums {
     /// Creates the dataset for frames of the elements at these paths.
     pub(super) fn create(file: &File, paths: &[String], capacity: Capacity) -> hdf5::Result<Self> {
         let names: Vec<&str> = [CLOCK].into_iter().chain(paths.iter().map(String::as_str)).collect();
@@ -61,8 +61,8 @@ impl Sums {
             return Err(format!("{PLACE} has {:?} numbers for {} names", stored.shape(), names.len()).into());
         }
         let open = |path: String| file.dataset(&path).ok();
-        let column = |path: &str| Column { path: path.to_owned(), values: open(format!("{path}/value")) };
-        let columns: Vec<Column> = names[1..].iter().map(|name| column(name.as_str())).collect();
+        let column = |path: &str| ChecksumColumn { path: path.to_owned(), values: open(format!("{path}/value")) };
+        let columns: Vec<ChecksumColumn> = names[1..].iter().map(|name| column(name.as_str())).collect();
         let first = columns.first().map(|column| column.path.clone()).unwrap_or_default();
         let clock = open(format!("{first}/step")).zip(open(format!("{first}/time"))).map(|(step, time)| [step, time]);
         Ok(Self { stored, columns, clock })
@@ -117,7 +117,7 @@ impl Sums {
     }
 }
 
-impl Column {
+impl ChecksumColumn {
     fn sum(&self, frame: usize) -> hdf5::Result<u64> {
         let values = self.values.as_ref().filter(|values| values.ndim() > 0).ok_or("there are no values")?;
         match values.dtype()?.to_descriptor()? {

@@ -14,8 +14,8 @@ fn elements() -> Vec<Element> {
     ]
 }
 
-fn kind(elements: &[Element], planned: u64) -> Kind<'_> {
-    Kind { elements, planned, fixed: &|_| Ok(()) }
+fn kind(elements: &[Element], planned: u64) -> FileKind<'_> {
+    FileKind { elements, planned, fixed: &|_| Ok(()) }
 }
 
 fn append(frames: &mut Frames, step: u64) {
@@ -89,7 +89,7 @@ fn full_files_are_replaced() {
     let path = folder.path().join("frames.h5");
     let fixed = |file: &File| text::write_dataset(&group(file, "parameters")?, "note", "of the run");
     let elements = elements();
-    let kind = Kind { elements: &elements, planned: 3, fixed: &fixed };
+    let kind = FileKind { elements: &elements, planned: 3, fixed: &fixed };
     let mut frames = Frames::create(&path, &kind).unwrap();
     for step in 0..50 {
         let (reals, integers) = (vec![step as f64; 150], vec![step as i32; 150]);
@@ -101,7 +101,7 @@ fn full_files_are_replaced() {
     drop(frames);
     let file = File::open(&path).unwrap();
     assert_eq!(text::read_dataset(&file.group("parameters").unwrap(), "note").unwrap(), "of the run");
-    let sums = Sums::open(&file).unwrap().unwrap();
+    let sums = FrameChecksums::open(&file).unwrap().unwrap();
     assert!((0..50).all(|frame| sums.damage(frame).is_none()));
 }
 
@@ -164,7 +164,10 @@ fn blocks_of_rows_make_up_the_frame() {
         }
         let ((step, time), values) = frames.frame(1).unwrap();
         assert_eq!((step, time, &values[..2]), (1, 0.5, &[reals.as_slice().into(), integers.as_slice().into()][..]));
-        assert_eq!(Sums::open(&File::open(&path).unwrap()).unwrap().unwrap().read(1).unwrap()[1], checksum::of(&reals));
+        assert_eq!(
+            FrameChecksums::open(&File::open(&path).unwrap()).unwrap().unwrap().read(1).unwrap()[1],
+            checksum::of(&reals)
+        );
         let short =
             [NewValue::Whole(reals[..3].into()), NewValue::Whole(integers[..].into()), NewValue::Whole(7.0.into())];
         let error = frames.append_blocks(&kind(&elements(), 4), (3, 0.5), &short).unwrap_err().to_string();
@@ -268,7 +271,7 @@ fn a_bit_flipped_in_any_element_is_seen_and_the_run_goes_on() {
             assert_eq!(frames.steps_written().unwrap().len(), kept);
             append(&mut frames, 3_000_000_010);
             drop(frames);
-            let sums = Sums::open(&File::open(&path).unwrap()).unwrap().unwrap();
+            let sums = FrameChecksums::open(&File::open(&path).unwrap()).unwrap().unwrap();
             let found: Vec<Damage> = (0..=kept).filter_map(|frame| sums.damage(frame)).collect();
             assert_eq!(found, damage);
         }

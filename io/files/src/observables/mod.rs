@@ -2,7 +2,7 @@
 
 mod text_table;
 
-use crate::frames::Sums;
+use crate::frames::FrameChecksums;
 use crate::{FileError, claimed_size, self_contained, text};
 use hdf5::Group;
 use hdf5::types::VarLenUnicode;
@@ -70,13 +70,13 @@ impl Observables {
         }
         let times = times[..count].to_vec();
         let read = Self { times, last_step: steps[..count].last().copied(), quantities, damage: Vec::new() };
-        Ok(match Sums::open(&file)? {
+        Ok(match FrameChecksums::open(&file)? {
             Some(sums) => read.without_damage(&sums),
             None => read,
         })
     }
 
-    fn without_damage(mut self, sums: &Sums) -> Self {
+    fn without_damage(mut self, sums: &FrameChecksums) -> Self {
         let mut keep = vec![true; self.times.len()];
         for (row, keep) in keep.iter_mut().enumerate() {
             if let Some(damage) = sums.damage(row) {

@@ -23,7 +23,7 @@ pub struct FileBox {
 
 /// Boundary condition along an axis of a scene's box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Axis {
+pub(super) enum BoxAxis {
     /// Periodic.
     Periodic,
     /// Walls.
@@ -34,12 +34,12 @@ pub(super) enum Axis {
 
 /// Box of a scene, in the axes of the user.
 pub(super) struct SceneBox {
-    pub(super) shape: Shape,
-    pub(super) axes: [Axis; 3],
+    pub(super) shape: BoxShape,
+    pub(super) axes: [BoxAxis; 3],
 }
 
 /// Shape of a scene's box.
-pub(super) enum Shape {
+pub(super) enum BoxShape {
     /// Edges along x, y and z.
     Straight(Vector),
     /// Edges, and the strain by which the second lattice vector is tilted along x.
@@ -86,27 +86,27 @@ impl FileBox {
     pub(super) fn strain_in(&self, scene: &SceneBox) -> Result<f64, String> {
         let differs = || format!("its box is {self}, but that of the scene is {scene}");
         match &scene.shape {
-            Shape::Lattice(vectors) => {
+            BoxShape::Lattice(vectors) => {
                 if is_same_lattice(&self.vectors, vectors) {
                     Ok(0.0)
                 } else {
                     Err(differs())
                 }
             }
-            Shape::Straight(edges) => {
+            BoxShape::Straight(edges) => {
                 let strain = self.compared(*edges, scene).ok_or_else(differs)?;
                 if strain == 0.0 { Ok(0.0) } else { Err(differs()) }
             }
-            Shape::Sheared(edges, _) => self.compared(*edges, scene).ok_or_else(differs),
+            BoxShape::Sheared(edges, _) => self.compared(*edges, scene).ok_or_else(differs),
         }
     }
 
     /// The strain, if the edges are equal to those of a scene.
     fn compared(&self, edges: Vector, scene: &SceneBox) -> Option<f64> {
         let counts = [0, 1, 2].map(|axis| match scene.axes[axis] {
-            Axis::Periodic => self.periodic[axis],
-            Axis::Walls => true,
-            Axis::Open => false,
+            BoxAxis::Periodic => self.periodic[axis],
+            BoxAxis::Walls => true,
+            BoxAxis::Open => false,
         });
         let reduced = self.reduced(counts);
         let is_same = |axis: usize| {
@@ -161,9 +161,9 @@ impl Display for FileBox {
 impl Display for SceneBox {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match &self.shape {
-            Shape::Straight(edges) => write_edges(f, *edges, 0.0),
-            Shape::Sheared(edges, strain) => write_edges(f, *edges, *strain),
-            Shape::Lattice(vectors) => write_vectors(f, vectors, None),
+            BoxShape::Straight(edges) => write_edges(f, *edges, 0.0),
+            BoxShape::Sheared(edges, strain) => write_edges(f, *edges, *strain),
+            BoxShape::Lattice(vectors) => write_vectors(f, vectors, None),
         }
     }
 }
@@ -188,9 +188,9 @@ mod tests {
 
     const EDGES: Vector = Vector::new(8.0, 4.0, 5.0);
 
-    fn scene(axes: [Axis; 3]) -> SceneBox {
-        let repeats = axes == [Axis::Periodic; 3];
-        SceneBox { shape: if repeats { Shape::Sheared(EDGES, 0.0) } else { Shape::Straight(EDGES) }, axes }
+    fn scene(axes: [BoxAxis; 3]) -> SceneBox {
+        let repeats = axes == [BoxAxis::Periodic; 3];
+        SceneBox { shape: if repeats { BoxShape::Sheared(EDGES, 0.0) } else { BoxShape::Straight(EDGES) }, axes }
     }
 
     fn file(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> FileBox {
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn the_strain_is_that_of_the_second_edge() {
-        let all = scene([Axis::Periodic; 3]);
+        let all = scene([BoxAxis::Periodic; 3]);
         let strain = |box_: FileBox| box_.strain_in(&all);
         assert_eq!(strain(FileBox::straight(EDGES)), Ok(0.0));
         assert_eq!(strain(file([8.0, 0.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 5.0])), Ok(0.25));
@@ -213,7 +213,7 @@ mod tests {
 
     #[test]
     fn other_boxes_are_refused_with_both() {
-        let all = scene([Axis::Periodic; 3]);
+        let all = scene([BoxAxis::Periodic; 3]);
         let message = FileBox::straight(EDGES * 2.0).strain_in(&all).unwrap_err();
         assert_eq!(message, "its box is 16 x 8 x 10, but that of the scene is 8 x 4 x 5");
         assert!(
@@ -227,21 +227,21 @@ mod tests {
     fn edges_count_where_the_scene_has_them() {
         let sheared = file([8.0, 0.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 5.0]);
         let high = FileBox::straight(Vector::new(8.0, 4.0, 50.0));
-        let walls = scene([Axis::Periodic, Axis::Periodic, Axis::Walls]);
+        let walls = scene([BoxAxis::Periodic, BoxAxis::Periodic, BoxAxis::Walls]);
         assert!(sheared.strain_in(&walls).unwrap_err().contains("8 x 4 x 5 with a strain of 0.25"));
         assert!(high.strain_in(&walls).is_err());
-        assert_eq!(high.strain_in(&scene([Axis::Periodic, Axis::Periodic, Axis::Open])), Ok(0.0));
+        assert_eq!(high.strain_in(&scene([BoxAxis::Periodic, BoxAxis::Periodic, BoxAxis::Open])), Ok(0.0));
         let single = FileBox { periodic: [true, true, false], ..high };
-        assert_eq!(single.strain_in(&scene([Axis::Periodic; 3])), Ok(0.0), "a length that is no period");
+        assert_eq!(single.strain_in(&scene([BoxAxis::Periodic; 3])), Ok(0.0), "a length that is no period");
         assert!(single.strain_in(&walls).is_err(), "walls have a distance");
-        assert_eq!(sheared.strain_in(&scene([Axis::Open; 3])), Ok(0.0));
+        assert_eq!(sheared.strain_in(&scene([BoxAxis::Open; 3])), Ok(0.0));
     }
 
     #[test]
     fn a_lattice_is_the_same_by_any_of_its_vectors() {
         let vectors = [[2.0, 1.0, 0.0], [-1.0, 2.5, 0.0], [0.5, 0.0, 4.0]].map(Vector::from_array);
         let other = [vectors[0] + vectors[2], vectors[1], vectors[2]];
-        let scene = SceneBox { shape: Shape::Lattice(vectors), axes: [Axis::Periodic; 3] };
+        let scene = SceneBox { shape: BoxShape::Lattice(vectors), axes: [BoxAxis::Periodic; 3] };
         assert_eq!(FileBox::lattice(other).strain_in(&scene), Ok(0.0));
         let stretched = vectors.map(|vector| vector * Vector::new(1.1, 1.0 / 1.1, 1.0));
         assert!(FileBox::lattice(stretched).strain_in(&scene).is_err());

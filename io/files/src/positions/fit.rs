@@ -1,6 +1,6 @@
 //! Comparison of the particles of a file with those of a scene.
 
-use super::file_box::{Axis, FileBox, SceneBox, Shape, is_same_strain};
+use super::file_box::{BoxAxis, BoxShape, FileBox, SceneBox, is_same_strain};
 use super::{StartFile, order};
 use domain::{AxisRotation, Boundaries, GivenPositions, Number, Vector};
 use granular::disks;
@@ -61,23 +61,23 @@ pub fn disks(mut file: StartFile, parameters: &disks::Parameters) -> Result<Fitt
 /// Box of the disks; its third edge has no meaning.
 fn box_of_disks(parameters: &disks::Parameters) -> SceneBox {
     let [length, height] = parameters.edges;
-    let shape = Shape::Sheared(Vector::new(length, height, 1.0), parameters.strain);
-    SceneBox { shape, axes: [Axis::Periodic, Axis::Periodic, Axis::Open] }
+    let shape = BoxShape::Sheared(Vector::new(length, height, 1.0), parameters.strain);
+    SceneBox { shape, axes: [BoxAxis::Periodic, BoxAxis::Periodic, BoxAxis::Open] }
 }
 
 /// Box of a model in the axes of the user.
 fn box_of_model(model: &Model) -> SceneBox {
     let (cell, axes) = (&model.cell, model.user_axes());
     let kinds = [0, 1, 2].map(|axis| match cell.boundaries() {
-        _ if cell.is_periodic(axis) => Axis::Periodic,
-        Boundaries::Walls => Axis::Walls,
-        _ => Axis::Open,
+        _ if cell.is_periodic(axis) => BoxAxis::Periodic,
+        Boundaries::Walls => BoxAxis::Walls,
+        _ => BoxAxis::Open,
     });
     let edges = Vector::from_array(axes.list(cell.edges().to_array()));
     let shape = match cell.axes() {
-        Some(_) => Shape::Lattice(cell.lattice_vectors()),
-        None if cell.boundaries() == Boundaries::Periodic => Shape::Sheared(edges, cell.strain()),
-        None => Shape::Straight(edges),
+        Some(_) => BoxShape::Lattice(cell.lattice_vectors()),
+        None if cell.boundaries() == Boundaries::Periodic => BoxShape::Sheared(edges, cell.strain()),
+        None => BoxShape::Straight(edges),
     };
     debug_assert!(cell.boundaries() != Boundaries::Periodic || axes.turn() == AxisRotation::default());
     SceneBox { shape, axes: axes.list(kinds) }
@@ -86,7 +86,7 @@ fn box_of_model(model: &Model) -> SceneBox {
 fn check_strain(cell: &FileBox, scene: &SceneBox, expected: f64) -> Result<(), String> {
     let found = cell.strain_in(scene)?;
     match scene.shape {
-        Shape::Sheared(edges, _) if !is_same_strain(found, expected, edges) => Err(format!(
+        BoxShape::Sheared(edges, _) if !is_same_strain(found, expected, edges) => Err(format!(
             "its box has a strain of {}, but box.strain of the scene is {}; leave box.strain out to take that of the \
              file",
             Number(found),
@@ -98,7 +98,7 @@ fn check_strain(cell: &FileBox, scene: &SceneBox, expected: f64) -> Result<(), S
 
 /// A note about a box that is not periodic along axes along which that of the scene is.
 fn without_period(cell: &FileBox, scene: &SceneBox) -> Option<String> {
-    let differs = |&axis: &usize| scene.axes[axis] == Axis::Periodic && !cell.periodic[axis];
+    let differs = |&axis: &usize| scene.axes[axis] == BoxAxis::Periodic && !cell.periodic[axis];
     let axes: Vec<&str> = (0..3).filter(differs).map(|axis| ["x", "y", "z"][axis]).collect();
     (!axes.is_empty())
         .then(|| format!("its box does not repeat along {}; there the period is that of the scene", axes.join(" and ")))
@@ -106,7 +106,7 @@ fn without_period(cell: &FileBox, scene: &SceneBox) -> Option<String> {
 
 /// Shifts particles so that their box begins at zero, except along open axes; returns a note if they were shifted.
 fn moved(positions: &mut [Vector], cell: &FileBox, scene: &SceneBox) -> Option<String> {
-    let part = |axis: usize| if scene.axes[axis] == Axis::Open { 0.0 } else { cell.origin[axis] };
+    let part = |axis: usize| if scene.axes[axis] == BoxAxis::Open { 0.0 } else { cell.origin[axis] };
     let origin = Vector::new(part(0), part(1), part(2));
     if origin == Vector::ZERO {
         return None;
@@ -121,7 +121,7 @@ fn moved(positions: &mut [Vector], cell: &FileBox, scene: &SceneBox) -> Option<S
 /// Unwraps the positions along open axes; along the other axes images are equivalent.
 fn add_images(file: &mut StartFile, scene: &SceneBox) {
     let (Some(images), Some(cell)) = (&file.images, &file.cell) else { return };
-    for axis in (0..3).filter(|&axis| scene.axes[axis] == Axis::Open) {
+    for axis in (0..3).filter(|&axis| scene.axes[axis] == BoxAxis::Open) {
         for (position, steps) in file.positions.iter_mut().zip(images) {
             *position += cell.vectors[axis] * f64::from(steps[axis]);
         }

@@ -11,14 +11,14 @@ pub(super) enum SpeciesColumn {
     /// Numbers from 1, in the order of the scene.
     Types(Vec<u32>),
     /// Names.
-    Names(Names),
+    Names(SpeciesNames),
     /// Numbers from 0 in a run of this program, and the names of its species.
     Recorded { numbers: Vec<u32>, names: Vec<String> },
 }
 
 /// Distinct names of species, and the index of each particle's name.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Names {
+pub(super) struct SpeciesNames {
     pub(super) list: Vec<String>,
     pub(super) of: Vec<u32>,
     /// Whether they may be arbitrary symbols, as in the first column of plain XYZ.
@@ -79,7 +79,7 @@ fn recorded(numbers: Vec<u32>, names: Vec<String>, species: &[Species]) -> Resul
     if names.iter().all(|name| species.iter().all(|s| s.name != *name)) {
         return indices(numbers, species.len());
     }
-    let known = Names { of: numbers, list: names, are_symbols: false };
+    let known = SpeciesNames { of: numbers, list: names, are_symbols: false };
     let used = |place: usize| known.of.iter().any(|&number| number as usize == place);
     let place = |name: &String| species.iter().position(|s| s.name == *name).map(|place| place as u32);
     let places: Vec<Option<u32>> = known.list.iter().map(place).collect();
@@ -99,7 +99,7 @@ fn types(numbers: Vec<u32>, count: usize) -> Result<Vec<u32>, String> {
     }
 }
 
-impl Names {
+impl SpeciesNames {
     fn assigned(self, species: &[Species]) -> Result<Assignment, String> {
         let place = |name: &String| species.iter().position(|s| s.name == *name).map(|place| place as u32);
         let places: Vec<Option<u32>> = self.list.iter().map(place).collect();
@@ -189,7 +189,7 @@ mod tests {
             }) as u32
         };
         let of = rows.iter().map(&mut place).collect();
-        SpeciesColumn::Names(Names { list, of, are_symbols })
+        SpeciesColumn::Names(SpeciesNames { list, of, are_symbols })
     }
 
     fn found(rows: &[&str], are_symbols: bool, names: &[&str]) -> Result<Option<Vec<u32>>, String> {

@@ -1,6 +1,6 @@
 mod hdf5_files;
 
-use super::species::Names;
+use super::species::SpeciesNames;
 use super::*;
 use crate::{Provenance, Trajectory};
 use domain::{Particles, PeriodicBox, Vector};

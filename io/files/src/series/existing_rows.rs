@@ -9,11 +9,11 @@ use std::path::Path;
 #[derive(Default)]
 pub(super) struct ExistingRows {
     /// Rows whose numbers can all be read, in their order.
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<SeriesRow>,
 }
 
 /// Step, time, and the numbers of each quantity in turn.
-pub(super) type Row = ((u64, f64), Vec<Vec<f64>>);
+pub(super) type SeriesRow = ((u64, f64), Vec<Vec<f64>>);
 
 impl ExistingRows {
     /// Reads the table, if there is one.
@@ -30,7 +30,7 @@ impl ExistingRows {
     }
 }
 
-fn row(line: &str, quantities: &[Quantity]) -> Option<Row> {
+fn row(line: &str, quantities: &[Quantity]) -> Option<SeriesRow> {
     let mut words = line.split(',');
     let clock = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
     let mut number = || words.next()?.parse().ok();

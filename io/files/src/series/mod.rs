@@ -3,7 +3,7 @@
 mod existing_rows;
 
 use crate::atomic_file;
-use crate::frames::{Damage, Element, Frames, Kind, Values};
+use crate::frames::{Damage, Element, FileKind, Frames, Values};
 use crate::origin::Origin;
 use crate::scene_history::SceneHistory;
 use crate::watched_file::WatchedFile;
@@ -19,17 +19,17 @@ use std::path::{Path, PathBuf};
 pub struct Series {
     csv: WatchedFile,
     csv_path: PathBuf,
-    rows: Rows,
+    rows: SeriesFile,
 }
 
 /// The HDF5 file.
-struct Rows {
+struct SeriesFile {
     frames: Frames,
-    description: Description,
+    description: SeriesDescription,
 }
 
 /// Description of a new HDF5 file of the series.
-struct Description {
+struct SeriesDescription {
     elements: Vec<Element>,
     quantities: Vec<Quantity>,
     /// Number of rows at the end of the run.
@@ -45,11 +45,11 @@ impl Series {
         quantities: &[Quantity],
         rows: u64,
     ) -> Result<Self, FileError> {
-        let description = Description::new(provenance, quantities, rows);
+        let description = SeriesDescription::new(provenance, quantities, rows);
         let path = run.folder().join("observables.h5");
         run.enter(&path)?;
         let frames = description.with_kind(|kind| Frames::create(&path, kind))?;
-        Self::with_table(run, &header(quantities), Rows { frames, description })
+        Self::with_table(run, &header(quantities), SeriesFile { frames, description })
     }
 
     /// Continues the series of an earlier part of the run after step `last`: later rows are dropped. `rows` is the
@@ -72,15 +72,15 @@ impl Series {
             return Ok(series);
         }
         run.enter(&path)?;
-        let description = Description::new(provenance, quantities, rows);
+        let description = SeriesDescription::new(provenance, quantities, rows);
         let frames = description.with_kind(|kind| Frames::resume(&path, kind, last))?;
-        let mut rows = Rows { frames, description };
+        let mut rows = SeriesFile { frames, description };
         rows.add_those_of_table(&former)?;
         let table = table(&rows.frames, quantities, &former)?;
         Self::with_table(run, &table, rows)
     }
 
-    fn with_table(run: &Manifest, table: &str, rows: Rows) -> Result<Self, FileError> {
+    fn with_table(run: &Manifest, table: &str, rows: SeriesFile) -> Result<Self, FileError> {
         let csv_path = run.folder().join("observables.csv");
         run.enter(&csv_path)?;
         atomic_file::replace(&csv_path, table.as_bytes())?;
@@ -125,7 +125,7 @@ impl Series {
     }
 }
 
-impl Rows {
+impl SeriesFile {
     fn append(&mut self, clock: (u64, f64), values: &[Vec<f64>]) -> Result<(), FileError> {
         let values: Vec<_> = values.iter().map(|v| v.as_slice().into()).collect();
         self.description.with_kind(|kind| self.frames.append(kind, clock, &values))
@@ -140,18 +140,18 @@ impl Rows {
     }
 }
 
-impl Description {
+impl SeriesDescription {
     fn new(provenance: &Provenance, quantities: &[Quantity], planned: u64) -> Self {
         let elements = quantities.iter().map(element).collect();
         Self { elements, quantities: quantities.to_vec(), planned, origin: Origin::new(provenance) }
     }
 
-    fn with_kind<R>(&self, with: impl FnOnce(&Kind) -> R) -> R {
+    fn with_kind<R>(&self, with: impl FnOnce(&FileKind) -> R) -> R {
         let fixed = |file: &hdf5::File| {
             self.origin.write(file)?;
             self.write_names(file)
         };
-        with(&Kind { elements: &self.elements, planned: self.planned, fixed: &fixed })
+        with(&FileKind { elements: &self.elements, planned: self.planned, fixed: &fixed })
     }
 
     /// Writes the names of rows and columns.

@@ -13,7 +13,7 @@ mod text;
 pub use course::PlainMean;
 use course::{ALL, Course, means};
 use files::{FileError, Observables, SceneHistory};
-use sampled::Summary;
+use sampled::StatisticsSummary;
 use scene::{Kind, Scene};
 use std::path::Path;
 pub use table::{RunAnswer, read_answers, verdict_word, write_answers};
@@ -73,7 +73,8 @@ pub fn second_half(folder: &Path, scene: &Scene) -> Result<Vec<PlainMean>, FileE
 }
 
 fn series(folder: &Path) -> Result<Observables, FileError> {
-    let is_wanted = |name: &str| suspension::Run::COLUMNS.contains(&name) || grains::COLUMNS.contains(&name);
+    let is_wanted =
+        |name: &str| suspension::RecordedSuspension::COLUMNS.contains(&name) || grains::COLUMNS.contains(&name);
     Ok(Observables::of_folder(folder, &is_wanted)?.unwrap_or_default())
 }
 
@@ -81,7 +82,7 @@ fn series(folder: &Path) -> Result<Observables, FileError> {
 fn courses(scene: &Scene, series: &Observables) -> (Vec<Course>, f64) {
     match scene.kind() {
         Kind::Suspension(scene) => {
-            let run = suspension::Run { model: &scene.model, series };
+            let run = suspension::RecordedSuspension { model: &scene.model, series };
             (run.courses(), run.begins())
         }
         Kind::GranularDisks(_) => (grains::of_disks(series), 0.0),
@@ -92,5 +93,5 @@ fn courses(scene: &Scene, series: &Observables) -> (Vec<Course>, f64) {
 
 fn diffusivities(folder: &Path, scene: &Scene) -> Result<Vec<RunAnswer>, FileError> {
     let Kind::Suspension(scene) = scene.kind() else { return Ok(Vec::new()) };
-    Ok(Summary::read(folder)?.map(|summary| summary.diffusivities(&scene.model)).unwrap_or_default())
+    Ok(StatisticsSummary::read(folder)?.map(|summary| summary.diffusivities(&scene.model)).unwrap_or_default())
 }

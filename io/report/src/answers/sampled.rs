@@ -20,9 +20,9 @@ const CUBIC: f64 = 2.837_297;
 const RELATIVE_ERROR: f64 = 0.05;
 
 /// The summary of statistics.
-pub(super) struct Summary(Vec<Row>);
+pub(super) struct StatisticsSummary(Vec<SummaryRow>);
 
-struct Row {
+struct SummaryRow {
     quantity: String,
     species: String,
     value: f64,
@@ -30,7 +30,7 @@ struct Row {
     is_converged: bool,
 }
 
-impl Summary {
+impl StatisticsSummary {
     /// Reads the summary of the statistics in the folder of a run; `None` if the run has taken none.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, FileError> {
         let path = folder.join("statistics/summary.csv");
@@ -38,10 +38,10 @@ impl Summary {
             return Ok(None);
         }
         let csv = std::fs::read_to_string(&path).map_err(|e| FileError::read(&path, &e))?;
-        Ok(Some(Self(csv.lines().skip(1).filter_map(Row::of).collect())))
+        Ok(Some(Self(csv.lines().skip(1).filter_map(SummaryRow::of).collect())))
     }
 
-    fn get(&self, quantity: &str, species: &str) -> Option<&Row> {
+    fn get(&self, quantity: &str, species: &str) -> Option<&SummaryRow> {
         self.0.iter().find(|row| row.quantity == quantity && row.species == species)
     }
 
@@ -74,7 +74,7 @@ impl Summary {
     /// The mean over some axes.
     fn diffusivity(&self, species: &str, axes: &[usize]) -> Option<SteadyMean> {
         let letter = |axis: usize| ["x", "y", "z"][axis];
-        let rows: Vec<&Row> =
+        let rows: Vec<&SummaryRow> =
             axes.iter().map(|&axis| self.get(&format!("D_slope_{}", letter(axis)), species)).collect::<Option<_>>()?;
         let count = rows.len() as f64;
         let value = rows.iter().map(|row| row.value).sum::<f64>() / count;
@@ -127,7 +127,7 @@ fn directions(model: &Model) -> Vec<(&'static str, Vec<usize>)> {
     }
 }
 
-impl Row {
+impl SummaryRow {
     fn of(line: &str) -> Option<Self> {
         let words: [String; 6] = csv_words(line).try_into().ok()?;
         let [quantity, species, _, value, error, converged] = words;

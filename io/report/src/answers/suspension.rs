@@ -10,12 +10,12 @@ const STRESS: &str = "force/length^2";
 const VELOCITY: &str = "length/time";
 
 /// A suspension and its time series.
-pub(super) struct Run<'a> {
+pub(super) struct RecordedSuspension<'a> {
     pub(super) model: &'a Model,
     pub(super) series: &'a Observables,
 }
 
-impl Run<'_> {
+impl RecordedSuspension<'_> {
     /// The columns of the series that quantities are made of.
     pub(super) const COLUMNS: [&'static str; 18] = [
         "relative_viscosity",

@@ -11,7 +11,7 @@ const LARGEST: f64 = 1e300;
 
 /// Range of an axis, in decades if it is logarithmic, and its ticks.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Axis {
+pub(super) struct ChartAxis {
     low: f64,
     high: f64,
     is_log: bool,
@@ -20,7 +20,7 @@ pub(super) struct Axis {
     pub(super) power: i32,
 }
 
-impl Axis {
+impl ChartAxis {
     /// An axis for these values; values that it cannot show are ignored. `None` if there are no others.
     pub(super) fn of(values: impl Iterator<Item = f64>, is_log: bool) -> Option<Self> {
         let shown = values.filter_map(|value| coordinate(value, is_log));
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     fn labels(values: &[f64], is_log: bool) -> (Vec<String>, i32) {
-        let axis = Axis::of(values.iter().copied(), is_log).unwrap();
+        let axis = ChartAxis::of(values.iter().copied(), is_log).unwrap();
         (axis.ticks().map(|(_, label)| label).collect(), axis.power)
     }
 
@@ -123,16 +123,16 @@ mod tests {
 
     #[test]
     fn any_numbers_have_an_axis_or_none() {
-        assert_eq!(Axis::of([f64::NAN, f64::INFINITY].into_iter(), false), None);
-        assert_eq!(Axis::of([0.0, -1.0].into_iter(), true), None, "nothing of it is above 0");
+        assert_eq!(ChartAxis::of([f64::NAN, f64::INFINITY].into_iter(), false), None);
+        assert_eq!(ChartAxis::of([0.0, -1.0].into_iter(), true), None, "nothing of it is above 0");
         for values in [[0.0, 0.0], [7.0, 7.0], [1e299, -1e299], [5e-324, 0.0], [1.0, 1.0 + 1e-15], [-3e-200, 2e-200]] {
-            let axis = Axis::of(values.into_iter(), false).unwrap();
+            let axis = ChartAxis::of(values.into_iter(), false).unwrap();
             assert!((1..20).contains(&axis.ticks.len()), "{axis:?}");
             for place in values.map(|value| axis.place(value).unwrap()) {
                 assert!((0.0..=1.0).contains(&place), "{axis:?}");
             }
         }
-        let axis = Axis::of([2.0, 3.0].into_iter(), true).unwrap();
+        let axis = ChartAxis::of([2.0, 3.0].into_iter(), true).unwrap();
         assert!(!axis.ticks.is_empty() && axis.place(0.0).is_none() && axis.place(f64::NAN).is_none());
     }
 }

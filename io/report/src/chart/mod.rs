@@ -20,7 +20,7 @@ pub(super) struct Chart {
     /// A value that the vertical axis always includes, marked by a thin line.
     pub(super) level: Option<f64>,
     /// The lines.
-    pub(super) lines: Vec<Line>,
+    pub(super) lines: Vec<ChartLine>,
 }
 
 /// Quantity and unit of an axis.
@@ -32,7 +32,7 @@ pub(super) struct AxisTitle {
 
 /// A line of a chart.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Line {
+pub(super) struct ChartLine {
     /// Name in the legend; a chart with a single line without a name has no legend.
     pub(super) name: String,
     /// Points; the line is broken at those that are not finite.
@@ -60,7 +60,7 @@ impl Chart {
     /// Adds a line in a new colour.
     pub(super) fn add(&mut self, name: &str, points: Vec<[f64; 2]>, errors: Vec<f64>) {
         let colour = self.lines.len();
-        self.lines.push(Line { name: name.to_owned(), points, errors, colour, dash: 0 });
+        self.lines.push(ChartLine { name: name.to_owned(), points, errors, colour, dash: 0 });
     }
 }
 

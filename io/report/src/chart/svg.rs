@@ -1,8 +1,8 @@
 //! Drawing of a chart as SVG.
 
-use super::axis::{Axis, power_of_ten};
+use super::axis::{ChartAxis, power_of_ten};
 use super::thin::thinned;
-use super::{AxisTitle, Chart, Line, unit_text};
+use super::{AxisTitle, Chart, ChartLine, unit_text};
 use crate::html::escaped;
 use std::fmt::Write as _;
 
@@ -24,8 +24,8 @@ const MARKED: usize = 24;
 
 /// Plot area and its axes.
 struct Area {
-    x: Axis,
-    y: Axis,
+    x: ChartAxis,
+    y: ChartAxis,
     top: f64,
 }
 
@@ -35,8 +35,8 @@ pub(crate) fn svg(chart: &Chart) -> Option<String> {
     let rows = entries.last().map_or(0.0, |(_, [_, row])| row + 1.0);
     let points = || chart.lines.iter().flat_map(|line| &line.points);
     let shown = || points().filter(|[x, y]| x.is_finite() && y.is_finite());
-    let x = Axis::of(shown().map(|point| point[0]), chart.log[0])?;
-    let y = Axis::of(shown().map(|point| point[1]).chain(bars(chart)).chain(chart.level), chart.log[1])?;
+    let x = ChartAxis::of(shown().map(|point| point[0]), chart.log[0])?;
+    let y = ChartAxis::of(shown().map(|point| point[1]).chain(bars(chart)).chain(chart.level), chart.log[1])?;
     let area = Area { x, y, top: 14.0 + ROW * rows };
     let (title, [width, height]) = (escaped(&chart.title), SIZE);
     let mut svg = format!("<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{title}\">\n");
@@ -51,7 +51,7 @@ pub(crate) fn svg(chart: &Chart) -> Option<String> {
 }
 
 /// Label of an axis: its name, and in brackets the unit, with the power of ten that the labels omit.
-fn named(axis: &Axis, AxisTitle { quantity, unit }: &AxisTitle) -> String {
+fn named(axis: &ChartAxis, AxisTitle { quantity, unit }: &AxisTitle) -> String {
     let power = if axis.power == 0 { String::new() } else { power_of_ten(axis.power) };
     let is_said = quantity == unit;
     let unit = [power, if is_said { String::new() } else { unit_text(unit) }].join(" ");
@@ -66,7 +66,7 @@ fn bars(chart: &Chart) -> impl Iterator<Item = f64> {
 }
 
 /// Lines with a legend entry, each with its position: letters from the left, and row.
-fn legend(chart: &Chart) -> Vec<(&Line, [f64; 2])> {
+fn legend(chart: &Chart) -> Vec<(&ChartLine, [f64; 2])> {
     let room = SIZE[0] - MARGINS[0] - MARGINS[1];
     let (mut entries, mut place) = (Vec::new(), [0.0, 0.0]);
     for line in chart.lines.iter().filter(|line| !line.name.is_empty()) {
@@ -80,7 +80,7 @@ fn legend(chart: &Chart) -> Vec<(&Line, [f64; 2])> {
     entries
 }
 
-fn entry(line: &Line, [across, row]: [f64; 2]) -> String {
+fn entry(line: &ChartLine, [across, row]: [f64; 2]) -> String {
     let (x, y) = (MARGINS[0] + across, 12.0 + ROW * row);
     let (end, words, baseline, style) = (x + 22.0, x + 27.0, y + 4.0, style(line));
     format!(
@@ -89,7 +89,7 @@ fn entry(line: &Line, [across, row]: [f64; 2]) -> String {
     )
 }
 
-fn style(line: &Line) -> String {
+fn style(line: &ChartLine) -> String {
     let (colour, dash) = (COLOURS[line.colour % COLOURS.len()], DASHES[line.dash % DASHES.len()]);
     format!("class=\"line\" stroke=\"{colour}\" stroke-dasharray=\"{dash}\"")
 }
@@ -151,7 +151,7 @@ impl Area {
     }
 
     /// The line where it is finite, with markers if there are few points, and error bars.
-    fn line(&self, line: &Line) -> String {
+    fn line(&self, line: &ChartLine) -> String {
         let (mut path, mut pen, mut marks) = (String::new(), 'M', String::new());
         for place in thinned(&line.points).into_iter().map(|point| self.place(point)) {
             let Some([x, y]) = place else {
@@ -171,7 +171,7 @@ impl Area {
         }
         let bars: String =
             line.points.iter().zip(&line.errors).filter_map(|(point, error)| self.bar(*point, *error)).collect();
-        let (style, plain) = (style(line), style(&Line { dash: 0, ..line.clone() }));
+        let (style, plain) = (style(line), style(&ChartLine { dash: 0, ..line.clone() }));
         let bars = if bars.is_empty() { bars } else { format!("<path d=\"{bars}\" {plain}/>") };
         format!("<path d=\"{path}\" {style}/>{bars}{marks}\n")
     }

@@ -1,6 +1,6 @@
 //! Charts of a suspension's statistics.
 
-use crate::chart::{Chart, Line};
+use crate::chart::{Chart, ChartLine};
 use files::StoredTable;
 
 /// Charts of pairs, velocities, displacements and concentration.
@@ -55,10 +55,10 @@ fn displacement(table: &StoredTable) -> Option<Chart> {
 }
 
 /// Transformation of the points of a line.
-type Change = dyn Fn(&[[f64; 2]]) -> Vec<[f64; 2]>;
+type PointTransform = dyn Fn(&[[f64; 2]]) -> Vec<[f64; 2]>;
 
 /// Adds a line for each species and axis.
-fn add_lags(table: &StoredTable, name: &str, chart: &mut Chart, of: &Change) -> Option<()> {
+fn add_lags(table: &StoredTable, name: &str, chart: &mut Chart, of: &PointTransform) -> Option<()> {
     let mut groups = table.groups(&["species"]);
     // The values of all species together are only the mean of the others.
     if groups.len() > 1 {
@@ -92,11 +92,11 @@ fn first_words(groups: &[(Vec<String>, Vec<usize>)]) -> Vec<String> {
 
 /// A line of a species along an axis: the species sets the colour and the axis the dashes; with a single species
 /// the axis sets the colour.
-fn line(species: &[String], name: &str, axis: usize, points: Vec<[f64; 2]>) -> Line {
+fn line(species: &[String], name: &str, axis: usize, points: Vec<[f64; 2]>) -> ChartLine {
     let letter = ["x", "y", "z"][axis];
     if species.len() == 1 {
-        return Line { name: format!("along {letter}"), points, colour: axis, ..Line::default() };
+        return ChartLine { name: format!("along {letter}"), points, colour: axis, ..ChartLine::default() };
     }
     let colour = species.iter().position(|other| other == name).unwrap_or(0);
-    Line { name: format!("{name}, {letter}"), points, colour, dash: axis, ..Line::default() }
+    ChartLine { name: format!("{name}, {letter}"), points, colour, dash: axis, ..ChartLine::default() }
 }

@@ -3,7 +3,7 @@
 use super::in_box;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use domain::{Number, PeriodicBox, Vector};
-use files::{RecordedContacts, Snapshot};
+use files::{RecordedContacts, TimedFrame};
 use serde_json::{Value, json};
 use simulation::ContactForce;
 
@@ -24,7 +24,7 @@ pub(super) struct Chains {
 
 impl Chains {
     /// Adds the contacts of a frame, if they were written at its step; returns their damage, if there is any.
-    pub(super) fn see(&mut self, recorded: &RecordedContacts, snapshot: &Snapshot) -> Option<String> {
+    pub(super) fn see(&mut self, recorded: &RecordedContacts, snapshot: &TimedFrame) -> Option<String> {
         let mut list = Vec::new();
         let damage = match recorded.of_step(snapshot.step) {
             Some(Ok(contacts)) => {

@@ -69,21 +69,21 @@ pub(super) fn fixed(particles: &Particles, colours: &Colours) -> Vec<Colouring> 
 }
 
 /// One number per particle, if the frame has it.
-type Numbers<'a> = dyn Fn(&Particles) -> Option<Vec<f32>> + 'a;
+type ParticleNumbers<'a> = dyn Fn(&Particles) -> Option<Vec<f32>> + 'a;
 
 /// One number per particle in each frame.
-pub(super) struct Column<'a> {
+pub(super) struct ParticleColumn<'a> {
     name: &'static str,
     label: &'static str,
-    of: Box<Numbers<'a>>,
+    of: Box<ParticleNumbers<'a>>,
     values: Vec<f32>,
     is_whole: bool,
 }
 
 /// Quantities for colouring.
-pub(super) fn columns_of(colours: &Colours) -> Vec<Column<'_>> {
+pub(super) fn columns_of(colours: &Colours) -> Vec<ParticleColumn<'_>> {
     let speed = if colours.flow.is_some() { "speed relative to the flow (length/time)" } else { "speed (length/time)" };
-    let column = |name, label, of| Column { name, label, of, values: Vec::new(), is_whole: true };
+    let column = |name, label, of| ParticleColumn { name, label, of, values: Vec::new(), is_whole: true };
     vec![
         column("speed", speed, Box::new(|particles: &Particles| speeds(particles, colours))),
         column("stress", "size of the stresslet (force length)", Box::new(stresses)),
@@ -111,7 +111,7 @@ fn stresses(particles: &Particles) -> Option<Vec<f32>> {
     Some(rows(particles, "stresslet")?.map(size).collect())
 }
 
-impl Column<'_> {
+impl ParticleColumn<'_> {
     /// Adds a frame.
     pub(super) fn see(&mut self, frame: &Frame) {
         match (self.of)(&frame.particles) {

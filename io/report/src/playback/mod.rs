@@ -12,7 +12,7 @@ use chosen::chosen;
 pub(super) use colouring::Colours;
 use colouring::{Colouring, columns_of};
 use domain::{Number, PeriodicBox, Vector};
-use files::{RecordedContacts, Snapshot, TrajectoryReader};
+use files::{RecordedContacts, TimedFrame, TrajectoryReader};
 use serde_json::{Value, json};
 use simulation::Frame;
 
@@ -22,7 +22,7 @@ pub(super) struct Playback {
     pub(super) recorded: usize,
     /// Damage of the damaged frames, which are left out.
     pub(super) damage: Vec<String>,
-    frames: Vec<Shown>,
+    frames: Vec<ShownFrame>,
     positions: Vec<u8>,
     radii: Vec<f32>,
     colourings: Vec<Colouring>,
@@ -32,7 +32,7 @@ pub(super) struct Playback {
 }
 
 /// A frame that is shown.
-struct Shown {
+struct ShownFrame {
     step: u64,
     time: f64,
     cell: PeriodicBox,
@@ -67,15 +67,15 @@ impl Playback {
                 Err(error) => playback.damage.push(error.to_string()),
             }
         }
-        playback.colourings.extend(columns.into_iter().filter_map(colouring::Column::finished));
+        playback.colourings.extend(columns.into_iter().filter_map(colouring::ParticleColumn::finished));
         playback.chains.finish();
         // Colourings that do not distinguish particles come last.
         playback.colourings.sort_by_key(Colouring::is_of_one);
         playback
     }
 
-    fn see(&mut self, snapshot: &Snapshot, colours: &Colours) {
-        let Snapshot { step, time, frame: Frame { particles, cell, periodic } } = snapshot;
+    fn see(&mut self, snapshot: &TimedFrame, colours: &Colours) {
+        let TimedFrame { step, time, frame: Frame { particles, cell, periodic } } = snapshot;
         if self.frames.is_empty() {
             self.radii = particles.radii.iter().map(|&radius| radius as f32).collect();
             self.colourings = colouring::fixed(particles, colours);
@@ -83,7 +83,7 @@ impl Playback {
         }
         self.is_flat &= particles.positions.iter().all(|position| position.z == 0.0);
         self.positions.extend(particles.positions.iter().flat_map(|&position| in_box(cell, position)));
-        self.frames.push(Shown { step: *step, time: *time, cell: *cell });
+        self.frames.push(ShownFrame { step: *step, time: *time, cell: *cell });
     }
 
     /// Edges of the box and its periodic axes. `None` if no frame is shown.

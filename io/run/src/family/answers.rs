@@ -8,7 +8,7 @@ use std::path::Path;
 
 /// A quantity of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Answer {
+pub(super) struct MemberAnswer {
     pub(super) quantity: String,
     pub(super) species: String,
     pub(super) unit: String,
@@ -18,14 +18,14 @@ pub(super) struct Answer {
 }
 
 /// Answers in the folder of a run of a scene; empty if it has none yet.
-pub(super) fn of(folder: &Path, scene: &Scene) -> Result<Vec<Answer>, FileError> {
+pub(super) fn of(folder: &Path, scene: &Scene) -> Result<Vec<MemberAnswer>, FileError> {
     if let Kind::Continuum(_) = scene.kind() {
         return of_solutions(&folder.join("summary.csv"));
     }
     let answers = read_answers(folder)?.unwrap_or_default();
     Ok(answers
         .into_iter()
-        .map(|answer| Answer {
+        .map(|answer| MemberAnswer {
             verdict: verdict_word(answer.mean.verdict).to_owned(),
             value: answer.mean.value,
             error: answer.mean.error,
@@ -46,7 +46,7 @@ const OF_SOLUTIONS: [(&str, &str); 5] = [
 ];
 
 /// Answers from the solutions of a continuum, which have no errors.
-fn of_solutions(path: &Path) -> Result<Vec<Answer>, FileError> {
+fn of_solutions(path: &Path) -> Result<Vec<MemberAnswer>, FileError> {
     let Ok(text) = std::fs::read_to_string(path) else { return Ok(Vec::new()) };
     let mut lines = text.lines().map(csv_words);
     let names = lines.next().unwrap_or_default();
@@ -61,7 +61,7 @@ fn of_solutions(path: &Path) -> Result<Vec<Answer>, FileError> {
             let value = word(column)?.parse().map_err(|e| FileError::damaged(path, &e))?;
             let (quantity, unit) = (quantity.to_owned(), unit.to_owned());
             let (species, verdict) = (species.clone(), "solved".to_owned());
-            answers.push(Answer { quantity, species, unit, verdict, value, error: f64::NAN });
+            answers.push(MemberAnswer { quantity, species, unit, verdict, value, error: f64::NAN });
         }
     }
     Ok(answers)

@@ -1,7 +1,7 @@
 //! Changes of a quantity from the first point of a family to each of the others.
 
 use super::folder::FamilyFolder;
-use super::spread::{Spread, errors_of_95_percent};
+use super::spread::{SeedMean, errors_of_95_percent};
 use crate::RunError;
 use files::FileError;
 use report::{PlainMean, second_half};
@@ -119,16 +119,17 @@ impl FamilyFolder {
     }
 }
 
-type Values = [(Option<u64>, f64)];
+type SeedValues = [(Option<u64>, f64)];
 
-fn changed(first: &Values, values: &Values) -> Option<AnswerChange> {
+fn changed(first: &SeedValues, values: &SeedValues) -> Option<AnswerChange> {
     let at_first = |seed: Option<u64>| first.iter().find(|(other, _)| *other == seed).map(|(_, value)| *value);
     let pairs: Vec<[f64; 2]> = values.iter().filter_map(|&(seed, value)| Some([value, at_first(seed)?])).collect();
     if pairs.is_empty() {
         return None;
     }
-    let spread =
-        |of: &dyn Fn(&[f64; 2]) -> f64| Spread::of(&pairs.iter().map(|pair| (of(pair), f64::NAN)).collect::<Vec<_>>());
+    let spread = |of: &dyn Fn(&[f64; 2]) -> f64| {
+        SeedMean::of(&pairs.iter().map(|pair| (of(pair), f64::NAN)).collect::<Vec<_>>())
+    };
     let (found, difference) = (spread(&|[here, _]| *here), spread(&|[here, there]| here - there));
     Some(AnswerChange {
         mean: found.mean,

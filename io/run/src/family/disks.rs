@@ -1,7 +1,7 @@
 //! Tables of a family of sheared disks: the time series of each point as a mean over the seeds, and its final values.
 
 use super::folder::FamilyFolder;
-use super::spread::Spread;
+use super::spread::SeedMean;
 use files::{FileError, Observables};
 use granular::disks::{RECORD_COLUMNS, estimated_free_path, viscous_length};
 use scene::{Family, GranularDisksScene, Kind, Member};
@@ -62,7 +62,7 @@ fn add(averages: &mut Table, branches: &mut Table, member: &Member, disks: &Gran
     let p = disks.model.parameters();
     let of = [p.viscosity, p.flow.rate(p.edges[1]), p.area_fraction];
     let mean = |values: Vec<f64>| {
-        let found = Spread::of(&values.into_iter().map(|value| (value, f64::NAN)).collect::<Vec<_>>());
+        let found = SeedMean::of(&values.into_iter().map(|value| (value, f64::NAN)).collect::<Vec<_>>());
         [found.mean, found.error]
     };
     let shortest = runs.iter().map(Vec::len).min().unwrap_or_default();

@@ -10,7 +10,7 @@ const ENOUGH: usize = 4;
 
 /// Mean of one quantity over the seeds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spread {
+pub(super) struct SeedMean {
     /// The mean.
     pub(super) mean: f64,
     /// Half-width of the 68.3% confidence interval of the mean: the standard error of the mean times the factor of
@@ -25,7 +25,7 @@ pub(super) struct Spread {
     pub(super) claimed: f64,
 }
 
-impl Spread {
+impl SeedMean {
     /// From at least one value, each with its reported error.
     pub(super) fn of(values: &[(f64, f64)]) -> Self {
         let count = values.len() as f64;
@@ -106,16 +106,16 @@ mod tests {
 
     #[test]
     fn errors_come_from_the_spread_of_seeds() {
-        let found = Spread::of(&[(1.0, 0.5), (2.0, 0.5), (3.0, f64::NAN)]);
+        let found = SeedMean::of(&[(1.0, 0.5), (2.0, 0.5), (3.0, f64::NAN)]);
         assert_eq!((found.mean, found.deviation, found.claimed, found.seeds), (2.0, 1.0, 0.5, 3));
         assert!((found.error - student(2) / 3.0_f64.sqrt()).abs() < 1e-15);
         assert!((found.calibration() - 2.0).abs() < 1e-15);
-        let one = Spread::of(&[(4.0, 0.25)]);
+        let one = SeedMean::of(&[(4.0, 0.25)]);
         assert!((one.error - 0.25).abs() < 1e-15 && one.deviation.is_nan() && one.calibration().is_nan());
-        assert!(Spread::of(&[(4.0, f64::NAN)]).error.is_nan());
+        assert!(SeedMean::of(&[(4.0, f64::NAN)]).error.is_nan());
         // Two that agree by chance, and four that agree.
-        assert!((Spread::of(&[(4.0, 0.5); 2]).error - 0.5 / 2.0_f64.sqrt()).abs() < 1e-15);
-        assert_eq!(Spread::of(&[(4.0, 0.5); 4]).error.to_bits(), 0);
-        assert!(Spread::of(&[(4.0, f64::NAN); 2]).error.abs() < 1e-15);
+        assert!((SeedMean::of(&[(4.0, 0.5); 2]).error - 0.5 / 2.0_f64.sqrt()).abs() < 1e-15);
+        assert_eq!(SeedMean::of(&[(4.0, 0.5); 4]).error.to_bits(), 0);
+        assert!(SeedMean::of(&[(4.0, f64::NAN); 2]).error.abs() < 1e-15);
     }
 }

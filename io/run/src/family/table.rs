@@ -1,9 +1,9 @@
 //! The table of a family: a row for each point and quantity, with the mean over the seeds.
 
-use super::answers::{self, Answer};
+use super::answers::{self, MemberAnswer};
 use super::disks;
 use super::folder::FamilyFolder;
-use super::spread::Spread;
+use super::spread::SeedMean;
 use files::{FileError, Manifest, Provenance, write_tables};
 use scene::{Family, Member};
 use simulation::Table;
@@ -57,20 +57,21 @@ fn number(value: &Value) -> Option<f64> {
 }
 
 /// Adds a row for each quantity for which the runs of a point have answers.
-fn add_point(table: &mut Table, member: &Member, keys: &[(usize, &str)], answers: &[Answer]) {
+fn add_point(table: &mut Table, member: &Member, keys: &[(usize, &str)], answers: &[MemberAnswer]) {
     let of: Vec<f64> = keys.iter().filter_map(|(place, _)| number(&member.values()[*place])).collect();
-    let name = |answer: &Answer| (answer.quantity.clone(), answer.species.clone());
+    let name = |answer: &MemberAnswer| (answer.quantity.clone(), answer.species.clone());
     let mut names: Vec<_> = answers.iter().map(name).collect();
     let mut seen = std::collections::HashSet::new();
     names.retain(|name| seen.insert(name.clone()));
     for (quantity, species) in names {
-        let same: Vec<&Answer> = answers.iter().filter(|a| a.quantity == quantity && a.species == species).collect();
+        let same: Vec<&MemberAnswer> =
+            answers.iter().filter(|a| a.quantity == quantity && a.species == species).collect();
         let values: Vec<(f64, f64)> =
             same.iter().map(|a| (a.value, a.error)).filter(|(value, _)| value.is_finite()).collect();
         let numbers = if values.is_empty() {
             [f64::NAN, f64::NAN, 0.0, f64::NAN, f64::NAN, f64::NAN]
         } else {
-            let found = Spread::of(&values);
+            let found = SeedMean::of(&values);
             [found.mean, found.error, found.seeds as f64, found.deviation, found.claimed, found.calibration()]
         };
         let point = member.point_name();
@@ -80,7 +81,7 @@ fn add_point(table: &mut Table, member: &Member, keys: &[(usize, &str)], answers
 }
 
 /// Number of occurrences of each verdict: `7 converged, 1 too short`.
-fn verdicts(answers: &[&Answer]) -> String {
+fn verdicts(answers: &[&MemberAnswer]) -> String {
     let mut counts: Vec<(&str, usize)> = Vec::new();
     for answer in answers.iter().filter(|answer| !answer.verdict.is_empty()) {
         match counts.iter_mut().find(|(verdict, _)| *verdict == answer.verdict) {

@@ -1,6 +1,6 @@
 //! Checks of a case.
 
-use super::{Case, MOST_DRAWS, Terms, periodic};
+use super::{Case, CaseTerms, MOST_DRAWS, periodic};
 use domain::Number;
 
 impl Case {
@@ -37,10 +37,10 @@ impl Case {
             return Err(format!("viscosity is {}; it needs to be positive and finite", Number(self.viscosity)));
         }
         let given = |list: &[[f64; 5]]| list.iter().flatten().any(|&s| s != 0.0);
-        if self.rigid && self.multipoles == Terms::Dipole && given(&self.stresslets) {
+        if self.rigid && self.multipoles == CaseTerms::Dipole && given(&self.stresslets) {
             return Err("stresslets are given, but rigid particles have their own; set rigid to false".to_owned());
         }
-        if self.lubrication && !(self.rigid && self.multipoles == Terms::Dipole) {
+        if self.lubrication && !(self.rigid && self.multipoles == CaseTerms::Dipole) {
             return Err("lubrication is true, but that is for rigid particles with dipoles; set rigid to true and \
                         multipoles to \"dipole\", or lubrication to false"
                 .to_owned());
@@ -55,13 +55,13 @@ impl Case {
         if self.noise.is_some_and(|noise| noise.draws == 0 || noise.draws > MOST_DRAWS) {
             return Err(format!("noise.draws needs to be 1 to {MOST_DRAWS}"));
         }
-        let is_rigid = self.rigid && self.multipoles == Terms::Dipole;
+        let is_rigid = self.rigid && self.multipoles == CaseTerms::Dipole;
         if self.noise.is_some_and(|noise| noise.drift) && !is_rigid {
             return Err("noise.drift is true, but only rigid particles drift; set rigid to true and multipoles to \
                 \"dipole\", or noise.drift to false"
                 .to_owned());
         }
-        if self.multipoles == Terms::Monopole {
+        if self.multipoles == CaseTerms::Monopole {
             let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
             if twisted || given(&self.stresslets) {
                 return Err(

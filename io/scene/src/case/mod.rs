@@ -47,7 +47,7 @@ pub struct Case {
     pub rigid: bool,
     /// `"monopole"` or `"dipole"`.
     #[serde(default)]
-    pub multipoles: Terms,
+    pub multipoles: CaseTerms,
     /// Whether near pairs of rigid particles have lubrication forces.
     #[serde(default)]
     pub lubrication: bool,
@@ -59,16 +59,16 @@ pub struct Case {
     pub method: CaseMethod,
     /// The background flow.
     #[serde(default)]
-    pub background: Background,
+    pub background: CaseBackground,
     /// Random motions, in addition, with a covariance given by the mobility.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub noise: Option<Noise>,
+    pub noise: Option<CaseNoise>,
 }
 
 /// Requested random motions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Noise {
+pub struct CaseNoise {
     /// Number of draws.
     pub draws: u64,
     /// Seed of the random numbers.
@@ -107,7 +107,7 @@ impl From<NumberOr<Vec<f64>>> for OneOrAll {
 /// Terms of the multipole expansion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Terms {
+pub enum CaseTerms {
     /// Forces alone.
     Monopole,
     /// Forces, torques and stresslets.
@@ -118,7 +118,7 @@ pub enum Terms {
 /// A linear flow.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Background {
+pub struct CaseBackground {
     /// `G[i][j] = du_i / dx_j`.
     #[serde(default)]
     pub velocity_gradient: [[f64; 3]; 3],

@@ -1,6 +1,6 @@
 //! The strict reader of documents.
 
-use super::{Entry, Node, TypeMismatch, Value};
+use super::{KeyValue, Node, TypeMismatch, Value};
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, IntoDeserializer, MapAccess, SeqAccess, Visitor};
 
@@ -77,17 +77,18 @@ impl<'de> SeqAccess<'de> for Items<'_> {
     }
 }
 
-struct Entries<'a> {
-    list: std::slice::Iter<'a, Entry>,
-    next: Option<&'a Entry>,
+struct KeyValues<'a> {
+    list: std::slice::Iter<'a, KeyValue>,
+    next: Option<&'a KeyValue>,
 }
 
-impl<'de> MapAccess<'de> for Entries<'_> {
+impl<'de> MapAccess<'de> for KeyValues<'_> {
     type Error = TypeMismatch;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, TypeMismatch> {
         self.next = self.list.next();
-        let key = |entry: &Entry| seed.deserialize::<StrDeserializer<TypeMismatch>>((*entry.key).into_deserializer());
+        let key =
+            |entry: &KeyValue| seed.deserialize::<StrDeserializer<TypeMismatch>>((*entry.key).into_deserializer());
         self.next.map(key).transpose()
     }
 
@@ -185,7 +186,7 @@ impl<'de> Deserializer<'de> for &Node {
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, TypeMismatch> {
         let Value::Section(entries) = &self.value else { return Err(self.not(SECTION)) };
-        visitor.visit_map(Entries { list: entries.iter(), next: None })
+        visitor.visit_map(KeyValues { list: entries.iter(), next: None })
     }
 
     fn deserialize_struct<V: Visitor<'de>>(

@@ -1,6 +1,6 @@
 //! Documents in JSON.
 
-use super::{Entry, Node, Value, Whole};
+use super::{KeyValue, Node, Value, WholeNumber};
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::collections::HashSet;
 
@@ -35,11 +35,11 @@ impl<'de> Visitor<'de> for AnyValue {
     }
 
     fn visit_i64<E>(self, number: i64) -> Result<Value, E> {
-        Ok(Value::Whole(Whole { is_negative: number < 0, size: number.unsigned_abs() }))
+        Ok(Value::Whole(WholeNumber { is_negative: number < 0, size: number.unsigned_abs() }))
     }
 
     fn visit_u64<E>(self, size: u64) -> Result<Value, E> {
-        Ok(Value::Whole(Whole { is_negative: false, size }))
+        Ok(Value::Whole(WholeNumber { is_negative: false, size }))
     }
 
     fn visit_f64<E>(self, number: f64) -> Result<Value, E> {
@@ -67,7 +67,7 @@ impl<'de> Visitor<'de> for AnyValue {
                     super::excerpt(&key)
                 )));
             }
-            entries.push(Entry { key: key.into(), node: map.next_value()? });
+            entries.push(KeyValue { key: key.into(), node: map.next_value()? });
         }
         Ok(Value::Section(entries.into()))
     }

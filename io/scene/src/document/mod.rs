@@ -15,7 +15,7 @@ pub use names::known;
 pub use number_or::{Alternative, NumberOr};
 pub use toml_text::line;
 pub use type_mismatch::TypeMismatch;
-pub use value::{Entry, Node, Value, Whole};
+pub use value::{KeyValue, Node, Value, WholeNumber};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! Documents in TOML.
 
-use super::{Entry, Node, Value, Whole};
+use super::{KeyValue, Node, Value, WholeNumber};
 use toml::de::{DeTable, DeValue, Error};
 
 impl Node {
@@ -11,7 +11,8 @@ impl Node {
 }
 
 fn section(table: &DeTable) -> Value {
-    let entry = |key: &str, place: usize, held: &DeValue| Entry { key: key.into(), node: Node::at(place, value(held)) };
+    let entry =
+        |key: &str, place: usize, held: &DeValue| KeyValue { key: key.into(), node: Node::at(place, value(held)) };
     Value::Section(table.iter().map(|(key, held)| entry(key.get_ref(), key.span().start, held.get_ref())).collect())
 }
 
@@ -32,7 +33,7 @@ fn value(held: &DeValue) -> Value {
 }
 
 fn whole(text: &str, radix: u32) -> Value {
-    let number = i128::from_str_radix(text, radix).ok().and_then(Whole::of);
+    let number = i128::from_str_radix(text, radix).ok().and_then(WholeNumber::of);
     number.map_or_else(|| Value::Other(text.into()), Value::Whole)
 }
 

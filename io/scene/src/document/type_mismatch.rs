@@ -8,19 +8,19 @@ use std::fmt::Display;
 #[derive(Debug, Clone, PartialEq)]
 pub struct TypeMismatch {
     /// Path to the value, innermost step first.
-    steps: Vec<Step>,
-    problem: Problem,
+    steps: Vec<PathStep>,
+    problem: Mismatch,
 }
 
 /// A step of a path, from a value to one inside it.
 #[derive(Debug, Clone, PartialEq)]
-enum Step {
+enum PathStep {
     Key(Box<str>),
     Item(usize),
 }
 
 #[derive(Debug, Clone, PartialEq)]
-enum Problem {
+enum Mismatch {
     Missing(&'static str),
     UnknownKey { key: String, known: &'static [&'static str] },
     UnknownWord { word: String, known: &'static [&'static str] },
@@ -31,29 +31,29 @@ enum Problem {
 impl TypeMismatch {
     /// A value of the wrong type.
     pub(super) fn of_type(found: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self::of(Problem::Type { found: found.into(), expected: expected.into() })
+        Self::of(Mismatch::Type { found: found.into(), expected: expected.into() })
     }
 
-    fn of(problem: Problem) -> Self {
+    fn of(problem: Mismatch) -> Self {
         Self { steps: Vec::new(), problem }
     }
 
     /// The same error, for a value under a key of a section.
     pub(super) fn in_key(mut self, key: &str) -> Self {
-        self.steps.push(Step::Key(key.into()));
+        self.steps.push(PathStep::Key(key.into()));
         self
     }
 
     /// The same error, for an item of a list.
     pub(super) fn in_item(mut self, index: usize) -> Self {
-        self.steps.push(Step::Item(index));
+        self.steps.push(PathStep::Item(index));
         self
     }
 
     /// Outermost key.
     pub fn first_key(&self) -> Option<&str> {
         match self.steps.last() {
-            Some(Step::Key(key)) => Some(key),
+            Some(PathStep::Key(key)) => Some(key),
             _ => None,
         }
     }
@@ -61,13 +61,13 @@ impl TypeMismatch {
     /// The key, such as `species[0].radius`; empty for the whole document.
     pub fn key(&self) -> String {
         let inner = match &self.problem {
-            Problem::Missing(key) => Some(*key),
-            Problem::UnknownKey { key, .. } => Some(key.as_str()),
+            Mismatch::Missing(key) => Some(*key),
+            Mismatch::UnknownKey { key, .. } => Some(key.as_str()),
             _ => None,
         };
         let outer = self.steps.iter().rev().map(|step| match step {
-            Step::Key(key) => quoted(key),
-            Step::Item(index) => format!("[{index}]"),
+            PathStep::Key(key) => quoted(key),
+            PathStep::Item(index) => format!("[{index}]"),
         });
         let parts = outer.chain(inner.map(quoted));
         parts.fold(String::new(), |path, part| {
@@ -79,11 +79,11 @@ impl TypeMismatch {
     /// Message to be read after the key; `of` names the document, such as "a scene".
     pub fn message(&self, of: &str) -> String {
         match &self.problem {
-            Problem::Missing(_) => "is missing".to_owned(),
-            Problem::UnknownKey { key, known } => format!("is not a key of {of}; {}", self::known(key, known)),
-            Problem::UnknownWord { word, known } => format!("is \"{}\"; {}", excerpt(word), self::known(word, known)),
-            Problem::Type { found, expected } => format!("has the wrong type: found {found}, expected {expected}"),
-            Problem::Other(message) => message.clone(),
+            Mismatch::Missing(_) => "is missing".to_owned(),
+            Mismatch::UnknownKey { key, known } => format!("is not a key of {of}; {}", self::known(key, known)),
+            Mismatch::UnknownWord { word, known } => format!("is \"{}\"; {}", excerpt(word), self::known(word, known)),
+            Mismatch::Type { found, expected } => format!("has the wrong type: found {found}, expected {expected}"),
+            Mismatch::Other(message) => message.clone(),
         }
     }
 
@@ -110,7 +110,7 @@ impl std::error::Error for TypeMismatch {}
 
 impl Error for TypeMismatch {
     fn custom<T: Display>(message: T) -> Self {
-        Self::of(Problem::Other(message.to_string()))
+        Self::of(Mismatch::Other(message.to_string()))
     }
 
     fn invalid_type(found: Unexpected, expected: &dyn Expected) -> Self {
@@ -126,15 +126,15 @@ impl Error for TypeMismatch {
     }
 
     fn unknown_variant(word: &str, known: &'static [&'static str]) -> Self {
-        Self::of(Problem::UnknownWord { word: word.to_owned(), known })
+        Self::of(Mismatch::UnknownWord { word: word.to_owned(), known })
     }
 
     fn unknown_field(key: &str, known: &'static [&'static str]) -> Self {
-        Self::of(Problem::UnknownKey { key: key.to_owned(), known })
+        Self::of(Mismatch::UnknownKey { key: key.to_owned(), known })
     }
 
     fn missing_field(key: &'static str) -> Self {
-        Self::of(Problem::Missing(key))
+        Self::of(Mismatch::Missing(key))
     }
 
     fn duplicate_field(key: &'static str) -> Self {

@@ -21,7 +21,7 @@ pub enum Value {
     /// True or false.
     Bool(bool),
     /// A whole number.
-    Whole(Whole),
+    Whole(WholeNumber),
     /// A number with a fraction or an exponent.
     Real(f64),
     /// Text.
@@ -31,12 +31,12 @@ pub enum Value {
     /// A list.
     List(Box<[Node]>),
     /// Keys and their values.
-    Section(Box<[Entry]>),
+    Section(Box<[KeyValue]>),
 }
 
 /// A whole number of 64 bits and a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Whole {
+pub struct WholeNumber {
     /// Whether it is below zero.
     pub is_negative: bool,
     /// Absolute value.
@@ -45,7 +45,7 @@ pub struct Whole {
 
 /// A key and its value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct KeyValue {
     /// Key.
     pub key: Box<str>,
     /// Value.
@@ -118,7 +118,7 @@ impl Value {
     }
 }
 
-impl Whole {
+impl WholeNumber {
     /// A number, if it has at most 64 bits and a sign.
     pub fn of(number: i128) -> Option<Self> {
         let size = u64::try_from(number.unsigned_abs()).ok()?;
@@ -133,7 +133,7 @@ impl Whole {
     }
 }
 
-impl std::fmt::Display for Whole {
+impl std::fmt::Display for WholeNumber {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}{}", if self.is_negative { "-" } else { "" }, self.size)
     }

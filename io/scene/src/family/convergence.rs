@@ -20,7 +20,7 @@ pub struct Convergence {
 }
 
 /// Keys that are changed together, with the values that they have and get.
-struct Change {
+struct KeyChange {
     name: &'static str,
     keys: Vec<(String, Value, Value)>,
 }
@@ -55,9 +55,9 @@ impl Convergence {
 }
 
 /// The text of the family: each point has all keys, changed or as they are.
-fn text_of(root: Value, changes: &[Change], seeds: u64) -> String {
+fn text_of(root: Value, changes: &[KeyChange], seeds: u64) -> String {
     let point = |changed: Option<usize>| {
-        let of = |(place, change): (usize, &Change)| {
+        let of = |(place, change): (usize, &KeyChange)| {
             let pick = |(key, now, then): &(String, Value, Value)| {
                 (key.clone(), if changed == Some(place) { then.clone() } else { now.clone() })
             };
@@ -96,7 +96,7 @@ const IN_STEPS: [&str; 8] = [
     "statistics.every",
 ];
 
-fn half_step(root: &Value, scene: &Scene) -> Result<Change, String> {
+fn half_step(root: &Value, scene: &Scene) -> Result<KeyChange, String> {
     let step = number(root, "time.step").ok_or("the step: the scene has no time.step")?;
     if let Kind::Continuum(_) = scene.kind() {
         return Err("the step: scenes of this kind have none".to_owned());
@@ -106,11 +106,11 @@ fn half_step(root: &Value, scene: &Scene) -> Result<Change, String> {
         Some(((*key).to_owned(), Value::Integer(now), Value::Integer(now.saturating_mul(2))))
     };
     let keys = std::iter::once(scaled("time.step", step, 0.5)).chain(IN_STEPS.iter().filter_map(twice));
-    Ok(Change { name: "half the step", keys: keys.collect() })
+    Ok(KeyChange { name: "half the step", keys: keys.collect() })
 }
 
 /// Twice the edges along all periodic axes, at the same concentration.
-fn box_of(root: &Value, scene: &Scene) -> Result<Change, String> {
+fn box_of(root: &Value, scene: &Scene) -> Result<KeyChange, String> {
     let edges = get(root, "box.edges").and_then(Value::as_array).ok_or("the box: the scene has no box.edges")?;
     let is_periodic = match scene.kind() {
         Kind::Suspension(suspension) => periodic_axes(suspension, root)?,
@@ -141,7 +141,7 @@ fn box_of(root: &Value, scene: &Scene) -> Result<Change, String> {
         let doubled = grid.iter().zip(&is_periodic).map(double).collect();
         keys.push(("hydrodynamics.grid".to_owned(), Value::Array(grid.clone()), Value::Array(doubled)));
     }
-    Ok(Change { name: "twice the edges", keys })
+    Ok(KeyChange { name: "twice the edges", keys })
 }
 
 fn periodic_axes(scene: &SuspensionScene, root: &Value) -> Result<Vec<bool>, String> {
@@ -152,19 +152,19 @@ fn periodic_axes(scene: &SuspensionScene, root: &Value) -> Result<Vec<bool>, Str
     Ok(named.map_or(vec![true; 3], |names| names.iter().map(|name| name.as_str() == Some("periodic")).collect()))
 }
 
-fn tolerance(root: &Value, scene: &Scene) -> Result<Change, String> {
+fn tolerance(root: &Value, scene: &Scene) -> Result<KeyChange, String> {
     let Kind::Suspension(suspension) = scene.kind() else {
         return Err("the tolerance: suspensions have one".to_owned());
     };
     let mut keys = vec![scaled("hydrodynamics.tolerance", suspension.model.hydrodynamics.tolerance, 0.1)];
     let others = ["hydrodynamics.iteration_tolerance"].map(|key| Some(scaled(key, number(root, key)?, 0.1)));
     keys.extend(others.into_iter().flatten());
-    Ok(Change { name: "a tenth of the tolerance", keys })
+    Ok(KeyChange { name: "a tenth of the tolerance", keys })
 }
 
 /// Four times the stiffness of contacts; where the stiffness adapts to a target overlap, a quarter of that overlap.
 /// Without contacts, four times the repulsion.
-fn stiffness(root: &Value, scene: &Scene) -> Result<Change, String> {
+fn stiffness(root: &Value, scene: &Scene) -> Result<KeyChange, String> {
     let Kind::Suspension(suspension) = scene.kind() else {
         return Err("the stiffness: suspensions with contacts or repulsion have one".to_owned());
     };
@@ -174,11 +174,11 @@ fn stiffness(root: &Value, scene: &Scene) -> Result<Change, String> {
             Some(stiffness) => scaled("contacts.stiffness", stiffness, 4.0),
             None => scaled("contacts.target_overlap", contacts.overlap, 0.25),
         };
-        return Ok(Change { name, keys: vec![key] });
+        return Ok(KeyChange { name, keys: vec![key] });
     }
     let strength = number(root, "repulsion.strength");
     let strength = strength.ok_or("the stiffness: the scene has neither contacts nor repulsion")?;
-    Ok(Change { name: "four times the repulsion", keys: vec![scaled("repulsion.strength", strength, 4.0)] })
+    Ok(KeyChange { name: "four times the repulsion", keys: vec![scaled("repulsion.strength", strength, 4.0)] })
 }
 
 #[cfg(test)]

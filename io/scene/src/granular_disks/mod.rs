@@ -3,13 +3,13 @@
 mod raw;
 
 use crate::StartSource;
-use crate::answers::RawAnswers;
+use crate::answers::AnswersSection;
 use crate::checks::rows;
 use crate::key_error::KeyError;
-use crate::time_and_output::{Output, Time, steps_in};
+use crate::time_and_output::{OutputSchedules, Time, steps_in};
 use domain::Number;
 use granular::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
-pub(super) use raw::Raw;
+pub(super) use raw::DisksSections;
 use std::path::Path;
 
 /// A checked scene of granular disks; only [`Scene`](crate::Scene) makes one.
@@ -31,7 +31,7 @@ pub struct GranularDisksScene {
     /// The time from which the answers take their means; the transient is left out that is found where there is none.
     pub answers_from: Option<f64>,
     /// Schedules and files of the output.
-    pub output: Output,
+    pub output: OutputSchedules,
 }
 
 /// Default number of rows of the time series.
@@ -40,7 +40,7 @@ const ROWS: u64 = 500;
 const STRIPS: usize = 50;
 
 impl GranularDisksScene {
-    pub(super) fn checked(raw: &Raw, folder: &Path) -> Result<Self, KeyError> {
+    pub(super) fn checked(raw: &DisksSections, folder: &Path) -> Result<Self, KeyError> {
         let parameters = parameters(raw)?;
         let model = Model::new(parameters)?;
         let time = time(raw, model.parameters())?;
@@ -56,7 +56,7 @@ impl GranularDisksScene {
             strain: strain(raw)?,
             model,
             profile_strips,
-            answers_from: RawAnswers::start(raw.answers, &time)?,
+            answers_from: AnswersSection::start(raw.answers, &time)?,
             time,
             output,
         })
@@ -64,7 +64,7 @@ impl GranularDisksScene {
 }
 
 /// File that the disks come from.
-fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, KeyError> {
+fn start(raw: &raw::DiskParticlesSection, folder: &Path) -> Result<Option<StartSource>, KeyError> {
     for (name, is_set) in [("frame", raw.frame.is_some()), ("group", raw.group.is_some())] {
         if is_set && raw.path.is_none() {
             let message = "goes with particles.path only; leave it out, or name a file";
@@ -76,7 +76,7 @@ fn start(raw: &raw::Particles, folder: &Path) -> Result<Option<StartSource>, Key
 }
 
 /// Strain of the box set in the scene.
-fn strain(raw: &Raw) -> Result<Option<f64>, KeyError> {
+fn strain(raw: &DisksSections) -> Result<Option<f64>, KeyError> {
     match raw.cell.strain {
         Some(_) if raw.particles.path.is_none() => {
             let message =
@@ -87,7 +87,7 @@ fn strain(raw: &Raw) -> Result<Option<f64>, KeyError> {
     }
 }
 
-fn parameters(raw: &Raw) -> Result<Parameters, KeyError> {
+fn parameters(raw: &DisksSections) -> Result<Parameters, KeyError> {
     let usual = Parameters::default();
     Ok(Parameters {
         edges: raw.cell.edges,
@@ -108,7 +108,7 @@ fn parameters(raw: &Raw) -> Result<Parameters, KeyError> {
     })
 }
 
-fn preparation(raw: &raw::Preparation, usual: Preparation) -> Preparation {
+fn preparation(raw: &raw::PreparationSection, usual: Preparation) -> Preparation {
     Preparation {
         restitution: raw.restitution.unwrap_or(usual.restitution),
         settled: raw.inelastic_until.unwrap_or(usual.settled),
@@ -118,7 +118,7 @@ fn preparation(raw: &raw::Preparation, usual: Preparation) -> Preparation {
     }
 }
 
-fn area_fraction(raw: &Raw) -> Result<f64, KeyError> {
+fn area_fraction(raw: &DisksSections) -> Result<f64, KeyError> {
     let key = "particles.area_fraction";
     match (raw.particles.area_fraction, &raw.particles.path) {
         (Some(_), Some(_)) => {
@@ -131,8 +131,8 @@ fn area_fraction(raw: &Raw) -> Result<f64, KeyError> {
     }
 }
 
-fn sizes(raw: &Raw) -> Result<Sizes, KeyError> {
-    let species = |s: &raw::Species| Species { radius: s.radius, share: s.number_fraction };
+fn sizes(raw: &DisksSections) -> Result<Sizes, KeyError> {
+    let species = |s: &raw::DiskSpeciesSection| Species { radius: s.radius, share: s.number_fraction };
     match (&raw.particles.spread, raw.species.is_empty(), &raw.particles.path) {
         (Some(_), false, _) => {
             Err(KeyError::new("particles.spread", "is set, and [[species]] too; leave one of them out"))
@@ -147,8 +147,8 @@ fn sizes(raw: &Raw) -> Result<Sizes, KeyError> {
     }
 }
 
-fn flow(raw: &raw::Flow) -> Result<Flow, KeyError> {
-    use raw::FlowKind::{None as Still, Poiseuille, Shear};
+fn flow(raw: &raw::DiskFlowSection) -> Result<Flow, KeyError> {
+    use raw::DiskFlowKind::{None as Still, Poiseuille, Shear};
     for (key, is_set, kind, name) in
         [("flow.rate", raw.rate.is_some(), Shear, "shear"), ("flow.peak", raw.peak.is_some(), Poiseuille, "poiseuille")]
     {
@@ -168,7 +168,7 @@ fn flow(raw: &raw::Flow) -> Result<Flow, KeyError> {
     })
 }
 
-fn time(raw: &Raw, parameters: &Parameters) -> Result<Time, KeyError> {
+fn time(raw: &DisksSections, parameters: &Parameters) -> Result<Time, KeyError> {
     let (time, step) = (&raw.time, parameters.time_step);
     let Some(strain) = time.strain else { return Time::until(step, time.steps, time.duration) };
     if time.steps.is_some() || time.duration.is_some() {

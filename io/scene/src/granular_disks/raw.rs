@@ -1,7 +1,7 @@
 //! Keys of the file as serde reads them.
 
-use crate::answers::RawAnswers;
-use crate::time_and_output::{RawOutput, output_section};
+use crate::answers::AnswersSection;
+use crate::time_and_output::{OutputSection, output_section};
 use granular::disks::{Gear, LengthUnit};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Raw {
+pub(crate) struct DisksSections {
     /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: String,
@@ -19,34 +19,34 @@ pub(crate) struct Raw {
     pub(super) seed: Option<u64>,
     /// The periodic box.
     #[serde(rename = "box")]
-    pub(super) cell: Box,
+    pub(super) cell: DiskBoxSection,
     /// The liquid.
-    pub(super) fluid: Fluid,
+    pub(super) fluid: DiskFluidSection,
     /// The background flow.
-    pub(super) flow: Flow,
+    pub(super) flow: DiskFlowSection,
     /// Species of disks; or particles.spread.
     #[serde(default)]
-    pub(super) species: Vec<Species>,
+    pub(super) species: Vec<DiskSpeciesSection>,
     /// The disks.
-    pub(super) particles: Particles,
+    pub(super) particles: DiskParticlesSection,
     /// Contacts between disks.
     #[serde(default)]
-    pub(super) contact: Contact,
+    pub(super) contact: DiskContactSection,
     /// Preparation of a random start, before step 0.
     #[serde(default)]
-    pub(super) preparation: Preparation,
+    pub(super) preparation: PreparationSection,
     /// Time steps.
-    pub(super) time: Time,
+    pub(super) time: DiskTimeSection,
     /// Output.
     #[serde(default)]
-    pub(super) output: Output,
+    pub(super) output: DiskOutputSection,
     /// Means over the run.
-    pub(super) answers: Option<RawAnswers>,
+    pub(super) answers: Option<AnswersSection>,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Box {
+pub(super) struct DiskBoxSection {
     /// Edges along the flow (x) and the gradient (y).
     pub(super) edges: [f64; 2],
     /// Strain of the box at the start, for disks that come from a sheared box; by default that of the file's box.
@@ -55,16 +55,16 @@ pub(super) struct Box {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Fluid {
+pub(super) struct DiskFluidSection {
     /// Viscosity in the Stokes drag 6 pi r viscosity.
     pub(super) viscosity: f64,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Flow {
+pub(super) struct DiskFlowSection {
     /// Flow of the liquid.
-    pub(super) kind: FlowKind,
+    pub(super) kind: DiskFlowKind,
     /// Shear rate, for "shear".
     pub(super) rate: Option<f64>,
     /// Largest velocity, for "poiseuille".
@@ -73,7 +73,7 @@ pub(super) struct Flow {
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum FlowKind {
+pub(super) enum DiskFlowKind {
     None,
     Shear,
     Poiseuille,
@@ -81,7 +81,7 @@ pub(super) enum FlowKind {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Species {
+pub(super) struct DiskSpeciesSection {
     /// Radius, relative to those of the other species.
     pub(super) radius: f64,
     /// Number, relative to those of the other species.
@@ -90,11 +90,11 @@ pub(super) struct Species {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Particles {
+pub(super) struct DiskParticlesSection {
     /// Area of the disks over that of the box.
     pub(super) area_fraction: Option<f64>,
     /// Radii by a power law, instead of species.
-    pub(super) spread: Option<Spread>,
+    pub(super) spread: Option<RadiusSpreadSection>,
     /// The radius that is 1.
     pub(super) length_unit: Option<Unit>,
     /// Power of the radius to which mass is proportional: 2 for disks, 3 for spheres.
@@ -109,7 +109,7 @@ pub(super) struct Particles {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Spread {
+pub(super) struct RadiusSpreadSection {
     /// Smallest radius.
     pub(super) smallest: f64,
     /// Largest radius.
@@ -137,7 +137,7 @@ impl From<Unit> for LengthUnit {
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct Contact {
+pub(super) struct DiskContactSection {
     /// Coefficient of restitution of a contact without flow.
     pub(super) restitution: Option<f64>,
     /// Whether a contact that is about to end may not attract.
@@ -146,7 +146,7 @@ pub(super) struct Contact {
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct Preparation {
+pub(super) struct PreparationSection {
     /// Coefficient of restitution while overlaps are removed.
     pub(super) restitution: Option<f64>,
     /// Time until which overlaps are removed.
@@ -154,13 +154,13 @@ pub(super) struct Preparation {
     /// Time until which contacts are elastic after that.
     pub(super) elastic_until: Option<f64>,
     /// Integrator of the preparation.
-    pub(super) integrator: Option<Integrator>,
+    pub(super) integrator: Option<DiskIntegratorKind>,
     /// Time step of the preparation.
     pub(super) time_step: Option<f64>,
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
-pub(super) enum Integrator {
+pub(super) enum DiskIntegratorKind {
     #[serde(rename = "gear-four")]
     Four,
     #[serde(rename = "gear-five")]
@@ -169,19 +169,19 @@ pub(super) enum Integrator {
     FivePositional,
 }
 
-impl From<Integrator> for Gear {
-    fn from(integrator: Integrator) -> Self {
+impl From<DiskIntegratorKind> for Gear {
+    fn from(integrator: DiskIntegratorKind) -> Self {
         match integrator {
-            Integrator::Four => Self::FourValue,
-            Integrator::Five => Self::FiveValue,
-            Integrator::FivePositional => Self::FiveValuePositional,
+            DiskIntegratorKind::Four => Self::FourValue,
+            DiskIntegratorKind::Five => Self::FiveValue,
+            DiskIntegratorKind::FivePositional => Self::FiveValuePositional,
         }
     }
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Time {
+pub(super) struct DiskTimeSection {
     /// Time step.
     pub(super) step: Option<f64>,
     /// Number of steps; or duration, or strain.
@@ -191,11 +191,11 @@ pub(super) struct Time {
     /// Strain at the end; or steps, or duration.
     pub(super) strain: Option<f64>,
     /// Gear's predictor-corrector with four or five values.
-    pub(super) integrator: Option<Integrator>,
+    pub(super) integrator: Option<DiskIntegratorKind>,
 }
 
 output_section! {
-    Output {
+    DiskOutputSection {
         /// Steps between measurements of energies and stresses, which rows of the time series average.
         pub(super) measure_every: Option<u64>,
         /// Strips of the profiles across the flow.
@@ -203,9 +203,9 @@ output_section! {
     }
 }
 
-impl Output {
-    pub(super) fn schedules(&self) -> RawOutput {
-        RawOutput {
+impl DiskOutputSection {
+    pub(super) fn schedules(&self) -> OutputSection {
+        OutputSection {
             folder: self.folder.clone(),
             trajectory_every: self.trajectory_every,
             observables_every: self.observables_every,

@@ -2,15 +2,15 @@
 
 mod raw;
 
-use crate::answers::RawAnswers;
+use crate::answers::AnswersSection;
 use crate::checks::{few_enough, rows};
 use crate::key_error::KeyError;
-use crate::time_and_output::{Output, Time};
+use crate::time_and_output::{OutputSchedules, Time};
 use domain::{Number, ParameterError};
 use granular::shear_cell::{
     CollisionDetection, CollisionRule, Experiment, FrictionLaw, Model, Parameters, Sampling, Top,
 };
-pub(super) use raw::Raw;
+pub(super) use raw::ShearCellSections;
 use suspension::MAX_SPHERES;
 
 /// A checked scene of grains in a shear cell; only [`Scene`](crate::Scene) makes one.
@@ -26,7 +26,7 @@ pub struct ShearCellScene {
     /// The time from which the answers take their means; the transient is left out that is found where there is none.
     pub answers_from: Option<f64>,
     /// Schedules and files of the output.
-    pub output: Output,
+    pub output: OutputSchedules,
 }
 
 /// Default contact time, over the time in which a grain crosses a diameter.
@@ -35,7 +35,7 @@ const CONTACT: f64 = 2e-4;
 const AGITATION: f64 = 0.05;
 
 impl ShearCellScene {
-    pub(super) fn checked(raw: Raw) -> Result<Self, KeyError> {
+    pub(super) fn checked(raw: ShearCellSections) -> Result<Self, KeyError> {
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
         let agitation = agitation(&raw)?;
         let model = Model::new(parameters(&raw, agitation)?)?;
@@ -48,12 +48,12 @@ impl ShearCellScene {
         let (seed, time_step, steps) = (raw.seed, time.step, time.steps);
         let experiment =
             Experiment { model, seed, count, agitation, collisions, sampling, transient, time_step, steps };
-        let answers_from = RawAnswers::start(raw.answers, &time)?;
+        let answers_from = AnswersSection::start(raw.answers, &time)?;
         Ok(Self { title: raw.title.unwrap_or_default(), experiment, time, answers_from, output })
     }
 }
 
-fn agitation(raw: &Raw) -> Result<f64, KeyError> {
+fn agitation(raw: &ShearCellSections) -> Result<f64, KeyError> {
     let agitation = raw.grains.initial_velocity_deviation.unwrap_or(AGITATION * raw.cell.speed);
     // Its square is part of the energy.
     if (0.0..=1e70).contains(&agitation) {
@@ -65,18 +65,18 @@ fn agitation(raw: &Raw) -> Result<f64, KeyError> {
 
 /// Default time within which two collisions count as one contact: a small fraction of the time in which a grain crosses
 /// a diameter, at the speed of the walls plus its own, or from rest under gravity and the load of the top wall.
-fn contact_time(raw: &Raw, agitation: f64) -> f64 {
+fn contact_time(raw: &ShearCellSections, agitation: f64) -> f64 {
     let fall = raw.cell.gravity + raw.top.pressure.zip(raw.top.mass_per_area).map_or(0.0, |(p, m)| p / m);
     let crossings = (raw.cell.speed + agitation) / raw.grains.diameter + (fall / raw.grains.diameter).sqrt();
     // If nothing moves, any time will do.
     if crossings > 0.0 { CONTACT / crossings } else { CONTACT * raw.time.step }
 }
 
-fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, KeyError> {
+fn parameters(raw: &ShearCellSections, agitation: f64) -> Result<Parameters, KeyError> {
     let (cell, grains, walls) = (&raw.cell, &raw.grains, &raw.walls);
     let law = match walls.friction_law {
-        raw::FrictionLaw::Box => FrictionLaw::Box,
-        raw::FrictionLaw::Cone => FrictionLaw::Cone,
+        raw::FrictionLawKind::Box => FrictionLaw::Box,
+        raw::FrictionLawKind::Cone => FrictionLaw::Cone,
     };
     Ok(Parameters {
         length: cell.length,
@@ -95,7 +95,7 @@ fn parameters(raw: &Raw, agitation: f64) -> Result<Parameters, KeyError> {
     })
 }
 
-fn top(raw: &raw::Top) -> Result<Top, KeyError> {
+fn top(raw: &raw::TopSection) -> Result<Top, KeyError> {
     match (raw.kind, raw.pressure, raw.mass_per_area) {
         (raw::TopKind::Fixed, None, None) => Ok(Top::Fixed),
         (raw::TopKind::Fixed, ..) => Err(KeyError::new(
@@ -109,7 +109,7 @@ fn top(raw: &raw::Top) -> Result<Top, KeyError> {
     }
 }
 
-fn collisions(raw: &Raw) -> Result<CollisionDetection, KeyError> {
+fn collisions(raw: &ShearCellSections) -> Result<CollisionDetection, KeyError> {
     let key = "time.collision_step";
     match (raw.collisions, raw.time.collision_step) {
         (raw::Collisions::EventDriven, None) => Ok(CollisionDetection::EventDriven),
@@ -123,7 +123,7 @@ fn collisions(raw: &Raw) -> Result<CollisionDetection, KeyError> {
 
 const WINDOW: &str = "measure.window";
 
-fn sampling(raw: &Raw, collisions: CollisionDetection) -> Result<Sampling, KeyError> {
+fn sampling(raw: &ShearCellSections, collisions: CollisionDetection) -> Result<Sampling, KeyError> {
     let usual = Sampling::default();
     let sampling = Sampling {
         window: raw.measure.window.unwrap_or(raw.time.step),
@@ -155,7 +155,7 @@ fn whole(key: &str, time: f64, unit: &str, length: f64) -> Result<u64, KeyError>
     if fits { Ok(times.round() as u64) } else { Err(fault()) }
 }
 
-fn count(raw: &raw::Grains, model: &Model) -> Result<usize, KeyError> {
+fn count(raw: &raw::GrainsSection, model: &Model) -> Result<usize, KeyError> {
     match (raw.count, raw.solid_fraction) {
         (Some(count), None) => {
             let volume = std::f64::consts::PI / 6.0 * model.parameters().diameter.powi(3);

@@ -1,13 +1,13 @@
 //! Keys of the file as serde reads them.
 
-use crate::answers::RawAnswers;
-use crate::time_and_output::RawOutput;
+use crate::answers::AnswersSection;
+use crate::time_and_output::OutputSection;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Raw {
+pub(crate) struct ShearCellSections {
     /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: String,
@@ -19,24 +19,24 @@ pub(crate) struct Raw {
     /// Collisions at their exact times, or detected with a time step.
     pub(super) collisions: Collisions,
     /// The cell.
-    pub(super) cell: Cell,
+    pub(super) cell: CellSection,
     /// The top wall.
     #[serde(default)]
-    pub(super) top: Top,
+    pub(super) top: TopSection,
     /// The grains.
-    pub(super) grains: Grains,
+    pub(super) grains: GrainsSection,
     /// The walls.
-    pub(super) walls: Walls,
+    pub(super) walls: WallsSection,
     /// Observations of the cell.
-    pub(super) time: Time,
+    pub(super) time: ShearCellTimeSection,
     /// Averages.
     #[serde(default)]
-    pub(super) measure: Measure,
+    pub(super) measure: MeasureSection,
     /// Output.
     #[serde(default)]
-    pub(super) output: RawOutput,
+    pub(super) output: OutputSection,
     /// Means over the run.
-    pub(super) answers: Option<RawAnswers>,
+    pub(super) answers: Option<AnswersSection>,
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ pub(super) enum Collisions {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Cell {
+pub(super) struct CellSection {
     /// Length along the flow (x), periodic.
     pub(super) length: f64,
     /// Distance between bottom and top (y).
@@ -69,7 +69,7 @@ pub(super) struct Cell {
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct Top {
+pub(super) struct TopSection {
     /// Fixed at the height of the cell, or free under a load.
     pub(super) kind: TopKind,
     /// Normal stress of the load on a free top wall.
@@ -88,7 +88,7 @@ pub(super) enum TopKind {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Grains {
+pub(super) struct GrainsSection {
     /// Diameter.
     pub(super) diameter: f64,
     /// Density.
@@ -110,7 +110,7 @@ pub(super) struct Grains {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Walls {
+pub(super) struct WallsSection {
     /// Coefficient of restitution at walls.
     pub(super) restitution: f64,
     /// Friction coefficient at walls.
@@ -118,12 +118,12 @@ pub(super) struct Walls {
     pub(super) friction: f64,
     /// Coulomb's bound on each component separately, or on both together.
     #[serde(default)]
-    pub(super) friction_law: FrictionLaw,
+    pub(super) friction_law: FrictionLawKind,
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, Default)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum FrictionLaw {
+pub(super) enum FrictionLawKind {
     #[default]
     Box,
     Cone,
@@ -131,7 +131,7 @@ pub(super) enum FrictionLaw {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Time {
+pub(super) struct ShearCellTimeSection {
     /// Time between observations of the grains.
     pub(super) step: f64,
     /// Number of observations; or duration.
@@ -147,7 +147,7 @@ pub(super) struct Time {
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct Measure {
+pub(super) struct MeasureSection {
     /// Time over which wall stresses are averaged; time.step by default.
     pub(super) window: Option<f64>,
     /// Layers of the profiles across the gap.

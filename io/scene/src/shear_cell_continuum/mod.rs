@@ -8,7 +8,7 @@ use domain::Number;
 use granular::kinetic_theory::{
     GrainProperties, Parameters, Problem, RadialDistribution, Roughness, SolutionStart, Wall, WallShape,
 };
-pub(super) use raw::Raw;
+pub(super) use raw::ContinuumSections;
 use std::path::PathBuf;
 
 /// A checked scene of the continuum shear cell; only [`Scene`](crate::Scene) makes one.
@@ -31,7 +31,7 @@ const MOST_PROBLEMS: f64 = 100_000.0;
 const POINTS: usize = 101;
 
 impl ContinuumScene {
-    pub(super) fn checked(raw: Raw) -> Result<Self, KeyError> {
+    pub(super) fn checked(raw: ContinuumSections) -> Result<Self, KeyError> {
         for (key, list) in [("cell.speeds", &raw.cell.speeds), ("cell.pressures", &raw.cell.pressures)] {
             if list.is_empty() {
                 return Err(KeyError::new(key, "is empty; list at least one value"));
@@ -59,19 +59,19 @@ impl ContinuumScene {
     }
 }
 
-fn grains(raw: &raw::Grains) -> GrainProperties {
+fn grains(raw: &raw::ContinuumGrainsSection) -> GrainProperties {
     let radial = match raw.radial_distribution {
-        raw::RadialDistribution::CarnahanStarling => RadialDistribution::CarnahanStarling,
-        raw::RadialDistribution::LunSavage => RadialDistribution::LunSavage,
-        raw::RadialDistribution::JohnsonJackson => RadialDistribution::JohnsonJackson,
-        raw::RadialDistribution::SinclairJackson => RadialDistribution::SinclairJackson,
-        raw::RadialDistribution::MaAhmadi => RadialDistribution::MaAhmadi,
-        raw::RadialDistribution::Torquato => RadialDistribution::Torquato,
+        raw::RadialDistributionKind::CarnahanStarling => RadialDistribution::CarnahanStarling,
+        raw::RadialDistributionKind::LunSavage => RadialDistribution::LunSavage,
+        raw::RadialDistributionKind::JohnsonJackson => RadialDistribution::JohnsonJackson,
+        raw::RadialDistributionKind::SinclairJackson => RadialDistribution::SinclairJackson,
+        raw::RadialDistributionKind::MaAhmadi => RadialDistribution::MaAhmadi,
+        raw::RadialDistributionKind::Torquato => RadialDistribution::Torquato,
     };
     GrainProperties { diameter: raw.diameter, density: raw.density, restitution: raw.restitution, radial }
 }
 
-fn wall(raw: &Raw) -> Result<Wall, KeyError> {
+fn wall(raw: &ContinuumSections) -> Result<Wall, KeyError> {
     let walls = &raw.walls;
     let degrees = walls.theta.unwrap_or(90.0);
     if !(degrees > 0.0 && degrees <= 90.0) {
@@ -79,8 +79,8 @@ fn wall(raw: &Raw) -> Result<Wall, KeyError> {
         return Err(KeyError::new("walls.theta", message));
     }
     let shape = match walls.shape {
-        raw::Shape::Disk => WallShape::Disk,
-        raw::Shape::Sphere => WallShape::Sphere,
+        raw::WallShapeKind::Disk => WallShape::Disk,
+        raw::WallShapeKind::Sphere => WallShape::Sphere,
     };
     Ok(Wall {
         shape,

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Raw {
+pub(crate) struct ContinuumSections {
     /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: String,
@@ -15,19 +15,19 @@ pub(crate) struct Raw {
     /// Solid fraction near which to search for the solution, instead of the densest solution.
     pub(super) start: Option<f64>,
     /// The cell.
-    pub(super) cell: Cell,
+    pub(super) cell: ContinuumCellSection,
     /// The grains.
-    pub(super) grains: Grains,
+    pub(super) grains: ContinuumGrainsSection,
     /// The walls.
-    pub(super) walls: Walls,
+    pub(super) walls: ContinuumWallsSection,
     /// Output.
     #[serde(default)]
-    pub(super) output: Output,
+    pub(super) output: ContinuumOutputSection,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Cell {
+pub(super) struct ContinuumCellSection {
     /// Distance between the walls.
     pub(super) gap: f64,
     /// Speeds of the lower wall; each is combined with every pressure.
@@ -38,7 +38,7 @@ pub(super) struct Cell {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Grains {
+pub(super) struct ContinuumGrainsSection {
     /// Diameter.
     pub(super) diameter: f64,
     /// Density.
@@ -47,12 +47,12 @@ pub(super) struct Grains {
     pub(super) restitution: f64,
     /// Radial distribution function at contact.
     #[serde(default)]
-    pub(super) radial_distribution: RadialDistribution,
+    pub(super) radial_distribution: RadialDistributionKind,
 }
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, Default)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum RadialDistribution {
+pub(super) enum RadialDistributionKind {
     CarnahanStarling,
     LunSavage,
     JohnsonJackson,
@@ -64,10 +64,10 @@ pub(super) enum RadialDistribution {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Walls {
+pub(super) struct ContinuumWallsSection {
     /// Shape of the bumps.
     #[serde(default)]
-    pub(super) shape: Shape,
+    pub(super) shape: WallShapeKind,
     /// Depth to which a grain reaches between two bumps, as an angle in degrees: 90 if one grain just fits.
     pub(super) theta: Option<f64>,
     /// Whether the traction includes a term in the velocity gradient.
@@ -89,7 +89,7 @@ pub(super) struct Walls {
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, Default)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Shape {
+pub(super) enum WallShapeKind {
     #[default]
     Disk,
     Sphere,
@@ -97,7 +97,7 @@ pub(super) enum Shape {
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct Output {
+pub(super) struct ContinuumOutputSection {
     /// Folder of the results.
     pub(super) folder: Option<PathBuf>,
     /// Number of heights in a profile.

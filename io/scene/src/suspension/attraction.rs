@@ -4,7 +4,7 @@ use super::{KeyError, raw};
 use raw::AttractionKind::{Depletion, VanDerWaals};
 use suspension::Attraction;
 
-pub(super) fn attraction(raw: &raw::Attraction) -> Result<Attraction, KeyError> {
+pub(super) fn attraction(raw: &raw::AttractionSection) -> Result<Attraction, KeyError> {
     let keys = [
         ("hamaker", raw.hamaker.is_some(), VanDerWaals),
         ("regularisation_length", raw.regularisation_length.is_some(), VanDerWaals),

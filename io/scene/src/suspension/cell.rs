@@ -1,6 +1,6 @@
 //! The box of a scene.
 
-use super::raw::{self, Raw};
+use super::raw::{self, SuspensionSections};
 use super::{KeyError, flow};
 use crate::CaseBoundary;
 use crate::case::boundaries_of;
@@ -12,7 +12,7 @@ const SOMEWHERE: f64 = 10.0;
 
 /// The box, with its non-periodic axis last, and the rotation of axes to it. For an extension it is another periodic
 /// box with the same volume; in unbounded fluid it is a box around the initial positions.
-pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), KeyError> {
+pub fn cell(raw: &SuspensionSections) -> Result<(PeriodicBox, AxisRotation), KeyError> {
     let (boundaries, turn) = boundaries(raw.cell.boundaries.unwrap_or([raw::Boundary::Periodic; 3]))?;
     let edges = Vector::from_array(turn.list(edges(raw, boundaries)?));
     let extension = raw.flow.as_ref().and_then(|flow| flow::extension(flow.kind));
@@ -41,7 +41,7 @@ pub fn cell(raw: &Raw) -> Result<(PeriodicBox, AxisRotation), KeyError> {
 const MAX_STRAIN: f64 = 1e9;
 
 /// Strain of the box at the start.
-fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, KeyError> {
+fn strain(raw: &SuspensionSections, boundaries: Boundaries) -> Result<f64, KeyError> {
     let Some(strain) = raw.cell.strain else { return Ok(0.0) };
     let refused = |message: &str| Err(KeyError::new("box.strain", message));
     if !matches!(raw.particles.initial, raw::Initial::File | raw::Initial::Positions) {
@@ -57,7 +57,7 @@ fn strain(raw: &Raw, boundaries: Boundaries) -> Result<f64, KeyError> {
     Ok(strain)
 }
 
-fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
+fn edges(raw: &SuspensionSections, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
     let starts_in_box = matches!(raw.particles.initial, raw::Initial::Random | raw::Initial::Lattice);
     match raw.cell.edges {
         Some(_) if boundaries == Boundaries::Open && !starts_in_box => {
@@ -81,7 +81,7 @@ fn edges(raw: &Raw, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
 }
 
 /// Approximate edges of a box around spheres in unbounded fluid.
-fn around(raw: &Raw) -> [f64; 3] {
+fn around(raw: &SuspensionSections) -> [f64; 3] {
     let room = SOMEWHERE * raw.species.iter().map(largest).fold(0.0, f64::max);
     if let Some(radius) = raw.particles.radius {
         return [2.0 * radius.abs() + room; 3];
@@ -95,8 +95,8 @@ fn around(raw: &Raw) -> [f64; 3] {
 }
 
 /// Approximate largest radius of a species.
-fn largest(species: &raw::Species) -> f64 {
-    let of_list = |raw: &raw::Distribution| {
+fn largest(species: &raw::SpeciesSection) -> f64 {
+    let of_list = |raw: &raw::DistributionSection| {
         let table = raw.table.iter().flatten().map(|row| row[0]).fold(0.0, f64::max);
         let spread = raw.mean.unwrap_or(0.0) + SOMEWHERE * raw.standard_deviation.unwrap_or(0.0);
         table.max(spread).max(raw.largest.unwrap_or(0.0))

@@ -9,7 +9,7 @@ use suspension::{Flow, Protocol, RateChange};
 const KEY: &str = "time.strain";
 
 /// Number of steps of a run in a flow, and under a given stress the strain at which it ends.
-pub(super) fn time(raw: &raw::Time, flow: &Flow, protocol: &Protocol) -> Result<(Time, Option<f64>), KeyError> {
+pub(super) fn time(raw: &raw::TimeSection, flow: &Flow, protocol: &Protocol) -> Result<(Time, Option<f64>), KeyError> {
     let has_other = raw.steps.is_some() || raw.duration.is_some();
     let Some(strain) = raw.strain else {
         return Ok((Time::until(raw.step, raw.steps, raw.duration)?, None));

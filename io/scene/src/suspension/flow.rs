@@ -13,7 +13,7 @@ const ROUND_OFF: f64 = 1e-6;
 /// The initial flow, and the changes of its rate, in steps of the given length. The box shears with the flow if
 /// `shears`, unless the scene says otherwise.
 pub fn flow(
-    raw: Option<&raw::Flow>,
+    raw: Option<&raw::FlowSection>,
     viscosity: f64,
     time_step: f64,
     shears: bool,
@@ -61,7 +61,7 @@ pub fn flow(
     Err(KeyError::new("flow.lees_edwards", message))
 }
 
-fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), KeyError> {
+fn without_rate(raw: &raw::FlowSection) -> Result<(Flow, Protocol), KeyError> {
     let error = |key: &str, message: &str| Err(KeyError::new(key, message));
     if raw.kind != raw::FlowKind::Poiseuille {
         return unless_poiseuille(raw).map(|()| (Flow::None, Protocol::STEADY));
@@ -80,7 +80,7 @@ fn without_rate(raw: &raw::Flow) -> Result<(Flow, Protocol), KeyError> {
 }
 
 /// Refuses keys of a pressure-driven flow.
-fn unless_poiseuille(raw: &raw::Flow) -> Result<(), KeyError> {
+fn unless_poiseuille(raw: &raw::FlowSection) -> Result<(), KeyError> {
     let keys = [
         ("flow.pressure_gradient", raw.pressure_gradient.is_some()),
         ("flow.mean_velocity", raw.mean_velocity.is_some()),
@@ -114,7 +114,7 @@ fn name(kind: raw::FlowKind) -> &'static str {
     }
 }
 
-fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), KeyError> {
+fn rates(raw: &raw::FlowSection, time_step: f64) -> Result<(f64, Protocol), KeyError> {
     match (&raw.rate, &raw.reversal_at, &raw.oscillation) {
         (None, None, Some(oscillation)) => oscillating(oscillation),
         (rate, _, Some(_)) => {
@@ -140,7 +140,7 @@ fn rates(raw: &raw::Flow, time_step: f64) -> Result<(f64, Protocol), KeyError> {
     }
 }
 
-fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol), KeyError> {
+fn driven(raw: &raw::FlowSection, stress: f64, viscosity: f64) -> Result<(f64, Protocol), KeyError> {
     let is_table = matches!(raw.rate, Some(NumberOr::Other(_)));
     let keys = [
         ("flow.oscillation", raw.oscillation.is_some()),
@@ -160,7 +160,7 @@ fn driven(raw: &raw::Flow, stress: f64, viscosity: f64) -> Result<(f64, Protocol
     Ok((rate, Protocol::Stress(stress)))
 }
 
-fn oscillating(raw: &raw::Oscillation) -> Result<(f64, Protocol), KeyError> {
+fn oscillating(raw: &raw::OscillationSection) -> Result<(f64, Protocol), KeyError> {
     let frequency = positive("flow.oscillation.frequency", raw.frequency)?;
     let amplitude = positive("flow.oscillation.amplitude", raw.amplitude)?;
     let rate = amplitude * frequency;

@@ -10,13 +10,13 @@ mod species;
 mod tethers;
 
 use crate::StartSource;
-use crate::answers::RawAnswers;
+use crate::answers::AnswersSection;
 use crate::checks::positive;
 use crate::document::NumberOr;
 use crate::key_error::KeyError;
-use crate::time_and_output::{Output, Time, share};
+use crate::time_and_output::{OutputSchedules, Time, share};
 use domain::{AxisRotation, Boundaries, PeriodicBox, Vector, sphere};
-pub(super) use raw::Raw;
+pub(super) use raw::SuspensionSections;
 use simulation::Schedule;
 use std::path::Path;
 use suspension::{
@@ -41,11 +41,11 @@ pub struct SuspensionScene {
     /// The time from which the answers take their means; the transient is left out that is found where there is none.
     pub answers_from: Option<f64>,
     /// Schedules and files of the output.
-    pub output: Output,
+    pub output: OutputSchedules,
 }
 
 impl SuspensionScene {
-    pub(super) fn checked(raw: Raw, folder: &Path) -> Result<Self, KeyError> {
+    pub(super) fn checked(raw: SuspensionSections, folder: &Path) -> Result<Self, KeyError> {
         let (cell, turn) = cell::cell(&raw)?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, room(&raw, &cell))?;
@@ -89,7 +89,7 @@ impl SuspensionScene {
             model: Model::new(if gap_is_given { parameters } else { parameters.apart_by_roughness() })?,
             start: source,
             strain: raw.cell.strain,
-            answers_from: RawAnswers::start(raw.answers, &time)?,
+            answers_from: AnswersSection::start(raw.answers, &time)?,
             time,
             output,
         })
@@ -97,7 +97,7 @@ impl SuspensionScene {
 }
 
 /// Refuses output of contacts if there can be none.
-fn check_contacts(raw: &Raw) -> Result<(), KeyError> {
+fn check_contacts(raw: &SuspensionSections) -> Result<(), KeyError> {
     match raw.output.contacts_every {
         every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() => {
             let message =
@@ -109,12 +109,12 @@ fn check_contacts(raw: &Raw) -> Result<(), KeyError> {
 }
 
 /// Reference volume of volume fractions: that of the box, or of the ball in which the spheres start.
-fn room(raw: &Raw, cell: &PeriodicBox) -> f64 {
+fn room(raw: &SuspensionSections, cell: &PeriodicBox) -> f64 {
     raw.particles.radius.map_or_else(|| cell.volume(), sphere::volume)
 }
 
 /// Initial placement of the spheres, and the file with their positions.
-fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSource>), KeyError> {
+fn start(raw: &raw::ParticlesSection, folder: &Path) -> Result<(Start, Option<StartSource>), KeyError> {
     use raw::Initial::{Cloud, File, Lattice, Positions, Random};
     let of_gap = if raw.initial == Cloud { Cloud } else { Random };
     let belongs = [
@@ -153,12 +153,12 @@ fn start(raw: &raw::Particles, folder: &Path) -> Result<(Start, Option<StartSour
     }
 }
 
-fn repulsion(raw: &raw::Repulsion) -> Repulsion {
-    let raw::Repulsion { strength, range, screening_length, radius_power, calibrate } = *raw;
+fn repulsion(raw: &raw::RepulsionSection) -> Repulsion {
+    let raw::RepulsionSection { strength, range, screening_length, radius_power, calibrate } = *raw;
     Repulsion { strength, radius_power, range, screening_length, calibrate }
 }
 
-fn contacts(raw: &raw::Contacts) -> Contacts {
+fn contacts(raw: &raw::ContactsSection) -> Contacts {
     let usual = Contacts::new(raw.friction);
     let stiffness = raw.stiffness.and_then(|stiffness| match stiffness {
         NumberOr::Number(number) => Some(number),
@@ -178,7 +178,7 @@ fn contacts(raw: &raw::Contacts) -> Contacts {
     }
 }
 
-fn hydrodynamics(raw: &raw::Hydrodynamics) -> Hydrodynamics {
+fn hydrodynamics(raw: &raw::HydrodynamicsSection) -> Hydrodynamics {
     let default = Hydrodynamics::default();
     Hydrodynamics {
         multipoles: raw.multipoles.map_or(default.multipoles, Into::into),
@@ -194,7 +194,7 @@ fn hydrodynamics(raw: &raw::Hydrodynamics) -> Hydrodynamics {
     }
 }
 
-fn statistics(raw: &raw::Statistics) -> StatisticsParameters {
+fn statistics(raw: &raw::StatisticsSection) -> StatisticsParameters {
     StatisticsParameters {
         samples: Schedule::every(raw.every),
         from: raw.from,
@@ -206,20 +206,20 @@ fn statistics(raw: &raw::Statistics) -> StatisticsParameters {
 }
 
 /// Default integrator.
-fn usual_integrator(raw: &Raw) -> raw::Integrator {
+fn usual_integrator(raw: &SuspensionSections) -> raw::IntegratorKind {
     let is_driven = raw.flow.as_ref().is_some_and(|flow| flow.control == Some(raw::Control::Stress));
     if raw.fluid.thermal_energy.is_some() {
-        raw::Integrator::Brownian
+        raw::IntegratorKind::Brownian
     } else if raw.contacts.is_some() || is_driven {
-        raw::Integrator::Implicit
+        raw::IntegratorKind::Implicit
     } else {
-        raw::Integrator::AdamsBashforth
+        raw::IntegratorKind::AdamsBashforth
     }
 }
 
-fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> Result<Integrator, KeyError> {
+fn integrator(raw: &raw::TimeSection, usual: raw::IntegratorKind, with_contacts: bool) -> Result<Integrator, KeyError> {
     let integrator = raw.integrator.unwrap_or(usual);
-    if let raw::Integrator::AdamsBashforth | raw::Integrator::Brownian = integrator {
+    if let raw::IntegratorKind::AdamsBashforth | raw::IntegratorKind::Brownian = integrator {
         for (key, given) in [("time.tolerance", raw.tolerance), ("time.gap_fraction", raw.gap_fraction)] {
             if given.is_some() {
                 let message = "is set, but steps are all alike; set time.integrator = \"adaptive\" or \"implicit\", \
@@ -228,19 +228,19 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
             }
         }
     }
-    if raw.brownian.is_some() && integrator != raw::Integrator::Brownian {
+    if raw.brownian.is_some() && integrator != raw::IntegratorKind::Brownian {
         let message =
             "is set, but only steps of \"brownian\", with fluid.thermal_energy, have a choice of it; leave it out";
         return Err(KeyError::new("time.brownian", message));
     }
-    if integrator == raw::Integrator::AdamsBashforth {
+    if integrator == raw::IntegratorKind::AdamsBashforth {
         return Ok(Integrator::AdamsBashforth { order: raw.order.unwrap_or(4) });
     }
     if raw.order.is_some() {
         let message = "is set, but only steps of \"adams-bashforth\" have a choice of it; leave it out";
         return Err(KeyError::new("time.order", message));
     }
-    if integrator == raw::Integrator::Brownian {
+    if integrator == raw::IntegratorKind::Brownian {
         return Ok(Integrator::Brownian(raw.brownian.map_or_else(BrownianScheme::default, Into::into)));
     }
     let usual = if with_contacts { Adaptive::UNLIMITED } else { Adaptive::default() };
@@ -248,12 +248,12 @@ fn integrator(raw: &raw::Time, usual: raw::Integrator, with_contacts: bool) -> R
         tolerance: raw.tolerance.unwrap_or(usual.tolerance),
         gap_fraction: raw.gap_fraction.unwrap_or(usual.gap_fraction),
     };
-    let is_implicit = integrator == raw::Integrator::Implicit;
+    let is_implicit = integrator == raw::IntegratorKind::Implicit;
     Ok(if is_implicit { Integrator::Implicit(control) } else { Integrator::Adaptive(control) })
 }
 
-fn output(raw: raw::Output, steps: u64) -> Output {
-    Output {
+fn output(raw: raw::SuspensionOutputSection, steps: u64) -> OutputSchedules {
+    OutputSchedules {
         folder: raw.folder,
         trajectory: Schedule::every(raw.trajectory_every.unwrap_or(share(steps, 100))),
         observables: Schedule::every(raw.observables_every.unwrap_or(1)),

@@ -1,7 +1,7 @@
 //! Keys of the file as serde reads them.
 
 use crate::CaseMethod;
-use crate::answers::RawAnswers;
+use crate::answers::AnswersSection;
 use crate::document::{Alternative, NumberOr};
 use crate::time_and_output::output_section;
 use schemars::JsonSchema;
@@ -10,11 +10,13 @@ use std::path::PathBuf;
 
 mod interactions;
 
-pub(super) use interactions::{Attraction, AttractionKind, Auto, Bonds, Contacts, Repulsion, Traps};
+pub(super) use interactions::{
+    AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, RepulsionSection, TrapsSection,
+};
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Raw {
+pub(crate) struct SuspensionSections {
     /// Kind of the scene.
     #[serde(rename = "kind")]
     _kind: Option<String>,
@@ -25,47 +27,47 @@ pub(crate) struct Raw {
     pub(super) seed: u64,
     /// The periodic box.
     #[serde(rename = "box")]
-    pub(super) cell: Box,
+    pub(super) cell: BoxSection,
     /// The fluid.
-    pub(super) fluid: Fluid,
+    pub(super) fluid: FluidSection,
     /// Species of spheres.
-    pub(super) species: Vec<Species>,
+    pub(super) species: Vec<SpeciesSection>,
     /// Gravity.
-    pub(super) gravity: Option<Gravity>,
+    pub(super) gravity: Option<GravitySection>,
     /// Initial positions of the spheres.
     #[serde(default)]
-    pub(super) particles: Particles,
+    pub(super) particles: ParticlesSection,
     /// The background flow.
-    pub(super) flow: Option<Flow>,
+    pub(super) flow: Option<FlowSection>,
     /// A short-range repulsion between near spheres; none without this section.
-    pub(super) repulsion: Option<Repulsion>,
+    pub(super) repulsion: Option<RepulsionSection>,
     /// An attraction between near spheres; none without this section.
-    pub(super) attraction: Option<Attraction>,
+    pub(super) attraction: Option<AttractionSection>,
     /// Contacts of rough spheres; none without this section.
-    pub(super) contacts: Option<Contacts>,
+    pub(super) contacts: Option<ContactsSection>,
     /// Bonds between listed spheres; none without such sections.
     #[serde(default)]
-    pub(super) bonds: Vec<Bonds>,
+    pub(super) bonds: Vec<BondsSection>,
     /// Harmonic traps; none without such sections.
     #[serde(default)]
-    pub(super) traps: Vec<Traps>,
+    pub(super) traps: Vec<TrapsSection>,
     /// Evaluation of the hydrodynamics.
     #[serde(default)]
-    pub(super) hydrodynamics: Hydrodynamics,
+    pub(super) hydrodynamics: HydrodynamicsSection,
     /// Time steps.
-    pub(super) time: Time,
+    pub(super) time: TimeSection,
     /// Output.
     #[serde(default)]
-    pub(super) output: Output,
+    pub(super) output: SuspensionOutputSection,
     /// Averages over the run; none without this section.
-    pub(super) statistics: Option<Statistics>,
+    pub(super) statistics: Option<StatisticsSection>,
     /// Means over the run.
-    pub(super) answers: Option<RawAnswers>,
+    pub(super) answers: Option<AnswersSection>,
 }
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Box {
+pub(super) struct BoxSection {
     /// Edges along x, y and z; between walls, the distance between them. In unbounded fluid the box follows the
     /// spheres: there they are the initial edges for a random start or a lattice, and otherwise absent.
     pub(super) edges: Option<[f64; 3]>,
@@ -78,7 +80,7 @@ pub(super) struct Box {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Fluid {
+pub(super) struct FluidSection {
     /// Dynamic viscosity.
     pub(super) viscosity: f64,
     /// Thermal energy kT of Brownian motion; none by default.
@@ -87,13 +89,13 @@ pub(super) struct Fluid {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Species {
+pub(super) struct SpeciesSection {
     /// Name in the results.
     pub(super) name: Option<String>,
     /// Radius of the spheres; or distribution.
     pub(super) radius: Option<f64>,
     /// Distribution of the radii, represented by a few classes with the same moments; or radius.
-    pub(super) distribution: Option<Distribution>,
+    pub(super) distribution: Option<DistributionSection>,
     /// Number of spheres; or `volume_fraction`.
     pub(super) count: Option<u64>,
     /// Volume of the spheres over that of the box; or count.
@@ -110,7 +112,7 @@ pub(super) struct Species {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Distribution {
+pub(super) struct DistributionSection {
     /// Kind of distribution.
     pub(super) kind: DistributionKind,
     /// Number of classes of spheres that represent it; 4 by default.
@@ -139,14 +141,14 @@ pub(super) enum DistributionKind {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Gravity {
+pub(super) struct GravitySection {
     /// Acceleration of gravity along x, y and z.
     pub(super) acceleration: [f64; 3],
 }
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Particles {
+pub(super) struct ParticlesSection {
     /// Initial placement of the spheres.
     #[serde(default)]
     pub(super) initial: Initial,
@@ -179,7 +181,7 @@ pub(super) enum Initial {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Flow {
+pub(super) struct FlowSection {
     /// Kind of flow: none; shear along x, u = rate y, or with walls across z, u = rate z, with walls across y, u =
     /// rate y along x, and with walls across x, u = rate x along y; Poiseuille flow between walls; or extension:
     /// planar, u = rate (x, -y, 0), uniaxial, u = rate (x, -y/2, -z/2), or biaxial, u = rate (x, y, -2 z).
@@ -189,7 +191,7 @@ pub(super) struct Flow {
     /// Accumulated strains since the start at which the rate changes its sign.
     pub(super) reversal_at: Option<Vec<f64>>,
     /// An oscillating strain, instead of a rate.
-    pub(super) oscillation: Option<Oscillation>,
+    pub(super) oscillation: Option<OscillationSection>,
     /// The controlled quantity: the rate (default), or the stress, which determines the rate.
     pub(super) control: Option<Control>,
     /// Shear stress, for control = "stress".
@@ -213,7 +215,7 @@ pub(super) enum Control {
 /// The strain amplitude sin(frequency t).
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Oscillation {
+pub(super) struct OscillationSection {
     /// Largest strain.
     pub(super) amplitude: f64,
     /// Angular frequency, in radians per time.
@@ -241,7 +243,7 @@ pub(super) enum FlowKind {
 /// Keys that are absent take the defaults of the suspension.
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Hydrodynamics {
+pub(super) struct HydrodynamicsSection {
     /// Terms of the multipole expansion: forces alone, or torques and stresslets as well.
     pub(super) multipoles: Option<Multipoles>,
     /// Relative error of velocities, angular velocities and stresslets.
@@ -255,7 +257,7 @@ pub(super) struct Hydrodynamics {
     /// Relative residual of the solve for the stresslets; chosen from the tolerance by default.
     pub(super) iteration_tolerance: Option<f64>,
     /// Costs of the parts of an evaluation on this machine, as measured by `fcm-solve calibrate`.
-    pub(super) costs: Option<Costs>,
+    pub(super) costs: Option<CostsSection>,
     /// Whether near pairs have exact lubrication forces.
     pub(super) lubrication: Option<bool>,
     /// Gap at which lubrication ends, over the radius of the larger sphere; 2.5 by default.
@@ -266,7 +268,7 @@ pub(super) struct Hydrodynamics {
 
 #[derive(Deserialize, JsonSchema, Clone, Copy)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Costs {
+pub(super) struct CostsSection {
     /// Spreading and interpolation.
     pub(super) stencils: f64,
     /// Fourier transforms.
@@ -295,7 +297,7 @@ macro_rules! names {
 }
 
 names! { Boundary for crate::CaseBoundary: Periodic Walls Wall Open }
-names! { Multipoles for suspension::Multipoles: Monopole Dipole }
+names! { Multipoles for suspension::MultipoleOrder: Monopole Dipole }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }
 names! { Axis for suspension::Axis: X Y Z }
@@ -318,7 +320,7 @@ impl From<BrownianMethod> for suspension::BrownianScheme {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Time {
+pub(super) struct TimeSection {
     /// Time step.
     pub(super) step: f64,
     /// Number of steps; or duration, or strain.
@@ -331,7 +333,7 @@ pub(super) struct Time {
     /// Fixed steps, or steps divided into as many substeps as needed; "implicit" evaluates short-range forces at the
     /// end of a substep, so that their stiffness does not limit it, and is the default with contacts; "brownian" is
     /// the default with thermal energy.
-    pub(super) integrator: Option<Integrator>,
+    pub(super) integrator: Option<IntegratorKind>,
     /// Computation of the drift in "brownian" steps: by one solve at the midpoint, "drifter-corrector"
     /// (default), or by "random-finite-difference", for dense suspensions and for stresses.
     pub(super) brownian: Option<BrownianMethod>,
@@ -345,7 +347,7 @@ pub(super) struct Time {
 
 #[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
 #[serde(rename_all = "kebab-case")]
-pub(super) enum Integrator {
+pub(super) enum IntegratorKind {
     AdamsBashforth,
     Adaptive,
     Implicit,
@@ -353,7 +355,7 @@ pub(super) enum Integrator {
 }
 
 output_section! {
-    Output {
+    SuspensionOutputSection {
         /// Steps between velocity fields of the fluid at points of the box; 0 for none.
         pub(super) fields_every: u64,
         /// Steps between files of contact and bond forces; 0 for none.
@@ -363,7 +365,7 @@ output_section! {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Statistics {
+pub(super) struct StatisticsSection {
     /// Steps between samples.
     pub(super) every: u64,
     /// Time of the first sample.

@@ -9,14 +9,14 @@ use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
 const CLASSES: usize = 4;
 
 /// Species of a scene, in a box or a ball with this volume.
-pub(super) fn species(raw: &raw::Raw, volume: f64) -> Result<Vec<Species>, KeyError> {
+pub(super) fn species(raw: &raw::SuspensionSections, volume: f64) -> Result<Vec<Species>, KeyError> {
     raw.species.iter().enumerate().try_for_each(|(index, one)| names::check(one.name.as_deref(), index))?;
     let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, volume)).collect();
     Ok(lists?.into_iter().flatten().collect())
 }
 
 /// Species of a section: one, or the classes of a distribution.
-fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>, KeyError> {
+fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Result<Vec<Species>, KeyError> {
     let one = &raw.species[index];
     if one.density_difference.is_some() && raw.gravity.is_none() {
         let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force instead";
@@ -43,7 +43,7 @@ fn of_section(raw: &raw::Raw, index: usize, volume: f64) -> Result<Vec<Species>,
 }
 
 /// Radii of a section, and their relative numbers.
-fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, KeyError> {
+fn classes(one: &raw::SpeciesSection, index: usize) -> Result<Vec<SizeClass>, KeyError> {
     let key = format!("species[{index}].radius");
     match (one.radius, &one.distribution) {
         (Some(radius), None) => Ok(vec![SizeClass { radius: positive(&key, radius)?, share: 1.0 }]),
@@ -56,7 +56,7 @@ fn classes(one: &raw::Species, index: usize) -> Result<Vec<SizeClass>, KeyError>
     }
 }
 
-fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, KeyError> {
+fn distribution(raw: &raw::DistributionSection, key: &str) -> Result<SizeDistribution, KeyError> {
     use raw::DistributionKind::{LogNormal, PowerLaw, Table};
     let keys = [
         ("mean", raw.mean.is_some(), LogNormal),
@@ -84,7 +84,12 @@ fn distribution(raw: &raw::Distribution, key: &str) -> Result<SizeDistribution, 
 }
 
 /// Number of spheres of all classes.
-fn count(raw: &raw::Raw, index: usize, volume: f64, classes: &[SizeClass]) -> Result<Option<u64>, KeyError> {
+fn count(
+    raw: &raw::SuspensionSections,
+    index: usize,
+    volume: f64,
+    classes: &[SizeClass],
+) -> Result<Option<u64>, KeyError> {
     let one = &raw.species[index];
     let fault = |name: &str, message: &str| Err(KeyError::new(format!("species[{index}]{name}"), message));
     let from_file = raw.particles.initial == raw::Initial::File;

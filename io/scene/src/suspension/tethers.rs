@@ -6,8 +6,8 @@ use crate::key_error::KeyError;
 use domain::Vector;
 use suspension::{Bonds, Centres, Species, Trapped, Traps};
 
-pub(super) fn bonds(raw: &[raw::Bonds]) -> Vec<Bonds> {
-    let bonds = |raw: &raw::Bonds| Bonds {
+pub(super) fn bonds(raw: &[raw::BondsSection]) -> Vec<Bonds> {
+    let bonds = |raw: &raw::BondsSection| Bonds {
         pairs: raw.pairs.clone(),
         length: raw.length,
         stiffness: raw.stiffness,
@@ -16,15 +16,15 @@ pub(super) fn bonds(raw: &[raw::Bonds]) -> Vec<Bonds> {
     raw.iter().map(bonds).collect()
 }
 
-pub(super) fn traps(raw: &[raw::Traps], species: &[Species]) -> Result<Vec<Traps>, KeyError> {
-    let traps = |(index, raw): (usize, &raw::Traps)| {
+pub(super) fn traps(raw: &[raw::TrapsSection], species: &[Species]) -> Result<Vec<Traps>, KeyError> {
+    let traps = |(index, raw): (usize, &raw::TrapsSection)| {
         let (of, centres) = (trapped(raw, index, species)?, centres(raw, index)?);
         Ok(Traps { of, centres, stiffness: raw.stiffness })
     };
     raw.iter().enumerate().map(traps).collect()
 }
 
-fn trapped(raw: &raw::Traps, index: usize, species: &[Species]) -> Result<Trapped, KeyError> {
+fn trapped(raw: &raw::TrapsSection, index: usize, species: &[Species]) -> Result<Trapped, KeyError> {
     match (&raw.species, &raw.particles) {
         (None, None) => Ok(Trapped::All),
         (None, Some(ids)) => Ok(Trapped::Spheres(ids.clone())),
@@ -45,7 +45,7 @@ fn of_species(name: &str, index: usize, species: &[Species]) -> Result<Trapped, 
     })
 }
 
-fn centres(raw: &raw::Traps, index: usize) -> Result<Centres, KeyError> {
+fn centres(raw: &raw::TrapsSection, index: usize) -> Result<Centres, KeyError> {
     match (&raw.centre, &raw.centres) {
         (None, None) => Ok(Centres::AtStart),
         (Some(centre), None) => Ok(Centres::One(Vector::from_array(*centre))),

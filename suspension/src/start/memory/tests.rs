@@ -1,5 +1,5 @@
 use super::*;
-use crate::model::{Hydrodynamics, Parameters, Statistics};
+use crate::model::{Hydrodynamics, Parameters, StatisticsParameters};
 use crate::start::plan::plan;
 use domain::PeriodicBox;
 use fcm::Method;
@@ -45,7 +45,7 @@ fn predictions_are_those_that_were_compared_with_peaks() {
 fn statistics_of_more_samples_take_more() {
     let needed = |statistics, steps| needed(Parameters { steps, statistics, ..settling(10_000, 0.12) }, 2);
     let none = needed(None, 2000);
-    let [few, many] = [20, 2000].map(|steps| needed(Some(Statistics::ALL), steps));
+    let [few, many] = [20, 2000].map(|steps| needed(Some(StatisticsParameters::ALL), steps));
     assert!(none[0] < few[0] && few[0] < many[0], "{none:?} {few:?} {many:?}");
     assert!((few[1] - many[1]).abs() < 1e-9, "the first rank has them: {few:?} {many:?}");
 }

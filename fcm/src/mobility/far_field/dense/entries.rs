@@ -7,7 +7,7 @@
 use super::pair_sum::PairSum;
 use super::wave_sum::WaveSum;
 use crate::envelope::{Common, Envelope};
-use crate::mobility::noise::{COMPONENTS, Components};
+use crate::mobility::noise::{COMPONENTS, ParticleComponents};
 use crate::plan::Plan;
 use domain::{PeriodicBox, Vector};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ pub(super) struct LocatedSphere {
 }
 
 /// Motions of one sphere that each load of another causes: a row for each load.
-pub(super) type PairBlock = [Components; COMPONENTS];
+pub(super) type PairBlock = [ParticleComponents; COMPONENTS];
 
 /// Envelopes of the spheres of a plan, and the wide Gaussian that they share.
 pub(super) struct Shapes {

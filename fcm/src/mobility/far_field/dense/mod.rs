@@ -8,7 +8,7 @@ mod wave_sum;
 
 use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{self, COMPONENTS, Components, DrawDiagnostics};
+use crate::mobility::noise::{self, COMPONENTS, DrawDiagnostics, ParticleComponents};
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Units, Vector};
@@ -98,7 +98,7 @@ impl DenseFarField {
             let [a, b, c, d, e] = noise::orthonormal(-stresslet).map(|s| s * over_torque);
             [fx, fy, fz, tx, ty, tz, a, b, c, d, e]
         });
-        let own: Vec<Components> = own.collect();
+        let own: Vec<ParticleComponents> = own.collect();
         let (height, all) = (self.height(), self.comm.all_gather(own.as_flattened()));
         let mut ordered = vec![0.0; placed.all.len() * height];
         for (components, &place) in all.chunks(COMPONENTS).zip(&placed.all) {
@@ -108,10 +108,10 @@ impl DenseFarField {
     }
 
     /// Rows of a matrix times a vector, for the wanted components of each particle.
-    fn times(&self, rows: &[f64], vector: &[f64], wanted: Range<usize>) -> Vec<Components> {
+    fn times(&self, rows: &[f64], vector: &[f64], wanted: Range<usize>) -> Vec<ParticleComponents> {
         let height = self.height();
         let of_particle = |rows: &[f64]| {
-            let mut components = Components::default();
+            let mut components = ParticleComponents::default();
             for row in wanted.start..wanted.end.min(height) {
                 components[row] = noise::product(&rows[row * vector.len()..][..vector.len()], vector);
             }
@@ -121,7 +121,7 @@ impl DenseFarField {
     }
 
     /// Motions from components in internal units.
-    fn motion(components: Vec<Components>, [velocity, rate]: [f64; 2], output: Output) -> Motion {
+    fn motion(components: Vec<ParticleComponents>, [velocity, rate]: [f64; 2], output: Output) -> Motion {
         let mut motion = noise::motion(components.into_iter());
         motion.velocities.iter_mut().for_each(|v| *v *= velocity);
         motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);

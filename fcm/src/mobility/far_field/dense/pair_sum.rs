@@ -3,7 +3,7 @@
 use super::entries::{EXPONENT, LocatedSphere, PairBlock, Shapes};
 use crate::mobility::loads::dipole;
 use crate::mobility::noise::{COMPONENTS, components, tensor};
-use crate::pairs::table::{PairFunctions, Values};
+use crate::pairs::table::{PairFunctions, PairValues};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
 
 /// Pair functions of all radii, and the distance at which they end.
@@ -88,7 +88,7 @@ pub(super) fn unit_loads() -> [UnitLoad; COMPONENTS] {
 /// d_d d_c T_ab G_bc = -G_ad (4 f_2 + r^2 f_3) - (G x)_a x_d (6 f_3 + r^2 f_4) + G_da f_2 + x_a x_d (x.G x) f_4
 ///                     + [(G^T x)_a x_d + x_a (G^T x)_d + x_a (G x)_d + delta_ad (x.G x)] f_3
 /// ```
-fn flow(f: &Values, x: Vector, load: &UnitLoad) -> (Vector, Tensor) {
+fn flow(f: &PairValues, x: Vector, load: &UnitLoad) -> (Vector, Tensor) {
     let &UnitLoad { force, dipole } = load;
     let square = x.length_squared();
     let (along, across) = (dipole * x, dipole.transpose() * x);

@@ -8,7 +8,7 @@ use super::GridFarField;
 use crate::envelope::Envelope;
 use crate::mobility::far_field::FlowAtPoints;
 use crate::mobility::loads::Loads;
-use crate::pairs::table::{PairFunctions, Table};
+use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::Plan;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_images::SourceSphere;
@@ -115,7 +115,7 @@ impl GridFlow<'_> {
 struct NearPoints {
     cutoff: f64,
     inverse_viscosity: f64,
-    functions: Vec<(PairFunctions, Option<Table<f64>>)>,
+    functions: Vec<(PairFunctions, Option<PairTable<f64>>)>,
 }
 
 impl NearPoints {
@@ -124,7 +124,7 @@ impl NearPoints {
         let common = plan.common().expect("the split method has a common Gaussian");
         let of_radius = |&radius: &f64| {
             let functions = PairFunctions::new(Envelope::POINT, Envelope::of_sphere(radius), common);
-            (functions, Table::new(&functions, cutoff, plan.table_tolerance()))
+            (functions, PairTable::new(&functions, cutoff, plan.table_tolerance()))
         };
         Self { cutoff, inverse_viscosity: 1.0 / plan.viscosity, functions: plan.radii.iter().map(of_radius).collect() }
     }

@@ -3,7 +3,7 @@
 use super::GridFarField;
 use crate::mobility::far_field::{FarField, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, dipole};
-use crate::mobility::noise::{self, Components, DrawDiagnostics, Stream, square_root_times};
+use crate::mobility::noise::{self, DrawDiagnostics, ParticleComponents, Stream, square_root_times};
 use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Tensor, Vector, sphere};
 use std::convert::Infallible;
@@ -53,14 +53,14 @@ impl GridFarField {
     }
 
     /// Near-field part. Collective.
-    fn near_noise(&mut self, draw: &NoiseRequest) -> (Vec<Components>, DrawDiagnostics) {
+    fn near_noise(&mut self, draw: &NoiseRequest) -> (Vec<ParticleComponents>, DrawDiagnostics) {
         let &NoiseRequest { ids, tolerance, stream } = draw;
         let Some(near) = &self.near else { return (Vec::new(), DrawDiagnostics::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
         let has_dipoles = self.has_dipoles();
         let own = self.plan.in_units(&self.units);
         let scales = Scales::new(&own.radii, own.viscosity, &arrangement.classes[..ids.len()]);
-        let apply = |scaled: &[Components]| {
+        let apply = |scaled: &[ParticleComponents]| {
             let loads = scales.divide(scaled);
             let mut forces: Vec<Vector> = loads.iter().map(|c| Vector::from_slice(c)).collect();
             arrangement.halo.extend(&mut forces);
@@ -89,7 +89,7 @@ impl GridFarField {
         let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
         let output = if has_dipoles { Output::All } else { Output::Velocities };
         let start = self.start(ids, stream);
-        let apply = |scaled: &[Components]| {
+        let apply = |scaled: &[ParticleComponents]| {
             let mut loads = Loads::default();
             for components in scales.divide(scaled) {
                 loads.forces.push(Vector::from_slice(&components));
@@ -125,7 +125,7 @@ impl GridFarField {
     }
 
     /// Random numbers to which a square root is applied.
-    fn start(&self, ids: &[u64], stream: Stream) -> Vec<Components> {
+    fn start(&self, ids: &[u64], stream: Stream) -> Vec<ParticleComponents> {
         let kept = self.components();
         let numbers = |&id: &u64| {
             let mut numbers = stream.of_particle(id);
@@ -150,16 +150,16 @@ impl Scales {
         Self(classes.iter().map(of_one).collect())
     }
 
-    fn times(&self, list: &[Components]) -> Vec<Components> {
+    fn times(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
         self.scaled(list, |component, scale| component * scale)
     }
 
-    fn divide(&self, list: &[Components]) -> Vec<Components> {
+    fn divide(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
         self.scaled(list, |component, scale| component / scale)
     }
 
-    fn scaled(&self, list: &[Components], by: impl Fn(f64, f64) -> f64) -> Vec<Components> {
-        let scaled = |(components, scales): (&Components, &[f64; 3])| {
+    fn scaled(&self, list: &[ParticleComponents], by: impl Fn(f64, f64) -> f64) -> Vec<ParticleComponents> {
+        let scaled = |(components, scales): (&ParticleComponents, &[f64; 3])| {
             std::array::from_fn(|k| by(components[k], scales[[0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2][k]]))
         };
         list.iter().zip(&self.0).map(scaled).collect()

@@ -10,7 +10,7 @@ use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
 use crate::mobility::noise::DrawDiagnostics;
 use crate::mobility::work::{Stopwatch, Work};
-use crate::pairs::pair_correction::{LoadedParticles, NearField, PairCorrection};
+use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorrection};
 use crate::plan::Plan;
 use crate::plan::problem::Precision;
 use crate::walls::wall_images::WallImages;
@@ -32,7 +32,7 @@ pub(crate) struct GridFarField {
     units: Units,
     partition: Partition,
     grid: Box<dyn GridPart>,
-    near: Option<Box<dyn NearField>>,
+    near: Option<Box<dyn DynPairCorrection>>,
     wall_images: Option<WallImages>,
     arrangement: ArrangedParticles,
     verlet_list: VerletList,
@@ -206,7 +206,7 @@ fn parts<T: Real>(
     plan: &Plan,
     partition: &Partition,
     cell: &PeriodicBox,
-) -> (Box<dyn GridPart>, Option<Box<dyn NearField>>) {
+) -> (Box<dyn GridPart>, Option<Box<dyn DynPairCorrection>>) {
     let grid = Box::new(SpectralGrid::<T>::new(plan, partition, cell));
     let Some(common) = plan.common() else {
         return (grid, None);

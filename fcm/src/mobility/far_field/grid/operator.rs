@@ -1,7 +1,7 @@
 //! Operator from force density to velocity on the grid of a plan.
 
 use crate::envelope::Common;
-use crate::grid::window::Window;
+use crate::grid::window::KaiserBessel;
 use crate::plan::Plan;
 use crate::plan::method::Method;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
@@ -58,7 +58,13 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
 
 /// Flow of walls, or of the fluid beyond open faces, which is added to the periodic solve. The common Gaussian and
 /// its bracket act on it as `1 + (Sigma^2 - D)/2 lap`.
-fn channel<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition, window: Window, common: Common) -> Channel<T> {
+fn channel<T: Real>(
+    plan: &Plan,
+    grid: &Grid,
+    partition: &Partition,
+    window: KaiserBessel,
+    common: Common,
+) -> Channel<T> {
     let spacing = grid.spacing();
     let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
     let cut = plan.wavenumber_split();

@@ -12,7 +12,7 @@ const NAME: usize = 64;
 /// Header of a file.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Header {
+struct GsdHeader {
     magic: u64,
     index_location: u64,
     index_entries: u64,
@@ -28,7 +28,7 @@ struct Header {
 /// Index entry of a chunk. Entries are ordered by frame, then by the id of the name.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
-struct Entry {
+struct IndexEntry {
     frame: u64,
     rows: u64,
     location: i64,
@@ -86,7 +86,7 @@ impl Chunk {
 /// A file that is being written.
 pub(super) struct GsdFile<W> {
     out: W,
-    index: Vec<Entry>,
+    index: Vec<IndexEntry>,
     /// Names in the order of their ids.
     names: Vec<String>,
     frames: u64,
@@ -96,9 +96,9 @@ pub(super) struct GsdFile<W> {
 impl<W: Write + Seek> GsdFile<W> {
     /// Starts a file, with space for the header.
     pub(super) fn begin(mut out: W) -> Result<Self> {
-        let header = Header::zeroed();
+        let header = GsdHeader::zeroed();
         out.write_all(bytes_of(&header))?;
-        Ok(Self { out, index: Vec::new(), names: Vec::new(), frames: 0, end: size_of::<Header>() as u64 })
+        Ok(Self { out, index: Vec::new(), names: Vec::new(), frames: 0, end: size_of::<GsdHeader>() as u64 })
     }
 
     /// Adds a frame.
@@ -114,7 +114,7 @@ impl<W: Write + Seek> GsdFile<W> {
         self.out.write_all(&chunk.bytes)?;
         let name = self.number_of(&chunk.name);
         let (rows, columns, location) = (chunk.rows as u64, chunk.columns as u32, self.end as i64);
-        self.index.push(Entry { frame: self.frames, rows, location, columns, name, kind: chunk.kind, flags: 0 });
+        self.index.push(IndexEntry { frame: self.frames, rows, location, columns, name, kind: chunk.kind, flags: 0 });
         self.end += chunk.bytes.len() as u64;
         Ok(())
     }
@@ -133,7 +133,7 @@ impl<W: Write + Seek> GsdFile<W> {
         names.resize((names.len() / NAME + 1) * NAME, 0);
         self.out.write_all(cast_slice(&self.index))?;
         self.out.write_all(&names)?;
-        let header = Header {
+        let header = GsdHeader {
             magic: MAGIC,
             index_location: self.end,
             index_entries: self.index.len() as u64,

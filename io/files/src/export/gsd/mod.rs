@@ -4,7 +4,7 @@
 mod centred;
 mod file;
 
-use crate::trajectory_reader::Snapshot;
+use crate::trajectory_reader::TimedFrame;
 use centred::Centred;
 use domain::{Column, Particles, PeriodicBox, Traceless, Vector};
 use file::{Chunk, GsdFile};
@@ -16,7 +16,7 @@ use std::io::{Result, Seek, Write};
 pub(super) fn write(
     out: &mut (impl Write + Seek),
     species: &[String],
-    frames: &mut dyn Iterator<Item = Snapshot>,
+    frames: &mut dyn Iterator<Item = TimedFrame>,
 ) -> Result<()> {
     let mut file = GsdFile::begin(out)?;
     for (number, snapshot) in frames.enumerate() {
@@ -31,7 +31,7 @@ pub(super) fn write(
     file.end()
 }
 
-fn clock_and_box(Snapshot { step, time, frame }: &Snapshot) -> Vec<Chunk> {
+fn clock_and_box(TimedFrame { step, time, frame }: &TimedFrame) -> Vec<Chunk> {
     let (edges, [xz, yz]) = (frame.cell.edges(), frame.cell.tilts());
     let lengths_and_tilts = [edges.x, edges.y, edges.z, frame.cell.strain(), xz, yz];
     vec![

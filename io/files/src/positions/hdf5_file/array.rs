@@ -1,7 +1,7 @@
 //! Arrays of HDF5 files, read strictly: numbers, shapes and names are as stored, or refused.
 
 use crate::frames::one_of;
-use crate::positions::species::{Names, SpeciesColumn};
+use crate::positions::species::{SpeciesColumn, SpeciesNames};
 use crate::{claimed_size, verified};
 use domain::Vector;
 use hdf5::types::{EnumType, FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
@@ -183,7 +183,7 @@ impl Array {
             list.push(member.name.clone());
         }
         let of = of.into_iter().map(|place| numbers[place as usize]).collect();
-        Ok(SpeciesColumn::Names(Names { list, of, are_symbols: false }))
+        Ok(SpeciesColumn::Names(SpeciesNames { list, of, are_symbols: false }))
     }
 
     fn kind(&self) -> Result<TypeDescriptor, String> {
@@ -224,7 +224,7 @@ fn named<T: AsRef<str>>(rows: &[T]) -> SpeciesColumn {
             list.len() as u32 - 1
         }));
     }
-    SpeciesColumn::Names(Names { list, of, are_symbols: false })
+    SpeciesColumn::Names(SpeciesNames { list, of, are_symbols: false })
 }
 
 fn in_words(kind: &TypeDescriptor) -> &'static str {

@@ -5,24 +5,24 @@ use crate::claimed_size;
 use hdf5::{Container, Dataset, Group};
 
 /// An element of H5MD.
-pub(super) struct Element {
+pub(super) struct H5mdElement {
     values: Dataset,
-    clock: Option<Clock>,
+    clock: Option<FrameTimes>,
 }
 
 /// Steps and times of the frames.
-pub(super) struct Clock {
-    steps: Series,
-    times: Option<Series>,
+pub(super) struct FrameTimes {
+    steps: FrameSeries,
+    times: Option<FrameSeries>,
 }
 
 /// One number per frame, listed or at a fixed interval.
-enum Series {
+enum FrameSeries {
     Listed(Vec<f64>),
     Fixed { interval: f64, offset: f64 },
 }
 
-impl Element {
+impl H5mdElement {
     /// The element of this name, if the group has it.
     pub(super) fn open(group: &Group, name: &str) -> Result<Option<Self>, String> {
         if !group.link_exists(name) {
@@ -34,10 +34,10 @@ impl Element {
         let of = |e: hdf5::Error| format!("{}/{name}: {e}", group.name().trim_start_matches('/'));
         let element = group.group(name).map_err(of)?;
         let values = element.dataset("value").map_err(of)?;
-        let steps = Series::open(&element, "step")?
+        let steps = FrameSeries::open(&element, "step")?
             .ok_or_else(|| format!("{} has values for frames, but no step", element.name().trim_start_matches('/')))?;
-        let times = Series::open(&element, "time")?;
-        Ok(Some(Self { values, clock: Some(Clock { steps, times }) }))
+        let times = FrameSeries::open(&element, "time")?;
+        Ok(Some(Self { values, clock: Some(FrameTimes { steps, times }) }))
     }
 
     /// Number of frames, if the element has frames.
@@ -45,10 +45,10 @@ impl Element {
         let Some(clock) = &self.clock else { return Ok(None) };
         let stored = self.values.shape().first().copied().unwrap_or(0);
         match &clock.steps {
-            Series::Fixed { .. } => Ok(Some(stored)),
+            FrameSeries::Fixed { .. } => Ok(Some(stored)),
             // The step is written last.
-            Series::Listed(steps) if steps.len() <= stored => Ok(Some(steps.len())),
-            Series::Listed(steps) => {
+            FrameSeries::Listed(steps) if steps.len() <= stored => Ok(Some(steps.len())),
+            FrameSeries::Listed(steps) => {
                 let name = self.values.name();
                 Err(format!("{} has {stored} frames for {} steps", name.trim_start_matches('/'), steps.len()))
             }
@@ -80,7 +80,7 @@ impl Element {
     }
 }
 
-impl Series {
+impl FrameSeries {
     fn open(group: &Group, name: &str) -> Result<Option<Self>, String> {
         if !group.link_exists(name) {
             return Ok(None);

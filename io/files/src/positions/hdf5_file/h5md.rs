@@ -1,9 +1,9 @@
 //! Frames of H5MD files (de Buyl, Colberg & Höfling, Comput. Phys. Commun. 185, 1546, 2014).
 
 use super::array::words;
-use super::element::Element;
+use super::element::H5mdElement;
 use crate::Provenance;
-use crate::frames::Sums;
+use crate::frames::FrameChecksums;
 use crate::positions::run_folder::recorded;
 use crate::positions::species::SpeciesColumn;
 use crate::positions::{FileBox, StartFile, TakenFrame, frame};
@@ -16,11 +16,11 @@ use scene::{Scene, StartSource};
 /// Reads a frame of a group of particles, by default the last one.
 pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, String> {
     let group = group(file, source.group.as_deref())?;
-    let open = |name: &str| Element::open(&group, name);
+    let open = |name: &str| H5mdElement::open(&group, name);
     let position = open("position")?.ok_or_else(|| format!("{} has no position", short(&group)))?;
     let count = position.frames()?.unwrap_or(1);
     let number = frame::pick(source.frame, count)?;
-    if let Some(damage) = Sums::open(file).map_err(words)?.and_then(|sums| sums.damage(number)) {
+    if let Some(damage) = FrameChecksums::open(file).map_err(words)?.and_then(|sums| sums.damage(number)) {
         return Err(format!("{damage}; restore the file from a copy, or name another particles.frame"));
     }
     let (step, time) = position.clock(number);
@@ -76,7 +76,7 @@ fn group(file: &File, name: Option<&str>) -> Result<Group, String> {
 /// Box at a step, if the group has its edges.
 fn cell(group: &Group, step: Option<f64>) -> Result<Option<FileBox>, String> {
     let Ok(cell) = group.group("box") else { return Ok(None) };
-    let Some(edges) = Element::open(&cell, "edges")? else { return Ok(None) };
+    let Some(edges) = H5mdElement::open(&cell, "edges")? else { return Ok(None) };
     let edges = edges.at_step(step)?;
     let (shape, numbers) = (edges.shape(), edges.numbers()?);
     let straight = match shape[..] {
@@ -84,7 +84,7 @@ fn cell(group: &Group, step: Option<f64>) -> Result<Option<FileBox>, String> {
         [3, 3] => FileBox::lattice([0, 3, 6].map(|first| Vector::from_slice(&numbers[first..]))),
         _ => return Err(format!("{} has the shape {shape:?}; a box has 3 edges, as numbers or vectors", edges.name())),
     };
-    let strain = Element::open(&cell, "strain")?.map(|strain| strain.at_step(step)).transpose()?;
+    let strain = H5mdElement::open(&cell, "strain")?.map(|strain| strain.at_step(step)).transpose()?;
     let strain = strain.map(|strain| strain.numbers()).transpose()?.and_then(|numbers| numbers.first().copied());
     // A lattice that is not along x, y and z is determined by its vectors alone.
     let strain = strain.filter(|strain| is_that_of(&straight, *strain));

@@ -151,7 +151,7 @@ fn species_of_h5md_are_fixed_or_of_frames_numbers_or_names() {
         .map(|read| read.species.unwrap())
     };
     let names = |list: &[&str], of: &[u32]| {
-        SpeciesColumn::Names(Names {
+        SpeciesColumn::Names(SpeciesNames {
             list: list.iter().map(|&s| s.to_owned()).collect(),
             of: of.to_vec(),
             are_symbols: false,

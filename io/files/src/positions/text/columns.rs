@@ -1,8 +1,8 @@
 //! Columns of a table of particles.
 
-use super::number::{Numbers, whole};
+use super::number::{NumberParser, whole};
 use crate::positions::StartFile;
-use crate::positions::species::{Names, SpeciesColumn};
+use crate::positions::species::{SpeciesColumn, SpeciesNames};
 use domain::Vector;
 use scene::document::excerpt;
 use std::borrow::Cow;
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 /// Column numbers of the quantities.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Columns {
+pub(super) struct ColumnNumbers {
     pub(super) position: [usize; 3],
     pub(super) images: Option<[usize; 3]>,
     /// Column of the size, and the factor from it to the radius.
@@ -35,20 +35,20 @@ pub(super) enum Labels {
 }
 
 /// A line of a table, and its number from 1.
-pub(super) struct Row<'a> {
+pub(super) struct TableLine<'a> {
     pub(super) line: usize,
     pub(super) cells: Vec<Cow<'a, str>>,
 }
 
 /// The columns `x`, `y`, `z`, `radius` or `diameter`, `species` or `type`, and `id`, from names in lower case.
-pub(super) fn named(names: &[String], coordinates: [&str; 3], species: Labels) -> Result<Columns, String> {
+pub(super) fn named(names: &[String], coordinates: [&str; 3], species: Labels) -> Result<ColumnNumbers, String> {
     let place = |name: &str| unique(names, name);
     let required = |name: &str| place(name)?.ok_or_else(|| format!("it has no column {name}"));
     let scaled = |name: &str, factor: f64| Ok::<_, String>(place(name)?.map(|column| (column, factor)));
     let labelled = |name: &str, labels: Labels| Ok::<_, String>(place(name)?.map(|column| (column, labels)));
     let [x, y, z] = coordinates;
     let image = [place("ix")?, place("iy")?, place("iz")?];
-    Ok(Columns {
+    Ok(ColumnNumbers {
         position: [required(x)?, required(y)?, required(z)?],
         images: if let [Some(x), Some(y), Some(z)] = image { Some([x, y, z]) } else { None },
         radius: scaled("radius", 1.0)?.or(scaled("diameter", 0.5)?),
@@ -67,12 +67,12 @@ fn unique(names: &[String], name: &str) -> Result<Option<usize>, String> {
     }
 }
 
-impl Columns {
+impl ColumnNumbers {
     /// Reads the particles of rows that have all cells.
     pub(super) fn read<'a>(
         &self,
-        rows: impl Iterator<Item = Result<Row<'a>, String>>,
-        mut numbers: Numbers,
+        rows: impl Iterator<Item = Result<TableLine<'a>, String>>,
+        mut numbers: NumberParser,
     ) -> Result<StartFile, String> {
         let mut file = StartFile {
             radii: self.radius.map(|_| vec![]),
@@ -104,7 +104,7 @@ impl Columns {
     }
 }
 
-fn integer<T: std::str::FromStr>(row: &Row, column: usize, what: &str) -> Result<T, String> {
+fn integer<T: std::str::FromStr>(row: &TableLine, column: usize, what: &str) -> Result<T, String> {
     let cell = &row.cells[column];
     cell.parse().map_err(|_| format!("line {} has {} where {what} should be", row.line, excerpt(cell)))
 }
@@ -118,7 +118,7 @@ struct Labelled {
 }
 
 impl Labelled {
-    fn add(&mut self, row: &Row, column: usize) -> Result<(), String> {
+    fn add(&mut self, row: &TableLine, column: usize) -> Result<(), String> {
         let label = row.cells[column].as_ref();
         if label.is_empty() {
             return Err(format!("line {} has no species; each particle needs one", row.line));
@@ -140,7 +140,7 @@ impl Labelled {
             Labels::NamesOrIndices if are_numbers => self.numbers(0).map(SpeciesColumn::Indices),
             _ => {
                 let list = self.list.into_iter().map(|(label, _)| label).collect();
-                Ok(SpeciesColumn::Names(Names { list, of: self.of, are_symbols: meaning == Labels::Symbols }))
+                Ok(SpeciesColumn::Names(SpeciesNames { list, of: self.of, are_symbols: meaning == Labels::Symbols }))
             }
         }
     }

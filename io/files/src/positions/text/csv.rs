@@ -1,8 +1,8 @@
 //! Tables of values under a line of names.
 
-use super::columns::{self, Columns, Labels, Row};
+use super::columns::{self, ColumnNumbers, Labels, TableLine};
 use super::csv_cells::Separator;
-use super::number::Numbers;
+use super::number::NumberParser;
 use crate::positions::{StartFile, TakenFrame, frame};
 use scene::document::excerpt;
 
@@ -12,10 +12,10 @@ pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<Start
     frame::pick(asked, 1)?;
     let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let (_, first) = lines.next().ok_or("it is empty")?;
-    let header = Header::of(first)?;
+    let header = NameLine::of(first)?;
     let numbers = match header.separator {
-        Separator::Comma => Numbers::with_points(),
-        _ => Numbers::with_either(),
+        Separator::Comma => NumberParser::with_points(),
+        _ => NumberParser::with_either(),
     };
     let mut file = header.columns.read(lines.map(|(number, line)| header.row(number + 1, line)), numbers)?;
     file.frame = TakenFrame { count: 1, ..TakenFrame::default() };
@@ -23,13 +23,13 @@ pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<Start
 }
 
 /// The line of names.
-struct Header {
+struct NameLine {
     separator: Separator,
-    columns: Columns,
+    columns: ColumnNumbers,
     names: Vec<String>,
 }
 
-impl Header {
+impl NameLine {
     fn of(line: &str) -> Result<Self, String> {
         let split = |separator: Separator| {
             let cells = separator.cells(line).ok()?;
@@ -48,11 +48,11 @@ impl Header {
     }
 
     /// Cells of a line, one for each name.
-    fn row<'a>(&self, line: usize, text: &'a str) -> Result<Row<'a>, String> {
+    fn row<'a>(&self, line: usize, text: &'a str) -> Result<TableLine<'a>, String> {
         let cells = self.separator.cells(text).map_err(|what| format!("line {line} has {what}"))?;
         let (found, needed) = (cells.len(), self.names.len());
         if found == needed {
-            return Ok(Row { line, cells });
+            return Ok(TableLine { line, cells });
         }
         let advice = match self.separator {
             Separator::Comma if found > needed => "; where decimals have commas, separate cells by semicolons",

@@ -1,8 +1,8 @@
 //! LAMMPS dumps: frames of sections that begin with `ITEM:`.
 
-use super::columns::{self, Columns, Labels, Row};
+use super::columns::{self, ColumnNumbers, Labels, TableLine};
 use super::lammps_box;
-use super::number::Numbers;
+use super::number::NumberParser;
 use crate::positions::{FileBox, StartFile, TakenFrame, frame};
 use domain::Vector;
 use scene::document::excerpt;
@@ -18,7 +18,7 @@ pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<Start
     let starts: Vec<usize> = (0..lines.len()).filter(|&line| lines[line].starts_with(TIMESTEP)).collect();
     let number = frame::pick(asked, starts.len())?;
     let end = starts.get(number + 1).copied().unwrap_or(lines.len());
-    let mut file = Frame::of(&lines, starts[number]..end)?.read()?;
+    let mut file = LammpsFrame::of(&lines, starts[number]..end)?.read()?;
     file.frame.number = number;
     file.frame.count = starts.len();
     Ok(file)
@@ -28,7 +28,7 @@ const TIMESTEP: &str = "ITEM: TIMESTEP";
 
 /// The sections of a frame.
 #[derive(Default)]
-struct Frame<'a> {
+struct LammpsFrame<'a> {
     step: Option<i64>,
     time: Option<f64>,
     count: Option<usize>,
@@ -39,7 +39,7 @@ struct Frame<'a> {
     first: usize,
 }
 
-impl<'a> Frame<'a> {
+impl<'a> LammpsFrame<'a> {
     fn of(lines: &'a [&'a str], range: std::ops::Range<usize>) -> Result<Self, String> {
         let mut frame = Self::default();
         let mut line = range.start;
@@ -82,7 +82,7 @@ impl<'a> Frame<'a> {
             ));
         }
         let rows = (0..end).map(|offset| row(self.first + offset + 1, self.atoms[offset], names.len()));
-        let mut file = columns.read(rows, Numbers::with_points())?;
+        let mut file = columns.read(rows, NumberParser::with_points())?;
         if are_parts {
             let cell = self.cell.ok_or("it has positions in parts of a box, but no BOX BOUNDS")?;
             let [a, b, c] = cell.vectors;
@@ -96,7 +96,7 @@ impl<'a> Frame<'a> {
 }
 
 /// The columns, and whether positions are fractions of the box.
-fn columns(names: &[String]) -> Result<(Columns, bool), String> {
+fn columns(names: &[String]) -> Result<(ColumnNumbers, bool), String> {
     let has = |name: &str| names.iter().any(|n| n == name);
     let found = COORDINATES.into_iter().find(|(coordinates, _)| coordinates.iter().all(|name| has(name)));
     let Some((coordinates, are_parts)) = found else {
@@ -118,11 +118,11 @@ fn columns(names: &[String]) -> Result<(Columns, bool), String> {
     Ok((columns, are_parts))
 }
 
-fn row(line: usize, text: &str, width: usize) -> Result<Row<'_>, String> {
+fn row(line: usize, text: &str, width: usize) -> Result<TableLine<'_>, String> {
     let cells: Vec<Cow<str>> = text.split_whitespace().map(Cow::Borrowed).collect();
     let found = cells.len();
     if found == width {
-        Ok(Row { line, cells })
+        Ok(TableLine { line, cells })
     } else {
         Err(format!("line {line} has {found} cells, ATOMS have {width} columns"))
     }

@@ -3,12 +3,12 @@
 use scene::document::excerpt;
 
 /// Parser of numbers with a common decimal mark: a point, or a comma where commas do not separate cells.
-pub(super) struct Numbers {
+pub(super) struct NumberParser {
     may_be_comma: bool,
     mark: Option<char>,
 }
 
-impl Numbers {
+impl NumberParser {
     /// Numbers with decimal points.
     pub(super) fn with_points() -> Self {
         Self { may_be_comma: false, mark: None }
@@ -58,15 +58,15 @@ mod tests {
 
     #[test]
     fn decimal_marks_are_all_alike() {
-        let mut numbers = Numbers::with_either();
+        let mut numbers = NumberParser::with_either();
         assert_eq!(numbers.parse(1, "3"), Ok(3.0));
         assert_eq!(numbers.parse(1, "1,5"), Ok(1.5));
         assert_eq!(numbers.parse(1, "-1,5e-3"), Ok(-1.5e-3));
         assert!(numbers.parse(2, "1.5").unwrap_err().contains("line 2 has another decimal mark"));
         for cell in ["1,000,000", "1.000,5", "a,b", ""] {
-            assert!(Numbers::with_either().parse(4, cell).unwrap_err().contains("line 4"), "{cell}");
+            assert!(NumberParser::with_either().parse(4, cell).unwrap_err().contains("line 4"), "{cell}");
         }
-        assert!(Numbers::with_points().parse(4, "1,5").unwrap_err().contains("decimal mark only where"));
+        assert!(NumberParser::with_points().parse(4, "1,5").unwrap_err().contains("decimal mark only where"));
         assert_eq!([0.0, -0.0, 2.0, 2.5, -1.0, f64::NAN].map(whole), [Some(0), Some(0), Some(2), None, None, None]);
     }
 }

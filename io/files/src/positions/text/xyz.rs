@@ -1,8 +1,8 @@
 //! Plain and extended XYZ: for each frame the number of particles, a line of keys, and one line per particle.
 
-use super::columns::Row;
-use super::number::Numbers;
-use super::xyz_header::{Header, Properties};
+use super::columns::TableLine;
+use super::number::NumberParser;
+use super::xyz_header::{Properties, XyzHeader};
 use crate::positions::{StartFile, TakenFrame, frame};
 use scene::document::excerpt;
 use std::borrow::Cow;
@@ -12,11 +12,11 @@ pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<Start
     let lines: Vec<&str> = text.lines().collect();
     let frames = frames(&lines)?;
     let number = frame::pick(asked, frames.len())?;
-    let Frame { first, count } = frames[number];
-    let header = Header::of(lines[first + 1])?;
+    let XyzFrame { first, count } = frames[number];
+    let header = XyzHeader::of(lines[first + 1])?;
     let Properties { columns, width } = header.properties()?;
     let row = |offset: usize| row(first + 2 + offset + 1, lines[first + 2 + offset], width);
-    let mut file = columns.read((0..count).map(row), Numbers::with_points())?;
+    let mut file = columns.read((0..count).map(row), NumberParser::with_points())?;
     file.cell = header.cell()?;
     let (step, time) = (header.number(&["step", "timestep", "frame"]), header.number(&["time"]));
     file.frame = TakenFrame { number, count: frames.len(), step, time };
@@ -24,12 +24,12 @@ pub(in crate::positions) fn read(text: &str, asked: Option<i64>) -> Result<Start
 }
 
 /// A frame and the line on which it begins.
-struct Frame {
+struct XyzFrame {
     first: usize,
     count: usize,
 }
 
-fn frames(lines: &[&str]) -> Result<Vec<Frame>, String> {
+fn frames(lines: &[&str]) -> Result<Vec<XyzFrame>, String> {
     let end = lines.iter().rposition(|line| !line.trim().is_empty()).map_or(0, |last| last + 1);
     let (mut frames, mut first) = (Vec::new(), 0);
     while first < end {
@@ -47,16 +47,16 @@ fn frames(lines: &[&str]) -> Result<Vec<Frame>, String> {
         if count > left || first + 1 >= lines.len() {
             return Err(format!("it has {left} particles, its line {} says {count}", first + 1));
         }
-        frames.push(Frame { first, count });
+        frames.push(XyzFrame { first, count });
         first += count.saturating_add(2);
     }
     Ok(frames)
 }
 
-fn row(line: usize, text: &str, width: usize) -> Result<Row<'_>, String> {
+fn row(line: usize, text: &str, width: usize) -> Result<TableLine<'_>, String> {
     let cells: Vec<Cow<str>> = text.split_whitespace().map(Cow::Borrowed).collect();
     if cells.len() == width {
-        return Ok(Row { line, cells });
+        return Ok(TableLine { line, cells });
     }
     Err(format!(
         "line {line} has {} cells, but the line of keys has Properties of {width}; without these a line has a name, \

@@ -1,21 +1,21 @@
 //! The second line of a frame in extended XYZ.
 
 use super::columns;
-use super::columns::{Columns, Labels};
+use super::columns::{ColumnNumbers, Labels};
 use crate::positions::FileBox;
 use domain::Vector;
 use scene::document::excerpt;
 
 /// Keys and values of a line such as `Lattice="9 0 0 0 9 0 0 0 9" Properties=species:S:1:pos:R:3 Time=0.5`.
-pub(super) struct Header(Vec<(String, String)>);
+pub(super) struct XyzHeader(Vec<(String, String)>);
 
 /// Columns of a frame, and the number of cells per line.
 pub(super) struct Properties {
-    pub(super) columns: Columns,
+    pub(super) columns: ColumnNumbers,
     pub(super) width: usize,
 }
 
-impl Header {
+impl XyzHeader {
     /// Parses a line. Keys are not case-sensitive. Words without a value are ignored.
     pub(super) fn of(line: &str) -> Result<Self, String> {
         let (mut keys, mut rest) = (Vec::new(), line.trim());
@@ -46,7 +46,7 @@ impl Header {
     pub(super) fn properties(&self) -> Result<Properties, String> {
         let Some(list) = self.get("properties") else {
             let species = Some((0, Labels::Symbols));
-            let columns = Columns { position: [1, 2, 3], images: None, radius: None, species, id: None };
+            let columns = ColumnNumbers { position: [1, 2, 3], images: None, radius: None, species, id: None };
             return Ok(Properties { columns, width: 4 });
         };
         let wrong = || format!("its Properties {} are not name:type:columns", excerpt(list));
@@ -144,18 +144,18 @@ mod tests {
     #[test]
     fn values_may_be_in_quotes_or_brackets() {
         let header =
-            Header::of("comment Lattice='1 0 0 0 2 0 0 0 3' a={b c} Time = 0.5 d=[[1, 2], [3, 4]] Step=7").unwrap();
+            XyzHeader::of("comment Lattice='1 0 0 0 2 0 0 0 3' a={b c} Time = 0.5 d=[[1, 2], [3, 4]] Step=7").unwrap();
         assert_eq!(header.get("a"), Some("b c"));
         assert_eq!(header.get("d"), Some("[1, 2], [3, 4]"));
         assert_eq!((header.number(&["time"]), header.number::<i64>(&["other", "step"])), (Some(0.5), Some(7)));
         assert_eq!(header.cell().unwrap().unwrap().edges(), Vector::new(1.0, 2.0, 3.0));
-        assert!(Header::of("Lattice=\"1 2").is_err());
-        assert!(Header::of("two words").unwrap().cell().unwrap().is_none());
+        assert!(XyzHeader::of("Lattice=\"1 2").is_err());
+        assert!(XyzHeader::of("two words").unwrap().cell().unwrap().is_none());
     }
 
     #[test]
     fn boxes_that_mean_nothing_are_refused() {
-        let message = |line: &str| Header::of(line).unwrap().cell().unwrap_err();
+        let message = |line: &str| XyzHeader::of(line).unwrap().cell().unwrap_err();
         assert!(message("Lattice=\"1 0 0 0 2 0 0 0\"").contains("it needs 9 numbers"));
         assert!(message("Lattice=\"1 0 0 0 a 0 0 0 3\"").contains("it needs 9 numbers"));
         assert!(message("Lattice=\"1 0 0 0 0 0 0 0 3\"").contains("its box"));

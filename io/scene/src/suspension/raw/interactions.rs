@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::suspension) struct Repulsion {
+pub(in crate::suspension) struct RepulsionSection {
     /// Force at contact.
     pub(in crate::suspension) strength: f64,
     /// Gap at which it begins, over the mean radius of the two spheres.
@@ -24,7 +24,7 @@ pub(in crate::suspension) struct Repulsion {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::suspension) struct Attraction {
+pub(in crate::suspension) struct AttractionSection {
     /// Kind of attraction: van der Waals, or depletion by small spheres that are excluded from between large ones.
     pub(in crate::suspension) kind: AttractionKind,
     /// Hamaker constant, an energy, for "van-der-waals".
@@ -49,13 +49,13 @@ pub(in crate::suspension) enum AttractionKind {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::suspension) struct Contacts {
+pub(in crate::suspension) struct ContactsSection {
     /// Coefficient of friction.
     pub(in crate::suspension) friction: f64,
     /// Gap at which spheres are in contact, over the mean radius of the two; 0.005 by default.
     pub(in crate::suspension) roughness: Option<f64>,
     /// Normal force over overlap and mean radius; by default "auto", which adapts it to the target overlap.
-    pub(in crate::suspension) stiffness: Option<Stiffness>,
+    pub(in crate::suspension) stiffness: Option<StiffnessKey>,
     /// Strain over which "auto" adapts the stiffness from an estimate, in a steady flow; by default 2, or under a
     /// given stress 0, which keeps the estimate.
     pub(in crate::suspension) adaptation_strain: Option<f64>,
@@ -75,7 +75,7 @@ pub(in crate::suspension) struct Contacts {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::suspension) struct Bonds {
+pub(in crate::suspension) struct BondsSection {
     /// Pairs of spheres by their ids, which count from 0.
     pub(in crate::suspension) pairs: Vec<[u64; 2]>,
     /// Rest length between centres; by default the initial distance.
@@ -88,7 +88,7 @@ pub(in crate::suspension) struct Bonds {
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::suspension) struct Traps {
+pub(in crate::suspension) struct TrapsSection {
     /// Name of the trapped species; or particles; all spheres by default.
     pub(in crate::suspension) species: Option<String>,
     /// Ids of the trapped spheres, which count from 0.
@@ -102,7 +102,7 @@ pub(in crate::suspension) struct Traps {
 }
 
 /// A stiffness, or "auto".
-pub(in crate::suspension) type Stiffness = NumberOr<Auto>;
+pub(in crate::suspension) type StiffnessKey = NumberOr<Auto>;
 
 impl Alternative for Auto {
     const WORDS: &'static str = "a number or \"auto\"";
