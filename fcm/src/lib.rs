@@ -60,7 +60,7 @@ pub use envelope::Envelope;
 pub use grid::stencil::Support;
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
-pub use mobility::noise::{DrawDiagnostics, Stream, square_root_times};
+pub use mobility::noise::{DrawDiagnostics, LanczosLimits, Stream, square_root_times};
 pub use mobility::rank_one::Constraint;
 pub use mobility::work::{Seconds, Work};
 pub use mobility::{Flow, Mobility};

@@ -126,7 +126,7 @@ impl<'a> ProcessPool<'a> {
                 None => place += 1,
                 Some(outcome) => {
                     let ended = self.running.swap_remove(place);
-                    self.note(&ended, outcome, (done, all));
+                    self.note(&ended, outcome, done, all);
                 }
             }
         }
@@ -139,7 +139,7 @@ impl<'a> ProcessPool<'a> {
         Ok(())
     }
 
-    fn note(&mut self, Running { member, began, .. }: &Running, outcome: ProcessOutcome, (done, all): (usize, usize)) {
+    fn note(&mut self, Running { member, began, .. }: &Running, outcome: ProcessOutcome, done: usize, all: usize) {
         match outcome {
             ProcessOutcome::Finished => {
                 self.finished += 1;

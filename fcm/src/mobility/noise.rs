@@ -97,17 +97,26 @@ pub(crate) fn tensor([axial, planar, xy, xz, yz]: [f64; 5]) -> Traceless {
     Traceless([mean + half * planar, half * xy, half * xz, mean - half * planar, half * yz])
 }
 
+/// Stopping criteria of [`square_root_times`].
+#[derive(Debug, Clone, Copy)]
+pub struct LanczosLimits {
+    /// Tolerance relative to the norm of the result.
+    pub tolerance: f64,
+    /// Largest number of iterations.
+    pub iterations: usize,
+}
+
 /// `A^{1/2} z` of a symmetric operator that is positive semidefinite, or nearly, to a tolerance relative to the norm
 /// of the result (Lanczos; Chow & Saad, SIAM J. Sci. Comput. 36, A588, 2014): with `V` an orthonormal basis of the
-/// Krylov space of `z` and `T = V^T A V`, it is `|z| V T^{1/2} e_1`. Takes `most` iterations at most. Vectors are
-/// distributed over ranks by rows. Collective.
+/// Krylov space of `z` and `T = V^T A V`, it is `|z| V T^{1/2} e_1`. Vectors are distributed over ranks by
+/// rows. Collective.
 ///
 /// # Errors
 /// Errors of the operator, which have to occur on every rank or on none.
 pub fn square_root_times<const N: usize, E>(
     comm: &Comm,
     start: &[[f64; N]],
-    (tolerance, most): (f64, usize),
+    LanczosLimits { tolerance, iterations: most }: LanczosLimits,
     mut apply: impl FnMut(&[[f64; N]]) -> Result<Vec<[f64; N]>, E>,
 ) -> Result<(Vec<[f64; N]>, DrawDiagnostics), E> {
     let dot = |a: &[[f64; N]], b: &[[f64; N]]| {
@@ -279,7 +288,7 @@ mod tests {
     /// The square of the root is the matrix.
     #[test]
     fn roots_are_roots() {
-        const LIMITS: (f64, usize) = (1e-12, 60);
+        const LIMITS: LanczosLimits = LanczosLimits { tolerance: 1e-12, iterations: 60 };
         let count = 7;
         let entry = |i: usize, j: usize| if i == j { 2.0 + i as f64 } else { 0.8 / (1.0 + i.abs_diff(j) as f64) };
         let apply = |x: &[ParticleComponents]| -> Result<Vec<ParticleComponents>, Infallible> {
@@ -299,7 +308,7 @@ mod tests {
         assert!(error < 1e-8 && drawn.clipped == 0.0, "{error} after {}", drawn.iterations);
         let Ok((of_nothing, _)) = square_root_times(&comm, &vec![[0.0; 11]; 7], LIMITS, apply);
         assert_eq!(of_nothing, vec![[0.0; 11]; 7]);
-        let Ok((_, cut)) = square_root_times(&comm, &start, (1e-12, 3), apply);
+        let Ok((_, cut)) = square_root_times(&comm, &start, LanczosLimits { iterations: 3, ..LIMITS }, apply);
         assert!(cut.iterations == 3 && cut.change > 1e-6 && drawn.change < 1e-11);
     }
 }

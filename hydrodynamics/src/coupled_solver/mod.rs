@@ -173,19 +173,28 @@ impl CoupledSolver {
                 return Ok(solved);
             }
         }
-        let (background, stresslets) = (strain_rate.at_zero, &guess.stresslets_far);
-        let solved =
-            self.far.solve_in(cell, particles, &RigidInput { loads, ambient, background, guess: stresslets })?;
-        let fcm::Solved { motion, stresslets, iterations, residual } = solved;
-        let far = Loads { stresslets: stresslets.clone(), ..loads.clone() };
-        let plan = self.far.mobility().plan();
-        let single: Vec<SixVector> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
-        let induced = induced(&single, &motion, &far);
-        let mut solved = Solution { motion, stresslets, far, induced, curvature: 0.0, iterations, residual };
+        let (background, guess) = (strain_rate.at_zero, &guess.stresslets_far);
+        let mut solved = self.solve_far(cell, particles, &RigidInput { loads, ambient, background, guess })?;
         if let Some(flux) = &flux {
             flux.complete(&mut solved, self.partition.comm());
         }
         Ok(solved)
+    }
+
+    /// Motions of particles without near pairs.
+    fn solve_far(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        input: &RigidInput,
+    ) -> Result<Solution, SolveError> {
+        let solved = self.far.solve_in(cell, particles, input)?;
+        let fcm::Solved { motion, stresslets, iterations, residual } = solved;
+        let far = Loads { stresslets: stresslets.clone(), ..input.loads.clone() };
+        let plan = self.far.mobility().plan();
+        let single: Vec<SixVector> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+        let induced = induced(&single, &motion, &far);
+        Ok(Solution { motion, stresslets, far, induced, curvature: 0.0, iterations, residual })
     }
 }
 

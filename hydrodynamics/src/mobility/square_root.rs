@@ -2,7 +2,7 @@
 
 use super::{Mobility, MobilityError, ROOT};
 use domain::{Vector, sphere};
-use fcm::{DrawDiagnostics, Loads, Motion, square_root_times};
+use fcm::{DrawDiagnostics, LanczosLimits, Loads, Motion, square_root_times};
 use solver::BackgroundFlow;
 
 /// Largest number of applications of the mobility; hundreds of nearly touching spheres need about forty.
@@ -53,7 +53,7 @@ impl Mobility {
             start = times(&start, &scales, |number, scale| number * scale);
         }
         let tolerance = self.parameters.tolerance;
-        let limits = (ROOT * tolerance, MOST_APPLICATIONS);
+        let limits = LanczosLimits { tolerance: ROOT * tolerance, iterations: MOST_APPLICATIONS };
         let apply = |scaled: &[RigidComponents]| {
             self.unless_interrupted()?;
             let own = times(scaled, &scales, |number, scale| number / scale);

@@ -3,8 +3,8 @@
 use crate::ambient::StrainRate;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::{LANES, StoredLanes};
-use crate::pairs::matrix::packed_rows::{NearPair, PackedKind, PackedPairs, STIFF, Soft, Stiff};
-use crate::pairs::matrix::row_sums::{InStrain, SphereRowSums};
+use crate::pairs::matrix::packed_rows::{NearPair, PackedKind, PackedPairs, STIFF, SizedPair, Soft, Stiff};
+use crate::pairs::matrix::row_sums::RowSums;
 use crate::pairs::matrix::sparse::{MatrixPart, ROWS, Slice};
 use crate::six_vector::SixVector;
 use crate::springs::Springs;
@@ -138,14 +138,14 @@ impl<T: StoredLanes> Assembly<'_, T> {
         let mut part = MatrixPart::new(self.rows, groups);
         for rows in order.chunks(LANES) {
             let slice = Slice::new(rows);
-            let (mut sums, mut strained) = (SphereRowSums::<V>::zero(), InStrain::zero());
+            let mut sums = RowSums::<V>::zero();
             for place in 0..listed.of(rows[0]).len() {
                 let mut packed = PackedPairs::empty(kind(), (self.first + rows[0] as usize) as u32);
-                self.pack::<V, K, N>((listed, rows), place, &mut packed);
-                packed.assemble(part.group(), (&mut sums, &mut strained), self.arrangement.strain_rate.at_zero);
+                self.pack::<V, K, N>(listed, rows, place, &mut packed);
+                packed.assemble(part.group(), &mut sums, self.arrangement.strain_rate.at_zero);
             }
-            part.end_slice(slice, &sums.totals());
-            let (added, moved) = strained.totals();
+            part.end_slice(slice, &sums.resistance.totals());
+            let (added, moved) = sums.in_strain.totals();
             for (lane, &row) in rows.iter().enumerate() {
                 self.loads[row as usize] += added[lane];
                 self.moments[row as usize] += moved[lane];
@@ -158,7 +158,8 @@ impl<T: StoredLanes> Assembly<'_, T> {
     #[inline(always)]
     fn pack<V: Width<f64>, K: PackedKind<N>, const N: usize>(
         &self,
-        (listed, rows): (&PairList, &[u32]),
+        listed: &PairList,
+        rows: &[u32],
         place: usize,
         packed: &mut PackedPairs<K, N>,
     ) {
@@ -168,8 +169,8 @@ impl<T: StoredLanes> Assembly<'_, T> {
             if place < range.len() {
                 let k = range.start + place;
                 let pair = &listed.pairs[k];
-                let sizes = pair.species.map(|s| radii[s as usize]);
-                packed.set::<V>(lane, (pair, sizes), listed.springs.get(k), strain_rate.slope);
+                let sized = SizedPair { pair, radii: pair.species.map(|s| radii[s as usize]) };
+                packed.set::<V>(lane, sized, listed.springs.get(k), strain_rate.slope);
             }
         }
     }

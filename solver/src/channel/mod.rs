@@ -57,6 +57,12 @@ pub struct Channel<T> {
     mean: Option<Mean>,
 }
 
+/// Amplitudes of the flow that a channel adds to a column: of its modes, and of the mean flow.
+pub(crate) struct ChannelAmplitudes {
+    of_mode: Amplitudes,
+    mean: [[f64; 3]; 2],
+}
+
 impl<T: Real> Channel<T> {
     /// Update for a rank's share of the spectrum.
     pub fn new<P, A>(
@@ -88,14 +94,14 @@ impl<T: Real> Channel<T> {
         &self,
         place: [usize; 2],
         components: [StridedPointer<T>; 3],
-    ) -> Option<(Amplitudes, [[f64; 3]; 2])> {
+    ) -> Option<ChannelAmplitudes> {
         // SAFETY: guaranteed by the caller.
         unsafe {
             let mean = match &self.mean {
                 Some(mean) if place == [0, 0] => mean.amplitudes(components),
                 _ => [[0.0; 3]; 2],
             };
-            Some((self.update.amplitudes(place, components)?, mean))
+            Some(ChannelAmplitudes { of_mode: self.update.amplitudes(place, components)?, mean })
         }
     }
 
@@ -106,16 +112,16 @@ impl<T: Real> Channel<T> {
     pub(crate) unsafe fn add(
         &self,
         place: [usize; 2],
-        (amplitudes, mean): &(Amplitudes, [[f64; 3]; 2]),
+        amplitudes: &ChannelAmplitudes,
         components: [StridedPointer<T>; 3],
     ) {
         // SAFETY: guaranteed by the caller.
         unsafe {
-            self.update.add(place, amplitudes, components);
+            self.update.add(place, &amplitudes.of_mode, components);
             if place == [0, 0]
                 && let Some(of) = &self.mean
             {
-                of.add(mean, components);
+                of.add(&amplitudes.mean, components);
             }
         }
     }

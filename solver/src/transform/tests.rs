@@ -57,14 +57,15 @@ fn modes<T: Real>(field: &Field<T, Spectral>) -> Modes<T> {
 
 /// Coefficients of the noise on a table of ranks, gathered, and the values after the backward transform.
 fn on_ranks<T: Real>(points: [usize; 3], table: [usize; 2], halo: usize) -> (Modes<T>, BTreeMap<[usize; 2], Vec<T>>) {
-    in_room(points, table, (halo, ROOM))
+    in_room(points, table, halo, ROOM)
 }
 
 /// The same in rounds with limited memory.
 fn in_room<T: Real>(
     points: [usize; 3],
     table: [usize; 2],
-    (halo, room): (usize, usize),
+    halo: usize,
+    room: usize,
 ) -> (Modes<T>, BTreeMap<[usize; 2], Vec<T>>) {
     let shares = Comm::threads(table[0] * table[1], |comm| {
         let partition = Partition::with_table(&comm, [points[1], points[2]], table);
@@ -154,9 +155,9 @@ fn rounds_have_the_bits_of_an_exchange_at_once() {
         for (table, room) in
             [[1, 1], [1, 2], [1, 3], [1, 4], [1, 7], [2, 2], [3, 2]].into_iter().zip([8, 3000, 9000].repeat(3))
         {
-            assert!(in_room::<f64>(points, table, (3, room)) == one, "{points:?} on {table:?} in {room} bytes");
+            assert!(in_room::<f64>(points, table, 3, room) == one, "{points:?} on {table:?} in {room} bytes");
         }
-        assert!(in_room::<f32>(points, [1, 2], (3, 8)) == on_ranks::<f32>(points, [1, 1], 3), "{points:?}");
+        assert!(in_room::<f32>(points, [1, 2], 3, 8) == on_ranks::<f32>(points, [1, 1], 3), "{points:?}");
     }
 }
 

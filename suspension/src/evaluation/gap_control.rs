@@ -103,15 +103,15 @@ impl<const N: usize> RelativeMotion<N> {
         let of_pairs = |pairs: &[MovingPair<N>]| {
             let mut change = Change::NONE;
             for pair in pairs {
-                let after = judge(weights.map(|weights| pair.gap_after(weights, advection)));
-                change.note(pair.gap(), after, least.map(|least| least * pair.mean_radius()));
+                let (after, estimate) = judge(weights.map(|weights| pair.gap_after(weights, advection)));
+                change.note(pair.gap(), after, estimate, least.map(|least| least * pair.mean_radius()));
             }
             change
         };
         let mut change = self.pairs.par_chunks(BATCH).map(of_pairs).reduce(|| Change::NONE, Change::worse);
         for sphere in &self.at_walls {
-            let after = judge(weights.map(|weights| sphere.gap_after(weights)));
-            change.note(sphere.gap(), after, least.map(|least| least * sphere.radius));
+            let (after, estimate) = judge(weights.map(|weights| sphere.gap_after(weights)));
+            change.note(sphere.gap(), after, estimate, least.map(|least| least * sphere.radius));
         }
         let mut least = [change.gap, -change.loss, -change.error, -change.roughness];
         comm.min(&mut least);
@@ -181,7 +181,7 @@ impl Change {
     }
 
     /// Takes a gap before and after and its error into account, relative to gaps of at least `least`.
-    fn note(&mut self, gap: f64, (after, estimate): (f64, Estimate), least: [f64; 2]) {
+    fn note(&mut self, gap: f64, after: f64, estimate: Estimate, least: [f64; 2]) {
         self.gap = self.gap.min(gap);
         let sizes = least.map(|least| gap.max(least));
         if sizes[0] > 0.0 {

@@ -143,7 +143,7 @@ impl WarmStart {
         let lists = names.iter().enumerate().map(|(k, &(name, width))| {
             let share = curvature.get(k).copied().unwrap_or_default();
             let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
-            let past = Past::of(particles, (name, width), (ages, ahead));
+            let past = Past::of(particles, name, width, ages, ahead);
             (0..past.len()).into_par_iter().with_min_len(BATCH).map(|i| mixed(past.extrapolated(i))).collect()
         });
         Self::guessed(lists)
@@ -178,7 +178,7 @@ impl WarmStart {
         }
         let mut sums = vec![[0.0; 2]; names.len()];
         for (sums, &(name, width)) in sums.iter_mut().zip(&names) {
-            let past = Past::of(particles, (name, width), (ages, ahead));
+            let past = Past::of(particles, name, width, ages, ahead);
             let of_batch = |batch: usize| {
                 let mut sums = [0.0; 2];
                 for i in batch * BATCH..past.len().min((batch + 1) * BATCH) {
@@ -216,7 +216,7 @@ struct Past<'a> {
 
 impl<'a> Past<'a> {
     /// Past values of a column, to be extrapolated to the time `ahead` after the last of them.
-    fn of(particles: &'a mut Particles, (name, width): (&str, usize), (ages, ahead): (&[f64], f64)) -> Self {
+    fn of(particles: &'a mut Particles, name: &str, width: usize, ages: &[f64], ahead: f64) -> Self {
         let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
         let weights = [1, 2].map(|degree| {
             let mut weights = [0.0; PAST];

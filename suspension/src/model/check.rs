@@ -2,8 +2,8 @@
 
 use super::species::check_species;
 use super::{
-    Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, Species, bonds, displacement,
-    traps,
+    Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, ShearRates, Species, bonds,
+    displacement, traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -177,6 +177,18 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
             format!("is {rate}; until time {end:.6} that is a strain above {largest}, the most that a run can have");
         return Err(ParameterError::new("flow.rate", message));
     }
+    check_changing_rate(p, &rates, is_straight)?;
+    if p.hydrodynamics.lubrication && is_straight {
+        let message = "is true, but with flow.lees_edwards = false the box stays rectangular, and spheres on either \
+            side of its y boundary would rub against images that do not move with the flow; set flow.lees_edwards = \
+            true, or lubrication = false";
+        return Err(ParameterError::new("hydrodynamics.lubrication", message));
+    }
+    Ok(())
+}
+
+/// Checks a rate that oscillates or is solved for; `is_straight` tells whether the box stays rectangular in the flow.
+fn check_changing_rate(p: &Parameters, rates: &ShearRates, is_straight: bool) -> Result<(), ParameterError> {
     let carried = [("flow.oscillation", rates.frequency().is_some()), ("flow.control", rates.stress().is_some())];
     if let Some((key, _)) = carried.into_iter().find(|(_, is_set)| *is_set && is_straight) {
         let message =
@@ -204,12 +216,6 @@ fn check_flow(p: &Parameters) -> Result<(), ParameterError> {
             );
             return Err(ParameterError::new("statistics.every", message));
         }
-    }
-    if p.hydrodynamics.lubrication && is_straight {
-        let message = "is true, but with flow.lees_edwards = false the box stays rectangular, and spheres on either \
-            side of its y boundary would rub against images that do not move with the flow; set flow.lees_edwards = \
-            true, or lubrication = false";
-        return Err(ParameterError::new("hydrodynamics.lubrication", message));
     }
     Ok(())
 }

@@ -141,12 +141,19 @@ fn quadrature(points: &[SizeClass], classes: usize) -> Vec<SizeClass> {
         before = std::mem::replace(&mut values, next.iter().map(|value| value / norm).collect());
     }
     let range = [points[0].radius, points[points.len() - 1].radius];
-    (0..classes).map(|k| class(k, range, (&diagonal, &beside))).collect()
+    let jacobi = JacobiMatrix { diagonal, beside };
+    (0..classes).map(|k| class(k, range, &jacobi)).collect()
+}
+
+/// A symmetric tridiagonal matrix.
+struct JacobiMatrix {
+    diagonal: Vec<f64>,
+    beside: Vec<f64>,
 }
 
 /// The class of the `k`-th smallest node, found by bisection on the number of eigenvalues below a radius (Sturm
 /// sequence). Its fraction is the inverse sum of squares of the orthonormal polynomials at the node.
-fn class(k: usize, [mut low, mut high]: [f64; 2], (diagonal, beside): (&[f64], &[f64])) -> SizeClass {
+fn class(k: usize, [mut low, mut high]: [f64; 2], JacobiMatrix { diagonal, beside }: &JacobiMatrix) -> SizeClass {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         let mut pivot = 1.0;

@@ -14,7 +14,7 @@ use crate::model::{Flow, Model};
 use crate::start::memory;
 use crate::start::placement;
 use crate::start::plan::{plan, plan_in};
-use domain::{Boundaries, Comm, Failure, GivenPositions, Particles, PeriodicBox};
+use domain::{Boundaries, Comm, DomainView, Failure, GivenPositions, Particles, PeriodicBox};
 use fcm::PlanError;
 use hydrodynamics::lengths::check_lubricated;
 use hydrodynamics::memory::Ranks;
@@ -49,7 +49,7 @@ impl Setup {
             setup.relax(contacts.roughness, comm);
         }
         let Self { particles, moving, partition, .. } = &mut setup;
-        tethers::tie(particles, model, (moving.cell(), partition))?;
+        tethers::tie(particles, model, DomainView { cell: moving.cell(), partition })?;
         let Gap { length: gap, radius } = setup.gap();
         // Touching spheres are allowed, up to round-off of the box's edges.
         if gap > -1e-12 * model.cell.edges().max_element() {

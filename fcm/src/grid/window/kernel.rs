@@ -16,7 +16,7 @@ use crate::grid::stencil::Stencil;
 use crate::grid::totals::Totals;
 use crate::grid::window::WindowLattice;
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
-use crate::grid::window::lattice::{SECOND, Slants, UPRIGHT};
+use crate::grid::window::lattice::{SECOND, Slants, Smoothing, UPRIGHT};
 use simd::SimdVector as Lanes;
 use solver::{AlignedMemory, Real};
 
@@ -83,10 +83,9 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn coefficients(&self, class: u32, load: &Load<T>) -> WindowCoefficients<T> {
         let mut all = [[[[T::default(); 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
-        let is_tilted = self.0.is_tilted;
-        add::<T, ORDER>(&mut all, [0, 0, 0], load.force, (self.0.smoothing(class, 0), is_tilted));
+        add::<T, ORDER>(&mut all, [0, 0, 0], load.force, self.0.smoothing(class, 0));
         if ORDER > 0 {
-            let smoothing = (self.0.smoothing(class, 1), is_tilted);
+            let smoothing = self.0.smoothing(class, 1);
             let ([x, y, z], Slants { s, r, f }) = self.0.slopes();
             let mut along = [[T::default(); 3]; 3];
             for c in 0..3 {
@@ -206,10 +205,9 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     fn collect_with<V: Lanes<T>, const WIDTH: usize>(
         &self,
         scratch: &mut WindowScratch<T>,
-        sphere: SphereStencil,
+        SphereStencil { stencil, class }: SphereStencil,
         slab: &Slab<&[T]>,
     ) -> WeightedSums<T> {
-        let SphereStencil { stencil, class } = sphere;
         let Some(end) = self.prepare::<V, WIDTH, _>(scratch, stencil, slab) else {
             return WeightedSums { velocity: [T::default(); 3], gradient: [[T::default(); 3]; 3] };
         };
@@ -260,17 +258,28 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             }
         }
         let columns = Self::columns::<V, WIDTH>(&scratch.axes[0]);
-        let smoothing = [0, 1].map(|multipole| (self.0.smoothing(class, multipole), self.0.is_tilted));
-        let mut totals = [zero; 12];
+        self.weighed(scratch.totals.of(&self.totals(class, &columns, &sums)))
+    }
+
+    /// Sums over the columns, smoothed by a class's widths: of the velocity and its derivatives along the lattice.
+    #[inline(always)]
+    fn totals<V: Lanes<T>, const WIDTH: usize>(
+        &self,
+        class: u32,
+        columns: &[[V; WIDTH]; DERIVATIVES],
+        sums: &[[[V; WIDTH]; 3]; PAIRS],
+    ) -> [V; 12] {
+        let smoothing = [0, 1].map(|multipole| self.0.smoothing(class, multipole));
+        let mut totals = [V::splat(T::default()); 12];
         for c in 0..3 {
-            totals[c] = smoothed::<T, V, ORDER, WIDTH>(&columns, &sums, [0, 0, 0], c, smoothing[0]);
+            totals[c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [0, 0, 0], c, smoothing[0]);
             if ORDER > 0 {
-                totals[3 + c] = smoothed::<T, V, ORDER, WIDTH>(&columns, &sums, [1, 0, 0], c, smoothing[1]);
-                totals[6 + c] = smoothed::<T, V, ORDER, WIDTH>(&columns, &sums, [0, 1, 0], c, smoothing[1]);
-                totals[9 + c] = smoothed::<T, V, ORDER, WIDTH>(&columns, &sums, [0, 0, 1], c, smoothing[1]);
+                totals[3 + c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [1, 0, 0], c, smoothing[1]);
+                totals[6 + c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [0, 1, 0], c, smoothing[1]);
+                totals[9 + c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [0, 0, 1], c, smoothing[1]);
             }
         }
-        self.weighed(scratch.totals.of(&totals))
+        totals
     }
 
     /// Derivatives of the window along x.
@@ -307,17 +316,17 @@ fn add<T: Real, const ORDER: usize>(
     all: &mut WindowCoefficients<T>,
     [n, m, l]: [usize; 3],
     load: [T; 3],
-    (smoothing, is_tilted): ([T; SECOND.len()], bool),
+    smoothing: Smoothing<T>,
 ) {
     for c in 0..3 {
         all[n][m][l][c] += load[c];
     }
     if n + m + l + 2 <= ORDER {
         for second in 0..SECOND.len() {
-            if second >= UPRIGHT && !is_tilted {
+            if second >= UPRIGHT && !smoothing.is_tilted {
                 break;
             }
-            let (factor, [dn, dm, dl]) = (smoothing[second], SECOND[second]);
+            let (factor, [dn, dm, dl]) = (smoothing.factors[second], SECOND[second]);
             for c in 0..3 {
                 all[n + dn][m + dm][l + dl][c] += factor * load[c];
             }
@@ -332,7 +341,7 @@ fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
     sums: &[[[V; WIDTH]; 3]; PAIRS],
     [n, m, l]: [usize; 3],
     c: usize,
-    (smoothing, is_tilted): ([T; SECOND.len()], bool),
+    smoothing: Smoothing<T>,
 ) -> V {
     let mut total = V::splat(T::default());
     for part in 0..WIDTH {
@@ -340,10 +349,10 @@ fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
     }
     if n + m + l + 2 <= ORDER {
         for second in 0..SECOND.len() {
-            if second >= UPRIGHT && !is_tilted {
+            if second >= UPRIGHT && !smoothing.is_tilted {
                 break;
             }
-            let (factor, [dn, dm, dl]) = (smoothing[second], SECOND[second]);
+            let (factor, [dn, dm, dl]) = (smoothing.factors[second], SECOND[second]);
             for part in 0..WIDTH {
                 let column = columns[n + dn][part].mul(V::splat(factor));
                 total = column.mul_add(sums[pair(m + dm, l + dl)][c][part], total);

@@ -28,10 +28,18 @@ pub(crate) struct WindowLattice<T> {
     pub inverse: [f64; 3],
     pub slants: Slants<f64>,
     /// Whether the third lattice vector is tilted.
-    pub is_tilted: bool,
+    is_tilted: bool,
     /// Coefficients of `1 - (d - D)/2 lap` apart from the 1, by [`SECOND`], of the monopole and the dipole by class
     /// of radius.
     smoothing: Vec<[[T; SECOND.len()]; 2]>,
+}
+
+/// The operator `1 - (d - D)/2 lap` of a source: its coefficients apart from the 1, by [`SECOND`], and whether the
+/// third lattice vector is tilted.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Smoothing<T> {
+    pub factors: [T; SECOND.len()],
+    pub is_tilted: bool,
 }
 
 /// Strain and tilts of a lattice: `s`, `r` and `f`.
@@ -92,9 +100,9 @@ impl<T: Real> WindowLattice<T> {
         ([T::from_f64(x), T::from_f64(y), T::from_f64(z)], slants)
     }
 
-    /// Coefficients of `1 - (d - D)/2 lap` apart from the 1, by [`SECOND`], for a class's monopole (0) or dipole (1).
+    /// Smoothing of a class's monopole (0) or dipole (1).
     #[inline(always)]
-    pub fn smoothing(&self, class: u32, multipole: usize) -> [T; SECOND.len()] {
-        self.smoothing[class as usize][multipole]
+    pub fn smoothing(&self, class: u32, multipole: usize) -> Smoothing<T> {
+        Smoothing { factors: self.smoothing[class as usize][multipole], is_tilted: self.is_tilted }
     }
 }

@@ -3,8 +3,8 @@
 use crate::pairs::contacts::ContactResistances;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, transpose};
-use crate::pairs::matrix::row_sums::{InStrain, SphereRowSums};
-use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup};
+use crate::pairs::matrix::row_sums::RowSums;
+use crate::pairs::matrix::sparse::{GroupOfPairs, LaneGroup, MomentGroup};
 use domain::{Traceless, Vector};
 use lubrication::{Arithmetic, Coefficients, RECORD, SPHERE_ROW, SphereRow};
 use simd::SimdVector as Width;
@@ -20,17 +20,18 @@ pub struct NearPair {
     pub is_lubricated: bool,
 }
 
+/// A pair, and the radii of its two spheres.
+#[derive(Clone, Copy)]
+pub struct SizedPair<'a> {
+    pub pair: &'a NearPair,
+    pub radii: [f64; 2],
+}
+
 /// Source of the resistance coefficients of pairs, with `N` numbers per pair.
 pub trait PackedKind<const N: usize> {
     /// Writes the numbers of a pair of spheres with two radii. `spring` has the spring resistances along the line of
     /// centres, to slip, and to rolling.
-    fn write<V: Width<f64>>(
-        &mut self,
-        lane: usize,
-        pair: (&NearPair, [f64; 2]),
-        spring: Option<&[f64; 3]>,
-        numbers: &mut [f64; N],
-    );
+    fn write<V: Width<f64>>(&mut self, lane: usize, pair: SizedPair, spring: Option<&[f64; 3]>, numbers: &mut [f64; N]);
 
     /// Resistance coefficients of the rows' spheres, one pair per lane, from these numbers.
     fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> SphereRow<SimdLanes<V>>;
@@ -63,14 +64,9 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
     /// Sets the pair of a lane, for spheres with two radii, in a flow whose strain rate varies with z at the rate
     /// `slope`.
     #[inline(always)]
-    pub fn set<V: Width<f64>>(
-        &mut self,
-        lane: usize,
-        (pair, radii): (&NearPair, [f64; 2]),
-        spring: Option<&[f64; 3]>,
-        slope: [f64; 2],
-    ) {
-        self.kind.write::<V>(lane, (pair, radii), spring, &mut self.records[lane]);
+    pub fn set<V: Width<f64>>(&mut self, lane: usize, sized: SizedPair, spring: Option<&[f64; 3]>, slope: [f64; 2]) {
+        self.kind.write::<V>(lane, sized, spring, &mut self.records[lane]);
+        let SizedPair { pair, radii } = sized;
         self.others[lane] = pair.other;
         for k in 0..2 {
             self.sloping[k][lane] = slope[k] * pair.height;
@@ -85,8 +81,8 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
     #[inline(always)]
     pub fn assemble<V: Width<f64>, T: StoredLanes>(
         &self,
-        (group, moments): (&mut LaneGroup<T>, &mut MomentGroup<T>),
-        (sums, strained): (&mut SphereRowSums<V>, &mut InStrain<V>),
+        GroupOfPairs { group, moments }: GroupOfPairs<T>,
+        sums: &mut RowSums<V>,
         ambient: Traceless,
     ) {
         let mut numbers = [[0.0; LANES]; N];
@@ -98,8 +94,9 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
         for k in 0..3 {
             z[k] = SimdLanes::read(&self.axis[k]);
         }
-        sums.add(&side, z);
-        strained.add(&side, z, (ambient, [SimdLanes::read(&self.sloping[0]), SimdLanes::read(&self.sloping[1])]));
+        sums.resistance.add(&side, z);
+        let sloping = [SimdLanes::read(&self.sloping[0]), SimdLanes::read(&self.sloping[1])];
+        sums.in_strain.add(&side, z, ambient, sloping);
         group.others = self.others;
         for k in 0..3 {
             T::store(z[k], &mut group.axis[k]);
@@ -135,7 +132,7 @@ impl PackedKind<STIFF> for Stiff<'_> {
     fn write<V: Width<f64>>(
         &mut self,
         lane: usize,
-        (pair, radii): (&NearPair, [f64; 2]),
+        SizedPair { pair, radii }: SizedPair,
         spring: Option<&[f64; 3]>,
         numbers: &mut [f64; STIFF],
     ) {
@@ -178,7 +175,7 @@ impl PackedKind<SPHERE_ROW> for Soft<'_> {
     fn write<V: Width<f64>>(
         &mut self,
         _lane: usize,
-        (pair, _radii): (&NearPair, [f64; 2]),
+        SizedPair { pair, .. }: SizedPair,
         _spring: Option<&[f64; 3]>,
         numbers: &mut [f64; SPHERE_ROW],
     ) {

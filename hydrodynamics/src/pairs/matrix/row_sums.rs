@@ -25,6 +25,19 @@ pub struct InStrain<V> {
 /// Rows and columns of the six components of a symmetric matrix.
 const SYMMETRIC: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
 
+/// Both sums over the pairs of each row.
+pub struct RowSums<V> {
+    pub resistance: SphereRowSums<V>,
+    pub in_strain: InStrain<V>,
+}
+
+impl<V: Width<f64>> RowSums<V> {
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self { resistance: SphereRowSums::zero(), in_strain: InStrain::zero() }
+    }
+}
+
 impl<V: Width<f64>> SphereRowSums<V> {
     /// Zero sums.
     #[inline(always)]
@@ -80,7 +93,8 @@ impl<V: Width<f64>> InStrain<V> {
         &mut self,
         side: &SphereRow<SimdLanes<V>>,
         z: [SimdLanes<V>; 3],
-        (ambient, [sloping_x, sloping_y]): (Traceless, [SimdLanes<V>; 2]),
+        ambient: Traceless,
+        [sloping_x, sloping_y]: [SimdLanes<V>; 2],
     ) {
         let [xx, xy, xz, yy, yz] = ambient.0;
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, -xx - yy]];

@@ -64,6 +64,12 @@ pub struct LaneGroup<T> {
     pub others: [u32; LANES],
 }
 
+/// A group of pairs to be filled: coefficients of loads and of first moments.
+pub struct GroupOfPairs<'a, T> {
+    pub group: &'a mut LaneGroup<T>,
+    pub moments: &'a mut MomentGroup<T>,
+}
+
 /// Coefficients of the first moments on the rows' particles, due to their own motions and to those of the others.
 #[derive(Clone, Copy, Zeroable)]
 #[repr(C, align(64))]
@@ -101,10 +107,10 @@ impl<T: StoredLanes> MatrixPart<T> {
 
     /// The next group of the current slice.
     #[inline(always)]
-    pub fn group(&mut self) -> (&mut LaneGroup<T>, &mut MomentGroup<T>) {
+    pub fn group(&mut self) -> GroupOfPairs<'_, T> {
         let next = self.filled;
         self.filled += 1;
-        (&mut self.groups[next], &mut self.moments[next])
+        GroupOfPairs { group: &mut self.groups[next], moments: &mut self.moments[next] }
     }
 
     /// Ends a slice and stores the diagonal blocks of its rows, given lane by lane.
@@ -305,7 +311,7 @@ impl<T: StoredLanes> VectorKernel<f64> for MomentRows<'_, T> {
             let own = gathered::<V>(self.present, &rows);
             let mut sums = [SimdLanes::<V>::constant(0.0); 5];
             for k in groups {
-                self.part.moments[k].add(&self.part.groups[k], (self.present, own), &mut sums);
+                self.part.moments[k].add(&self.part.groups[k], self.present, own, &mut sums);
             }
             let records = scattered(&sums);
             for (&row, record) in slice.rows().iter().zip(&records) {
@@ -324,7 +330,8 @@ impl<T: StoredLanes> MomentGroup<T> {
     fn add<V: Width<f64>>(
         &self,
         group: &LaneGroup<T>,
-        (present, of_own): (&[Padded], [[SimdLanes<V>; 3]; 2]),
+        present: &[Padded],
+        of_own: [[SimdLanes<V>; 3]; 2],
         sums: &mut [SimdLanes<V>; 5],
     ) {
         let z = axis::<T, V>(group);

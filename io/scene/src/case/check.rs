@@ -6,6 +6,14 @@ use domain::Number;
 impl Case {
     /// Refuses invalid values by key.
     pub(super) fn check(&self) -> Result<(), String> {
+        self.check_particles()?;
+        self.check_method()?;
+        self.check_noise()?;
+        self.check_multipoles()
+    }
+
+    /// Box, lists with an entry per particle, and that all numbers are finite.
+    fn check_particles(&self) -> Result<(), String> {
         if self.cell.is_none() || self.boundaries != periodic() {
             self.bounded_box().map_err(|error| error.to_string())?;
         }
@@ -36,11 +44,15 @@ impl Case {
         if !(self.viscosity.is_finite() && self.viscosity > 0.0) {
             return Err(format!("viscosity is {}; it needs to be positive and finite", Number(self.viscosity)));
         }
-        let given = |list: &[[f64; 5]]| list.iter().flatten().any(|&s| s != 0.0);
-        if self.rigid && self.multipoles == CaseTerms::Dipole && given(&self.stresslets) {
+        Ok(())
+    }
+
+    /// Rigidity and lubrication.
+    fn check_method(&self) -> Result<(), String> {
+        if self.is_rigid() && self.has_stresslets() {
             return Err("stresslets are given, but rigid particles have their own; set rigid to false".to_owned());
         }
-        if self.lubrication && !(self.rigid && self.multipoles == CaseTerms::Dipole) {
+        if self.lubrication && !self.is_rigid() {
             return Err("lubrication is true, but that is for rigid particles with dipoles; set rigid to true and \
                         multipoles to \"dipole\", or lubrication to false"
                 .to_owned());
@@ -52,23 +64,39 @@ impl Case {
                 Number(cutoff)
             ));
         }
+        Ok(())
+    }
+
+    fn check_noise(&self) -> Result<(), String> {
         if self.noise.is_some_and(|noise| noise.draws == 0 || noise.draws > MOST_DRAWS) {
             return Err(format!("noise.draws needs to be 1 to {MOST_DRAWS}"));
         }
-        let is_rigid = self.rigid && self.multipoles == CaseTerms::Dipole;
-        if self.noise.is_some_and(|noise| noise.drift) && !is_rigid {
+        if self.noise.is_some_and(|noise| noise.drift) && !self.is_rigid() {
             return Err("noise.drift is true, but only rigid particles drift; set rigid to true and multipoles to \
                 \"dipole\", or noise.drift to false"
                 .to_owned());
         }
+        Ok(())
+    }
+
+    fn check_multipoles(&self) -> Result<(), String> {
         if self.multipoles == CaseTerms::Monopole {
             let twisted = self.torques.iter().flatten().any(|&t| t != 0.0);
-            if twisted || given(&self.stresslets) {
+            if twisted || self.has_stresslets() {
                 return Err(
                     "torques or stresslets are given, but multipoles is \"monopole\"; use \"dipole\"".to_owned()
                 );
             }
         }
         Ok(())
+    }
+
+    /// Whether the particles are rigid, with stresslets of their own.
+    fn is_rigid(&self) -> bool {
+        self.rigid && self.multipoles == CaseTerms::Dipole
+    }
+
+    fn has_stresslets(&self) -> bool {
+        self.stresslets.iter().flatten().any(|&s| s != 0.0)
     }
 }

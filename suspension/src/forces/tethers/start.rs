@@ -3,7 +3,7 @@
 use super::traps::{TRAP_NUMBERS, TRAPS};
 use crate::columns::{BOND_NUMBERS, BONDS};
 use crate::model::{Centres, Model, check_ids};
-use domain::{Failure, Number, Particles, Partition, PeriodicBox, Vector};
+use domain::{DomainView, Failure, Number, Particles, PeriodicBox, Vector};
 
 /// Columns of bonds and traps of all particles.
 struct Columns {
@@ -17,7 +17,7 @@ struct Columns {
 pub fn tie(
     particles: &mut Particles,
     model: &Model,
-    (cell, partition): (&PeriodicBox, &Partition),
+    DomainView { cell, partition }: DomainView,
 ) -> Result<(), Failure> {
     if model.bonds.is_empty() && model.traps.is_empty() {
         return Ok(());

@@ -3,7 +3,7 @@
 use super::GridFarField;
 use crate::mobility::far_field::{FarField, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, dipole};
-use crate::mobility::noise::{self, DrawDiagnostics, ParticleComponents, Stream, square_root_times};
+use crate::mobility::noise::{self, DrawDiagnostics, LanczosLimits, ParticleComponents, Stream, square_root_times};
 use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Tensor, Vector, sphere};
 use std::convert::Infallible;
@@ -77,7 +77,8 @@ impl GridFarField {
             Ok::<_, Infallible>(scales.divide(&motions.iter().map(noise::components).collect::<Vec<_>>()))
         };
         let start = self.start(ids, stream);
-        let Ok((root, drawn)) = square_root_times(self.partition.comm(), &start, (tolerance, MOST_ITERATIONS), apply);
+        let limits = LanczosLimits { tolerance, iterations: MOST_ITERATIONS };
+        let Ok((root, drawn)) = square_root_times(self.partition.comm(), &start, limits, apply);
         self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
         (scales.times(&root), drawn)
     }
@@ -111,7 +112,8 @@ impl GridFarField {
             });
             Ok::<_, Infallible>(scales.divide(&components.collect::<Vec<_>>()))
         };
-        let Ok((root, drawn)) = square_root_times(&comm, &start, (tolerance, MOST_ITERATIONS), apply);
+        let limits = LanczosLimits { tolerance, iterations: MOST_ITERATIONS };
+        let Ok((root, drawn)) = square_root_times(&comm, &start, limits, apply);
         (noise::motion(scales.times(&root).into_iter()).of(self.plan.multipoles), drawn)
     }
 
