@@ -28,10 +28,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("LUBRICATION_CUTOFF", lubrication::LubricationRange::WIDE)?;
     module.add("has_mpi", cfg!(feature = "mpi"))?;
-    module.add_class::<mobility::Mobility>()?;
-    module.add_class::<simulation::Simulation>()?;
-    module.add_class::<snapshot::Snapshot>()?;
-    module.add_class::<neighbours::Neighbours>()?;
+    module.add_class::<mobility::PyMobility>()?;
+    module.add_class::<simulation::PySimulation>()?;
+    module.add_class::<snapshot::PySnapshot>()?;
+    module.add_class::<neighbours::PyNeighbours>()?;
     module.add_function(wrap_pyfunction!(arrays::is_finite, module)?)?;
     module.add_function(wrap_pyfunction!(threads::start_threads, module)?)?;
     module.add_function(wrap_pyfunction!(scene::template, module)?)?;

@@ -16,8 +16,8 @@ use std::time::Instant;
 use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
 
 /// A planned mobility.
-#[pyclass(frozen, module = "fcm_solve._core")]
-pub struct Mobility {
+#[pyclass(frozen, name = "Mobility", module = "fcm_solve._core")]
+pub struct PyMobility {
     planned: ThreadBound<suspension::Mobility>,
     signals: PythonSignals,
     is_first: bool,
@@ -36,7 +36,7 @@ type GivenBox = (Vec<[f64; 3]>, [String; 3]);
 type NumpyMatrix<'py> = Bound<'py, PyArray2<f64>>;
 
 #[pymethods]
-impl Mobility {
+impl PyMobility {
     /// Plans the mobility. `spheres`: the box (edges in one row or lattice vectors in three, and the boundary condition
     /// along each axis), its strain, the radii, and whether the spheres are rigid. `fluid`: viscosity and relative
     /// tolerance. `terms`: whether there are dipoles, the gap where lubrication ends, and the method.
@@ -179,7 +179,7 @@ impl Mobility {
     }
 }
 
-impl Mobility {
+impl PyMobility {
     fn planned(
         py: Python<'_>,
         parameters: MobilityParameters,

@@ -6,12 +6,12 @@ use pyo3::prelude::*;
 use simulation::NeighbourList;
 
 /// Pairs of particles whose centres are nearer than a cutoff. Immutable.
-#[pyclass(frozen, module = "fcm_solve._core")]
-pub struct Neighbours {
+#[pyclass(frozen, name = "Neighbours", module = "fcm_solve._core")]
+pub struct PyNeighbours {
     list: NeighbourList,
 }
 
-impl Neighbours {
+impl PyNeighbours {
     /// The pairs of a neighbour list.
     pub fn of(list: NeighbourList) -> Self {
         Self { list }
@@ -19,7 +19,7 @@ impl Neighbours {
 }
 
 #[pymethods]
-impl Neighbours {
+impl PyNeighbours {
     /// The number of pairs.
     fn __len__(&self) -> usize {
         self.list.pairs.len()
@@ -49,7 +49,7 @@ impl Neighbours {
 
 /// A view of the owner's numbers as rows of a width.
 fn table<'py, T: Element>(
-    owner: &Bound<'py, Neighbours>,
+    owner: &Bound<'py, PyNeighbours>,
     numbers: &[T],
     width: usize,
 ) -> PyResult<Bound<'py, PyArray2<T>>> {

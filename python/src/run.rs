@@ -1,7 +1,7 @@
 //! A simulation, and the folder of its results.
 
 use crate::signals::PythonSignals;
-use crate::snapshot::{Snapshot, count, shared};
+use crate::snapshot::{PySnapshot, count, shared};
 use crate::user_loads::{OwnFunction, PendingException};
 use domain::Comm;
 use files::SCENES;
@@ -93,14 +93,14 @@ impl Run {
     }
 
     /// The present state. Collective.
-    pub fn snapshot(&mut self) -> Snapshot {
+    pub fn snapshot(&mut self) -> PySnapshot {
         let state = self.simulation.state();
-        Snapshot::of(state, &self.scene, self.simulation.comm())
+        PySnapshot::of(state, &self.scene, self.simulation.comm())
     }
 
     /// Goes back to a state, with the changes that the user of the first rank has made to it. Records after its step
     /// are dropped. If the state is refused, nothing changes. Collective.
-    pub fn restore(&mut self, snapshot: &Snapshot, change: Rearrangement) -> Result<(), RunError> {
+    pub fn restore(&mut self, snapshot: &PySnapshot, change: Rearrangement) -> Result<(), RunError> {
         let comm = self.simulation.comm().clone();
         let now = self.simulation.state();
         let state = comm.agree(snapshot.state_for(&self.scene, count(&now, &comm)))?;

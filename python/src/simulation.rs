@@ -3,10 +3,10 @@
 use crate::arrays::{rows_of, table_of};
 use crate::communicator::ranks;
 use crate::error::{explained, of_run, refused};
-use crate::neighbours::Neighbours;
+use crate::neighbours::PyNeighbours;
 use crate::run::{AdvanceOutcome, Run};
 use crate::scene::parsed;
-use crate::snapshot::{Moved, Snapshot, rearrangement};
+use crate::snapshot::{Moved, PySnapshot, rearrangement};
 use crate::thread_bound::{ThreadBound, without_lock};
 use crate::user_loads::{LoadKind, OwnFunction};
 use numpy::PyArray1;
@@ -19,8 +19,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A simulation.
-#[pyclass(frozen, module = "fcm_solve._core")]
-pub struct Simulation {
+#[pyclass(frozen, name = "Simulation", module = "fcm_solve._core")]
+pub struct PySimulation {
     run: ThreadBound<Run>,
     notes: Vec<String>,
 }
@@ -30,7 +30,7 @@ pub struct Simulation {
 type ObservableRow = Vec<(Cow<'static, str>, &'static str, Option<(Vec<String>, Vec<String>)>, Vec<f64>)>;
 
 #[pymethods]
-impl Simulation {
+impl PySimulation {
     /// Starts a scene, given by its text and name. `out` is the folder of the results and whether a run in it is
     /// replaced.
     #[staticmethod]
@@ -87,13 +87,13 @@ impl Simulation {
     }
 
     /// The pairs of particles whose centres are nearer than a cutoff, on the first rank.
-    fn neighbours(&self, py: Python<'_>, cutoff: f64) -> PyResult<Neighbours> {
+    fn neighbours(&self, py: Python<'_>, cutoff: f64) -> PyResult<PyNeighbours> {
         let found = self.run.with(py, |run| run.simulation.neighbours(cutoff))?;
-        Ok(Neighbours::of(found.map_err(|cause| refused(&cause))?))
+        Ok(PyNeighbours::of(found.map_err(|cause| refused(&cause))?))
     }
 
     /// The present state.
-    fn snapshot(&self, py: Python<'_>) -> PyResult<Snapshot> {
+    fn snapshot(&self, py: Python<'_>) -> PyResult<PySnapshot> {
         self.run.with(py, Run::snapshot)
     }
 
@@ -102,7 +102,7 @@ impl Simulation {
     fn restore(
         &self,
         py: Python<'_>,
-        snapshot: &Snapshot,
+        snapshot: &PySnapshot,
         moved: (Moved<'_>, Moved<'_>, Moved<'_>),
         radii: (Vec<u64>, Vec<f64>),
     ) -> PyResult<()> {
@@ -174,7 +174,7 @@ impl Simulation {
     }
 }
 
-impl Simulation {
+impl PySimulation {
     fn raised(&self, py: Python<'_>) -> PyResult<Option<PyErr>> {
         self.run.with(py, |run| run.raised.take())
     }

@@ -8,8 +8,8 @@ use simulation::{Rearrangement, State};
 use std::mem::{Discriminant, discriminant};
 
 /// The state of a simulation at a step, with the particles of this rank.
-#[pyclass(frozen, module = "fcm_solve._core")]
-pub struct Snapshot {
+#[pyclass(frozen, name = "Snapshot", module = "fcm_solve._core")]
+pub struct PySnapshot {
     state: State,
     kind: Discriminant<Kind>,
     /// Number of particles on all ranks.
@@ -17,7 +17,7 @@ pub struct Snapshot {
     has_inertia: bool,
 }
 
-impl Snapshot {
+impl PySnapshot {
     /// Snapshot of a state of a scene. Collective.
     pub fn of(state: State, scene: &Scene, comm: &Comm) -> Self {
         let count = count(&state, comm);
@@ -45,7 +45,7 @@ pub fn count(state: &State, comm: &Comm) -> u64 {
 }
 
 #[pymethods]
-impl Snapshot {
+impl PySnapshot {
     /// Whether velocities are a part of the state, and not a consequence of the positions.
     #[getter]
     fn has_inertia(&self) -> bool {

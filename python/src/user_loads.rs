@@ -1,7 +1,7 @@
 //! Python functions that return forces or torques.
 
 use crate::arrays::{list_of, rows_of};
-use crate::neighbours::Neighbours;
+use crate::neighbours::PyNeighbours;
 use domain::{Tensor, Vector};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -106,7 +106,7 @@ fn of_positions(py: Python<'_>, own: &OwnFunction, positions: &[Vector], time: f
 }
 
 fn of_pairs(py: Python<'_>, function: &Py<PyAny>, near: &NeighbourList, time: f64) -> PyResult<Vec<Vector>> {
-    let near = Bound::new(py, Neighbours::of(near.clone()))?;
+    let near = Bound::new(py, PyNeighbours::of(near.clone()))?;
     list_of(Some(function.bind(py).call1((near, time))?.extract()?))
 }
 

@@ -69,7 +69,7 @@ pub fn store_solution(
 
 /// Parameters of the finite difference of random motions.
 #[derive(Debug, Clone, Copy)]
-pub struct Change {
+pub struct FiniteDifference {
     /// Divisor of the difference.
     pub over: f64,
     /// Thermal energy.
@@ -91,7 +91,7 @@ pub fn store_drift(
     hydrodynamics: &mut CoupledSolver,
     cell: &PeriodicBox,
     particles: &mut Particles,
-    Change { over, energy, tolerance }: Change,
+    FiniteDifference { over, energy, tolerance }: FiniteDifference,
 ) -> Result<(), SolveError> {
     let (mut fluid, loads, found) = (ambient(particles), loads(particles), load_from_columns(particles));
     hydrodynamics.add_divergence(cell, particles, over * energy, &mut fluid);

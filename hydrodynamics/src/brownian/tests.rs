@@ -121,7 +121,7 @@ fn divergence(
         for length in [1e-3, -1e-3] {
             let mut moved = particles.clone();
             moved.positions[sphere][axis] += length;
-            let change = Change { over: length, energy: 0.0, tolerance };
+            let change = FiniteDifference { over: length, energy: 0.0, tolerance };
             store_drift(hydrodynamics, cell, &mut moved, change).unwrap();
             add(0.5, drift(&mut moved));
         }
@@ -129,7 +129,7 @@ fn divergence(
     let (mut particles, zeros) = (particles.clone(), vec![Vector::ZERO; 3]);
     let rest = Motion { velocities: zeros.clone(), angular_velocities: zeros, strain_rates: vec![Traceless::ZERO; 3] };
     solve(hydrodynamics, cell, &mut particles, &Loads::default(), &rest).unwrap();
-    store_drift(hydrodynamics, cell, &mut particles, Change { over: 1.0, energy: 1.0, tolerance }).unwrap();
+    store_drift(hydrodynamics, cell, &mut particles, FiniteDifference { over: 1.0, energy: 1.0, tolerance }).unwrap();
     add(1.0, drift(&mut particles));
     (sums, stresslets)
 }

@@ -1,7 +1,7 @@
 //! Brownian drift.
 
 use super::{Mobility, MobilityError, ROOT, turn_motion};
-use crate::brownian::{self, CHANGE, Change, DISPLACEMENT};
+use crate::brownian::{self, CHANGE, DISPLACEMENT, FiniteDifference};
 use domain::{Traceless, Vector, sphere};
 use fcm::{Loads, Multipoles, Stream};
 
@@ -49,7 +49,7 @@ impl Mobility {
                 particles.displace_by([DISPLACEMENT], [1.0]);
                 particles.wrap(&cell);
                 particles.migrate(&self.partition, &cell);
-                let change = Change { over: step, energy: 1.0, tolerance: CHANGE };
+                let change = FiniteDifference { over: step, energy: 1.0, tolerance: CHANGE };
                 brownian::store_drift(&mut self.hydrodynamics, &cell, &mut particles, change)?;
             } else {
                 brownian::store_divergence(&mut self.hydrodynamics, &cell, &mut particles, 1.0);

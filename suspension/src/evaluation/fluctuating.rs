@@ -7,7 +7,7 @@ use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
 use crate::neighbourhood::PairsWithHalo;
 use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
 use fcm::{Loads, Motion, Stream};
-use hydrodynamics::brownian::{self, Change, ambient, set_ambient};
+use hydrodynamics::brownian::{self, FiniteDifference, ambient, set_ambient};
 use hydrodynamics::{Guess, Solution};
 
 /// Thermal fluctuations of a step.
@@ -111,7 +111,7 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         moment: &StageTime,
-        change: Change,
+        change: FiniteDifference,
     ) -> Result<(), StepError> {
         let cell = *self.moving.cell();
         if !self.rigid {

@@ -1,6 +1,6 @@
 //! Relative motion of near pairs.
 
-use crate::evaluation::orders::Estimate;
+use crate::evaluation::orders::ErrorEstimate;
 use crate::flow::deformation::Deformation;
 use crate::flow::periodic_cell::PeriodicCell;
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
@@ -77,15 +77,15 @@ impl<const N: usize> RelativeMotion<N> {
     /// weights. Losses are relative to gaps of at least `least[0]` mean radii, errors to gaps of at least `least[1]`:
     /// smaller gaps count as that large. If `least[0]` is zero, overlapping spheres are ignored. Collective.
     pub fn after(&self, both: [[f64; N]; 2], least: [f64; 2], comm: &Comm) -> Change {
-        let judge = |[after, lower]: [f64; 2]| (after, Estimate { error: (after - lower).abs(), roughness: 0.0 });
+        let judge = |[after, lower]: [f64; 2]| (after, ErrorEstimate { error: (after - lower).abs(), roughness: 0.0 });
         self.changes(both, judge, least, comm)
     }
 
     /// [`Self::after`] with the weights of four orders, the highest first; the second one moves the spheres, and the
-    /// error is that of [`Estimate`]. Collective.
+    /// error is that of [`ErrorEstimate`]. Collective.
     pub fn after_orders(&self, orders: [[f64; N]; 4], least: [f64; 2], comm: &Comm) -> Change {
         let judge = |gaps: [f64; 4]| {
-            (gaps[1], Estimate::of(std::array::from_fn(|order| (gaps[order] - gaps[order + 1]).abs())))
+            (gaps[1], ErrorEstimate::of(std::array::from_fn(|order| (gaps[order] - gaps[order + 1]).abs())))
         };
         self.changes(orders, judge, least, comm)
     }
@@ -95,7 +95,7 @@ impl<const N: usize> RelativeMotion<N> {
     fn changes<const M: usize>(
         &self,
         weights: [[f64; N]; M],
-        judge: impl Fn([f64; M]) -> (f64, Estimate) + Sync,
+        judge: impl Fn([f64; M]) -> (f64, ErrorEstimate) + Sync,
         least: [f64; 2],
         comm: &Comm,
     ) -> Change {
@@ -162,7 +162,7 @@ pub struct Change {
     pub loss: f64,
     /// Largest relative error of a gap.
     pub error: f64,
-    /// Largest relative roughness of a gap, see [`Estimate::roughness`].
+    /// Largest relative roughness of a gap, see [`ErrorEstimate::roughness`].
     pub roughness: f64,
 }
 
@@ -181,7 +181,7 @@ impl Change {
     }
 
     /// Takes a gap before and after and its error into account, relative to gaps of at least `least`.
-    fn note(&mut self, gap: f64, after: f64, estimate: Estimate, least: [f64; 2]) {
+    fn note(&mut self, gap: f64, after: f64, estimate: ErrorEstimate, least: [f64; 2]) {
         self.gap = self.gap.min(gap);
         let sizes = least.map(|least| gap.max(least));
         if sizes[0] > 0.0 {

@@ -30,14 +30,14 @@ pub fn weights(ages: &[f64], step: f64) -> Weights {
 
 /// Error estimate, from the dependence of a displacement, a gap, or the worst of many, on the order.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Estimate {
+pub struct ErrorEstimate {
     /// Error of a step.
     pub error: f64,
     /// Difference between the highest order and the next, if the motion is too rough for the highest; otherwise 0.
     pub roughness: f64,
 }
 
-impl Estimate {
+impl ErrorEstimate {
     /// Ratios of differences between orders up to which a motion counts as smooth. For a motion that decays or
     /// oscillates at a rate `k`, with steps `h`, successive orders differ by `1/2 (exp(k h) - 1)`,
     /// `5/12 (exp(k h) - 1)^2` and `3/8 (exp(k h) - 1)^3` of the displacement in a step. These ratios of the last
@@ -70,7 +70,7 @@ impl Estimate {
 }
 
 /// Worst estimate of all displacements over the radius. Collective.
-pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Comm) -> Estimate {
+pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Comm) -> ErrorEstimate {
     for name in USED {
         particles.vectors(name);
     }
@@ -82,12 +82,12 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Com
         let length = |weights: [f64; USED.len()]| {
             (0..USED.len()).map(|k| velocities[k][i] * weights[k]).sum::<Vector>().length() / radius
         };
-        Estimate::of(between.map(length))
+        ErrorEstimate::of(between.map(length))
     };
-    let worst = particles.radii.par_iter().enumerate().map(of).reduce(Estimate::default, Estimate::worse);
+    let worst = particles.radii.par_iter().enumerate().map(of).reduce(ErrorEstimate::default, ErrorEstimate::worse);
     let mut largest = [worst.error, worst.roughness];
     comm.max(&mut largest);
-    Estimate { error: largest[0], roughness: largest[1] }
+    ErrorEstimate { error: largest[0], roughness: largest[1] }
 }
 
 #[cfg(test)]
@@ -95,10 +95,10 @@ mod tests {
     use super::*;
 
     /// Estimate for a motion whose velocity was `past(k)` at `k` steps ago.
-    fn estimate(past: impl Fn(f64) -> f64) -> Estimate {
+    fn estimate(past: impl Fn(f64) -> f64) -> ErrorEstimate {
         let weights = weights(&[0.0, 1.0, 2.0, 3.0], 1.0);
         let moved = weights.map(|weights| (0..4).map(|k| weights[k] * past(k as f64)).sum::<f64>());
-        Estimate::of(std::array::from_fn(|order| (moved[order] - moved[order + 1]).abs()))
+        ErrorEstimate::of(std::array::from_fn(|order| (moved[order] - moved[order + 1]).abs()))
     }
 
     #[test]
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn what_is_no_number_is_the_worst() {
-        let worst = Estimate::default().worse(Estimate { error: f64::NAN, roughness: 0.0 });
+        let worst = ErrorEstimate::default().worse(ErrorEstimate { error: f64::NAN, roughness: 0.0 });
         assert!(worst.error.is_infinite());
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::step::StepError;
 use crate::evaluation::gap_control::RelativeMotion;
-use crate::evaluation::orders::{Estimate, USED, Weights, of_displacements, weights};
+use crate::evaluation::orders::{ErrorEstimate, USED, Weights, of_displacements, weights};
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::adams_bashforth::remember;
 use crate::integrators::motion;
@@ -14,7 +14,8 @@ use simulation::Clock;
 /// Number of past velocities that are stored.
 pub const PAST_VELOCITIES: usize = USED.len() - 1;
 
-/// The highest order is used if its roughness ([`Estimate::roughness`]) is at most this fraction of the allowed error.
+/// The highest order is used if its roughness ([`ErrorEstimate::roughness`]) is at most this fraction of the allowed
+/// error.
 const ROUGH: f64 = 0.05;
 
 /// Largest ratio of a substep to the previous one.
@@ -36,7 +37,7 @@ const GAP_ERROR: f64 = 0.01;
 /// sphere moves: no substep is rejected, and each takes one evaluation. The first substeps of a run have a shorter past
 /// and are therefore short.
 ///
-/// Order 4 is used unless the motion of some sphere or gap is too rough for it ([`Estimate`]); where a motion is
+/// Order 4 is used unless the motion of some sphere or gap is too rough for it ([`ErrorEstimate`]); where a motion is
 /// smooth, its difference from order 3 counts as an error, too. For a rotating pair the error of order 3 is along the
 /// line of centres and always of one sign, so that pairs would separate at smaller offsets than those at which they
 /// met; the error of order 4 is perpendicular. A gap that decays at a rate `k` requires `k h < 6/11` with order 3 and
@@ -98,7 +99,7 @@ struct Chosen {
 /// Properties of a trial substep: its error and roughness and the largest loss of a gap, each over the allowed value,
 /// and the smallest gap before it.
 struct Known {
-    estimate: Estimate,
+    estimate: ErrorEstimate,
     loss: f64,
     gap: f64,
 }
@@ -112,7 +113,7 @@ impl AdaptiveSubstep<'_> {
         loop {
             let step = share(rest, longest);
             let orders = weights(self.ages, step);
-            let Known { estimate: Estimate { error, roughness }, loss, gap } =
+            let Known { estimate: ErrorEstimate { error, roughness }, loss, gap } =
                 self.known(step, &orders, &mut approach, dynamics);
             let weights = orders[usize::from(roughness > ROUGH)];
             if error <= 1.0
@@ -141,7 +142,7 @@ impl AdaptiveSubstep<'_> {
         let least = dynamics.lubrication().map_or([0.0; 2], |range| [range.minimum_gap(), self.control.tolerance]);
         let carry = dynamics.periodic_cell().advect(step, [0.0; 3]);
         let gaps = approach.advected_by(carry).after_orders(*orders, least, comm);
-        let of_gaps = Estimate { error: gaps.error, roughness: gaps.roughness };
+        let of_gaps = ErrorEstimate { error: gaps.error, roughness: gaps.roughness };
         let of_places = of_displacements(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);
         let estimate = of_places.worse(of_gaps.scaled(1.0 / (GAP_ERROR * self.control.gap_fraction)));
         Known { estimate, loss: gaps.loss / self.control.gap_fraction, gap: gaps.gap }

@@ -9,7 +9,7 @@ use crate::integrators::motion;
 use crate::model::BrownianScheme;
 use domain::Particles;
 use fcm::Stream;
-use hydrodynamics::brownian::{self, CHANGE, Change, DISPLACEMENT, DRIFT_VELOCITY};
+use hydrodynamics::brownian::{self, CHANGE, DISPLACEMENT, DRIFT_VELOCITY, FiniteDifference};
 use simulation::Clock;
 
 /// Thermal fluctuations of a run.
@@ -120,7 +120,7 @@ fn two_evaluations(
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
     motion::advance(particles, [DISPLACEMENT], [1.0]);
     dynamics.wrap_and_migrate(particles, &start)?;
-    let change = Change { over: DIFFERENCE_FRACTION, energy: noise.energy, tolerance: CHANGE };
+    let change = FiniteDifference { over: DIFFERENCE_FRACTION, energy: noise.energy, tolerance: CHANGE };
     dynamics.store_drift(particles, &start, change)?;
     brownian::limit_drift(particles, clock.dt());
     motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
