@@ -240,7 +240,7 @@ def projection(stored, exponent):
         "",
         "### Memory",
         "",
-        *prose("""As `fcm-solve check --ranks` predicts it for a run at 12%, or with lubrication at 20%."""),
+        *prose("""As `fcm-solve check` predicts it for a run at 12%, or with lubrication at 20%."""),
         *memory_table(stored),
         "",
         "### Limits, in the order in which they are met",
