@@ -1,11 +1,12 @@
 """Grains without a fluid grid: the speed of the disks and the start-up time of their scenes; a gas of hard spheres in the
-event-driven engine against Enskog and Haff, up to ten million collisions; the solid fraction at which a sheared cell jams;
-the grids of the continuum.
+event-driven engine against Enskog and Haff, up to ten million collisions; the paper's cell at full size; the solid fraction at
+which a sheared cell jams; the grids of the continuum.
 
 scripts/validate grains [--full]: minutes; --full measures the jamming cell four times as long."""
 
 import csv
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -125,6 +126,43 @@ def gas():
     ])
 
 
+def paper(folder):
+    """The paper's cell at full size against an independent prototype in C: stress and friction on the top, and the power of the
+    speed to which the stress is proportional."""
+    stresses, lines = {}, []
+    for fraction, speed in ((0.5, 1.4), (0.55, 1.4), (0.55, 2.8)):
+        # The same displacement at each speed.
+        half = round(0.14 / speed, 3)
+        times = {"time.transient": half, "time.duration": 2 * half, "measure.window": 5e-5}
+        size = {"cell.length": 0.03, "cell.width": 0.019, "cell.speed": speed, "grains.initial_velocity_deviation": 0.05 * speed}
+        solve("shear-cell", folder, size | times | {"grains.solid_fraction": fraction})
+        top = {key: float(value) for key, value in rows(folder / "walls.csv")[1].items() if key != "wall"}
+        totals = rows(folder / "totals.csv")[0]
+        stresses[fraction, speed] = top["normal"]
+        lines.append([
+            f"{fraction:g}", f"{speed:g}", f"{top['normal']:.0f} ± {top['normal_error']:.0f}",
+            f"{top['along'] / top['normal']:.3f}", f"{float(totals['temperature']):.4f}",
+        ])
+    exponent = math.log2(stresses[0.55, 2.8] / stresses[0.55, 1.4])
+    ratio = float(lines[0][3])
+    checks = [
+        ["normal stress at 0.5 and 1.4 m/s, Pa", "244 ± 25%", lines[0][2], abs(stresses[0.5, 1.4] / 244 - 1) < 0.25],
+        ["friction there", "0.29 ± 0.03", lines[0][3], abs(ratio - 0.29) < 0.03],
+        ["power of the speed at 0.55", "1.7 to 2.05", f"{exponent:.2f}", 1.7 < exponent < 2.05],
+    ]
+    write_section("grains.md", "grains paper", "The paper's cell", [
+        "Yu and Tichy's cell at its full size of 30 x 4 x 19 mm with rigid grains, from a random start. A displacement of 0.14 m",
+        "is measured after a transient of the same length; stresses are those on the top.",
+        "",
+        *table(["solid fraction", "speed, m/s", "normal stress, Pa", "shear over normal stress", "granular temperature, m²/s²"], lines),
+        "",
+        *table(
+            ["quantity", "prototype in C", "found", "passed"],
+            [[*words, "yes" if is_passed else "no"] for *words, is_passed in checks],
+        ),
+    ])
+
+
 def jam(folder):
     """Stress on the top against the solid fraction, both engines, up to jamming of rigid grains."""
     found, curves = [], {"event-driven": [], "time-stepped": []}
@@ -183,7 +221,13 @@ def main():
         subprocess.run(command, check=True, cwd=ROOT)
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place) / "run"
-        parts = {"disks": lambda: disks(folder), "gas": gas, "jam": lambda: jam(folder), "continuum": lambda: continuum(folder)}
+        parts = {
+            "disks": lambda: disks(folder),
+            "gas": gas,
+            "paper": lambda: paper(folder),
+            "jam": lambda: jam(folder),
+            "continuum": lambda: continuum(folder),
+        }
         wanted = [word for word in sys.argv[1:] if word in parts] or list(parts)
         for part in wanted:
             parts[part]()

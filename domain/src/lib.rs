@@ -65,7 +65,7 @@ pub use memory::{
 pub use neighbour::Neighbour;
 pub use neighbours::{Neighbours, NeighboursOf};
 pub use number::Number;
-pub use packing::{PackingError, random_cloud, random_packing, shared_random_packing};
+pub use packing::{Occupied, PackingError, random_cloud, random_packing, shared_random_packing};
 pub use pairs::{Pair, Pairs, fold_pairs};
 pub use parameter::ParameterError;
 pub use particles::{Column, ColumnError, Particles};

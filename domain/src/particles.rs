@@ -85,6 +85,13 @@ impl Particles {
         &mut self.columns[place]
     }
 
+    /// Rows of the column of this name with `N` numbers per particle, if there is one.
+    pub fn rows<const N: usize>(&self, name: &str) -> Option<&[[f64; N]]> {
+        let column = self.columns.iter().find(|column| column.name == name && column.width == N)?;
+        let (rows, rest) = column.values.as_chunks();
+        (rest.is_empty() && rows.len() == self.len()).then_some(rows)
+    }
+
     /// A column of vectors, one per particle.
     pub fn vectors(&mut self, name: &str) -> &mut [Vector] {
         bytemuck::cast_slice_mut(&mut self.column(name, 3).values)

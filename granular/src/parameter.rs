@@ -2,7 +2,7 @@
 
 pub use domain::ParameterError;
 
-use domain::{Number, Vector};
+use domain::Number;
 use std::fmt::{Display, Formatter, Result as FormatResult};
 
 /// Error that states the value found and the values allowed.
@@ -21,17 +21,11 @@ pub(crate) fn require(
 }
 
 /// The components of a vector, as an error shows them.
-pub(crate) struct Components<V>(pub(crate) V);
+pub(crate) struct Components<const N: usize>(pub(crate) [f64; N]);
 
-impl Display for Components<glam::DVec2> {
+impl<const N: usize> Display for Components<N> {
     fn fmt(&self, f: &mut Formatter<'_>) -> FormatResult {
-        write!(f, "[{}, {}]", Number(self.0.x), Number(self.0.y))
-    }
-}
-
-impl Display for Components<Vector> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> FormatResult {
-        write!(f, "[{}, {}, {}]", Number(self.0.x), Number(self.0.y), Number(self.0.z))
+        write!(f, "[{}]", self.0.map(|x| Number(x).to_string()).join(", "))
     }
 }
 

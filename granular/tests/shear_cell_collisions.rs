@@ -36,7 +36,7 @@ fn thrown(list: &[([f64; 3], [f64; 3])]) -> Grains {
 const ENGINES: [CollisionDetection; 2] =
     [CollisionDetection::EventDriven, CollisionDetection::TimeStepped { step: 1.0 / 1024.0 }];
 
-fn run(parameters: Parameters, grains: &Grains, collisions: CollisionDetection, time: f64) -> Engine {
+fn run(parameters: Parameters, grains: &Grains, collisions: CollisionDetection, time: f64) -> Box<Engine> {
     let model = Model::new(parameters).unwrap();
     let mut engine = Engine::new(&model, grains, collisions).unwrap();
     assert!(engine.advance(time, &|| true));

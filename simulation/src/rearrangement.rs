@@ -1,6 +1,6 @@
 //! Particles that a user puts elsewhere.
 
-use domain::Vector;
+use domain::{Particles, Vector};
 use std::collections::HashMap;
 
 /// New values of some particles, each with the particle's id: what a user has changed in a state.
@@ -24,6 +24,16 @@ impl Rearrangement {
             if let Some(&row) = rows.get(id) {
                 list[row] = *value;
             }
+        }
+    }
+
+    /// Puts positions and velocities into particles with inertia.
+    pub fn put_motions(&self, particles: &mut Particles) {
+        let ids = particles.ids.clone();
+        Self::put(&self.positions, &ids, &mut particles.positions);
+        Self::put(&self.velocities, &ids, particles.vectors("velocity"));
+        if !self.angular_velocities.is_empty() {
+            Self::put(&self.angular_velocities, &ids, particles.vectors("angular_velocity"));
         }
     }
 

@@ -1,5 +1,7 @@
 //! Storing and restoring the state of estimators, bit for bit.
 
+use bytemuck::Pod;
+
 /// An estimator whose state can be stored. An estimator made with the same parameters and visited with a [`Loader`]
 /// has the state that was visited with the [`Saver`].
 pub trait State {
@@ -25,6 +27,20 @@ pub trait State {
         let mut loader = Loader { rest: bytes, fits: true };
         self.visit(&mut loader);
         loader.fits && loader.rest.is_empty()
+    }
+}
+
+/// Structs that consist of numbers of 64 bits are states by themselves: their fields in order.
+impl<T: Pod> State for T {
+    fn visit(&mut self, store: &mut dyn Store) {
+        const { assert!(size_of::<T>() % size_of::<u64>() == 0 && align_of::<T>() == align_of::<u64>()) }
+        bytemuck::cast_slice_mut(std::slice::from_mut(self)).iter_mut().for_each(|word| store.count(word));
+    }
+}
+
+impl<T: State> State for [T] {
+    fn visit(&mut self, store: &mut dyn Store) {
+        self.iter_mut().for_each(|state| state.visit(store));
     }
 }
 
@@ -92,6 +108,7 @@ impl Store for Loader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use bytemuck::Zeroable;
 
     #[derive(Default, PartialEq, Debug)]
     struct Two(Vec<f64>, u64, f64);
@@ -112,5 +129,27 @@ mod tests {
         assert!(again.load(&bytes));
         assert_eq!(again, two);
         assert!(!Two::default().load(&bytes[1..]) && !Two::default().load(&[&bytes[..], &[0]].concat()));
+    }
+
+    #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
+    #[repr(C)]
+    struct Plain {
+        place: domain::Vector,
+        count: u64,
+    }
+
+    #[test]
+    fn plain_numbers_are_stored_field_by_field() {
+        let mut list = [1.0, -0.0].map(|x| Plain { place: domain::Vector::new(x, 0.1, f64::INFINITY), count: 7 });
+        let mut saver = Saver::default();
+        list[..].visit(&mut saver);
+        let mut expected = Saver::default();
+        for Plain { place, count } in &mut list {
+            place.as_mut().iter_mut().for_each(|number| expected.number(number));
+            expected.count(count);
+        }
+        assert_eq!(saver.0, expected.0);
+        let mut again = Plain::default();
+        assert!(again.load(&saver.0[..32]) && again == list[0]);
     }
 }

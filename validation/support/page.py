@@ -16,7 +16,7 @@ def write_section(page, name, title, lines, command=None):
     pattern = re.compile(rf"(<!-- {re.escape(name)} -->\n).*?(<!-- /{re.escape(name)} -->)", re.S)
     if not pattern.search(text):
         raise SystemExit(f"{path} has no section <!-- {name} -->")
-    command = command or " ".join(["scripts/validate", name, *sys.argv[1:]])
+    command = command or " ".join(["scripts/validate", name, *(word for word in sys.argv[1:] if word not in name.split())])
     body = f"\n## {title}: `{command}`\n\n" + "\n".join(lines).strip() + "\n\n"
     path.write_text(pattern.sub(lambda match: match[1] + body + match[2], text))
 

@@ -8,7 +8,7 @@ mod shake;
 
 use crate::{Comm, Partition, PeriodicBox, Vector, sphere};
 pub use cloud::random_cloud;
-use occupied::Occupied;
+pub use occupied::Occupied;
 use relax::relax;
 
 /// Reason why spheres could not be placed.

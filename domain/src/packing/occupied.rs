@@ -5,7 +5,7 @@ use crate::{Partition, PeriodicBox, Vector};
 /// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level,
 /// so that all spheres that another can touch are in a few cells, however much sizes differ. They cover the whole
 /// box, or a rank's share and its surroundings within reach.
-pub(super) struct Occupied<'a> {
+pub struct Occupied<'a> {
     cell: &'a PeriodicBox,
     /// Largest size of all.
     largest: f64,

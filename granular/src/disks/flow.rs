@@ -74,7 +74,6 @@ impl VelocityProfile {
         a + y * (b + y * c)
     }
 
-    /// Its derivative.
     #[inline(always)]
     pub(super) fn slope(&self, y: f64) -> f64 {
         let [_, b, c] = self.coefficients;
@@ -86,7 +85,6 @@ impl VelocityProfile {
         if self.low.is_finite() { 0.0 } else { 0.5 * self.height }
     }
 
-    /// Its second derivative.
     pub(super) fn curvature(&self) -> f64 {
         2.0 * self.coefficients[2]
     }

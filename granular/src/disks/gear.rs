@@ -39,7 +39,6 @@ impl Gear {
     }
 }
 
-/// One coordinate of a disk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coordinate {
     pub(super) x: f64,

@@ -48,7 +48,6 @@ impl Model {
         cells.then(touching).then(self.pairs()).freed()
     }
 
-    /// Cells that disks are sorted into.
     fn cells(&self) -> f64 {
         let (sizes, edges) = (self.sizes(), DVec2::from_array(self.parameters().edges));
         let mean = sizes.iter().map(|s| s.radius).sum::<f64>() / sizes.len() as f64;

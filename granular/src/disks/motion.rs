@@ -48,26 +48,11 @@ impl DiskState {
         let mut parts = self.parts();
         for_each_part(&mut parts, |rows| match (task, measure) {
             (PassTask::Measure, _) => rows.pass::<false, true, false>(&pass),
-            (PassTask::Predict, _) => vectorised(
-                #[inline(always)]
-                || rows.pass::<false, false, true>(&pass),
-            ),
-            (PassTask::Correct, false) => vectorised(
-                #[inline(always)]
-                || rows.pass::<true, false, false>(&pass),
-            ),
-            (PassTask::Correct, true) => vectorised(
-                #[inline(always)]
-                || rows.pass::<true, true, false>(&pass),
-            ),
-            (PassTask::Both, false) => vectorised(
-                #[inline(always)]
-                || rows.pass::<true, false, true>(&pass),
-            ),
-            (PassTask::Both, true) => vectorised(
-                #[inline(always)]
-                || rows.pass::<true, true, true>(&pass),
-            ),
+            (PassTask::Predict, _) => rows.vectorised_pass::<false, false, true>(&pass),
+            (PassTask::Correct, false) => rows.vectorised_pass::<true, false, false>(&pass),
+            (PassTask::Correct, true) => rows.vectorised_pass::<true, true, false>(&pass),
+            (PassTask::Both, false) => rows.vectorised_pass::<true, false, true>(&pass),
+            (PassTask::Both, true) => rows.vectorised_pass::<true, true, true>(&pass),
         });
         parts.iter().fold(MotionSums::default(), |sum, rows| sum + rows.sums.total())
     }
@@ -101,6 +86,13 @@ impl DiskState {
 }
 
 impl DiskRows<'_> {
+    fn vectorised_pass<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool>(&mut self, pass: &StepPass) {
+        vectorised(
+            #[inline(always)]
+            || self.pass::<CORRECT, MEASURE, PREDICT>(pass),
+        );
+    }
+
     #[inline(always)]
     fn pass<const CORRECT: bool, const MEASURE: bool, const PREDICT: bool>(&mut self, pass: &StepPass) {
         // Local copies tell the compiler that nothing else writes to them.

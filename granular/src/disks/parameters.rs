@@ -22,6 +22,18 @@ pub struct Preparation {
     pub time_step: f64,
 }
 
+impl Preparation {
+    fn check_times(&self) -> Result<(), ParameterError> {
+        let (settled, mixed, key) = (self.settled, self.mixed, "preparation.elastic_until");
+        let is_time = settled >= 0.0 && settled.is_finite();
+        require(is_time, "preparation.inelastic_until", Number(settled), "a time, not negative")?;
+        let is_after = mixed >= settled && mixed.is_finite();
+        require(is_after, key, Number(mixed), "a time that is not before preparation.inelastic_until")?;
+        let allowed = format_args!("less than {} steps", Number(MOST_STEPS));
+        require(mixed / self.time_step < MOST_STEPS, key, Number(mixed), allowed)
+    }
+}
+
 /// Parameters of a scene. The default is the system of Fig. 4 of Santra, Schwarzer & Herrmann, PRE 54, 5066 (1996).
 /// Units: a length according to `length_unit`, the mass of a disk of radius 1, and a time in which an undamped
 /// contact lasts `pi`.
@@ -137,18 +149,7 @@ impl Model {
         check_restitution("preparation.restitution", p.preparation.restitution)?;
         check_step("time.step", p.time_step)?;
         check_step("preparation.time_step", p.preparation.time_step)?;
-        let (settled, mixed) = (p.preparation.settled, p.preparation.mixed);
-        let is_time = settled >= 0.0 && settled.is_finite();
-        require(is_time, "preparation.inelastic_until", Number(settled), "a time, not negative")?;
-        let ordered = mixed >= settled && mixed.is_finite();
-        require(
-            ordered,
-            "preparation.elastic_until",
-            Number(mixed),
-            "a time that is not before preparation.inelastic_until",
-        )?;
-        let (countable, most) = (mixed / p.preparation.time_step < MOST_STEPS, Number(MOST_STEPS));
-        require(countable, "preparation.elastic_until", Number(mixed), format_args!("less than {most} steps"))?;
+        p.preparation.check_times()?;
         require(p.measure_every > 0, "output.measure_every", p.measure_every, "at least one step")?;
         let radii = || sizes.iter().map(|s| s.radius);
         let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
@@ -227,34 +228,30 @@ impl Model {
         self.sizes.iter().map(|s| 6.0 * PI * s.radius / self.mass(s.radius)).fold(0.0, f64::max)
     }
 
-    /// Number of steps of the stages before the flow.
     pub(super) fn preparing_steps(&self) -> u64 {
         [Stage::RemoveOverlaps, Stage::Equilibrate].into_iter().filter_map(|stage| self.law(stage).steps).sum()
     }
 
-    /// Contacts, drag, flow and integrator of a stage.
     pub(super) fn law(&self, stage: Stage) -> Law {
         let p = &self.parameters;
-        let height = p.edges[1];
+        let Preparation { restitution, settled, mixed, gear, time_step } = p.preparation;
         let prepare = |restitution, steps| Law {
             contact: Contact::new(restitution, p.clip_attraction),
             viscosity: 0.0,
-            profile: Flow::Still.profile(height),
-            gear: p.preparation.gear,
+            profile: Flow::Still.profile(p.edges[1]),
+            gear,
             start_strain: 0.0,
-            dt: p.preparation.time_step,
-            steps,
+            dt: time_step,
+            steps: Some(steps),
         };
-        let until = |time: f64| (time / p.preparation.time_step).round() as u64;
+        let [settled, mixed] = [settled, mixed].map(|time| (time / time_step).round() as u64);
         match stage {
-            Stage::RemoveOverlaps => prepare(p.preparation.restitution, Some(until(p.preparation.settled))),
-            Stage::Equilibrate => {
-                prepare(1.0, Some(until(p.preparation.mixed).saturating_sub(until(p.preparation.settled))))
-            }
+            Stage::RemoveOverlaps => prepare(restitution, settled),
+            Stage::Equilibrate => prepare(1.0, mixed.saturating_sub(settled)),
             Stage::Flow => Law {
                 contact: Contact::new(p.restitution, p.clip_attraction),
                 viscosity: p.viscosity,
-                profile: p.flow.profile(height),
+                profile: p.flow.profile(p.edges[1]),
                 gear: p.gear,
                 start_strain: p.strain,
                 dt: p.time_step,

@@ -11,9 +11,6 @@ use simulation::{
 };
 use statistics::{State as Stored, Store};
 
-/// Largest number of disks times steps in one call, so that requests to stop are noticed soon.
-const MOMENT: u64 = 1_000_000;
-
 /// A run of sheared disks. Its steps are those of the stage with flow; a random start is prepared before step 0.
 pub struct DiskRun {
     disks: Disks,
@@ -161,8 +158,7 @@ impl Simulation for DiskRun {
     }
 
     fn advance(&mut self, last: u64) -> Result<(), SimulationError> {
-        let moment = (MOMENT / self.disks.model().sizes().len() as u64).max(1);
-        self.disks.advance(moment.min(last - self.clock.step()));
+        self.disks.advance(self.disks.moment().min(last - self.clock.step()));
         self.disks.check().map_err(SimulationError::new)?;
         self.clock = Clock::at(self.disks.steps(), self.clock.dt());
         Ok(())
@@ -213,10 +209,8 @@ impl Simulation for DiskRun {
         }
         let loaded = DiskCheckpoint::load_from(&state, self.profile.clone());
         let (progress, profile) = loaded.map_err(SimulationError::new)?;
-        let ids = state.particles.ids.clone();
         let disks = Disks::resume(self.disks.model(), &state.particles, &progress).map_err(SimulationError::new)?;
-        Rearrangement::put(&change.positions, &ids, &mut state.particles.positions);
-        Rearrangement::put(&change.velocities, &ids, state.particles.vectors("velocity"));
+        change.put_motions(&mut state.particles);
         let (particles, progress) = disks.rearranged(&state.particles).map_err(SimulationError::new)?.store();
         state.statistics = vec![DiskCheckpoint { progress: progress.to_numbers(), profile }.save()];
         Ok(State { particles, ..state })

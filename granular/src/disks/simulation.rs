@@ -23,7 +23,7 @@ pub struct Disks {
     pub(super) escaped: bool,
 }
 
-/// Largest number of disks times steps in one call during the preparation.
+/// Largest number of disks times steps in one call, so that requests to stop are noticed soon.
 const MOMENT: u64 = 1_000_000;
 
 impl Disks {
@@ -47,7 +47,6 @@ impl Disks {
     /// Like [`Disks::prepared`]; `tell` is called from time to time with the completed fraction of the steps.
     pub fn prepare_with_progress(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
-        let moment = (MOMENT / disks.state.len() as u64).max(1);
         let all = model.preparing_steps();
         let mut done = 0;
         while let Some(left) = disks.left() {
@@ -55,13 +54,18 @@ impl Disks {
                 disks.enter_next_stage();
                 continue;
             }
-            let steps = left.min(moment);
+            let steps = left.min(disks.moment());
             disks.advance(steps);
             disks.check()?;
             done += steps;
             tell(done as f64 / all as f64);
         }
         Ok(disks)
+    }
+
+    /// Number of steps in one call.
+    pub(super) fn moment(&self) -> u64 {
+        (MOMENT / self.state.len() as u64).max(1)
     }
 
     /// Refuses disks that have flown off, as happens where the contacts are unstable.
@@ -148,7 +152,7 @@ impl Disks {
             let motion = self.state.advance(&self.law, task, self.step + 1 - self.list.built_at_step, measure);
             drift = motion.drift_squared;
             for (total, begun) in self.tally.collisions.iter_mut().zip(contact.encounters) {
-                *total += begun;
+                *total += begun as f64;
             }
             if measure {
                 self.escaped |= !motion.kinetic.is_finite();
@@ -169,9 +173,7 @@ impl Disks {
 
     /// Number of lattice periods by which the strain was reduced since the list was built.
     pub(super) fn lattice_shifts_since_list(&self) -> i32 {
-        let [length, height] = self.model.parameters().edges;
-        let lattice_shifts = |step| (self.law.strain(step) * height / length + 0.5).floor() as i32;
-        lattice_shifts(self.step) - lattice_shifts(self.list.built_at_step)
+        self.law.lattice_shifts(&self.model, self.list.built_at_step..self.step)
     }
 
     /// The model.

@@ -2,8 +2,9 @@
 
 use super::flow::VelocityProfile;
 use super::gear::Corrector;
-use super::{Contact, Gear};
+use super::{Contact, Gear, Model};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// A stage of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,13 +18,11 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// The stage after this one.
+    /// All stages, in order.
+    pub(super) const ALL: [Self; 3] = [Self::RemoveOverlaps, Self::Equilibrate, Self::Flow];
+
     pub(super) fn next(self) -> Option<Self> {
-        match self {
-            Self::RemoveOverlaps => Some(Self::Equilibrate),
-            Self::Equilibrate => Some(Self::Flow),
-            Self::Flow => None,
-        }
+        Self::ALL.get(self as usize + 1).copied()
     }
 }
 
@@ -58,12 +57,17 @@ impl Law {
         (kick, self.drag(radius) * kick)
     }
 
-    /// Strain of the lattice after `step` steps.
     pub(super) fn strain(&self, step: u64) -> f64 {
         self.start_strain + self.strain_in(step)
     }
 
-    /// Strain of the lattice in a number of steps.
+    /// Number of lattice periods by which the strain is reduced from one step to another.
+    pub(super) fn lattice_shifts(&self, model: &Model, steps: Range<u64>) -> i32 {
+        let [length, height] = model.parameters().edges;
+        let shifts = |step| (self.strain(step) * height / length + 0.5).floor() as i32;
+        shifts(steps.end) - shifts(steps.start)
+    }
+
     pub(super) fn strain_in(&self, steps: u64) -> f64 {
         self.profile.lattice_rate * self.dt * steps as f64
     }

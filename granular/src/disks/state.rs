@@ -2,7 +2,7 @@
 
 use super::stage::Law;
 use super::{Model, for_each_part};
-use domain::{PeriodicBox, Vector};
+use domain::{Particles, PeriodicBox, Vector};
 use glam::DVec2;
 
 /// Number of disks that are advanced together, one per SIMD lane.
@@ -94,13 +94,12 @@ impl DiskState {
         self.identities.len()
     }
 
-    /// The motion of a disk.
     pub(super) fn motion(&self, row: usize) -> DiskMotion {
         let (block, lane) = (&self.blocks[row / LANES], row % LANES);
         DiskMotion {
             body: self.bodies[row],
             higher: std::array::from_fn(|k| DVec2::new(block.qx[k][lane], block.qy[k][lane])),
-            reference: DVec2::new(block.x0[lane], block.y0[lane]),
+            reference: self.reference(row),
             steps: self.steps[row],
         }
     }
@@ -167,7 +166,6 @@ impl DiskState {
         });
     }
 
-    /// Puts the rows in a new order.
     pub(super) fn reorder(&mut self, order: &[u32], law: &Law, model: &Model) {
         let motions: Vec<DiskMotion> = order.iter().map(|&row| self.motion(row as usize)).collect();
         let identities = order.iter().map(|&row| self.identities[row as usize]).collect();
@@ -177,17 +175,13 @@ impl DiskState {
 }
 
 impl Identity {
-    /// The identities of disks by id, species and radius.
-    pub(super) fn all(disks: impl Iterator<Item = (u64, u32, f64)>, model: &Model) -> Vec<Self> {
-        let of = |(id, species, radius): (u64, u32, f64)| Self {
-            id,
-            species,
-            radius,
-            rank: 0,
-            is_large: model.is_large(radius),
-            inverse_mass: 1.0 / model.mass(radius),
+    pub(super) fn all(particles: &Particles, model: &Model) -> Vec<Self> {
+        let of = |row: usize| {
+            let (id, species, radius) = (particles.ids[row], particles.species[row], particles.radii[row]);
+            let (is_large, inverse_mass) = (model.is_large(radius), 1.0 / model.mass(radius));
+            Self { id, species, radius, rank: 0, is_large, inverse_mass }
         };
-        let mut all: Vec<Self> = disks.map(of).collect();
+        let mut all: Vec<Self> = (0..particles.len()).map(of).collect();
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|&a, &b| all[a].radius.total_cmp(&all[b].radius).then(all[a].id.cmp(&all[b].id)));
         for (rank, &row) in order.iter().enumerate() {

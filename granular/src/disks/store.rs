@@ -11,16 +11,8 @@ use glam::DVec2;
 /// Columns apart from velocity: `dt^k x^(k) / k!` for k = 2, 3, 4; and the data that determine the neighbour
 /// list, as the time step has them, before wrapping: row, position, velocity, position when the list was
 /// built, and lattice steps.
-const GEAR: StoredColumn = StoredColumn { name: "gear", width: 6 };
-const LIST: StoredColumn = StoredColumn { name: "list", width: 9 };
-const VELOCITY: StoredColumn = StoredColumn { name: "velocity", width: 3 };
-
-/// Name and width of a column of the particle store.
-#[derive(Clone, Copy)]
-struct StoredColumn {
-    name: &'static str,
-    width: usize,
-}
+const GEAR: &str = "gear";
+const LIST: &str = "list";
 
 impl Disks {
     /// The state: particles in the order of their ids, positions inside the box, and the progress of the run.
@@ -37,11 +29,12 @@ impl Disks {
         let kept = |row: &usize| [wrapped.steps[*row][0], wrapped.steps[*row][1], 0];
         particles.steps = order.iter().map(kept).collect();
         let velocity = |&row: &usize| wrapped.bodies[row].velocity.extend(0.0).to_array();
-        particles.column(VELOCITY.name, VELOCITY.width).values = order.iter().flat_map(velocity).collect();
+        particles.column("velocity", 3).values = order.iter().flat_map(velocity).collect();
         let motions: Vec<DiskMotion> = order.iter().map(|&row| state.motion(row)).collect();
-        particles.column(GEAR.name, GEAR.width).values = motions.iter().flat_map(gear_row).collect();
+        let gear = |motion: &DiskMotion| bytemuck::cast::<_, [f64; 6]>(motion.higher);
+        particles.column(GEAR, 6).values = motions.iter().flat_map(gear).collect();
         let list = order.iter().zip(&motions).flat_map(|(&row, motion)| list_row(row, motion));
-        particles.column(LIST.name, LIST.width).values = list.collect();
+        particles.column(LIST, 9).values = list.collect();
         let touching = self.list.touching(self.step).collect();
         let (stage, step, list_built, tally) = (self.stage, self.step, self.list.built_at_step, self.tally);
         (particles, Progress { stage, step, list_built, tally, touching })
@@ -72,42 +65,33 @@ fn check_position(motion: &DiskMotion, cell: &PeriodicBox) -> Result<(), Paramet
     let inside = DVec2::new(reference.x - cell.strain() * reference.y, reference.y) / edges;
     let is_inside = inside.min_element() > -0.01 && inside.max_element() < 1.01;
     let is_near = (motion.body.position - reference).abs().max_element() < edges.min_element();
-    require(is_inside && is_near, LIST.name, Components(reference), "a place in the box, and the disk near it")
+    require(is_inside && is_near, LIST, Components(reference.to_array()), "a place in the box, and the disk near it")
 }
 
 /// Refuses a motion that carries a disk farther than the box in one step.
 fn check_motion(motion: &DiskMotion, cell: &PeriodicBox, dt: f64) -> Result<(), ParameterError> {
     let (shortest, [a, b, c], velocity) = (cell.edges().truncate().min_element(), motion.higher, motion.body.velocity);
     let is_less = |way: DVec2| way.abs().max_element() < shortest && way.is_finite();
-    require(
-        is_less(velocity * dt),
-        LIST.name,
-        Components(velocity),
-        "a velocity with which a step is shorter than the box",
-    )?;
+    let allowed = "a velocity with which a step is shorter than the box";
+    require(is_less(velocity * dt), LIST, Components(velocity.to_array()), allowed)?;
     let farthest = [a, b, c].into_iter().find(|&way| !is_less(way));
-    let found = Components(farthest.unwrap_or_default());
-    require(farthest.is_none(), GEAR.name, found, "ways of a step that are shorter than the box")
+    let found = Components(farthest.unwrap_or_default().to_array());
+    require(farthest.is_none(), GEAR, found, "ways of a step that are shorter than the box")
 }
 
-fn gear_row(motion: &DiskMotion) -> [f64; GEAR.width] {
-    let [a, b, c] = motion.higher;
-    [a.x, a.y, b.x, b.y, c.x, c.y]
-}
-
-fn list_row(row: usize, motion: &DiskMotion) -> [f64; LIST.width] {
+fn list_row(row: usize, motion: &DiskMotion) -> [f64; 9] {
     let (Body { position, velocity }, reference) = (motion.body, motion.reference);
     let [along, up] = motion.steps.map(f64::from);
     [row as f64, position.x, position.y, velocity.x, velocity.y, reference.x, reference.y, along, up]
 }
 
-fn motion_of(gear: &[f64], list: &[f64]) -> DiskMotion {
-    let pair = |row: &[f64], k: usize| DVec2::new(row[k], row[k + 1]);
+fn motion_of(gear: [f64; 6], list: [f64; 9]) -> DiskMotion {
+    let [_, x, y, u, v, x0, y0, along, up] = list;
     DiskMotion {
-        body: Body { position: pair(list, 1), velocity: pair(list, 3) },
-        higher: [0, 2, 4].map(|k| pair(gear, k)),
-        reference: pair(list, 5),
-        steps: [list[7] as i32, list[8] as i32],
+        body: Body { position: DVec2::new(x, y), velocity: DVec2::new(u, v) },
+        higher: bytemuck::cast(gear),
+        reference: DVec2::new(x0, y0),
+        steps: [along as i32, up as i32],
     }
 }
 
@@ -115,33 +99,31 @@ impl DiskState {
     /// Disks of a particle store that was not written by this driver, in its order. Without a column `velocity`
     /// they move with the liquid.
     pub(super) fn given(particles: &Particles, law: &Law, model: &Model) -> Result<Self, ParameterError> {
-        let velocities = rows_of(particles, VELOCITY);
+        let velocities = particles.rows::<3>("velocity");
         let height = model.parameters().edges[1];
         let motion = |row: usize| {
             let position = particles.positions[row].truncate();
             let liquid = DVec2::new(law.profile.speed(position.y.rem_euclid(height)), 0.0);
-            let velocity = velocities.as_ref().map_or(liquid, |rows| Vector::from_slice(rows[row]).truncate());
+            let velocity = velocities.map_or(liquid, |rows| Vector::from_array(rows[row]).truncate());
             let [along, up, _] = particles.steps[row];
             DiskMotion { body: Body { position, velocity }, steps: [along, up], ..DiskMotion::default() }
         };
         let motions: Vec<DiskMotion> = (0..particles.len()).map(motion).collect();
         for DiskMotion { body, .. } in &motions {
-            let [position, velocity] = [body.position, body.velocity].map(Components);
+            let [position, velocity] = [body.position, body.velocity].map(|vector| Components(vector.to_array()));
             require(body.position.is_finite(), "particles.position", position, "finite numbers")?;
             require(body.velocity.is_finite(), "particles.velocity", velocity, "finite numbers")?;
         }
-        Ok(Self::new(identities(particles, model), &motions))
+        Ok(Self::new(Identity::all(particles, model), &motions))
     }
 
     fn stored(particles: &Particles, model: &Model, cell: &PeriodicBox, dt: f64) -> Result<Self, ParameterError> {
         let sizes = model.smallest()..=model.largest();
         let other = particles.radii.iter().find(|radius| !sizes.contains(radius));
         require(other.is_none(), "radius", Number(*other.unwrap_or(&0.0)), "a radius that the scene has")?;
-        let needed = |column: StoredColumn| {
-            let allowed = "the columns that a checkpoint of disks has";
-            rows_of(particles, column).ok_or_else(|| refused(column.name, "missing from the particles", allowed))
-        };
-        let (gear, list) = (needed(GEAR)?, needed(LIST)?);
+        let missing = |name| refused(name, "missing from the particles", "the columns that a checkpoint of disks has");
+        let gear = particles.rows(GEAR).ok_or_else(|| missing(GEAR))?;
+        let list = particles.rows(LIST).ok_or_else(|| missing(LIST))?;
         let mut order: Vec<usize> = (0..particles.len()).collect();
         order.sort_by(|&a, &b| list[a][0].total_cmp(&list[b][0]));
         let motions: Vec<DiskMotion> = order.iter().map(|&row| motion_of(gear[row], list[row])).collect();
@@ -149,17 +131,6 @@ impl DiskState {
             check_position(motion, cell)?;
             check_motion(motion, cell, dt)?;
         }
-        Ok(Self::new(identities(&particles.selected(&order), model), &motions))
+        Ok(Self::new(Identity::all(&particles.selected(&order), model), &motions))
     }
-}
-
-fn identities(particles: &Particles, model: &Model) -> Vec<Identity> {
-    let rows = particles.ids.iter().zip(&particles.species).zip(&particles.radii);
-    Identity::all(rows.map(|((&id, &species), &radius)| (id, species, radius)), model)
-}
-
-/// Rows of the column of this name and width, if there is one.
-fn rows_of(particles: &Particles, StoredColumn { name, width }: StoredColumn) -> Option<Vec<&[f64]>> {
-    let column = particles.columns.iter().find(|c| c.name == name && c.width == width)?;
-    (column.values.len() == width * particles.len()).then(|| column.values.chunks_exact(width).collect())
 }

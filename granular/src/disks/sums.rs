@@ -53,7 +53,6 @@ pub(super) struct MotionSums<T = f64> {
 }
 
 impl MotionSums<LaneValues> {
-    /// The sums over all lanes.
     pub(super) fn total(&self) -> MotionSums {
         let sum = |lanes: &LaneValues| lanes.iter().sum::<f64>();
         MotionSums {

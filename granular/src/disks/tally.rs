@@ -1,10 +1,12 @@
 //! Energies, stresses, works and collisions, measured and summed over a run.
 
 use super::sums::{ContactSums, MotionSums};
+use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 
 /// Energies, stresses and powers at a step. Velocities are relative to the liquid.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
 pub struct Measurement {
     /// Time since the stage began.
     pub time: f64,
@@ -18,8 +20,8 @@ pub struct Measurement {
     pub contact_stress: Vector,
     /// Mean speed.
     pub mean_speed: f64,
-    /// Pairs in contact.
-    pub contacts: u64,
+    /// Number of pairs in contact.
+    pub contacts: f64,
     /// Power supplied by the flow.
     pub input: f64,
     /// Power dissipated by drag.
@@ -37,7 +39,7 @@ impl Measurement {
             kinetic_stress: Vector::from_array(motion.flux) / area,
             contact_stress: contact.virial / area,
             mean_speed: motion.excess / count as f64,
-            contacts: contact.contacts,
+            contacts: contact.contacts as f64,
             input: -motion.flow_work - contact.image_work,
             drag: motion.drag,
             damping: contact.loss,
@@ -55,13 +57,10 @@ impl Measurement {
     }
 }
 
-/// Sums over time since the tally was started.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// Sums over time since the tally was started; a checkpoint has them in the order of the fields.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
 pub struct Tally {
-    /// The measurement at the start.
-    pub first: Measurement,
-    /// The latest measurement.
-    pub latest: Measurement,
     /// Work done by the flow.
     pub input: f64,
     /// Work dissipated by drag.
@@ -73,7 +72,11 @@ pub struct Tally {
     /// Time integrals of xx, xy and yy of the stress.
     pub stress: Vector,
     /// Collisions that began: of two small disks, of a small and a large one, of two large ones.
-    pub collisions: [u64; 3],
+    pub collisions: [f64; 3],
+    /// The measurement at the start.
+    pub first: Measurement,
+    /// The latest measurement.
+    pub latest: Measurement,
 }
 
 impl Tally {
@@ -112,6 +115,6 @@ impl Tally {
 
     /// Mean free path through the liquid between two collisions of one of `disks` disks.
     pub fn mean_free_path(&self, disks: usize) -> f64 {
-        self.path * disks as f64 / (2.0 * self.collisions.iter().sum::<u64>() as f64)
+        self.path * disks as f64 / (2.0 * self.collisions.iter().sum::<f64>())
     }
 }

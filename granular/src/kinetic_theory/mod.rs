@@ -17,7 +17,6 @@ mod constitutive;
 mod equations;
 mod jet;
 mod linear;
-mod memory;
 mod problem;
 mod radial;
 mod solution;

@@ -82,12 +82,13 @@ impl Solution {
 
     /// A warning for the user, if the result needs one.
     pub fn notice(&self) -> Option<String> {
-        let (v, least) = (self.mean_solid_fraction(), self.problem.dilute_below());
-        (v < least).then(|| {
+        self.is_dilute().then(|| {
             format!(
-                "dilute branch: the mean solid fraction is {v:.4}, below {least:.4} where a uniform shear flow needs \
+                "dilute branch: the mean solid fraction is {:.4}, below {:.4} where a uniform shear flow needs \
                  the least pressure, and {:.0} % of the speed is slip at the walls; the load is too small for a \
                  dense flow at this speed",
+                self.mean_solid_fraction(),
+                self.problem.dilute_below(),
                 200.0 * self.slip() / self.problem.parameters().speed
             )
         })

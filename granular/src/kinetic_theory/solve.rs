@@ -1,11 +1,13 @@
 //! Newton's method with continuation in the energy that crosses the walls, on successively finer collocation grids.
 
 use super::{Problem, Solution, SolutionStart, UniformFlow, collocation::Collocation, equations::WIDTH, linear};
-use domain::Number;
+use domain::{Bytes, Number};
 
 /// Intervals of the grids for the continuation: the second, with the first start only, is for problems that do not
 /// converge on the first grid.
 const FIRST_GRIDS: [usize; 2] = [24, 96];
+/// Intervals that resolve most problems.
+const USUAL_GRID: usize = 192;
 /// Intervals beyond which the solver gives up.
 const FINEST_GRID: usize = 384;
 /// Newton steps on one problem.
@@ -84,6 +86,13 @@ impl Problem {
             }
         }
         Err(failure.expect("there is always a start"))
+    }
+
+    /// Predicted memory: Newton's matrix of all unknowns, and the matrix of integrals between collocation points.
+    pub fn bytes() -> Bytes {
+        let points = (USUAL_GRID + 1) as f64;
+        let unknowns = WIDTH as f64 * points + 1.0;
+        Bytes::list::<f64>(unknowns * unknowns).then(Bytes::list::<f64>(points * points)).freed()
     }
 
     fn starts(&self) -> Vec<UniformFlow> {

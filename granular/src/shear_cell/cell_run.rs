@@ -215,12 +215,8 @@ impl Simulation for CellRun {
             Grains::from_particles(&self.experiment.model, particles).map_err(SimulationError::new)
         };
         let before = grains(&state.particles)?;
-        let particles = &mut state.particles;
-        let ids = particles.ids.clone();
-        Rearrangement::put(&change.positions, &ids, &mut particles.positions);
-        Rearrangement::put(&change.velocities, &ids, particles.vectors("velocity"));
-        Rearrangement::put(&change.angular_velocities, &ids, particles.vectors("angular_velocity"));
-        let after = grains(particles)?;
+        change.put_motions(&mut state.particles);
+        let after = grains(&state.particles)?;
         let saved = self.run.saved_with_grains(&state.statistics.concat(), [&before, &after]).ok_or(StartError::State);
         Ok(State { statistics: vec![saved.map_err(SimulationError::new)?], ..state })
     }

@@ -3,7 +3,6 @@
 use super::{EventDriven, Grains, Model, Tally, TimeStepped, TopWall};
 use crate::parameter::{Components, ParameterError, require};
 use domain::Vector;
-use std::ops::{Deref, DerefMut};
 
 /// Method of collision detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,9 +44,9 @@ impl CellState {
         let margin = Vector::from(std::array::from_fn(|k| if model.is_walled(k) { 0.5 * model.radius() } else { 0.0 }));
         for (x, motion) in positions.iter().zip(motions) {
             let inside = x.cmpge(margin).all() && x.cmple(edges - margin).all();
-            require(inside, "position", Components(*x), "a centre inside the cell, a radius from its walls")?;
+            require(inside, "position", Components(x.to_array()), "a centre inside the cell, a radius from its walls")?;
             let finite = motion.velocity.is_finite() && motion.spin.is_finite();
-            require(finite, "velocity", Components(motion.velocity), "finite numbers")?;
+            require(finite, "velocity", Components(motion.velocity.to_array()), "finite numbers")?;
         }
         Ok(())
     }
@@ -88,42 +87,32 @@ pub trait CollisionEngine {
     fn top_wall(&self) -> TopWall;
 }
 
-/// One of the two engines.
-pub struct Engine(Box<dyn CollisionEngine>);
+/// Either of the two engines.
+pub type Engine = dyn CollisionEngine;
 
 impl Engine {
     /// Starts from grains inside the cell; the event-driven engine needs them not to overlap.
-    pub fn new(model: &Model, grains: &Grains, collisions: CollisionDetection) -> Result<Self, ParameterError> {
+    pub fn new(model: &Model, grains: &Grains, collisions: CollisionDetection) -> Result<Box<Self>, ParameterError> {
         Self::resume(model, &CellState::new(model, grains), collisions)
     }
 
     /// Resumes from a state.
-    pub fn resume(model: &Model, state: &CellState, collisions: CollisionDetection) -> Result<Self, ParameterError> {
-        Ok(Self(match collisions {
+    pub fn resume(
+        model: &Model,
+        state: &CellState,
+        collisions: CollisionDetection,
+    ) -> Result<Box<Self>, ParameterError> {
+        Ok(match collisions {
             CollisionDetection::TimeStepped { step } => Box::new(TimeStepped::new(model, state, step)?),
             CollisionDetection::EventDriven => Box::new(EventDriven::new(model, state)?),
-        }))
+        })
     }
 
     /// The present state. The engine is restarted from it, like one that resumes from a checkpoint, so that both
     /// continue with the same bits.
-    pub fn checkpoint(&mut self, model: &Model) -> Result<CellState, ParameterError> {
+    pub fn checkpoint(self: &mut Box<Self>, model: &Model) -> Result<CellState, ParameterError> {
         let state = CellState { grains: self.grains(), top_wall: self.top_wall(), tally: *self.tally() };
         *self = Self::resume(model, &state, self.collisions()).map_err(|error| self.cause(error))?;
         Ok(state)
-    }
-}
-
-impl Deref for Engine {
-    type Target = dyn CollisionEngine;
-
-    fn deref(&self) -> &Self::Target {
-        &*self.0
-    }
-}
-
-impl DerefMut for Engine {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut *self.0
     }
 }

@@ -18,8 +18,7 @@ impl Grains {
     /// that differ from the model's.
     pub fn from_particles(model: &Model, particles: &Particles) -> Result<Self, ParameterError> {
         let vectors = |name: &str| -> Vec<Vector> {
-            let column = particles.columns.iter().find(|c| c.name == name && c.width == 3);
-            let found = column.map(|c| c.values.chunks_exact(3).map(Vector::from_slice).collect());
+            let found = particles.rows(name).map(|rows| rows.iter().copied().map(Vector::from_array).collect());
             found.unwrap_or_else(|| vec![Vector::ZERO; particles.len()])
         };
         let motions = vectors("velocity").into_iter().zip(vectors("angular_velocity"));
@@ -52,7 +51,7 @@ impl Grains {
         let p = model.parameters();
         for (i, (position, motion)) in self.positions.iter().zip(&mut self.motions).enumerate() {
             let mut random = Random::new(seed, i as u64);
-            let noise = Vector::from(std::array::from_fn(|_| normal(&mut random)));
+            let noise = Vector::from(std::array::from_fn(|_| random.normal()[0]));
             let along = Vector::X * p.speed * (1.0 - position.y / p.height);
             *motion = GrainMotion { velocity: along + noise * agitation, spin: Vector::ZERO };
         }
@@ -116,10 +115,4 @@ pub(super) fn wrap(model: &Model, positions: &mut [Vector]) {
             x[k] = if x[k] >= edges[k] { 0.0 } else { x[k] };
         }
     }
-}
-
-/// A normal deviate (Box and Muller).
-fn normal(random: &mut Random) -> f64 {
-    let (a, b) = (1.0 - random.uniform(), random.uniform());
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
 }

@@ -43,11 +43,8 @@ fn stepped(count: f64) -> Bytes {
     Bytes::list::<[Vector; 3]>(count).then(Bytes::list::<(u32, u32, Vector)>(GROWING * pairs)).then(search)
 }
 
-/// Packing: positions by cell, each in its own list with a capacity of four, in the allocator's units, and an engine
-/// in which the grains grow.
+/// Packing: an engine in which the grains grow, and one in which they have grown. The start takes less.
 fn packing(model: &Model, count: f64) -> Bytes {
-    let by_cell = Bytes::list::<([i64; 3], Vec<Vector>, [Vector; 4], [u64; 2])>(count);
     let engine = event_driven::bytes(model, count);
-    let grown = Grains::bytes(count).then(engine).then(Grains::bytes(count));
-    by_cell.freed().or(grown.then(engine).freed())
+    Grains::bytes(count).then(engine).then(Grains::bytes(count)).then(engine).freed()
 }

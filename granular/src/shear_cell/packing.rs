@@ -1,13 +1,13 @@
 //! Random packings by the algorithm of Lubachevsky and Stillinger (1990): grains that grow while they move.
 
 use super::event_driven::GrowingDiameter;
+use super::grains::periodic_box;
 use super::lengths::without_unit;
 use super::{
     CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters,
 };
 use crate::error::PackingError;
-use domain::{Random, Vector};
-use std::collections::HashMap;
+use domain::{Occupied, Random, Vector};
 
 /// Solid fraction of the random sequential addition at the start.
 const INITIAL_FRACTION: f64 = 0.2;
@@ -38,7 +38,7 @@ impl Model {
     ) -> Result<Grains, PackingError> {
         let p = self.parameters();
         let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);
-        let elastic_at_rest = self.elastic_at_rest([length, height, width].map(|edge| edge / diameter));
+        let elastic_at_rest = self.elastic_at_rest(Vector::new(length, height, width) / diameter);
         let fraction = count as f64 * std::f64::consts::PI / 6.0 * diameter.powi(3) / (length * height * width);
         let mut reached: f64 = 0.0;
         for growth in GROWTH_RATES {
@@ -56,22 +56,9 @@ impl Model {
     }
 
     /// The same cell at rest with elastic, smooth contacts, in units of the diameter and the thermal speed.
-    fn elastic_at_rest(&self, [length, height, width]: [f64; 3]) -> Model {
+    fn elastic_at_rest(&self, edges: Vector) -> Model {
         let contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
-        self.with(Parameters {
-            length,
-            height,
-            width,
-            diameter: 1.0,
-            density: 1.0,
-            grain_contact: contact,
-            wall_contact: contact,
-            speed: 0.0,
-            gravity: 0.0,
-            circumference: None,
-            contact_time: 1e-12,
-            ..Parameters::default()
-        })
+        self.with(Parameters { contact_time: 1e-12, ..Parameters::of_gas(edges, 1.0, 1.0, contact) })
     }
 
     /// Grows grains to a diameter of 1; on failure, the diameter reached.
@@ -100,31 +87,15 @@ impl Model {
     /// away from all previous ones.
     fn scatter(&self, count: usize, diameter: f64, seed: u64) -> Option<Grains> {
         let margin = Vector::from(std::array::from_fn(|k| if self.is_walled(k) { 0.5 * diameter } else { 0.0 }));
-        let (edges, room) = (self.edges(), self.edges() - 2.0 * margin);
-        let cells = (edges / diameter).floor();
-        let mut taken: HashMap<[i64; 3], Vec<Vector>> = HashMap::new();
+        let (room, cell) = (self.edges() - 2.0 * margin, periodic_box(self, diameter, self.edges().y));
+        let mut occupied = Occupied::new(&cell, &[(0.5 * diameter, count)], None);
         let mut positions = Vec::with_capacity(count);
-        let nearest = |mut d: Vector| {
-            for k in (0..3).filter(|&k| !self.is_walled(k)) {
-                d[k] -= (d[k] / edges[k]).round() * edges[k];
-            }
-            d
-        };
         for i in 0..count {
             let mut random = Random::new(seed, i as u64);
-            let place = (0..TRIES).map(|_| margin + room * random.point()).find(|&x| {
-                let home = (x / edges * cells).floor();
-                let around =
-                    |c: f64, k: usize| (-1..=1).map(move |s| (c as i64).saturating_add(s).rem_euclid(cells[k] as i64));
-                around(home.x, 0)
-                    .flat_map(|a| around(home.y, 1).flat_map(move |b| around(home.z, 2).map(move |c| [a, b, c])))
-                    .filter_map(|cell| taken.get(&cell))
-                    .flatten()
-                    .all(|&y| nearest(y - x).length_squared() > diameter * diameter)
-            })?;
-            let home = (place / edges * cells).floor().to_array().map(|c| c as i64);
-            taken.entry(home).or_default().push(place);
-            positions.push(place);
+            let mut tries = (0..TRIES).map(|_| margin + room * random.point());
+            let position = tries.find(|&x| occupied.is_free(0.5 * diameter, x, None))?;
+            occupied.insert(0.5 * diameter, position);
+            positions.push(position);
         }
         Some(Grains { motions: vec![GrainMotion::default(); count], positions })
     }

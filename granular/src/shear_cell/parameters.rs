@@ -73,6 +73,53 @@ impl Default for Parameters {
     }
 }
 
+impl Parameters {
+    /// Grains in a box at rest without gravity or curvature, all of whose contacts are alike.
+    pub(super) fn of_gas(edges: Vector, diameter: f64, density: f64, contact: CollisionRule) -> Self {
+        let [length, height, width] = edges.to_array();
+        Self {
+            length,
+            height,
+            width,
+            diameter,
+            density,
+            grain_contact: contact,
+            wall_contact: contact,
+            speed: 0.0,
+            gravity: 0.0,
+            circumference: None,
+            // Short compared with the time in which a grain of a gas with speed 1 crosses a diameter.
+            contact_time: 1e-9 * diameter,
+            ..Self::default()
+        }
+    }
+
+    /// Keys and values of the quantities, of which the first five are positive, each with the power of ten up to which
+    /// its size is sensible.
+    fn quantities(&self) -> [(&'static str, f64, i32); 13] {
+        let (pressure, mass_per_area) = match self.top {
+            Top::Free { pressure, mass_per_area } => (pressure, mass_per_area),
+            Top::Fixed => (0.0, 0.0),
+        };
+        [
+            ("cell.length", self.length, 40),
+            ("cell.height", self.height, 40),
+            ("cell.width", self.width, 40),
+            ("grains.diameter", self.diameter, 40),
+            ("grains.density", self.density, 140),
+            ("cell.circumference", self.circumference.unwrap_or(0.0), 40),
+            ("grains.friction", self.grain_contact.friction, 10),
+            ("walls.friction", self.wall_contact.friction, 10),
+            ("cell.speed", self.speed, 70),
+            ("cell.gravity", self.gravity, 100),
+            ("top.mass_per_area", mass_per_area, 100),
+            ("top.pressure", pressure, 140),
+            // Where a scene does not set it, it follows from the others.
+            ("grains.contact_time", self.contact_time, 60),
+        ]
+    }
+}
+
 /// A shear cell, or a periodic box of its grains, with checked parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
@@ -86,11 +133,9 @@ impl Model {
     /// The cell with its walls.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
         let p = &parameters;
-        let edges = [("cell.length", p.length), ("cell.height", p.height), ("cell.width", p.width)];
-        for (key, value) in edges.into_iter().chain([("grains.diameter", p.diameter), ("grains.density", p.density)]) {
-            positive(key, value)?;
-        }
-        for (key, value) in &edges[1..] {
+        let quantities = p.quantities();
+        quantities[..5].iter().try_for_each(|&(key, value, _)| positive(key, value))?;
+        for (key, value, _) in &quantities[1..3] {
             require(*value > p.diameter, key, Number(*value), "more than a diameter")?;
         }
         require(p.length > 3.0 * p.diameter, "cell.length", Number(p.length), "more than three diameters")?;
@@ -109,32 +154,17 @@ impl Model {
             positive("top.pressure", pressure)?;
             positive("top.mass_per_area", mass_per_area)?;
         }
-        check_sizes(p)?;
+        quantities.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))?;
         positive("grains.contact_time", p.contact_time)?;
         Ok(Self { parameters, walled: true, mid_radius: 0.0 }.with(parameters))
     }
 
     /// A box that is periodic along all three axes, without walls, gravity or curvature: a granular gas.
     pub fn gas(edges: Vector, diameter: f64, density: f64, contact: CollisionRule) -> Result<Self, ParameterError> {
-        let [length, height, width] = edges.to_array();
-        for (key, value) in [("cell.length", length), ("cell.height", height), ("cell.width", width)] {
-            require(value > 3.0 * diameter, key, Number(value), "more than three diameters")?;
+        let gas = Parameters::of_gas(edges, diameter, density, contact);
+        for (key, value, _) in &gas.quantities()[..3] {
+            require(*value > 3.0 * diameter, key, Number(*value), "more than three diameters")?;
         }
-        let gas = Parameters {
-            length,
-            height,
-            width,
-            diameter,
-            density,
-            grain_contact: contact,
-            wall_contact: contact,
-            speed: 0.0,
-            gravity: 0.0,
-            circumference: None,
-            // Short compared with the time in which a grain of a gas with speed 1 crosses a diameter.
-            contact_time: 1e-9 * diameter,
-            ..Parameters::default()
-        };
         Ok(Self { walled: false, ..Self::new(gas)? })
     }
 
@@ -171,6 +201,12 @@ impl Model {
         require(fits, "grains.solid_fraction", Number(solid_fraction), allowed)?;
         let volume = self.edges().element_product();
         Ok((solid_fraction * volume / (PI / 6.0 * self.parameters.diameter.powi(3))).round() as usize)
+    }
+
+    /// Solid fraction of some grains under a top wall at a height.
+    pub(super) fn solid_fraction(&self, count: usize, height: f64) -> f64 {
+        let p = &self.parameters;
+        count as f64 * PI / 6.0 * p.diameter.powi(3) / (p.length * p.width * height)
     }
 
     /// Whether an axis ends at walls instead of being periodic.
@@ -237,28 +273,4 @@ impl Model {
         let along = if p.coriolis { velocity.x * velocity.z * curvature } else { 0.0 };
         Vector::new(along, -p.gravity, -velocity.x * velocity.x * curvature)
     }
-}
-
-fn check_sizes(p: &Parameters) -> Result<(), ParameterError> {
-    let (pressure, mass_per_area) = match p.top {
-        Top::Free { pressure, mass_per_area } => (pressure, mass_per_area),
-        Top::Fixed => (0.0, 0.0),
-    };
-    let sizes = [
-        ("cell.length", p.length, 40),
-        ("cell.height", p.height, 40),
-        ("cell.width", p.width, 40),
-        ("cell.circumference", p.circumference.unwrap_or(0.0), 40),
-        ("grains.diameter", p.diameter, 40),
-        ("grains.friction", p.grain_contact.friction, 10),
-        ("walls.friction", p.wall_contact.friction, 10),
-        ("cell.speed", p.speed, 70),
-        ("cell.gravity", p.gravity, 100),
-        ("grains.density", p.density, 140),
-        ("top.mass_per_area", mass_per_area, 100),
-        ("top.pressure", pressure, 140),
-        // Where a scene does not set it, it follows from the others.
-        ("grains.contact_time", p.contact_time, 60),
-    ];
-    sizes.into_iter().try_for_each(|(key, value, power)| of_sensible_size(key, value, power))
 }

@@ -8,7 +8,6 @@ use super::{
 use crate::parameter::{ParameterError, positive, require};
 use domain::Number;
 use statistics::{Estimate, State as _, Store};
-use std::f64::consts::PI;
 
 /// Quantities and intervals of sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +53,7 @@ impl Sampling {
 /// A run with its measurements.
 pub struct ShearCell {
     model: Model,
-    engine: Engine,
+    engine: Box<Engine>,
     sampling: Sampling,
     start: InitialBalance,
     measured: Measurements,
@@ -119,7 +118,7 @@ impl ShearCell {
     ) -> Result<Self, ParameterError> {
         sampling.check(collisions)?;
         let engine = Engine::new(model, grains, collisions)?;
-        let start = InitialBalance::new(model, &engine);
+        let start = InitialBalance::new(model, &*engine);
         // A free top wall may rise.
         let height = model.parameters().height * if model.is_top_wall_free() { 1.25 } else { 1.0 };
         let measured = Measurements::new(model, height, &sampling);
@@ -140,7 +139,7 @@ impl ShearCell {
             if !may_continue() || !self.engine.advance(self.sampling.window, may_continue) {
                 return false;
             }
-            self.measured.add(&self.model, &self.engine, &before, &self.sampling);
+            self.measured.add(&self.model, &*self.engine, &before, &self.sampling);
         }
         true
     }
@@ -197,26 +196,24 @@ impl ShearCell {
 
     /// The engine.
     pub fn engine(&self) -> &Engine {
-        &self.engine
+        &*self.engine
     }
 
     /// The present state of the cell, and averages since an earlier tally.
     pub fn sample_since(&self, before: &Tally) -> CellSample {
-        CellSample::of(&self.model, &self.engine, before, self.start.balance(&self.model, &self.engine))
+        CellSample::of(&self.model, &*self.engine, before, self.start.balance(&self.model, &*self.engine))
     }
 
     /// The results so far; stresses and profiles are averages over the time measured.
     pub fn report(&self) -> CellReport {
         let (model, tally, measured) = (&self.model, *self.engine.tally(), &self.measured);
         let height = measured.heights.estimate();
-        let p = model.parameters();
-        let volume = self.engine.grains().len() as f64 * PI / 6.0 * p.diameter.powi(3);
-        let balance = self.start.balance(model, &self.engine);
+        let balance = self.start.balance(model, &*self.engine);
         CellReport {
             measured: measured.windows() as f64 * self.sampling.window,
             walls: Side::ALL.map(|side| measured.walls[side as usize].stress(side)),
             height,
-            solid_fraction: volume / (p.length * p.width * height.mean),
+            solid_fraction: model.solid_fraction(self.engine.grains().len(), height.mean),
             temperature: measured.profile.temperature(),
             layers: measured.profile.layers(),
             map: measured.map.clone(),

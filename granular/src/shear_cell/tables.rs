@@ -8,7 +8,6 @@ use statistics::Estimate;
 /// The walls in the order of their stresses.
 pub const WALLS: [&str; 4] = ["bottom", "top", "outer", "inner"];
 
-/// All tables of a report.
 pub fn tables(report: &CellReport) -> Vec<Table> {
     vec![walls(report), profile(report), map(report), totals(report)]
 }

@@ -1,11 +1,12 @@
 //! Sums of impulses, work and losses over a run, from which stresses and balances follow.
 
 use super::{Model, Side, TopWall, contact::WallContact};
+use bytemuck::{Pod, Zeroable};
 use domain::Vector;
-use statistics::{State, Store};
 
 /// Sums for one wall.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
 pub struct WallTally {
     /// Momentum transferred from the grains to the wall.
     pub impulse: Vector,
@@ -15,29 +16,30 @@ pub struct WallTally {
     pub collisions: u64,
 }
 
-/// Sums over a run so far.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// Sums over a run so far; a checkpoint has them in the order of the fields.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
 pub struct Tally {
-    /// Time since the start.
-    pub time: f64,
     /// Sums for each wall, in the order of [`Side::ALL`].
     pub walls: [WallTally; 4],
     /// Momentum transferred to the grains by gravity and the curved path.
     pub body_impulse: Vector,
+    /// Time since the start.
+    pub time: f64,
     /// Work of gravity and the curved path.
     pub body_work: f64,
     /// Work of the load on a free top wall.
     pub load_work: f64,
     /// Energy lost in collisions.
     pub dissipated: f64,
-    /// Collisions between grains.
-    pub pair_collisions: u64,
-    /// Collisions treated as elastic because one of the grains had collided within the contact time.
-    pub elastic_collisions: u64,
     /// Largest overlap so far, over the diameter.
     pub largest_overlap: f64,
     /// Sum of the overlaps in collisions between grains, over the diameter.
     pub overlaps: f64,
+    /// Collisions between grains.
+    pub pair_collisions: u64,
+    /// Collisions treated as elastic because one of the grains had collided within the contact time.
+    pub elastic_collisions: u64,
 }
 
 impl Tally {
@@ -72,22 +74,5 @@ impl Tally {
         sums.work += impulse.dot(held) * mass;
         sums.collisions += 1;
         self.dissipated += (impulse.dot(held) - gain) * mass - (top_wall.energy(model) - before);
-    }
-}
-
-impl State for Tally {
-    fn visit(&mut self, store: &mut dyn Store) {
-        let Self { time, walls, body_impulse, body_work, load_work, dissipated, largest_overlap, overlaps, .. } = self;
-        for WallTally { impulse, work, collisions } in walls {
-            impulse.as_mut().iter_mut().for_each(|component| store.number(component));
-            store.number(work);
-            store.count(collisions);
-        }
-        body_impulse.as_mut().iter_mut().for_each(|component| store.number(component));
-        for number in [time, body_work, load_work, dissipated, largest_overlap, overlaps] {
-            store.number(number);
-        }
-        store.count(&mut self.pair_collisions);
-        store.count(&mut self.elastic_collisions);
     }
 }

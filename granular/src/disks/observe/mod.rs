@@ -1,6 +1,5 @@
 //! Observables of a system of disks.
 
-mod averages;
 mod lanes;
 mod lengths;
 mod profile;
@@ -8,10 +7,9 @@ mod record;
 mod snapshot;
 mod strips;
 
-pub use averages::{AveragedProfile, AveragedStrip};
 pub use lanes::LaneOrder;
 pub use lengths::{estimated_free_path, viscous_length};
-pub use profile::ProfileStrip;
+pub use profile::{AveragedProfile, AveragedStrip, ProfileStrip};
 pub use record::RECORD_COLUMNS;
 pub use snapshot::{Disk, Snapshot};
 pub use strips::{Strips, segment};

@@ -38,9 +38,8 @@ impl List {
         before: Option<&Self>,
     ) -> Self {
         let cell = model.cell(law.strain(step));
-        let lattice_shifts = |step: u64| (law.strain(step) * cell.edges().y / cell.edges().x + 0.5).floor() as i32;
         let built_at_step = before.map_or(step, |list| list.built_at_step);
-        state.wrap(&cell, law, lattice_shifts(step) - lattice_shifts(built_at_step));
+        state.wrap(&cell, law, law.lattice_shifts(model, built_at_step..step));
         state.set_references();
         let mut rows: Vec<u32> = (0..state.len() as u32).collect();
         if before.is_none_or(|list| list.built_at_step / SORT_EVERY < step / SORT_EVERY) {

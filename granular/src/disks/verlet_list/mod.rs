@@ -45,25 +45,6 @@ pub(super) struct ImageMotion {
     pub(super) velocity: f64,
 }
 
-/// The lattice of images at one time.
-#[derive(Debug, Clone, Copy)]
-struct ImageLattice {
-    edges: DVec2,
-    strain: f64,
-    rate: f64,
-}
-
-impl ImageLattice {
-    fn of(&self, steps: [i32; 2]) -> ImageMotion {
-        let [along, up] = steps.map(f64::from);
-        let height = up * self.edges.y;
-        ImageMotion {
-            shift: DVec2::new(along * self.edges.x + self.strain * height, height),
-            velocity: self.rate * height,
-        }
-    }
-}
-
 /// The pairs that one thread processes: the first disk is in a range of rows. The second disk of the `inner`
 /// pairs is in that range, too.
 #[derive(Debug, Clone)]
@@ -90,17 +71,14 @@ pub(super) struct List {
 }
 
 impl List {
-    /// The lattice of images at a step.
-    fn images(&self, law: &Law, step: u64) -> ImageLattice {
-        let strain = self.strain + law.strain_in(step - self.built_at_step);
-        ImageLattice { edges: self.edges, strain, rate: law.profile.lattice_rate }
-    }
-
     /// Updates the images of all batches to a step.
     pub(super) fn move_images(&mut self, law: &Law, step: u64) {
-        let images = self.images(law, step);
-        for batch in self.batches_mut() {
-            batch.image = images.of(batch.steps);
+        let strain = self.strain + law.strain_in(step - self.built_at_step);
+        for batch in self.chunks.iter_mut().flat_map(|c| c.inner.iter_mut().chain(&mut c.border)) {
+            let [along, up] = batch.steps.map(f64::from);
+            let height = up * self.edges.y;
+            let shift = DVec2::new(along * self.edges.x + strain * height, height);
+            batch.image = ImageMotion { shift, velocity: law.profile.lattice_rate * height };
         }
     }
 
@@ -110,19 +88,13 @@ impl List {
         self.margin.is_used_up(law.profile.steepest * law.dt * (step - self.built_at_step) as f64, drift)
     }
 
-    /// All batches, mutable.
-    pub(super) fn batches_mut(&mut self) -> impl Iterator<Item = &mut ImageBatch> {
-        self.chunks.iter_mut().flat_map(|c| c.inner.iter_mut().chain(&mut c.border))
-    }
-
     /// Rows of the pairs that were in contact at a step.
     pub(in crate::disks) fn touching(&self, step: u64) -> impl Iterator<Item = [u32; 2]> + Clone {
         let pairs = self.batches().flat_map(|batch| batch.pairs.iter().zip(&batch.touched));
         pairs.filter(move |&(_, &last)| last == step as u32).map(|(pair, _)| [pair.i, pair.j])
     }
 
-    /// All batches.
-    pub(super) fn batches(&self) -> impl Iterator<Item = &ImageBatch> + Clone {
+    fn batches(&self) -> impl Iterator<Item = &ImageBatch> + Clone {
         self.chunks.iter().flat_map(|c| c.inner.iter().chain(&c.border))
     }
 }

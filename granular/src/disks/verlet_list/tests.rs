@@ -24,13 +24,13 @@ fn all_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
 
 /// Overlapping pairs from the list.
 fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
-    let (state, list) = (&disks.state, &disks.list);
+    let (state, mut list) = (&disks.state, disks.list.clone());
+    list.move_images(&disks.law, disks.step);
     let mut all = Vec::new();
     for batch in list.batches() {
-        let image = list.images(&disks.law, disks.step).of(batch.steps);
         for pair in &batch.pairs {
             let (i, j) = (pair.i as usize, pair.j as usize);
-            let distance = (state.bodies[j].position - state.bodies[i].position + image.shift).length();
+            let distance = (state.bodies[j].position - state.bodies[i].position + batch.image.shift).length();
             if distance < pair.contact_distance {
                 let (a, b) = (state.identities[i].id, state.identities[j].id);
                 all.push((a.min(b), a.max(b), pair.contact_distance - distance));

@@ -1,6 +1,7 @@
 //! Cell lists: cells of a diameter or more, each with a short list of its grains.
 
 use super::super::Model;
+use bytemuck::Zeroable;
 use domain::Vector;
 
 /// Initial capacity of a cell; when one is full, the capacity of all is doubled.
@@ -23,16 +24,13 @@ pub struct GrainCells {
 }
 
 /// The grains in a block of cells.
+#[derive(Clone, Copy, Zeroable)]
 pub struct NearGrains {
     list: [u32; NEAR],
     count: usize,
 }
 
 impl NearGrains {
-    pub fn new() -> Self {
-        Self { list: [0; NEAR], count: 0 }
-    }
-
     pub fn list(&self) -> &[u32] {
         &self.list[..self.count]
     }
@@ -80,20 +78,17 @@ impl GrainCells {
         Self { counts, edges, walled, room: ROOM, filled: vec![0; total], slots: vec![0; ROOM * total] }
     }
 
-    /// Coordinates of the cell with this index.
     #[inline]
     pub fn coordinates(&self, cell: u32) -> [usize; 3] {
         let (cell, [nx, ny, _]) = (cell as usize, self.counts);
         [cell % nx, cell / nx % ny, cell / (nx * ny)]
     }
 
-    /// Index of the cell at these coordinates.
     #[inline]
     pub fn index(&self, [x, y, z]: [usize; 3]) -> u32 {
         ((z * self.counts[1] + y) * self.counts[0] + x) as u32
     }
 
-    /// Index of the cell that holds a position.
     pub fn at(&self, position: Vector) -> u32 {
         let place = |k: usize| ((position[k] / self.edges[k]).max(0.0) as usize).min(self.counts[k] - 1);
         self.index([place(0), place(1), place(2)])
@@ -104,13 +99,11 @@ impl GrainCells {
         std::array::from_fn(|k| if self.walled[k] { f64::INFINITY } else { self.edges[k] * self.counts[k] as f64 })
     }
 
-    /// The grains of a cell.
     pub fn grains(&self, cell: u32) -> &[u32] {
         let first = cell as usize * self.room;
         &self.slots[first..first + self.filled[cell as usize] as usize]
     }
 
-    /// Adds a grain to a cell.
     pub fn enter(&mut self, i: u32, cell: u32) {
         let filled = self.filled[cell as usize] as usize;
         if filled == self.room {

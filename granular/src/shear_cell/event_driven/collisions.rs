@@ -7,7 +7,6 @@ use super::{
 use domain::Vector;
 
 impl EventDriven {
-    /// Collision of two grains.
     pub(super) fn pair_event(&mut self, i: usize, j: usize) {
         self.advance_grain(i);
         self.advance_grain(j);

@@ -33,7 +33,6 @@ pub struct StraightFlight {
 }
 
 impl StraightFlight {
-    /// From the separation and the relative velocity.
     #[inline]
     pub fn new(r: Vector, w: Vector, GrowingDiameter { diameter, growth }: GrowingDiameter) -> Self {
         Self {
@@ -91,7 +90,6 @@ impl RelativeFlight {
         self.below(diameter, window).may_meet()
     }
 
-    /// The relative motion after a time.
     fn after(&self, t: f64) -> Self {
         let velocity = self.velocity + self.acceleration * t;
         Self { separation: self.separation + (self.velocity + velocity) * (0.5 * t), velocity, ..*self }

@@ -3,6 +3,7 @@
 use super::cells::NEAR;
 use super::contact_time::{GrowingDiameter, StraightFlight};
 use super::grain::Grain;
+use bytemuck::Zeroable;
 use domain::Vector;
 use simd::vectorised;
 
@@ -13,6 +14,7 @@ type Lane = [f64; NEAR];
 const GROUP: usize = 8;
 
 /// Work space for the flights of the grains near one.
+#[derive(Clone, Copy, Zeroable)]
 pub struct Flights {
     separations: [Lane; 3],
     velocities: [Lane; 3],
@@ -34,17 +36,6 @@ pub struct FlightInput<'a> {
 }
 
 impl Flights {
-    pub fn new() -> Self {
-        let none = [0.0; NEAR];
-        Self {
-            separations: [none; 3],
-            velocities: [none; 3],
-            pairs: [none; 3],
-            may_meet: [false; NEAR],
-            chosen: [0; NEAR],
-        }
-    }
-
     /// The first grain of the list, other than `i` itself, that is met earlier than the best so far;
     /// otherwise the best so far.
     pub fn first(&mut self, i: usize, list: &[u32], view: &FlightInput, mut best: (f64, u32)) -> (f64, u32) {

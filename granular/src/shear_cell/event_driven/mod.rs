@@ -21,6 +21,7 @@ mod top_wall;
 
 use super::{CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Tally, TopWall};
 use crate::parameter::{ParameterError, require};
+use bytemuck::Zeroable as _;
 use cells::{GrainCells, NEAR, NearGrains};
 pub(super) use contact_time::GrowingDiameter;
 use contact_time::RelativeFlight;
@@ -37,7 +38,6 @@ const EVENTS_PER_GRAIN: u64 = 16;
 /// Number of collisions, or events, between two checks whether to continue: a fraction of a second.
 const CHECK_INTERVAL: u64 = 200_000;
 
-/// No grain.
 const NO_GRAIN: u32 = u32::MAX;
 
 /// The event-driven engine.
@@ -126,8 +126,8 @@ impl EventDriven {
             plans: vec![NextEvent::default(); grains.len()],
             queue: Queue::new(grains.len() + 1),
             cells,
-            near: Box::new(NearGrains::new()),
-            flights: Box::new(Flights::new()),
+            near: Box::new(NearGrains::zeroed()),
+            flights: Box::new(Flights::zeroed()),
             curved_flights: vec![(NO_GRAIN, RelativeFlight::default()); NEAR],
             now: 0.0,
             size,
@@ -185,7 +185,6 @@ impl EventDriven {
         self.events
     }
 
-    /// The diameter now.
     pub(super) fn diameter(&self) -> f64 {
         self.size.diameter + self.size.growth * self.now
     }
@@ -198,7 +197,6 @@ impl EventDriven {
         self.sort_and_plan();
     }
 
-    /// Processes the event of an entry at its time.
     fn process_event(&mut self, i: usize, time: f64) {
         self.now = f64::max(self.now, time);
         if i == self.grains.len() {
@@ -220,7 +218,6 @@ impl EventDriven {
         }
     }
 
-    /// Advances a grain to the present time.
     fn advance_grain(&mut self, i: usize) {
         let pull = self.accelerated.then_some(self.accelerations[i]);
         let grain = &mut self.grains[i];
@@ -248,7 +245,6 @@ impl EventDriven {
         self.plan(i);
     }
 
-    /// Marks a grain's trajectory as changed.
     fn change_path(&mut self, i: usize) {
         let grain = &mut self.grains[i];
         grain.stamp = grain.stamp.wrapping_add(1);

@@ -24,7 +24,6 @@ impl Queue {
         }
     }
 
-    /// Sets the time of an entry.
     #[expect(clippy::float_cmp, reason = "minima are copies")]
     pub fn set(&mut self, entry: usize, time: f64) {
         let mut place = entry;
@@ -52,7 +51,6 @@ impl Queue {
         (place, time)
     }
 
-    /// Moves the origin of time to `origin`.
     pub fn rebase(&mut self, origin: f64) {
         self.levels.iter_mut().flatten().for_each(|t| *t -= origin);
     }

@@ -28,7 +28,6 @@ impl MovingWall {
         self.acceleration < 0.0
     }
 
-    /// State at a time.
     pub fn at(&self, time: f64) -> TopWall {
         let t = time - self.since;
         TopWall {
@@ -37,7 +36,6 @@ impl MovingWall {
         }
     }
 
-    /// Sets the state at a time.
     pub fn set(&mut self, top_wall: TopWall, time: f64) {
         (self.start, self.since) = (top_wall, time);
     }

@@ -1,8 +1,8 @@
 //! Balances of energy and momentum, as a check of a run.
 
 use super::super::{Engine, Grains, Model};
+use bytemuck::{Pod, Zeroable};
 use domain::Vector;
-use statistics::{State, Store};
 
 /// The relative errors of the balances.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,7 +14,8 @@ pub struct Balance {
 }
 
 /// Energy and momentum at the start.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub struct InitialBalance {
     energy: f64,
     momentum: Vector,
@@ -47,12 +48,5 @@ impl InitialBalance {
             energy: relative((now.energy - self.energy - given).abs(), handled),
             momentum: relative((now.momentum - self.momentum - pushed).length(), moved),
         }
-    }
-}
-
-impl State for InitialBalance {
-    fn visit(&mut self, store: &mut dyn Store) {
-        store.number(&mut self.energy);
-        self.momentum.as_mut().iter_mut().for_each(|component| store.number(component));
     }
 }

@@ -6,13 +6,11 @@ mod map;
 mod measured;
 mod profile;
 mod sample;
-mod stress;
 #[cfg(test)]
 mod tests;
 
 pub use balance::{Balance, InitialBalance};
 pub use map::DensityMap;
-pub use measured::Measurements;
+pub use measured::{Measurements, WallStress};
 pub use profile::{Layer, LayerProfile, profile_bytes};
 pub use sample::CellSample;
-pub use stress::{WallSeries, WallStress};

@@ -1,6 +1,7 @@
 //! Profiles across the gap, averaged over the volume of the grains in each layer and over time.
 
 use super::super::{Grains, Model};
+use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 use statistics::{Blocks, State, Store};
 use std::f64::consts::PI;
@@ -38,7 +39,8 @@ pub struct LayerProfile {
 }
 
 /// Sums over the grains of a layer: volume, and volume times velocity and times squared velocity.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
 struct LayerSums {
     volume: f64,
     velocity: Vector,
@@ -139,11 +141,7 @@ impl LayerProfile {
 impl State for LayerProfile {
     fn visit(&mut self, store: &mut dyn Store) {
         store.count(&mut self.samples);
-        for LayerSums { volume, velocity, square } in &mut self.layers {
-            store.number(volume);
-            velocity.as_mut().iter_mut().for_each(|component| store.number(component));
-            store.number(square);
-        }
-        self.series.iter_mut().flatten().for_each(|blocks| blocks.visit(store));
+        self.layers[..].visit(store);
+        self.series.as_flattened_mut().visit(store);
     }
 }

@@ -2,7 +2,6 @@
 
 use super::super::{Engine, LayerProfile, Model, Side, Tally, measure::Balance};
 use domain::Vector;
-use std::f64::consts::PI;
 
 /// Smallest thickness, in diameters, of the layers relative to which the granular temperature of a sample is taken.
 const THICKNESS: f64 = 0.5;
@@ -45,11 +44,10 @@ impl CellSample {
             let normal = model.wall_contact(side, 0.0).normal();
             [-normal, Vector::X, side.across()].map(|direction| impulse.dot(direction) / (model.area(side) * time))
         };
-        let p = model.parameters();
-        let layers = (height / (THICKNESS * p.diameter)).clamp(1.0, MOST) as usize;
+        let layers = (height / (THICKNESS * model.parameters().diameter)).clamp(1.0, MOST) as usize;
         let mut profile = LayerProfile::new(model, height, layers);
         profile.add(model, &grains);
-        let solid_fraction = grains.len() as f64 * PI / 6.0 * p.diameter.powi(3) / (p.length * p.width * height);
+        let solid_fraction = model.solid_fraction(grains.len(), height);
         let wall_collisions = |tally: &Tally| tally.walls.iter().map(|w| w.collisions).sum::<u64>();
         let pair_hits = (now.pair_collisions - before.pair_collisions) as f64;
         let wall_hits = (wall_collisions(now) - wall_collisions(before)) as f64;

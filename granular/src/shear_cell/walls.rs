@@ -1,5 +1,7 @@
 //! The four walls of a shear cell.
 
+use super::Model;
+use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 
 /// The walls, in the order of their tallies.
@@ -37,5 +39,27 @@ impl Side {
     /// The wall that bounds an axis (1 or 2) from below or above.
     pub(super) fn of(axis: usize, below: bool) -> Self {
         Self::ALL[2 * (axis - 1) + usize::from(!below)]
+    }
+}
+
+/// Height and velocity of the top wall, which is fixed or free to move up and down under its load.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct TopWall {
+    /// Height above the bottom.
+    pub height: f64,
+    /// Upward velocity.
+    pub velocity: f64,
+}
+
+impl TopWall {
+    /// At the model's height, at rest.
+    pub fn new(model: &Model) -> Self {
+        Self { height: model.parameters().height, velocity: 0.0 }
+    }
+
+    /// Kinetic energy of a free top wall.
+    pub fn energy(&self, model: &Model) -> f64 {
+        0.5 * model.top_wall_mass().unwrap_or(0.0) * self.velocity * self.velocity
     }
 }
