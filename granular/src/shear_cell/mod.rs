@@ -6,7 +6,6 @@ mod contact;
 mod engine;
 mod event_driven;
 mod grains;
-mod lengths;
 mod measure;
 mod memory;
 mod packing;

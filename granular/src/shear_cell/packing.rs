@@ -2,11 +2,11 @@
 
 use super::event_driven::GrowingDiameter;
 use super::grains::periodic_box;
-use super::lengths::without_unit;
 use super::{
     CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters,
 };
 use crate::error::PackingError;
+use crate::fraction::without_unit;
 use domain::{Occupied, Random, Vector};
 
 /// Solid fraction of the random sequential addition at the start.

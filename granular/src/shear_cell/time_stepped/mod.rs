@@ -57,21 +57,6 @@ impl TimeStepped {
         Ok(engine)
     }
 
-    /// Takes a number of steps while no grain escapes and `may_continue` returns true. Returns whether it took all.
-    fn take_steps(&mut self, steps: u64, may_continue: &dyn Fn() -> bool) -> bool {
-        let look = (CHECK_INTERVAL / self.positions.len().max(1) as u64).max(1);
-        for step in 1..=steps {
-            self.take_step();
-            if self.escaped {
-                return false;
-            }
-            if step.is_multiple_of(look) && step < steps && !may_continue() {
-                return false;
-            }
-        }
-        true
-    }
-
     /// The reason why grains escape, and a step that would do: at most a tenth of the present step, and one in which
     /// nothing moves by more than `SAFE_DISPLACEMENT` diameters, at the speed of the walls plus that to which gravity
     /// and the load can accelerate the top wall, `sqrt(2 (g + P/M) H)`.
@@ -211,7 +196,15 @@ impl CollisionEngine for TimeStepped {
     }
 
     fn advance(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool {
-        self.take_steps((duration / self.step).round() as u64, may_continue)
+        let steps = (duration / self.step).round() as u64;
+        let look = (CHECK_INTERVAL / self.positions.len().max(1) as u64).max(1);
+        for step in 1..=steps {
+            self.take_step();
+            if self.escaped || (step.is_multiple_of(look) && step < steps && !may_continue()) {
+                return false;
+            }
+        }
+        true
     }
 
     fn failure(&self) -> Option<ParameterError> {
