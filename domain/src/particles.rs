@@ -62,6 +62,12 @@ impl Particles {
         self.ids.is_empty()
     }
 
+    /// Particles numbered from 0.
+    pub fn numbered(positions: Vec<Vector>, radii: Vec<f64>, species: Vec<u32>) -> Self {
+        let (ids, steps) = ((0..positions.len() as u64).collect(), vec![[0; 3]; positions.len()]);
+        Self { ids, positions, steps, radii, species, columns: Vec::new() }
+    }
+
     /// Adds a particle, with zeros in its columns.
     pub fn push(&mut self, id: u64, position: Vector, radius: f64, species: u32) {
         self.ids.push(id);

@@ -136,12 +136,10 @@ pub fn outline(model: &Model, steps: u64) -> Outline {
 
 /// Disks at given positions, with no velocities of their own: they move with the liquid.
 fn given(placed: &GivenPositions) -> Particles {
-    let mut particles = Particles::default();
-    for (id, position) in placed.positions.iter().enumerate() {
-        let radius = placed.radii.as_ref().map_or(1.0, |radii| radii[id]);
-        particles.push(id as u64, *position, radius, placed.species.as_ref().map_or(0, |species| species[id]));
-    }
-    particles
+    let count = placed.positions.len();
+    let radii = placed.radii.clone().unwrap_or_else(|| vec![1.0; count]);
+    let species = placed.species.clone().unwrap_or_else(|| vec![0; count]);
+    Particles::numbered(placed.positions.clone(), radii, species)
 }
 
 impl Simulation for DiskRun {

@@ -29,12 +29,10 @@ const MOMENT: u64 = 1_000_000;
 impl Disks {
     /// The model's disks at random positions, overlapping, at rest.
     pub fn random(model: &Model) -> Self {
-        let (mut particles, edges) = (Particles::default(), model.cell(0.0).edges());
-        for (id, size) in model.sizes().iter().enumerate() {
-            let point = Random::new(model.parameters().seed, id as u64).point();
-            let position = (point * edges).with_z(0.0);
-            particles.push(id as u64, position, size.radius, size.species);
-        }
+        let (edges, seed) = (model.cell(0.0).edges(), model.parameters().seed);
+        let positions = (0..model.sizes().len() as u64).map(|id| (Random::new(seed, id).point() * edges).with_z(0.0));
+        let (radii, species) = model.sizes().iter().map(|size| (size.radius, size.species)).unzip();
+        let mut particles = Particles::numbered(positions.collect(), radii, species);
         particles.vectors("velocity");
         Self::given(model, &particles, Stage::RemoveOverlaps, 0).expect("positions and velocities are finite")
     }

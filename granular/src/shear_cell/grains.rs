@@ -36,10 +36,8 @@ impl Grains {
 
     /// The grains as a store with the columns `velocity` and `angular_velocity`.
     pub fn to_particles(&self, model: &Model) -> Particles {
-        let mut particles = Particles::default();
-        for (id, &position) in self.positions.iter().enumerate() {
-            particles.push(id as u64, position, model.radius(), 0);
-        }
+        let count = self.len();
+        let mut particles = Particles::numbered(self.positions.clone(), vec![model.radius(); count], vec![0; count]);
         particles.vectors("velocity").iter_mut().zip(&self.motions).for_each(|(v, m)| *v = m.velocity);
         particles.vectors("angular_velocity").iter_mut().zip(&self.motions).for_each(|(w, m)| *w = m.spin);
         particles
