@@ -33,14 +33,18 @@ pub trait State {
 /// Structs that consist of numbers of 64 bits are states by themselves: their fields in order.
 impl<T: Pod> State for T {
     fn visit(&mut self, store: &mut dyn Store) {
-        const { assert!(size_of::<T>() % size_of::<u64>() == 0 && align_of::<T>() == align_of::<u64>()) }
-        bytemuck::cast_slice_mut(std::slice::from_mut(self)).iter_mut().for_each(|word| store.count(word));
+        const { assert!(size_of::<T>().is_multiple_of(size_of::<u64>()) && align_of::<T>() == align_of::<u64>()) }
+        for word in bytemuck::cast_slice_mut(std::slice::from_mut(self)) {
+            store.count(word);
+        }
     }
 }
 
 impl<T: State> State for [T] {
     fn visit(&mut self, store: &mut dyn Store) {
-        self.iter_mut().for_each(|state| state.visit(store));
+        for state in self {
+            state.visit(store);
+        }
     }
 }
 
