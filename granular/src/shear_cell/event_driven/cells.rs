@@ -24,7 +24,7 @@ pub struct GrainCells {
 }
 
 /// The grains in a block of cells.
-#[derive(Clone, Copy, Zeroable)]
+#[derive(Zeroable)]
 pub struct NearGrains {
     list: [u32; NEAR],
     count: usize,

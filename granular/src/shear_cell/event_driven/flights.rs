@@ -14,7 +14,7 @@ type Lane = [f64; NEAR];
 const GROUP: usize = 8;
 
 /// Work space for the flights of the grains near one.
-#[derive(Clone, Copy, Zeroable)]
+#[derive(Zeroable)]
 pub struct Flights {
     separations: [Lane; 3],
     velocities: [Lane; 3],
