@@ -13,11 +13,11 @@ use std::fmt::Write as _;
 use std::fs;
 use std::time::Instant;
 
-type Outcome = Result<(), Box<dyn Error>>;
+type ExampleResult = Result<(), Box<dyn Error>>;
 /// Step and positions of a frame.
-type Frame = (u64, Vec<Vector>);
+type PositionsAtStep = (u64, Vec<Vector>);
 
-fn main() -> Outcome {
+fn main() -> ExampleResult {
     let words: Vec<String> = std::env::args().skip(1).collect();
     match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["start", seed, file] => start(seed.parse()?, file),
@@ -33,7 +33,7 @@ fn main() -> Outcome {
 }
 
 /// Writes a prepared system in LAMMPS's `read_data` format, with the origin at the centre.
-fn start(seed: u64, file: &str) -> Outcome {
+fn start(seed: u64, file: &str) -> ExampleResult {
     let model = Model::new(Parameters { seed, ..Parameters::default() })?;
     let (particles, _) = Disks::prepared(&model)?.store();
     let mut text = format!("disks, seed {seed}\n\n{} atoms\n2 atom types\n\n", particles.len());
@@ -46,7 +46,7 @@ fn start(seed: u64, file: &str) -> Outcome {
     Ok(fs::write(file, text)?)
 }
 
-fn run(parameters: Parameters, file: &str, [steps, every]: [u64; 2], out: &str) -> Outcome {
+fn run(parameters: Parameters, file: &str, [steps, every]: [u64; 2], out: &str) -> ExampleResult {
     let mut disks = Disks::flowing(parameters, &read_data(file)?)?;
     let mut text = String::new();
     let mut spent = 0.0;
@@ -76,7 +76,7 @@ fn read_data(file: &str) -> Result<Particles, Box<dyn Error>> {
 }
 
 /// Writes a frame in LAMMPS's dump format: id, type, radius, x, y, vx, vy.
-fn write_frame(text: &mut String, disks: &Disks) -> Outcome {
+fn write_frame(text: &mut String, disks: &Disks) -> ExampleResult {
     let (particles, _) = disks.store();
     writeln!(text, "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}", disks.steps(), particles.len())?;
     writeln!(text, "ITEM: ATOMS id type radius x y vx vy")?;
@@ -91,7 +91,7 @@ fn write_frame(text: &mut String, disks: &Disks) -> Outcome {
 }
 
 /// Positions in each frame of a dump, by step, in the order of the ids.
-fn frames(file: &str) -> Result<Vec<Frame>, Box<dyn Error>> {
+fn frames(file: &str) -> Result<Vec<PositionsAtStep>, Box<dyn Error>> {
     let text = fs::read_to_string(file)?;
     let mut all = Vec::new();
     for frame in text.split("ITEM: TIMESTEP").skip(1) {
@@ -111,7 +111,7 @@ fn frames(file: &str) -> Result<Vec<Frame>, Box<dyn Error>> {
 /// Prints the distances of the disks in frames of the same step: median, 95 % and largest. The nearest image is
 /// chosen along x and y independently: where the offset of the rows is not a whole number of cells, a disk that only
 /// one of the two runs has wrapped upward shows a large distance.
-fn compare(one: &str, other: &str) -> Outcome {
+fn compare(one: &str, other: &str) -> ExampleResult {
     let others = frames(other)?;
     for (step, places) in frames(one)? {
         let Some((_, theirs)) = others.iter().find(|f| f.0 == step) else { continue };
@@ -126,7 +126,7 @@ fn compare(one: &str, other: &str) -> Outcome {
 }
 
 /// Prints the speed for the paper's mixture in a square cell, by processor time and by wall-clock time.
-fn speed(edge: f64, steps: u64) -> Outcome {
+fn speed(edge: f64, steps: u64) -> ExampleResult {
     let mut parameters = Parameters { edges: [edge; 2], ..Parameters::default() };
     parameters.preparation.mixed = parameters.preparation.settled;
     let mut disks = Disks::prepared(&Model::new(parameters)?)?;
