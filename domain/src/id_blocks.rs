@@ -1,5 +1,6 @@
 //! Particles distributed by their ids, for sums over all of them that do not depend on the number of ranks.
 
+use crate::parallel::sort;
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{ById, Comm, Particles, block};
 use rayon::prelude::*;
@@ -54,7 +55,7 @@ impl IdBlocks {
         let exchange = RowExchange::plan(&owners, &self.comm);
         let ids = exchange.of(&particles.ids, 1);
         let mut order: Vec<usize> = (0..ids.len()).collect();
-        order.par_sort_unstable_by_key(|&row| ids[row]);
+        sort(ids.len(), || order.par_sort_unstable_by_key(|&row| ids[row]));
         Cow::Owned(particles.mapped(&SortedExchange { exchange, order: Selection(&order) }, wanted))
     }
 

@@ -35,6 +35,7 @@ mod neighbours;
 mod number;
 mod packing;
 mod pairs;
+pub mod parallel;
 mod parameter;
 mod particles;
 mod partition;

@@ -2,6 +2,7 @@
 
 use crate::cells::{CellNeighbourhood, Cells, Centre};
 use crate::neighbour::Images;
+use crate::parallel::MeasuredLoop;
 use crate::{Neighbour, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -80,6 +81,7 @@ impl Neighbours {
                 }
                 found
             })
+            .measured()
             .collect();
         Self::join(batches, owned, cells.images())
     }
@@ -96,7 +98,10 @@ impl Neighbours {
             lists.push(list);
             rest = others;
         }
-        lists.into_par_iter().for_each(|list| list.sort_unstable_by_key(|&entry| key(&images.neighbour(entry))));
+        lists
+            .into_par_iter()
+            .measured()
+            .for_each(|list| list.sort_unstable_by_key(|&entry| key(&images.neighbour(entry))));
     }
 
     /// Joins the lists of the batches, of `owned` particles in total, whose entries refer to `images`.

@@ -1,6 +1,7 @@
 //! Pairs of particles within a cutoff.
 
 use crate::cells::{CellNeighbourhood, Cells, Centre};
+use crate::parallel::{self, MeasuredLoop};
 use crate::{Neighbours, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -48,6 +49,7 @@ impl Pairs {
         let neighbours = Neighbours::find(cell, positions, positions.len(), cutoff);
         let list = (0..positions.len())
             .into_par_iter()
+            .measured()
             .flat_map_iter(|i| {
                 let pairs = neighbours.of(i).iter().map(|n| Pair { i: i as u32, j: n.row, steps: n.steps });
                 let mut kept: Vec<Pair> = pairs.filter(|pair| is_kept(pair, ids, owned)).collect();
@@ -72,7 +74,7 @@ impl Pairs {
             }
             pairs
         };
-        let batches: Vec<Vec<Pair>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+        let batches: Vec<Vec<Pair>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
         let mut list = batches.concat();
         if ids.len() > owned {
             // Pairs whose first particle another rank owns come last, like its ghost.
@@ -122,7 +124,7 @@ pub(crate) fn fold_some_pairs<T: Send>(
 ) -> Vec<T> {
     let &SearchedParticles { cell, positions, total, cutoff } = search;
     let cells = Cells::sort_among(cell, positions, cutoff, total);
-    let share = cells.count().div_ceil(4 * rayon::current_num_threads());
+    let share = cells.count().div_ceil(4 * parallel::parts());
     (0..cells.count().div_ceil(share))
         .into_par_iter()
         .map(|part| {
@@ -139,6 +141,7 @@ pub(crate) fn fold_some_pairs<T: Send>(
             }
             seen
         })
+        .measured()
         .collect()
 }
 

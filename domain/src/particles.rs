@@ -1,5 +1,6 @@
 //! Particle store: one column per property, one row per particle.
 
+use crate::parallel::{MeasuredLoop, sort};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
@@ -132,7 +133,7 @@ impl Particles {
     /// Moves every position back inside the box and counts the lattice steps.
     pub fn wrap(&mut self, cell: &PeriodicBox) {
         let places = self.positions.par_iter_mut().with_min_len(BATCH).zip(&mut self.steps);
-        places.for_each(|(position, steps)| {
+        places.measured().for_each(|(position, steps)| {
             let (wrapped, taken) = cell.wrap(*position);
             *position = wrapped;
             *steps = std::array::from_fn(|i| steps[i].wrapping_add(taken[i]));
@@ -158,7 +159,7 @@ impl Particles {
         *radii = picked.of(radii, 1);
         *species = picked.of(species, 1);
         // In parallel over the columns, as each takes hardly longer than the wake-up of a thread.
-        columns.par_iter_mut().for_each(|column| column.values = picked.of(&column.values, column.width));
+        columns.par_iter_mut().measured().for_each(|column| column.values = picked.of(&column.values, column.width));
     }
 
     /// The given rows, in that order, as a new store.
@@ -180,10 +181,11 @@ impl Particles {
             let p = cell.fractional_coordinates(position);
             ((p.z * lines[1] as f64) as i64, (p.y * lines[0] as f64) as i64, id)
         };
-        let places: Vec<_> = self.positions.par_iter().with_min_len(BATCH).zip(&self.ids).map(place).collect();
+        let places: Vec<_> =
+            self.positions.par_iter().with_min_len(BATCH).zip(&self.ids).map(place).measured().collect();
         if !places.is_sorted() {
             let mut order: Vec<usize> = (0..self.len()).collect();
-            order.par_sort_by_key(|&row| places[row]);
+            sort(places.len(), || order.par_sort_by_key(|&row| places[row]));
             self.arrange(&order);
         }
     }
@@ -226,7 +228,7 @@ impl Particles {
     /// A copy, made by all threads.
     #[must_use]
     pub fn copied(&self) -> Self {
-        Self { columns: self.columns.par_iter().cloned().collect(), ..self.without_columns() }
+        Self { columns: self.columns.par_iter().cloned().measured().collect(), ..self.without_columns() }
     }
 
     /// Moves the rows of one property after the other, so that only one is in memory twice.

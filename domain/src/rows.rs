@@ -1,6 +1,7 @@
 //! Moves of a table's rows, one property after the other: reordering, and sending to other ranks.
 
 use crate::Comm;
+use crate::parallel::MeasuredLoop;
 use bytemuck::Pod;
 use rayon::prelude::*;
 
@@ -27,7 +28,7 @@ impl RowMove for Selection<'_> {
         let mut picked = vec![T::zeroed(); self.0.len() * width];
         if width > 0 {
             let parts = picked.par_chunks_mut(BATCH * width).zip(self.0.par_chunks(BATCH));
-            parts.for_each(|(picked, rows)| match width {
+            parts.measured().for_each(|(picked, rows)| match width {
                 1 => pick::<T, 1>(values, rows, picked),
                 3 => pick::<T, 3>(values, rows, picked),
                 5 => pick::<T, 5>(values, rows, picked),

@@ -1,6 +1,7 @@
 //! Pairs of the particles of all ranks within any distance, without storing them.
 
 use crate::pairs::{SearchedParticles, fold_some_pairs};
+use crate::parallel::sort;
 use crate::{DomainView, Halo, Particles, Vector};
 use rayon::prelude::*;
 
@@ -73,7 +74,7 @@ impl ParticlesById {
         let mut ids = particles.ids.clone();
         halo.extend(&mut ids);
         let mut order: Vec<u32> = (0..ids.len() as u32).collect();
-        order.par_sort_unstable_by_key(|&row| ids[row as usize]);
+        sort(ids.len(), || order.par_sort_unstable_by_key(|&row| ids[row as usize]));
         drop(ids);
         let (mut positions, mut species) = (particles.positions.clone(), particles.species.clone());
         halo.extend(&mut positions);

@@ -2,6 +2,7 @@
 
 use crate::halo::Pencil;
 use crate::neighbours::Batch;
+use crate::parallel::{MeasuredLoop, sort};
 use crate::{Halo, Neighbours, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -145,7 +146,7 @@ impl RowById {
         let rows = ids.iter().zip(0..);
         if last >= (SPARSEST * ids.len()) as u64 {
             let mut list: Vec<(u64, u32)> = rows.map(|(&id, row)| (id, row)).collect();
-            list.par_sort_unstable();
+            sort(list.len(), || list.par_sort_unstable());
             return Self::List(list);
         }
         let mut table = vec![NOBODY; last as usize + 1];
@@ -226,7 +227,7 @@ impl StoredLists {
             let place = if steps == [0; 3] { now } else { now - cell.lattice(steps) };
             PresentParticle { place, row, shift: images.shift(steps) }
         };
-        let particles = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(track).collect();
+        let particles = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(track).measured().collect();
         let offsets = images.steps().map(|steps| cell.lattice(steps)).collect();
         all_near.into_inner().then_some(PresentState { owned: present.owned, particles, offsets })
     }
@@ -257,7 +258,7 @@ impl StoredLists {
             }
             picked
         };
-        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(pick).collect();
+        let batches = (0..count.div_ceil(BATCH)).into_par_iter().map(pick).measured().collect();
         Neighbours::join(batches, now.owned, self.lists.images())
     }
 

@@ -3,6 +3,7 @@
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::SimdLanes;
 use crate::pairs::search::{NearField, Present};
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{DomainView, Neighbours, Particles, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};
 use lubrication::{PairFactor, PairForce, WallFactor, WallForce};
@@ -21,6 +22,7 @@ const BATCH: usize = 64;
 /// and `zeta` one standard normal number per mode of each pair. The numbers are keyed by the ids and the periodic image
 /// of a pair, so that all ranks draw the same. Collective.
 pub fn loads(field: &mut NearField, particles: &Particles, view: DomainView, stream: Stream) -> Loads {
+    let _stage = stage("random loads of near pairs");
     let cell = view.cell;
     let Present { halo, positions, ids, species } = field.present(particles, view);
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
@@ -32,7 +34,8 @@ pub fn loads(field: &mut NearField, particles: &Particles, view: DomainView, str
         let rows = [batch * BATCH, owned.min((batch + 1) * BATCH)];
         f64::dispatch(NoisePairs { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows })
     };
-    let parts: Vec<Vec<(usize, [Vector; 2])>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+    let parts: Vec<Vec<(usize, [Vector; 2])>> =
+        (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
     let mut sums = vec![[Vector::ZERO; 2]; owned];
     for (row, [force, torque]) in parts.into_iter().flatten() {
         sums[row][0] += force;

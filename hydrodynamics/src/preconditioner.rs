@@ -3,6 +3,7 @@
 use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::{SixVector, SixVectors, dot};
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{Comm, Interrupt};
 use fcm::{InnerProducts, Iterate, Limits, Linear, Step, System, conjugate_gradients};
 use rayon::prelude::*;
@@ -72,6 +73,7 @@ impl<'a> Preconditioner<'a> {
         mut residual: SixVectors,
         limits: Limits,
     ) -> [SixVectors; 2] {
+        let _stage = stage("preconditioner");
         let comm = self.comm.clone();
         let mut z = SixVectors::zero(loads.0.len());
         conjugate_gradients(&comm, self, Iterate { x: &mut motions, residual: &mut residual, z: &mut z }, limits);
@@ -86,7 +88,7 @@ impl<'a> Preconditioner<'a> {
         };
         let of_single = self.single.par_iter().zip(&motions.0);
         let loads = loads.0.par_iter().with_min_len(BATCH).zip(&part.0);
-        SixVectors(loads.zip(of_single).map(less).collect())
+        SixVectors(loads.zip(of_single).map(less).measured().collect())
     }
 
     fn limits(&self) -> Limits<'static> {
@@ -142,7 +144,7 @@ impl System for Preconditioner<'_> {
         let mut motions = SixVectors::zero(residual.0.len());
         let chunks =
             self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
-        chunks.for_each(|((blocks, vectors), results)| f64::dispatch(Products { blocks, vectors, results }));
+        chunks.measured().for_each(|((blocks, vectors), results)| f64::dispatch(Products { blocks, vectors, results }));
         motions
     }
 
@@ -167,7 +169,7 @@ impl System for Preconditioner<'_> {
             let step = step.as_ref().map(|step| (step.length, [&step.direction.0[from..], &step.image.0[from..]]));
             f64::dispatch(StepAndMeasure { blocks, single, step, x, residual, z })
         };
-        let sums: Vec<InnerProducts> = places.zip(given).enumerate().map(of_batch).collect();
+        let sums: Vec<InnerProducts> = places.zip(given).enumerate().map(of_batch).measured().collect();
         sums.into_iter().fold(InnerProducts::default(), |all, of_batch| all + of_batch)
     }
 }

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
+use domain::parallel::MeasuredLoop;
 use fcm::Linear;
 use rayon::prelude::*;
 use std::ops::{AddAssign, Neg};
@@ -50,17 +51,17 @@ impl SixVectors {
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
         let vector = |i: usize| SixVector::new(at(linear, i), at(angular, i));
-        Self((0..count).into_par_iter().with_min_len(BATCH).map(vector).collect())
+        Self((0..count).into_par_iter().with_min_len(BATCH).map(vector).measured().collect())
     }
 
     /// Velocities, or forces.
     pub fn linear(&self) -> Vec<Vector> {
-        self.0.par_iter().with_min_len(BATCH).map(|s| s.linear()).collect()
+        self.0.par_iter().with_min_len(BATCH).map(|s| s.linear()).measured().collect()
     }
 
     /// Angular velocities, or torques.
     pub fn angular(&self) -> Vec<Vector> {
-        self.0.par_iter().with_min_len(BATCH).map(|s| s.angular()).collect()
+        self.0.par_iter().with_min_len(BATCH).map(|s| s.angular()).measured().collect()
     }
 }
 
@@ -73,23 +74,28 @@ impl SixVectors {
         Self(vec![SixVector::default(); count])
     }
 
+    /// Bytes of a number of lists of this length.
+    fn bytes(&self, lists: usize) -> usize {
+        lists * size_of_val(&self.0[..])
+    }
+
     /// This rank's part of the inner product.
     pub fn dot(&self, other: &Self) -> f64 {
         let products = self.0.par_chunks(BATCH).zip(other.0.par_chunks(BATCH)).map(|(a, b)| dot(a, b));
-        let sums: Vec<f64> = products.collect();
+        let sums: Vec<f64> = products.moving(self.bytes(2)).collect();
         sums.iter().sum()
     }
 
     /// The negative of all six-vectors.
     pub fn negative(&self) -> Self {
-        Self(self.0.par_iter().with_min_len(BATCH).map(|&vector| -vector).collect())
+        Self(self.0.par_iter().with_min_len(BATCH).map(|&vector| -vector).moving(self.bytes(2)).collect())
     }
 
     /// Loads of single spheres with the given resistances in these motions.
     pub fn resisted(&self, single: &[SixVector]) -> Self {
         let resist =
             |(motion, single): (&SixVector, &SixVector)| SixVector(std::array::from_fn(|k| single.0[k] * motion.0[k]));
-        Self(self.0.par_iter().with_min_len(BATCH).zip(single).map(resist).collect())
+        Self(self.0.par_iter().with_min_len(BATCH).zip(single).map(resist).moving(self.bytes(3)).collect())
     }
 
     /// Adds `factor` times the loads of single spheres with the given resistances in motions.
@@ -97,7 +103,8 @@ impl SixVectors {
         let add = |((load, single), motion): ((&mut SixVector, &SixVector), &SixVector)| {
             (0..6).for_each(|k| load.0[k] += factor * single.0[k] * motion.0[k]);
         };
-        self.0.par_iter_mut().with_min_len(BATCH).zip(single).zip(&motions.0).for_each(add);
+        let bytes = self.bytes(4);
+        self.0.par_iter_mut().with_min_len(BATCH).zip(single).zip(&motions.0).moving(bytes).for_each(add);
     }
 }
 
@@ -107,7 +114,7 @@ impl SixVectors {
         let less = |((motion, single), load): ((&SixVector, &SixVector), &SixVector)| {
             SixVector(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
         };
-        Self(self.0.par_iter().with_min_len(BATCH).zip(single).zip(&loads.0).map(less).collect())
+        Self(self.0.par_iter().with_min_len(BATCH).zip(single).zip(&loads.0).map(less).moving(self.bytes(4)).collect())
     }
 }
 
@@ -133,7 +140,8 @@ impl Linear for SixVectors {
 
 impl SixVectors {
     fn changed(&mut self, other: &Self, change: impl Fn(&mut f64, f64) + Sync) {
-        self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).for_each(|(a, b)| {
+        let bytes = self.bytes(3);
+        self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).moving(bytes).for_each(|(a, b)| {
             let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(a), bytemuck::cast_slice(b));
             a.iter_mut().zip(b).for_each(|(a, b)| change(a, *b));
         });

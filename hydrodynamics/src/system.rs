@@ -4,6 +4,7 @@ use crate::pairs::search::{NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::units::Scaled;
+use domain::parallel::MeasuredLoop;
 use domain::{Comm, Traceless, Vector, sphere};
 use fcm::{Linear, Loads, Motion, System};
 use rayon::prelude::*;
@@ -252,7 +253,7 @@ impl System for CoupledSystem<'_> {
         let stiff = self.of_stiff(&residual.stiff);
         let soft = resisted(self.near, Pairs::Soft, &residual.soft);
         let rates = residual.strain_rates.par_iter().with_min_len(BATCH);
-        let moments = rates.zip(self.strain_resistance).map(|(&r, &d)| r * d).collect();
+        let moments = rates.zip(self.strain_resistance).map(|(&r, &d)| r * d).measured().collect();
         Unknowns { stiff, soft, moments }
     }
 
@@ -298,7 +299,7 @@ const BATCH: usize = 1024;
 /// Sum of `count` terms, the same on any number of threads.
 fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
     let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).map(&term).sum();
-    let sums: Vec<f64> = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+    let sums: Vec<f64> = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
     sums.iter().sum()
 }
 
@@ -309,6 +310,6 @@ pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &SixVectors) -> Motions
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.
 pub fn far_loads(loads: &SixVectors, moments: &[Traceless]) -> Loads {
-    let stresslets = moments.par_iter().with_min_len(BATCH).map(|&d| -d).collect();
+    let stresslets = moments.par_iter().with_min_len(BATCH).map(|&d| -d).measured().collect();
     Loads { forces: loads.linear(), torques: loads.angular(), stresslets }
 }

@@ -4,6 +4,7 @@ use crate::layout::Layout;
 use crate::modes::{Complexes, MODES};
 use crate::shared::Shared;
 use crate::{Real, memory::AlignedMemory};
+use domain::parallel::MeasuredLoop;
 use num_complex::Complex;
 use rayon::prelude::*;
 use std::marker::PhantomData;
@@ -46,7 +47,7 @@ impl<T: Real, Space> Field<T, Space> {
 
     /// Sets every value to zero, halos included.
     pub fn clear(&mut self) {
-        self.memory.values_mut().par_chunks_mut(1 << 15).for_each(|part| part.fill(T::default()));
+        self.memory.values_mut().par_chunks_mut(1 << 15).measured().for_each(|part| part.fill(T::default()));
     }
 }
 
@@ -146,7 +147,10 @@ impl<T: Real> Field<T, Physical> {
             return;
         }
         for component in self.components_mut() {
-            component.par_chunks_mut(strides.z).for_each(|p| p.chunks_exact_mut(strides.y).take(rows).for_each(&work));
+            component
+                .par_chunks_mut(strides.z)
+                .measured()
+                .for_each(|p| p.chunks_exact_mut(strides.y).take(rows).for_each(&work));
         }
     }
 
@@ -241,7 +245,7 @@ impl<T: Real> Field<T, Spectral> {
         let memory = Shared::new(self.memory.values_mut());
         let end = (layout.blocks.end * T::LANES).min(nx / 2);
         let firsts = (layout.blocks.start * T::LANES..end).step_by(MODES);
-        (0..nz).into_par_iter().for_each(|m3| {
+        (0..nz).into_par_iter().measured().for_each(|m3| {
             for (m2, first) in layout.modes.clone().flat_map(|m2| firsts.clone().map(move |first| (m2, first))) {
                 let block = values([first, m2, m3]);
                 for (component, [real, imaginary]) in block.iter().enumerate() {

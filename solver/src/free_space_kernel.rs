@@ -2,6 +2,7 @@
 
 use crate::open_space::ENTRIES;
 use crate::{Field, Grid, OpenSpace, Physical, Real, Spectral, Transform};
+use domain::parallel::MeasuredLoop;
 use domain::{Comm, Partition, PeriodicBox, Vector};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -67,7 +68,7 @@ fn transforms(
         let k = long.wavevector([at % mx, at / mx % my, at / (mx * my)]);
         biharmonic(k.length(), cut) * multiplier(k) * over
     };
-    let factors: Vec<f64> = (0..mx * my * mz).into_par_iter().with_min_len(BATCH).map(factor).collect();
+    let factors: Vec<f64> = (0..mx * my * mz).into_par_iter().with_min_len(BATCH).map(factor).measured().collect();
     for first in [0, 3] {
         let values = |mode: [usize; 3]| {
             let k = long.wavevector(mode);

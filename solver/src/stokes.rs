@@ -4,6 +4,7 @@ mod mode_block;
 mod tilted;
 
 use crate::{Channel, Grid, OpenSpace, Real};
+use domain::parallel::MeasuredLoop;
 pub(crate) use mode_block::ModeBlock;
 use rayon::prelude::*;
 use simd::{SimdVector, VectorKernel};
@@ -96,7 +97,7 @@ impl<T: Real> Stokes<T> {
             points: grid.points(),
             k1: (0..columns).map(|m1| T::from_f64(in_plane([m1, 0, 0]).x)).collect(),
             k2: modes().map(|mode| T::from_f64(in_plane(mode).y)).collect(),
-            plane: (0..columns * ny).into_par_iter().with_min_len(columns).map(plane_at).collect(),
+            plane: (0..columns * ny).into_par_iter().with_min_len(columns).map(plane_at).measured().collect(),
             inverse: modes().map(|mode| T::from_f64(inverse(mode))).collect(),
             k3: (0..nz).map(|m3| T::from_f64(k3(m3))).collect(),
             axis: (0..nz).map(|m3| T::from_f64(along_axis(m3))).collect(),

@@ -1,6 +1,7 @@
 //! Pairs of near particles.
 
 use bytemuck::Pod;
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{
     Bytes, DomainView, ExpectedCounts, Halo, LocalAndGhosts, Neighbour, Neighbours, Pair, Pairs, Particles, Partition,
     PeriodicBox, Vector, VerletList,
@@ -75,6 +76,7 @@ impl NeighbourLists {
 
     /// [`PairsWithHalo::find`] by lists that are rebuilt only occasionally. Collective.
     pub fn find(&self, particles: &Particles, domain: DomainView) -> PairsWithHalo {
+        let _stage = stage("pairs of forces and steps");
         let mut lists = self.lists.borrow_mut();
         let owned = particles.len();
         PairsWithHalo::by(particles, domain, self.cutoff, |positions, ids| {
@@ -143,7 +145,7 @@ impl PairsWithHalo {
     pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
         let present = self.present(values.to_vec());
         let difference = |pair: &Pair| present[pair.j as usize] - present[pair.i as usize];
-        self.pairs.list().par_iter().with_min_len(BATCH).map(difference).collect()
+        self.pairs.list().par_iter().with_min_len(BATCH).map(difference).measured().collect()
     }
 
     /// Applies a function to each pair, as in [`PairsWithHalo::pairs`], and to its differences of several lists of
@@ -158,7 +160,7 @@ impl PairsWithHalo {
             let difference = |list: &Vec<Vector>| list[pair.j as usize] - list[pair.i as usize];
             of_pair(local.pair(pair), present.each_ref().map(difference))
         };
-        self.pairs.list().par_iter().with_min_len(BATCH).map(made).collect()
+        self.pairs.list().par_iter().with_min_len(BATCH).map(made).measured().collect()
     }
 
     /// Vectors of this rank's particles, extended by those of its ghosts.

@@ -17,6 +17,7 @@ use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::neighbourhood;
 use crate::start::{given_positions, placement};
+use domain::parallel::stage;
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
 use simulation::{Clock, State};
@@ -152,7 +153,9 @@ impl Suspension {
 
     /// Applies a change; if it fails, restores the state before it.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
+        let copying = stage("copy of the state");
         let (particles, moving) = (self.particles.copied(), self.dynamics.periodic_cell().clone());
+        drop(copying);
         let adaptation = self.dynamics.stiffness_adaptation();
         let changed = change(self);
         if changed.is_err() {
@@ -164,6 +167,7 @@ impl Suspension {
     }
 
     fn take_step(&mut self, is_seen: bool) -> Result<(), StepError> {
+        let _stage = stage("integration");
         let Self { particles, dynamics, clock, outcome, integrator, noise_source, .. } = self;
         let before = dynamics.evaluations();
         dynamics.begin_step(particles, clock)?;

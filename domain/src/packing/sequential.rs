@@ -1,6 +1,7 @@
 //! Random sequential addition of spheres, distributed over ranks.
 
 use super::Occupied;
+use crate::parallel::MeasuredLoop;
 use crate::{Comm, Partition, PeriodicBox, Place, Random, Vector};
 use rayon::prelude::*;
 
@@ -108,7 +109,7 @@ impl Placing<'_> {
         let mut left: Vec<&mut PendingSphere> = spheres.iter_mut().collect();
         while !left.is_empty() {
             let local = &self.local;
-            let own: Vec<u64> = left.par_iter().map(|sphere| local.first_free(sphere)).collect();
+            let own: Vec<u64> = left.par_iter().map(|sphere| local.first_free(sphere)).measured().collect();
             let all = self.comm.all_gather(&own);
             for (k, sphere) in left.iter_mut().enumerate() {
                 let first = all[k..].iter().step_by(own.len()).min().copied().unwrap_or(TRIES);

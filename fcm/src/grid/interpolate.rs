@@ -2,6 +2,7 @@
 
 use crate::grid::kernel::{Kernel, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
+use domain::parallel::MeasuredLoop;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, VectorKernel};
@@ -26,8 +27,9 @@ impl Interpolation<'_> {
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
         let mut motions = vec![(Vector::ZERO, Tensor::ZERO); self.stencils.len()];
+        let bytes = 3 * size_of_val(slab.components[0]) + size_of_val(&motions[..]);
         let by_row = &ByRow { motions: motions.as_mut_ptr(), rows: motions.len() };
-        self.stencils.par_chunks(BATCH).for_each(|stencils| {
+        self.stencils.par_chunks(BATCH).moving(bytes).for_each(|stencils| {
             T::dispatch(Weigh { to: self, kernel, stencils, slab, by_row });
         });
         motions

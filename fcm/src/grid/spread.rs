@@ -2,6 +2,7 @@
 
 use crate::grid::kernel::{Kernel, Load, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
+use domain::parallel::{self, MeasuredLoop};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, VectorKernel};
 use solver::{Field, Physical, Real};
@@ -24,9 +25,10 @@ impl<T: Real> Spread<'_, T> {
             return;
         }
         let strides = [field.row_stride(), field.plane_stride()];
-        let thickness = planes.len().div_ceil(rayon::current_num_threads());
+        let bytes = 2 * 3 * strides[1] * planes.len() * size_of::<T>();
+        let thickness = planes.len().div_ceil(parallel::parts());
         let [x, y, z] = field.components_mut().map(|c| c.par_chunks_mut(strides[1] * thickness));
-        x.zip(y).zip(z).enumerate().for_each(|(part, ((x, y), z))| {
+        x.zip(y).zip(z).enumerate().moving(bytes).for_each(|(part, ((x, y), z))| {
             let start = planes.start + part * thickness;
             let planes = start..planes.end.min(start + thickness);
             let slab = Slab { components: [x, y, z], lines: lines.clone(), planes, strides };

@@ -1,6 +1,7 @@
 //! Grid points of the particles' stencils.
 
 use domain::Vector;
+use domain::parallel::MeasuredLoop;
 use rayon::prelude::*;
 use solver::Grid;
 
@@ -57,7 +58,7 @@ pub(crate) fn sorted_stencils(grid: &Grid, extent: [usize; 3], positions: &[Vect
     });
     let blocks = GridBlocks::of(grid.points());
     let key = |stencil: &Stencil| blocks.index_of(stencil.first.map(|p| p as usize));
-    sort_by_key(unsorted.collect(), key, blocks.count())
+    sort_by_key(unsorted.measured().collect(), key, blocks.count())
 }
 
 /// Order of the grid's blocks in which neighbours in the list are neighbours in memory: columns of blocks along z,

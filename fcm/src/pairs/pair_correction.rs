@@ -14,6 +14,7 @@
 use crate::envelope::{Common, Envelope};
 use crate::grid::totals::Totals;
 use crate::pairs::table::{PairFunctions, PairTable};
+use domain::parallel::MeasuredLoop;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, StridedRows, VectorKernel};
@@ -143,8 +144,9 @@ impl<T: Real> DynPairCorrection for PairCorrection<T> {
         motions: &mut [(Vector, Tensor)],
     ) {
         let loads: Vec<[T; RECORD]> =
-            (0..present.positions.len()).into_par_iter().map(|row| load(present, row)).collect();
-        motions.par_chunks_mut(BATCH).enumerate().for_each(|(batch, motions)| {
+            (0..present.positions.len()).into_par_iter().map(|row| load(present, row)).measured().collect();
+        let bytes = 2 * size_of_val(motions) + size_of_val(&loads[..]) + 4 * neighbours.count();
+        motions.par_chunks_mut(BATCH).enumerate().moving(bytes).for_each(|(batch, motions)| {
             T::dispatch(TargetBatch {
                 near: self,
                 present,

@@ -18,6 +18,7 @@
 use crate::envelope::Envelope;
 use crate::plan::Plan;
 use crate::plan::bounded::NEAREST_WALL;
+use domain::parallel::MeasuredLoop;
 use domain::{Traceless, Vector};
 use rayon::prelude::*;
 use solver::across_walls;
@@ -64,7 +65,7 @@ impl WallDrift {
         let count = 4 + ((farthest / first).ln() / STEP).max(0.0) as usize;
         let first = first.ln() - STEP;
         let at = |number: usize| values(walls, edges, (first + STEP * number as f64).exp());
-        let values = (0..count).into_par_iter().map(at).collect();
+        let values = (0..count).into_par_iter().map(at).measured().collect();
         Self { first, height, inverse_viscosity: 1.0 / plan.viscosity, values }
     }
 

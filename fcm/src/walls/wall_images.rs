@@ -6,6 +6,7 @@ use crate::pairs::pair_correction::LoadedParticles;
 use crate::plan::Plan;
 use crate::plan::bounded::NEAREST_WALL;
 use crate::walls::wall_kernel::{SourceAtWall, WallKernel, WallMobilityBlock};
+use domain::parallel::MeasuredLoop;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use simd::vectorised;
@@ -145,7 +146,7 @@ impl WallImages {
             }
             near
         };
-        let mut lists: Vec<Vec<ImagePair>> = (0..owned).into_par_iter().map(near).collect();
+        let mut lists: Vec<Vec<ImagePair>> = (0..owned).into_par_iter().map(near).measured().collect();
         // A pair has its block at the sphere that is ahead, or at the one that this rank owns.
         let is_first = |pair: &ImagePair| pair.is_forward || pair.row as usize >= owned;
         let mut first = Vec::new();
@@ -166,7 +167,7 @@ impl WallImages {
             };
             lists[row].iter().filter_map(with_block).collect()
         };
-        let lists = (0..owned).into_par_iter().map(behind).collect();
+        let lists = (0..owned).into_par_iter().map(behind).measured().collect();
         let block = |&(row, ImagePair { row: j, x, is_forward, .. }): &(usize, ImagePair)| {
             let pair = [of(row), of(j as usize)];
             let block = if is_forward {
@@ -176,7 +177,7 @@ impl WallImages {
             };
             block.expect("these reach each other")
         };
-        first.par_iter().map(block).collect_into_vec(&mut blocks);
+        first.par_iter().map(block).measured().collect_into_vec(&mut blocks);
         (self.lists, self.blocks) = (lists, blocks);
     }
 
@@ -230,7 +231,7 @@ impl WallImages {
 
     /// Adds the images' flows to the velocities and, if requested, the gradients of the particles in `motions`.
     pub fn add(&self, present: &LoadedParticles, gradients: bool, motions: &mut [(Vector, Tensor)]) {
-        motions.par_iter_mut().zip(&self.lists).for_each(|(motion, list)| {
+        motions.par_iter_mut().zip(&self.lists).measured().for_each(|(motion, list)| {
             vectorised(
                 #[inline(always)]
                 || self.add_list(present, gradients, list, motion),

@@ -16,6 +16,7 @@ use crate::springs::Springs;
 use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStart, Unknowns, single};
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
+use domain::parallel::stage;
 use domain::{
     Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, VerletList,
 };
@@ -132,6 +133,7 @@ impl CoupledSolver {
         acting: &SolveInput,
         guess: &Guess,
     ) -> Result<Solution, SolveError> {
+        let _stage = stage("coupled solve");
         let SolveInput { loads, strain_rate, springs, ambient, constant_flux } = *acting;
         let sloping = sloping(strain_rate, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);

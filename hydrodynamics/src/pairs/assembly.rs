@@ -8,6 +8,7 @@ use crate::pairs::matrix::row_sums::RowSums;
 use crate::pairs::matrix::sparse::{MatrixPart, ROWS, Slice};
 use crate::six_vector::SixVector;
 use crate::springs::Springs;
+use domain::parallel::MeasuredLoop;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::SPHERE_ROW;
 use rayon::prelude::*;
@@ -81,7 +82,7 @@ impl<T: StoredLanes> Assembly<'_, T> {
             let (first, rows) = (k * ROWS, loads.len());
             f64::dispatch(Assembly { arrangement, first, rows, loads, moments, stored: PhantomData })
         };
-        loads.par_chunks_mut(ROWS).zip(moments.par_chunks_mut(ROWS)).enumerate().map(part).collect()
+        loads.par_chunks_mut(ROWS).zip(moments.par_chunks_mut(ROWS)).enumerate().map(part).measured().collect()
     }
 
     /// Lists the stiff and the soft pairs.

@@ -9,6 +9,7 @@ use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{DomainView, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
 use fcm::Precision;
 use lubrication::WallForce;
@@ -42,6 +43,7 @@ pub struct Present {
 impl NearField {
     /// Collects particles and ghosts, and updates the neighbour lists. Collective.
     pub fn present(&mut self, particles: &Particles, view: DomainView) -> Present {
+        let _stage = stage("lists of near pairs");
         let DomainView { cell, partition } = view;
         let halo = Halo::plan(partition, cell, &particles.positions, [self.reach; 2]);
         let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
@@ -101,6 +103,7 @@ impl NearPairs {
         view: DomainView,
         strain_rate: StrainRate,
     ) -> Self {
+        let _stage = stage("assembly of near pairs");
         let cell = view.cell;
         let owned = particles.len();
         let Present { halo, positions, ids, species } = field.present(particles, view);
@@ -181,7 +184,7 @@ impl NearPairs {
             }
             change(part * ROWS, loads)
         };
-        let sums: Vec<f64> = loads.0.par_chunks_mut(ROWS).enumerate().map(of_part).collect();
+        let sums: Vec<f64> = loads.0.par_chunks_mut(ROWS).enumerate().map(of_part).measured().collect();
         (loads, sums.iter().sum())
     }
 
@@ -204,11 +207,11 @@ impl NearPairs {
         self.soft.add_moments(&present, &mut by_motions);
         self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
         let moments = self.moments.par_iter().with_min_len(BATCH).zip(by_motions);
-        moments.map(|(&by_strain, by_motion)| by_strain - by_motion).collect()
+        moments.map(|(&by_strain, by_motion)| by_strain - by_motion).measured().collect()
     }
 
     fn present(&self, motions: &SixVectors) -> Vec<Padded> {
-        let mut present: Vec<Padded> = motions.0.par_iter().with_min_len(BATCH).map(Padded::from).collect();
+        let mut present: Vec<Padded> = motions.0.par_iter().with_min_len(BATCH).map(Padded::from).measured().collect();
         self.halo.extend(&mut present);
         present
     }

@@ -6,6 +6,7 @@ use crate::layout::Layout;
 use crate::memory::AlignedMemory;
 use crate::shared::Shared;
 use crate::{Real, Stokes};
+use domain::parallel::MeasuredLoop;
 use rayon::prelude::*;
 use simd::StridedRows;
 use std::sync::{Mutex, PoisonError};
@@ -79,7 +80,8 @@ impl<T: Real> LocalTransform<T> {
         let rows = occupied[0].clamp(lines.start, lines.end) - lines.start;
         let is_occupied = |z: usize| planes.start + z < occupied[1];
         let planes = planes.len();
-        (0..3 * planes).into_par_iter().for_each(|i| {
+        let bytes = 2 * 3 * planes * self.layout.physical.z * size_of::<T>();
+        (0..3 * planes).into_par_iter().moving(bytes).for_each(|i| {
             let (component, z) = (i / planes, i % planes);
             for task in tasks {
                 match task {
@@ -175,7 +177,8 @@ impl<T: Real> LocalTransform<T> {
     /// Visits every panel of columns along z: the columns of one block along x and one mode along y.
     fn each_panel(&self, whole: &WholeColumns<T>, work: impl Fn([StridedPointer<T>; 3], [usize; 2]) + Sync) {
         let (Layout { blocks, .. }, WholeColumns { memory, strides, modes }) = (&self.layout, whole);
-        (0..modes.len() * blocks.len()).into_par_iter().for_each(|i| {
+        let bytes = 2 * 3 * modes.len() * blocks.len() * self.layout.points[2] * 2 * T::LANES * size_of::<T>();
+        (0..modes.len() * blocks.len()).into_par_iter().moving(bytes).for_each(|i| {
             let (mode, block) = (i / blocks.len(), i % blocks.len());
             let components = [0, 1, 2].map(|component| {
                 let start = strides.at(component, mode, 0) + block * 2 * T::LANES;

@@ -2,6 +2,7 @@
 
 use super::BenchmarkError;
 use super::spheres::{BenchmarkKind, Spheres, loads};
+use domain::parallel::{self, ParallelProfile, TaskClock};
 use domain::{Bytes, Comm, Particles, Partition, Vector};
 use fcm::{Costs, Fixed, Loading, Method, Mobility, Motion, Multipoles, Output, Plan, Precision, Problem, Seconds};
 use hydrodynamics::SingleEvaluation;
@@ -26,6 +27,17 @@ pub struct Task {
     pub fixed: Fixed,
     /// Costs on this machine.
     pub costs: Costs,
+}
+
+/// Measured stages of an evaluation.
+#[derive(Debug)]
+pub struct Stages {
+    /// Plan of the evaluation.
+    pub plan: Plan,
+    /// Of an evaluation that rebuilds neighbour lists.
+    pub with_lists: ParallelProfile,
+    /// Of one that follows them.
+    pub repeated: ParallelProfile,
 }
 
 /// Bytes and messages sent.
@@ -136,11 +148,6 @@ impl Task {
     ) -> (Vec<(Seconds, f64)>, Sent, [Vec<f64>; 3]) {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let mut mobility = Mobility::new(plan, &partition);
-        let wanted = match self.kind {
-            BenchmarkKind::All => Output::All,
-            BenchmarkKind::Forces => Output::Velocities,
-            BenchmarkKind::Stresslets => Output::Gradients,
-        };
         let (mut times, mut sent) = (Vec::new(), [0; 2]);
         let mut last = (Particles::default(), Motion::default());
         for turn in turns {
@@ -150,7 +157,7 @@ impl Task {
             comm.barrier();
             let (start, before_sending) = (Instant::now(), [comm.bytes_sent(), comm.messages_sent()]);
             mobility.arrange(&spheres.cell, &particles);
-            let motion = mobility.apply(&loads, wanted);
+            let motion = mobility.apply(&loads, self.output());
             sent = [comm.bytes_sent() - before_sending[0], comm.messages_sent() - before_sending[1]];
             comm.barrier();
             times.push((mobility.work().seconds - before, start.elapsed().as_secs_f64()));
@@ -169,6 +176,41 @@ impl Task {
         let (_, _, exact) = tighter.evaluate(&plan, spheres, comm, self.repeats..=self.repeats);
         let errors = found.iter().zip(&exact).map(|(found, exact)| relative(found, exact));
         Ok(errors.fold(0.0, f64::max))
+    }
+}
+
+impl Task {
+    /// Stages of evaluations that rebuild neighbour lists and of those that do not, the least of the repeats part by
+    /// part. Collective.
+    pub fn stages(&self, spheres: &Spheres, clock: TaskClock, comm: &Comm) -> Result<Stages, BenchmarkError> {
+        let plan = self.plan(spheres, comm)?;
+        let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
+        let mut fastest: [Option<ParallelProfile>; 2] = [None, None];
+        for _ in 0..self.repeats {
+            let mut mobility = Mobility::new(&plan, &partition);
+            for turn in 0..3 {
+                let particles = spheres.displaced(turn, &partition);
+                let loads = loads(&particles, self.kind);
+                comm.barrier();
+                let (_, profile) = parallel::measure(clock, || {
+                    mobility.arrange(&spheres.cell, &particles);
+                    mobility.apply(&loads, self.output())
+                });
+                // The first lists have no skin.
+                let Some(kept) = (turn as usize).checked_sub(1).map(|kind| &mut fastest[kind]) else { continue };
+                *kept = Some(kept.take().map_or_else(|| profile.clone(), |kept| kept.least(&profile)));
+            }
+        }
+        let [with_lists, repeated] = fastest.map(Option::unwrap_or_default);
+        Ok(Stages { plan, with_lists, repeated })
+    }
+
+    fn output(&self) -> Output {
+        match self.kind {
+            BenchmarkKind::All => Output::All,
+            BenchmarkKind::Forces => Output::Velocities,
+            BenchmarkKind::Stresslets => Output::Gradients,
+        }
     }
 }
 

@@ -1,11 +1,15 @@
 //! Benchmarks of the mobility: time and error for random spheres, and costs of its parts on a machine.
 
 mod costs;
+mod machine;
 mod measure;
+mod shares;
 mod spheres;
 
 pub use costs::measured_costs;
-pub use measure::{CostMeasurement, Task};
+pub use machine::measured_machine;
+pub use measure::{CostMeasurement, Stages, Task};
+pub use shares::Shares;
 pub use spheres::{BenchmarkCase, BenchmarkKind, Spheres};
 
 use domain::{BoxError, Failure};

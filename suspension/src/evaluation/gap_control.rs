@@ -5,6 +5,7 @@ use crate::flow::deformation::Deformation;
 use crate::flow::periodic_cell::PeriodicCell;
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
 use bytemuck::{Pod, Zeroable};
+use domain::parallel::MeasuredLoop;
 use domain::{Comm, DomainView, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -108,7 +109,7 @@ impl<const N: usize> RelativeMotion<N> {
             }
             change
         };
-        let mut change = self.pairs.par_chunks(BATCH).map(of_pairs).reduce(|| Change::NONE, Change::worse);
+        let mut change = self.pairs.par_chunks(BATCH).map(of_pairs).measured().reduce(|| Change::NONE, Change::worse);
         for sphere in &self.at_walls {
             let (after, estimate) = judge(weights.map(|weights| sphere.gap_after(weights)));
             change.note(sphere.gap(), after, estimate, least.map(|least| least * sphere.radius));

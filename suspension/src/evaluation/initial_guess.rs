@@ -3,6 +3,7 @@
 use crate::columns::STRESSLET;
 use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{Comm, Particles, Vector};
 use fcm::{Loads, Motion};
 use hydrodynamics::{Guess, Solution};
@@ -135,6 +136,7 @@ impl WarmStart {
     /// the mix is the one with which the mix would have come closest to the previous solutions, see
     /// [`Self::update_blend`].
     pub fn guess(&self, particles: &mut Particles, ages: &[f64], ahead: f64) -> Guess {
+        let _stage = stage("initial guess");
         if !particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1)) {
             return Guess::default();
         }
@@ -144,7 +146,12 @@ impl WarmStart {
             let share = curvature.get(k).copied().unwrap_or_default();
             let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
             let past = Past::of(particles, name, width, ages, ahead);
-            (0..past.len()).into_par_iter().with_min_len(BATCH).map(|i| mixed(past.extrapolated(i))).collect()
+            (0..past.len())
+                .into_par_iter()
+                .with_min_len(BATCH)
+                .map(|i| mixed(past.extrapolated(i)))
+                .measured()
+                .collect()
         });
         Self::guessed(lists)
     }
@@ -171,6 +178,7 @@ impl WarmStart {
     /// Updates the weight of the parabola from a new solution: the weight with which the guess, made with `ages` and
     /// `ahead`, would have come closest to it. Collective.
     pub fn update_blend(&self, particles: &mut Particles, ages: &[f64], ahead: f64, comm: &Comm) {
+        let _stage = stage("initial guess");
         let names = self.columns();
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), PAST));
         if comm.any(!is_known && !particles.is_empty()) || ages.len() < PAST {
@@ -189,7 +197,7 @@ impl WarmStart {
                 }
                 sums
             };
-            let of_batches: Vec<_> = (0..past.len().div_ceil(BATCH)).into_par_iter().map(of_batch).collect();
+            let of_batches: Vec<_> = (0..past.len().div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
             for [along, square] in of_batches {
                 sums[0] += along;
                 sums[1] += square;

@@ -36,6 +36,7 @@ use crate::forces::force::Force;
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
+use domain::parallel::stage;
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::{Motion, SolveError};
 use following::Following;
@@ -262,6 +263,7 @@ impl Dynamics {
         prediction: Option<&Prediction>,
         previous: &Motion,
     ) -> Result<Acting, StepError> {
+        let _stage = stage("forces");
         let Self { moving, partition, forces, .. } = self;
         let domain = DomainView { cell: moving.cell(), partition };
         let mut at = Instant {
@@ -301,6 +303,7 @@ impl Dynamics {
 
     /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
     pub fn wrap_and_migrate(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
+        let _stage = stage("migration");
         self.check_positions(particles, &moment.clock)?;
         self.moving.advance_to(moment.clock.time_at(moment.fraction), particles);
         self.follow(particles, &moment.clock)?;
@@ -342,6 +345,7 @@ impl Dynamics {
     /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
     /// include it unless they are relative to it while particles move.
     fn record(&self, particles: &mut Particles, solved: &Solution) {
+        let _stage = stage("record of the solution");
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
             let own = &solved.motion.angular_velocities;

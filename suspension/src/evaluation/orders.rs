@@ -3,6 +3,7 @@
 use crate::columns::PAST;
 use crate::columns::VELOCITY;
 use crate::evaluation::extrapolation::integral;
+use domain::parallel::MeasuredLoop;
 use domain::{Comm, Particles, Vector};
 use rayon::prelude::*;
 
@@ -84,7 +85,8 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Com
         };
         ErrorEstimate::of(between.map(length))
     };
-    let worst = particles.radii.par_iter().enumerate().map(of).reduce(ErrorEstimate::default, ErrorEstimate::worse);
+    let worst =
+        particles.radii.par_iter().enumerate().map(of).measured().reduce(ErrorEstimate::default, ErrorEstimate::worse);
     let mut largest = [worst.error, worst.roughness];
     comm.max(&mut largest);
     ErrorEstimate { error: largest[0], roughness: largest[1] }

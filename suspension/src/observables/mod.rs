@@ -18,6 +18,7 @@ use crate::observables::rheology::Rheology;
 use crate::observables::series_warnings::SeriesWarnings;
 use crate::sampling::{columns, counted, has_columns};
 use crate::suspension::Suspension;
+use domain::parallel::stage;
 use domain::{Boundaries, Vector};
 use simulation::Quantity;
 use std::time::Instant;
@@ -158,6 +159,7 @@ impl Observer {
 
     /// A row for the present state. Collective.
     pub fn observe(&mut self, suspension: &mut Suspension) -> Vec<Vec<f64>> {
+        let _stage = stage("observables");
         let mut present = ObservedState::new(suspension, self.species);
         let rows = self.list.iter_mut().map(|observable| observable.row(&mut present)).collect();
         self.warnings.see_row(&mut present);

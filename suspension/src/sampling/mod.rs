@@ -14,6 +14,7 @@ use crate::forces::Forces;
 use crate::model::{Axis, Extension, Flow, Model, MultipoleOrder, ShearRates, Species, StatisticsParameters};
 use background::Flows;
 use channel::{ChannelSampling, MORE_COLUMNS};
+use domain::parallel::MeasuredLoop;
 use domain::{
     Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs, sphere,
 };
@@ -204,7 +205,7 @@ impl Statistics {
         let Particles { positions, steps, radii, species, .. } = particles;
         let advects = self.about.advects;
         let moving = Moving { time, cell, positions, steps, velocities, advects, in_lattice, radii, species };
-        self.kept.par_iter_mut().zip(rows).for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
+        self.kept.par_iter_mut().zip(rows).measured().for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
     }
 
     /// Counts pairs, each on the rank whose part of space has the particle with the smaller id.

@@ -1,6 +1,7 @@
 //! Moments and probability densities of vectors of the particles.
 
 use bytemuck::Pod;
+use domain::parallel::MeasuredLoop;
 use domain::{IdBlocks, Vector, power_of_two};
 use rayon::prelude::*;
 use statistics::{Counts, Fluctuations, Histogram, SecondMoments, VectorSum};
@@ -60,7 +61,7 @@ impl VectorMoments {
             }
             densities
         };
-        for block in rows.par_iter().map(counted).collect::<Vec<_>>() {
+        for block in rows.par_iter().map(counted).measured().collect::<Vec<_>>() {
             let densities = all.iter_mut().flat_map(|own| &mut own.densities);
             densities.zip(block.iter().flatten()).for_each(|(density, more)| density.merge(more));
         }
@@ -74,5 +75,5 @@ impl VectorMoments {
 
 /// Evaluates a function for each range of rows, as flat lists of numbers.
 pub fn map_blocks<T: Pod>(rows: &[Range<usize>], of: impl Fn(Range<usize>) -> Vec<T> + Sync) -> Vec<Vec<f64>> {
-    rows.par_iter().map(|rows| bytemuck::cast_slice(&of(rows.clone())).to_vec()).collect()
+    rows.par_iter().map(|rows| bytemuck::cast_slice(&of(rows.clone())).to_vec()).measured().collect()
 }

@@ -6,6 +6,7 @@ use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, transpose};
 use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
+use domain::parallel::MeasuredLoop;
 use lubrication::Arithmetic;
 use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
@@ -143,7 +144,9 @@ impl<T: StoredLanes> PairMatrix<T> {
     pub fn inverses(&self, single: &[SixVector]) -> Vec<Block> {
         let mut inverses = vec![Block::default(); single.len()];
         let parts = self.parts.par_iter().zip(single.par_chunks(ROWS)).zip(inverses.par_chunks_mut(ROWS));
-        parts.for_each(|((part, single), blocks)| f64::dispatch(Inverses { own: &part.own, single, blocks }));
+        parts
+            .measured()
+            .for_each(|((part, single), blocks)| f64::dispatch(Inverses { own: &part.own, single, blocks }));
         inverses
     }
 }
@@ -172,7 +175,7 @@ impl<T: StoredLanes> Resistance for PairMatrix<T> {
     }
 
     fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
-        moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().for_each(|(k, (moments, part))| {
+        moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().measured().for_each(|(k, (moments, part))| {
             f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
         });
     }

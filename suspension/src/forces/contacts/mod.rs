@@ -13,6 +13,7 @@ use crate::forces::acting::{Acting, Configuration, Instant, Prediction, SolvedMo
 use crate::forces::force::{Force, StressName};
 use crate::model::Model;
 use crate::model::radii::Radii;
+use domain::parallel::stage;
 use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor, Traceless, Vector};
 use fcm::{Loads, Motion};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
@@ -54,6 +55,7 @@ impl Force for Contacts {
     fn add_present_loads(&self, _at: &Configuration, _loads: &mut Loads) {}
 
     fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
+        let _stage = stage("contacts");
         let forcing = self.acting(at);
         forcing.add_to(&mut acting.loads);
         if at.prediction.is_some() {

@@ -9,6 +9,7 @@ use super::wave_sum::WaveSum;
 use crate::envelope::{Common, Envelope};
 use crate::mobility::noise::{COMPONENTS, ParticleComponents};
 use crate::plan::Plan;
+use domain::parallel::MeasuredLoop;
 use domain::{PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -63,7 +64,7 @@ pub(super) fn rows_of(shapes: &Shapes, cell: &PeriodicBox, spheres: &[LocatedSph
     }
     let is_summed = |i: usize, j: usize| j >= i || !is_own[j];
     let pairs = PairSum::new(shapes, cell);
-    rows.par_chunks_mut(height * length).zip(own).for_each(|(rows, &i)| {
+    rows.par_chunks_mut(height * length).zip(own).measured().for_each(|(rows, &i)| {
         for j in (0..spheres.len()).filter(|&j| is_summed(i, j)) {
             let block = pairs.between(&spheres[i], &spheres[j]);
             for (load, motion) in block.iter().take(height).enumerate() {
@@ -75,7 +76,7 @@ pub(super) fn rows_of(shapes: &Shapes, cell: &PeriodicBox, spheres: &[LocatedSph
     });
     let mut waves = WaveSum::new(shapes, cell);
     while waves.next_chunk(spheres) {
-        rows.par_chunks_mut(height * length).zip(own).for_each(|(rows, &i)| {
+        rows.par_chunks_mut(height * length).zip(own).measured().for_each(|(rows, &i)| {
             for (row, values) in rows.chunks_mut(length).enumerate() {
                 for j in (0..spheres.len()).filter(|&j| is_summed(i, j)) {
                     for (load, value) in values[j * height..][..height].iter_mut().enumerate() {

@@ -11,6 +11,7 @@ use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{self, COMPONENTS, DrawDiagnostics, ParticleComponents};
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
+use domain::parallel::MeasuredLoop;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Units, Vector};
 use entries::{LocatedSphere, Shapes, rows_of};
 use rayon::prelude::*;
@@ -117,7 +118,7 @@ impl DenseFarField {
             }
             components
         };
-        rows.par_chunks((height * vector.len()).max(1)).map(of_particle).collect()
+        rows.par_chunks((height * vector.len()).max(1)).map(of_particle).measured().collect()
     }
 
     /// Motions from components in internal units.

@@ -4,6 +4,7 @@ use super::entries::{EXPONENT, LocatedSphere, Shapes};
 use super::pair_sum::{UnitLoad, unit_loads};
 use crate::envelope::Common;
 use crate::mobility::noise::product;
+use domain::parallel::MeasuredLoop;
 use domain::{PeriodicBox, Vector};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -38,14 +39,16 @@ impl<'a> WaveSum<'a> {
         self.columns.clear();
         self.columns.resize(spheres.len() * self.shapes.rows * CHUNK * NUMBERS, 0.0);
         let loads = unit_loads();
-        self.columns.par_chunks_mut(self.shapes.rows * CHUNK * NUMBERS).zip(spheres).for_each(|(rows, sphere)| {
-            for (place, k) in chunk.iter().enumerate() {
-                let wave = Wave::new(*k, self.scale, self.shapes, sphere);
-                for (row, load) in rows.chunks_mut(CHUNK * NUMBERS).zip(&loads) {
-                    row[place * NUMBERS..][..NUMBERS].copy_from_slice(&wave.amplitudes(load));
+        self.columns.par_chunks_mut(self.shapes.rows * CHUNK * NUMBERS).zip(spheres).measured().for_each(
+            |(rows, sphere)| {
+                for (place, k) in chunk.iter().enumerate() {
+                    let wave = Wave::new(*k, self.scale, self.shapes, sphere);
+                    for (row, load) in rows.chunks_mut(CHUNK * NUMBERS).zip(&loads) {
+                        row[place * NUMBERS..][..NUMBERS].copy_from_slice(&wave.amplitudes(load));
+                    }
                 }
-            }
-        });
+            },
+        );
         !chunk.is_empty()
     }
 

@@ -12,6 +12,7 @@ use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::Plan;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_images::SourceSphere;
+use domain::parallel::MeasuredLoop;
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 
@@ -61,7 +62,7 @@ impl GridFlow<'_> {
     /// Adds the near field of this rank's own particles, in the order of the particles.
     fn add_near(&self, raster: &SamplePoints, k: usize, velocities: &mut [Vector]) {
         let (near, images) = (&self.near, self.images(raster, k));
-        velocities.par_chunks_mut(raster.points[0]).enumerate().for_each(|(j, row)| {
+        velocities.par_chunks_mut(raster.points[0]).enumerate().measured().for_each(|(j, row)| {
             for image in &images {
                 let across = raster.point([0, j, k]) - image.position;
                 let square = near.cutoff * near.cutoff - across.y * across.y - across.z * across.z;

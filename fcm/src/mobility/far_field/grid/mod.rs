@@ -14,6 +14,7 @@ use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorr
 use crate::plan::Plan;
 use crate::plan::problem::Precision;
 use crate::walls::wall_images::WallImages;
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{
     Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
 };
@@ -126,7 +127,7 @@ impl GridFarField {
 
 impl FarField for GridFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        let mut clock = Stopwatch::start();
+        let (mut clock, mut stage) = (Stopwatch::start(), stage("arrangement"));
         let inverse = 1.0 / self.units.length;
         let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
         let mut present: Vec<Vector> = positions.collect();
@@ -138,8 +139,10 @@ impl FarField for GridFarField {
         halo.extend(&mut present);
         halo.extend(&mut classes);
         clock.stop(&mut self.work.seconds.exchange);
+        stage.next("stencils");
         self.grid.arrange(cell, &present);
         clock.stop(&mut self.work.seconds.spread);
+        stage.next("neighbour lists");
         if self.near.is_some() {
             let mut ids = particles.ids.clone();
             halo.extend(&mut ids);
@@ -148,6 +151,7 @@ impl FarField for GridFarField {
         }
         self.arrangement = ArrangedParticles { cell: *cell, halo, positions: present, classes };
         if let Some(images) = &mut self.wall_images {
+            stage.next("lists of images in walls");
             images.arrange(&self.arrangement.loaded(&[], &[]), self.verlet_list.neighbours(), owned);
         }
         clock.stop(&mut self.work.seconds.near);
@@ -155,7 +159,7 @@ impl FarField for GridFarField {
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         self.work.evaluations += 1;
-        let mut clock = Stopwatch::start();
+        let (mut clock, mut stage) = (Stopwatch::start(), stage("exchange"));
         let kinds = self.kinds_of(loads);
         let (forces, dipoles) = self.present(loads, kinds);
         clock.stop(&mut self.work.seconds.exchange);
@@ -169,13 +173,16 @@ impl FarField for GridFarField {
             let gradients = output != Output::Velocities || !dipoles.is_empty();
             let loaded = arrangement.loaded(&forces, &dipoles);
             let neighbours = self.verlet_list.neighbours();
+            stage.next("pair corrections");
             near.add(&loaded, neighbours, gradients, &mut motions);
             if let Some(images) = &self.wall_images {
+                stage.next("images in walls");
                 images.add(&loaded, gradients, &mut motions);
             }
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);
         }
+        stage.next("exchange");
         motion(&motions, output, &self.units)
     }
 
@@ -244,11 +251,11 @@ fn motion(motions: &[(Vector, Tensor)], output: Output, units: &Units) -> Motion
     let (velocity, rate) = (units.velocity(), units.rate());
     let mut motion = Motion::default();
     if output != Output::Gradients {
-        motion.velocities = motions.par_iter().map(|m| m.0 * velocity).collect();
+        motion.velocities = motions.par_iter().map(|m| m.0 * velocity).measured().collect();
     }
     if output != Output::Velocities {
-        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1) * rate).collect();
-        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1) * rate).collect();
+        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1) * rate).measured().collect();
+        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1) * rate).measured().collect();
     }
     motion
 }

@@ -12,6 +12,7 @@ use crate::mobility::loads::Output;
 use crate::mobility::noise::Stream;
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
+use domain::parallel::{MeasuredLoop, stage};
 use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use solver::{Field, Grid, Physical, Real, Stokes, Transform};
@@ -107,12 +108,12 @@ impl<T: Real> SpectralGrid<T> {
                 |axes| Load::new(axes.transpose() * force, &(axes.transpose() * *dipole * *axes)),
             )
         };
-        let all: Vec<Load<T>> = (0..loads.classes.len()).into_par_iter().map(load).collect();
+        let all: Vec<Load<T>> = (0..loads.classes.len()).into_par_iter().map(load).measured().collect();
         let is_loaded = |stencil: &Stencil| {
             let row = stencil.row as usize;
             force(row).is_some_and(|f| *f != no_force) || dipole(row).is_some_and(|g| *g != no_dipole)
         };
-        let loaded = if self.stencils.par_iter().all(is_loaded) {
+        let loaded = if self.stencils.par_iter().measured().all(is_loaded) {
             Cow::Borrowed(&self.stencils)
         } else {
             Cow::Owned(self.stencils.iter().filter(|place| is_loaded(place)).copied().collect())
@@ -133,7 +134,7 @@ impl<T: Real> SpectralGrid<T> {
                 *velocity = *axes * *velocity;
                 *gradient = *axes * *gradient * axes.transpose();
             };
-            motions.par_iter_mut().for_each(out);
+            motions.par_iter_mut().measured().for_each(out);
         }
         motions
     }
@@ -164,7 +165,7 @@ impl<T: Real> SpectralGrid<T> {
 
     fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
         self.solve(loads, work);
-        let mut clock = Stopwatch::start();
+        let (mut clock, _stage) = (Stopwatch::start(), stage("interpolation"));
         let motions = self.interpolate(loads.classes, output);
         clock.stop(&mut work.seconds.interpolate);
         work.dipole_interpolations += u64::from(output != Output::Velocities);
@@ -285,9 +286,10 @@ impl<T: Real> GridPart for SpectralGrid<T> {
     }
 
     fn solve(&mut self, loads: &GridLoads, work: &mut Work) {
-        let mut clock = Stopwatch::start();
+        let (mut clock, mut stage) = (Stopwatch::start(), stage("spreading"));
         self.spread(loads, work);
         clock.stop(&mut work.seconds.spread);
+        stage.next("transforms");
         self.transform.apply(&mut self.field, &self.operator);
         self.divergence = None;
         clock.stop(&mut work.seconds.fft);

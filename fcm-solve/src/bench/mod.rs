@@ -1,11 +1,14 @@
 //! `fcm-solve bench`: run time of one mobility against its error.
 
+mod shares;
+
 use crate::number::{fraction, ratio, tolerance};
 use crate::streams;
 use clap::ValueEnum;
 use domain::Comm;
 use fcm::{Costs, Fixed, Method};
 use serde::Serialize;
+use std::path::PathBuf;
 use suspension::benchmark::{BenchmarkCase, BenchmarkKind, CostMeasurement, Spheres, Task};
 
 /// Cases of a benchmark: every combination of the lists, one JSON line each.
@@ -54,6 +57,12 @@ pub struct Args {
     /// Do not measure the error by a second, much tighter evaluation
     #[arg(long)]
     no_error: bool,
+    /// Print the time of each stage inside and outside of parallel loops instead, best with --threads 1
+    #[arg(long)]
+    serial: bool,
+    /// The same for a step of a scene: lists, far field, near pairs, forces, observables and the start
+    #[arg(long, value_name = "SCENE")]
+    step: Option<PathBuf>,
 }
 
 const LINE: &str = "\
@@ -64,7 +73,14 @@ without messages. Seconds are medians over the repeats: spread, fft, solve, inte
 near, exchange and total, for one mobility F, T, S -> V, Omega, E at new positions. The Stokes solve is
 made within the transform, so its time is part of fft and solve is 0. The error is the largest relative
 2-norm of velocities, angular velocities and rates of strain against an evaluation with a tolerance
-100 times smaller.";
+100 times smaller.
+
+With --serial a line has, for an evaluation that rebuilds neighbour lists (with_lists) and for one that does
+not (repeated), the seconds on one thread and their share outside of parallel loops (serial_share), the
+same by stage with the number of loops, tasks per loop, the largest task over the mean and bytes moved
+as far as they are counted, the longest pieces outside of loops by the loops before and after them, and
+estimates for 2 to 128 threads from these, with the measured bandwidth of memory. With --step SCENE the
+same for the start, a step and the observables of a scene. Loops and their tasks are timed on the first rank.";
 
 /// Evaluation method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -88,10 +104,18 @@ struct BenchLine {
 
 /// Runs all cases. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+    if let Some(scene) = &args.step {
+        return shares::measure_steps(scene, args.repeats, comm);
+    }
     let costs = run::kept_costs(comm)?;
     for case in args.cases() {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {
+            if args.serial {
+                let stages = args.task(tolerance, costs).stages(&spheres, shares::thread_time, comm)?;
+                shares::print_evaluations(case, tolerance, &stages, comm)?;
+                continue;
+            }
             let measured = args.task(tolerance, costs).measure(&spheres, comm)?;
             streams::print(comm, &(serde_json::to_string(&BenchLine { case, measured })? + "\n"))?;
         }
