@@ -1,6 +1,6 @@
 //! Particle store: one column per property, one row per particle.
 
-use crate::parallel::{MeasuredLoop, sort};
+use crate::parallel::{MeasuredLoop, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Vector};
 use rayon::prelude::*;
@@ -172,6 +172,7 @@ impl Particles {
     /// particles by grid line and, within a line, by id, so that the order does not depend on where they came from.
     /// Positions must be inside the box; all ranks have the same columns.
     pub fn migrate(&mut self, partition: &Partition, cell: &PeriodicBox) {
+        let _stage = stage("migration");
         if partition.comm().size() > 1 {
             let owners: Vec<usize> = self.positions.iter().map(|&p| partition.owner(cell, p)).collect();
             self.each_property(&RowExchange::plan(&owners, partition.comm()));

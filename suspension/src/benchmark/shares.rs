@@ -57,7 +57,9 @@ impl Shares {
         let seconds = profile.seconds();
         let share = |stage: &StageProfile| {
             let parallel = stage.parallel();
-            let of_loops = |of: fn(&domain::parallel::LoopProfile) -> f64| stage.loops.iter().map(of).fold(0.0, |sum, of_one| sum + of_one);
+            let of_loops = |of: fn(&domain::parallel::LoopProfile) -> f64| {
+                stage.loops.iter().map(of).fold(0.0, |sum, of_one| sum + of_one)
+            };
             let (runs, tasks, work) = (of_loops(|l| l.runs as f64), of_loops(|l| l.tasks as f64), of_loops(|l| l.work));
             let uneven = of_loops(|l| l.imbalance() * l.work);
             StageShare {

@@ -36,8 +36,7 @@ use crate::forces::force::Force;
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
-use domain::parallel::stage;
-use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
+use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector, parallel::stage};
 use fcm::{Motion, SolveError};
 use following::Following;
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
@@ -303,7 +302,6 @@ impl Dynamics {
 
     /// Wraps the particles into the box at an instant, and migrates them to their ranks. Collective.
     pub fn wrap_and_migrate(&mut self, particles: &mut Particles, moment: &StageTime) -> Result<(), StepError> {
-        let _stage = stage("migration");
         self.check_positions(particles, &moment.clock)?;
         self.moving.advance_to(moment.clock.time_at(moment.fraction), particles);
         self.follow(particles, &moment.clock)?;
