@@ -1,3 +1,5 @@
+#![allow(clippy::float_cmp, reason = "seconds of these tests are whole")]
+
 use super::*;
 use rayon::prelude::*;
 use std::cell::Cell;

@@ -57,6 +57,13 @@ pub struct Args {
     /// Do not measure the error by a second, much tighter evaluation
     #[arg(long)]
     no_error: bool,
+    #[command(flatten)]
+    stages: StageOptions,
+}
+
+/// Measurements of stages in place of times and errors.
+#[derive(clap::Args)]
+struct StageOptions {
     /// Print the time of each stage inside and outside of parallel loops instead, best with --threads 1
     #[arg(long)]
     serial: bool,
@@ -104,14 +111,14 @@ struct BenchLine {
 
 /// Runs all cases. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    if let Some(scene) = &args.step {
+    if let Some(scene) = &args.stages.step {
         return shares::measure_steps(scene, args.repeats, comm);
     }
     let costs = run::kept_costs(comm)?;
     for case in args.cases() {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {
-            if args.serial {
+            if args.stages.serial {
                 let stages = args.task(tolerance, costs).stages(&spheres, shares::thread_time, comm)?;
                 shares::print_evaluations(case, tolerance, &stages, comm)?;
                 continue;

@@ -15,8 +15,7 @@ const PASSES: usize = 4;
 /// Seconds by which a parallel loop is longer for each doubling of its threads: 8 microseconds on 16.
 const WAKE_UP: f64 = 2e-6;
 
-/// Measures the bandwidth of one thread and of all cores by the triad `a = b + s c` (McCalpin, IEEE TCCA Newsletter,
-/// 1995).
+/// Measures the bandwidth of one thread and of all cores by the triad `a = b + s c` of the benchmark STREAM.
 pub fn measured_machine() -> Machine {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     Machine { cores, bandwidth_of_one: triad(1), bandwidth: triad(cores), wake_up: WAKE_UP }
@@ -25,16 +24,11 @@ pub fn measured_machine() -> Machine {
 /// Bytes a second of a number of threads together.
 fn triad(threads: usize) -> f64 {
     let bytes = (3 * NUMBERS * size_of::<f64>()) as f64;
-    let of_one = || {
-        thread::scope(|scope| {
-            (0..threads).map(|_| scope.spawn(seconds)).collect::<Vec<_>>().into_iter().map(joined).fold(0.0, f64::max)
-        })
-    };
-    threads as f64 * bytes / of_one()
-}
-
-fn joined(thread: thread::ScopedJoinHandle<f64>) -> f64 {
-    thread.join().unwrap_or(f64::NAN)
+    let slowest = thread::scope(|scope| {
+        let started: Vec<_> = (0..threads).map(|_| scope.spawn(seconds)).collect();
+        started.into_iter().map(|thread| thread.join().unwrap_or(f64::NAN)).fold(0.0, f64::max)
+    });
+    threads as f64 * bytes / slowest
 }
 
 /// Seconds of the fastest pass.
