@@ -112,9 +112,10 @@ def counted(stored):
             *Transpositions* are those between nodes."""),
         *table(header, kinds),
         "",
-        *prose(f"""A step with lubrication makes {step['sums_calls'][1]:.0f} calls in which each rank has a message for each other rank, on any
-            number of ranks: {step['sums_calls'][1] * 63:,.0f} messages of a rank on 64, {step['sums_calls'][1] * 1023:,.0f} on 1,024. A run
-            resumed on 8 ranks makes {resumed[8]:,.0f} calls before its first step, on 16 {resumed[16]:,.0f}: about
+        *prose(f"""A step with lubrication makes {step['sums_calls'][1]:.0f} calls in which each rank has a message for each other rank, on 8
+            ranks as on 16. If that holds for more, a rank sends {step['sums_calls'][1] * 63:,.0f} such messages in a step on 64 ranks, and
+            {step['sums_calls'][1] * 1023:,.0f} on 1,024. A run resumed on 8 ranks makes {resumed[8]:,.0f} calls before its first step, on
+            16 {resumed[16]:,.0f}: about
             {(resumed[16] - resumed[8]) / 8:.0f} for each rank."""),
     ]
 
