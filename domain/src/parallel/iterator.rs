@@ -152,7 +152,7 @@ impl<T, F: Folder<T>> Folder<T> for TaskFolder<'_, F> {
     fn complete(self) -> F::Result {
         let result = self.folder.complete();
         if let Some((tasks, start)) = self.task {
-            tasks.add(1, ((tasks.clock)() - start).as_nanos() as u64);
+            tasks.add(1, (tasks.clock)().saturating_sub(start).as_nanos() as u64);
         }
         result
     }

@@ -24,7 +24,7 @@ pub struct StageProfile {
 /// Parallel loop at one place of the source, summed over its runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopProfile {
-    /// LoopEvent in the source.
+    /// Place in the source.
     pub place: &'static Location<'static>,
     /// Number of runs.
     pub runs: u64,
@@ -43,7 +43,7 @@ pub struct LoopProfile {
 /// Time between two parallel loops of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SerialPiece {
-    /// MeasuredStage that contains it.
+    /// Stage that contains it.
     pub stage: &'static str,
     between: [LoopEvent; 2],
     /// Seconds in all runs.

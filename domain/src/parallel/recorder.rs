@@ -51,7 +51,7 @@ fn seconds_of_reading(clock: TaskClock) -> f64 {
     const READINGS: u32 = 256;
     let start = clock();
     (1..READINGS).for_each(|_| _ = clock());
-    (clock() - start).as_secs_f64() / f64::from(READINGS)
+    clock().saturating_sub(start).as_secs_f64() / f64::from(READINGS)
 }
 
 struct LoopRecorder {
@@ -70,7 +70,7 @@ impl LoopRecorder {
     fn pass(&mut self, before: LoopEvent) {
         let now = (self.clock)();
         let stage = self.stages.last().copied().unwrap_or(OUTSIDE);
-        self.profile.add_serial(stage, [self.after, before], (now - self.since).as_secs_f64());
+        self.profile.add_serial(stage, [self.after, before], now.saturating_sub(self.since).as_secs_f64());
         (self.after, self.since) = (before, now);
     }
 }
@@ -170,7 +170,7 @@ impl Recording {
         let now = (recorder.clock)();
         let (count, work, largest) = tasks.sums();
         let reading = recorder.reading;
-        let seconds = (now - recorder.since).as_secs_f64() - 2.0 * reading * count as f64;
+        let seconds = now.saturating_sub(recorder.since).as_secs_f64() - 2.0 * reading * count as f64;
         recorder.since = now;
         let stage = recorder.stages.last().copied().unwrap_or(OUTSIDE);
         let of_loop = recorder.profile.of_loop(stage, place);
@@ -194,7 +194,7 @@ pub fn sort(rows: usize, work: impl FnOnce()) {
     let (clock, tasks) = (recording.clock(), Tasks::timed_by(recording.clock()));
     let start = clock();
     work();
-    tasks.add(rows.div_ceil(SORTED_TOGETHER).max(1) as u64, (clock() - start).as_nanos() as u64);
+    tasks.add(rows.div_ceil(SORTED_TOGETHER).max(1) as u64, clock().saturating_sub(start).as_nanos() as u64);
     recording.end(&tasks, 0);
 }
 

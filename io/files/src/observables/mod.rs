@@ -8,6 +8,12 @@ use hdf5::Group;
 use hdf5::types::VarLenUnicode;
 use simulation::csv_words;
 use std::path::Path;
+use std::time::Duration;
+
+/// A file that was written within this time may be in the middle of a write. It is read again this often, after pauses.
+const FRESH: Duration = Duration::from_secs(2);
+const ATTEMPTS: usize = 20;
+const PAUSE: Duration = Duration::from_millis(20);
 
 /// The time series of a run: all complete rows.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -43,7 +49,7 @@ impl Observables {
         if !path.is_file() {
             return Ok(None);
         }
-        Self::try_read(path, &|_| true).map(Some).map_err(|e| FileError::damaged(path, &e))
+        Self::settled(path, &|_| true).map(Some)
     }
 
     /// The time series in the folder of a run, restricted to the quantities that `names` selects: from the table if
@@ -51,9 +57,22 @@ impl Observables {
     pub fn of_folder(folder: &Path, names: &dyn Fn(&str) -> bool) -> Result<Option<Self>, FileError> {
         let (path, table) = (folder.join("observables.h5"), folder.join("observables.csv"));
         if path.is_file() {
-            return Self::try_read(&path, names).map(Some).map_err(|e| FileError::damaged(&path, &e));
+            return Self::settled(&path, names).map(Some);
         }
         if table.is_file() { text_table::read(&table, names).map(Some) } else { Ok(None) }
+    }
+
+    /// Reads the file, again if a run is writing it: what is read first may then not fit what is read later.
+    fn settled(path: &Path, names: &dyn Fn(&str) -> bool) -> Result<Self, FileError> {
+        let mut read = Self::try_read(path, names);
+        for _ in 0..ATTEMPTS {
+            if read.is_ok() || !is_fresh(path) {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+            read = Self::try_read(path, names);
+        }
+        read.map_err(|e| FileError::damaged(path, &e))
     }
 
     fn try_read(path: &Path, names: &dyn Fn(&str) -> bool) -> hdf5::Result<Self> {
@@ -108,6 +127,12 @@ impl Observables {
     pub fn over_time(&self, values: impl Iterator<Item = f64>) -> Vec<[f64; 2]> {
         self.times.iter().zip(values).map(|(&time, value)| [time, value]).collect()
     }
+}
+
+/// Whether a file was written in the last seconds.
+fn is_fresh(path: &Path) -> bool {
+    let written = std::fs::metadata(path).and_then(|file| file.modified());
+    written.is_ok_and(|time| time.elapsed().is_ok_and(|age| age < FRESH))
 }
 
 fn name_of(group: &Group) -> String {

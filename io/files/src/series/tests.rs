@@ -119,3 +119,25 @@ fn a_row_that_is_being_written_is_left_out() {
     assert_eq!((short.times.len(), short.last_step, short.get("gap").unwrap().column(0, 0).count()), (3, Some(2), 3));
     assert!(of_rows(2).unwrap_err().to_string().contains("damaged"), "two rows are missing");
 }
+
+#[test]
+fn a_file_that_changes_while_it_is_read_is_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let provenance =
+        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let mut series =
+        Series::create(&Manifest::none(folder.path()), &provenance, &[Quantity::number("gap", "length")], 4).unwrap();
+    (0..4).for_each(|step| series.append((step, step as f64), &[vec![0.5]]).unwrap());
+    drop(series);
+    let path = folder.path().join("observables.h5");
+    let whole = std::fs::read(&path).unwrap();
+    std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
+    let read = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            std::thread::sleep(std::time::Duration::from_millis(60));
+            std::fs::write(&path, &whole).unwrap();
+        });
+        Observables::of_folder(folder.path(), &|_| true).unwrap().unwrap()
+    });
+    assert_eq!(read.times.len(), 4);
+}

@@ -47,7 +47,12 @@ fn error_of(name: &str, unit: &'static str) -> (String, &'static str) {
 /// The records of a run, so far as all of its quantities have them.
 fn records(folder: &FamilyFolder, member: &Member) -> Result<Records, FileError> {
     let is_one = |name: &str| RECORD_COLUMNS.iter().any(|(column, _)| *column == name);
-    let Some(series) = Observables::of_folder(&folder.member(member), &is_one)? else { return Ok(Vec::new()) };
+    let series = match Observables::of_folder(&folder.member(member), &is_one) {
+        // Too many rows are being written to read it; the table is made again when this run ends.
+        Err(_) if folder.is_running(member) => None,
+        read => read?,
+    };
+    let Some(series) = series else { return Ok(Vec::new()) };
     let columns: Option<Vec<Vec<f64>>> =
         RECORD_COLUMNS.iter().map(|(name, _)| Some(series.get(name)?.column(0, 0).collect())).collect();
     let Some(columns) = columns else { return Ok(Vec::new()) };
