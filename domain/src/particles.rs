@@ -1,8 +1,8 @@
-//! Particle store: one column per property, one row per particle.
+//! Particle store: one column per property, one row per particle, and the scalars of the state.
 
 use crate::parallel::{MeasuredLoop, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
-use crate::{Partition, PeriodicBox, Vector};
+use crate::{Partition, PeriodicBox, Scalars, Vector};
 use rayon::prelude::*;
 
 /// A named property of every particle: `width` numbers each, row by row. Everything that has to follow a particle to
@@ -47,6 +47,8 @@ pub struct Particles {
     pub species: Vec<u32>,
     /// All other properties.
     pub columns: Vec<Column>,
+    /// Numbers of the run as a whole, equal on all ranks.
+    pub scalars: Scalars,
 }
 
 /// Particles that one thread processes at a time.
@@ -66,7 +68,7 @@ impl Particles {
     /// Particles numbered from 0.
     pub fn numbered(positions: Vec<Vector>, radii: Vec<f64>, species: Vec<u32>) -> Self {
         let (ids, steps) = ((0..positions.len() as u64).collect(), vec![[0; 3]; positions.len()]);
-        Self { ids, positions, steps, radii, species, columns: Vec::new() }
+        Self { ids, positions, steps, radii, species, ..Self::default() }
     }
 
     /// Adds a particle, with zeros in its columns.
@@ -102,6 +104,12 @@ impl Particles {
     /// A column of vectors, one per particle.
     pub fn vectors(&mut self, name: &str) -> &mut [Vector] {
         bytemuck::cast_slice_mut(&mut self.column(name, 3).values)
+    }
+
+    /// Removes the columns and scalars whose names are unwanted.
+    pub fn remove(&mut self, is_unwanted: impl Fn(&str) -> bool) {
+        self.columns.retain(|column| !is_unwanted(&column.name));
+        self.scalars.retain(|name| !is_unwanted(name));
     }
 
     /// Adds the sum of `weights[k] * columns[k]` to the positions; columns that are missing are made, of zeros.
@@ -152,7 +160,7 @@ impl Particles {
     /// Reorders the particles by a list of rows; rows that are not in the list are dropped.
     pub fn arrange(&mut self, order: &[usize]) {
         let picked = Selection(order);
-        let Self { ids, positions, steps, radii, species, columns } = self;
+        let Self { ids, positions, steps, radii, species, columns, scalars: _ } = self;
         *ids = picked.of(ids, 1);
         *positions = picked.of(positions, 1);
         *steps = picked.of(steps, 1);
@@ -207,6 +215,7 @@ impl Particles {
             radii: self.radii.clone(),
             species: self.species.clone(),
             columns: self.columns.iter().filter(|column| wanted(&column.name)).cloned().collect(),
+            scalars: self.scalars.clone(),
         }
     }
 
@@ -255,6 +264,7 @@ impl Particles {
             radii: row_move.of(&self.radii, 1),
             species: row_move.of(&self.species, 1),
             columns: self.columns.iter().filter(|c| wanted(&c.name)).map(column).collect(),
+            scalars: self.scalars.clone(),
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct VerletList {
     skin: f64,
     partition: Partition,
     stored: Option<StoredLists>,
+    /// Present state of the listed particles, after [`Self::track`].
+    now: Option<PresentState>,
     near: Neighbours,
     searches: u64,
 }
@@ -63,7 +65,7 @@ impl VerletList {
     /// Empty lists, on the ranks of a domain decomposition.
     pub fn new(cutoff: f64, partition: &Partition) -> Self {
         let (partition, near) = (partition.clone(), Neighbours::default());
-        Self { cutoff, skin: SKIN, partition, stored: None, near, searches: 0 }
+        Self { cutoff, skin: SKIN, partition, stored: None, now: None, near, searches: 0 }
     }
 
     /// The same with another skin over the cutoff.
@@ -85,21 +87,37 @@ impl VerletList {
     /// Updates the neighbours to new positions, and rebuilds the lists if necessary. The ghosts have to include all
     /// particles within the cutoff of an owned one. Collective.
     pub fn update(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) {
-        let cutoff = self.cutoff;
-        let near = |found: &StoredLists| Some(found.within(&found.track(cell, present, cutoff)?, cutoff));
         self.near = Neighbours::default();
-        let picked = self.stored.as_ref().and_then(near);
-        if !self.partition.comm().any(picked.is_none()) {
-            self.near = picked.unwrap_or_default();
+        self.track(cell, present);
+        self.near = self.within(self.cutoff);
+        self.now = None;
+    }
+
+    /// Follows the particles to new positions, and rebuilds the lists if necessary, for [`Self::within`]. The ghosts
+    /// have to include all particles within the cutoff of an owned one. Collective.
+    pub fn track(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) {
+        let cutoff = self.cutoff;
+        let tracked = |stored: &StoredLists| stored.track(cell, present, cutoff);
+        self.now = None;
+        let now = self.stored.as_ref().and_then(tracked);
+        if !self.partition.comm().any(now.is_none()) {
+            self.now = now;
             return;
         }
         // Frees memory that is no longer needed.
-        drop(picked);
+        drop(now);
         self.stored = None;
         let found = self.search(cell, present);
-        // A position that is NaN can't be followed.
-        self.near = near(&found).unwrap_or_else(|| found.lists.clone());
+        self.now = tracked(&found);
         self.stored = Some(found);
+    }
+
+    /// Neighbours of each owned particle within a range, which is at most the cutoff, at the positions of the last
+    /// [`Self::track`].
+    pub fn within(&self, range: f64) -> Neighbours {
+        let Some(stored) = &self.stored else { return Neighbours::default() };
+        // A position that is NaN can't be followed.
+        self.now.as_ref().map_or_else(|| stored.lists.clone(), |now| stored.within(now, range))
     }
 
     fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> StoredLists {

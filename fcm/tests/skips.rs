@@ -174,6 +174,26 @@ fn neighbours_are_not_searched_for_while_nobody_has_moved_far() {
     assert_eq!(mobility.work().searches, 2);
 }
 
+/// Particles that have not moved are arranged once. The motions have the same bits as with a second arrangement.
+#[test]
+fn particles_at_rest_are_arranged_once() {
+    for method in [Method::Split, Method::Direct] {
+        let suspension = suspension();
+        let (mut twice, mut once) = (mobility(&suspension, method), mobility(&suspension, method));
+        let mut particles = suspension.particles();
+        for _ in 0..2 {
+            twice.arrange(&suspension.cell, &particles);
+            once.follow(&suspension.cell, &particles);
+            let before = once.work().seconds;
+            once.follow(&suspension.cell, &particles);
+            assert_eq!(once.work().seconds, before, "nothing is done");
+            let loads = suspension.loads(1);
+            assert_eq!(twice.apply(&loads, Output::All), once.apply(&loads, Output::All));
+            particles.positions[0] += Vector::splat(1e-3);
+        }
+    }
+}
+
 #[test]
 fn a_cutoff_below_the_nearest_pair_visits_none() {
     let suspension = suspension();

@@ -24,7 +24,8 @@ const BATCH: usize = 64;
 pub fn loads(field: &mut NearField, particles: &Particles, view: DomainView, stream: Stream) -> Loads {
     let _stage = stage("random loads of near pairs");
     let cell = view.cell;
-    let Present { halo, positions, ids, species } = field.present(particles, view);
+    let present = field.present(particles, view);
+    let Present { halo, positions, ids, species, .. } = &*present;
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
     halo.extend(&mut steps);
     let Some(PairLubrication { force, .. }) = &field.lubrication else { return Loads::default() };

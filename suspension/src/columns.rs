@@ -1,5 +1,6 @@
 //! Names of the particles' columns.
 
+use crate::scalars::{AGES, NEXT_SUBSTEP, OLDEST_AGE};
 use domain::Particles;
 
 /// Velocities.
@@ -34,15 +35,6 @@ pub const EXPECTED: &str = "expected velocity";
 /// on one side and enters it on the other.
 pub const VELOCITY_COLUMNS: [&str; 8] = [VELOCITY, PAST[0], PAST[1], PAST[2], STAGES[0], STAGES[1], MEAN, EXPECTED];
 
-/// Column of the ages of the past velocities and solutions; 0 for none.
-pub const AGES: &str = "past ages";
-
-/// Column of the age of the third past velocities; 0 for none. It does not exist for integrators that use at most two.
-pub const OLDEST_AGE: &str = "oldest past age";
-
-/// Column of the length of the next substep that the error allows.
-pub const AHEAD: &str = "next substep";
-
 /// Column of a particle's bonds, in slots of three numbers: id of the other particle plus 1 (0 for an empty slot), rest
 /// length, and index of the bond's kind in the model plus 1 (negative once it is broken).
 pub const BONDS: &str = "bonds";
@@ -52,7 +44,6 @@ pub use hydrodynamics::brownian::BROWNIAN;
 
 /// Removes the history of the integrators: all velocities except the present ones, and the ages of substeps.
 pub fn clear_history(particles: &mut Particles) {
-    let is_past =
-        |name: &str| name != VELOCITY && VELOCITY_COLUMNS.contains(&name) || [AGES, OLDEST_AGE, AHEAD].contains(&name);
-    particles.columns.retain(|column| !is_past(&column.name));
+    let ages = [AGES, OLDEST_AGE, NEXT_SUBSTEP];
+    particles.remove(|name| name != VELOCITY && VELOCITY_COLUMNS.contains(&name) || ages.contains(&name));
 }

@@ -38,6 +38,7 @@ mod neighbourhood;
 mod observables;
 mod run;
 mod sampling;
+mod scalars;
 mod start;
 mod suspension;
 

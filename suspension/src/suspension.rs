@@ -15,7 +15,7 @@ use crate::integrators::adams_bashforth::{self, AdamsBashforth};
 use crate::integrators::brownian::{self, BrownianStep, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
-use crate::neighbourhood;
+use crate::scalars;
 use crate::start::{given_positions, placement};
 use domain::parallel::stage;
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
@@ -103,6 +103,7 @@ impl Suspension {
         let is_tied = if comm.is_first() { tethers::check(&particles, model) } else { Ok(()) };
         comm.agree(is_tied)?;
         placement::share_columns(&mut particles, comm);
+        scalars::restore(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, comm, step[0])?)?;
         let clock = Clock::at(step[0], model.time_step);
         let (integrator, outcome, comm) = (model.integrator, Outcome::default(), comm.clone());
@@ -231,7 +232,8 @@ impl Suspension {
     /// State of the suspension, with the particles of this rank.
     pub fn state(&mut self) -> State {
         let plan = self.plan();
-        let (step, strain, particles) = (self.clock.step(), self.cell().strain(), self.particles.clone());
+        let (step, strain, mut particles) = (self.clock.step(), self.cell().strain(), self.particles.clone());
+        scalars::save(&mut particles);
         State { step, strain, plan, particles, statistics: Vec::new() }
     }
 
@@ -273,7 +275,7 @@ impl Suspension {
             residual: self.outcome.residual,
             evaluations: self.evaluations,
             divergence: self.dynamics.divergence(),
-            smallest_gap: neighbourhood::smallest_gap(&self.particles, self.cell(), self.dynamics.partition()),
+            smallest_gap: self.dynamics.smallest_gap(&self.particles),
         }
     }
 

@@ -1,8 +1,8 @@
 //! Forces of the user that are registered with a suspension.
 
 use crate::support::model_of;
-use domain::{Comm, Failure, Vector};
-use simulation::Simulation;
+use domain::{Comm, DomainView, Failure, Particles, Vector};
+use simulation::{Simulation, State};
 use suspension::{
     Acting, Configuration, Force, Instant, Loads, PairKind, PairLaw, PairwiseForce, Suspension, SuspensionRun, VELOCITY,
 };
@@ -145,4 +145,61 @@ fn profiles_have_its_stress() {
     let tables = run.averages().unwrap().tables;
     let profile = tables.iter().find(|table| table.name == "profile").unwrap();
     assert!(profile.columns.iter().any(|(name, _)| name.starts_with("pair_stress")), "{:?}", profile.columns);
+}
+
+/// A force along x that halves with each step: the number of steps so far is a scalar of the state.
+struct Fading;
+
+const STEPS: &str = "steps of the fading force";
+
+impl Force for Fading {
+    fn name(&self) -> &'static str {
+        "fading"
+    }
+
+    fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
+        let steps = at.particles.scalars.numbers(STEPS).map_or(0.0, |[steps]| steps);
+        loads.forces.resize(at.particles.len(), Vector::ZERO);
+        loads.forces.iter_mut().for_each(|force| force.x += 0.5_f64.powf(steps));
+    }
+
+    fn end_step(&mut self, particles: &mut Particles, _: DomainView) -> Result<(), Failure> {
+        let [steps] = particles.scalars.numbers(STEPS).unwrap_or_default();
+        particles.scalars.set(STEPS, &[steps + 1.0]);
+        Ok(())
+    }
+}
+
+/// A resumed run has the bits of one that was not interrupted: the scalar of a registered force and those of the
+/// integrators are in the saved state, in which the latter are columns, as in versions before scalars.
+#[test]
+fn its_scalars_survive_a_resumption() {
+    for (integrator, former) in [("adams-bashforth", 1), ("adaptive", 3), ("implicit", 3)] {
+        let model = model_of(SCENE, &[&format!("time.integrator=\"{integrator}\"")]);
+        for ranks in [1, 3] {
+            let all = Comm::threads(ranks, |comm| {
+                let go_on = |mut suspension: Suspension, steps: u64| {
+                    suspension.add_force(Box::new(Fading)).unwrap();
+                    (0..steps).for_each(|_| suspension.step().unwrap());
+                    suspension
+                };
+                let mut straight = go_on(Suspension::start(&model, &comm).unwrap(), 4);
+                let saved = go_on(Suspension::start(&model, &comm).unwrap(), 2).state();
+                let names: Vec<&str> = saved.particles.columns.iter().map(|column| &column.name[..]).collect();
+                assert!(
+                    names[names.len() - former..].iter().all(|name| name.contains("past") || name.contains("next"))
+                );
+                assert_eq!(saved.particles.scalars.iter().count(), 1);
+                // Only the first rank has to provide the scalars.
+                let given = comm.is_first().then(|| saved.particles.scalars.clone()).unwrap_or_default();
+                let state = State { particles: Particles { scalars: given, ..saved.particles }, ..saved };
+                let mut resumed = go_on(Suspension::resume(&model, Some(state), &comm).unwrap(), 2);
+                assert_eq!(resumed.state().particles.scalars.numbers(STEPS), Some([4.0]));
+                (straight.state(), resumed.state())
+            });
+            for (straight, resumed) in all {
+                assert_eq!(straight, resumed, "{integrator} on {ranks} ranks");
+            }
+        }
+    }
 }

@@ -147,7 +147,7 @@ fn a_state_knows_more_than_the_scene() {
 }
 
 /// The estimate given as a number, or as the adapted stiffness, or kept without adaptation: bitwise the same results,
-/// without a column.
+/// without a scalar.
 #[test]
 fn a_number_stays_what_it_is() {
     let of = |contacts: &str| {
@@ -156,11 +156,11 @@ fn a_number_stays_what_it_is() {
     };
     let unsettled = of(", adaptation_strain=0.0");
     let estimate = unsettled.0.0;
-    assert!(unsettled.1.columns.iter().all(|column| column.name != "contact stiffness"));
+    assert_eq!(unsettled.1.scalars.get("contact stiffness"), None);
     for contacts in [format!(", stiffness={estimate:e}"), format!(", adapted_stiffness={estimate:e}")] {
         assert!(of(&contacts) == unsettled, "{contacts}");
     }
-    assert!(of("").1.columns.iter().any(|column| column.name == "contact stiffness"));
+    assert!(of("").1.scalars.get("contact stiffness").is_some());
 }
 
 /// Without a steady flow the stiffness keeps its estimate; with a flow that changes it adapts until the first change.

@@ -25,6 +25,11 @@ pub(crate) trait FarField {
     /// Sets the box and the particles, which hold until the next call.
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles);
 
+    /// Whether this rank's particles are arranged already as they are now: a back end that cannot tell says no.
+    fn is_arranged(&self, _cell: &PeriodicBox, _particles: &Particles) -> bool {
+        false
+    }
+
     /// Motions that loads cause, as far as `output` asks for them. Lists of loads have a row for each particle, or
     /// none.
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion;

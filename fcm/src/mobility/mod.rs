@@ -73,6 +73,13 @@ impl Mobility {
         self.far.arrange(cell, particles);
     }
 
+    /// [`Self::arrange`], unless the particles are arranged already at these positions. Collective.
+    pub fn follow(&mut self, cell: &PeriodicBox, particles: &Particles) {
+        if self.partition.comm().any(!self.far.is_arranged(cell, particles)) {
+            self.arrange(cell, particles);
+        }
+    }
+
     /// Motions that the loads cause. Lists of loads have an entry for each particle that the rank owns, or none.
     pub fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         let mut motion = self.far.apply(loads, output);

@@ -124,7 +124,7 @@ impl StressletSolver {
         particles: &Particles,
         input: &RigidInput,
     ) -> Result<Solved, SolveError> {
-        self.mobility.arrange(cell, particles);
+        self.mobility.follow(cell, particles);
         let solved = match self.mobility.plan().multipoles {
             Multipoles::Monopole => self.free(input.loads, input.ambient),
             Multipoles::Dipole => self.rigid(&particles.radii, input)?,

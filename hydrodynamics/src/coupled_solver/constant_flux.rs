@@ -59,7 +59,7 @@ impl CoupledSolver {
     pub(super) fn flux(&mut self, cell: &PeriodicBox, particles: &Particles, strain_rate: StrainRate) -> ConstantFlux {
         let mobility = self.far.mobility();
         mobility.constrain(None);
-        mobility.arrange(cell, particles);
+        mobility.follow(cell, particles);
         let flux = ConstantFlux::new(cell, particles, mobility.plan().viscosity, mobility.plan().multipoles);
         let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else { return flux };
         let (units, own) = (self.units, units::particles(particles, &self.units));

@@ -8,7 +8,7 @@ pub use perturbed_solve::DisplacedSpheres;
 use crate::ambient::StrainRate;
 use crate::noise;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::search::{NearField, NearPairs, Pairs};
+use crate::pairs::search::{NearField, NearLists, NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{Guess, Solution, SolveInput};
@@ -17,9 +17,7 @@ use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStar
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::parallel::stage;
-use domain::{
-    Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units, VerletList,
-};
+use domain::{Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units};
 use fcm::{
     DrawDiagnostics, Iterate, IterationOutcome, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, RigidInput,
     SolveError, Stream, conjugate_gradients,
@@ -73,8 +71,8 @@ impl CoupledSolver {
         let at_walls = short_range.lubrication.filter(|_| plan.boundaries.walls() > 0);
         let at_walls = at_walls.map(|range| WallForce::new(viscosity, range));
         let near = reaches.into_iter().flatten().reduce(f64::max).map(|reach| {
-            let lists = VerletList::new(reach, partition);
-            NearField { lubrication, at_walls, lists, precision: plan.precision, radii, reach }
+            let lists = NearLists::new(reach, partition);
+            NearField { lubrication, at_walls, lists, precision: plan.precision, radii }
         });
         let (far, partition) = (fcm::StressletSolver::new(plan, partition), partition.clone());
         Ok(Self { far, near, units, preconditioned: true, partition })
@@ -90,11 +88,11 @@ impl CoupledSolver {
     pub fn extend_springs(&mut self, distance: f64) {
         let (reach, plan) = (distance / self.units.length, self.far.mobility().plan());
         let (precision, radii) = (plan.precision, in_units(&plan.radii, self.units.length));
-        let lists = VerletList::new(reach, &self.partition);
+        let lists = NearLists::new(reach, &self.partition);
         match &mut self.near {
-            Some(near) if near.reach >= reach => {}
-            Some(near) => (near.reach, near.lists) = (reach, lists),
-            None => self.near = Some(NearField { lubrication: None, at_walls: None, lists, precision, radii, reach }),
+            Some(near) if near.lists.reach() >= reach => {}
+            Some(near) => near.lists = lists,
+            None => self.near = Some(NearField { lubrication: None, at_walls: None, lists, precision, radii }),
         }
     }
 
@@ -104,7 +102,7 @@ impl CoupledSolver {
         self.far = fcm::StressletSolver::new(plan, partition);
         self.far.listen(interrupt);
         if let Some(near) = &mut self.near {
-            near.lists = VerletList::new(near.reach, partition);
+            near.lists = NearLists::new(near.lists.reach(), partition);
         }
         self.partition = partition.clone();
     }
@@ -153,7 +151,7 @@ impl CoupledSolver {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
                 if flux.is_none() {
-                    mobility.arrange(cell, particles);
+                    mobility.follow(cell, particles);
                 }
                 let ambient =
                     &flux.as_ref().map_or_else(|| Cow::Borrowed(ambient), |flux| Cow::Owned(flux.ambient(ambient)));
@@ -211,7 +209,7 @@ impl CoupledSolver {
         stream: Stream,
     ) -> (Motion, DrawDiagnostics) {
         let mobility = self.far.mobility();
-        mobility.arrange(cell, particles);
+        mobility.follow(cell, particles);
         mobility.noise(&particles.ids, tolerance, stream)
     }
 

@@ -10,50 +10,109 @@ use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::parallel::{MeasuredLoop, stage};
-use domain::{DomainView, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList};
+use domain::{
+    DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
+};
 use fcm::Precision;
 use lubrication::WallForce;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Short-range interactions and the neighbour lists for them.
 pub struct NearField {
     pub lubrication: Option<PairLubrication>,
     /// Lubrication at walls, if there are any.
     pub at_walls: Option<WallForce>,
-    pub lists: VerletList,
+    pub lists: NearLists,
     /// Precision in which soft pairs are stored: that of the grid.
     pub precision: Precision,
     /// Radii by species.
     pub radii: Vec<f64>,
-    /// Largest centre distance of a near pair.
-    pub reach: f64,
 }
 
 /// Number of motions that one thread copies at a time.
 const BATCH: usize = 1024;
 
-/// A rank's particles and the ghosts in their reach.
+/// A rank's particles and the ghosts in their reach, in a box.
 pub struct Present {
+    cell: PeriodicBox,
     pub halo: Halo,
     pub positions: Vec<Vector>,
     pub ids: Vec<u64>,
     pub species: Vec<u32>,
 }
 
-impl NearField {
-    /// Collects particles and ghosts, and updates the neighbour lists. Collective.
-    pub fn present(&mut self, particles: &Particles, view: DomainView) -> Present {
+/// Neighbour lists up to a reach, with the particles that they follow.
+pub struct NearLists {
+    /// Largest centre distance of a near pair.
+    reach: f64,
+    lists: VerletList,
+    present: Option<Arc<Present>>,
+}
+
+impl NearLists {
+    /// Lists of pairs whose centres are closer than `reach`.
+    pub fn new(reach: f64, partition: &Partition) -> Self {
+        Self { reach, lists: VerletList::new(reach, partition), present: None }
+    }
+
+    /// Largest centre distance of a near pair.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// Neighbours of each particle at the last positions.
+    pub fn neighbours(&self) -> &Neighbours {
+        self.lists.neighbours()
+    }
+
+    /// The particles, of known species, with ghosts, and the lists at their positions: as they are, if no particle has
+    /// moved. Collective.
+    fn follow(&mut self, particles: &Particles, species: Vec<u32>, view: DomainView) -> Arc<Present> {
         let _stage = stage("lists of near pairs");
         let DomainView { cell, partition } = view;
-        let halo = Halo::plan(partition, cell, &particles.positions, [self.reach; 2]);
-        let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
+        let known = self.present.take().filter(|present| present.is_of(particles, &species, cell));
+        let has_moved = partition.comm().any(known.is_none());
+        let present = known.filter(|_| !has_moved).unwrap_or_else(|| {
+            let present = Present::new(particles, species, view, self.reach);
+            let (owned, ids, positions) = (particles.len(), &present.ids[..], &present.positions[..]);
+            self.lists.update(cell, &LocalAndGhosts { owned, ids, positions });
+            Arc::new(present)
+        });
+        self.present = Some(Arc::clone(&present));
+        present
+    }
+}
+
+impl Present {
+    fn new(
+        particles: &Particles,
+        mut species: Vec<u32>,
+        DomainView { cell, partition }: DomainView,
+        reach: f64,
+    ) -> Self {
+        let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
         let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
-        let mut species: Vec<u32> = particles.radii.iter().map(class).collect();
         halo.extend(&mut positions);
         halo.extend(&mut ids);
         halo.extend(&mut species);
-        self.lists.update(cell, &LocalAndGhosts { owned: particles.len(), ids: &ids, positions: &positions });
-        Present { halo, positions, ids, species }
+        Self { cell: *cell, halo, positions, ids, species }
+    }
+
+    /// Whether the particles of this rank are still the same, at the same positions in the same box.
+    fn is_of(&self, particles: &Particles, species: &[u32], cell: &PeriodicBox) -> bool {
+        let owned = particles.len();
+        let is_like = self.halo.owned() == owned && self.cell == *cell && self.ids[..owned] == particles.ids;
+        is_like && self.species[..owned] == *species && self.positions[..owned] == particles.positions
+    }
+}
+
+impl NearField {
+    /// Collects particles and ghosts, and updates the neighbour lists. Collective.
+    pub fn present(&mut self, particles: &Particles, view: DomainView) -> Arc<Present> {
+        let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
+        let species = particles.radii.iter().map(class).collect();
+        self.lists.follow(particles, species, view)
     }
 }
 
@@ -66,9 +125,10 @@ pub enum Pairs {
     Soft,
 }
 
-/// Resistance of the near pairs of a rank's particles, with the halo for their ghosts.
+/// Resistance of the near pairs of a rank's particles.
 pub struct NearPairs {
-    halo: Halo,
+    /// Particles and ghosts.
+    around: Arc<Present>,
     /// Includes the resistance of walls. In double precision: near contact, the resistances of both spheres almost
     /// cancel.
     stiff: PairMatrix<f64>,
@@ -106,12 +166,11 @@ impl NearPairs {
         let _stage = stage("assembly of near pairs");
         let cell = view.cell;
         let owned = particles.len();
-        let Present { halo, positions, ids, species } = field.present(particles, view);
+        let around = field.present(particles, view);
+        let Present { positions, ids, species, .. } = &*around;
         let NearField { lubrication, at_walls, lists, radii, .. } = &*field;
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref();
-        let (positions, species) = (&positions, &species);
-        let ids = &ids;
         let arrangement =
             PairArrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
         let (mut loads, mut moments) = (SixVectors::zero(owned), vec![Traceless::ZERO; owned]);
@@ -131,15 +190,15 @@ impl NearPairs {
         for &(row, resistance) in &traps {
             stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
-        Self { halo, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
+        Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
     }
 
     /// No near pairs, for systems without short-range interactions. Collective.
     pub fn none(particles: &Particles, cell: &PeriodicBox, partition: &Partition) -> Self {
-        let halo = Halo::plan(partition, cell, &particles.positions, [0.0; 2]);
+        let present = Present::new(particles, vec![0; particles.len()], DomainView { cell, partition }, 0.0);
         let (loads, moments) = (SixVectors::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
         Self {
-            halo,
+            around: Arc::new(present),
             stiff: PairMatrix::new(Vec::new()),
             soft: Box::new(PairMatrix::<f64>::new(Vec::new())),
             at_walls: Vec::new(),
@@ -212,7 +271,43 @@ impl NearPairs {
 
     fn present(&self, motions: &SixVectors) -> Vec<Padded> {
         let mut present: Vec<Padded> = motions.0.par_iter().with_min_len(BATCH).map(Padded::from).measured().collect();
-        self.halo.extend(&mut present);
+        self.around.halo.extend(&mut present);
         present
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use domain::Comm;
+
+    /// Particles that have not moved are collected once, on any number of ranks; the lists follow those that have.
+    #[test]
+    fn particles_at_rest_are_collected_once() {
+        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
+        for ranks in [1, 3] {
+            Comm::threads(ranks, |comm| {
+                let partition = Partition::new(&comm, [8, 8]);
+                let lists = NearLists::new(3.0, &partition);
+                let (precision, radii) = (Precision::Double, vec![1.0]);
+                let mut field = NearField { lubrication: None, at_walls: None, lists, precision, radii };
+                let mut particles = Particles::default();
+                for id in (0..2).filter(|_| comm.is_first()) {
+                    particles.push(id, Vector::new(1.0 + 2.5 * id as f64, 1.0, 1.0), 1.0, 0);
+                }
+                particles.migrate(&partition, &cell);
+                let view = DomainView { cell: &cell, partition: &partition };
+                for near in [1.0, 0.0] {
+                    let (first, second) = (field.present(&particles, view), field.present(&particles, view));
+                    assert!(Arc::ptr_eq(&first, &second));
+                    let mut count = [field.lists.neighbours().count() as f64];
+                    comm.sum(&mut count);
+                    assert_eq!(count, [2.0 * near]);
+                    for (position, id) in particles.positions.iter_mut().zip(&particles.ids) {
+                        position.x += *id as f64;
+                    }
+                }
+            });
+        }
     }
 }

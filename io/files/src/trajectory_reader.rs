@@ -60,7 +60,7 @@ impl TrajectoryReader {
             steps: vec![[0; 3]; count],
             radii: checksum::read(&group.dataset("radius")?)?,
             species: checksum::read(&group.dataset("species")?)?,
-            columns: Vec::new(),
+            ..Particles::default()
         };
         let mut times: Vec<f64> = claimed_size::read(&group, "position/time")?;
         // Times are written before steps, so there may be one more.

@@ -69,7 +69,6 @@ impl Dynamics {
         let done = self.hydrodynamics.mobility().work().evaluations;
         self.following.iter_mut().for_each(|following| following.evaluations += done);
         self.forces.search(self.largest_radius, &self.partition);
-        self.watched.repartition(&self.partition);
         self.hydrodynamics.replan(&planned.plan, &self.partition);
     }
 

@@ -3,6 +3,7 @@
 use crate::evaluation::orders::ErrorEstimate;
 use crate::flow::deformation::Deformation;
 use crate::flow::periodic_cell::PeriodicCell;
+use crate::model::Integrator;
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
 use bytemuck::{Pod, Zeroable};
 use domain::parallel::MeasuredLoop;
@@ -12,6 +13,12 @@ use std::ops::AddAssign;
 
 /// Largest centre distance of the pairs that are considered, over the largest radius.
 pub const WATCHED: f64 = 3.0;
+
+/// Distance of centres up to which an integrator considers pairs at each substep; `None` for one with fixed steps.
+pub fn watched_range(integrator: &Integrator, largest_radius: f64) -> Option<f64> {
+    let has_substeps = matches!(integrator, Integrator::Adaptive(_) | Integrator::Implicit(_));
+    has_substeps.then_some(WATCHED * largest_radius)
+}
 
 /// Largest gap to a wall that is considered, over the radius.
 const WATCHED_AT_WALLS: f64 = 1.0;

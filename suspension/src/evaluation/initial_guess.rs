@@ -3,6 +3,7 @@
 use crate::columns::STRESSLET;
 use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
+use crate::scalars::BLEND;
 use domain::parallel::{MeasuredLoop, stage};
 use domain::{Comm, Particles, Vector};
 use fcm::{Loads, Motion};
@@ -18,9 +19,6 @@ const MOTION: [&str; 2] = ["velocity in flow", "angular velocity in flow"];
 
 /// Number of past steps whose values are extrapolated.
 const PAST: usize = 3;
-
-/// Column of the weight of the parabola in the extrapolation of each of those columns.
-const CURVATURE: &str = "curvature of the past";
 
 /// Number of values that one thread processes at a time; the sums of these batches are added in their order.
 const BATCH: usize = 4096;
@@ -61,7 +59,7 @@ impl WarmStart {
     pub fn kept(&self) -> impl Iterator<Item = (String, usize)> {
         let past = self.columns().into_iter().flat_map(|(name, width)| (1..=PAST).map(move |k| (past(name, k), width)));
         let torques = [FORCE, TORQUE].map(|name| (name.to_owned(), 3));
-        let learnt = std::iter::once((CURVATURE.to_owned(), self.columns().len()));
+        let learnt = std::iter::once((BLEND.to_owned(), self.columns().len()));
         past.chain(self.columns().into_iter().map(|(name, width)| (name.to_owned(), width)))
             .chain(torques)
             .chain(learnt)
@@ -93,7 +91,7 @@ impl WarmStart {
             let known = Self::new(coupled);
             known.clear_history(particles);
             let kept: Vec<String> = known.kept().map(|(name, _)| name).collect();
-            particles.columns.retain(|column| !kept.contains(&column.name));
+            particles.remove(|name| kept.iter().any(|kept| kept == name));
         }
     }
 
@@ -141,7 +139,8 @@ impl WarmStart {
             return Guess::default();
         }
         let names = self.columns();
-        let curvature = particles.column(CURVATURE, names.len()).values.clone();
+        let curvature = Self::blend(particles, names.len());
+        particles.scalars.set(BLEND, &curvature);
         let lists = names.iter().enumerate().map(|(k, &(name, width))| {
             let share = curvature.get(k).copied().unwrap_or_default();
             let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
@@ -154,6 +153,11 @@ impl WarmStart {
                 .collect()
         });
         Self::guessed(lists)
+    }
+
+    /// Weights of the parabola, one for each of a number of columns; zeros before the first are known.
+    fn blend(particles: &Particles, columns: usize) -> Vec<f64> {
+        particles.scalars.get(BLEND).filter(|known| known.len() == columns).map_or(vec![0.0; columns], <[f64]>::to_vec)
     }
 
     /// The last solution, as a guess.
@@ -204,12 +208,11 @@ impl WarmStart {
             }
         }
         comm.sum(sums.as_flattened_mut());
-        let shares = particles.column(CURVATURE, names.len());
-        for of_one in shares.values.chunks_exact_mut(names.len()) {
-            for (share, [along, square]) in of_one.iter_mut().zip(&sums).filter(|(_, sums)| sums[1] > 0.0) {
-                *share += NEWEST * ((along / square).clamp(0.0, 1.0) - *share);
-            }
+        let mut shares = Self::blend(particles, names.len());
+        for (share, [along, square]) in shares.iter_mut().zip(&sums).filter(|(_, sums)| sums[1] > 0.0) {
+            *share += NEWEST * ((along / square).clamp(0.0, 1.0) - *share);
         }
+        particles.scalars.set(BLEND, &shares);
     }
 }
 

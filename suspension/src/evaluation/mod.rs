@@ -23,25 +23,26 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
 use crate::error::StartError;
 use crate::error::gap::Gap;
 use crate::error::step::StepError;
-use crate::evaluation::gap_control::{RelativeMotion, WATCHED};
+use crate::evaluation::gap_control::watched_range;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::evaluation::overlap_monitor::OverlapMonitor;
 use crate::evaluation::prepared::Setup;
 pub use crate::evaluation::stage_time::{Outcome, StageTime};
 use crate::flow::periodic_cell::PeriodicCell;
-use crate::forces::Forces;
 use crate::forces::acting::{Acting, Instant, Prediction, SolvedMotion};
 use crate::forces::contacts::Contacts;
 use crate::forces::force::Force;
+use crate::forces::{Forces, SharedRanges};
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
-use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
+use crate::neighbourhood::PairsWithHalo;
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector, parallel::stage};
 use fcm::{Motion, SolveError};
 use following::Following;
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
 use lubrication::{LubricationRange, PairKind};
 use simulation::Clock;
+use std::sync::Arc;
 
 /// Right-hand side of the equation of motion: forces, hydrodynamics and the moving box.
 pub struct Dynamics {
@@ -61,8 +62,6 @@ pub struct Dynamics {
     overlap_monitor: Option<OverlapMonitor>,
     /// Largest weight of negative eigenvalues that were clipped in the near field of random motions.
     clipped: f64,
-    /// Neighbour lists of the pairs whose relative motion limits steps.
-    watched: NeighbourLists,
     /// Data for replanning when the box follows the particles.
     following: Option<Following>,
     axes: UserAxes,
@@ -84,7 +83,11 @@ impl Dynamics {
             chosen.lubrication.then(|| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP)).transpose()?;
         let range = range.map(|range| if model.thermal_energy.is_some() { range.separating() } else { range });
         let overlap_monitor = model.thermal_energy.map(|_| OverlapMonitor::new(model));
-        let shared = overlap_monitor.as_ref().map(|monitor| monitor.range(setup.radii.largest()));
+        let largest = setup.radii.largest();
+        let shared = SharedRanges {
+            with_forces: overlap_monitor.as_ref().map(|monitor| monitor.range(largest)),
+            others: watched_range(&model.integrator, largest),
+        };
         let forces = Forces::of(model)?.sharing(shared).start(model, &setup.particles, &setup.radii, &setup.partition);
         let is_implicit = matches!(model.integrator, Integrator::Implicit(_));
         let springs = forces.implicit_range(setup.radii.largest()).filter(|_| is_implicit);
@@ -104,7 +107,6 @@ impl Dynamics {
             overlap_monitor,
             smallest_radius: setup.radii.smallest(),
             largest_radius: setup.radii.largest(),
-            watched: NeighbourLists::new(WATCHED * setup.radii.largest(), &setup.partition),
             following: Following::of(model, &setup.radii, setup.replan),
             axes: model.user_axes(),
             partition: setup.partition,
@@ -160,17 +162,18 @@ impl Dynamics {
         Ok(())
     }
 
-    /// Makes velocities absolute again and stores the states of flow and contacts in the particles' columns.
+    /// Makes velocities absolute again and stores the states of flow and contacts.
     pub fn end_step(&mut self, particles: &mut Particles) {
         self.add_background(particles, 1.0);
+        let scalars = &mut particles.scalars;
         if let Some(driven) = self.moving.driven() {
-            driven.store_in_columns(particles);
+            driven.store(scalars);
         }
         if let Some(flux) = self.moving.flux() {
-            flux.store_in_columns(particles);
+            flux.store(scalars);
         }
         if let Some(adaptation) = self.stiffness_adaptation() {
-            adaptation.store_in_columns(particles);
+            adaptation.store(scalars);
         }
     }
 
@@ -264,7 +267,7 @@ impl Dynamics {
     ) -> Result<Acting, StepError> {
         let _stage = stage("forces");
         let Self { moving, partition, forces, .. } = self;
-        let domain = DomainView { cell: moving.cell(), partition };
+        let (domain, lists) = (DomainView { cell: moving.cell(), partition }, Arc::clone(forces.lists()));
         let mut at = Instant {
             particles,
             domain,
@@ -274,6 +277,7 @@ impl Dynamics {
             since_last_solution: moment.since_last_solution,
             previous,
             flow: moving,
+            lists: &lists,
         };
         forces.acting(&mut at, moment.clock.step())
     }
@@ -361,12 +365,6 @@ impl Dynamics {
         let places = particles.positions.iter().zip(&particles.radii).zip(velocities);
         let carried: Vec<_> = places.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
         particles.vectors(column).copy_from_slice(&carried);
-    }
-
-    /// Relative motion of near pairs with the velocities of the named columns. Collective.
-    pub fn approach<const N: usize>(&self, particles: &mut Particles, columns: [&str; N]) -> RelativeMotion<N> {
-        let near = self.watched.find(particles, self.domain());
-        RelativeMotion::new(near, particles, &self.moving, columns)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::flow::periodic_cell::PeriodicCell;
 use crate::model::Model;
 use crate::model::radii::Radii;
 use crate::neighbourhood::smallest_gap;
-use domain::{Comm, Failure, Particles, Partition, PeriodicBox};
+use domain::{Comm, DomainView, Failure, Particles, Partition, PeriodicBox};
 use fcm::Plan;
 
 /// Radii of a scene's particles, and the plan of the far field.
@@ -58,7 +58,7 @@ impl Setup {
 
     /// Smallest gap between the surfaces of two particles. Collective.
     pub fn gap(&self) -> Gap {
-        let length = smallest_gap(&self.particles, self.moving.cell(), &self.partition);
+        let length = smallest_gap(&self.particles, DomainView { cell: self.moving.cell(), partition: &self.partition });
         Gap { length, radius: self.radii.smallest() }
     }
 }

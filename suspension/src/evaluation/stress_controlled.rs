@@ -46,7 +46,7 @@ impl Dynamics {
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
         let (domain, time) = (self.domain(), moment.clock.time_at(moment.fraction));
         let near = self.forces.near(particles, domain);
-        let at = Configuration { particles, domain, near: near.as_ref(), time };
+        let at = Configuration { particles, domain, near: near.as_ref(), time, lists: self.forces.lists() };
         let mut sum = [self.forces.add_shear_moments(of_fluid, &at, beyond.as_ref())];
         self.partition.comm().sum(&mut sum);
         self.viscosity * self.flow().shear_rate() + sum[0] / self.cell().volume()

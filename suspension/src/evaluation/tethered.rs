@@ -24,8 +24,9 @@ impl Dynamics {
 
     /// Contacts and bonds of this rank's particles, as rows of numbers; `None` without either. Collective.
     pub fn contact_forces(&self, particles: &Particles) -> Option<Vec<[f64; FORCE_NUMBERS]>> {
-        let contacts = self.forces.contacts.as_ref().map(|contacts| contacts.forces(particles, self.domain()));
-        let bonds = self.forces.bonds.as_ref().map(|bonds| bonds.forces(particles, self.domain()));
+        let (domain, lists) = (self.domain(), self.forces.lists());
+        let contacts = self.forces.contacts.as_ref().map(|contacts| contacts.forces(particles, domain, lists));
+        let bonds = self.forces.bonds.as_ref().map(|bonds| bonds.forces(particles, domain));
         let bonds = bonds.map(|bonds| bonds.iter().map(contacts::force_numbers).collect::<Vec<_>>());
         [contacts, bonds].into_iter().flatten().reduce(|all, more| [all, more].concat())
     }

@@ -1,9 +1,7 @@
-//! State of the constant-flux constraint, stored with the particles for restarts.
+//! State of the constant-flux constraint, a scalar of the state for restarts.
 
-use domain::{Comm, Particles};
-
-/// Column of the curvature, equal for all particles.
-pub const CURVATURE: &str = "curvature of the flow";
+use crate::scalars::CONSTANT_FLUX;
+use domain::Scalars;
 
 /// Change of the pressure-driven flow that keeps the flux in the presence of the particles: the curvature `-u''` of the
 /// latest solution.
@@ -13,17 +11,14 @@ pub struct ConstantFluxState {
 }
 
 impl ConstantFluxState {
-    /// Restores the state that the particles of the first rank store, if any. Collective.
-    pub fn load_from_columns(particles: &Particles, comm: &Comm) -> Self {
-        let column = particles.columns.iter().find(|column| column.name == CURVATURE);
-        let mut known: Vec<f64> = column.and_then(|column| column.values.first()).copied().into_iter().collect();
-        comm.broadcast(&mut known);
-        Self { curvature: known.first().copied().unwrap_or_default() }
+    /// Restores the state from scalars, if they have it.
+    pub fn restored(scalars: &Scalars) -> Self {
+        Self { curvature: scalars.numbers(CONSTANT_FLUX).map_or(0.0, |[curvature]| curvature) }
     }
 
-    /// Stores the state in a column of the particles.
-    pub fn store_in_columns(self, particles: &mut Particles) {
-        particles.column(CURVATURE, 1).values.fill(self.curvature);
+    /// Stores the state.
+    pub fn store(self, scalars: &mut Scalars) {
+        scalars.set(CONSTANT_FLUX, &[self.curvature]);
     }
 
     /// Curvature, one over time and length.

@@ -6,7 +6,7 @@ use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
-use domain::{Boundaries, Comm, Particles, PeriodicBox, Traceless, Vector};
+use domain::{Boundaries, Particles, PeriodicBox, Scalars, Traceless, Vector};
 use hydrodynamics::Poiseuille;
 use hydrodynamics::StrainRate;
 use simulation::Clock;
@@ -157,10 +157,10 @@ impl PeriodicCell {
     }
 
     /// This box under stress control, with `stress` the shear stress, the viscosity and the tolerance of solves; the
-    /// state is restored from the particles of the first rank, if they store it. Collective.
+    /// state is restored from scalars, if they have it.
     #[must_use]
-    pub fn under_stress(mut self, target: StressTarget, particles: &Particles, comm: &Comm) -> Self {
-        let driven = StressControl::start(target, self.rate).load_from_columns(particles, comm);
+    pub fn under_stress(mut self, target: StressTarget, scalars: &Scalars) -> Self {
+        let driven = StressControl::start(target, self.rate).restored(scalars);
         self.driven = Some(driven);
         self.set_rate(driven.rate());
         (self.cell, self.vectors) = self.shape_at(self.time);

@@ -1,12 +1,7 @@
 //! Stress control: the shear rate that keeps the shear stress at a given value.
 
-use domain::{Comm, Particles};
-
-/// Column of the state of the flow, equal for all particles: strain, shear rates, and slope.
-pub const DRIVEN: &str = "driven flow";
-
-/// Width of the column [`DRIVEN`].
-pub const DRIVEN_NUMBERS: usize = 5;
+use crate::scalars::STRESS_CONTROL;
+use domain::Scalars;
 
 /// Relative error of the stress at which the search ends, over the tolerance of the solve.
 const TOLERANCE: f64 = 0.5;
@@ -72,25 +67,19 @@ impl StressControl {
         }
     }
 
-    /// Restores the state that the particles of the first rank store, if any. Collective.
-    pub fn load_from_columns(mut self, particles: &Particles, comm: &Comm) -> Self {
-        let column = particles.columns.iter().find(|column| column.name == DRIVEN && column.width == DRIVEN_NUMBERS);
-        let mut known: Vec<f64> =
-            column.and_then(|column| column.values.get(..DRIVEN_NUMBERS)).map(<[f64]>::to_vec).unwrap_or_default();
-        comm.broadcast(&mut known);
-        if let [strain, now, past, mean, slope] = known[..] {
+    /// Restores the state from scalars, if they have it.
+    pub fn restored(mut self, scalars: &Scalars) -> Self {
+        if let Some([strain, now, past, mean, slope]) = scalars.numbers(STRESS_CONTROL) {
             (self.strain, self.predicted_strain, self.slope) = (strain, strain, slope);
             (self.rates, self.expected) = ([now, past, mean], now);
         }
         self
     }
 
-    /// Stores the state in a column of the particles.
-    pub fn store_in_columns(&self, particles: &mut Particles) {
+    /// Stores the state.
+    pub fn store(&self, scalars: &mut Scalars) {
         let [now, past, mean] = self.rates;
-        let numbers = [self.strain, now, past, mean, self.slope];
-        let column = particles.column(DRIVEN, DRIVEN_NUMBERS);
-        column.values.chunks_exact_mut(DRIVEN_NUMBERS).for_each(|values| values.copy_from_slice(&numbers));
+        scalars.set(STRESS_CONTROL, &[self.strain, now, past, mean, self.slope]);
     }
 
     /// Present strain.
@@ -240,10 +229,9 @@ mod tests {
                 driven.correct(time.cos(), share * h);
                 driven.go();
                 driven.end(share);
-                let mut particles = Particles::default();
-                particles.push(0, domain::Vector::ZERO, 1.0, 0);
-                driven.store_in_columns(&mut particles);
-                let again = start(1.0, 5.0).load_from_columns(&particles, &Comm::alone());
+                let mut scalars = Scalars::default();
+                driven.store(&mut scalars);
+                let again = start(1.0, 5.0).restored(&scalars);
                 assert_eq!((again.strain, again.rates), (driven.strain, driven.rates));
             }
             (driven.strain() - 1.0_f64.sin()).abs()

@@ -1,7 +1,7 @@
 //! Input and output of forces.
 
 use crate::flow::periodic_cell::PeriodicCell;
-use crate::neighbourhood::PairsWithHalo;
+use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{DomainView, Particles, Traceless, Vector};
 use fcm::{Loads, Motion};
 use hydrodynamics::TetherResistance;
@@ -19,6 +19,8 @@ pub struct Configuration<'a> {
     pub near: Option<&'a PairsWithHalo>,
     /// Time.
     pub time: f64,
+    /// Neighbour lists.
+    pub(crate) lists: &'a NeighbourLists,
 }
 
 /// Particles at the time of an evaluation, for which a solve needs loads.
@@ -39,13 +41,15 @@ pub struct Instant<'a> {
     pub previous: &'a Motion,
     /// Background flow.
     pub(crate) flow: &'a PeriodicCell,
+    /// Neighbour lists.
+    pub(crate) lists: &'a NeighbourLists,
 }
 
 impl Instant<'_> {
     /// The particles as they are.
     pub fn configuration(&self) -> Configuration<'_> {
-        let Self { particles, domain, near, time, .. } = self;
-        Configuration { particles, domain: *domain, near: *near, time: *time }
+        let Self { particles, domain, near, time, lists, .. } = self;
+        Configuration { particles, domain: *domain, near: *near, time: *time, lists }
     }
 }
 

@@ -14,6 +14,7 @@ use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{Bytes, DomainView, ExpectedCounts, Particles, Partition, Tensor};
 use fcm::Loads;
 use lubrication::BarrierError;
+use std::sync::Arc;
 
 /// Column that marks particles whose velocities include a registered force, by its name.
 const REGISTERED: &str = "registered force ";
@@ -36,14 +37,23 @@ pub struct Forces {
     pub applied: AppliedForces,
     /// Forces that the user registered.
     registered: Vec<Box<dyn Force>>,
-    /// Neighbour lists for the longest range; `None` if nothing needs pairs.
-    near: Option<NeighbourLists>,
-    /// Whether a force needs pairs.
-    needs_pairs: bool,
-    /// Distance up to which others need pairs at the positions of forces.
-    shared_range: Option<f64>,
+    /// Neighbour lists of all forces and of those who share them.
+    lists: Arc<NeighbourLists>,
+    /// Longest range of forces; `None` if no force needs pairs.
+    pair_range: Option<f64>,
+    /// Distances up to which others need neighbours.
+    shared: SharedRanges,
     /// Gap over the mean radius up to which spheres repel each other; 0 without repulsion.
     repulsion_range: f64,
+}
+
+/// Distances up to which others than forces need neighbours.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct SharedRanges {
+    /// Of those who need pairs at the positions of forces.
+    pub with_forces: Option<f64>,
+    /// Of those who need them elsewhere.
+    pub others: Option<f64>,
 }
 
 impl Forces {
@@ -60,9 +70,9 @@ impl Forces {
             others: Vec::new(),
             applied: AppliedForces::new(model.user_axes()),
             registered: Vec::new(),
-            near: None,
-            needs_pairs: false,
-            shared_range: None,
+            lists: Arc::default(),
+            pair_range: None,
+            shared: SharedRanges::default(),
         })
     }
 
@@ -70,17 +80,17 @@ impl Forces {
     #[must_use]
     pub fn start(mut self, model: &Model, particles: &Particles, radii: &Radii, partition: &Partition) -> Self {
         let comm = partition.comm();
-        let adaptation = StiffnessAdaptation::of(model, particles, comm);
+        let adaptation = StiffnessAdaptation::of(model, &particles.scalars);
         self.contacts = self.contacts.map(|contacts| contacts.between(radii).adapting(adaptation));
         self.bonds.iter_mut().for_each(|bonds| bonds.start(particles, comm));
         self.search(radii.largest(), partition);
         self
     }
 
-    /// These forces with lists that others share, which need pairs up to a distance.
+    /// These forces with lists that others share.
     #[must_use]
-    pub fn sharing(mut self, range: Option<f64>) -> Self {
-        self.shared_range = range;
+    pub fn sharing(mut self, shared: SharedRanges) -> Self {
+        self.shared = shared;
         self
     }
 
@@ -137,12 +147,22 @@ impl Forces {
         all
     }
 
-    /// Searches for pairs up to the longest range, with another partition of space as well.
+    /// Makes lists for all ranges, with another partition of space as well.
     pub fn search(&mut self, largest_radius: f64, partition: &Partition) {
-        let range = self.range(largest_radius);
-        self.needs_pairs = range.is_some();
-        let longest = range.into_iter().chain(self.shared_range).reduce(f64::max);
-        self.near = longest.map(|range| NeighbourLists::new(range, partition));
+        self.pair_range = self.range(largest_radius);
+        let contacts = self.contacts.as_ref().map(Contacts::reach);
+        let ranges = [self.range_with_forces(), self.shared.others, contacts].into_iter().flatten();
+        self.lists = Arc::new(NeighbourLists::new(ranges, partition));
+    }
+
+    /// Longest range of forces and of those who need pairs at their positions; `None` if nobody needs pairs there.
+    fn range_with_forces(&self) -> Option<f64> {
+        self.pair_range.into_iter().chain(self.shared.with_forces).reduce(f64::max)
+    }
+
+    /// Neighbour lists of all forces and of those who share them.
+    pub fn lists(&self) -> &Arc<NeighbourLists> {
+        &self.lists
     }
 
     /// Longest range of all forces; `None` if no force needs pairs.
@@ -167,12 +187,12 @@ impl Forces {
 
     /// Pairs within the longest range, if a force needs pairs. Collective.
     pub fn near(&self, particles: &Particles, domain: DomainView) -> Option<PairsWithHalo> {
-        self.near.as_ref().filter(|_| self.needs_pairs).map(|near| near.find(particles, domain))
+        self.pair_range.and_then(|_| self.shared_near(particles, domain))
     }
 
-    /// Pairs within the longest range of forces and of those who share their lists. Collective.
+    /// Pairs within the longest range of forces and of those who need pairs at the positions of forces. Collective.
     pub fn shared_near(&self, particles: &Particles, domain: DomainView) -> Option<PairsWithHalo> {
-        self.near.as_ref().map(|near| near.find(particles, domain))
+        self.range_with_forces().map(|range| self.lists.pairs(particles, domain, range))
     }
 
     /// Loads and resistances for a solve; forces that follow motions come last. Collective.
@@ -199,7 +219,8 @@ impl Forces {
     /// Loads at present positions, between steps; without those of contacts. Collective.
     pub fn present_loads(&self, particles: &Particles, domain: DomainView, time: f64) -> Loads {
         let near = self.near(particles, domain);
-        let (at, mut loads) = (Configuration { particles, domain, near: near.as_ref(), time }, Loads::default());
+        let at = Configuration { particles, domain, near: near.as_ref(), time, lists: &self.lists };
+        let mut loads = Loads::default();
         self.all().for_each(|force| force.add_present_loads(&at, &mut loads));
         loads
     }
@@ -229,7 +250,7 @@ impl Forces {
     /// First moments of the forces of the model and of those of the user, by name. Collective.
     pub fn moments(&self, particles: &Particles, domain: DomainView, time: f64) -> [Vec<NamedMoments>; 2] {
         let near = self.near(particles, domain);
-        let at = Configuration { particles, domain, near: near.as_ref(), time };
+        let at = Configuration { particles, domain, near: near.as_ref(), time, lists: &self.lists };
         [self.of_model().collect::<Vec<_>>(), self.of_user().collect()].map(|forces| named_moments(&forces, &at))
     }
 

@@ -10,4 +10,4 @@ pub mod surface;
 pub mod tethers;
 pub mod user;
 
-pub use list::{Forces, NamedMoments};
+pub use list::{Forces, NamedMoments, SharedRanges};

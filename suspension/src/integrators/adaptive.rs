@@ -60,9 +60,8 @@ pub fn advance(
 ) -> Result<Outcome, StepError> {
     let (mut fraction, mut outcome) = (0.0, Outcome::default());
     while fraction < 1.0 {
-        let comm = dynamics.partition().comm().clone();
         dynamics.remember(particles, 0);
-        let ages = ages(particles, &comm);
+        let ages = ages(&particles.scalars);
         let rest = (1.0 - fraction) * clock.dt();
         let Chosen { step, weights, apart } =
             AdaptiveSubstep { particles, ages: &ages, control, clock }.choose(rest, dynamics)?;
@@ -73,8 +72,8 @@ pub fn advance(
         let moment =
             StageTime { clock: *clock, fraction: end, ages: ages.clone(), since_last_solution: step, implicit: None };
         outcome = dynamics.evaluate(particles, &moment)?;
-        grow_older(particles, &ages, step);
-        grow_oldest(particles, &ages, step);
+        grow_older(&mut particles.scalars, &ages, step);
+        grow_oldest(&mut particles.scalars, &ages, step);
         fraction = end;
     }
     Ok(outcome)

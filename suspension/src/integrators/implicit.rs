@@ -1,6 +1,5 @@
 //! Time stepping with implicit short-range forces, whose stiffness does not limit the step.
 
-use crate::columns::AHEAD;
 use crate::columns::VELOCITY;
 use crate::columns::{EXPECTED, MEAN, PAST};
 use crate::error::step::StepError;
@@ -12,6 +11,7 @@ use crate::integrators::adams_bashforth::{PAST_OF_ANY_LENGTH, remember};
 use crate::integrators::motion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
 use crate::model::Adaptive;
+use crate::scalars::NEXT_SUBSTEP;
 use domain::{Comm, Particles, Vector};
 use simulation::Clock;
 
@@ -121,7 +121,7 @@ impl Substep<'_> {
         let Self { particles, control, clock, fraction } = self;
         let comm = dynamics.partition().comm().clone();
         dynamics.remember(particles, 0);
-        let (ages, rest) = (ages(particles, &comm), (1.0 - fraction) * clock.dt());
+        let (ages, rest) = (ages(&particles.scalars), (1.0 - fraction) * clock.dt());
         let mut longest =
             proposed(particles, &ages, control, &comm).min(dynamics.periodic_cell().longest_substep()).min(rest);
         let before = (particles.clone(), dynamics.periodic_cell().clone());
@@ -146,7 +146,7 @@ impl Substep<'_> {
             if error <= REDONE {
                 dynamics.wrap_and_migrate(particles, &moment)?;
                 dynamics.end_flow(length.implicit());
-                grow_older(particles, &ages, step);
+                grow_older(&mut particles.scalars, &ages, step);
                 finish(particles, &length, step * factor.min(GROWTH));
                 dynamics.adapt_stiffness(particles, step);
                 return Ok((end, outcome));
@@ -162,9 +162,7 @@ fn proposed(particles: &mut Particles, ages: &[f64], control: &Adaptive, comm: &
     if ages.len() < 2 {
         return control.tolerance / largest_displacement(particles, [VELOCITY], [1.0], comm);
     }
-    let mut known = [particles.column(AHEAD, 1).values.first().copied().unwrap_or_default()];
-    comm.max(&mut known);
-    known[0]
+    particles.scalars.numbers(NEXT_SUBSTEP).map_or(0.0, |[next]| next)
 }
 
 /// Bounds of the length of a substep.
@@ -239,7 +237,7 @@ fn finish(particles: &mut Particles, length: &Length, next: f64) {
     let b = length.implicit();
     let mean = combined(particles, [VELOCITY, MEAN], [b, 1.0 - b]);
     particles.vectors(MEAN).copy_from_slice(&mean);
-    particles.column(AHEAD, 1).values.fill(next);
+    particles.scalars.set(NEXT_SUBSTEP, &[next]);
     contacts::keep(particles);
     particles.columns.retain(|column| column.name != EXPECTED);
 }

@@ -1,9 +1,9 @@
 //! Common parts of the integrators with substeps.
 
-use crate::columns::{AGES, OLDEST_AGE};
 use crate::evaluation::Dynamics;
 use crate::evaluation::gap_control::RelativeMotion;
-use domain::{Comm, Particles, Vector};
+use crate::scalars::{AGES, OLDEST_AGE};
+use domain::{Comm, Particles, Scalars, Vector};
 
 /// Smallest substep, over the clock's step.
 pub const SHORTEST: f64 = 1e-9;
@@ -46,24 +46,19 @@ pub fn largest_displacement<const N: usize>(
     largest[0]
 }
 
-/// Ages of the stored velocities and solutions, in ascending order from 0. Collective.
-pub fn ages(particles: &mut Particles, comm: &Comm) -> Vec<f64> {
-    let oldest = particles.columns.iter().find(|column| column.name == OLDEST_AGE);
-    let oldest = oldest.and_then(|column| column.values.first()).copied().unwrap_or_default();
-    let column = particles.column(AGES, 2).values.get(..2).map_or([0.0; 2], |ages| [ages[0], ages[1]]);
-    let mut known = [column[0], column[1], oldest];
-    comm.max(&mut known);
-    std::iter::once(0.0).chain(known.into_iter().take_while(|&age| age > 0.0)).collect()
+/// Ages of the stored velocities and solutions, in ascending order from 0.
+pub fn ages(scalars: &Scalars) -> Vec<f64> {
+    let [last, before] = scalars.numbers(AGES).unwrap_or_default();
+    let [oldest] = scalars.numbers(OLDEST_AGE).unwrap_or_default();
+    std::iter::once(0.0).chain([last, before, oldest].into_iter().take_while(|&age| age > 0.0)).collect()
 }
 
 /// Updates the ages after a substep.
-pub fn grow_older(particles: &mut Particles, ages: &[f64], step: f64) {
-    let next = [step, ages.get(1).map_or(0.0, |age| age + step)];
-    particles.column(AGES, 2).values.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&next));
+pub fn grow_older(scalars: &mut Scalars, ages: &[f64], step: f64) {
+    scalars.set(AGES, &[step, ages.get(1).map_or(0.0, |age| age + step)]);
 }
 
 /// Updates the age of the third past velocities, after [`grow_older`].
-pub fn grow_oldest(particles: &mut Particles, ages: &[f64], step: f64) {
-    let next = ages.get(2).map_or(0.0, |age| age + step);
-    particles.column(OLDEST_AGE, 1).values.fill(next);
+pub fn grow_oldest(scalars: &mut Scalars, ages: &[f64], step: f64) {
+    scalars.set(OLDEST_AGE, &[ages.get(2).map_or(0.0, |age| age + step)]);
 }

@@ -1,11 +1,9 @@
 //! Checks of particles restored from a saved state.
 
-use crate::columns::{AGES, AHEAD, OLDEST_AGE, VELOCITY_COLUMNS};
-use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
+use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY_COLUMNS};
 use crate::evaluation::initial_guess::WarmStart;
-use crate::flow::constant_flux::CURVATURE;
-use crate::flow::stress_control::{DRIVEN, DRIVEN_NUMBERS};
 use crate::forces::user::{APPLIED, APPLIED_MOMENT};
+use crate::scalars::{AGES, CONSTANT_FLUX, NEXT_SUBSTEP, OLDEST_AGE, STRESS_CONTROL, STRESS_CONTROL_NUMBERS};
 use domain::Particles;
 
 /// Refuses particles of an unknown species, and columns whose width differs from that of a run.
@@ -26,9 +24,9 @@ pub fn check(particles: &Particles, species: usize, coupled: bool) -> Result<(),
 /// Names and widths of the columns of a run.
 fn widths(coupled: bool) -> Vec<(String, usize)> {
     let velocities = VELOCITY_COLUMNS.map(|name| (name.to_owned(), 3));
-    let of_steps = [(AGES, 2), (OLDEST_AGE, 1), (AHEAD, 1)];
-    let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (DRIVEN, DRIVEN_NUMBERS), (CURVATURE, 1)].into_iter();
-    let others = others.chain(of_steps).map(|(name, width)| (name.to_owned(), width));
+    let of_steps = [(AGES, 2), (OLDEST_AGE, 1), (NEXT_SUBSTEP, 1)];
+    let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (STRESS_CONTROL, STRESS_CONTROL_NUMBERS), (CONSTANT_FLUX, 1)];
+    let others = others.into_iter().chain(of_steps).map(|(name, width)| (name.to_owned(), width));
     let applied = APPLIED.map(|name| (name.to_owned(), 3)).into_iter().chain([(APPLIED_MOMENT.to_owned(), 9)]);
     velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(coupled).kept()).collect()
 }

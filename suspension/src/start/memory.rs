@@ -8,7 +8,6 @@ use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
 use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
-use crate::flow::stress_control::DRIVEN_NUMBERS;
 use crate::forces::Forces;
 use crate::forces::surface::{SurfaceForces, repulsion};
 use crate::integrators::adams_bashforth::{AdamsBashforth, PAST_OF_ANY_LENGTH};
@@ -17,6 +16,7 @@ use crate::model::radii::Radii;
 use crate::model::{BrownianScheme, Integrator, Model, MultipoleOrder, Species, Start};
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use crate::sampling;
+use crate::scalars::STRESS_CONTROL_NUMBERS;
 use crate::start::plan::largest_strain;
 use domain::{
     Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Particles, Place, Process, Traceless, Vector,
@@ -184,7 +184,8 @@ impl Share<'_> {
             Integrator::Brownian(_) => 2,
         };
         let velocities = velocities + usize::from(self.model.flow.keeps_flux());
-        let velocities = velocities + if self.model.shear_rates().stress().is_some() { DRIVEN_NUMBERS } else { 0 };
+        let velocities =
+            velocities + if self.model.shear_rates().stress().is_some() { STRESS_CONTROL_NUMBERS } else { 0 };
         let velocities = velocities + self.random_numbers() + self.forces().map_or(0, |f| f.numbers(self.expected));
         if self.is_rigid() {
             velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()

@@ -110,18 +110,17 @@ impl Setup {
         let rates = model.shear_rates();
         let stress = rates.stress();
         let moving = PeriodicCell::at(&Clock::at(step, model.time_step), cell, rates, shears);
-        let flux = model.flow.keeps_flux().then(|| ConstantFluxState::load_from_columns(&particles, comm));
+        let flux = model.flow.keeps_flux().then(|| ConstantFluxState::restored(&particles.scalars));
         let moving = moving.with_profile(model.poiseuille()).at_constant_flux(flux);
         let moving = match model.flow.extension() {
             Some(extension) => moving.in_extension(extension),
             None => moving,
         };
         let moving = match stress {
-            Some(stress) => moving.under_stress(
-                StressTarget { stress, viscosity: model.viscosity, tolerance: model.hydrodynamics.tolerance },
-                &particles,
-                comm,
-            ),
+            Some(stress) => {
+                let (viscosity, tolerance) = (model.viscosity, model.hydrodynamics.tolerance);
+                moving.under_stress(StressTarget { stress, viscosity, tolerance }, &particles.scalars)
+            }
             None => moving,
         };
         if model.fields {

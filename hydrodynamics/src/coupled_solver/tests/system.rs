@@ -46,8 +46,8 @@ impl Setting {
         let force = PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
         let alone: Vec<SixVector> = plan.radii.iter().map(|&a| single(1.0, a)).collect();
         let (reach, radii) = (force.reach(), plan.radii.clone());
-        let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), VerletList::new(reach, &partition));
-        let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii, reach };
+        let (lubrication, lists) = (Some(PairLubrication::new(force, &alone)), NearLists::new(reach, &partition));
+        let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii };
         let near = NearPairs::find(
             &mut field,
             None,

@@ -4,7 +4,7 @@
 
 use super::SceneRecord;
 use bytemuck::Pod;
-use domain::{ById, Column, Comm, Particles, Vector, block};
+use domain::{ById, Column, Comm, Particles, Scalar, Scalars, Vector, block};
 use serde::{Deserialize, Serialize};
 use simulation::State;
 use std::fs::File;
@@ -25,6 +25,9 @@ pub(super) struct CheckpointHeader {
     plan: String,
     particles: usize,
     columns: Vec<(String, usize)>,
+    /// Names and bits of the scalars.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    scalars: Vec<(String, Vec<u64>)>,
     #[serde(default)]
     statistics: usize,
     /// Lengths of the pieces of the statistics, unless there is exactly one.
@@ -49,6 +52,7 @@ impl CheckpointHeader {
             plan: state.plan.clone(),
             particles,
             columns: columns.map(|(name, width)| (name.to_owned(), width)).collect(),
+            scalars: state.particles.scalars.iter().map(bits).collect(),
             statistics: pieces.iter().sum(),
             pieces: if pieces.len() > 1 { pieces.to_vec() } else { Vec::new() },
             scene: Some(scene.clone()),
@@ -74,6 +78,18 @@ impl CheckpointHeader {
         let numbers = self.columns.iter().try_fold(0, width)?.checked_mul(8)?;
         numbers.checked_add(8 + 24 + 12 + 8 + 4)?.checked_mul(self.particles)?.checked_add(self.statistics)
     }
+}
+
+fn bits(scalar: &Scalar) -> (String, Vec<u64>) {
+    (scalar.name.clone(), scalar.values.iter().map(|value| value.to_bits()).collect())
+}
+
+fn of_bits(scalars: Vec<(String, Vec<u64>)>) -> Scalars {
+    let scalar = |(name, bits): (String, Vec<u64>)| {
+        let values = bits.into_iter().map(f64::from_bits).collect();
+        Scalar { name, values }
+    };
+    scalars.into_iter().map(scalar).collect()
 }
 
 /// Bytes of a checkpoint of a state that is entirely on this rank.
@@ -218,7 +234,7 @@ pub(super) fn dealt(whole: Option<VerifiedCheckpoint>, comm: &Comm) -> Result<(S
     let header = comm.broadcast_text(&String::from_utf8(header).expect("JSON is text"));
     let header: CheckpointHeader = serde_json::from_str(&header).map_err(|e| e.to_string())?;
     let lengths = header.lengths();
-    let CheckpointHeader { step, strain, plan, particles: count, columns, scene, .. } = header;
+    let CheckpointHeader { step, strain, plan, particles: count, columns, scalars, scene, .. } = header;
     let mut deal = ArrayDistribution { file: whole.map(|whole| whole.file), count, comm, failed: None };
     let mut particles = Particles {
         ids: deal.rows(1),
@@ -227,6 +243,7 @@ pub(super) fn dealt(whole: Option<VerifiedCheckpoint>, comm: &Comm) -> Result<(S
         radii: deal.rows(1),
         species: deal.rows(1),
         columns: Vec::new(),
+        scalars: of_bits(scalars),
     };
     for (name, width) in columns {
         particles.columns.push(Column { name, width, values: deal.rows(width) });

@@ -33,6 +33,32 @@ fn what_is_written_is_read_bit_for_bit() {
     assert!(damaged.is_empty());
 }
 
+/// Scalars are read bit for bit on all ranks; a state without scalars is stored as in versions before scalars.
+#[test]
+fn scalars_are_read_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut with = state(4);
+    with.particles.scalars.set("strokes of a pump", &[1.0 / 3.0, -0.0, f64::NEG_INFINITY]);
+    with.particles.scalars.set("seed", &[f64::from_bits(0x7ff8_0000_0000_0001)]);
+    for (state, is_there) in [(state(2), false), (with, true)] {
+        Checkpoints::write(&Manifest::of_test(folder.path()), &state, &record(), &Comm::alone()).unwrap();
+        let bytes = std::fs::read(Checkpoints::of(folder.path()).path(state.step)).unwrap();
+        assert_eq!(bytes.windows(7).any(|word| word == b"scalars"), is_there);
+        assert_eq!(bytes.len(), bytes_of(&state, &record()));
+        for scalars in
+            Comm::threads(3, |comm| Checkpoints::of(folder.path()).latest(&comm).unwrap().state.particles.scalars)
+        {
+            let bits = |scalars: &domain::Scalars| {
+                let bits = |scalar: &domain::Scalar| {
+                    (scalar.name.clone(), scalar.values.iter().map(|value| value.to_bits()).collect::<Vec<_>>())
+                };
+                scalars.iter().map(bits).collect::<Vec<_>>()
+            };
+            assert_eq!(bits(&scalars), bits(&state.particles.scalars));
+        }
+    }
+}
+
 /// Pieces of the statistics of a rank.
 fn pieces(whole: &State, comm: &Comm) -> Vec<Vec<u8>> {
     whole.statistics.iter().skip(comm.rank()).step_by(comm.size()).cloned().collect()

@@ -1,5 +1,6 @@
 //! Contacts between rough spheres: implicit springs, friction, and the history of each contact.
 
+mod flow;
 mod forces;
 mod history;
 mod statistics;
@@ -8,22 +9,22 @@ mod touching;
 mod warnings;
 
 use crate::error::step::StepError;
-use crate::flow::periodic_cell::PeriodicCell;
 use crate::forces::acting::{Acting, Configuration, Instant, Prediction, SolvedMotion};
 use crate::forces::force::{Force, StressName};
 use crate::model::Model;
 use crate::model::radii::Radii;
+use crate::neighbourhood::NeighbourLists;
+use crate::scalars::ADAPTATION_NUMBERS;
 use domain::parallel::stage;
-use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor, Traceless, Vector};
+use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor, Vector};
 use fcm::{Loads, Motion};
+use flow::{Flow, strained};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
 pub use history::keep;
 use history::{CONTACT_NUMBERS, FOUND, Memory, most_contacts, note};
 use hydrodynamics::ContactSprings;
-use hydrodynamics::StrainRate;
-use lubrication::{Contact, PairKind};
+use lubrication::Contact;
 pub use statistics::ContactStatistics;
-use stiffness_adaptation::SETTLING_NUMBERS;
 pub use stiffness_adaptation::StiffnessAdaptation;
 use touching::{AllTouching, Touching, across};
 
@@ -70,7 +71,7 @@ impl Force for Contacts {
     }
 
     fn moments(&self, at: &Configuration, _beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
-        vec![self.measured(at.particles, at.domain).moments]
+        vec![self.measured(at.particles, at.domain, at.lists).moments]
     }
 
     fn shear_moment(&self, _at: &Configuration, _beyond: Option<&Prediction>) -> f64 {
@@ -97,7 +98,7 @@ impl Force for Contacts {
 
     /// Contacts at the start and at the end of a substep.
     fn numbers(&self, expected: &ExpectedCounts) -> usize {
-        let of_adaptation = if self.settles { SETTLING_NUMBERS } else { 0 };
+        let of_adaptation = if self.settles { ADAPTATION_NUMBERS } else { 0 };
         2 * CONTACT_NUMBERS * most_contacts(self.radii, expected.total() as usize) + of_adaptation
     }
 
@@ -139,40 +140,6 @@ struct ContactForcing {
     /// Expected motion of each contact in `touching`.
     expected: Vec<Expected>,
     flow: Flow,
-}
-
-/// The flow relative to which velocities are given.
-#[derive(Debug, Clone, Copy)]
-struct Flow {
-    /// Strain rate, and angular velocity at `z = 0`.
-    strain_rate: StrainRate,
-    turning: Vector,
-    /// Expected change of the strain rate.
-    besides: Traceless,
-}
-
-impl Flow {
-    /// The flow of a box, and the expected change of its strain rate.
-    fn of(moving: &PeriodicCell) -> Self {
-        Self {
-            strain_rate: moving.strain_rate(),
-            turning: moving.angular_velocity_at(Vector::ZERO),
-            besides: moving.predicted_strain_rate_change(),
-        }
-    }
-
-    /// Velocity at which the strain of the flow at the contact separates the centres. It lets spheres slip that rotate
-    /// with the local flow.
-    fn strained(&self, contact: &Touching) -> Vector {
-        strained(contact, self.strain_rate.at(contact.place.z))
-    }
-
-    /// Rolling velocity, over a wall at rest, of a sphere that rotates with the fluid.
-    fn rolled(&self, contact: &Touching) -> Vector {
-        let PairKind::Wall(_) = contact.between else { return Vector::ZERO };
-        let turning = self.turning + self.strain_rate.turning((contact.place - contact.separation).z);
-        -contact.between.harmonic_radius() * turning.cross(contact.axis)
-    }
 }
 
 /// Expected relative motion at a contact.
@@ -245,10 +212,20 @@ impl Contacts {
         self.law.stiffness
     }
 
+    /// Distance of centres up to which any two spheres touch.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// All contacts. Collective.
+    fn touching(&self, particles: &Particles, domain: DomainView, lists: &NeighbourLists) -> AllTouching {
+        AllTouching::of(&self.law, particles, domain.cell, lists.near(particles, domain, self.reach))
+    }
+
     /// Adapts the stiffness, unless the adaptation is over, after the flow has advanced by `strain`. Collective.
-    pub fn adapt(&mut self, particles: &Particles, domain: DomainView, strain: f64) {
+    pub fn adapt(&mut self, particles: &Particles, domain: DomainView, lists: &NeighbourLists, strain: f64) {
         let Some(mut adaptation) = self.adaptation.filter(|adaptation| !adaptation.is_over()) else { return };
-        let touching = AllTouching::find(&self.law, particles, domain, self.reach);
+        let touching = self.touching(particles, domain, lists);
         let mut largest = [statistics::largest_overlap(&self.law, &touching)];
         domain.comm().max(&mut largest);
         adaptation.adapt(largest[0], strain);
@@ -264,10 +241,10 @@ impl Contacts {
             across: at.prediction.map_or(0.0, |_| at.since_last_solution),
         };
         let expected = at.prediction.map_or(&[][..], |prediction| prediction.velocities);
-        let touching = AllTouching::find(&self.law, at.particles, at.domain, self.reach);
-        let separation_rate = touching.present(expected);
-        let velocities = touching.present(&before.velocities);
-        let angular = touching.present(&before.angular_velocities);
+        let touching = self.touching(at.particles, at.domain, at.lists);
+        let separation_rate = touching.extended(expected);
+        let velocities = touching.extended(&before.velocities);
+        let angular = touching.extended(&before.angular_velocities);
         let of_one = |contact: &Touching| Expected {
             separation_rate: contact.separation_rate(&separation_rate)
                 + contact.axis.dot(strained(contact, flow.besides)),
@@ -280,22 +257,27 @@ impl Contacts {
 
     /// Forces of the contacts of this rank's particles with others of higher id, as rows of numbers that
     /// [`contact_force`] reads. Collective.
-    pub fn forces(&self, particles: &Particles, domain: DomainView) -> Vec<[f64; FORCE_NUMBERS]> {
-        let touching = AllTouching::find(&self.law, particles, domain, self.reach);
+    pub fn forces(
+        &self,
+        particles: &Particles,
+        domain: DomainView,
+        lists: &NeighbourLists,
+    ) -> Vec<[f64; FORCE_NUMBERS]> {
+        let touching = self.touching(particles, domain, lists);
         let own = |contact: &&Touching| particles.ids[contact.rows[0]] < contact.other;
         touching.list.iter().filter(own).map(|contact| forces::numbers(&self.law, contact, particles)).collect()
     }
 
     /// Averages and totals over the contacts. Collective.
-    pub fn measured(&self, particles: &Particles, domain: DomainView) -> ContactStatistics {
-        ContactStatistics::of(&self.law, &AllTouching::find(&self.law, particles, domain, self.reach), particles)
+    pub fn measured(&self, particles: &Particles, domain: DomainView, lists: &NeighbourLists) -> ContactStatistics {
+        ContactStatistics::of(&self.law, &self.touching(particles, domain, lists), particles)
     }
 }
 
 impl ContactForcing {
     /// Adds the known part of contact forces and torques to the loads on this rank's particles.
     fn add_to(&self, loads: &mut Loads) {
-        let owned = self.touching.halo.owned();
+        let owned = self.touching.present.owned();
         loads.forces.resize(owned, Vector::ZERO);
         loads.torques.resize(owned, Vector::ZERO);
         for (contact, expected) in self.touching.list.iter().zip(&self.expected) {
@@ -313,7 +295,7 @@ impl ContactForcing {
 
     /// Implicit resistance of the contacts, particle by particle.
     fn springs(&self) -> Vec<Vec<ContactSprings>> {
-        let mut springs = vec![Vec::new(); self.touching.halo.owned()];
+        let mut springs = vec![Vec::new(); self.touching.present.owned()];
         for contact in &self.touching.list {
             let [normal, tangential, rolling] = self.resistances(contact);
             springs[contact.rows[0]].push(ContactSprings { other: contact.other, normal, tangential, rolling });
@@ -352,8 +334,8 @@ impl ContactForcing {
 
     /// States of the contacts at the end, in the order of rows. Collective.
     fn ends(&self, motion: &Motion) -> Vec<End> {
-        let velocities = self.touching.present(&motion.velocities);
-        let angular = self.touching.present(&motion.angular_velocities);
+        let velocities = self.touching.extended(&motion.velocities);
+        let angular = self.touching.extended(&motion.angular_velocities);
         let end = |(contact, expected): (&Touching, &Expected)| {
             let stiffness = self.ahead.along * self.law.normal_stiffness(contact.overlap, contact.between);
             let known = self.law.force(contact.overlap, contact.between);
@@ -381,11 +363,6 @@ impl ContactForcing {
         let on = |friction: f64, resistance: f64| if friction > 0.0 { resistance } else { 0.0 };
         [along, on(self.law.friction, slip), on(self.law.rolling_friction, rolling)]
     }
-}
-
-/// Velocity at which a strain rate separates the centres.
-fn strained(contact: &Touching, strain_rate: Traceless) -> Vector {
-    strain_rate.tensor() * contact.separation
 }
 
 /// Factor that limits the magnitude of a force to `most`.

@@ -1,15 +1,9 @@
 //! Adaptation of the contact stiffness to a target of the overlap.
 
 use crate::model::{Contacts, Model};
-use domain::{Comm, Particles};
+use crate::scalars::{ADAPTATION, ADAPTATION_NUMBERS};
+use domain::Scalars;
 use lubrication::Elasticity;
-
-/// Column of the stiffness adaptation, equal for all particles: stiffness, strain so far, and whether the adaptation is
-/// over.
-pub const SETTLING: &str = "contact stiffness";
-
-/// Width of the column [`SETTLING`].
-pub const SETTLING_NUMBERS: usize = 3;
 
 /// Shortest strain of the running mean: half of it when the adaptation begins.
 const SHORTEST: f64 = 0.25;
@@ -53,11 +47,10 @@ pub struct StiffnessAdaptation {
 }
 
 impl StiffnessAdaptation {
-    /// The adaptation of a model, restored from the particles if they store it. `None` if the scene gives the
-    /// stiffness. Collective.
-    pub fn of(model: &Model, particles: &Particles, comm: &Comm) -> Option<Self> {
+    /// The adaptation of a model, restored from scalars if they have it. `None` if the scene gives the stiffness.
+    pub fn of(model: &Model, scalars: &Scalars) -> Option<Self> {
         let contacts = model.contacts.filter(|contacts| contacts.stiffness.is_none())?;
-        let known = load_from_columns(particles, comm);
+        let known = scalars.numbers::<ADAPTATION_NUMBERS>(ADAPTATION);
         let settles = contacts.settles(model);
         if known.is_none() && !settles {
             return None;
@@ -83,11 +76,10 @@ impl StiffnessAdaptation {
         })
     }
 
-    /// Stores the state in a column of the particles.
-    pub fn store_in_columns(&self, particles: &mut Particles) {
-        let numbers = [self.stiffness, self.strain, f64::from(u8::from(self.is_over))];
-        let column = particles.column(SETTLING, SETTLING_NUMBERS);
-        column.values.chunks_exact_mut(SETTLING_NUMBERS).for_each(|values| values.copy_from_slice(&numbers));
+    /// Stores the state.
+    pub fn store(&self, scalars: &mut Scalars) {
+        let numbers: [f64; ADAPTATION_NUMBERS] = [self.stiffness, self.strain, f64::from(u8::from(self.is_over))];
+        scalars.set(ADAPTATION, &numbers);
     }
 
     /// Present stiffness.
@@ -115,15 +107,6 @@ impl StiffnessAdaptation {
         self.stiffness = stiffness.clamp(self.estimate / WIDEST, self.estimate * WIDEST);
         self.is_over = self.strain >= self.until;
     }
-}
-
-/// State stored with the particles of any rank, if any. Collective.
-fn load_from_columns(particles: &Particles, comm: &Comm) -> Option<[f64; SETTLING_NUMBERS]> {
-    let column = particles.columns.iter().find(|column| column.name == SETTLING && column.width == SETTLING_NUMBERS);
-    let own = column.and_then(|column| column.values.first_chunk()).copied();
-    let mut known = own.unwrap_or([f64::NEG_INFINITY; SETTLING_NUMBERS]);
-    comm.max(&mut known);
-    known[0].is_finite().then_some(known)
 }
 
 #[cfg(test)]
@@ -174,19 +157,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_noted_is_recalled_by_ranks_without_particles() {
-        let all = Comm::threads(3, |comm| {
-            let mut particles = Particles::default();
-            assert_eq!(load_from_columns(&particles, &comm), None);
-            let settling = settled(1.0, 100.0, 1.0, 0.01);
-            if comm.rank() == 1 {
-                particles.push(0, domain::Vector::ZERO, 1.0, 0);
-                settling.store_in_columns(&mut particles);
-            }
-            (load_from_columns(&particles, &comm), settling)
-        });
-        for (known, settling) in all {
-            assert_eq!(known, Some([settling.stiffness, settling.strain, 1.0]));
-        }
+    fn the_state_is_stored() {
+        let (settling, mut scalars) = (settled(1.0, 100.0, 1.0, 0.01), Scalars::default());
+        settling.store(&mut scalars);
+        assert_eq!(scalars.numbers(ADAPTATION), Some([settling.stiffness, settling.strain, 1.0]));
     }
 }

@@ -1,9 +1,11 @@
 //! Contacts of a rank's particles.
 
 use super::history::{CONTACTS, Memory, recall};
-use domain::{DomainView, Halo, Neighbours, Particles, Vector};
+use crate::neighbourhood::{LocalParticles, NearParticles};
+use domain::{Particles, PeriodicBox, Vector};
 use hydrodynamics::ContactSprings;
 use lubrication::{Contact, PairKind};
+use std::sync::Arc;
 
 /// A contact as seen by one of its two particles. The other, on this rank or another, sees the same with axis and force
 /// reversed, bit for bit.
@@ -29,21 +31,16 @@ pub struct Touching {
 
 /// All contacts, by rows and then by the ids of the others.
 pub struct AllTouching {
-    pub halo: Halo,
+    /// Particles and ghosts.
+    pub present: Arc<LocalParticles>,
     pub list: Vec<Touching>,
 }
 
 impl AllTouching {
-    /// Finds all contacts. Collective.
-    pub fn find(law: &Contact, particles: &Particles, domain: DomainView, reach: f64) -> Self {
-        let DomainView { cell, partition } = domain;
-        let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
-        let (mut positions, mut radii, mut ids) =
-            (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());
-        halo.extend(&mut positions);
-        halo.extend(&mut radii);
-        halo.extend(&mut ids);
-        let neighbours = Neighbours::find(cell, &positions, particles.len(), reach);
+    /// The contacts among near particles.
+    pub fn of(law: &Contact, particles: &Particles, cell: &PeriodicBox, near: NearParticles) -> Self {
+        let NearParticles { present, neighbours } = near;
+        let (ids, positions, radii) = (present.ids(), present.positions(), present.radii());
         let known = particles.columns.iter().find(|column| column.name == CONTACTS);
         let mut list = Vec::new();
         for row in 0..particles.len() {
@@ -94,17 +91,17 @@ impl AllTouching {
             }
             list[first..].sort_unstable_by_key(|touching| touching.other);
         }
-        Self { halo, list }
+        Self { present, list }
     }
 
     /// Values relative to the flow for all local particles and ghosts, from those of this rank's particles, and zero
     /// for walls, which move with the flow. Collective.
-    pub fn present(&self, values: &[Vector]) -> Vec<Vector> {
-        let mut present = values.to_vec();
-        present.resize(self.halo.owned(), Vector::ZERO);
-        self.halo.extend(&mut present);
-        present.push(Vector::ZERO);
-        present
+    pub fn extended(&self, values: &[Vector]) -> Vec<Vector> {
+        let mut own = values.to_vec();
+        own.resize(self.present.owned(), Vector::ZERO);
+        let mut extended = self.present.extended(own);
+        extended.push(Vector::ZERO);
+        extended
     }
 }
 

@@ -5,10 +5,12 @@ use crate::error::step::StepError;
 use crate::forces::acting::{Acting, Configuration, Instant, Prediction};
 use crate::forces::force::{Force, StressName};
 use crate::model::Model;
-use domain::{Comm, DomainView, ExpectedCounts, Failure, Halo, Particles, PeriodicBox, Tensor, Vector};
+use crate::neighbourhood::{LocalParticles, NeighbourLists};
+use domain::{Comm, DomainView, ExpectedCounts, Failure, Particles, PeriodicBox, Tensor, Vector};
 use fcm::Loads;
 use hydrodynamics::BondSprings;
 use simulation::{ContactForce, ContactState};
+use std::sync::Arc;
 
 /// Bonds are implicit up to this multiple of the longest rest length; longer ones contribute their predicted force
 /// explicitly.
@@ -34,12 +36,12 @@ impl Force for Bonds {
     }
 
     fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
-        self.add(loads, &self.find(at.particles, at.domain).expect(KNOWN), None);
+        self.add(loads, &self.find(at.particles, at.domain, at.lists).expect(KNOWN), None);
     }
 
     /// With a prediction, these are the forces at its end without the implicit part.
     fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
-        let tied = self.find(at.particles, at.domain)?;
+        let tied = self.find(at.particles, at.domain, at.lists)?;
         self.add(&mut acting.loads, &tied, at.prediction);
         if let Some(prediction) = at.prediction {
             acting.resistances.add_bonds(self.springs(&tied, prediction.time));
@@ -52,7 +54,7 @@ impl Force for Bonds {
     }
 
     fn moments(&self, at: &Configuration, beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
-        vec![self.first_moments(&self.find(at.particles, at.domain).expect(KNOWN), beyond)]
+        vec![self.first_moments(&self.find(at.particles, at.domain, at.lists).expect(KNOWN), beyond)]
     }
 
     fn implicit_range(&self, _largest_radius: f64) -> Option<f64> {
@@ -61,7 +63,7 @@ impl Force for Bonds {
 
     /// Breaks bonds with too large a tension. Fails if a bond is as long as half of the box.
     fn end_step(&mut self, particles: &mut Particles, domain: DomainView) -> Result<(), Failure> {
-        self.find(particles, domain)?.break_those(particles);
+        self.find(particles, domain, &NeighbourLists::default())?.break_those(particles);
         Ok(())
     }
 
@@ -96,7 +98,7 @@ struct Bond {
 
 /// Unbroken bonds of a rank's particles, row by row.
 struct Tied {
-    halo: Halo,
+    present: Arc<LocalParticles>,
     list: Vec<Bond>,
 }
 
@@ -170,7 +172,7 @@ impl Bonds {
 
     /// Elastic energy and number of broken bonds. Collective.
     pub fn energy_and_broken(&self, particles: &Particles, domain: DomainView) -> [f64; 2] {
-        let tied = self.find(particles, domain).expect(KNOWN);
+        let tied = self.find(particles, domain, &NeighbourLists::default()).expect(KNOWN);
         let mut sums = [tied.energy(), broken(particles)];
         domain.comm().sum(&mut sums);
         sums
@@ -178,7 +180,7 @@ impl Bonds {
 
     /// Forces of the unbroken bonds of this rank's particles with others of higher id. Collective.
     pub fn forces(&self, particles: &Particles, domain: DomainView) -> Vec<ContactForce> {
-        self.find(particles, domain).expect(KNOWN).forces(particles)
+        self.find(particles, domain, &NeighbourLists::default()).expect(KNOWN).forces(particles)
     }
 
     fn implicit_reach(&self) -> f64 {
@@ -187,21 +189,17 @@ impl Bonds {
 
     /// Finds the unbroken bonds. Fails if one is as long as half of the box, where the image to which it extends is
     /// ambiguous. Collective.
-    fn find(&self, particles: &Particles, domain: DomainView) -> Result<Tied, Failure> {
-        let DomainView { cell, partition } = domain;
-        let comm = partition.comm();
+    fn find(&self, particles: &Particles, domain: DomainView, lists: &NeighbourLists) -> Result<Tied, Failure> {
+        let comm = domain.comm();
         let mut reach = self.implicit_reach();
         loop {
-            let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
-            let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
-            halo.extend(&mut positions);
-            halo.extend(&mut ids);
-            let found = self.among(particles, (&positions, &ids), cell);
+            let present = lists.present(particles, domain, reach);
+            let found = self.among(particles, &present, domain.cell);
             let is_missing = comm.any(found.is_none());
             if let Some(list) = found.filter(|_| !is_missing) {
                 let long = list.iter().find(|bond| bond.distance() >= self.half);
                 comm.agree(long.map_or(Ok(()), |bond| Err(self.too_long(bond, particles))))?;
-                return Ok(Tied { halo, list });
+                return Ok(Tied { present, list });
             }
             if is_missing && reach >= 2.0 * self.half {
                 let message =
@@ -224,12 +222,8 @@ impl Bonds {
     }
 
     /// The bonds, if all bonded particles are among the local particles and ghosts.
-    fn among(
-        &self,
-        particles: &Particles,
-        (positions, ids): (&[Vector], &[u64]),
-        cell: &PeriodicBox,
-    ) -> Option<Vec<Bond>> {
+    fn among(&self, particles: &Particles, present: &LocalParticles, cell: &PeriodicBox) -> Option<Vec<Bond>> {
+        let (positions, ids) = (present.positions(), present.ids());
         let whole = || slots(particles).filter(|(_, slot)| slot[2] > 0.0);
         let mut rows: Vec<(u64, Option<usize>)> = whole().map(|(_, slot)| (slot[0] as u64 - 1, None)).collect();
         rows.sort_unstable();
@@ -258,7 +252,7 @@ impl Bonds {
     /// Adds the known part of the tension. With `w` the rate at which the centres separate and `w*` its expected value,
     /// the tension after a time `t` is `F(x*) + t k (w - w*)`.
     fn add(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Prediction>) {
-        loads.forces.resize(tied.halo.owned(), Vector::ZERO);
+        loads.forces.resize(tied.present.owned(), Vector::ZERO);
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, ahead.map(|ahead| (ahead, -1.0)))) {
             loads.forces[bond.rows[0]] += bond.separation * (pull / bond.distance());
         }
@@ -268,8 +262,7 @@ impl Bonds {
     /// Collective.
     fn pulls(&self, tied: &Tied, ahead: Option<(&Prediction, f64)>) -> Vec<f64> {
         let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
-        let mut velocities = ahead.velocities.to_vec();
-        tied.halo.extend(&mut velocities);
+        let velocities = tied.present.extended(ahead.velocities.to_vec());
         let of_one = |bond: &Bond| {
             bond.pull() + times * self.resistance(bond, ahead.time) * bond.separation_rate(&velocities, ahead)
         };
@@ -282,7 +275,7 @@ impl Bonds {
 
     /// Implicit resistances of the bonds, particle by particle.
     fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
-        let mut springs = vec![Vec::new(); tied.halo.owned()];
+        let mut springs = vec![Vec::new(); tied.present.owned()];
         for bond in &tied.list {
             let (within, resistance) = (self.half, self.resistance(bond, time));
             springs[bond.rows[0]].push(BondSprings { other: bond.other, within, resistance });
@@ -293,7 +286,7 @@ impl Bonds {
     /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
     /// `-(x_i - x_j) F / 2` to each. Collective.
     fn first_moments(&self, tied: &Tied, beyond: Option<&Prediction>) -> Vec<Tensor> {
-        let mut moments = vec![Tensor::ZERO; tied.halo.owned()];
+        let mut moments = vec![Tensor::ZERO; tied.present.owned()];
         for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
             let (r, force) = (bond.separation, bond.separation * (pull / bond.distance()));
             moments[bond.rows[0]] += Tensor::from_cols(r * force.x, r * force.y, r * force.z) * 0.5;

@@ -36,6 +36,7 @@ pub(crate) struct GridFarField {
     near: Option<Box<dyn DynPairCorrection>>,
     wall_images: Option<WallImages>,
     arrangement: ArrangedParticles,
+    has_arranged: bool,
     verlet_list: VerletList,
     work: Work,
 }
@@ -73,6 +74,7 @@ impl GridFarField {
             near,
             wall_images: WallImages::new(&own),
             arrangement,
+            has_arranged: false,
             verlet_list,
             work: Work::default(),
         }
@@ -150,11 +152,22 @@ impl FarField for GridFarField {
             self.work.searches = self.verlet_list.searches();
         }
         self.arrangement = ArrangedParticles { cell: *cell, halo, positions: present, classes };
+        self.has_arranged = true;
         if let Some(images) = &mut self.wall_images {
             stage.next("lists of images in walls");
             images.arrange(&self.arrangement.loaded(&[], &[]), self.verlet_list.neighbours(), owned);
         }
         clock.stop(&mut self.work.seconds.near);
+    }
+
+    fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
+        let (inverse, known) = (1.0 / self.units.length, &self.arrangement);
+        let mut places = particles.positions.iter().zip(&known.positions);
+        let mut radii = particles.radii.iter().zip(&known.classes);
+        let is_like = self.has_arranged && known.halo.owned() == particles.len() && known.cell == cell.scaled(inverse);
+        is_like
+            && places.all(|(&position, &known)| position * inverse == known)
+            && radii.all(|(&radius, &class)| self.plan.class_of(radius) == class)
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {

@@ -1,0 +1,84 @@
+//! Particles of a rank and their ghosts at one time.
+
+use super::SeparatedPair;
+use bytemuck::Pod;
+use domain::{DomainView, Halo, Pair, Particles, PeriodicBox, Vector};
+
+/// Particles of a rank, followed by ghosts within a distance, at one time.
+pub struct LocalParticles {
+    halo: Halo,
+    ids: Vec<u64>,
+    local: LocalPositions,
+}
+
+/// Positions and radii of a rank's particles and ghosts.
+pub(super) struct LocalPositions {
+    cell: PeriodicBox,
+    positions: Vec<Vector>,
+    radii: Vec<f64>,
+}
+
+impl LocalPositions {
+    /// The separation and radii of a pair.
+    pub fn pair(&self, pair: &Pair) -> SeparatedPair {
+        let radii = [pair.i, pair.j].map(|row| self.radii[row as usize]);
+        let separation = pair.separation(&self.cell, &self.positions);
+        SeparatedPair { separation, radii, steps: pair.steps.map(i32::from) }
+    }
+}
+
+impl LocalParticles {
+    /// The particles, with ghosts within a distance of this rank's part of the box. Collective.
+    pub fn new(particles: &Particles, DomainView { cell, partition }: DomainView, distance: f64) -> Self {
+        let halo = Halo::plan(partition, cell, &particles.positions, [distance; 2]);
+        let (mut positions, mut radii, mut ids) =
+            (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());
+        halo.extend(&mut positions);
+        halo.extend(&mut radii);
+        halo.extend(&mut ids);
+        Self { halo, ids, local: LocalPositions { cell: *cell, positions, radii } }
+    }
+
+    /// Whether the particles of this rank are still the same, at the same positions in the same box.
+    pub(super) fn is_of(&self, particles: &Particles, cell: &PeriodicBox) -> bool {
+        let (owned, LocalPositions { cell: known, positions, radii }) = (self.owned(), &self.local);
+        let is_same = owned == particles.len() && known == cell && self.ids[..owned] == particles.ids;
+        is_same && radii[..owned] == particles.radii && positions[..owned] == particles.positions
+    }
+
+    /// Halo of the ghosts.
+    pub fn halo(&self) -> &Halo {
+        &self.halo
+    }
+
+    /// Number of particles of this rank.
+    pub fn owned(&self) -> usize {
+        self.halo.owned()
+    }
+
+    /// Ids of particles and ghosts.
+    pub fn ids(&self) -> &[u64] {
+        &self.ids
+    }
+
+    /// Positions of particles and ghosts.
+    pub fn positions(&self) -> &[Vector] {
+        &self.local.positions
+    }
+
+    /// Radii of particles and ghosts.
+    pub fn radii(&self) -> &[f64] {
+        &self.local.radii
+    }
+
+    /// Positions and radii of particles and ghosts.
+    pub(super) fn local(&self) -> &LocalPositions {
+        &self.local
+    }
+
+    /// Values of this rank's particles, extended by those of its ghosts. Collective.
+    pub fn extended<T: Pod>(&self, mut values: Vec<T>) -> Vec<T> {
+        self.halo.extend(&mut values);
+        values
+    }
+}
