@@ -1,7 +1,7 @@
 //! Forces of the user that are registered with a suspension.
 
 use crate::support::model_of;
-use domain::{Comm, DomainView, Failure, Particles, Vector};
+use domain::{Comm, DomainView, Failure, Particles, Scalars, Vector};
 use simulation::{Simulation, State};
 use suspension::{
     Acting, Configuration, Force, Instant, Loads, PairKind, PairLaw, PairwiseForce, Suspension, SuspensionRun, VELOCITY,
@@ -191,7 +191,7 @@ fn its_scalars_survive_a_resumption() {
                 );
                 assert_eq!(saved.particles.scalars.iter().count(), 1);
                 // Only the first rank has to provide the scalars.
-                let given = comm.is_first().then(|| saved.particles.scalars.clone()).unwrap_or_default();
+                let given = if comm.is_first() { saved.particles.scalars.clone() } else { Scalars::default() };
                 let state = State { particles: Particles { scalars: given, ..saved.particles }, ..saved };
                 let mut resumed = go_on(Suspension::resume(&model, Some(state), &comm).unwrap(), 2);
                 assert_eq!(resumed.state().particles.scalars.numbers(STEPS), Some([4.0]));
