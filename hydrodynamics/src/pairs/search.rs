@@ -302,7 +302,7 @@ mod tests {
                     assert!(Arc::ptr_eq(&first, &second));
                     let mut count = [field.lists.neighbours().count() as f64];
                     comm.sum(&mut count);
-                    assert_eq!(count, [2.0 * near]);
+                    assert!((count[0] - 2.0 * near).abs() < 0.5, "{count:?}");
                     for (position, id) in particles.positions.iter_mut().zip(&particles.ids) {
                         position.x += *id as f64;
                     }
