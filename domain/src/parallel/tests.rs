@@ -84,7 +84,8 @@ fn results_are_the_same_whether_loops_are_measured() {
         let squares: Vec<u64> = (0..5000_u32).into_par_iter().map(|i| u64::from(i) * 7919).measured().collect();
         let mut sorted = squares.clone();
         sort(sorted.len(), || sorted.par_sort_unstable_by_key(|&value| value % 1009));
-        let evens = (0..sorted.len()).into_par_iter().measured().filter(|i| sorted[*i].is_multiple_of(2)).collect::<Vec<_>>();
+        let rows = (0..sorted.len()).into_par_iter().measured();
+        let evens = rows.filter(|row| sorted[*row].is_multiple_of(2)).collect::<Vec<_>>();
         (sorted, evens)
     };
     assert_eq!(computed(), measure(wall_clock, computed).0);

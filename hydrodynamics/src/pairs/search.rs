@@ -16,7 +16,7 @@ use domain::{
 use fcm::Precision;
 use lubrication::WallForce;
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// Short-range interactions and the neighbour lists for them.
 pub struct NearField {
@@ -47,7 +47,7 @@ pub struct NearLists {
     /// Largest centre distance of a near pair.
     reach: f64,
     lists: VerletList,
-    present: Option<Arc<Present>>,
+    present: Option<Rc<Present>>,
 }
 
 impl NearLists {
@@ -68,7 +68,7 @@ impl NearLists {
 
     /// The particles, of known species, with ghosts, and the lists at their positions: as they are, if no particle has
     /// moved. Collective.
-    fn follow(&mut self, particles: &Particles, species: Vec<u32>, view: DomainView) -> Arc<Present> {
+    fn follow(&mut self, particles: &Particles, species: Vec<u32>, view: DomainView) -> Rc<Present> {
         let _stage = stage("lists of near pairs");
         let DomainView { cell, partition } = view;
         let known = self.present.take().filter(|present| present.is_of(particles, &species, cell));
@@ -77,9 +77,9 @@ impl NearLists {
             let present = Present::new(particles, species, view, self.reach);
             let (owned, ids, positions) = (particles.len(), &present.ids[..], &present.positions[..]);
             self.lists.update(cell, &LocalAndGhosts { owned, ids, positions });
-            Arc::new(present)
+            Rc::new(present)
         });
-        self.present = Some(Arc::clone(&present));
+        self.present = Some(Rc::clone(&present));
         present
     }
 }
@@ -109,7 +109,7 @@ impl Present {
 
 impl NearField {
     /// Collects particles and ghosts, and updates the neighbour lists. Collective.
-    pub fn present(&mut self, particles: &Particles, view: DomainView) -> Arc<Present> {
+    pub fn present(&mut self, particles: &Particles, view: DomainView) -> Rc<Present> {
         let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
         let species = particles.radii.iter().map(class).collect();
         self.lists.follow(particles, species, view)
@@ -128,7 +128,7 @@ pub enum Pairs {
 /// Resistance of the near pairs of a rank's particles.
 pub struct NearPairs {
     /// Particles and ghosts.
-    around: Arc<Present>,
+    around: Rc<Present>,
     /// Includes the resistance of walls. In double precision: near contact, the resistances of both spheres almost
     /// cancel.
     stiff: PairMatrix<f64>,
@@ -198,7 +198,7 @@ impl NearPairs {
         let present = Present::new(particles, vec![0; particles.len()], DomainView { cell, partition }, 0.0);
         let (loads, moments) = (SixVectors::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
         Self {
-            around: Arc::new(present),
+            around: Rc::new(present),
             stiff: PairMatrix::new(Vec::new()),
             soft: Box::new(PairMatrix::<f64>::new(Vec::new())),
             at_walls: Vec::new(),
@@ -299,7 +299,7 @@ mod tests {
                 let view = DomainView { cell: &cell, partition: &partition };
                 for near in [1.0, 0.0] {
                     let (first, second) = (field.present(&particles, view), field.present(&particles, view));
-                    assert!(Arc::ptr_eq(&first, &second));
+                    assert!(Rc::ptr_eq(&first, &second));
                     let mut count = [field.lists.neighbours().count() as f64];
                     comm.sum(&mut count);
                     assert!((count[0] - 2.0 * near).abs() < 0.5, "{count:?}");

@@ -90,7 +90,7 @@ impl NeighbourLists {
         )
     }
 
-    /// [`smallest_gap`] for spheres up to a radius: by the lists, if they reach far enough. Collective.
+    /// Smallest gap of spheres up to a radius, on all ranks: by the lists, if they reach far enough. Collective.
     pub fn smallest_gap(&self, particles: &Particles, domain: DomainView, largest_radius: f64) -> f64 {
         let levels = self.levels();
         let range = levels.iter().rev().map(|level| level.range).find(|&range| range > 2.0 * largest_radius);
