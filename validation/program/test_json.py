@@ -65,7 +65,7 @@ class Editors(unittest.TestCase):
         self.assertEqual(run(["new", "settling"]).splitlines()[0], "#:schema fcm-solve.schema.json")
         schema = json.loads(run(["schema"]))
         self.assertIn("draft-07", schema["$schema"])
-        tolerance = schema["definitions"]["Hydrodynamics"]["properties"]["tolerance"]
+        tolerance = schema["definitions"]["HydrodynamicsSection"]["properties"]["tolerance"]
         self.assertIn("Relative error", tolerance["description"])
 
 
