@@ -42,7 +42,7 @@ use following::Following;
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
 use lubrication::{LubricationRange, PairKind};
 use simulation::Clock;
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// Right-hand side of the equation of motion: forces, hydrodynamics and the moving box.
 pub struct Dynamics {
@@ -267,7 +267,7 @@ impl Dynamics {
     ) -> Result<Acting, StepError> {
         let _stage = stage("forces");
         let Self { moving, partition, forces, .. } = self;
-        let (domain, lists) = (DomainView { cell: moving.cell(), partition }, Arc::clone(forces.lists()));
+        let (domain, lists) = (DomainView { cell: moving.cell(), partition }, Rc::clone(forces.lists()));
         let mut at = Instant {
             particles,
             domain,

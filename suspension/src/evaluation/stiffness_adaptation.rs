@@ -3,7 +3,7 @@
 use super::Dynamics;
 use crate::forces::contacts::{Contacts, StiffnessAdaptation};
 use domain::{DomainView, Particles};
-use std::sync::Arc;
+use std::rc::Rc;
 
 impl Dynamics {
     /// State of the stiffness adaptation, if the stiffness adapts.
@@ -25,7 +25,7 @@ impl Dynamics {
     pub fn adapt_stiffness(&mut self, particles: &Particles, step: f64) {
         let Self { forces, moving, partition, .. } = self;
         let (domain, strain) = (DomainView { cell: moving.cell(), partition }, moving.rate() * step);
-        let lists = Arc::clone(forces.lists());
+        let lists = Rc::clone(forces.lists());
         forces.contacts.iter_mut().for_each(|contacts| contacts.adapt(particles, domain, &lists, strain));
     }
 }

@@ -14,7 +14,7 @@ use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{Bytes, DomainView, ExpectedCounts, Particles, Partition, Tensor};
 use fcm::Loads;
 use lubrication::BarrierError;
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// Column that marks particles whose velocities include a registered force, by its name.
 const REGISTERED: &str = "registered force ";
@@ -38,7 +38,7 @@ pub struct Forces {
     /// Forces that the user registered.
     registered: Vec<Box<dyn Force>>,
     /// Neighbour lists of all forces and of those who share them.
-    lists: Arc<NeighbourLists>,
+    lists: Rc<NeighbourLists>,
     /// Longest range of forces; `None` if no force needs pairs.
     pair_range: Option<f64>,
     /// Distances up to which others need neighbours.
@@ -70,7 +70,7 @@ impl Forces {
             others: Vec::new(),
             applied: AppliedForces::new(model.user_axes()),
             registered: Vec::new(),
-            lists: Arc::default(),
+            lists: Rc::default(),
             pair_range: None,
             shared: SharedRanges::default(),
         })
@@ -152,7 +152,7 @@ impl Forces {
         self.pair_range = self.range(largest_radius);
         let contacts = self.contacts.as_ref().map(Contacts::reach);
         let ranges = [self.range_with_forces(), self.shared.others, contacts].into_iter().flatten();
-        self.lists = Arc::new(NeighbourLists::new(ranges, partition));
+        self.lists = Rc::new(NeighbourLists::new(ranges, partition));
     }
 
     /// Longest range of forces and of those who need pairs at their positions; `None` if nobody needs pairs there.
@@ -161,7 +161,7 @@ impl Forces {
     }
 
     /// Neighbour lists of all forces and of those who share them.
-    pub fn lists(&self) -> &Arc<NeighbourLists> {
+    pub fn lists(&self) -> &Rc<NeighbourLists> {
         &self.lists
     }
 

@@ -12,11 +12,11 @@ pub use neighbour_lists::{NearParticles, NeighbourLists};
 use rayon::prelude::*;
 pub use smallest_gap::smallest_gap;
 use std::ops::AddAssign;
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// Pairs within a cutoff, with the halo for ghosts.
 pub struct PairsWithHalo {
-    present: Arc<LocalParticles>,
+    present: Rc<LocalParticles>,
     pairs: Pairs,
 }
 
@@ -39,7 +39,7 @@ impl PairsWithHalo {
     pub fn find(particles: &Particles, domain: DomainView, cutoff: f64) -> Self {
         let present = LocalParticles::new(particles, domain, cutoff);
         let pairs = Pairs::find(domain.cell, present.positions(), present.ids(), particles.len(), cutoff);
-        Self { present: Arc::new(present), pairs }
+        Self { present: Rc::new(present), pairs }
     }
 
     /// Memory of the pairs within a distance, with copies of the particles and ghosts.

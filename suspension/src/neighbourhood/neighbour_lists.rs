@@ -6,7 +6,8 @@ use domain::parallel::stage;
 use domain::{
     Bytes, DomainView, ExpectedCounts, LocalAndGhosts, Neighbours, Pair, Pairs, Particles, Partition, VerletList,
 };
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::cell::{RefCell, RefMut};
+use std::rc::Rc;
 
 /// Neighbour lists up to given ranges, which forces, contacts, bonds, the control of gaps and observables share. They
 /// are rebuilt only when a particle has moved too far. Particles and ghosts are collected, and followed by the lists,
@@ -14,13 +15,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 #[derive(Default)]
 pub struct NeighbourLists {
     /// From the longest range to the shortest.
-    levels: Mutex<Vec<Level>>,
+    levels: RefCell<Vec<Level>>,
 }
 
 /// Neighbours within a range of each particle of a rank, by row. Each pair is in the lists of both of its particles.
 pub struct NearParticles {
     /// Particles and ghosts.
-    pub present: Arc<LocalParticles>,
+    pub present: Rc<LocalParticles>,
     /// Neighbours.
     pub neighbours: Neighbours,
 }
@@ -30,7 +31,7 @@ struct Level {
     range: f64,
     lists: VerletList,
     /// Particles and ghosts in the configuration of the lists.
-    present: Option<Arc<LocalParticles>>,
+    present: Option<Rc<LocalParticles>>,
 }
 
 /// Skin over the cutoff. The cutoff is a few radii, so spheres move far before lists are rebuilt, and lists stay short
@@ -56,7 +57,7 @@ impl NeighbourLists {
                 levels.push(Level { range, lists, present: None });
             }
         }
-        Self { levels: Mutex::new(levels) }
+        Self { levels: RefCell::new(levels) }
     }
 
     /// Particles that are closer than `range` to each particle. A range beyond those of the lists takes a search.
@@ -68,7 +69,7 @@ impl NeighbourLists {
             let present = level.follow(particles, domain);
             return NearParticles { present, neighbours: level.lists.within(range) };
         }
-        let present = Arc::new(LocalParticles::new(particles, domain, range));
+        let present = Rc::new(LocalParticles::new(particles, domain, range));
         let neighbours = Neighbours::find(domain.cell, present.positions(), particles.len(), range);
         NearParticles { present, neighbours }
     }
@@ -81,11 +82,11 @@ impl NeighbourLists {
     }
 
     /// Particles with ghosts at least up to a distance. Collective.
-    pub fn present(&self, particles: &Particles, domain: DomainView, distance: f64) -> Arc<LocalParticles> {
+    pub fn present(&self, particles: &Particles, domain: DomainView, distance: f64) -> Rc<LocalParticles> {
         let mut levels = self.levels();
         let level = levels.iter_mut().rev().find(|level| level.range >= distance);
         level.map_or_else(
-            || Arc::new(LocalParticles::new(particles, domain, distance)),
+            || Rc::new(LocalParticles::new(particles, domain, distance)),
             |level| level.follow(particles, domain),
         )
     }
@@ -112,8 +113,8 @@ impl NeighbourLists {
         smallest[0].min(smallest_gap_at_walls(particles, domain))
     }
 
-    fn levels(&self) -> MutexGuard<'_, Vec<Level>> {
-        self.levels.lock().unwrap_or_else(PoisonError::into_inner)
+    fn levels(&self) -> RefMut<'_, Vec<Level>> {
+        self.levels.borrow_mut()
     }
 
     /// Number of searches for the lists so far.
@@ -130,16 +131,16 @@ impl NeighbourLists {
 
 impl Level {
     /// Updates the list to a configuration, unless it is that of the last update. Collective.
-    fn follow(&mut self, particles: &Particles, domain: DomainView) -> Arc<LocalParticles> {
+    fn follow(&mut self, particles: &Particles, domain: DomainView) -> Rc<LocalParticles> {
         let known = self.present.take().filter(|present| present.is_of(particles, domain.cell));
         let is_new = domain.comm().any(known.is_none());
         let present = known.filter(|_| !is_new).unwrap_or_else(|| {
             let present = LocalParticles::new(particles, domain, self.range);
             let (owned, ids, positions) = (particles.len(), present.ids(), present.positions());
             self.lists.track(domain.cell, &LocalAndGhosts { owned, ids, positions });
-            Arc::new(present)
+            Rc::new(present)
         });
-        self.present = Some(Arc::clone(&present));
+        self.present = Some(Rc::clone(&present));
         present
     }
 }

@@ -5,7 +5,7 @@ use crate::neighbourhood::{LocalParticles, NearParticles};
 use domain::{Particles, PeriodicBox, Vector};
 use hydrodynamics::ContactSprings;
 use lubrication::{Contact, PairKind};
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// A contact as seen by one of its two particles. The other, on this rank or another, sees the same with axis and force
 /// reversed, bit for bit.
@@ -32,7 +32,7 @@ pub struct Touching {
 /// All contacts, by rows and then by the ids of the others.
 pub struct AllTouching {
     /// Particles and ghosts.
-    pub present: Arc<LocalParticles>,
+    pub present: Rc<LocalParticles>,
     pub list: Vec<Touching>,
 }
 

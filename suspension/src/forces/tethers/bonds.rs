@@ -10,7 +10,7 @@ use domain::{Comm, DomainView, ExpectedCounts, Failure, Particles, PeriodicBox, 
 use fcm::Loads;
 use hydrodynamics::BondSprings;
 use simulation::{ContactForce, ContactState};
-use std::sync::Arc;
+use std::rc::Rc;
 
 /// Bonds are implicit up to this multiple of the longest rest length; longer ones contribute their predicted force
 /// explicitly.
@@ -98,7 +98,7 @@ struct Bond {
 
 /// Unbroken bonds of a rank's particles, row by row.
 struct Tied {
-    present: Arc<LocalParticles>,
+    present: Rc<LocalParticles>,
     list: Vec<Bond>,
 }
 
