@@ -1,6 +1,5 @@
 """ParaView and pyvista read the velocity fields: every frame, every point, to the end of the box."""
 
-import fcntl
 import pathlib
 import pickle
 import subprocess
@@ -90,12 +89,9 @@ class Fields(unittest.TestCase):
 
 
 def pvbatch(script, *arguments, cwd=None):
-    """Runs a script in ParaView on a virtual screen.
-
-    One at a time: two that xvfb-run starts together, from files of tests that run side by side, take the same screen."""
-    command = ["xvfb-run", "-a", "pvbatch", script, *arguments]
-    with open(__file__) as turn:
-        fcntl.flock(turn, fcntl.LOCK_EX)
-        ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300, cwd=cwd)
+    """Runs a script in ParaView on a virtual screen, which does not reset itself between two connections: one that ParaView
+    opens meanwhile is refused."""
+    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x1024x24 -noreset", "pvbatch", script, *arguments]
+    ended = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300, cwd=cwd)
     if ended.returncode != 0:
         raise AssertionError(f"{script}: {ended.stdout}{ended.stderr}")
