@@ -1,11 +1,14 @@
 use super::*;
 use crate::Observables;
 
+fn provenance() -> Provenance {
+    Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 }
+}
+
 #[test]
 fn rows_go_to_both_files_and_none_is_doubled() {
     let folder = tempfile::tempdir().unwrap();
-    let provenance =
-        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let provenance = provenance();
     let quantities =
         [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into(), "b".into()])];
     let row = |step: u64| vec![vec![step as f64], (0..6).map(|i| 0.1 * f64::from(i) + step as f64).collect()];
@@ -33,8 +36,7 @@ fn rows_go_to_both_files_and_none_is_doubled() {
 #[test]
 fn each_of_the_two_files_is_mended_from_the_other() {
     let folder = tempfile::tempdir().unwrap();
-    let provenance =
-        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let provenance = provenance();
     let quantities = [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["a".into()])];
     let row = |step: u64| vec![vec![1.0 / (3.0 + step as f64)], vec![f64::NAN, -0.0, 1e300 * step as f64]];
     let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 4).unwrap();
@@ -74,8 +76,7 @@ fn each_of_the_two_files_is_mended_from_the_other() {
 #[test]
 fn names_with_separators_are_cells_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
-    let provenance =
-        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let provenance = provenance();
     let names = ["silica, 2 um".to_owned(), "a; \"b\"".to_owned()];
     let quantities = [Quantity::vectors("mean", "length/time", &names)];
     let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 2).unwrap();
@@ -98,8 +99,7 @@ fn names_with_separators_are_cells_of_their_own() {
 #[test]
 fn a_row_that_is_being_written_is_left_out() {
     let folder = tempfile::tempdir().unwrap();
-    let provenance =
-        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let provenance = provenance();
     let quantities = [Quantity::number("gap", "length"), Quantity::vectors("mean", "length/time", &["one".to_owned()])];
     let mut series = Series::create(&Manifest::none(folder.path()), &provenance, &quantities, 4).unwrap();
     for step in 0..4 {
@@ -123,8 +123,7 @@ fn a_row_that_is_being_written_is_left_out() {
 #[test]
 fn a_file_that_changes_while_it_is_read_is_read_again() {
     let folder = tempfile::tempdir().unwrap();
-    let provenance =
-        Provenance { scene: "a = 1".into(), program: "test 1".into(), plan: "none".into(), ranks: 1, seed: 2 };
+    let provenance = provenance();
     let mut series =
         Series::create(&Manifest::none(folder.path()), &provenance, &[Quantity::number("gap", "length")], 4).unwrap();
     (0..4).for_each(|step| series.append((step, step as f64), &[vec![0.5]]).unwrap());
