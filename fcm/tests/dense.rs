@@ -2,7 +2,9 @@
 
 use crate::common::{Suspension, error, on_ranks, rigid_errors, solved, tensors, vectors, worst};
 use domain::{Boundaries, Comm, Partition, PeriodicBox, Random, Traceless, Vector};
-use fcm::{Fixed, Loads, Method, Mobility, Motion, Multipoles, Output, Plan, Problem, Stream, StressletSolver};
+use fcm::{
+    ComputeDevice, Fixed, Loads, Method, Mobility, Motion, Multipoles, Output, Plan, Problem, Stream, StressletSolver,
+};
 
 const DENSE: Fixed = Fixed {
     method: Some(Method::Dense),
@@ -11,6 +13,7 @@ const DENSE: Fixed = Fixed {
     width: None,
     cutoff: None,
     precision: None,
+    device: ComputeDevice::Cpu,
     iteration_tolerance: None,
 };
 

@@ -109,6 +109,7 @@ fn fixed_choices_are_kept() {
         width: Some(1.3),
         cutoff: Some(3.3),
         precision: Some(fcm::Precision::Double),
+        device: fcm::ComputeDevice::Cpu,
         iteration_tolerance: Some(1e-5),
     };
     let plan = Plan::choose(&Problem { fixed, ..problem() }).unwrap();

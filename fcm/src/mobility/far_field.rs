@@ -1,15 +1,18 @@
 //! Interface between the mobility and what evaluates it: a method on a device.
 
 mod dense;
+mod device;
 mod grid;
 
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, Stream};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
+use crate::plan::device::ComputeDevice;
 use crate::plan::method::Method;
 use crate::plan::sample_points::SamplePoints;
 use dense::DenseFarField;
+use device::DeviceFarField;
 use domain::{Particles, Partition, PeriodicBox, Vector};
 use grid::GridFarField;
 
@@ -70,8 +73,9 @@ pub(crate) trait FlowAtPoints {
 
 /// The far field that a plan chose, on ranks that share its grid by `partition`.
 pub(crate) fn of_plan(plan: &Plan, partition: &Partition) -> Box<dyn FarField> {
-    match plan.method {
-        Method::Direct | Method::Split => Box::new(GridFarField::new(plan, partition)),
-        Method::Dense => Box::new(DenseFarField::new(plan, partition)),
+    match (plan.device, plan.method) {
+        (ComputeDevice::Gpu, _) => Box::new(DeviceFarField::new(plan, partition)),
+        (ComputeDevice::Cpu, Method::Direct | Method::Split) => Box::new(GridFarField::new(plan, partition)),
+        (ComputeDevice::Cpu, Method::Dense) => Box::new(DenseFarField::new(plan, partition)),
     }
 }

@@ -95,6 +95,17 @@ impl<T: Real> PairTable<T> {
         (count <= MOST_INTERVALS).then_some(count)
     }
 
+    /// Number of intervals per unit of the squared distance, and the coefficients of each by order and function.
+    pub fn coefficients(&self) -> (f64, Vec<[PairValues; DEGREE + 1]>) {
+        let of_interval = |interval: &Interval<T>| {
+            std::array::from_fn(|order| {
+                let function = |f: usize| interval.first[order].get(f).unwrap_or(&interval.last[order]).to_f64();
+                std::array::from_fn(function)
+            })
+        };
+        (self.per_interval, self.intervals.iter().map(of_interval).collect())
+    }
+
     /// Bytes of the table of [`Self::new`], if it makes one.
     pub fn bytes(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<f64> {
         Self::intervals(functions, cutoff, tolerance).map(|count| (count * size_of::<Interval<T>>()) as f64)

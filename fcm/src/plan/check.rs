@@ -108,6 +108,7 @@ impl Problem {
         if self.boundaries != Boundaries::Periodic {
             self.check_bounded()?;
         }
+        self.check_device()?;
         if let Some(gridless) = self.fixed.method.and_then(Method::gridless) {
             gridless.check(self)?;
         }

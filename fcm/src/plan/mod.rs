@@ -5,6 +5,7 @@ pub(crate) mod bounded;
 pub(crate) mod check;
 pub(crate) mod cost;
 pub(crate) mod costs;
+pub(crate) mod device;
 pub(crate) mod grid_refinement;
 pub(crate) mod infeasible;
 pub(crate) mod method;
@@ -19,6 +20,7 @@ use crate::envelope::{Common, Envelope};
 use crate::grid::stencil::Support;
 use crate::grid::window::KaiserBessel;
 use crate::plan::costs::Costs;
+use crate::plan::device::ComputeDevice;
 use crate::plan::method::{Method, Split};
 use crate::plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
 use domain::{AxisRotation, Boundaries, Number, PeriodicBox, Units, Vector};
@@ -121,6 +123,8 @@ pub struct Plan {
     pub method: Method,
     /// Parameters of the split method.
     pub split: Option<Split>,
+    /// Device that evaluates the far field.
+    pub device: ComputeDevice,
     /// Precision of the grid.
     pub precision: Precision,
     /// Grid points along each edge.
@@ -148,6 +152,7 @@ impl Plan {
         if plans.is_empty() {
             return Err(problem.no_plan());
         }
+        problem.keep_evaluable(&mut plans)?;
         plans.sort_by(|a, b| a.predicted_seconds.total_cmp(&b.predicted_seconds));
         Ok(plans)
     }
@@ -293,8 +298,12 @@ impl Plan {
         let grid = format!(
             "grid       {nx} x {ny} x {nz} points in {precision}\nsupport    {px} x {py} x {pz} points a particle\n"
         );
+        let device = match self.device {
+            ComputeDevice::Cpu => String::new(),
+            ComputeDevice::Gpu => format!("device     {}\n", self.device.name()),
+        };
         format!(
-            "method     {method}\n{}tolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the \
+            "method     {method}\n{}{device}tolerance  {:.1e} asked for, {:.1e} expected\niteration  to {:.1e} in the \
              stresslets\n",
             if self.has_grid() { grid.as_str() } else { "" },
             self.tolerance,

@@ -103,7 +103,7 @@ impl Problem {
     }
 
     fn allows(&self, method: Method) -> bool {
-        self.fixed.method.is_none_or(|fixed| fixed == method)
+        self.fixed.device.allows(method) && self.fixed.method.is_none_or(|fixed| fixed == method)
     }
 
     fn precisions(&self) -> impl Iterator<Item = Precision> {
@@ -332,6 +332,7 @@ impl Problem {
             image_cutoff: self.image_cutoff(),
             method,
             split,
+            device: self.fixed.device,
             precision,
             grid,
             support,

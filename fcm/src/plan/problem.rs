@@ -2,6 +2,7 @@
 
 use crate::envelope::Envelope;
 use crate::plan::costs::Costs;
+use crate::plan::device::ComputeDevice;
 use crate::plan::method::Method;
 use domain::{Boundaries, PeriodicBox, Vector};
 
@@ -130,6 +131,8 @@ pub struct Fixed {
     pub cutoff: Option<f64>,
     /// Precision of the grid.
     pub precision: Option<Precision>,
+    /// Device that evaluates the far field.
+    pub device: ComputeDevice,
     /// Relative error allowed in the stresslets.
     pub iteration_tolerance: Option<f64>,
 }

@@ -57,6 +57,9 @@ fn what_a_scene_leaves_out_has_its_default() {
     assert_eq!((scene.model.hydrodynamics.tolerance, scene.model.hydrodynamics.grid), (1e-3, None));
     assert_eq!(scene.output.trajectory, Schedule::every(1));
     assert_eq!(scene.model.hydrodynamics.method, None);
+    assert_eq!(scene.model.hydrodynamics.device, fcm::ComputeDevice::Cpu);
+    let on_card = good("least.toml", &["hydrodynamics.device=gpu"]);
+    assert_eq!(suspension(&on_card).model.hydrodynamics.device, fcm::ComputeDevice::Gpu);
     let dense = good("least.toml", &["hydrodynamics.method=dense"]);
     assert_eq!(suspension(&dense).model.hydrodynamics.method.map(fcm::Method::name), Some("dense"));
     assert_eq!(suspension(&good("duration.toml", &[])).time.steps, 10);

@@ -2,7 +2,7 @@
 
 use crate::model::box_axes::UserAxes;
 use domain::{Number, ParameterError};
-use fcm::Method;
+use fcm::{ComputeDevice, Method};
 
 /// Parameters of the hydrodynamic interactions; those that are `None` are chosen from the tolerance.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +13,8 @@ pub struct Hydrodynamics {
     pub tolerance: f64,
     /// Method of the far field; `None` for the fastest.
     pub method: Option<Method>,
+    /// Device that evaluates the far field.
+    pub device: ComputeDevice,
     /// Grid points along x, y and z.
     pub grid: Option<[usize; 3]>,
     /// Width of a stencil in grid points.
@@ -46,6 +48,7 @@ impl Default for Hydrodynamics {
             multipoles: MultipoleOrder::Dipole,
             tolerance: 1e-3,
             method: None,
+            device: ComputeDevice::Cpu,
             grid: None,
             support: None,
             iteration_tolerance: None,

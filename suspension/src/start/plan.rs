@@ -90,5 +90,12 @@ fn fixed(model: &Model) -> Fixed {
     // tolerance.
     let usual = model.contacts.map(|_| chosen.tolerance);
     let iteration_tolerance = chosen.iteration_tolerance.or(usual);
-    Fixed { method: chosen.method, grid: chosen.grid, support: chosen.support, iteration_tolerance, ..Fixed::default() }
+    Fixed {
+        method: chosen.method,
+        device: chosen.device,
+        grid: chosen.grid,
+        support: chosen.support,
+        iteration_tolerance,
+        ..Fixed::default()
+    }
 }

@@ -14,3 +14,4 @@ mod pieces;
 pub(crate) use kaiser_bessel::KaiserBessel;
 pub(crate) use kernel::Windowed;
 pub(crate) use lattice::WindowLattice;
+pub(crate) use pieces::Pieces;

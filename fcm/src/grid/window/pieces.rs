@@ -44,6 +44,15 @@ impl<T: Real> Pieces<T> {
         Self { points, lanes, series: std::array::from_fn(series) }
     }
 
+    /// Polynomials of each derivative without padding: coefficients from the highest power on, each a row of points.
+    pub fn series(&self) -> [Vec<f64>; DERIVATIVES] {
+        let rows = |series: &WindowSeries<T>| {
+            let rows = series.coefficients.values()[..series.rows * self.lanes].chunks(self.lanes);
+            rows.flat_map(|row| row[..self.points].iter().map(|value| value.to_f64())).collect()
+        };
+        std::array::from_fn(|derivative| rows(&self.series[derivative]))
+    }
+
     /// Points padded to whole vectors.
     pub fn lanes(&self) -> usize {
         self.lanes

@@ -2,6 +2,7 @@
 
 use crate::grid::stencil::Support;
 use crate::plan::costs::Costs;
+use crate::plan::device::ComputeDevice;
 use crate::plan::method::{Gridless, GridlessBytes, Method, RankParticles};
 use crate::plan::problem::{Multipoles, Precision, Problem};
 use crate::plan::{Plan, PlanError};
@@ -74,6 +75,7 @@ impl Gridless for Dense {
             image_cutoff: problem.image_cutoff(),
             method: Method::Dense,
             split: None,
+            device: ComputeDevice::Cpu,
             precision: Precision::Double,
             grid: GRID,
             support: Support { lanes: 8, support: 0, reach: 0.0 },

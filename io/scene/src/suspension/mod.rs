@@ -184,6 +184,7 @@ fn hydrodynamics(raw: &raw::HydrodynamicsSection) -> Hydrodynamics {
         multipoles: raw.multipoles.map_or(default.multipoles, Into::into),
         tolerance: raw.tolerance.unwrap_or(default.tolerance),
         method: raw.method.map_or(default.method, crate::CaseMethod::alone),
+        device: raw.device.map_or(default.device, Into::into),
         grid: raw.grid,
         support: raw.support,
         iteration_tolerance: raw.iteration_tolerance,

@@ -250,6 +250,8 @@ pub(super) struct HydrodynamicsSection {
     pub(super) tolerance: Option<f64>,
     /// Evaluation method of the far field; the fastest by default.
     pub(super) method: Option<CaseMethod>,
+    /// Device that evaluates the far field; the processors of the host by default.
+    pub(super) device: Option<Device>,
     /// Grid points along x, y and z, which are even numbers; chosen from the tolerance by default.
     pub(super) grid: Option<[usize; 3]>,
     /// Grid points across the support of an envelope; chosen from the tolerance by default.
@@ -297,6 +299,7 @@ macro_rules! names {
 }
 
 names! { Boundary for crate::CaseBoundary: Periodic Walls Wall Open }
+names! { Device for fcm::ComputeDevice: Cpu Gpu }
 names! { Multipoles for suspension::MultipoleOrder: Monopole Dipole }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }

@@ -1,0 +1,166 @@
+//! Far field by the split method on a device.
+//!
+//! Loads and motions pass through the host in each evaluation. Noise is drawn on the host, by the same plan.
+
+mod tables;
+#[cfg(test)]
+mod tests;
+
+use crate::mobility::far_field::grid::GridFarField;
+use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
+use crate::mobility::loads::{Loads, Motion, Output};
+use crate::mobility::noise::DrawDiagnostics;
+use crate::mobility::work::Work;
+use crate::plan::Plan;
+use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector};
+use gpu::{Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, SplitFarField};
+use tables::PlanTables;
+
+/// Far field of a plan on a device, in internal units as those of [`GridFarField`].
+pub(crate) struct DeviceFarField {
+    plan: Plan,
+    partition: Partition,
+    units: Units,
+    tables: PlanTables,
+    split: SplitFarField,
+    particles: Particles,
+    cell: PeriodicBox,
+    /// The box on the device, in internal units.
+    arranged: Option<PeriodicBox>,
+    /// The same far field on the host, made when first needed, and whether its particles are those of the device.
+    host: Option<(GridFarField, bool)>,
+    work: Work,
+}
+
+/// Result of a device, whose failures end the run.
+///
+/// # Panics
+/// If the device fails, as when its memory is full.
+fn succeeded<T>(result: Result<T, DeviceError>) -> T {
+    result.unwrap_or_else(|error| panic!("hydrodynamics.device \"gpu\" fails: {error}"))
+}
+
+/// Columns as a list of numbers in other units.
+fn scaled<const N: usize>(columns: impl Iterator<Item = [f64; N]>, factor: f64) -> Vec<f64> {
+    columns.flatten().map(|value| value * factor).collect()
+}
+
+impl DeviceFarField {
+    /// Opens the card of this machine.
+    pub fn new(plan: &Plan, partition: &Partition) -> Self {
+        Self::on(Box::new(succeeded(Cuda::open())), plan, partition)
+    }
+
+    /// On any device.
+    pub fn on(device: Box<dyn Device>, plan: &Plan, partition: &Partition) -> Self {
+        let units = plan.units();
+        let own = plan.in_units(&units);
+        let tables = PlanTables::new(&own);
+        let split = succeeded(SplitFarField::new(device, tables.split(&own)));
+        Self {
+            plan: plan.clone(),
+            partition: partition.clone(),
+            units,
+            tables,
+            split,
+            particles: Particles::default(),
+            cell: plan.cell(),
+            arranged: None,
+            host: None,
+            work: Work::default(),
+        }
+    }
+
+    /// The far field on the host, of the same particles.
+    fn host(&mut self) -> &mut GridFarField {
+        let (plan, partition) = (&self.plan, &self.partition);
+        let (host, is_arranged) = self.host.get_or_insert_with(|| (GridFarField::new(plan, partition), false));
+        if !*is_arranged {
+            host.arrange(&self.cell, &self.particles);
+            *is_arranged = true;
+        }
+        host
+    }
+
+    fn note_seconds(&mut self) {
+        let seconds = self.split.seconds();
+        let own = &mut self.work.seconds;
+        (own.spread, own.fft, own.interpolate) = (seconds.spread, seconds.transform, seconds.interpolate);
+        (own.near, own.exchange) = (seconds.near, seconds.copies);
+    }
+
+    /// The motions that were requested, in the plan's units.
+    fn motion(&self, of_device: &DeviceMotion) -> Motion {
+        let (velocity, rate) = (self.units.velocity(), self.units.rate());
+        let vectors = |values: &[f64], unit: f64| {
+            values.as_chunks().0.iter().map(|&v| Vector::from_array(v) * unit).collect::<Vec<_>>()
+        };
+        Motion {
+            velocities: vectors(&of_device.velocities, velocity),
+            angular_velocities: vectors(&of_device.angular_velocities, rate),
+            strain_rates: of_device.strain_rates.as_chunks().0.iter().map(|&e| Traceless(e) * rate).collect(),
+        }
+    }
+}
+
+impl FarField for DeviceFarField {
+    fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
+        let inverse = 1.0 / self.units.length;
+        let own = cell.scaled(inverse);
+        if self.arranged != Some(own) {
+            succeeded(self.split.set_box(&self.tables.in_box(&own)));
+            self.arranged = Some(own);
+        }
+        let fraction = |&x: &Vector| (own.lattice_coordinates(x * inverse) / own.edges()).to_array();
+        let fractions: Vec<f64> = particles.positions.iter().flat_map(fraction).collect();
+        let classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        succeeded(self.split.arrange(&fractions, &classes));
+        (self.cell, self.particles) = (*cell, particles.clone());
+        if let Some((_, is_arranged)) = &mut self.host {
+            *is_arranged = false;
+        }
+        self.work.searches += 1;
+        self.note_seconds();
+    }
+
+    fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
+        self.units = self.units.with_force(loads.largest(self.units.length));
+        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
+        let forces = scaled(loads.forces.iter().map(|f| f.to_array()), of_force);
+        let torques = scaled(loads.torques.iter().map(|t| t.to_array()), of_dipole);
+        let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), of_dipole);
+        let dipoles = !torques.is_empty() || !stresslets.is_empty();
+        let wanted = [output != Output::Gradients, output != Output::Velocities];
+        let orders = self.tables.orders([!forces.is_empty(), dipoles], wanted);
+        let loads = DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets };
+        let motion = succeeded(self.split.apply(&loads, &orders));
+        self.work.evaluations += 1;
+        self.work.transforms += 1;
+        self.work.particles_spread += self.particles.len() as u64;
+        self.work.dipole_spreads += u64::from(dipoles);
+        self.work.dipole_interpolations += u64::from(wanted[1]);
+        self.work.neighbours += self.split.neighbours() as u64;
+        self.note_seconds();
+        self.motion(&motion)
+    }
+
+    fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
+        self.host().noise(draw)
+    }
+
+    fn flow(&mut self, _: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
+        None
+    }
+
+    fn velocity_field(&self) -> Option<Vec<f64>> {
+        None
+    }
+
+    fn divergence(&mut self) -> Option<f64> {
+        None
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+}

@@ -1,0 +1,96 @@
+//! Tables of a plan for a device.
+
+use crate::envelope::{Common, Envelope};
+use crate::grid::window::{KaiserBessel, Pieces, WindowLattice};
+use crate::pairs::table::{PairFunctions, PairTable};
+use crate::plan::Plan;
+use crate::plan::problem::Precision;
+use domain::PeriodicBox;
+use gpu::{DevicePairTable, LatticeShape, NumberFormat, Orders, SplitTables, WindowPolynomials};
+use solver::{Grid, Real};
+
+/// Functions of a plan of the split method, in internal units.
+pub(super) struct PlanTables {
+    envelopes: Vec<Envelope>,
+    common: Common,
+    window: KaiserBessel,
+    grid: Grid,
+    lattice: WindowLattice<f64>,
+}
+
+impl PlanTables {
+    /// For a plan in internal units.
+    pub fn new(plan: &Plan) -> Self {
+        let (Some(common), Some(window)) = (plan.common(), plan.window()) else {
+            panic!("a plan for a device has the split method");
+        };
+        let envelopes: Vec<Envelope> = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
+        let grid = Grid::new(plan.grid, plan.cell()).expect("a plan has a grid that can be transformed");
+        let lattice = WindowLattice::new(&grid, window, common, &envelopes);
+        Self { envelopes, common, window, grid, lattice }
+    }
+
+    /// Tables that do not depend on the shape of the box.
+    pub fn split(&self, plan: &Plan) -> SplitTables {
+        match plan.precision {
+            Precision::Single => self.split_in::<f32>(plan, NumberFormat::Single),
+            Precision::Double => self.split_in::<f64>(plan, NumberFormat::Double),
+        }
+    }
+
+    fn split_in<T: Real>(&self, plan: &Plan, numbers: NumberFormat) -> SplitTables {
+        let (cutoff, tolerance) = (plan.cutoff(), plan.table_tolerance());
+        let all = || self.envelopes.iter().flat_map(|&i| self.envelopes.iter().map(move |&j| [i, j]));
+        let pairs = all().map(|[i, j]| {
+            let table = PairTable::<f64>::new(&PairFunctions::new(i, j, self.common), cutoff, tolerance);
+            let (per_square, coefficients) = table.expect("a plan for a device has tables").coefficients();
+            DevicePairTable { per_square, coefficients }
+        });
+        let isolated = self.envelopes.iter().map(|&e| {
+            let functions = PairFunctions::new(e, e, self.common).exact(0.0);
+            [functions[0], functions[6]]
+        });
+        let pieces = Pieces::<T>::new(self.window);
+        SplitTables {
+            numbers,
+            grid: plan.grid,
+            points: self.window.points(),
+            window: pieces.series().map(WindowPolynomials),
+            pairs: pairs.collect(),
+            isolated: isolated.collect(),
+            cutoff,
+            viscosity: plan.viscosity,
+            gaussian: self.common.width * self.common.width,
+            widening: 0.5 * self.common.increment,
+        }
+    }
+
+    /// Shape of a box, and the tables that depend on it.
+    pub fn in_box(&mut self, cell: &PeriodicBox) -> LatticeShape {
+        self.grid = self.grid.in_cell(*cell);
+        self.lattice = self.lattice.sheared(&self.grid, self.common, &self.envelopes);
+        let smoothing = |class: usize| [0, 1].map(|multipole| self.lattice.smoothing(class as u32, multipole).factors);
+        LatticeShape {
+            edges: cell.edges().to_array(),
+            strain: cell.strain(),
+            tilts: cell.tilts(),
+            axes: cell.axes().map(|axes| axes.transpose().to_cols_array()),
+            smoothing: (0..self.envelopes.len()).map(smoothing).collect(),
+            levels: std::array::from_fn(|axis| self.levels(axis)),
+        }
+    }
+
+    /// Logarithm of the inverse square of the window's transform, by mode along an axis.
+    fn levels(&self, axis: usize) -> Vec<f64> {
+        let (points, spacing) = (self.grid.points()[axis], self.grid.spacing()[axis]);
+        let modes = if axis == 0 { points / 2 + 1 } else { points };
+        let level = |mode: usize| -2.0 * self.window.transform(self.grid.wavenumber(axis, mode) * spacing).ln();
+        (0..modes).map(level).collect()
+    }
+
+    /// Orders of derivatives that loads of these kinds, forces and dipoles, and motions need.
+    pub fn orders(&self, [forces, dipoles]: [bool; 2], [velocities, gradients]: [bool; 2]) -> Orders {
+        let spread = self.lattice.order(forces, dipoles);
+        Orders { spread, interpolate: self.lattice.order(velocities, gradients), velocities, gradients }
+    }
+}

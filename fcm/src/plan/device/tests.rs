@@ -1,0 +1,83 @@
+use super::*;
+use crate::plan::costs::Costs;
+use crate::plan::problem::{Fixed, Loading, Multipoles};
+use domain::Vector;
+
+fn problem() -> Problem {
+    Problem {
+        edges: Vector::new(9.0, 8.0, 10.0),
+        boundaries: Boundaries::Periodic,
+        volume: 720.0,
+        shortest_vector: 8.0,
+        smallest_edge_ratio: 1.0,
+        largest_strain: 0.0,
+        largest_tilts: [0.0; 2],
+        radii: vec![(1.0, 3), (1.3, 2)],
+        viscosity: 1.0,
+        multipoles: Multipoles::Dipole,
+        rigid: true,
+        lubricated: false,
+        loading: Loading::Varied,
+        tolerance: 1e-3,
+        threads: 1,
+        ranks: 1,
+        costs: Costs::default(),
+        fixed: on_card(),
+    }
+}
+
+fn on_card() -> Fixed {
+    Fixed { device: ComputeDevice::Gpu, ..Fixed::default() }
+}
+
+fn refusal(problem: &Problem) -> String {
+    problem.check_for_gpu().unwrap_err().to_string()
+}
+
+/// With a card the plan is for it; without one there is a sentence that names the key.
+#[test]
+fn without_a_driver_there_is_one_sentence() {
+    match (gpu::Cuda::check(), Plan::choose(&problem())) {
+        (Ok(()), Ok(plan)) => {
+            assert_eq!((plan.device, plan.method), (ComputeDevice::Gpu, Method::Split));
+            assert!(plan.describe().contains("\ndevice     gpu\n"));
+        }
+        (Err(reason), Err(error)) => {
+            let start = format!("hydrodynamics.device is \"gpu\", but {reason}");
+            assert!(error.to_string().starts_with(&start), "{error}");
+            assert!(error.to_string().ends_with("; leave it out, or write \"cpu\""), "{error}");
+        }
+        (card, plan) => panic!("{card:?}: {plan:?}"),
+    }
+}
+
+#[test]
+fn plans_for_the_host_do_not_name_a_device() {
+    let plan = Plan::choose(&Problem { fixed: Fixed::default(), ..problem() }).unwrap();
+    assert!(!plan.describe().contains("device") && plan.device == ComputeDevice::Cpu);
+}
+
+#[test]
+fn problems_that_a_card_does_not_solve_are_refused() {
+    assert_eq!(problem().check_for_gpu(), Ok(()));
+    let dense = Fixed { method: Some(Method::Dense), ..on_card() };
+    assert!(refusal(&Problem { fixed: dense, ..problem() }).contains("hydrodynamics.method is \"dense\""));
+    assert!(refusal(&Problem { boundaries: Boundaries::Open, ..problem() }).contains("walls or open faces"));
+    assert!(refusal(&Problem { ranks: 2, ..problem() }).contains("there are 2 ranks"));
+    assert!(refusal(&Problem { edges: Vector::new(200.0, 8.0, 10.0), ..problem() }).contains("sixteen times"));
+    let radii = (0..40).map(|i| (1.0 + 0.01 * f64::from(i), 1)).collect();
+    assert!(refusal(&Problem { radii, ..problem() }).contains("40 different radii"));
+}
+
+#[test]
+fn plans_without_tables_are_left_out() {
+    let of_host = Fixed { method: Some(Method::Split), ..Fixed::default() };
+    let near = Plan::choose(&Problem { fixed: of_host, ..problem() }).unwrap();
+    let split = Some(crate::Split { width: 33.0, cutoff: 275.0 });
+    let far = Plan { split, tolerance: 1e-4, ..near.clone() };
+    let mut plans = vec![far.clone(), near.clone()];
+    assert_eq!(problem().keep_evaluable(&mut plans), Ok(()));
+    assert_eq!(plans, vec![near]);
+    let error = problem().keep_evaluable(&mut vec![far]).unwrap_err().to_string();
+    assert!(error.contains("beyond any table"), "{error}");
+}

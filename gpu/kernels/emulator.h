@@ -1,0 +1,136 @@
+// Runs kernels on the host, for tests: the threads of a block are fibres, which run in an order that a seed shuffles
+// anew after each barrier, and blocks run in a shuffled order.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <random>
+#include <string>
+#include <ucontext.h>
+#include <vector>
+
+#define __global__
+#define __device__
+
+struct Index {
+    unsigned x, y, z;
+};
+static Index threadIdx, blockIdx, blockDim;
+
+namespace emulator {
+
+constexpr size_t STACK = 1 << 16;
+constexpr unsigned char UNSET = 0xff; // NaN as a number, -1 as an index
+
+struct Fibre {
+    ucontext_t context;
+    std::vector<char> stack = std::vector<char>(STACK);
+    size_t shared = 0;
+    bool is_done = false;
+};
+
+struct Shared {
+    void *memory;
+    size_t bytes;
+};
+
+static std::mt19937_64 shuffler;
+static std::vector<Fibre> fibres;
+static std::vector<Shared> shared_memory;
+static ucontext_t scheduler;
+static Fibre *current;
+static const std::function<void()> *body;
+
+// Memory that the threads of a block share. The same call in each thread returns the same memory, which holds no
+// values of an earlier block.
+static void *shared(size_t bytes)
+{
+    size_t number = current->shared++;
+    if (number == shared_memory.size()) {
+        shared_memory.push_back({malloc(bytes), bytes});
+        memset(shared_memory.back().memory, UNSET, bytes);
+    }
+    if (shared_memory[number].bytes != bytes) {
+        fprintf(stderr, "threads of a block declare different shared memory\n");
+        abort();
+    }
+    return shared_memory[number].memory;
+}
+
+static void barrier() { swapcontext(&current->context, &scheduler); }
+
+static void enter()
+{
+    (*body)();
+    current->is_done = true;
+    swapcontext(&current->context, &scheduler);
+}
+
+static void start(Fibre &fibre)
+{
+    getcontext(&fibre.context);
+    fibre.context.uc_stack.ss_sp = fibre.stack.data();
+    fibre.context.uc_stack.ss_size = fibre.stack.size();
+    fibre.context.uc_link = &scheduler;
+    fibre.shared = 0;
+    fibre.is_done = false;
+    makecontext(&fibre.context, enter, 0);
+}
+
+// Runs each thread of a block to its next barrier, or to its end, until all have ended. As on a device, a thread that
+// has ended no longer takes part in barriers.
+static void run_block(unsigned threads, std::vector<unsigned> &order)
+{
+    for (unsigned thread = 0; thread < threads; thread++) start(fibres[thread]);
+    for (bool any = true; any;) {
+        any = false;
+        std::shuffle(order.begin(), order.end(), shuffler);
+        for (unsigned thread : order) {
+            if (fibres[thread].is_done) continue;
+            any = true;
+            current = &fibres[thread];
+            threadIdx = {thread, 0, 0};
+            swapcontext(&scheduler, &current->context);
+        }
+    }
+    for (Shared &piece : shared_memory) free(piece.memory);
+    shared_memory.clear();
+}
+
+static void launch(unsigned blocks, unsigned threads, const std::function<void()> &kernel)
+{
+    std::vector<unsigned> order(threads), block_order(blocks);
+    std::iota(order.begin(), order.end(), 0u);
+    std::iota(block_order.begin(), block_order.end(), 0u);
+    std::shuffle(block_order.begin(), block_order.end(), shuffler);
+    if (fibres.size() < threads) fibres.resize(threads);
+    body = &kernel;
+    blockDim = {threads, 1, 1};
+    for (unsigned block : block_order) {
+        blockIdx = {block, 0, 0};
+        run_block(threads, order);
+    }
+}
+
+} // namespace emulator
+
+#define SHARED(type, name, count) type *name = (type *)emulator::shared(sizeof(type) * (count))
+
+static void __syncthreads() { emulator::barrier(); }
+
+static int atomicAdd(int *address, int value)
+{
+    int before = *address;
+    *address += value;
+    return before;
+}
+
+static unsigned long long __umul64hi(unsigned long long a, unsigned long long b)
+{
+    return (unsigned long long)((unsigned __int128)a * b >> 64);
+}

@@ -1,0 +1,35 @@
+// Kernels of the far field by the split method. Each takes all arguments as a Task.
+#ifndef SHARED
+#define SHARED(type, name, count) __shared__ type name[count]
+#endif
+#include "pairs.h"
+#include "solve.h"
+#include "spread.h"
+
+#ifndef KERNEL
+#define KERNEL(name, ...) \
+    extern "C" __global__ void name(const Task task) { __VA_ARGS__(task); }
+#endif
+
+#define KERNELS(T, suffix)                                \
+    KERNEL(bin_particles_##suffix, bin_particles<T>)      \
+    KERNEL(order_particles_##suffix, order_particles<T>)  \
+    KERNEL(count_neighbours_##suffix, count_neighbours<T>) \
+    KERNEL(list_neighbours_##suffix, list_neighbours<T>)  \
+    KERNEL(gather_loads_##suffix, gather_loads<T>)        \
+    KERNEL(spread_0_##suffix, spread<T, 0>)               \
+    KERNEL(spread_1_##suffix, spread<T, 1>)               \
+    KERNEL(spread_2_##suffix, spread<T, 2>)               \
+    KERNEL(spread_3_##suffix, spread<T, 3>)               \
+    KERNEL(solve_##suffix, solve<T>)                      \
+    KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
+    KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \
+    KERNEL(interpolate_2_##suffix, interpolate<T, 2>)     \
+    KERNEL(interpolate_3_##suffix, interpolate<T, 3>)     \
+    KERNEL(pair_motions_##suffix, pair_motions<T>)
+
+KERNEL(scatter_particles, scatter)
+KERNEL(scan_blocks, sum_blocks)
+KERNEL(scan_add, add_totals)
+KERNELS(float, f32)
+KERNELS(double, f64)

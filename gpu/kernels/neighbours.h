@@ -1,0 +1,85 @@
+// Lists of the pairs within the cutoff, periodic images included.
+#pragma once
+#include "bins.h"
+
+// Steps to a periodic image along the three axes, ten bits each.
+static __device__ int packed_steps(const int steps[3])
+{
+    return (steps[0] + 512) | (steps[1] + 512) << 10 | (steps[2] + 512) << 20;
+}
+
+static __device__ int steps_along(int packed, int axis)
+{
+    return ((packed >> 10 * axis) & 1023) - 512;
+}
+
+// Difference of a lattice coordinate from a periodic image of another particle, in box edges. Near coordinates have a
+// difference without round-off.
+template <typename T>
+__device__ T difference(typename Precision<T>::Fixed own, typename Precision<T>::Fixed other, int steps)
+{
+    typename Precision<T>::Signed nearest = (typename Precision<T>::Signed)(own - other);
+    int turns = own >= other ? (nearest < 0 ? 1 : 0) : (nearest >= 0 ? -1 : 0);
+    return (T)nearest * (T)Precision<T>::UNIT + (T)(turns - steps);
+}
+
+// Vector from a periodic image of one particle to another along the axes of the box.
+template <typename T>
+__device__ void separation(const Task &task, int target, int source, const int steps[3], T x[3])
+{
+    typedef typename Precision<T>::Fixed Fixed;
+    const Fixed *own = (const Fixed *)task.sorted_positions + 3 * target;
+    const Fixed *other = (const Fixed *)task.sorted_positions + 3 * source;
+    T along[3];
+    for (int axis = 0; axis < 3; axis++)
+        along[axis] = difference<T>(own[axis], other[axis], steps[axis]) * (T)task.edges[axis];
+    x[0] = along[0] + (T)task.strain * along[1] + (T)task.tilt_x * along[2];
+    x[1] = along[1] + (T)task.tilt_y * along[2];
+    x[2] = along[2];
+}
+
+// Finds the neighbours of a particle in the order of bins; stores them from `list` on unless it is null. Returns their
+// number.
+template <typename T> __device__ int find_neighbours(const Task &task, int target, int *list)
+{
+    typedef typename Precision<T>::Fixed Fixed;
+    int home[3], found = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        Fixed rest;
+        home[axis] = cell_of(((const Fixed *)task.sorted_positions)[3 * target + axis], task.grid[axis], &rest) / BIN;
+    }
+    int at[3], steps[3], bin[3];
+    for (at[2] = -task.reach[2]; at[2] <= task.reach[2]; at[2]++)
+        for (at[1] = -task.reach[1]; at[1] <= task.reach[1]; at[1]++)
+            for (at[0] = -task.reach[0]; at[0] <= task.reach[0]; at[0]++) {
+                for (int axis = 0; axis < 3; axis++) {
+                    bin[axis] = wrapped(home[axis] + at[axis], task.bins[axis]);
+                    steps[axis] = (home[axis] + at[axis] - bin[axis]) / task.bins[axis];
+                }
+                int key = (bin[2] * task.bins[1] + bin[1]) * task.bins[0] + bin[0];
+                for (int source = task.bin_starts[key]; source < task.bin_starts[key + 1]; source++) {
+                    if (source == target && steps[0] == 0 && steps[1] == 0 && steps[2] == 0) continue;
+                    T x[3];
+                    separation<T>(task, target, source, steps, x);
+                    if (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] >= (T)task.cutoff_square) continue;
+                    if (list) {
+                        list[2 * found] = source;
+                        list[2 * found + 1] = packed_steps(steps);
+                    }
+                    found++;
+                }
+            }
+    return found;
+}
+
+template <typename T> __device__ void count_neighbours(const Task &task)
+{
+    int target = thread_index();
+    if (target < task.particles) task.neighbour_starts[target] = find_neighbours<T>(task, target, nullptr);
+}
+
+template <typename T> __device__ void list_neighbours(const Task &task)
+{
+    int target = thread_index();
+    if (target < task.particles) find_neighbours<T>(task, target, task.neighbours + 2 * task.neighbour_starts[target]);
+}

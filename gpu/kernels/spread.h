@@ -1,0 +1,224 @@
+// Spreading of loads to the grid, by tiles that own their points.
+#pragma once
+#include "window.h"
+
+// Force and dipole of each particle along the axes of the box.
+template <typename T> __device__ void gather_loads(const Task &task)
+{
+    int place = thread_index();
+    if (place >= task.particles) return;
+    int row = task.rows[place];
+    T force[3] = {0, 0, 0}, dipole[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+    if (task.forces)
+        for (int c = 0; c < 3; c++) force[c] = ((const T *)task.forces)[3 * row + c];
+    if (task.stresslets) {
+        const T *s = (const T *)task.stresslets + 5 * row;
+        dipole[0][0] = s[0], dipole[0][1] = dipole[1][0] = s[1], dipole[0][2] = dipole[2][0] = s[2];
+        dipole[1][1] = s[3], dipole[1][2] = dipole[2][1] = s[4], dipole[2][2] = -s[0] - s[3];
+    }
+    if (task.torques) {
+        const T *torque = (const T *)task.torques + 3 * row;
+        T x = torque[0] / 2, y = torque[1] / 2, z = torque[2] / 2;
+        dipole[0][1] += z, dipole[0][2] -= y, dipole[1][2] += x;
+        dipole[1][0] -= z, dipole[2][0] += y, dipole[2][1] -= x;
+    }
+    T *record = (T *)task.records + 12 * place;
+    for (int a = 0; a < 3; a++) {
+        if (!task.is_rotated) {
+            record[a] = force[a];
+            for (int b = 0; b < 3; b++) record[3 + 3 * a + b] = dipole[a][b];
+            continue;
+        }
+        record[a] = 0;
+        for (int c = 0; c < 3; c++) record[a] += (T)task.axes[3 * c + a] * force[c];
+        for (int b = 0; b < 3; b++) {
+            T sum = 0;
+            for (int c = 0; c < 3; c++)
+                for (int d = 0; d < 3; d++)
+                    sum += (T)task.axes[3 * c + a] * dipole[c][d] * (T)task.axes[3 * d + b];
+            record[3 + 3 * a + b] = sum;
+        }
+    }
+}
+
+// Adds a derivative of a load to the coefficients, and those of its Laplacian as far as the order goes.
+template <typename T, int ORDER>
+__device__ void add_derivative(T *coefficients, int n, int m, int l, T load, const T *smoothing)
+{
+    coefficients[3 * term_index<ORDER>(n, m, l)] += load;
+    if (n + m + l + 2 > ORDER) return;
+    for (int s = 0; s < SECONDS; s++) {
+        int at = term_index<ORDER>(n + second_order(s, 0), m + second_order(s, 1), l + second_order(s, 2));
+        coefficients[3 * at] += smoothing[s] * load;
+    }
+}
+
+// Coefficients of a component of a particle's load by products of derivatives; those of a component are three apart.
+template <typename T, int ORDER>
+__device__ void load_coefficients(const Task &task, int place, int component, T *coefficients)
+{
+    for (int term = 0; term < terms_of(ORDER); term++) coefficients[3 * term] = 0;
+    const T *record = (const T *)task.records + 12 * place;
+    add_derivative<T, ORDER>(coefficients, 0, 0, 0, record[component], smoothing_of<T>(task, place, 0));
+    if (ORDER > 0) {
+        const T *g = record + 3 + 3 * component, *smoothing = smoothing_of<T>(task, place, 1);
+        T x = (g[0] - (T)task.strain * g[1] - (T)task.tilt_across * g[2]) * (T)task.inverse_spacing[0];
+        T y = (g[1] - (T)task.tilt_y * g[2]) * (T)task.inverse_spacing[1];
+        T z = g[2] * (T)task.inverse_spacing[2];
+        add_derivative<T, ORDER>(coefficients, 1, 0, 0, x, smoothing);
+        add_derivative<T, ORDER>(coefficients, 0, 1, 0, y, smoothing);
+        add_derivative<T, ORDER>(coefficients, 0, 0, 1, z, smoothing);
+    }
+}
+
+// Particles that a tile processes at once, threads of a tile, and most bins around it along an axis.
+static constexpr int BATCH = 16;
+static constexpr int TILE_THREADS = TILE * TILE;
+static constexpr int AXIS_BINS = 10;
+
+// Bins along an axis of particles whose stencils may touch a tile. Returns their number.
+static __device__ int bins_of_tile(const Task &task, int axis, int origin, int *bins)
+{
+    int period = task.grid[axis], half = task.points / 2, count = 0;
+    int low = origin - task.points + half, high = origin + TILE - 1 + half;
+    if (high - low + 1 >= period) {
+        for (int bin = 0; bin < task.bins[axis]; bin++) bins[count++] = bin;
+        return count;
+    }
+    for (int point = low; point <= high;) {
+        int inside = wrapped(point, period), bin = inside / BIN, end = (bin + 1) * BIN;
+        bins[count++] = bin;
+        point += (end < period ? end : period) - inside;
+    }
+    // Both ends may be in one bin.
+    return count > 1 && bins[count - 1] == bins[0] ? count - 1 : count;
+}
+
+// Values of the window and its derivatives at the points of a tile along an axis, [derivative][point]. Returns the
+// points that the stencil touches, one bit each.
+template <typename T, int ORDER>
+__device__ int tile_weights(const Task &task, int place, int axis, int origin, T *weights)
+{
+    int period = task.grid[axis], touched = 0;
+    AxisStencil<T> stencil = axis_stencil<T>(task, place, axis);
+    for (int q = 0; q < TILE; q++) {
+        for (int derivative = 0; derivative <= ORDER; derivative++) weights[derivative * TILE + q] = 0;
+        if (origin + q >= period) continue;
+        for (int point = wrapped(origin + q - stencil.first, period); point < task.points; point += period) {
+            touched |= 1 << q;
+            for (int derivative = 0; derivative <= ORDER; derivative++)
+                weights[derivative * TILE + q] += window_value<T>(task, derivative, point, stencil.argument);
+        }
+    }
+    return touched;
+}
+
+// Adds a particle's load to a row of a tile along x.
+template <typename T, int ORDER>
+__device__ void add_to_row(const T *coefficients, const T *x, const T *y, const T *z, T sums[3][TILE])
+{
+    T products[pairs_of(ORDER)];
+    int pair = 0;
+    for (int m = 0; m <= ORDER; m++)
+        for (int l = 0; l <= ORDER - m; l++) products[pair++] = y[m * TILE] * z[l * TILE];
+    for (int c = 0; c < 3; c++) {
+        int term = 0;
+        for (int n = 0; n <= ORDER; n++) {
+            T factor = 0;
+            int first = 0;
+            for (int m = 0; m <= ORDER - n; m++) {
+                for (int l = 0; l <= ORDER - n - m; l++) factor += coefficients[3 * term++ + c] * products[first + l];
+                first += ORDER + 1 - m;
+            }
+            for (int q = 0; q < TILE; q++) sums[c][q] += factor * x[n * TILE + q];
+        }
+    }
+}
+
+// First particle of each bin around a tile, and the number of particles in the bins before it.
+struct TileBins {
+    int *starts, *before, count;
+};
+
+static __device__ void collect_bins(const Task &task, const int *axis_bins, const int counts[3], TileBins *bins)
+{
+    for (int bin = (int)threadIdx.x; bin < bins->count; bin += TILE_THREADS) {
+        int x = axis_bins[bin % counts[0]], y = axis_bins[AXIS_BINS + bin / counts[0] % counts[1]];
+        int z = axis_bins[2 * AXIS_BINS + bin / (counts[0] * counts[1])];
+        int key = (z * task.bins[1] + y) * task.bins[0] + x;
+        bins->starts[bin] = task.bin_starts[key];
+        bins->before[bin + 1] = task.bin_starts[key + 1] - task.bin_starts[key];
+    }
+    __syncthreads();
+    if (threadIdx.x == 0) {
+        bins->before[0] = 0;
+        for (int bin = 0; bin < bins->count; bin++) bins->before[bin + 1] += bins->before[bin];
+    }
+    __syncthreads();
+}
+
+// Place of the candidate of a given number.
+static __device__ int place_of(const TileBins &bins, int candidate)
+{
+    int low = 0, high = bins.count;
+    while (high - low > 1) {
+        int middle = (low + high) / 2;
+        if (bins.before[middle] <= candidate) low = middle;
+        else high = middle;
+    }
+    return bins.starts[low] + candidate - bins.before[low];
+}
+
+// A block of threads for each tile, a thread for each of its rows along x. Each value is a sum over the particles in
+// their order, so it has the same bits in any order of threads.
+template <typename T, int ORDER> __device__ void spread(const Task &task)
+{
+    constexpr int WEIGHTS = (ORDER + 1) * TILE;
+    constexpr int TERMS = 3 * terms_of(ORDER);
+    SHARED(int, axis_bins, 3 * AXIS_BINS);
+    SHARED(int, counts, 3);
+    SHARED(int, starts, AXIS_BINS *AXIS_BINS *AXIS_BINS);
+    SHARED(int, before, AXIS_BINS *AXIS_BINS *AXIS_BINS + 1);
+    SHARED(T, weights, BATCH * 3 * WEIGHTS);
+    SHARED(T, coefficients, BATCH *TERMS);
+    SHARED(int, touched, BATCH * 3);
+    int thread = (int)threadIdx.x, tile = (int)blockIdx.x, origin[3];
+    origin[0] = tile % task.tiles[0] * TILE;
+    origin[1] = tile / task.tiles[0] % task.tiles[1] * TILE;
+    origin[2] = tile / (task.tiles[0] * task.tiles[1]) * TILE;
+    if (thread < 3) counts[thread] = bins_of_tile(task, thread, origin[thread], axis_bins + thread * AXIS_BINS);
+    __syncthreads();
+    TileBins bins = {starts, before, counts[0] * counts[1] * counts[2]};
+    collect_bins(task, axis_bins, counts, &bins);
+    int total = before[bins.count], row_y = thread % TILE, row_z = thread / TILE;
+    T sums[3][TILE];
+    for (int c = 0; c < 3; c++)
+        for (int q = 0; q < TILE; q++) sums[c][q] = 0;
+    for (int base = 0; base < total; base += BATCH) {
+        int member = thread / 4, part = thread % 4, batch = total - base < BATCH ? total - base : BATCH;
+        if (member < batch) {
+            int place = place_of(bins, base + member);
+            if (part < 3) {
+                T *to = weights + (3 * member + part) * WEIGHTS;
+                touched[3 * member + part] = tile_weights<T, ORDER>(task, place, part, origin[part], to);
+            } else {
+                for (int c = 0; c < 3; c++)
+                    load_coefficients<T, ORDER>(task, place, c, coefficients + member * TERMS + c);
+            }
+        }
+        __syncthreads();
+        for (int b = 0; b < batch; b++) {
+            const int *masks = touched + 3 * b;
+            if (!masks[0] || !(masks[1] >> row_y & 1) || !(masks[2] >> row_z & 1)) continue;
+            const T *x = weights + 3 * b * WEIGHTS;
+            add_to_row<T, ORDER>(coefficients + b * TERMS, x, x + WEIGHTS + row_y, x + 2 * WEIGHTS + row_z, sums);
+        }
+        __syncthreads();
+    }
+    int y = origin[1] + row_y, z = origin[2] + row_z;
+    if (y >= task.grid[1] || z >= task.grid[2]) return;
+    long long plane = (long long)task.grid[0] * task.grid[1], row = z * plane + (long long)y * task.grid[0] + origin[0];
+    for (int c = 0; c < 3; c++)
+        for (int q = 0; q < TILE && origin[0] + q < task.grid[0]; q++)
+            ((T *)task.field)[c * plane * task.grid[2] + row + q] = sums[c][q];
+}

@@ -1,0 +1,52 @@
+// Arguments of all kernels.
+#pragma once
+
+// gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
+// grid, positions unsigned integers of the same size.
+struct Task {
+    // Particles in the order of the host: lattice coordinates, classes of radius, loads. A load may be absent.
+    const void *positions;
+    const int *classes;
+    const void *forces, *torques, *stresslets;
+    // Particles in the order of bins: their rows in the order of the host, coordinates, classes, and loads as a force
+    // and a dipole.
+    int *keys, *unsorted, *rows, *bin_starts, *bin_cursors;
+    void *sorted_positions;
+    int *sorted_classes;
+    void *records;
+    // Neighbours of each particle: place and packed steps to the periodic image.
+    int *neighbour_starts, *neighbours;
+    // Polynomials of the window, coefficients of the Laplacian by class, logarithms of the multiplier by axis.
+    const void *window, *smoothing, *levels;
+    // Pair functions: all tables, and for each pair of classes where its table begins, its intervals per square of
+    // the distance, and its number of intervals; functions at distance 0 by class.
+    const void *tables, *isolated;
+    const double *intervals_per_square;
+    const int *table_starts, *table_sizes;
+    // Values on the grid, [component][z][y][x], their transform, and sums of the interpolation by particle.
+    void *field, *spectrum, *interpolated;
+    // Motions in the order of the host.
+    void *velocities, *angular_velocities, *strain_rates;
+    // List that is summed up, and sums of its blocks.
+    int *scanned, *scan_totals;
+
+    double edges[3];
+    double inverse_spacing[3];
+    // Strain s and tilts t and r of the lattice, and t - s r.
+    double strain, tilt_x, tilt_y, tilt_across;
+    // Axes of the box by rows.
+    double axes[9];
+    double cutoff_square, inverse_viscosity;
+    // Multiplier of the solve: factor, square of the Gaussian's width, coefficient of k^2 in the bracket.
+    double solve_factor, gaussian, widening;
+
+    int particles, class_count;
+    int grid[3], bins[3], tiles[3];
+    // Bins in which neighbours of a bin's particles are, to either side.
+    int reach[3];
+    // Points of the window; of its derivatives, coefficients per point and their place in the list.
+    int points, window_rows[4], window_starts[4];
+    // Threads of a particle in the interpolation.
+    int lanes;
+    int is_rotated, scan_count;
+};

@@ -1,0 +1,164 @@
+//! A card, by libraries that are opened when a scene asks for it.
+
+use crate::device::{Device, DeviceError, KernelLaunch, TransformTask};
+use crate::task::{DeviceAddress, KernelTask};
+use cudarc::cufft::sys::{cufftHandle, cufftType};
+use cudarc::cufft::{CudaFft, result as cufft};
+use cudarc::driver::{
+    CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, LaunchConfig, PushKernelArg,
+};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Kernels as PTX, made by `scripts/kernels`.
+const PTX: &str = include_str!("../kernels/far_field.ptx");
+
+// SAFETY: plain numbers in the layout of C.
+unsafe impl DeviceRepr for KernelTask {}
+
+/// An NVIDIA card.
+pub struct Cuda {
+    stream: Arc<CudaStream>,
+    module: Arc<CudaModule>,
+    functions: HashMap<String, CudaFunction>,
+    memory: HashMap<DeviceAddress, CudaSlice<u8>>,
+    transforms: Vec<(TransformKind, CudaFft)>,
+}
+
+/// Values on which a plan of a transform depends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct TransformKind {
+    is_forward: bool,
+    is_single: bool,
+    points: [usize; 3],
+}
+
+fn failed(error: impl std::fmt::Display) -> DeviceError {
+    DeviceError(format!("the GPU: {error}"))
+}
+
+impl Cuda {
+    /// Whether a card can be used on this machine, with the reason if not: what follows a key in a message.
+    pub fn check() -> Result<(), DeviceError> {
+        // SAFETY: libraries are opened, and closed again.
+        let [driver, cufft] =
+            unsafe { [cudarc::driver::sys::is_culib_present(), cudarc::cufft::sys::is_culib_present()] };
+        if !driver {
+            return Err(DeviceError("this machine has no CUDA driver (libcuda.so)".to_owned()));
+        }
+        if !cufft {
+            return Err(DeviceError("this machine has no cuFFT (libcufft.so)".to_owned()));
+        }
+        match CudaContext::device_count() {
+            Ok(count) if count > 0 => Ok(()),
+            Ok(_) => Err(DeviceError("the CUDA driver finds no GPU".to_owned())),
+            Err(error) => Err(DeviceError(format!("the CUDA driver finds no GPU: {error}"))),
+        }
+    }
+
+    /// Opens the first card.
+    pub fn open() -> Result<Self, DeviceError> {
+        Self::check()?;
+        let context = CudaContext::new(0).map_err(failed)?;
+        let module = context.load_module(PTX.into()).map_err(failed)?;
+        let stream = context.new_stream().map_err(failed)?;
+        Ok(Self { stream, module, functions: HashMap::new(), memory: HashMap::new(), transforms: Vec::new() })
+    }
+
+    fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
+        self.memory.get_mut(&address).expect("memory that was allocated")
+    }
+
+    fn function(&mut self, kernel: &str) -> Result<&CudaFunction, DeviceError> {
+        if !self.functions.contains_key(kernel) {
+            let function = self.module.load_function(kernel).map_err(failed)?;
+            self.functions.insert(kernel.to_owned(), function);
+        }
+        Ok(&self.functions[kernel])
+    }
+
+    /// Plan of a transform of three components, which are one after the other.
+    fn transform_plan(&mut self, kind: TransformKind) -> Result<cufftHandle, DeviceError> {
+        if let Some((_, plan)) = self.transforms.iter().find(|(other, _)| *other == kind) {
+            return Ok(plan.handle());
+        }
+        let [x, y, z] = kind.points.map(|n| n as i32);
+        let (points, modes) = ([z, y, x], [z, y, x / 2 + 1]);
+        let (field, spectrum) = (x * y * z, (x / 2 + 1) * y * z);
+        let transform = match (kind.is_forward, kind.is_single) {
+            (true, true) => cufftType::CUFFT_R2C,
+            (true, false) => cufftType::CUFFT_D2Z,
+            (false, true) => cufftType::CUFFT_C2R,
+            (false, false) => cufftType::CUFFT_Z2D,
+        };
+        let ((from, from_size), (to, to_size)) =
+            if kind.is_forward { ((points, field), (modes, spectrum)) } else { ((modes, spectrum), (points, field)) };
+        let stream = self.stream.clone();
+        let plan = CudaFft::plan_many(&points, Some(&from), 1, from_size, Some(&to), 1, to_size, transform, 3, stream);
+        let plan = plan.map_err(|error| DeviceError(format!("cuFFT: {error:?}")))?;
+        let handle = plan.handle();
+        self.transforms.push((kind, plan));
+        Ok(handle)
+    }
+}
+
+impl Device for Cuda {
+    fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError> {
+        // SAFETY: kernels and copies write all that is read.
+        let memory = unsafe { self.stream.alloc::<u8>(bytes.max(1)) }.map_err(failed)?;
+        let (address, guard) = memory.device_ptr(&self.stream);
+        drop(guard);
+        self.memory.insert(address, memory);
+        Ok(address)
+    }
+
+    fn release(&mut self, address: DeviceAddress) {
+        self.memory.remove(&address);
+    }
+
+    fn zero(&mut self, address: DeviceAddress, bytes: usize) -> Result<(), DeviceError> {
+        let stream = self.stream.clone();
+        stream.memset_zeros(&mut self.memory(address).slice_mut(..bytes)).map_err(failed)
+    }
+
+    fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError> {
+        let stream = self.stream.clone();
+        stream.memcpy_htod(bytes, &mut self.memory(address).slice_mut(..bytes.len())).map_err(failed)
+    }
+
+    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
+        let stream = self.stream.clone();
+        stream.memcpy_dtoh(&self.memory(address).slice(..bytes.len()), bytes).map_err(failed)?;
+        self.finish()
+    }
+
+    fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {
+        let (blocks, threads) = (launch.blocks as u32, launch.threads as u32);
+        let shape = LaunchConfig { grid_dim: (blocks, 1, 1), block_dim: (threads, 1, 1), shared_mem_bytes: 0 };
+        let stream = self.stream.clone();
+        let function = self.function(launch.kernel)?;
+        let mut call = stream.launch_builder(function);
+        call.arg(task);
+        // SAFETY: a kernel takes a task, whose lists are as long as its numbers say.
+        unsafe { call.launch(shape) }.map(drop).map_err(failed)
+    }
+
+    fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
+        let &TransformTask { is_forward, is_single, points, field, spectrum } = task;
+        let plan = self.transform_plan(TransformKind { is_forward, is_single, points })?;
+        // SAFETY: both lists have the sizes of the plan.
+        let done = unsafe {
+            match (is_forward, is_single) {
+                (true, true) => cufft::exec_r2c(plan, field as *mut _, spectrum as *mut _),
+                (true, false) => cufft::exec_d2z(plan, field as *mut _, spectrum as *mut _),
+                (false, true) => cufft::exec_c2r(plan, spectrum as *mut _, field as *mut _),
+                (false, false) => cufft::exec_z2d(plan, spectrum as *mut _, field as *mut _),
+            }
+        };
+        done.map_err(|error| DeviceError(format!("cuFFT: {error:?}")))
+    }
+
+    fn finish(&mut self) -> Result<(), DeviceError> {
+        self.stream.synchronize().map_err(failed)
+    }
+}

@@ -1,0 +1,62 @@
+//! Interface of a device.
+
+use crate::task::{DeviceAddress, KernelTask};
+
+/// Failure of a device: its memory is full, a library is missing, or it reports an error.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct DeviceError(pub String);
+
+/// A kernel and the threads that run it.
+#[derive(Debug, Clone, Copy)]
+pub struct KernelLaunch<'a> {
+    /// Name of the kernel.
+    pub kernel: &'a str,
+    /// Number of blocks.
+    pub blocks: usize,
+    /// Threads of a block.
+    pub threads: usize,
+}
+
+/// Fourier transform of three components on a grid, without a factor, to the modes `m1 <= nx/2` or back.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TransformTask {
+    /// From the grid to modes.
+    pub is_forward: bool,
+    /// In `f32`.
+    pub is_single: bool,
+    /// Points along x, y and z; x is the fastest.
+    pub points: [usize; 3],
+    /// DeviceAddress of the values on the grid.
+    pub field: u64,
+    /// DeviceAddress of the modes. A transform back overwrites them.
+    pub spectrum: u64,
+}
+
+/// Memory, kernels and transforms of a device. Commands take effect in their order; those that return nothing may do so
+/// later.
+pub trait Device {
+    /// Memory of this many bytes, whose values are undefined.
+    fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError>;
+
+    /// Releases memory.
+    fn release(&mut self, address: DeviceAddress);
+
+    /// Sets the first bytes of memory to zero.
+    fn zero(&mut self, address: DeviceAddress, bytes: usize) -> Result<(), DeviceError>;
+
+    /// Copies bytes to the start of memory.
+    fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError>;
+
+    /// Copies bytes from the start of memory, after all commands before.
+    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError>;
+
+    /// Runs a kernel.
+    fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError>;
+
+    /// Transforms a field.
+    fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError>;
+
+    /// Waits for all commands.
+    fn finish(&mut self) -> Result<(), DeviceError>;
+}

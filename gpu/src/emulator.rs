@@ -1,0 +1,165 @@
+//! A device without hardware: the kernels, compiled for the host.
+
+use crate::device::{Device, DeviceError, KernelLaunch, TransformTask};
+use crate::task::{DeviceAddress, KernelTask};
+use std::fs::DirEntry;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Mutex, PoisonError};
+
+/// Program that runs the kernels on the host, see `gpu/kernels/emulator.cc`. It runs the threads of a block in an order
+/// that a seed shuffles, poisons new memory, and checks the bounds of memory if it is built with a sanitizer.
+pub struct Emulator {
+    child: Child,
+    to: BufWriter<ChildStdin>,
+    from: BufReader<ChildStdout>,
+}
+
+/// Commands, in the order of `gpu/kernels/emulator.cc`.
+#[derive(Clone, Copy)]
+enum Order {
+    Allocate,
+    Free,
+    Zero,
+    Upload,
+    Download,
+    Launch,
+    Transform,
+}
+
+/// Sources of the emulator.
+const KERNELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/kernels");
+
+impl Emulator {
+    /// The emulator in a folder, compiled by the host's C++ compiler, `CXX` or g++, with additional options, unless the
+    /// folder has one of the same sources and options. Returns the path of the program.
+    pub fn compile(folder: &Path, options: &[&str]) -> Result<PathBuf, DeviceError> {
+        static COMPILING: Mutex<()> = Mutex::new(());
+        let _guard = COMPILING.lock().unwrap_or_else(PoisonError::into_inner);
+        let program = folder.join(format!("emulator-{:016x}", digest(options)?));
+        if program.exists() {
+            return Ok(program);
+        }
+        let compiler = std::env::var("CXX").unwrap_or_else(|_| "g++".to_owned());
+        let unfinished = program.with_extension(std::process::id().to_string());
+        let mut command = Command::new(&compiler);
+        command.args(["-O1", "-g", "-std=c++17", "-Wall", "-Wextra"]).args(options);
+        command.arg("-o").arg(&unfinished).arg(Path::new(KERNELS).join("emulator.cc"));
+        match command.status() {
+            Ok(status) if status.success() => {}
+            Ok(status) => return Err(DeviceError(format!("{compiler} could not compile the emulator: {status}"))),
+            Err(error) => return Err(DeviceError(format!("{compiler}, which compiles the emulator: {error}"))),
+        }
+        std::fs::rename(&unfinished, &program).map_err(|error| unreadable(&error))?;
+        Ok(program)
+    }
+
+    /// Starts a program of [`Self::compile`], whose threads run in the order of this seed.
+    pub fn start(program: &Path, seed: u64) -> Result<Self, DeviceError> {
+        let mut command = Command::new(program);
+        command.arg(seed.to_string()).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut child = command.spawn().map_err(|error| failed(&error))?;
+        let (Some(to), Some(from)) = (child.stdin.take(), child.stdout.take()) else {
+            return Err(DeviceError("the emulator has no pipes".to_owned()));
+        };
+        Ok(Self { child, to: BufWriter::new(to), from: BufReader::new(from) })
+    }
+
+    fn send(&mut self, order: Order, words: &[usize]) -> Result<(), DeviceError> {
+        let words: Vec<u64> = std::iter::once(order as u64).chain(words.iter().map(|&word| word as u64)).collect();
+        self.to.write_all(bytemuck::cast_slice(&words)).map_err(|error| failed(&error))
+    }
+
+    fn send_bytes(&mut self, bytes: &[u8]) -> Result<(), DeviceError> {
+        self.to.write_all(bytes).map_err(|error| failed(&error))
+    }
+
+    fn receive(&mut self, bytes: &mut [u8]) -> Result<(), DeviceError> {
+        self.to.flush().and_then(|()| self.from.read_exact(bytes)).map_err(|error| failed(&error))
+    }
+
+    fn receive_word(&mut self) -> Result<u64, DeviceError> {
+        let mut word = [0; 8];
+        self.receive(&mut word)?;
+        Ok(u64::from_ne_bytes(word))
+    }
+}
+
+/// Digest of the sources of the emulator and of options of the compiler.
+fn digest(options: &[&str]) -> Result<u64, DeviceError> {
+    let entries = std::fs::read_dir(KERNELS).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    let mut paths: Vec<PathBuf> = entries.map_err(|error| unreadable(&error))?.iter().map(DirEntry::path).collect();
+    paths.retain(|path| path.extension().is_none_or(|extension| extension != "ptx"));
+    paths.sort();
+    let mut hasher = DefaultHasher::new();
+    options.hash(&mut hasher);
+    for path in paths {
+        std::fs::read(path).map_err(|error| unreadable(&error))?.hash(&mut hasher);
+    }
+    Ok(hasher.finish())
+}
+
+fn unreadable(error: &std::io::Error) -> DeviceError {
+    DeviceError(format!("the sources or the program of the emulator: {error}"))
+}
+
+fn failed(error: &std::io::Error) -> DeviceError {
+    DeviceError(format!("the emulator has ended: {error}"))
+}
+
+/// Closes the pipes, whereupon the program ends.
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        drop(self.child.kill());
+        drop(self.child.wait());
+    }
+}
+
+impl Device for Emulator {
+    fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError> {
+        self.send(Order::Allocate, &[bytes])?;
+        self.receive_word()
+    }
+
+    fn release(&mut self, address: DeviceAddress) {
+        // If the program has ended, so has its memory.
+        drop(self.send(Order::Free, &[address as usize]));
+    }
+
+    fn zero(&mut self, address: DeviceAddress, bytes: usize) -> Result<(), DeviceError> {
+        self.send(Order::Zero, &[address as usize, bytes])
+    }
+
+    fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError> {
+        self.send(Order::Upload, &[address as usize, bytes.len()])?;
+        self.send_bytes(bytes)
+    }
+
+    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
+        self.send(Order::Download, &[address as usize, bytes.len()])?;
+        self.receive(bytes)
+    }
+
+    fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {
+        self.send(Order::Launch, &[launch.kernel.len()])?;
+        self.send_bytes(launch.kernel.as_bytes())?;
+        let words = [launch.blocks, launch.threads, size_of::<KernelTask>()].map(|word| word as u64);
+        self.send_bytes(bytemuck::cast_slice(&words))?;
+        self.send_bytes(bytemuck::bytes_of(task))?;
+        self.receive_word().map(drop)
+    }
+
+    fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
+        let [x, y, z] = task.points;
+        let flags = [usize::from(task.is_forward), usize::from(task.is_single)];
+        let words = [flags[0], flags[1], x, y, z, task.field as usize, task.spectrum as usize];
+        self.send(Order::Transform, &words)?;
+        self.receive_word().map(drop)
+    }
+
+    fn finish(&mut self) -> Result<(), DeviceError> {
+        self.to.flush().map_err(|error| failed(&error))
+    }
+}

@@ -1,0 +1,20 @@
+//! The far field on a GPU: kernels, devices that run them, and an evaluation of the split method from tables.
+//!
+//! [`Cuda`] runs the kernels of `gpu/kernels` on a card, by libraries that are opened when a scene asks for it;
+//! [`Emulator`] runs the same kernels on the host, for tests. [`SplitFarField`] has the order of an evaluation. It
+//! knows arrays and tables, but neither plans nor units: those are the concern of the crate `fcm`.
+
+mod buffers;
+mod cuda;
+mod device;
+mod emulator;
+mod far_field;
+mod tables;
+mod task;
+
+pub use cuda::Cuda;
+pub use device::{Device, DeviceError, KernelLaunch, TransformTask};
+pub use emulator::Emulator;
+pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
+pub use task::KernelTask;

@@ -1,0 +1,129 @@
+//! Tables of the split method, as a device takes them.
+
+/// Precision of all values on a device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NumberFormat {
+    /// `f32`
+    Single,
+    /// `f64`
+    Double,
+}
+
+impl NumberFormat {
+    /// Bytes of a value.
+    pub(crate) fn size(self) -> usize {
+        match self {
+            Self::Single => 4,
+            Self::Double => 8,
+        }
+    }
+
+    /// Ending of the names of kernels.
+    pub(crate) fn suffix(self) -> &'static str {
+        match self {
+            Self::Single => "f32",
+            Self::Double => "f64",
+        }
+    }
+
+    /// Values in this precision.
+    pub(crate) fn bytes_of(self, values: impl Iterator<Item = f64>) -> Vec<u8> {
+        match self {
+            Self::Single => values.flat_map(|value| (value as f32).to_ne_bytes()).collect(),
+            Self::Double => values.flat_map(f64::to_ne_bytes).collect(),
+        }
+    }
+
+    /// Values from this precision.
+    pub(crate) fn values_of(self, bytes: &[u8]) -> Vec<f64> {
+        match self {
+            Self::Single => bytes.as_chunks().0.iter().map(|&value| f64::from(f32::from_ne_bytes(value))).collect(),
+            Self::Double => bytes.as_chunks().0.iter().map(|&value| f64::from_ne_bytes(value)).collect(),
+        }
+    }
+
+    /// Fractions of the box's edges, as fixed-point numbers of the size of a value.
+    pub(crate) fn fixed_points(self, fractions: impl Iterator<Item = f64>) -> Vec<u8> {
+        match self {
+            Self::Single => fractions.flat_map(|part| (scaled(part, 32) as u32).to_ne_bytes()).collect(),
+            Self::Double => fractions.flat_map(|part| scaled(part, 64).to_ne_bytes()).collect(),
+        }
+    }
+}
+
+/// The part of a fraction after the point in units of `2^-bits`, wrapped at one.
+fn scaled(fraction: f64, bits: i32) -> u64 {
+    (((fraction - fraction.floor()) * 2_f64.powi(bits)).round() as u128) as u64
+}
+
+/// Polynomials of a derivative of the window: coefficients from the highest power on, each a row of the points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WindowPolynomials(pub Vec<f64>);
+
+/// Pair functions of two classes, as polynomials about the middles of equal intervals of the squared distance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DevicePairTable {
+    /// Number of intervals per unit of the square.
+    pub per_square: f64,
+    /// Coefficients of an interval by power, of nine functions each.
+    pub coefficients: Vec<[[f64; 9]; 6]>,
+}
+
+/// Tables of a plan that do not depend on the shape of the box.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SplitTables {
+    /// Precision.
+    pub numbers: NumberFormat,
+    /// Grid points along each edge.
+    pub grid: [usize; 3],
+    /// Points of the window.
+    pub points: usize,
+    /// The window and its first three derivatives.
+    pub window: [WindowPolynomials; 4],
+    /// Tables of all ordered pairs of classes, those of the first class first.
+    pub pairs: Vec<DevicePairTable>,
+    /// First function of two forces and first function of two dipoles at distance 0, by class.
+    pub isolated: Vec<[f64; 2]>,
+    /// Distance beyond which pairs are left out.
+    pub cutoff: f64,
+    /// Viscosity.
+    pub viscosity: f64,
+    /// Square of the width of the common Gaussian.
+    pub gaussian: f64,
+    /// Coefficient of `k^2` in the bracket of the Gaussian.
+    pub widening: f64,
+}
+
+/// Shape of the box, and tables that depend on it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatticeShape {
+    /// Edges along the lattice coordinates.
+    pub edges: [f64; 3],
+    /// Strain `s`.
+    pub strain: f64,
+    /// Tilts `t` and `r`.
+    pub tilts: [f64; 2],
+    /// Axes of the box as rows of a matrix that maps components along them to components in space, if they differ.
+    pub axes: Option<[f64; 9]>,
+    /// Coefficients of the Laplacian along the lattice, of monopoles and dipoles, by class.
+    pub smoothing: Vec<[[f64; 6]; 2]>,
+    /// Logarithms of the factors of the multiplier that depend on one mode alone, by axis; along x of `m <= nx/2`.
+    pub levels: [Vec<f64>; 3],
+}
+
+impl SplitTables {
+    /// Number of classes of radius.
+    pub(crate) fn classes(&self) -> usize {
+        self.isolated.len()
+    }
+
+    /// Number of grid points.
+    pub(crate) fn count(&self) -> usize {
+        self.grid.iter().product()
+    }
+
+    /// Number of modes of a component.
+    pub(crate) fn modes(&self) -> usize {
+        (self.grid[0] / 2 + 1) * self.grid[1] * self.grid[2]
+    }
+}

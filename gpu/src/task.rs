@@ -1,0 +1,67 @@
+//! Arguments of all kernels.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Place in the memory of a device; 0 stands for none.
+pub(crate) type DeviceAddress = u64;
+
+/// Arguments of all kernels, with the fields of `gpu/kernels/task.h`, which explains them, in the same order.
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct KernelTask {
+    pub(crate) positions: DeviceAddress,
+    pub(crate) classes: DeviceAddress,
+    pub(crate) forces: DeviceAddress,
+    pub(crate) torques: DeviceAddress,
+    pub(crate) stresslets: DeviceAddress,
+    pub(crate) keys: DeviceAddress,
+    pub(crate) unsorted: DeviceAddress,
+    pub(crate) rows: DeviceAddress,
+    pub(crate) bin_starts: DeviceAddress,
+    pub(crate) bin_cursors: DeviceAddress,
+    pub(crate) sorted_positions: DeviceAddress,
+    pub(crate) sorted_classes: DeviceAddress,
+    pub(crate) records: DeviceAddress,
+    pub(crate) neighbour_starts: DeviceAddress,
+    pub(crate) neighbours: DeviceAddress,
+    pub(crate) window: DeviceAddress,
+    pub(crate) smoothing: DeviceAddress,
+    pub(crate) levels: DeviceAddress,
+    pub(crate) tables: DeviceAddress,
+    pub(crate) isolated: DeviceAddress,
+    pub(crate) intervals_per_square: DeviceAddress,
+    pub(crate) table_starts: DeviceAddress,
+    pub(crate) table_sizes: DeviceAddress,
+    pub(crate) field: DeviceAddress,
+    pub(crate) spectrum: DeviceAddress,
+    pub(crate) interpolated: DeviceAddress,
+    pub(crate) velocities: DeviceAddress,
+    pub(crate) angular_velocities: DeviceAddress,
+    pub(crate) strain_rates: DeviceAddress,
+    pub(crate) scanned: DeviceAddress,
+    pub(crate) scan_totals: DeviceAddress,
+    pub(crate) edges: [f64; 3],
+    pub(crate) inverse_spacing: [f64; 3],
+    pub(crate) strain: f64,
+    pub(crate) tilt_x: f64,
+    pub(crate) tilt_y: f64,
+    pub(crate) tilt_across: f64,
+    pub(crate) axes: [f64; 9],
+    pub(crate) cutoff_square: f64,
+    pub(crate) inverse_viscosity: f64,
+    pub(crate) solve_factor: f64,
+    pub(crate) gaussian: f64,
+    pub(crate) widening: f64,
+    pub(crate) particles: i32,
+    pub(crate) class_count: i32,
+    pub(crate) grid: [i32; 3],
+    pub(crate) bins: [i32; 3],
+    pub(crate) tiles: [i32; 3],
+    pub(crate) reach: [i32; 3],
+    pub(crate) points: i32,
+    pub(crate) window_rows: [i32; 4],
+    pub(crate) window_starts: [i32; 4],
+    pub(crate) lanes: i32,
+    pub(crate) is_rotated: i32,
+    pub(crate) scan_count: i32,
+}
