@@ -14,8 +14,7 @@
 #define KERNELS(T, suffix)                                \
     KERNEL(bin_particles_##suffix, bin_particles<T>)      \
     KERNEL(order_particles_##suffix, order_particles<T>)  \
-    KERNEL(count_neighbours_##suffix, count_neighbours<T>) \
-    KERNEL(list_neighbours_##suffix, list_neighbours<T>)  \
+    KERNEL(find_neighbours_##suffix, find_neighbours<T>)  \
     KERNEL(gather_loads_##suffix, gather_loads<T>)        \
     KERNEL(spread_0_##suffix, spread<T, 0>)               \
     KERNEL(spread_1_##suffix, spread<T, 1>)               \

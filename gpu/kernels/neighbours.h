@@ -38,12 +38,14 @@ __device__ void separation(const Task &task, int target, int source, const int s
     x[2] = along[2];
 }
 
-// Finds the neighbours of a particle in the order of bins; stores them from `list` on unless it is null. Returns their
-// number.
-template <typename T> __device__ int find_neighbours(const Task &task, int target, int *list)
+// Finds the neighbours of each particle in the order of bins: first, without a list, their numbers; then the list. Both
+// are one kernel, so that the same pairs are within the cutoff whatever the compiler makes of the arithmetic.
+template <typename T> __device__ void find_neighbours(const Task &task)
 {
     typedef typename Precision<T>::Fixed Fixed;
-    int home[3], found = 0;
+    int target = thread_index(), home[3], found = 0;
+    if (target >= task.particles) return;
+    int *list = task.neighbours ? task.neighbours + 2 * task.neighbour_starts[target] : nullptr;
     for (int axis = 0; axis < 3; axis++) {
         Fixed rest;
         home[axis] = cell_of(((const Fixed *)task.sorted_positions)[3 * target + axis], task.grid[axis], &rest) / BIN;
@@ -69,17 +71,5 @@ template <typename T> __device__ int find_neighbours(const Task &task, int targe
                     found++;
                 }
             }
-    return found;
-}
-
-template <typename T> __device__ void count_neighbours(const Task &task)
-{
-    int target = thread_index();
-    if (target < task.particles) task.neighbour_starts[target] = find_neighbours<T>(task, target, nullptr);
-}
-
-template <typename T> __device__ void list_neighbours(const Task &task)
-{
-    int target = thread_index();
-    if (target < task.particles) find_neighbours<T>(task, target, task.neighbours + 2 * task.neighbour_starts[target]);
+    if (!list) task.neighbour_starts[target] = found;
 }

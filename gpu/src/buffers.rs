@@ -11,7 +11,7 @@ pub(crate) struct Buffer {
 }
 
 impl Buffer {
-    /// DeviceAddress of memory for this many bytes. It holds what it did unless it had to grow.
+    /// Address of memory for this many bytes. It holds what it did unless it had to grow.
     pub fn reserve(&mut self, device: &mut dyn Device, bytes: usize) -> Result<DeviceAddress, DeviceError> {
         if bytes > self.bytes || self.address == 0 {
             if self.address != 0 {
@@ -24,7 +24,7 @@ impl Buffer {
         Ok(self.address)
     }
 
-    /// DeviceAddress of a copy of these bytes.
+    /// Address of a copy of these bytes.
     pub fn fill(&mut self, device: &mut dyn Device, bytes: &[u8]) -> Result<DeviceAddress, DeviceError> {
         let address = self.reserve(device, bytes.len())?;
         device.upload(address, bytes)?;

@@ -27,9 +27,9 @@ pub struct TransformTask {
     pub is_single: bool,
     /// Points along x, y and z; x is the fastest.
     pub points: [usize; 3],
-    /// DeviceAddress of the values on the grid.
+    /// Address of the values on the grid.
     pub field: u64,
-    /// DeviceAddress of the modes. A transform back overwrites them.
+    /// Address of the modes. A transform back overwrites them.
     pub spectrum: u64,
 }
 

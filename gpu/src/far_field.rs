@@ -3,7 +3,7 @@
 use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError, KernelLaunch, TransformTask};
 use crate::tables::{LatticeShape, NumberFormat, SplitTables};
-use crate::task::KernelTask;
+use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
 
 /// Points of a bin and of a tile along an axis; threads of blocks; as in `gpu/kernels`.
@@ -50,7 +50,7 @@ pub struct Orders {
     pub gradients: bool,
 }
 
-/// StageSeconds spent in the parts of evaluations.
+/// Seconds spent in the parts of evaluations.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StageSeconds {
     /// Sorting, and spreading.
@@ -132,7 +132,7 @@ impl SplitFarField {
         Ok(Self { device, tables, task, buffers, neighbours: 0, seconds: StageSeconds::default() })
     }
 
-    /// StageSeconds spent so far.
+    /// Seconds spent so far.
     pub fn seconds(&self) -> StageSeconds {
         self.seconds
     }
@@ -218,31 +218,35 @@ impl SplitFarField {
         self.run_over_particles("order_particles", PARTICLE_THREADS)
     }
 
+    /// Counts the neighbours of each particle, then lists them.
     fn list_neighbours(&mut self) -> Result<(), DeviceError> {
         let count = self.task.particles as usize;
         let on = self.device.as_mut();
         self.task.neighbour_starts = self.buffers.neighbour_starts.reserve(on, 4 * (count + 1))?;
         on.zero(self.task.neighbour_starts, 4 * (count + 1))?;
-        self.run_over_particles("count_neighbours", PARTICLE_THREADS)?;
-        self.scan(self.task.neighbour_starts, count + 1, 0)?;
-        let mut starts = vec![0_i32; count + 1];
-        self.device.download(self.task.neighbour_starts, bytemuck::cast_slice_mut(&mut starts))?;
-        self.neighbours = starts[count] as usize;
+        self.task.neighbours = 0;
+        self.run_over_particles("find_neighbours", PARTICLE_THREADS)?;
+        let mut sum = [0_i32];
+        let address = self.scan(self.task.neighbour_starts, count + 1, 0)?;
+        self.device.download(address, bytemuck::cast_slice_mut(&mut sum))?;
+        self.neighbours = sum[0] as usize;
         self.task.neighbours = self.buffers.neighbours.reserve(self.device.as_mut(), 8 * self.neighbours)?;
-        self.run_over_particles("list_neighbours", PARTICLE_THREADS)
+        self.run_over_particles("find_neighbours", PARTICLE_THREADS)
     }
 
-    /// Replaces a list of counts by the sums of those before each; `level` is that of the recursion.
-    fn scan(&mut self, list: u64, count: usize, level: usize) -> Result<(), DeviceError> {
+    /// Replaces a list of counts by the sums of those before each; `level` is that of the recursion. Returns the place
+    /// of the sum of all.
+    fn scan(&mut self, list: DeviceAddress, count: usize, level: usize) -> Result<DeviceAddress, DeviceError> {
         let blocks = count.div_ceil(SCAN);
         let totals = self.buffers.scans[level].reserve(self.device.as_mut(), 4 * blocks)?;
         let task = KernelTask { scanned: list, scan_totals: totals, scan_count: count as i32, ..self.task };
         self.device.launch(&KernelLaunch { kernel: "scan_blocks", blocks, threads: SCAN }, &task)?;
         if blocks == 1 {
-            return Ok(());
+            return Ok(totals);
         }
-        self.scan(totals, blocks, level + 1)?;
-        self.device.launch(&KernelLaunch { kernel: "scan_add", blocks, threads: SCAN }, &task)
+        let sum = self.scan(totals, blocks, level + 1)?;
+        self.device.launch(&KernelLaunch { kernel: "scan_add", blocks, threads: SCAN }, &task)?;
+        Ok(sum)
     }
 
     /// Blocks that have some threads for each particle.
@@ -326,7 +330,7 @@ impl SplitFarField {
         })
     }
 
-    /// NumberFormat of each particle at an address; none at 0.
+    /// Values of each particle at an address; none at 0.
     fn values(&mut self, address: u64, each: usize) -> Result<Vec<f64>, DeviceError> {
         let count = if address == 0 { 0 } else { each * self.task.particles as usize };
         self.download(address, count)

@@ -33,6 +33,14 @@ impl ComputeDevice {
     pub(crate) fn allows(self, method: Method) -> bool {
         self == Self::Cpu || method == Method::Split
     }
+
+    /// Refuses more ranks than the device serves.
+    pub fn check_ranks(self, ranks: usize) -> Result<(), PlanError> {
+        if self == Self::Gpu && ranks > 1 {
+            return Err(refused(&format!("there are {ranks} ranks, and a GPU serves one")));
+        }
+        Ok(())
+    }
 }
 
 fn refused(reason: &str) -> PlanError {
@@ -60,9 +68,7 @@ impl Problem {
         if self.is_reduced() {
             return Err(refused("the box is more than sixteen times as long as it is wide across the flow"));
         }
-        if self.ranks > 1 {
-            return Err(refused(&format!("there are {} ranks, and a GPU serves one", self.ranks)));
-        }
+        self.fixed.device.check_ranks(self.ranks)?;
         let radii = self.summed_up().radii.len();
         if radii > MOST_RADII {
             let reason = format!("there are {radii} different radii, and a GPU has tables for {MOST_RADII}");

@@ -60,6 +60,7 @@ pub fn outline(
             (Planned { radii: setup.radii, plan: setup.plan }, Some(gap), relaxed)
         }
     };
+    planned.plan.device.check_ranks(asked.ranks.count)?;
     let cell = if follows(model.cell.boundaries()) { planned.plan.cell() } else { model.cell };
     let mut others = Plan::ranked(&problem_in(&cell, model, &planned.radii))?;
     others.retain(|plan| *plan != planned.plan);

@@ -150,11 +150,34 @@ impl Planned {
         Radii::of_model(model).map(|radii| Self::new(model, radii)).transpose()
     }
 
-    /// Refuses a run for which the present ranks do not have the memory. Collective.
+    /// Refuses a run for which the present ranks do not have the memory, or that is on a device that serves fewer
+    /// ranks. Collective.
     pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
+        comm.agree(self.plan.device.check_ranks(comm.size()))?;
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         let need = memory::need(model, &self.radii, &self.plan, ranks, comm.rank());
         let advice = || memory::advice(model, &self.radii);
         comm.agree(comm.check_memory(need).map_err(|error| format!("{error}; {}", advice())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Parameters, Species};
+    use domain::Vector;
+    use fcm::ComputeDevice;
+
+    #[test]
+    fn a_card_serves_one_rank() {
+        let cell = PeriodicBox::new(Vector::splat(20.0)).unwrap();
+        let model = Model::new(Parameters::new(cell, 1.0, vec![Species::new("a", 1.0, 9)], 0.1, 1)).unwrap();
+        let mut planned = Planned::of_model(&model).unwrap().unwrap();
+        planned.plan.device = ComputeDevice::Gpu;
+        let refusals = |ranks| Comm::threads(ranks, |comm| planned.check_memory(&model, &comm).map_err(|e| e.message));
+        assert_eq!(refusals(1), [Ok(())]);
+        for refusal in refusals(2) {
+            assert!(refusal.unwrap_err().contains("hydrodynamics.device is \"gpu\", but there are 2 ranks"));
+        }
     }
 }

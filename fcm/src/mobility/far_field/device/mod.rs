@@ -52,7 +52,11 @@ impl DeviceFarField {
     }
 
     /// On any device.
+    ///
+    /// # Panics
+    /// On more than one rank.
     pub fn on(device: Box<dyn Device>, plan: &Plan, partition: &Partition) -> Self {
+        assert_eq!(partition.comm().size(), 1, "a device serves one rank");
         let units = plan.units();
         let own = plan.in_units(&units);
         let tables = PlanTables::new(&own);

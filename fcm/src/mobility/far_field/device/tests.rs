@@ -111,6 +111,15 @@ impl Case {
         far
     }
 
+    /// Loads of some particles.
+    fn loads_of(&self, rows: &[usize]) -> Loads {
+        Loads {
+            forces: rows.iter().map(|&row| self.loads.forces[row]).collect(),
+            torques: rows.iter().map(|&row| self.loads.torques[row]).collect(),
+            stresslets: rows.iter().map(|&row| self.loads.stresslets[row]).collect(),
+        }
+    }
+
     fn on_host(&self, plan: &Plan) -> GridFarField {
         let mut far = GridFarField::new(plan, &alone(plan));
         far.arrange(&self.cell, &self.particles);
@@ -144,8 +153,10 @@ fn alone(plan: &Plan) -> Partition {
     Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]])
 }
 
-/// The emulator, compiled once beside the tests.
+/// The emulator, compiled once beside the tests; with the options of `EMULATOR_FLAGS` too, see `scripts/kernels`.
 fn emulator(options: &[&str], seed: u64) -> Emulator {
+    let more = std::env::var("EMULATOR_FLAGS").unwrap_or_default();
+    let options: &[&str] = &[options, &more.split_whitespace().collect::<Vec<_>>()].concat();
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     Emulator::start(&Emulator::compile(&folder, options).unwrap(), seed).unwrap()
 }
@@ -251,8 +262,7 @@ fn a_device_follows_changes_of_box_and_particles() {
         let cell = PeriodicBox::sheared(edges, strain).unwrap();
         let rows: Vec<usize> = rows.collect();
         let particles = case.particles.selected(&rows);
-        let forces = rows.iter().map(|&row| case.loads.forces[row]).collect();
-        let loads = Loads { forces, ..Loads::default() };
+        let loads = case.loads_of(&rows);
         device.arrange(&cell, &particles);
         host.arrange(&cell, &particles);
         let [found, exact] = [device.apply(&loads, Output::All), host.apply(&loads, Output::All)];
