@@ -132,18 +132,22 @@ fn outlines_of_grains_are_those_of_their_scenes() {
 
 /// With a card the scene is checked and run on it; without one both commands end with the same sentence.
 #[test]
-fn check_and_run_agree_on_whether_there_is_a_card() {
+fn commands_agree_on_whether_there_is_a_card() {
     let scene = include_str!("../../scenes/settling.toml");
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("out").display().to_string();
     let on_card = ["--set", "hydrodynamics.device=gpu", "--set", "time.steps=1", "--set", "species[0].count=20"];
     let checked = given(scene, &[&["check", "-", "--no-trial"][..], &on_card].concat());
     let run = given(scene, &[&["run", "-", "--out", &out][..], &on_card].concat());
+    let bench = given("", &["bench", "--device", "gpu", "--particles", "20", "--repeats", "1"]);
+    let mobility = given(&CASE.replace('}', ", \"device\": \"gpu\"}"), &["mobility", "-"]);
     if checked.status.success() {
-        assert!(run.status.success() && String::from_utf8_lossy(&checked.stdout).contains("\ndevice     gpu\n"));
+        let checked = String::from_utf8_lossy(&checked.stdout);
+        assert!(checked.contains("\ndevice     gpu\n") && checked.contains("\ncard       "), "{checked}");
+        assert!([run, bench, mobility].iter().all(|output| output.status.success()));
         return;
     }
-    for output in [checked, run] {
+    for output in [checked, run, bench, mobility] {
         let error = String::from_utf8(output.stderr).expect("text");
         let (_, sentence) = error.split_once("hydrodynamics.device is \"gpu\", but ").expect("the key");
         assert!(sentence.ends_with("; leave it out, or write \"cpu\"\n") && sentence.lines().count() == 1, "{error}");

@@ -68,7 +68,7 @@ pub use mobility::{Flow, Mobility};
 pub use plan::accuracy;
 pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use plan::costs::Costs;
-pub use plan::device::ComputeDevice;
+pub use plan::device::{CardMemory, ComputeDevice};
 pub use plan::method::{Method, Split};
 pub use plan::plan_identity::PlanIdentity;
 pub use plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};

@@ -1,11 +1,14 @@
 //! A card, by libraries that are opened when a scene asks for it.
 
-use crate::device::{Device, DeviceError, KernelLaunch, TransformTask};
+use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 use crate::task::{DeviceAddress, KernelTask};
 use cudarc::cufft::sys::{cufftHandle, cufftType};
 use cudarc::cufft::{CudaFft, result as cufft};
+use cudarc::driver::result::device;
+use cudarc::driver::sys::CUdevice_attribute;
 use cudarc::driver::{
-    CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, LaunchConfig, PushKernelArg,
+    CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError, LaunchConfig,
+    PushKernelArg,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,8 +19,12 @@ const PTX: &str = include_str!("../kernels/far_field.ptx");
 // SAFETY: plain numbers in the layout of C.
 unsafe impl DeviceRepr for KernelTask {}
 
+/// Least compute capability of a card, for which the kernels are compiled.
+const LEAST_CAPABILITY: [i32; 2] = [7, 0];
+
 /// An NVIDIA card.
 pub struct Cuda {
+    context: Arc<CudaContext>,
     stream: Arc<CudaStream>,
     module: Arc<CudaModule>,
     functions: HashMap<String, CudaFunction>,
@@ -37,6 +44,36 @@ fn failed(error: impl std::fmt::Display) -> DeviceError {
     DeviceError(format!("the GPU: {error}"))
 }
 
+/// Compute capability of the first card.
+fn capability() -> Result<[i32; 2], DriverError> {
+    let card = device::get(0)?;
+    let of = |attribute| {
+        // SAFETY: the card is one that the driver named.
+        unsafe { device::get_attribute(card, attribute) }
+    };
+    Ok([
+        of(CUdevice_attribute::CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR)?,
+        of(CUdevice_attribute::CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR)?,
+    ])
+}
+
+/// Refuses a card for which the kernels are not compiled.
+fn check_capability(found: [i32; 2]) -> Result<(), DeviceError> {
+    if found >= LEAST_CAPABILITY {
+        return Ok(());
+    }
+    let ([major, minor], [least, least_minor]) = (found, LEAST_CAPABILITY);
+    Err(DeviceError(format!(
+        "the GPU has compute capability {major}.{minor}, and the kernels need {least}.{least_minor}"
+    )))
+}
+
+fn info_of(context: &CudaContext) -> Result<DeviceInfo, DeviceError> {
+    let (free, total) = context.mem_get_info().map_err(failed)?;
+    let name = context.name().map_err(failed)?;
+    Ok(DeviceInfo { name, total_bytes: total as f64, free_bytes: free as f64 })
+}
+
 impl Cuda {
     /// Whether a card can be used on this machine, with the reason if not: what follows a key in a message.
     pub fn check() -> Result<(), DeviceError> {
@@ -50,10 +87,16 @@ impl Cuda {
             return Err(DeviceError("this machine has no cuFFT (libcufft.so)".to_owned()));
         }
         match CudaContext::device_count() {
-            Ok(count) if count > 0 => Ok(()),
+            Ok(count) if count > 0 => check_capability(capability().map_err(failed)?),
             Ok(_) => Err(DeviceError("the CUDA driver finds no GPU".to_owned())),
             Err(error) => Err(DeviceError(format!("the CUDA driver finds no GPU: {error}"))),
         }
+    }
+
+    /// Properties of the first card.
+    pub fn first() -> Result<DeviceInfo, DeviceError> {
+        Self::check()?;
+        info_of(&*CudaContext::new(0).map_err(failed)?)
     }
 
     /// Opens the first card.
@@ -62,7 +105,7 @@ impl Cuda {
         let context = CudaContext::new(0).map_err(failed)?;
         let module = context.load_module(PTX.into()).map_err(failed)?;
         let stream = context.new_stream().map_err(failed)?;
-        Ok(Self { stream, module, functions: HashMap::new(), memory: HashMap::new(), transforms: Vec::new() })
+        Ok(Self { context, stream, module, functions: HashMap::new(), memory: HashMap::new(), transforms: Vec::new() })
     }
 
     fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
@@ -103,6 +146,10 @@ impl Cuda {
 }
 
 impl Device for Cuda {
+    fn info(&self) -> Result<DeviceInfo, DeviceError> {
+        info_of(&self.context)
+    }
+
     fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError> {
         // SAFETY: kernels and copies write all that is read.
         let memory = unsafe { self.stream.alloc::<u8>(bytes.max(1)) }.map_err(failed)?;
@@ -160,5 +207,28 @@ impl Device for Cuda {
 
     fn finish(&mut self) -> Result<(), DeviceError> {
         self.stream.synchronize().map_err(failed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn old_cards_are_refused() {
+        for found in [[7, 0], [7, 5], [9, 0], [12, 1]] {
+            assert_eq!(check_capability(found), Ok(()));
+        }
+        let refusal = check_capability([6, 1]).unwrap_err().to_string();
+        assert_eq!(refusal, "the GPU has compute capability 6.1, and the kernels need 7.0");
+    }
+
+    /// With a card: its memory. Without one: the reason that a scene is refused with.
+    #[test]
+    fn a_card_has_memory_or_is_not_there() {
+        match Cuda::first() {
+            Ok(card) => assert!(card.free_bytes > 0.0 && card.free_bytes <= card.total_bytes, "{card:?}"),
+            Err(reason) => assert_eq!(Cuda::check(), Err(reason)),
+        }
     }
 }

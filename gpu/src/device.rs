@@ -7,6 +7,17 @@ use crate::task::{DeviceAddress, KernelTask};
 #[error("{0}")]
 pub struct DeviceError(pub String);
 
+/// Properties of a device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeviceInfo {
+    /// Name.
+    pub name: String,
+    /// Bytes of its memory.
+    pub total_bytes: f64,
+    /// Bytes that are free.
+    pub free_bytes: f64,
+}
+
 /// A kernel and the threads that run it.
 #[derive(Debug, Clone, Copy)]
 pub struct KernelLaunch<'a> {
@@ -36,6 +47,9 @@ pub struct TransformTask {
 /// Memory, kernels and transforms of a device. Commands take effect in their order; those that return nothing may do so
 /// later.
 pub trait Device {
+    /// Properties of the device at present.
+    fn info(&self) -> Result<DeviceInfo, DeviceError>;
+
     /// Memory of this many bytes, whose values are undefined.
     fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError>;
 

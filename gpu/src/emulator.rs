@@ -1,7 +1,8 @@
 //! A device without hardware: the kernels, compiled for the host.
 
-use crate::device::{Device, DeviceError, KernelLaunch, TransformTask};
+use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 use crate::task::{DeviceAddress, KernelTask};
+use std::collections::HashMap;
 use std::fs::DirEntry;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -15,7 +16,12 @@ pub struct Emulator {
     child: Child,
     to: BufWriter<ChildStdin>,
     from: BufReader<ChildStdout>,
+    /// Bytes of each piece of memory.
+    memory: HashMap<DeviceAddress, usize>,
 }
+
+/// Bytes of the memory that an emulator serves.
+const MEMORY: f64 = 4e9;
 
 /// Commands, in the order of `gpu/kernels/emulator.cc`.
 #[derive(Clone, Copy)]
@@ -64,7 +70,7 @@ impl Emulator {
         let (Some(to), Some(from)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(DeviceError("the emulator has no pipes".to_owned()));
         };
-        Ok(Self { child, to: BufWriter::new(to), from: BufReader::new(from) })
+        Ok(Self { child, to: BufWriter::new(to), from: BufReader::new(from), memory: HashMap::new() })
     }
 
     fn send(&mut self, order: Order, words: &[usize]) -> Result<(), DeviceError> {
@@ -118,12 +124,20 @@ impl Drop for Emulator {
 }
 
 impl Device for Emulator {
+    fn info(&self) -> Result<DeviceInfo, DeviceError> {
+        let taken: f64 = self.memory.values().map(|&bytes| bytes as f64).sum();
+        Ok(DeviceInfo { name: "emulator".to_owned(), total_bytes: MEMORY, free_bytes: MEMORY - taken })
+    }
+
     fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError> {
         self.send(Order::Allocate, &[bytes])?;
-        self.receive_word()
+        let address = self.receive_word()?;
+        self.memory.insert(address, bytes);
+        Ok(address)
     }
 
     fn release(&mut self, address: DeviceAddress) {
+        self.memory.remove(&address);
         // If the program has ended, so has its memory.
         drop(self.send(Order::Free, &[address as usize]));
     }

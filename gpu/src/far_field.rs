@@ -1,7 +1,7 @@
 //! Order of an evaluation: kernels of the split method on a device.
 
 use crate::buffers::Buffer;
-use crate::device::{Device, DeviceError, KernelLaunch, TransformTask};
+use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 use crate::tables::{LatticeShape, NumberFormat, SplitTables};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
@@ -135,6 +135,11 @@ impl SplitFarField {
     /// Seconds spent so far.
     pub fn seconds(&self) -> StageSeconds {
         self.seconds
+    }
+
+    /// Properties of the device.
+    pub fn device(&self) -> Result<DeviceInfo, DeviceError> {
+        self.device.info()
     }
 
     /// Number of neighbours of all particles.

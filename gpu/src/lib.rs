@@ -9,12 +9,14 @@ mod cuda;
 mod device;
 mod emulator;
 mod far_field;
+mod memory;
 mod tables;
 mod task;
 
 pub use cuda::Cuda;
-pub use device::{Device, DeviceError, KernelLaunch, TransformTask};
+pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use memory::{EvaluationBytes, EvaluationSize};
 pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
 pub use task::KernelTask;

@@ -19,7 +19,7 @@ class Mobility:
         self,
         spheres: tuple[tuple[list[list[float]], list[str]], float, list[float], bool],
         fluid: tuple[float, float],
-        terms: tuple[bool, float | None, str],
+        terms: tuple[bool, float | None, str, str],
         comm: tuple[int, str] | None,
     ) -> None: ...
     @property

@@ -126,6 +126,7 @@ class Mobility:
     multipoles  "dipole": forces, torques and stresslets; "monopole": forces alone
     method      "direct": the envelopes themselves on the grid; "split": wider envelopes on a coarser grid, and a pair
                 correction; "dense": a matrix of exact sums, for few spheres; "auto": the faster of the first two
+    device      "gpu": the far field on an NVIDIA card, in periodic boxes; "cpu": on the processors of the host
     strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
     boundaries  boundary conditions along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
                 "open", the others "periodic"; or all are "open": then the edges need to be longer than the extent of the
@@ -150,6 +151,7 @@ class Mobility:
         count: int | None = None,
         boundaries: Sequence[str] = ("periodic", "periodic", "periodic"),
         method: str = "auto",
+        device: str = "cpu",
     ) -> None:
         self._radii = _radii(radii, count)
         self._radii.flags.writeable = False
@@ -164,7 +166,7 @@ class Mobility:
         axes = _arrays.words("boundaries", boundaries, 3)
         spheres = ((rows, axes), _arrays.number("strain", strain), self._radii.tolist(), self._rigid)
         fluid = (_arrays.number("viscosity", viscosity), _arrays.number("tolerance", tolerance))
-        terms = (self._dipoles, cutoff, *_arrays.words("method", method, 1))
+        terms = (self._dipoles, cutoff, *_arrays.words("method", method, 1), *_arrays.words("device", device, 1))
         self._core = _core.Mobility(spheres, fluid, terms, handle(comm))
         self._positions: np.ndarray | None = None
         self._say(self._core.burden())

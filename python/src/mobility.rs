@@ -10,7 +10,7 @@ use fcm::{Loads, Motion, Multipoles};
 use lubrication::LubricationRange;
 use numpy::PyArray2;
 use pyo3::prelude::*;
-use scene::{CaseBoundary, CaseBox, CaseMethod};
+use scene::{CaseBoundary, CaseBox, CaseDevice, CaseMethod};
 use solver::BackgroundFlow;
 use std::time::Instant;
 use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
@@ -39,17 +39,17 @@ type NumpyMatrix<'py> = Bound<'py, PyArray2<f64>>;
 impl PyMobility {
     /// Plans the mobility. `spheres`: the box (edges in one row or lattice vectors in three, and the boundary condition
     /// along each axis), its strain, the radii, and whether the spheres are rigid. `fluid`: viscosity and relative
-    /// tolerance. `terms`: whether there are dipoles, the gap where lubrication ends, and the method.
+    /// tolerance. `terms`: whether there are dipoles, the gap where lubrication ends, the method and the device.
     #[new]
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
         py: Python<'_>,
         spheres: (GivenBox, f64, Vec<f64>, bool),
         fluid: (f64, f64),
-        terms: (bool, Option<f64>, &str),
+        terms: (bool, Option<f64>, &str, &str),
         comm: Option<(i32, String)>,
     ) -> PyResult<Self> {
-        let (((rows, axes), strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication, method)) =
+        let (((rows, axes), strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication, method, device)) =
             (spheres, fluid, terms);
         let given = (Some(given_box(&rows)), boundaries(&axes)?);
         let (cell, turn) = CaseBox::bounded(given.0, strain, given.1, (&[], &[])).map_err(|cause| refused(&cause))?;
@@ -66,6 +66,7 @@ impl PyMobility {
             tolerance,
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
             method: CaseMethod::of_word(method).map_err(|cause| refused(&cause))?.alone(),
+            device: CaseDevice::of_word(device).map_err(|cause| refused(&cause))?.into(),
             costs: without_lock(py, || run::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
         };
         Self::planned(py, parameters, turn, count, &comm)

@@ -86,6 +86,7 @@ def test_real_numbers_of_any_kind_are_taken(kind):
         ({"boundaries": ("periodic", "periodic", "periodic", "walls")}, "boundaries is .* needs to be 3 words"),
         ({"boundaries": (1, 2, 3)}, "boundaries is .* needs to be 3 words"),
         ({"method": 3}, "method is 3; it needs to be a word"),
+        ({"device": "tpu"}, 'device is "tpu"; it needs to be "cpu" or "gpu"'),
         ({"threads": True}, "threads is True"),
     ],
 )

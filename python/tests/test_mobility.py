@@ -203,6 +203,13 @@ def test_the_plan_is_that_of_the_program(program, tmp_path):
         mobility(method="spectral")
 
 
+def test_the_far_field_is_on_a_card_or_there_is_none():
+    try:
+        assert "\ndevice     gpu\n" in mobility(device="gpu").plan.text
+    except fcm.InputError as error:
+        assert 'hydrodynamics.device is "gpu", but' in str(error)
+
+
 def test_the_number_of_threads_stays():
     mobility()
     with pytest.raises(fcm.InputError, match="compute already; their number is that of the first use"):

@@ -5,7 +5,7 @@
 //! Units: the radius and the viscosity are 1.
 
 use domain::{Bytes, Comm, PeriodicBox, Vector, random_packing};
-use fcm::{Costs, Loads, Multipoles};
+use fcm::{ComputeDevice, Costs, Loads, Multipoles};
 use solver::BackgroundFlow;
 use std::error::Error;
 use suspension::{Mobility, MobilityParameters};
@@ -46,6 +46,7 @@ fn mobility(cell: PeriodicBox, radii: Vec<f64>) -> Result<Mobility, Box<dyn Erro
         tolerance: 1e-6,
         lubrication: None,
         method: None,
+        device: ComputeDevice::Cpu,
         costs: Costs::default(),
     };
     Ok(Mobility::new(parameters, Bytes::default(), &Comm::alone())?)

@@ -1,7 +1,7 @@
 //! Mobility between walls and in open space.
 
 use domain::{AxisRotation, Boundaries, Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{Costs, Loads, Multipoles};
+use fcm::{ComputeDevice, Costs, Loads, Multipoles};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
@@ -20,6 +20,7 @@ fn parameters(edges: [f64; 3], boundaries: Boundaries, count: usize) -> Mobility
         tolerance: 1e-3,
         lubrication: None,
         method: None,
+        device: ComputeDevice::Cpu,
         costs: Costs::default(),
     }
 }

@@ -3,7 +3,7 @@
 use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
-use fcm::{Costs, Loads, Multipoles};
+use fcm::{ComputeDevice, Costs, Loads, Multipoles};
 use lubrication::{LubricationRange, WallForce};
 use simulation::{Quantity, Simulation};
 use solver::BackgroundFlow;
@@ -212,6 +212,7 @@ fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
         tolerance: 1e-5,
         lubrication: None,
         method: None,
+        device: ComputeDevice::Cpu,
         costs: Costs::default(),
     };
     let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();

@@ -1,7 +1,7 @@
 //! Lattices, in which symmetry makes the errors of neighbours equal, and residuals orthogonal to whole directions.
 
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
-use fcm::{Costs, Loads, Multipoles};
+use fcm::{ComputeDevice, Costs, Loads, Multipoles};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
@@ -45,6 +45,7 @@ impl Lattice {
             lubrication: is_lubricated
                 .then(|| LubricationRange::new(LubricationRange::WIDE, LubricationRange::MINIMUM_GAP).unwrap()),
             method: None,
+            device: ComputeDevice::Cpu,
             costs: Costs::default(),
         };
         let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();

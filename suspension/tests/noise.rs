@@ -1,7 +1,7 @@
 //! Random motions whose covariance is the mobility.
 
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
-use fcm::{Costs, Loads, Method, Multipoles, Precision};
+use fcm::{ComputeDevice, Costs, Loads, Method, Multipoles, Precision};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use suspension::{Mobility, MobilityParameters};
@@ -17,6 +17,7 @@ fn parameters(edge: f64, tolerance: f64) -> MobilityParameters {
         tolerance,
         lubrication: None,
         method: None,
+        device: ComputeDevice::Cpu,
         costs: Costs::default(),
     }
 }

@@ -3,7 +3,7 @@
 use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Vector};
-use fcm::{Costs, Loads, Multipoles};
+use fcm::{ComputeDevice, Costs, Loads, Multipoles};
 use lubrication::LubricationRange;
 use std::f64::consts::PI;
 use suspension::{Extension, Mobility, MobilityParameters, Model, Suspension};
@@ -107,6 +107,7 @@ fn a_pair_moves_as_its_mobility_says() {
                     LubricationRange::new(LubricationRange::WIDE, LubricationRange::MINIMUM_GAP).unwrap(),
                 ),
                 method: None,
+                device: ComputeDevice::Cpu,
                 costs: Costs::default(),
             };
             let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();

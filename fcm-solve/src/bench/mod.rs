@@ -6,7 +6,7 @@ use crate::number::{fraction, ratio, tolerance};
 use crate::streams;
 use clap::ValueEnum;
 use domain::Comm;
-use fcm::{Costs, Fixed, Method};
+use fcm::{ComputeDevice, Costs, Fixed, Method};
 use serde::Serialize;
 use std::path::PathBuf;
 use suspension::benchmark::{BenchmarkCase, BenchmarkKind, CostMeasurement, Spheres, Task};
@@ -36,6 +36,9 @@ pub struct Args {
     /// Evaluation method of the envelopes
     #[arg(long, value_enum, default_value_t = Choice::Auto)]
     method: Choice,
+    /// Device that evaluates the far field
+    #[arg(long, value_enum, default_value_t = DeviceChoice::Cpu)]
+    device: DeviceChoice,
     /// Grid points along each edge [default: as many as the tolerance needs]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     grid: Option<usize>,
@@ -73,14 +76,15 @@ struct StageOptions {
 }
 
 const LINE: &str = "\
-A line has particles, volume_fraction, size_ratio, tolerance, method, precision, grid, support, ranks,
+A line has particles, volume_fraction, size_ratio, tolerance, method, device, precision, grid, support, ranks,
 threads, bytes_sent, messages_sent, seconds and error. Bytes and messages are what a rank sends to others for
 one mobility, the most of all ranks; ranks on one machine read transposed rows from each other's memory
 without messages. Seconds are medians over the repeats: spread, fft, solve, interpolate,
 near, exchange and total, for one mobility F, T, S -> V, Omega, E at new positions. The Stokes solve is
 made within the transform, so its time is part of fft and solve is 0. The error is the largest relative
-2-norm of velocities, angular velocities and rates of strain against an evaluation with a tolerance
-100 times smaller.
+2-norm of velocities, angular velocities and rates of strain against an evaluation on the host with a
+tolerance 100 times smaller. On a card, fft includes the Stokes solve between the transforms, and exchange
+is the time of copies between host and card.
 
 With --serial a line has, for an evaluation that rebuilds neighbour lists (with_lists) and for one that does
 not (repeated), the seconds on one thread and their share outside of parallel loops (serial_share), the
@@ -98,6 +102,15 @@ enum Choice {
     Direct,
     /// One common Gaussian on the grid, pairs for the rest
     Split,
+}
+
+/// Device of the far field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum DeviceChoice {
+    /// The processors of the host
+    Cpu,
+    /// A graphics card
+    Gpu,
 }
 
 /// One line of the output.
@@ -149,6 +162,10 @@ impl Args {
             Choice::Direct => Some(Method::Direct),
             Choice::Split => Some(Method::Split),
         };
+        let device = match self.device {
+            DeviceChoice::Cpu => ComputeDevice::Cpu,
+            DeviceChoice::Gpu => ComputeDevice::Gpu,
+        };
         Task {
             tolerance,
             kind: match (self.monopoles, self.stresslets) {
@@ -158,7 +175,7 @@ impl Args {
             },
             repeats: self.repeats,
             with_error: !self.no_error,
-            fixed: Fixed { method, grid: self.grid.map(|m| [m; 3]), ..Fixed::default() },
+            fixed: Fixed { method, device, grid: self.grid.map(|m| [m; 3]), ..Fixed::default() },
             costs,
         }
     }

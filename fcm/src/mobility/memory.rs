@@ -5,9 +5,10 @@ use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
 use crate::pairs::pair_correction::{self, PairCorrection};
 use crate::pairs::table::{PairFunctions, PairTable};
-use crate::plan::Plan;
+use crate::plan::device::{CardMemory, ComputeDevice};
 use crate::plan::method::{GridlessBytes, RankParticles};
 use crate::plan::problem::{Multipoles, Precision};
+use crate::plan::{Plan, PlanError};
 use crate::walls::wall_images::WallImages;
 use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
 use solver::Real;
@@ -48,6 +49,18 @@ impl<'a> Footprint<'a> {
         let stencils = Bytes::list::<Stencil>(present).then(Bytes::list::<Stencil>(2.0 * present).freed());
         let images = Bytes::keep(WallImages::bytes(self.plan, owned, self.expected.total()));
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
+    }
+
+    /// Memory that evaluations take of a card, if the plan is for one.
+    pub fn card(&self) -> Result<Option<CardMemory>, PlanError> {
+        let neighbours = self.expected.neighbours(self.plan.cutoff());
+        match self.plan.device {
+            ComputeDevice::Cpu => Ok(None),
+            ComputeDevice::Gpu => {
+                let size = self.plan.size_on_card(self.expected.total(), neighbours);
+                CardMemory::of_first(size.bytes().total()).map(Some)
+            }
+        }
     }
 
     /// Memory of a method without a grid.

@@ -82,7 +82,8 @@ impl<T: Real> PairTable<T> {
         Some(Self { per_interval: 1.0 / width, intervals: (0..count).map(interval).collect() })
     }
 
-    fn intervals(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<usize> {
+    /// Number of intervals of the table of [`Self::new`], if it makes one.
+    pub fn intervals(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<usize> {
         let first = functions.exact(0.0);
         let bound = functions.derivative(0.0, DEGREE + 1);
         let factorial = 720.0;

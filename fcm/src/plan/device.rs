@@ -3,9 +3,10 @@
 use crate::envelope::Envelope;
 use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::method::Method;
-use crate::plan::problem::Problem;
+use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
-use domain::Boundaries;
+use domain::{Boundaries, readable_bytes};
+use gpu::{DeviceInfo, EvaluationSize, NumberFormat};
 
 /// Largest number of radii of which a device has tables for all pairs.
 const MOST_RADII: usize = 32;
@@ -40,6 +41,39 @@ impl ComputeDevice {
             return Err(refused(&format!("there are {ranks} ranks, and a GPU serves one")));
         }
         Ok(())
+    }
+}
+
+/// Memory that evaluations take of a card.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CardMemory {
+    /// The card.
+    pub card: DeviceInfo,
+    /// Bytes that evaluations take.
+    pub bytes: f64,
+}
+
+impl CardMemory {
+    /// Memory of the first card; the error if there is none.
+    pub(crate) fn of_first(bytes: f64) -> Result<Self, PlanError> {
+        let card = gpu::Cuda::first().map_err(|error| refused(&error.0))?;
+        Ok(Self { card, bytes })
+    }
+
+    /// Refuses evaluations that take more than is free.
+    pub fn check(&self) -> Result<(), PlanError> {
+        if self.bytes <= self.card.free_bytes {
+            return Ok(());
+        }
+        let [needed, free, total] = [self.bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
+        let name = &self.card.name;
+        Err(refused(&format!("the far field takes {needed} of the card, and {name} has {free} free of {total}")))
+    }
+
+    /// Card and memory in words.
+    pub fn describe(&self) -> String {
+        let [needed, free, total] = [self.bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
+        format!("{}, {free} free of {total}; the far field takes about {needed}", self.card.name)
     }
 }
 
@@ -82,7 +116,7 @@ impl Problem {
         if self.fixed.device == ComputeDevice::Cpu {
             return Ok(());
         }
-        plans.retain(Plan::has_tables);
+        plans.retain(|plan| plan.table_intervals().is_some());
         if plans.is_empty() {
             return Err(refused("the spheres are so far apart that the pair corrections reach beyond any table"));
         }
@@ -91,16 +125,29 @@ impl Problem {
 }
 
 impl Plan {
-    /// Whether there are tables of the pair functions up to the cutoff.
-    fn has_tables(&self) -> bool {
+    /// Number of intervals of all tables of the pair functions; `None` if one of them has too many.
+    fn table_intervals(&self) -> Option<usize> {
         let own = self.in_units(&self.units());
-        let Some(common) = own.common() else { return false };
+        let common = own.common()?;
         let envelopes: Vec<Envelope> = own.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-        let has_table = |&i: &Envelope, &j: &Envelope| {
-            let functions = PairFunctions::new(i, j, common);
-            PairTable::<f64>::bytes(&functions, own.cutoff(), own.table_tolerance()).is_some()
+        let pairs = envelopes.iter().flat_map(|&i| envelopes.iter().map(move |&j| PairFunctions::new(i, j, common)));
+        pairs.map(|pair| PairTable::<f64>::intervals(&pair, own.cutoff(), own.table_tolerance())).sum()
+    }
+
+    /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.
+    pub(crate) fn size_on_card(&self, particles: f64, neighbours: f64) -> EvaluationSize {
+        let numbers = match self.precision {
+            Precision::Single => NumberFormat::Single,
+            Precision::Double => NumberFormat::Double,
         };
-        envelopes.iter().all(|i| envelopes.iter().all(|j| has_table(i, j)))
+        EvaluationSize {
+            numbers,
+            grid: self.grid,
+            particles,
+            classes: self.radii.len() as f64,
+            neighbours: particles * neighbours,
+            intervals: self.table_intervals().unwrap_or_default() as f64,
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Memory of single evaluations of the mobility.
 
 use crate::memory::{Ranks, of_peak, solve_bytes, table_bytes};
-use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles};
-use fcm::{Footprint, Plan};
+use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles, Place};
+use fcm::{Footprint, Plan, PlanError};
 use lubrication::LubricationRange;
 
 /// A single evaluation.
@@ -25,16 +25,29 @@ impl SingleEvaluation<'_> {
     /// Refuses an evaluation for which the ranks do not have the memory. Collective.
     pub fn check_memory(&self, comm: &Comm) -> Result<(), Failure> {
         let count: usize = self.radii.iter().map(|kind| kind.1).sum();
+        comm.agree(self.check_card(comm))?;
         let message = |error| format!("{error}; for these {count} spheres take {}, or more machines", self.remedy);
         comm.agree(comm.check_memory(self.need(comm)).map_err(message))
     }
 
-    fn need(&self, comm: &Comm) -> domain::MemoryNeed {
-        let (plan, ranks) = (self.plan, Ranks { count: comm.size(), threads: rayon::current_num_threads() });
-        let place = domain::Place::of(ranks.count, comm.rank(), [plan.grid[1], plan.grid[2]]);
+    /// Refuses an evaluation for which the plan's device does not have the memory, or that has more ranks than it serves.
+    fn check_card(&self, comm: &Comm) -> Result<(), PlanError> {
+        self.plan.device.check_ranks(comm.size())?;
+        let place = Place::of(1, 0, [self.plan.grid[1], self.plan.grid[2]]);
+        let card = Footprint::new(self.plan, &place, 1, &self.expected(&place)).card()?;
+        card.map_or(Ok(()), |card| card.check())
+    }
+
+    fn expected(&self, place: &Place) -> ExpectedCounts {
         let mut radii = self.radii.clone();
         radii.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let expected = ExpectedCounts::new(plan.edges, &radii, &place);
+        ExpectedCounts::new(self.plan.edges, &radii, place)
+    }
+
+    fn need(&self, comm: &Comm) -> domain::MemoryNeed {
+        let (plan, ranks) = (self.plan, Ranks { count: comm.size(), threads: rayon::current_num_threads() });
+        let place = Place::of(ranks.count, comm.rank(), [plan.grid[1], plan.grid[2]]);
+        let expected = self.expected(&place);
         let far = Footprint::new(plan, &place, ranks.threads, &expected);
         let tables = self.lubrication.map_or_else(Bytes::default, |_| table_bytes(&plan.radii));
         let solve = self.lubrication.map_or_else(|| far.solve(), |range| solve_bytes(&far, &expected, range));

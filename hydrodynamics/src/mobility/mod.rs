@@ -20,8 +20,8 @@ use crate::mobility::overlaps::Overlaps;
 use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
 use domain::{AxisRotation, Bytes, Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
-    Costs, DrawDiagnostics, Fixed, Loading, Loads, Method, Motion, Multipoles, Output, OutsideError, Plan, Problem,
-    SolveError, Stream, check_inside,
+    ComputeDevice, Costs, DrawDiagnostics, Fixed, Loading, Loads, Method, Motion, Multipoles, Output, OutsideError,
+    Plan, Problem, SolveError, Stream, check_inside,
 };
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
@@ -45,6 +45,8 @@ pub struct MobilityParameters {
     pub lubrication: Option<LubricationRange>,
     /// Method of the far field; `None` for the faster one.
     pub method: Option<Method>,
+    /// Device that evaluates the far field.
+    pub device: ComputeDevice,
     /// Costs of the parts of an evaluation on the machine.
     pub costs: Costs,
 }
@@ -61,6 +63,7 @@ impl MobilityParameters {
             tolerance: 1e-3,
             lubrication: None,
             method: None,
+            device: ComputeDevice::Cpu,
             costs: Costs::default(),
         }
     }
@@ -384,6 +387,6 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         threads: 1,
         ranks: 1,
         costs: parameters.costs,
-        fixed: Fixed { method: parameters.method, ..Fixed::default() },
+        fixed: Fixed { method: parameters.method, device: parameters.device, ..Fixed::default() },
     }
 }

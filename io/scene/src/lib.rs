@@ -42,8 +42,8 @@ mod written_names;
 
 pub use self::suspension::SuspensionScene;
 pub use case::{
-    BoundariesError, Case, CaseBackground, CaseBoundary, CaseBox, CaseBoxError, CaseMethod, CaseNoise, CaseTerms,
-    NOISE_NUMBERS, OneOrAll, UnknownBoundary, UnknownMethod,
+    BoundariesError, Case, CaseBackground, CaseBoundary, CaseBox, CaseBoxError, CaseDevice, CaseMethod, CaseNoise,
+    CaseTerms, NOISE_NUMBERS, OneOrAll, UnknownBoundary, UnknownMethod,
 };
 pub use causes::in_full;
 pub use changes::{Rule, SceneChange, check_accepted, is_none, rule, some_of};

@@ -48,6 +48,7 @@ type Sent = [u64; 2];
 pub struct CostMeasurement {
     tolerance: f64,
     method: &'static str,
+    device: &'static str,
     precision: &'static str,
     grid: [usize; 3],
     support: usize,
@@ -81,6 +82,7 @@ impl Task {
         Ok(CostMeasurement {
             tolerance: self.tolerance,
             method: plan.method.name(),
+            device: plan.device.name(),
             precision: if plan.precision == Precision::Single { "f32" } else { "f64" },
             grid: plan.grid,
             support: plan.support.support,
@@ -168,7 +170,7 @@ impl Task {
         (times, most.map(|count| count as u64), gathered(last.0, &last.1, &partition))
     }
 
-    /// Largest relative error against an evaluation with a tolerance 100 times smaller.
+    /// Largest relative error against an evaluation on the host with a tolerance 100 times smaller.
     fn error(&self, found: &[Vec<f64>; 3], spheres: &Spheres, comm: &Comm) -> Result<f64, BenchmarkError> {
         let fixed = Fixed { method: Some(Method::Split), ..Fixed::default() };
         let tighter = Self { tolerance: (self.tolerance * 1e-2).max(1e-12), fixed, ..*self };

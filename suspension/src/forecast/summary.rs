@@ -10,7 +10,7 @@ use crate::model::{Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
-use fcm::{Plan, Precision, Problem, Split};
+use fcm::{CardMemory, Plan, Precision, Problem, Split};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
 use simulation::Outline;
@@ -78,7 +78,8 @@ pub fn outline(
     let memory = MemoryForecast::of(model, &planned, asked);
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
-    let outline = with_cost(memory.add_to(outline), &planned.plan, model.turn, &others);
+    let outline = with_card(memory.add_to(outline), memory::card(&planned.radii, &planned.plan)?);
+    let outline = with_cost(outline, &planned.plan, model.turn, &others);
     let outline = beside_periodic(outline, model, &cell, &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }
@@ -178,6 +179,17 @@ fn fraction(model: &Model, radii: &Radii) -> Option<f64> {
     let ball = model.start.ball().map(sphere::volume);
     let is_open = model.cell.boundaries() == Boundaries::Open;
     ball.or((!is_open).then(|| model.cell.volume())).map(|volume| radii.volume() / volume)
+}
+
+/// Adds the card, if there is one to evaluate the far field.
+fn with_card(outline: Outline, card: Option<CardMemory>) -> Outline {
+    let Some(memory) = card else { return outline };
+    let (of_run, [total, free]) =
+        (memory.bytes.ceil(), [memory.card.total_bytes, memory.card.free_bytes].map(|bytes| bytes as u64));
+    outline.line("card", memory.describe()).value(
+        "card",
+        json!({ "name": memory.card.name, "bytes": total, "free_bytes": free, "expected_bytes": of_run as u64 }),
+    )
 }
 
 /// Adds the cost of an evaluation and the fastest alternative plans.

@@ -22,7 +22,7 @@ use domain::{
     Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Particles, Place, Process, Traceless, Vector,
     packing_bytes, readable_bytes,
 };
-use fcm::{Footprint, Plan};
+use fcm::{CardMemory, Footprint, Plan, PlanError};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use lubrication::LubricationRange;
@@ -40,6 +40,12 @@ const MANY: usize = 16;
 /// Peak memory of each rank of a run.
 pub fn needs(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks) -> Vec<MemoryNeed> {
     (0..ranks.count).map(|rank| need(model, radii, plan, ranks, rank)).collect()
+}
+
+/// Memory that a run takes of a card, if its plan is for one.
+pub fn card(radii: &Radii, plan: &Plan) -> Result<Option<CardMemory>, PlanError> {
+    let place = Place::of(1, 0, [plan.grid[1], plan.grid[2]]);
+    Footprint::new(plan, &place, 1, &ExpectedCounts::new(plan.edges, radii.kinds(), &place)).card()
 }
 
 /// Peak memory of one rank of a run.

@@ -81,3 +81,16 @@ fn plans_without_tables_are_left_out() {
     let error = problem().keep_evaluable(&mut vec![far]).unwrap_err().to_string();
     assert!(error.contains("beyond any table"), "{error}");
 }
+
+#[test]
+fn evaluations_that_do_not_fit_are_refused() {
+    let memory = |bytes| CardMemory {
+        card: DeviceInfo { name: "NVIDIA H200".to_owned(), total_bytes: 150e9, free_bytes: 148e9 },
+        bytes,
+    };
+    assert_eq!(memory(1.2e9).check(), Ok(()));
+    assert_eq!(memory(1.2e9).describe(), "NVIDIA H200, 148 GB free of 150 GB; the far field takes about 1.20 GB");
+    let refusal = memory(200e9).check().unwrap_err().to_string();
+    let reason = "the far field takes 200 GB of the card, and NVIDIA H200 has 148 GB free of 150 GB";
+    assert!(refusal.starts_with(&format!("hydrodynamics.device is \"gpu\", but {reason}; ")), "{refusal}");
+}

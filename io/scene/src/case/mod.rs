@@ -3,11 +3,13 @@
 mod boundaries;
 mod bounded_box;
 mod check;
+mod device;
 mod method;
 
 pub(crate) use boundaries::boundaries_of;
 pub use boundaries::{BoundariesError, CaseBoundary, UnknownBoundary};
 pub use bounded_box::{CaseBox, CaseBoxError};
+pub use device::CaseDevice;
 pub use method::{CaseMethod, UnknownMethod};
 
 use crate::document::{Alternative, Node, NumberOr, TypeMismatch, bounded};
@@ -57,6 +59,9 @@ pub struct Case {
     /// Evaluation method of the far field.
     #[serde(default)]
     pub method: CaseMethod,
+    /// Device that evaluates the far field.
+    #[serde(default)]
+    pub device: CaseDevice,
     /// The background flow.
     #[serde(default)]
     pub background: CaseBackground,

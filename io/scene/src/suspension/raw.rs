@@ -1,9 +1,9 @@
 //! Keys of the file as serde reads them.
 
-use crate::CaseMethod;
 use crate::answers::AnswersSection;
 use crate::document::{Alternative, NumberOr};
 use crate::time_and_output::output_section;
+use crate::{CaseDevice, CaseMethod};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
@@ -251,7 +251,7 @@ pub(super) struct HydrodynamicsSection {
     /// Evaluation method of the far field; the fastest by default.
     pub(super) method: Option<CaseMethod>,
     /// Device that evaluates the far field; the processors of the host by default.
-    pub(super) device: Option<Device>,
+    pub(super) device: Option<CaseDevice>,
     /// Grid points along x, y and z, which are even numbers; chosen from the tolerance by default.
     pub(super) grid: Option<[usize; 3]>,
     /// Grid points across the support of an envelope; chosen from the tolerance by default.
@@ -299,7 +299,6 @@ macro_rules! names {
 }
 
 names! { Boundary for crate::CaseBoundary: Periodic Walls Wall Open }
-names! { Device for fcm::ComputeDevice: Cpu Gpu }
 names! { Multipoles for suspension::MultipoleOrder: Monopole Dipole }
 names! { Lattice for suspension::Lattice: SimpleCubic FaceCentredCubic }
 names! { Elasticity for suspension::Elasticity: Linear Hertz }

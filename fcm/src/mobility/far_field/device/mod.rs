@@ -130,8 +130,8 @@ impl FarField for DeviceFarField {
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         self.units = self.units.with_force(loads.largest(self.units.length));
         let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
-        let forces = scaled(loads.forces.iter().map(|f| f.to_array()), of_force);
-        let torques = scaled(loads.torques.iter().map(|t| t.to_array()), of_dipole);
+        let forces = scaled(loads.forces.iter().map(Vector::to_array), of_force);
+        let torques = scaled(loads.torques.iter().map(Vector::to_array), of_dipole);
         let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), of_dipole);
         let dipoles = !torques.is_empty() || !stresslets.is_empty();
         let wanted = [output != Output::Gradients, output != Output::Velocities];

@@ -203,22 +203,19 @@ fn agree(precision: Precision, allowed: f64, seeds: std::ops::Range<u64>) {
     }
 }
 
+/// Random cases of each precision: a few, or as many as `EMULATOR_CASES` says, see `scripts/kernels`.
+fn cases() -> u64 {
+    std::env::var("EMULATOR_CASES").map_or(6, |count| count.parse().unwrap())
+}
+
 #[test]
 fn double_precision_agrees_with_the_host_to_round_off() {
-    agree(Precision::Double, 1e-11, 0..6);
+    agree(Precision::Double, 1e-11, 0..cases());
 }
 
 #[test]
 fn single_precision_agrees_with_the_host_to_its_round_off() {
-    agree(Precision::Single, 2e-5, 6..12);
-}
-
-/// The cases of the longest test: every shape, ratio, load and output.
-#[test]
-#[ignore = "takes half a minute"]
-fn two_hundred_cases_agree_with_the_host() {
-    agree(Precision::Double, 1e-11, 100..200);
-    agree(Precision::Single, 2e-5, 200..300);
+    agree(Precision::Single, 2e-5, 1000..1000 + cases());
 }
 
 /// Shuffled threads and blocks.
@@ -271,6 +268,22 @@ fn a_device_follows_changes_of_box_and_particles() {
         }
         let still = device.apply(&Loads::default(), Output::Velocities);
         assert_eq!(still.velocities, vec![Vector::ZERO; rows.len()]);
+    }
+}
+
+/// What `check` says of the memory, apart from the transforms, beside the memory that an emulator serves.
+#[test]
+fn memory_is_as_predicted() {
+    for (seed, precision) in [(33, Precision::Single), (34, Precision::Double)] {
+        let case = Case::random(seed, Shape::Sheared, 1.5);
+        let plan = case.plan(precision);
+        let mut device = case.on_device(&plan, emulator(&[], seed));
+        device.apply(&case.loads, Output::All);
+        let card = device.split.device().unwrap();
+        let count = case.particles.len() as f64;
+        let expected = plan.size_on_card(count, device.split.neighbours() as f64 / count).bytes().lists;
+        let found = card.total_bytes - card.free_bytes;
+        assert!((found / expected - 1.0).abs() < 0.01, "{found} bytes, {expected} expected");
     }
 }
 

@@ -1,0 +1,54 @@
+//! Memory that an evaluation takes of a device.
+
+use crate::tables::NumberFormat;
+
+/// Numbers on which the memory of an evaluation depends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EvaluationSize {
+    /// Precision.
+    pub numbers: NumberFormat,
+    /// Grid points along each edge.
+    pub grid: [usize; 3],
+    /// Number of particles.
+    pub particles: f64,
+    /// Number of classes of radius.
+    pub classes: f64,
+    /// Number of neighbours of all particles.
+    pub neighbours: f64,
+    /// Number of intervals of all tables of pair functions.
+    pub intervals: f64,
+}
+
+/// Bytes on a device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EvaluationBytes {
+    /// Lists that the kernels use.
+    pub lists: f64,
+    /// Work areas of the transforms. cuFFT takes as much as the transformed data, or less, where all factors of the
+    /// numbers of points are small.
+    pub transforms: f64,
+}
+
+impl EvaluationBytes {
+    /// Sum of both.
+    pub fn total(&self) -> f64 {
+        self.lists + self.transforms
+    }
+}
+
+impl EvaluationSize {
+    /// Bytes of an evaluation with all kinds of loads and motions, as [`crate::SplitFarField`] reserves them.
+    pub fn bytes(&self) -> EvaluationBytes {
+        let value = self.numbers.size() as f64;
+        let [nx, ny, nz] = self.grid.map(|n| n as f64);
+        let spectrum = 6.0 * value * ((self.grid[0] / 2 + 1) as f64 * ny * nz);
+        let field = 3.0 * value * nx * ny * nz;
+        let bins: f64 = self.grid.iter().map(|&n| n.div_ceil(4) as f64).product();
+        // Positions in two orders, loads as given and as records, interpolated values, motions; five lists of integers,
+        // and the starts of the neighbours.
+        let particle = value * f64::from(2 * 3 + 11 + 12 + 12 + 11) + 4.0 * 6.0;
+        let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes;
+        let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
+        EvaluationBytes { lists, transforms: 2.0 * spectrum }
+    }
+}
