@@ -6,7 +6,7 @@ use crate::plan::problem::Precision;
 use domain::AxisRotation;
 
 /// Values of a plan that decide the results of an evaluation, as opposed to expected errors and costs. The device
-/// is not one: on another device a run goes on with the same plan, and its results differ by round-off.
+/// is not one: results differ by round-off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlanIdentity {
     method: Method,

@@ -30,7 +30,7 @@ impl SingleEvaluation<'_> {
         comm.agree(comm.check_memory(self.need(comm)).map_err(message))
     }
 
-    /// Refuses an evaluation for which the plan's device does not have the memory, or that has more ranks than it serves.
+    /// Refuses an evaluation for which the device does not have the memory, or that has more ranks than it serves.
     fn check_card(&self, comm: &Comm) -> Result<(), PlanError> {
         self.plan.device.check_ranks(comm.size())?;
         let place = Place::of(1, 0, [self.plan.grid[1], self.plan.grid[2]]);

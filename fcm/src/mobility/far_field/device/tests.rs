@@ -271,7 +271,7 @@ fn a_device_follows_changes_of_box_and_particles() {
     }
 }
 
-/// What `check` says of the memory, apart from the transforms, beside the memory that an emulator serves.
+/// The forecast of `check`, apart from the transforms, beside the memory that an emulator serves.
 #[test]
 fn memory_is_as_predicted() {
     for (seed, precision) in [(33, Precision::Single), (34, Precision::Double)] {
@@ -283,7 +283,9 @@ fn memory_is_as_predicted() {
         let count = case.particles.len() as f64;
         let expected = plan.size_on_card(count, device.split.neighbours() as f64 / count).bytes().lists;
         let found = card.total_bytes - card.free_bytes;
-        assert!((found / expected - 1.0).abs() < 0.01, "{found} bytes, {expected} expected");
+        // The forecast leaves out the window and the tables along the axes.
+        let of_tables = 16e3;
+        assert!((expected..expected + of_tables).contains(&found), "{found} bytes, {expected} expected");
     }
 }
 
