@@ -163,7 +163,7 @@ fn emulator(options: &[&str], seed: u64) -> Emulator {
 
 /// Numbers of a motion by kind.
 fn columns(motion: &Motion) -> [Vec<f64>; 3] {
-    let vectors = |list: &[Vector]| list.iter().flat_map(|v| v.to_array()).collect();
+    let vectors = |list: &[Vector]| list.iter().flat_map(Vector::to_array).collect();
     let strains = motion.strain_rates.iter().flat_map(|e| e.0).collect();
     [vectors(&motion.velocities), vectors(&motion.angular_velocities), strains]
 }
