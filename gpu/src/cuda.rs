@@ -44,8 +44,7 @@ fn failed(error: impl std::fmt::Display) -> DeviceError {
     DeviceError(format!("the GPU: {error}"))
 }
 
-/// Compute capability of the first card.
-fn capability() -> Result<[i32; 2], DriverError> {
+fn capability_of_first() -> Result<[i32; 2], DriverError> {
     let card = device::get(0)?;
     let of = |attribute| {
         // SAFETY: the card is one that the driver named.
@@ -87,10 +86,16 @@ impl Cuda {
             return Err(DeviceError("this machine has no cuFFT (libcufft.so)".to_owned()));
         }
         match CudaContext::device_count() {
-            Ok(count) if count > 0 => check_capability(capability().map_err(failed)?),
+            Ok(count) if count > 0 => check_capability(capability_of_first().map_err(failed)?),
             Ok(_) => Err(DeviceError("the CUDA driver finds no GPU".to_owned())),
             Err(error) => Err(DeviceError(format!("the CUDA driver finds no GPU: {error}"))),
         }
+    }
+
+    /// Compute capability of the first card.
+    pub fn capability() -> Result<[i32; 2], DeviceError> {
+        Self::check()?;
+        capability_of_first().map_err(failed)
     }
 
     /// Properties of the first card.
@@ -164,11 +169,17 @@ impl Device for Cuda {
     }
 
     fn zero(&mut self, address: DeviceAddress, bytes: usize) -> Result<(), DeviceError> {
+        if bytes == 0 {
+            return Ok(());
+        }
         let stream = self.stream.clone();
         stream.memset_zeros(&mut self.memory(address).slice_mut(..bytes)).map_err(failed)
     }
 
     fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError> {
+        if bytes.is_empty() {
+            return Ok(());
+        }
         let stream = self.stream.clone();
         stream.memcpy_htod(bytes, &mut self.memory(address).slice_mut(..bytes.len())).map_err(failed)
     }

@@ -3,6 +3,8 @@
 use crate::grid::gaussian::length;
 use crate::plan::Plan;
 use crate::plan::costs::Costs;
+use crate::plan::device::ComputeDevice;
+use crate::plan::device::card_costs::{CardClass, CardWork};
 use crate::plan::method::{Method, Split};
 use crate::plan::problem::{Multipoles, Precision};
 
@@ -24,14 +26,38 @@ impl Plan {
     }
 }
 
+fn grid_points(plan: &Plan) -> f64 {
+    plan.grid.iter().map(|&n| n as f64).product()
+}
+
+/// Mean number of particles within the cutoff of one.
+fn neighbours(plan: &Plan, particles: f64) -> f64 {
+    plan.split.map_or(0.0, |Split { cutoff, .. }| {
+        particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)
+    })
+}
+
+fn work_on_card(plan: &Plan, particles: usize) -> CardWork {
+    let particles = particles as f64;
+    CardWork {
+        stencil_points: particles * (plan.support.support as f64).powi(3),
+        grid_points: grid_points(plan),
+        pairs: particles * neighbours(plan, particles),
+        is_single: plan.precision == Precision::Single,
+    }
+}
+
 /// Seconds for one evaluation in a box of the given strain by one thread on each of `ranks` ranks together, as
-/// measured on a Zen 4 processor. `fcm-solve bench` prints predictions beside measured times.
+/// measured on a Zen 4 processor; those on a card by a plan for one. `fcm-solve bench` prints predictions beside measured times.
 pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
     if let Some(gridless) = plan.method.gridless() {
         return gridless.seconds(plan, particles);
     }
+    if plan.device == ComputeDevice::Gpu {
+        return CardClass::present().seconds(&work_on_card(plan, particles));
+    }
     let single = plan.precision == Precision::Single;
-    let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
+    let points = grid_points(plan);
     let bytes = points * if single { 12.0 } else { 24.0 };
     // Part of the grid that is fetched from main memory in each pass.
     let spilt = (bytes / CACHE - 1.0).clamp(0.0, 1.0);
@@ -45,9 +71,7 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
         let rows = (plan.support.support * plan.support.support) as f64;
         rows * 12.5e-9 * (plan.support.support as f64 / 8.0).ceil()
     };
-    let neighbours = plan.split.map_or(0.0, |Split { cutoff, .. }| {
-        particles / (plan.edges.x * plan.edges.y * plan.edges.z) * 4.19 * cutoff.powi(3)
-    });
+    let neighbours = neighbours(plan, particles);
     let transform = if single { 0.31e-9 + 0.15e-9 * spilt } else { 0.6e-9 + 0.28e-9 * spilt };
     let sent = 2.0 * bytes * (1.0 - 1.0 / ranks.max(1) as f64);
     Costs {

@@ -1,5 +1,7 @@
 //! Device that evaluates the far field.
 
+pub(crate) mod card_costs;
+
 use crate::envelope::Envelope;
 use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::method::Method;

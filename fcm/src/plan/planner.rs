@@ -8,6 +8,8 @@ use crate::plan::Plan;
 use crate::plan::accuracy::{self, Accuracy, Brackets};
 use crate::plan::bounded::WallGrid;
 use crate::plan::cost;
+use crate::plan::costs::Costs;
+use crate::plan::device::ComputeDevice;
 use crate::plan::method::{Method, Split};
 use crate::plan::problem::{Multipoles, Precision, Problem};
 use crate::plan::tolerance_shares::ITERATION_SHARE;
@@ -340,7 +342,10 @@ impl Problem {
             predicted_seconds: 0.0,
         };
         let parts = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks);
-        plan.predicted_seconds = parts.total(&self.costs) / (self.ranks * self.threads).max(1) as f64;
+        plan.predicted_seconds = match self.fixed.device {
+            ComputeDevice::Cpu => parts.total(&self.costs) / (self.ranks * self.threads).max(1) as f64,
+            ComputeDevice::Gpu => parts.total(&Costs::default()),
+        };
         Some(plan)
     }
 

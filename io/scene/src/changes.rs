@@ -32,8 +32,8 @@ pub enum Rule {
     Fixed,
 }
 
-/// Keys that may change in any run: they do not change what is computed.
-const TAKEN: [&str; 11] = [
+/// Keys that may change in any run: they do not change what is computed, and a device changes it within the tolerance.
+const TAKEN: [&str; 12] = [
     "title",
     "time.steps",
     "time.duration",
@@ -45,6 +45,7 @@ const TAKEN: [&str; 11] = [
     "output.checkpoint_every",
     "output.fields_every",
     "output.contacts_every",
+    "hydrodynamics.device",
 ];
 
 /// Keys that may change if they are accepted.
@@ -252,6 +253,11 @@ count = 25
                 vec!["answers.from is 0.2 from step 7 on, and was absent"],
             ),
             ("1.0", "1.0", vec![]),
+            (
+                "[[species]]",
+                "hydrodynamics.device = \"gpu\"\n[[species]]",
+                vec!["hydrodynamics.device is \"gpu\" from step 7 on, and was absent"],
+            ),
             (
                 "[[species]]",
                 "hydrodynamics.costs = { stencils = 1.0, transforms = 1.0, pairs = 1.0 }\n[[species]]",

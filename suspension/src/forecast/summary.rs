@@ -10,7 +10,7 @@ use crate::model::{Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
-use fcm::{CardMemory, Plan, Precision, Problem, Split};
+use fcm::{CardMemory, ComputeDevice, Plan, Precision, Problem, Split};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
 use simulation::Outline;
@@ -195,7 +195,8 @@ fn with_card(outline: Outline, card: Option<CardMemory>) -> Outline {
 /// Adds the cost of an evaluation and the fastest alternative plans.
 fn with_cost(outline: Outline, plan: &Plan, turn: AxisRotation, others: &[Plan]) -> Outline {
     let seconds = plan.predicted_seconds;
-    let text = format!("about {seconds:.2e} s on one core for an evaluation; with dipoles a step takes several");
+    let place = if plan.device == ComputeDevice::Gpu { "the card" } else { "one core" };
+    let text = format!("about {seconds:.2e} s on {place} for an evaluation; with dipoles a step takes several");
     let mut outline = outline.line("cost", text).value("seconds_per_evaluation", seconds);
     let others = &others[..others.len().min(RUNNERS_UP)];
     for (number, plan) in others.iter().enumerate() {

@@ -82,6 +82,26 @@ fn plans_without_tables_are_left_out() {
     assert!(error.contains("beyond any table"), "{error}");
 }
 
+/// Pairs cost less on a card, relative to stencils and grids, so grids are coarser.
+#[test]
+fn a_card_has_costs_of_its_own() {
+    let edge = 152.0;
+    let spheres = Problem {
+        edges: Vector::splat(edge),
+        volume: edge.powi(3),
+        shortest_vector: edge,
+        radii: vec![(1.0, 100_000)],
+        rigid: false,
+        ..problem()
+    };
+    let best = |fixed: Fixed| {
+        let plans = Problem { fixed, ..spheres.clone() }.candidates();
+        plans.into_iter().min_by(|a, b| a.predicted_seconds.total_cmp(&b.predicted_seconds)).unwrap()
+    };
+    let [host, card] = [Fixed { method: Some(Method::Split), ..Fixed::default() }, on_card()].map(best);
+    assert!(card.grid[0] < host.grid[0] && 20.0 * card.predicted_seconds < host.predicted_seconds, "{card:?} {host:?}");
+}
+
 #[test]
 fn evaluations_that_do_not_fit_are_refused() {
     let memory = |bytes| CardMemory {
