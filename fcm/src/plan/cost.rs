@@ -6,7 +6,7 @@ use crate::plan::costs::Costs;
 use crate::plan::device::ComputeDevice;
 use crate::plan::device::card_costs::{CardClass, CardWork};
 use crate::plan::method::{Method, Split};
-use crate::plan::problem::{Multipoles, Precision};
+use crate::plan::problem::{Multipoles, Precision, Problem};
 
 /// Bytes of a grid that stay in the caches: a few megabytes.
 const CACHE: f64 = 3.3e6;
@@ -23,6 +23,15 @@ impl Plan {
     #[must_use]
     pub fn parts(&self, particles: usize) -> Costs {
         seconds(self, particles, 0.0, 1)
+    }
+}
+
+/// Seconds of an evaluation of a problem, on all its threads or on its card.
+pub(crate) fn predicted(plan: &Plan, problem: &Problem) -> f64 {
+    let parts = seconds(plan, problem.particles(), problem.largest_strain, problem.ranks);
+    match plan.device {
+        ComputeDevice::Cpu => parts.total(&problem.costs) / (problem.ranks * problem.threads).max(1) as f64,
+        ComputeDevice::Gpu => parts.total(&Costs::default()),
     }
 }
 
@@ -48,7 +57,8 @@ fn work_on_card(plan: &Plan, particles: usize) -> CardWork {
 }
 
 /// Seconds for one evaluation in a box of the given strain by one thread on each of `ranks` ranks together, as
-/// measured on a Zen 4 processor; those on a card by a plan for one. `fcm-solve bench` prints predictions beside measured times.
+/// measured on a Zen 4 processor; with a plan for a card, those on the card. `fcm-solve bench` prints predictions
+/// beside measured times.
 pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) -> Costs {
     if let Some(gridless) = plan.method.gridless() {
         return gridless.seconds(plan, particles);

@@ -8,8 +8,6 @@ use crate::plan::Plan;
 use crate::plan::accuracy::{self, Accuracy, Brackets};
 use crate::plan::bounded::WallGrid;
 use crate::plan::cost;
-use crate::plan::costs::Costs;
-use crate::plan::device::ComputeDevice;
 use crate::plan::method::{Method, Split};
 use crate::plan::problem::{Multipoles, Precision, Problem};
 use crate::plan::tolerance_shares::ITERATION_SHARE;
@@ -341,11 +339,7 @@ impl Problem {
             predicted_error: self.expected(split, [width, widest], spacing, support).hypot(round_off),
             predicted_seconds: 0.0,
         };
-        let parts = cost::seconds(&plan, self.particles(), self.largest_strain, self.ranks);
-        plan.predicted_seconds = match self.fixed.device {
-            ComputeDevice::Cpu => parts.total(&self.costs) / (self.ranks * self.threads).max(1) as f64,
-            ComputeDevice::Gpu => parts.total(&Costs::default()),
-        };
+        plan.predicted_seconds = cost::predicted(&plan, self);
         Some(plan)
     }
 
