@@ -48,6 +48,7 @@
 //! corrections; `plan` the problem, its plan and the identity of plans; `walls` the images in walls; `mobility` the
 //! map itself, by one of the back ends in `mobility/far_field`; `rigid` the solve for stresslets.
 
+mod conjugate_gradients;
 mod envelope;
 mod grid;
 mod mobility;
@@ -56,6 +57,9 @@ mod plan;
 mod rigid;
 mod walls;
 
+pub use conjugate_gradients::{
+    InnerProducts, Iterate, IterationOutcome, Limits, Linear, Step, System, conjugate_gradients,
+};
 pub use envelope::Envelope;
 pub use grid::stencil::Support;
 pub use mobility::loads::{Loads, Motion, Output};
@@ -74,7 +78,4 @@ pub use plan::plan_identity::PlanIdentity;
 pub use plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
 pub use plan::sample_points::SamplePoints;
 pub use plan::{Plan, PlanError};
-pub use rigid::conjugate_gradients::{
-    InnerProducts, Iterate, IterationOutcome, Limits, Linear, Step, System, conjugate_gradients,
-};
 pub use rigid::stresslet_solver::{RigidInput, SolveError, Solved, StressletSolver};

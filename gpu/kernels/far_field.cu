@@ -5,6 +5,7 @@
 #include "pairs.h"
 #include "solve.h"
 #include "spread.h"
+#include "vectors.h"
 
 #ifndef KERNEL
 #define KERNEL(name, ...) \
@@ -25,10 +26,14 @@
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \
     KERNEL(interpolate_2_##suffix, interpolate<T, 2>)     \
     KERNEL(interpolate_3_##suffix, interpolate<T, 3>)     \
-    KERNEL(pair_motions_##suffix, pair_motions<T>)
+    KERNEL(pair_motions_##suffix, pair_motions<T>)        \
+    KERNEL(combine_##suffix, combine<T>)                  \
+    KERNEL(weigh_##suffix, weigh<T>)                      \
+    KERNEL(sum_products_##suffix, sum_products<T>)
 
 KERNEL(scatter_particles, scatter)
 KERNEL(scan_blocks, sum_blocks)
 KERNEL(scan_add, add_totals)
+KERNEL(sum_up, add_sums)
 KERNELS(float, f32)
 KERNELS(double, f64)

@@ -29,6 +29,11 @@ struct Task {
     void *velocities, *angular_velocities, *strain_rates;
     // List that is summed up, and sums of its blocks.
     int *scanned, *scan_totals;
+    // Vectors that are combined, weights of the classes of radius, and sums of blocks.
+    const void *list_x;
+    void *list_y;
+    const void *list_weights;
+    double *list_sums;
 
     double edges[3];
     double inverse_spacing[3];
@@ -39,6 +44,8 @@ struct Task {
     double cutoff_square, inverse_viscosity;
     // Multiplier of the solve: factor, square of the Gaussian's width, coefficient of k^2 in the bracket.
     double solve_factor, gaussian, widening;
+    double x_factor, y_factor;
+    long long list_size;
 
     int particles, class_count;
     int grid[3], bins[3], tiles[3];

@@ -67,7 +67,7 @@ pub struct StageSeconds {
 
 /// Lists on the device.
 #[derive(Default)]
-struct Buffers {
+pub(crate) struct Buffers {
     tables: [Buffer; 6],
     of_box: [Buffer; 2],
     particles: [Buffer; 8],
@@ -79,14 +79,16 @@ struct Buffers {
     records: Buffer,
     grid: [Buffer; 2],
     motions: [Buffer; 3],
+    /// Sums of blocks, of the vectors of an iteration.
+    pub(crate) sums: Buffer,
 }
 
 /// Far field of particles by the split method on a device.
 pub struct SplitFarField {
-    device: Box<dyn Device>,
-    tables: SplitTables,
-    task: KernelTask,
-    buffers: Buffers,
+    pub(crate) device: Box<dyn Device>,
+    pub(crate) tables: SplitTables,
+    pub(crate) task: KernelTask,
+    pub(crate) buffers: Buffers,
     neighbours: usize,
     seconds: StageSeconds,
 }
@@ -276,6 +278,17 @@ impl SplitFarField {
         let clock = Instant::now();
         self.copy_loads(loads, orders)?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
+        self.evaluate(orders)?;
+        let clock = Instant::now();
+        let motion = self.copy_motion()?;
+        self.seconds.copies += clock.elapsed().as_secs_f64();
+        Ok(motion)
+    }
+
+    /// Runs the kernels of an evaluation on the loads and motions of the task.
+    pub(crate) fn evaluate(&mut self, orders: &Orders) -> Result<(), DeviceError> {
+        let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
+        self.task.records = self.buffers.records.reserve(self.device.as_mut(), bytes)?;
         let (suffix, clock) = (self.tables.numbers.suffix(), Instant::now());
         self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
         let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
@@ -298,10 +311,7 @@ impl SplitFarField {
         self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)?;
         self.device.finish()?;
         self.seconds.near += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        let motion = self.copy_motion()?;
-        self.seconds.copies += clock.elapsed().as_secs_f64();
-        Ok(motion)
+        Ok(())
     }
 
     fn transform(&mut self, is_forward: bool) -> Result<(), DeviceError> {
@@ -318,7 +328,6 @@ impl SplitFarField {
         for ((address, list), buffer) in addresses.into_iter().zip(lists).zip(&mut buffers.loads) {
             *address = if list.is_empty() { 0 } else { buffer.fill(on, &numbers.bytes_of(list.iter().copied()))? };
         }
-        task.records = buffers.records.reserve(on, 12 * count * numbers.size())?;
         let [velocities, turns, strains] = &mut buffers.motions;
         task.velocities = if orders.velocities { velocities.reserve(on, 3 * count * numbers.size())? } else { 0 };
         task.angular_velocities = if orders.gradients { turns.reserve(on, 3 * count * numbers.size())? } else { 0 };
@@ -341,7 +350,7 @@ impl SplitFarField {
         self.download(address, count)
     }
 
-    fn download(&mut self, address: u64, count: usize) -> Result<Vec<f64>, DeviceError> {
+    pub(crate) fn download(&mut self, address: u64, count: usize) -> Result<Vec<f64>, DeviceError> {
         let mut bytes = vec![0; count * self.tables.numbers.size()];
         if count > 0 {
             self.device.download(address, &mut bytes)?;

@@ -1,14 +1,16 @@
 //! The far field on a GPU: kernels, devices that run them, and an evaluation of the split method from tables.
 //!
 //! [`Cuda`] runs the kernels of `gpu/kernels` on a card, by libraries that are opened when a scene asks for it;
-//! [`Emulator`] runs the same kernels on the host, for tests. [`SplitFarField`] has the order of an evaluation. It
-//! knows arrays and tables, but neither plans nor units: those are the concern of the crate `fcm`.
+//! [`Emulator`] runs the same kernels on the host, for tests. [`SplitFarField`] has the order of an evaluation, and
+//! vectors of an iteration. It knows arrays and tables, but neither plans nor units: those are the concern of the crate
+//! `fcm`.
 
 mod buffers;
 mod cuda;
 mod device;
 mod emulator;
 mod far_field;
+mod lists;
 mod memory;
 mod tables;
 mod task;
@@ -17,6 +19,7 @@ pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize};
 pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
 pub use task::KernelTask;

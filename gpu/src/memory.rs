@@ -24,15 +24,17 @@ pub struct EvaluationSize {
 pub struct EvaluationBytes {
     /// Lists that the kernels use.
     pub lists: f64,
+    /// Vectors of the iteration for the stresslets of rigid spheres.
+    pub vectors: f64,
     /// Work areas of the transforms. cuFFT takes as much as the transformed data, or less, where all factors of the
     /// numbers of points are small.
     pub transforms: f64,
 }
 
 impl EvaluationBytes {
-    /// Sum of both.
+    /// Sum of all.
     pub fn total(&self) -> f64 {
-        self.lists + self.transforms
+        self.lists + self.vectors + self.transforms
     }
 }
 
@@ -49,6 +51,8 @@ impl EvaluationSize {
         let particle = value * f64::from(2 * 3 + 11 + 12 + 12 + 11) + 4.0 * 6.0;
         let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes;
         let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
-        EvaluationBytes { lists, transforms: 2.0 * spectrum }
+        // The motion and that of a step; unknowns, residual, preconditioned residual, direction and its image.
+        let vectors = value * f64::from(2 * 11 + 5 * 5) * self.particles;
+        EvaluationBytes { lists, vectors, transforms: 2.0 * spectrum }
     }
 }

@@ -17,8 +17,8 @@ VERDICTS = ROOT / "validation" / "data" / "mutants.jsonl"
 OUTCOMES = ("detected", "timed out", "missed", "equivalent", "unviable", "not yet tested")
 
 # Crates before those that depend on them, so that each is built once.
-ORDER = """domain simd solver lubrication statistics fcm hydrodynamics granular simulation suspension io/scene io/files io/report
-    io/run fcm-solve""".split()
+ORDER = """domain simd solver gpu lubrication statistics fcm hydrodynamics granular simulation suspension io/scene io/files
+    io/report io/run fcm-solve""".split()
 
 
 class Kept:

@@ -4,6 +4,7 @@ mod dense;
 mod device;
 mod grid;
 
+use crate::conjugate_gradients::{IterationOutcome, Limits};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, Stream};
 use crate::mobility::work::Work;
@@ -13,7 +14,7 @@ use crate::plan::method::Method;
 use crate::plan::sample_points::SamplePoints;
 use dense::DenseFarField;
 use device::DeviceFarField;
-use domain::{Particles, Partition, PeriodicBox, Vector};
+use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
 use grid::GridFarField;
 
 /// Far field of the particles of a rank, by one method on one device.
@@ -41,6 +42,11 @@ pub(crate) trait FarField {
     /// strain.
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics);
 
+    /// The back end itself, if it solves for the stresslets of rigid spheres too.
+    fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
+        None
+    }
+
     /// Flow of loads at points of the fluid; `None` from a back end whose plans do not have such points.
     fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>>;
 
@@ -62,6 +68,34 @@ pub(crate) struct NoiseRequest<'a> {
     /// Relative error allowed in square roots that are found by iteration.
     pub tolerance: f64,
     pub stream: Stream,
+}
+
+/// A far field that solves for the stresslets of rigid spheres where it is evaluated.
+pub(crate) trait RigidFarField {
+    /// Solves a problem for the arranged particles.
+    fn solve(&mut self, problem: &RigidProblem) -> RigidSolution;
+}
+
+/// Problem of rigid spheres: the stresslets `-D` for which the rates of strain of all loads are minus those given.
+pub(crate) struct RigidProblem<'a> {
+    /// Forces, torques, and stresslets that the iteration starts from, as many as particles.
+    pub loads: &'a Loads,
+    /// Rate of strain at each particle besides.
+    pub strain_rates: &'a [Traceless],
+    /// Ranks, of which there is one.
+    pub comm: &'a Comm,
+    /// Limits of the iteration.
+    pub limits: Limits<'a>,
+}
+
+/// Solution of such a problem.
+pub(crate) struct RigidSolution {
+    /// Motion that forces, torques and stresslets cause.
+    pub motion: Motion,
+    /// Stresslets.
+    pub stresslets: Vec<Traceless>,
+    /// Result of the iteration.
+    pub outcome: IterationOutcome,
 }
 
 /// Flow of given loads, at points of the fluid.

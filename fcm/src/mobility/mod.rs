@@ -12,6 +12,7 @@ use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
 use domain::{Particles, Partition, PeriodicBox, Vector};
 use far_field::{FarField, FlowAtPoints, NoiseRequest, of_plan};
+pub(crate) use far_field::{RigidFarField, RigidProblem, RigidSolution};
 use loads::{Loads, Motion, Output};
 use noise::{DrawDiagnostics, Stream};
 use rank_one::Constraint;
@@ -87,6 +88,11 @@ impl Mobility {
             constraint.add_to(&mut motion, loads, self.partition.comm());
         }
         motion
+    }
+
+    /// [`FarField::rigid`], unless the motions have a flow of [`Self::constrain`].
+    pub(crate) fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
+        if self.constraint.is_some() { None } else { self.far.rigid() }
     }
 
     /// Random motions of the arranged particles with these ids, whose covariance is the mobility itself: velocities,

@@ -1,4 +1,3 @@
-//! Rigid spheres: conjugate gradients for their stresslets.
+//! Rigid spheres: their stresslets, by conjugate gradients.
 
-pub(crate) mod conjugate_gradients;
 pub(crate) mod stresslet_solver;

@@ -1,11 +1,11 @@
 //! Rigid spheres: the stresslets that leave no rate of strain within them.
 
-use crate::mobility::Mobility;
+use crate::conjugate_gradients::{Iterate, Limits, System, conjugate_gradients};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::work::Work;
+use crate::mobility::{Mobility, RigidProblem, RigidSolution};
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
-use crate::rigid::conjugate_gradients::{Iterate, Limits, System, conjugate_gradients};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, sphere};
 
 /// Failure of a solve, the same on all ranks.
@@ -79,8 +79,12 @@ const MOST_ITERATIONS: usize = 500;
 impl StressletSolver {
     /// Sets up the solver of a plan, on ranks that share the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
-        let (mobility, comm) = (Mobility::new(plan, partition), partition.comm().clone());
-        Self { mobility, comm, interrupt: Interrupt::NEVER }
+        Self::of(Mobility::new(plan, partition), partition.comm())
+    }
+
+    /// The solver of a mobility.
+    pub(crate) fn of(mobility: Mobility, comm: &Comm) -> Self {
+        Self { mobility, comm: comm.clone(), interrupt: Interrupt::NEVER }
     }
 
     /// Polls this interrupt at each evaluation of a solve from now on.
@@ -141,6 +145,9 @@ impl StressletSolver {
     }
 
     fn rigid(&mut self, radii: &[f64], input: &RigidInput) -> Result<Solved, SolveError> {
+        if let Some(solved) = self.resident(radii.len(), input) {
+            return solved;
+        }
         let &RigidInput { loads, ambient, background, guess } = input;
         let (mut motion, mut resistances) = {
             let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
@@ -162,19 +169,40 @@ impl StressletSolver {
         let iterate = Iterate { x: &mut resistances, residual: &mut residual, z: &mut z };
         let outcome = conjugate_gradients(&self.comm, &mut strain, iterate, limits);
         let motion = strain.motion;
-        if outcome.interrupted {
-            return Err(Interrupted.into());
-        }
-        if !outcome.residual.is_finite() {
-            return Err(SolveError::NotFinite);
-        }
-        if !outcome.converged {
-            let (iterations, residual) = (outcome.iterations, outcome.residual);
-            return Err(SolveError::NotConverged { iterations, residual, tolerance: limits.tolerance });
-        }
         let stresslets = resistances.into_iter().map(|d| -d).collect();
-        Ok(Solved { motion, stresslets, iterations: outcome.iterations, residual: outcome.residual })
+        ended(RigidSolution { motion, stresslets, outcome }, tolerance)
     }
+
+    /// The same where the far field is evaluated, if it solves there.
+    fn resident(&mut self, count: usize, input: &RigidInput) -> Option<Result<Solved, SolveError>> {
+        let tolerance = self.mobility.plan().iteration_tolerance;
+        let far = self.mobility.rigid()?;
+        let mut loads = Loads { stresslets: input.guess.to_vec(), ..input.loads.clone() };
+        loads.stresslets.resize(count, Traceless::ZERO);
+        let ambient = |row: usize| input.ambient.strain_rates.get(row).copied().unwrap_or(Traceless::ZERO);
+        let strain_rates: Vec<_> = (0..count).map(|row| ambient(row) + input.background).collect();
+        let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
+        let problem = RigidProblem { loads: &loads, strain_rates: &strain_rates, comm: &self.comm, limits };
+        let mut solution = far.solve(&problem);
+        solution.motion.add(1.0, input.ambient);
+        Some(ended(solution, tolerance))
+    }
+}
+
+/// The solution, if the iteration has converged.
+fn ended(solution: RigidSolution, tolerance: f64) -> Result<Solved, SolveError> {
+    let RigidSolution { motion, stresslets, outcome } = solution;
+    if outcome.interrupted {
+        return Err(Interrupted.into());
+    }
+    if !outcome.residual.is_finite() {
+        return Err(SolveError::NotFinite);
+    }
+    let (iterations, residual) = (outcome.iterations, outcome.residual);
+    if !outcome.converged {
+        return Err(SolveError::NotConverged { iterations, residual, tolerance });
+    }
+    Ok(Solved { motion, stresslets, iterations, residual })
 }
 
 /// System for the stresslets: rate of strain by the stresslets `-D`. The whole motion follows the iteration.

@@ -1,19 +1,24 @@
 //! Far field by the split method on a device.
 //!
-//! Loads and motions pass through the host in each evaluation. Noise is drawn on the host, by the same plan.
+//! Loads and motions pass through the host in each evaluation, except in the solve for the stresslets of rigid spheres.
+//! Noise is drawn on the host, by the same plan.
 
+mod rigid;
 mod tables;
 #[cfg(test)]
 mod tests;
 
 use crate::mobility::far_field::grid::GridFarField;
-use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
+use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest, RigidFarField, RigidProblem, RigidSolution};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::DrawDiagnostics;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
-use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector};
+use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
 use gpu::{Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, SplitFarField};
+use rigid::{ResidentProblem, ResidentSolution, SharedField};
+use std::cell::RefCell;
+use std::rc::Rc;
 use tables::PlanTables;
 
 /// Far field of a plan on a device, in internal units as those of [`GridFarField`].
@@ -22,7 +27,7 @@ pub(crate) struct DeviceFarField {
     partition: Partition,
     units: Units,
     tables: PlanTables,
-    split: SplitFarField,
+    split: SharedField,
     particles: Particles,
     cell: PeriodicBox,
     /// The box on the device, in internal units.
@@ -66,7 +71,7 @@ impl DeviceFarField {
             partition: partition.clone(),
             units,
             tables,
-            split,
+            split: Rc::new(RefCell::new(split)),
             particles: Particles::default(),
             cell: plan.cell(),
             arranged: None,
@@ -86,8 +91,32 @@ impl DeviceFarField {
         host
     }
 
+    /// Viscosity in internal units.
+    fn viscosity(&self) -> f64 {
+        self.plan.viscosity / self.units.viscosity
+    }
+
+    /// Largest load of a problem as a force, with those by which spheres resist the rates of strain.
+    fn largest_of(&self, problem: &RigidProblem) -> f64 {
+        let fastest = problem.strain_rates.iter().flat_map(|e| e.0).map(f64::abs).fold(0.0, f64::max);
+        let radius = self.plan.radii.iter().copied().fold(0.0, f64::max);
+        let resisted = sphere::strain_resistance(self.plan.viscosity, radius) * fastest;
+        problem.loads.largest(self.units.length).max(resisted / self.units.length)
+    }
+
+    /// Adds evaluations with all loads and motions to the work.
+    fn note_evaluations(&mut self, count: u64) {
+        self.work.evaluations += count;
+        self.work.transforms += count;
+        self.work.particles_spread += count * self.particles.len() as u64;
+        self.work.dipole_spreads += count;
+        self.work.dipole_interpolations += count;
+        self.work.neighbours += count * self.split.borrow().neighbours() as u64;
+        self.note_seconds();
+    }
+
     fn note_seconds(&mut self) {
-        let seconds = self.split.seconds();
+        let seconds = self.split.borrow().seconds();
         let own = &mut self.work.seconds;
         (own.spread, own.fft, own.interpolate) = (seconds.spread, seconds.transform, seconds.interpolate);
         (own.near, own.exchange) = (seconds.near, seconds.copies);
@@ -112,13 +141,13 @@ impl FarField for DeviceFarField {
         let inverse = 1.0 / self.units.length;
         let own = cell.scaled(inverse);
         if self.arranged != Some(own) {
-            succeeded(self.split.set_box(&self.tables.in_box(&own)));
+            succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&own)));
             self.arranged = Some(own);
         }
         let fraction = |&x: &Vector| (own.lattice_coordinates(x * inverse) / own.edges()).to_array();
         let fractions: Vec<f64> = particles.positions.iter().flat_map(fraction).collect();
         let classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
-        succeeded(self.split.arrange(&fractions, &classes));
+        succeeded(self.split.borrow_mut().arrange(&fractions, &classes));
         (self.cell, self.particles) = (*cell, particles.clone());
         if let Some((_, is_arranged)) = &mut self.host {
             *is_arranged = false;
@@ -137,15 +166,19 @@ impl FarField for DeviceFarField {
         let wanted = [output != Output::Gradients, output != Output::Velocities];
         let orders = self.tables.orders([!forces.is_empty(), dipoles], wanted);
         let loads = DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets };
-        let motion = succeeded(self.split.apply(&loads, &orders));
+        let motion = succeeded(self.split.borrow_mut().apply(&loads, &orders));
         self.work.evaluations += 1;
         self.work.transforms += 1;
         self.work.particles_spread += self.particles.len() as u64;
         self.work.dipole_spreads += u64::from(dipoles);
         self.work.dipole_interpolations += u64::from(wanted[1]);
-        self.work.neighbours += self.split.neighbours() as u64;
+        self.work.neighbours += self.split.borrow().neighbours() as u64;
         self.note_seconds();
         self.motion(&motion)
+    }
+
+    fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
+        Some(self)
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
@@ -166,5 +199,32 @@ impl FarField for DeviceFarField {
 
     fn work(&self) -> Work {
         self.work
+    }
+}
+
+impl RigidFarField for DeviceFarField {
+    fn solve(&mut self, problem: &RigidProblem) -> RigidSolution {
+        let RigidProblem { loads, strain_rates, comm, limits } = problem;
+        let own_radii = self.plan.radii.iter().map(|radius| radius / self.units.length);
+        let resistances: Vec<f64> = own_radii.map(|a| sphere::strain_resistance(self.viscosity(), a)).collect();
+        self.units = self.units.with_force(self.largest_of(problem));
+        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
+        let forces = scaled(loads.forces.iter().map(Vector::to_array), of_force);
+        let torques = scaled(loads.torques.iter().map(Vector::to_array), of_dipole);
+        let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), of_dipole);
+        let own_rates = scaled(strain_rates.iter().map(|e| e.0), 1.0 / self.units.rate());
+        let orders = [!forces.is_empty(), false].map(|has_forces| self.tables.orders([has_forces, true], [true, true]));
+        let resident = ResidentProblem {
+            loads: DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets },
+            strain_rates: &own_rates,
+            resistances: &resistances,
+            orders,
+            comm,
+            limits: *limits,
+        };
+        let ResidentSolution { motion, stresslets, outcome } = rigid::solve(&self.split, &resident);
+        self.note_evaluations(1 + outcome.iterations as u64);
+        let stresslets = stresslets.as_chunks().0.iter().map(|&s| Traceless(s) * self.units.torque()).collect();
+        RigidSolution { motion: self.motion(&motion), stresslets, outcome }
     }
 }

@@ -1,9 +1,11 @@
 //! The kernels, run by an emulator on the host, against the far field of the host.
 
 use super::*;
+use crate::mobility::Mobility;
 use crate::plan::costs::Costs;
 use crate::plan::method::Method;
 use crate::plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
+use crate::rigid::stresslet_solver::{RigidInput, StressletSolver};
 use domain::{Boundaries, Comm, Random, Tensor};
 use gpu::Emulator;
 
@@ -271,6 +273,41 @@ fn a_device_follows_changes_of_box_and_particles() {
     }
 }
 
+/// Rigid spheres: stresslets that are found on the device, beside those of the solver on the host.
+#[test]
+fn stresslets_are_those_of_the_host() {
+    for (seed, shape, precision, allowed) in
+        [(80, Shape::Sheared, Precision::Double, 1e-8), (81, Shape::Tilted, Precision::Single, 1e-3)]
+    {
+        let case = Case::random(seed, shape, 1.6);
+        let plan = Plan { iteration_tolerance: 0.1 * allowed, ..case.plan(precision) };
+        let Loads { forces, torques, stresslets: guess } = case.loads.clone();
+        let loads = Loads { forces, torques, ..Loads::default() };
+        let background = Traceless([0.2, -0.1, 0.0, 0.3, 0.05]);
+        let mut ambient = Motion::default();
+        for force in &case.loads.forces {
+            ambient.velocities.push(0.1 * *force);
+            ambient.angular_velocities.push(0.2 * *force);
+            ambient.strain_rates.push(Traceless([force.x, 0.1, force.y, 0.0, force.z]));
+        }
+        let input = RigidInput { loads: &loads, ambient: &ambient, background, guess: &guess };
+        let mut host = StressletSolver::new(&plan, &alone(&plan));
+        let exact = host.solve_in(&case.cell, &case.particles, &input).unwrap();
+        let far: Box<dyn FarField> = Box::new(case.on_device(&plan, emulator(&[], seed)));
+        let partition = alone(&plan);
+        let mobility = Mobility { plan, partition, far, wall_drift: None, constraint: None };
+        let mut device = StressletSolver::of(mobility, &Comm::alone());
+        let found = device.solve_in(&case.cell, &case.particles, &input).unwrap();
+        assert!(found.iterations > 2 && found.iterations.abs_diff(exact.iterations) <= 1, "{}", found.iterations);
+        let stresslets = |list: &[Traceless]| list.iter().flat_map(|s| s.0).collect::<Vec<_>>();
+        let difference = relative(&stresslets(&found.stresslets), &stresslets(&exact.stresslets));
+        assert!(difference < allowed, "{difference:e} in the stresslets");
+        for (found, exact) in columns(&found.motion).iter().zip(columns(&exact.motion)) {
+            assert!(relative(found, &exact) < allowed, "{:e}", relative(found, &exact));
+        }
+    }
+}
+
 /// The forecast of `check`, apart from the transforms, beside the memory that an emulator serves.
 #[test]
 fn memory_is_as_predicted() {
@@ -279,9 +316,9 @@ fn memory_is_as_predicted() {
         let plan = case.plan(precision);
         let mut device = case.on_device(&plan, emulator(&[], seed));
         device.apply(&case.loads, Output::All);
-        let card = device.split.device().unwrap();
+        let card = device.split.borrow().device().unwrap();
         let count = case.particles.len() as f64;
-        let expected = plan.size_on_card(count, device.split.neighbours() as f64 / count).bytes().lists;
+        let expected = plan.size_on_card(count, device.split.borrow().neighbours() as f64 / count).bytes().lists;
         let found = card.total_bytes - card.free_bytes;
         // The forecast leaves out the window and the tables along the axes.
         let of_tables = 16e3;
