@@ -31,8 +31,8 @@ pub struct SuspensionRun {
     /// Whether the stiffness of contacts is automatic, and whether it adapts.
     chooses_stiffness: [bool; 2],
     axes: UserAxes,
-    /// Strain at which a run under a given stress ends.
-    last_strain: Option<f64>,
+    model: Model,
+    radii: Radii,
 }
 
 /// Columns of a frame of the trajectory.
@@ -70,7 +70,8 @@ impl SuspensionRun {
             cautions,
             chooses_stiffness,
             axes: model.user_axes(),
-            last_strain: model.last_strain,
+            model: model.clone(),
+            radii,
         }
     }
 
@@ -80,9 +81,11 @@ impl SuspensionRun {
         Frame { particles: axes.particles(particles), cell: axes.cell(cell), periodic }
     }
 
-    /// Registers a force, see [`Suspension::add_force`]. Collective.
+    /// Registers a force, see [`Suspension::add_force`], and adds its warnings to those of the start. Collective.
     pub fn add_force(&mut self, force: Box<dyn Force>) -> Result<(), StepError> {
+        let warnings = force.warnings(&self.model, &self.radii);
         self.suspension.add_force(force)?;
+        self.cautions.extend(warnings);
         self.observer.see_forces(&self.suspension);
         Ok(())
     }
@@ -183,13 +186,13 @@ impl Simulation for SuspensionRun {
             return Some(words.to_owned());
         }
         let [_, strain] = self.suspension.shear();
-        let last = self.last_strain.filter(|last| strain.abs() >= *last)?;
+        let last = self.model.last_strain.filter(|last| strain.abs() >= *last)?;
         Some(format!("sheared by a strain of {:.6}, at which its run ends", Number(last)))
     }
 
     fn progress(&self) -> Option<f64> {
         let [_, strain] = self.suspension.shear();
-        self.last_strain.map(|last| (strain.abs() / last).min(1.0))
+        self.model.last_strain.map(|last| (strain.abs() / last).min(1.0))
     }
 
     fn start_warnings(&self) -> Vec<String> {

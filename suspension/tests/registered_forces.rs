@@ -4,7 +4,8 @@ use crate::support::model_of;
 use domain::{Comm, DomainView, Failure, Particles, Scalars, Vector};
 use simulation::{Simulation, State};
 use suspension::{
-    Acting, Configuration, Force, Instant, Loads, PairKind, PairLaw, PairwiseForce, Suspension, SuspensionRun, VELOCITY,
+    Acting, Configuration, Force, Instant, Loads, Model, PairKind, PairLaw, PairwiseForce, Radii, Suspension,
+    SuspensionRun, VELOCITY,
 };
 
 const SCENE: &str = r#"
@@ -133,6 +134,35 @@ fn its_stress_drives_a_flow() {
     let row = run.observe();
     assert!(row[shells][1].abs() > 0.001, "{:?}", row[shells]);
     assert!((row[driving][0] - 0.02).abs() < 0.0004, "{:?}", row[driving]);
+}
+
+/// A force that warns of steps longer than one.
+struct Slow;
+
+impl Force for Slow {
+    fn name(&self) -> &'static str {
+        "slow"
+    }
+
+    fn add_present_loads(&self, _: &Configuration, _: &mut Loads) {}
+
+    fn warnings(&self, model: &Model, radii: &Radii) -> Vec<String> {
+        let is_long = model.time_step > 1.0 && radii.largest() > 0.0;
+        is_long.then(|| "time.step is long for the force \"slow\"".to_owned()).into_iter().collect()
+    }
+}
+
+/// Warnings of a force follow those of the start, once it is registered.
+#[test]
+fn its_warnings_are_those_of_the_run() {
+    for (step, warned) in [("0.5", false), ("2.0", true)] {
+        let model = model_of(SCENE, &[&format!("time.step={step}")]);
+        let mut run = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
+        let before = run.start_warnings();
+        run.add_force(Box::new(Slow)).unwrap();
+        let after = run.start_warnings();
+        assert_eq!((&after[..before.len()], after.len() > before.len()), (&before[..], warned), "{after:?}");
+    }
 }
 
 /// Profiles between walls have the stress of a registered force.

@@ -102,6 +102,8 @@ enum Choice {
     Direct,
     /// One common Gaussian on the grid, pairs for the rest
     Split,
+    /// A matrix of exact sums over all pairs
+    Dense,
 }
 
 /// Device of the far field.
@@ -161,6 +163,7 @@ impl Args {
             Choice::Auto => None,
             Choice::Direct => Some(Method::Direct),
             Choice::Split => Some(Method::Split),
+            Choice::Dense => Some(Method::Dense),
         };
         let device = match self.device {
             DeviceChoice::Cpu => ComputeDevice::Cpu,
