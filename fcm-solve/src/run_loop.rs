@@ -42,11 +42,7 @@ pub fn run_to_end(
         }
         progress.show(simulation);
     }
-    let (answers, warning) = recorder.finish(simulation)?;
-    let answers = report::answers_in_lines(answers);
-    if let Some(warning) = warning {
-        progress.say(&format!("warning: {warning}"));
-    }
+    let answers = report::answers_in_lines(recorder.finish(simulation)?);
     for warning in simulation.warnings() {
         progress.say(&format!("warning: {warning}"));
     }

@@ -86,14 +86,32 @@ class Limits(unittest.TestCase):
         code, said = self.ends("mobility", case, capture_output=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.assertEqual(code, 0, said)
 
-    def test_file_systems_that_cannot_sync_end_no_run(self):
+    def failing(self, fault):
+        """The environment of a program in which calls fail, or are listed."""
         library = self.place / "fail.so"
         source = ROOT / "validation" / "faults" / "fail.c"
         subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", library, source, "-ldl"], check=True)
+        return os.environ | {"LD_PRELOAD": str(library)} | {name: str(value) for name, value in fault.items()}
+
+    def test_answers_that_cannot_be_read_are_an_error(self):
+        words = ["run", SCENE, *SMALL, "--set", "statistics.every=1", "--out", self.out]
+        log = self.place / "log"
+        opened = {"FAULT_FOLDER": self.out / "statistics", "FAULT_CALL": "open", "FAULT_LOG": log}
+        self.assertEqual(self.ends(*words, env=self.failing(opened))[0], 0)
+        last = sum(line.startswith("open") for line in log.read_text().splitlines())
+        expected = (self.out / "summary.csv").read_text()
+        shutil.rmtree(self.out)
+        code, said = self.ends(*words, env=self.failing(opened | {"FAULT_AT": last, "FAULT_ERROR": errno.ENOSPC}))
+        self.assertEqual(code, 1, said)
+        self.assertIn(f"can't read {self.out / 'statistics' / 'summary.csv'}", said)
+        self.assertNotIn("finished", said)
+        code, said = self.ends(*words, "--continue")
+        self.assertEqual((code, (self.out / "summary.csv").read_text()), (0, expected), said)
+
+    def test_file_systems_that_cannot_sync_end_no_run(self):
         for error in (errno.EINVAL, errno.EBADF, errno.ENOSYS, errno.ENOTSUP, errno.EIO):
             fault = {"FAULT_FOLDER": self.place, "FAULT_CALL": "sync", "FAULT_HOW": "always", "FAULT_ERROR": error}
-            environment = os.environ | {"LD_PRELOAD": str(library)} | {name: str(value) for name, value in fault.items()}
-            code, said = self.ends("run", SCENE, *SMALL, "--out", self.place / str(error), env=environment)
+            code, said = self.ends("run", SCENE, *SMALL, "--out", self.place / str(error), env=self.failing(fault))
             with self.subTest(error=errno.errorcode[error]):
                 self.assertEqual(code, int(error == errno.EIO), said)
 

@@ -30,8 +30,8 @@ pub struct Recorder {
     longest_checkpoint: Duration,
     /// Whether the stored scene has the parameters that the simulation has found.
     has_found: bool,
-    /// Answers of a run that has ended, on the first rank, and a warning if there was a problem.
-    answers: Option<(Vec<RunAnswer>, Option<String>)>,
+    /// Answers of a run that has ended, on the first rank.
+    answers: Option<Vec<RunAnswer>>,
 }
 
 /// A scene, and the record of that of an earlier part of the run, if it is known.
@@ -235,39 +235,33 @@ impl Recorder {
         Ok(())
     }
 
-    /// Writes the answers and the last checkpoint of a run that has ended. Returns the answers on the first rank,
-    /// with a warning if they cannot be computed. Collective.
-    pub fn finish(&mut self, simulation: &mut dyn Simulation) -> Result<(&[RunAnswer], Option<&str>), RunError> {
+    /// Writes the answers and the last checkpoint of a run that has ended. Returns the answers on the first rank.
+    /// Collective.
+    pub fn finish(&mut self, simulation: &mut dyn Simulation) -> Result<&[RunAnswer], RunError> {
         self.conclude(simulation)?;
         self.checkpoint(simulation)?;
-        let (answers, warning) =
-            self.answers.as_ref().map_or((&[][..], None), |(all, warning)| (all, warning.as_deref()));
-        Ok((answers, warning))
+        Ok(self.answers.as_deref().unwrap_or_default())
     }
 
-    /// Writes averages and answers, once.
+    /// Writes averages and answers, once. Answers that cannot be computed, since a file cannot be read, are an error.
     fn conclude(&mut self, simulation: &mut dyn Simulation) -> Result<(), RunError> {
         if self.answers.is_none() {
             self.averages(simulation)?;
-            let found = if self.comm.is_first() { self.find_answers() } else { (Vec::new(), None) };
-            let write = match &found.0[..] {
+            let answers = if self.comm.is_first() { self.find_answers() } else { Ok(Vec::new()) };
+            let answers = self.comm.agree(answers)?;
+            let write = match &answers[..] {
                 [] => Ok(()),
                 answers => write_answers(answers, self.folder.manifest()).map(drop),
             };
             self.comm.agree(write)?;
-            self.answers = Some(found);
+            self.answers = Some(answers);
         }
         Ok(())
     }
 
-    fn find_answers(&self) -> (Vec<RunAnswer>, Option<String>) {
-        let scene = Scene::parse(self.scene.text(), "the scene of the run", &[]).map_err(|e| in_full(&e));
-        let of_scene =
-            |scene: Scene| run_answers(self.folder(), &scene, &AnswerRange::of_scene(&scene)).map_err(|e| in_full(&e));
-        match scene.and_then(of_scene) {
-            Err(reason) => (Vec::new(), Some(format!("there are no answers: {reason}"))),
-            Ok(answers) => (answers, None),
-        }
+    fn find_answers(&self) -> Result<Vec<RunAnswer>, String> {
+        let scene = Scene::parse(self.scene.text(), "the scene of the run", &[]).map_err(|e| in_full(&e))?;
+        run_answers(self.folder(), &scene, &AnswerRange::of_scene(&scene)).map_err(|e| in_full(&e))
     }
 
     /// Rewrites the checkpoint of this step for a scene that has changed.
