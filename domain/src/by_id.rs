@@ -239,7 +239,7 @@ fn part_number(piece: usize, part: usize) -> u64 {
 /// Lengths of the pieces of all ranks. Collective.
 fn lengths(pieces: &[Vec<u8>], comm: &Comm) -> Vec<usize> {
     let own: Vec<usize> = pieces.iter().map(Vec::len).collect();
-    let all = comm.exchange(&vec![own; comm.size()]);
+    let all = comm.all_gather_lists(&own);
     let count = all.iter().map(Vec::len).sum();
     (0..count).map(|piece| all[piece % all.len()][piece / all.len()]).collect()
 }

@@ -1,7 +1,7 @@
 //! Halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
 //! owners.
 
-use crate::{Partition, PeriodicBox, Vector, block};
+use crate::{Partition, PeriodicBox, Received, Sent, Vector, block};
 use bytemuck::Pod;
 use std::ops::AddAssign;
 
@@ -10,7 +10,8 @@ pub type Reach = [f64; 2];
 
 /// Plan of the halo exchange: the particles that each rank sends to each other rank. [`Halo::extend`] appends the
 /// values of ghosts, the particles of other ranks that reach into this rank's pencil, to those of the particles that
-/// the rank owns. [`Halo::collect`] returns sums of ghosts to their owners. A single rank has no ghosts.
+/// the rank owns. [`Halo::collect`] returns sums of ghosts to their owners. A single rank has no ghosts. Messages go to
+/// those ranks alone whose pencils are within reach.
 pub struct Halo {
     comm: crate::Comm,
     owned: usize,
@@ -24,14 +25,17 @@ impl Halo {
         let comm = partition.comm().clone();
         let mut leaving = vec![Vec::new(); comm.size()];
         if comm.size() > 1 {
-            let pencils: Vec<_> = (0..comm.size()).map(|rank| Pencil::of(partition, cell, rank)).collect();
-            for (rank, pencil) in pencils.iter().enumerate().filter(|(rank, _)| *rank != comm.rank()) {
-                let near = |(_, position): &(usize, &Vector)| pencil.is_within(reach, **position);
-                leaving[rank] = positions.iter().enumerate().filter(near).map(|(i, _)| i as u32).collect();
+            let places: Vec<[f64; 2]> = positions.iter().map(|&position| Pencil::place(cell, position)).collect();
+            let bounds = bounds(&places);
+            for rank in (0..comm.size()).filter(|rank| *rank != comm.rank()) {
+                let pencil = Pencil::of(partition, cell, rank);
+                if pencil.may_reach(reach, bounds) {
+                    let near = |(_, place): &(usize, &[f64; 2])| pencil.is_within(reach, **place);
+                    leaving[rank] = places.iter().enumerate().filter(near).map(|(i, _)| i as u32).collect();
+                }
             }
         }
-        let counts: Vec<Vec<usize>> = leaving.iter().map(|list| vec![list.len()]).collect();
-        let arriving = comm.exchange(&counts).concat();
+        let arriving = comm.exchange_counts(&leaving.iter().map(Vec::len).collect::<Vec<_>>());
         Self { comm, owned: positions.len(), leaving, arriving }
     }
 
@@ -59,11 +63,10 @@ impl Halo {
         if self.comm.size() == 1 {
             return;
         }
-        let pick = |list: &Vec<u32>| list.iter().map(|&i| values[i as usize]).collect();
-        let send: Vec<Vec<T>> = self.leaving.iter().map(pick).collect();
-        let counts: Vec<usize> = send.iter().map(Vec::len).collect();
+        let sent: Vec<T> = self.leaving.iter().flatten().map(|&i| values[i as usize]).collect();
         values.resize(self.present(), T::zeroed());
-        self.comm.all_to_all((&send.concat(), &counts), (&mut values[self.owned..], &self.arriving));
+        let room = Received { room: &mut values[self.owned..], counts: &self.arriving };
+        self.comm.send_receive(Sent { values: &sent, counts: &self.leaving_counts() }, room);
     }
 
     /// Adds the ghosts' values to those of the particles of which they are copies, in rank order, and drops the
@@ -73,24 +76,40 @@ impl Halo {
         if self.comm.size() == 1 {
             return;
         }
-        let counts: Vec<usize> = self.leaving.iter().map(Vec::len).collect();
+        let counts = self.leaving_counts();
         let mut returned = vec![T::zeroed(); counts.iter().sum()];
-        self.comm.all_to_all((&values[self.owned..], &self.arriving), (&mut returned, &counts));
+        let room = Received { room: &mut returned, counts: &counts };
+        self.comm.send_receive(Sent { values: &values[self.owned..], counts: &self.arriving }, room);
         values.truncate(self.owned);
         for (&i, value) in self.leaving.iter().flatten().zip(returned) {
             values[i as usize] += value;
         }
     }
+
+    /// Number of particles that this rank sends to each other rank.
+    fn leaving_counts(&self) -> Vec<usize> {
+        self.leaving.iter().map(Vec::len).collect()
+    }
 }
 
-/// Pencil of a rank: intervals of the lattice coordinates along y and z.
-pub(crate) struct Pencil<'a> {
-    cell: &'a PeriodicBox,
+/// Smallest and largest coordinates.
+fn bounds(places: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    let of_axis = |d: usize| {
+        let coordinates = || places.iter().map(|place| place[d]);
+        [coordinates().fold(f64::INFINITY, f64::min), coordinates().fold(f64::NEG_INFINITY, f64::max)]
+    };
+    [of_axis(0), of_axis(1)]
+}
+
+/// Pencil of a rank: intervals of the lattice coordinates along y and z, with their periods or 0.
+pub(crate) struct Pencil {
     intervals: [Option<[f64; 2]>; 2],
+    periods: [f64; 2],
+    stretch: [f64; 2],
 }
 
-impl<'a> Pencil<'a> {
-    pub fn of(partition: &Partition, cell: &'a PeriodicBox, rank: usize) -> Self {
+impl Pencil {
+    pub fn of(partition: &Partition, cell: &PeriodicBox, rank: usize) -> Self {
         let lengths = [cell.edges().y, cell.edges().z];
         let owned = partition.owned_by(rank);
         let interval = |d: usize| {
@@ -102,25 +121,39 @@ impl<'a> Pencil<'a> {
             let high = if repeats || !is_last { range.end as f64 * line } else { f64::INFINITY };
             (!range.is_empty()).then_some([low, high])
         };
-        Self { cell, intervals: [interval(0), interval(1)] }
+        let period = |d: usize| if cell.is_periodic(d + 1) { lengths[d] } else { 0.0 };
+        let stretch = cell.coordinate_stretch();
+        Self {
+            intervals: [interval(0), interval(1)],
+            periods: [period(0), period(1)],
+            stretch: [stretch[1], stretch[2]],
+        }
     }
 
-    pub fn is_within(&self, reach: Reach, position: Vector) -> bool {
-        let (coordinates, stretch) =
-            (self.cell.lattice_coordinates(position) - self.cell.origin(), self.cell.coordinate_stretch());
+    /// Lattice coordinates along y and z, from the origin of the box.
+    pub fn place(cell: &PeriodicBox, position: Vector) -> [f64; 2] {
+        let coordinates = cell.lattice_coordinates(position) - cell.origin();
+        [coordinates[1], coordinates[2]]
+    }
+
+    /// Whether a particle with these lattice coordinates reaches into the pencil.
+    pub fn is_within(&self, reach: Reach, place: [f64; 2]) -> bool {
+        self.may_reach(reach, place.map(|coordinate| [coordinate; 2]))
+    }
+
+    /// Whether particles with lattice coordinates between these bounds may reach into the pencil.
+    fn may_reach(&self, reach: Reach, bounds: [[f64; 2]; 2]) -> bool {
         let is_near = |d: usize| {
-            let repeats = self.cell.is_periodic(d + 1);
-            let (coordinate, period) = (coordinates[d + 1], if repeats { self.cell.edges()[d + 1] } else { 0.0 });
-            self.intervals[d].is_some_and(|i| distance(i, coordinate, period) <= reach[d] * stretch[d + 1])
+            self.intervals[d].is_some_and(|i| distance(i, bounds[d], self.periods[d]) <= reach[d] * self.stretch[d])
         };
         is_near(0) && is_near(1)
     }
 }
 
-/// Distance of a coordinate from the nearest image of an interval, or without a period from the interval itself.
-fn distance([low, high]: [f64; 2], coordinate: f64, period: f64) -> f64 {
-    let images = [coordinate - period, coordinate, coordinate + period];
-    images.map(|c| (low - c).max(c - high).max(0.0)).into_iter().fold(f64::INFINITY, f64::min)
+/// Distance between an interval and the nearest image of another one, or without a period the other one itself.
+fn distance([low, high]: [f64; 2], [first, last]: [f64; 2], period: f64) -> f64 {
+    let shifts = [-period, 0.0, period];
+    shifts.map(|s| (low - (last + s)).max((first + s) - high).max(0.0)).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 #[cfg(test)]
@@ -132,7 +165,7 @@ mod tests {
     fn distances_are_those_from_the_nearest_image() {
         let cases = [(1.0, 1.0), (2.0, 0.0), (3.0, 0.0), (4.0, 0.0), (5.5, 1.5), (7.5, 2.5), (-0.25, 2.25), (9.5, 0.5)];
         for (coordinate, expected) in cases {
-            assert!((distance([2.0, 4.0], coordinate, 8.0) - expected).abs() < 1e-15, "{coordinate}");
+            assert!((distance([2.0, 4.0], [coordinate; 2], 8.0) - expected).abs() < 1e-15, "{coordinate}");
         }
     }
 
@@ -155,11 +188,12 @@ mod tests {
                 halo.extend(&mut positions);
                 assert_eq!((halo.owned(), halo.present()), (particles.len(), positions.len()));
                 let mine = Pencil::of(&partition, &cell, comm.rank());
-                assert!(positions.iter().all(|&p| mine.is_within(reach, p)));
+                assert!(positions.iter().all(|&p| mine.is_within(reach, Pencil::place(&cell, p))));
                 let mut counts = vec![1.0; positions.len()];
                 halo.collect(&mut counts);
                 for (count, &position) in counts.iter().zip(&particles.positions) {
-                    let near = |rank: &usize| Pencil::of(&partition, &cell, *rank).is_within(reach, position);
+                    let place = Pencil::place(&cell, position);
+                    let near = |rank: &usize| Pencil::of(&partition, &cell, *rank).is_within(reach, place);
                     assert_eq!(*count as usize, (0..ranks).filter(near).count());
                 }
             });

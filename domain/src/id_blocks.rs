@@ -68,7 +68,7 @@ impl IdBlocks {
     /// Sums over the blocks before each of this rank's blocks, of integers that each rank passes for each of its own
     /// blocks, equally many for each. Collective.
     pub fn before(&self, parts: &[Vec<u64>]) -> Vec<Vec<u64>> {
-        let (ranks, all) = (self.comm.size(), self.comm.exchange(&vec![parts.concat(); self.comm.size()]));
+        let (ranks, all) = (self.comm.size(), self.comm.all_gather_lists(&parts.concat()));
         let width = all[0].len() / self.count.div_ceil(ranks);
         let mut sums = vec![0; width];
         let mut before = Vec::new();

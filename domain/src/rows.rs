@@ -1,6 +1,6 @@
 //! Moves of a table's rows, one property after the other: reordering, and sending to other ranks.
 
-use crate::Comm;
+use crate::{Comm, Received, Sent};
 use crate::parallel::MeasuredLoop;
 use bytemuck::Pod;
 use rayon::prelude::*;
@@ -68,8 +68,7 @@ impl RowExchange {
         }
         let mut order: Vec<usize> = (0..owners.len()).collect();
         order.sort_by_key(|&row| owners[row]);
-        let (mut arriving, ones) = (vec![0; comm.size()], vec![1; comm.size()]);
-        comm.all_to_all((&leaving, &ones), (&mut arriving, &ones));
+        let arriving = comm.exchange_counts(&leaving);
         Self { comm: comm.clone(), order, leaving, arriving }
     }
 }
@@ -80,9 +79,11 @@ impl RowMove for RowExchange {
         if self.comm.size() == 1 {
             return send;
         }
-        let numbers = |rows: &[usize]| rows.iter().map(|rows| rows * width).collect::<Vec<_>>();
-        let mut received = vec![T::zeroed(); width * self.arriving.iter().sum::<usize>()];
-        self.comm.all_to_all((&send, &numbers(&self.leaving)), (&mut received, &numbers(&self.arriving)));
+        let [sent, arriving] =
+            [&self.leaving, &self.arriving].map(|rows| rows.iter().map(|rows| rows * width).collect::<Vec<_>>());
+        let mut received = vec![T::zeroed(); arriving.iter().sum()];
+        let room = Received { room: &mut received, counts: &arriving };
+        self.comm.send_receive(Sent { values: &send, counts: &sent }, room);
         received
     }
 }

@@ -4,10 +4,10 @@
    COUNTS_RANKS_PER_NODE  so many consecutive ranks count as a node: MPI_Comm_split_type gives these, and messages to other
                           ranks count as off the node; 0, the default, leaves the machine as it is
 
-   A message is a block of at least one value for one other rank. Three kinds are counted apart: `sums`, calls on all ranks in which
-   each other rank gets the same number of values, as in sums over ranks and before lists whose lengths the receivers do not know;
-   `halos`, all others on all ranks: images, their sums, and migration; `groups`, those within a part of the ranks, as in the
-   transpositions of a transform.
+   Three kinds are counted apart: `sums`, collective calls on all ranks, as many messages each as a tree of the ranks has levels, and
+   the barriers that end an exchange of lists; `halos`, messages between two ranks: lists, images, their sums, and migration;
+   `groups`, those within a part of the ranks, as in the transpositions of a transform, where a message is a block of at least one
+   value for one other rank.
 
    Ranks wait asleep, so that many of them can share a core. */
 #include <mpi.h>
@@ -62,13 +62,26 @@ static void count(double *of, MPI_Comm communicator, int rank, int values, MPI_D
     of[OFF_NODE_BYTES] += (double)values * width;
 }
 
-static int kind_of(MPI_Comm communicator, const int sent[]) {
-    int ranks = size_of(communicator), own = rank_in(communicator), other = own == 0 ? 1 : 0;
-    if (communicator != MPI_COMM_WORLD) return GROUPS;
-    if (ranks == 1 || sent[other] == 0) return HALOS;
-    for (int rank = 0; rank < ranks; rank++)
-        if (rank != own && sent[rank] != sent[other]) return HALOS;
-    return SUMS;
+static int kind_of(MPI_Comm communicator, int kind) { return communicator == MPI_COMM_WORLD ? kind : GROUPS; }
+
+/* A collective call in which a rank sends so many bytes; to ranks off the node as many of its messages as of the others. */
+static void count_tree(MPI_Comm communicator, double bytes) {
+    double *of = counts[kind_of(communicator, SUMS)];
+    int ranks = size_of(communicator), per_node = ranks_per_node(), levels = 0;
+    for (int reached = 1; reached < ranks; reached *= 2) {
+        levels += 1;
+        if (per_node && reached >= per_node) of[OFF_NODE_MESSAGES] += 1;
+    }
+    of[CALLS] += 1;
+    of[MESSAGES] += levels;
+    of[BYTES] += bytes;
+    if (per_node && ranks > per_node) of[OFF_NODE_BYTES] += bytes * (ranks - per_node) / ranks;
+}
+
+static double bytes_of(int values, MPI_Datatype type) {
+    int width;
+    PMPI_Type_size(type, &width);
+    return (double)values * width;
 }
 
 static int asleep_until(MPI_Request *request) {
@@ -83,17 +96,79 @@ static int asleep_until(MPI_Request *request) {
 int MPI_Alltoallv(const void *send, const int sent[], const int from[], MPI_Datatype type, void *receive,
                   const int received[], const int to[], MPI_Datatype received_type, MPI_Comm communicator) {
     MPI_Request request;
-    double *of = counts[kind_of(communicator, sent)];
+    double *of = counts[kind_of(communicator, HALOS)];
     of[CALLS] += 1;
     for (int rank = 0; rank < size_of(communicator); rank++) count(of, communicator, rank, sent[rank], type);
     PMPI_Ialltoallv(send, sent, from, type, receive, received, to, received_type, communicator, &request);
     return asleep_until(&request);
 }
 
+int MPI_Allgather(const void *send, int values, MPI_Datatype type, void *receive, int received, MPI_Datatype received_type,
+                  MPI_Comm communicator) {
+    MPI_Request request;
+    count_tree(communicator, bytes_of(values, type) * (size_of(communicator) - 1));
+    PMPI_Iallgather(send, values, type, receive, received, received_type, communicator, &request);
+    return asleep_until(&request);
+}
+
+int MPI_Allgatherv(const void *send, int values, MPI_Datatype type, void *receive, const int received[], const int to[],
+                   MPI_Datatype received_type, MPI_Comm communicator) {
+    MPI_Request request;
+    count_tree(communicator, bytes_of(values, type) * (size_of(communicator) - 1));
+    PMPI_Iallgatherv(send, values, type, receive, received, to, received_type, communicator, &request);
+    return asleep_until(&request);
+}
+
+int MPI_Gatherv(const void *send, int values, MPI_Datatype type, void *receive, const int received[], const int to[],
+                MPI_Datatype received_type, int root, MPI_Comm communicator) {
+    MPI_Request request;
+    double *of = counts[kind_of(communicator, SUMS)];
+    of[CALLS] += 1;
+    count(of, communicator, root, values, type);
+    PMPI_Igatherv(send, values, type, receive, received, to, received_type, root, communicator, &request);
+    return asleep_until(&request);
+}
+
+int MPI_Bcast(void *data, int values, MPI_Datatype type, int root, MPI_Comm communicator) {
+    MPI_Request request;
+    if (rank_in(communicator) == root) count_tree(communicator, bytes_of(values, type));
+    PMPI_Ibcast(data, values, type, root, communicator, &request);
+    return asleep_until(&request);
+}
+
+int MPI_Allreduce(const void *send, void *receive, int values, MPI_Datatype type, MPI_Op operation, MPI_Comm communicator) {
+    MPI_Request request;
+    count_tree(communicator, bytes_of(values, type));
+    PMPI_Iallreduce(send, receive, values, type, operation, communicator, &request);
+    return asleep_until(&request);
+}
+
+int MPI_Ibarrier(MPI_Comm communicator, MPI_Request *request) {
+    count_tree(communicator, 0);
+    return PMPI_Ibarrier(communicator, request);
+}
+
 int MPI_Isend(const void *data, int values, MPI_Datatype type, int rank, int tag, MPI_Comm communicator,
               MPI_Request *request) {
-    count(counts[communicator == MPI_COMM_WORLD ? HALOS : GROUPS], communicator, rank, values, type);
+    count(counts[kind_of(communicator, HALOS)], communicator, rank, values, type);
     return PMPI_Isend(data, values, type, rank, tag, communicator, request);
+}
+
+int MPI_Issend(const void *data, int values, MPI_Datatype type, int rank, int tag, MPI_Comm communicator,
+               MPI_Request *request) {
+    count(counts[kind_of(communicator, HALOS)], communicator, rank, values, type);
+    return PMPI_Issend(data, values, type, rank, tag, communicator, request);
+}
+
+int MPI_Wait(MPI_Request *request, MPI_Status *status) {
+    (void)status;
+    return asleep_until(request);
+}
+
+int MPI_Improbe(int source, int tag, MPI_Comm communicator, int *found, MPI_Message *message, MPI_Status *status) {
+    int error = PMPI_Improbe(source, tag, communicator, found, message, status);
+    if (!*found) usleep(100);
+    return error;
 }
 
 int MPI_Barrier(MPI_Comm communicator) {

@@ -1,11 +1,14 @@
 //! Communication among ranks. Only this folder knows how a rank is implemented: as a single process, as a thread of a
 //! test, or as a process under `mpirun`.
 
+mod collectives;
 mod cores;
 mod failure;
 mod launcher;
 #[cfg(all(feature = "mpi", target_os = "linux"))]
 mod mapped;
+#[cfg(feature = "mpi")]
+mod messages;
 mod threads;
 mod window;
 
@@ -16,7 +19,6 @@ mod processes;
 #[path = "no_processes.rs"]
 mod processes;
 
-use crate::block;
 use bytemuck::Pod;
 use std::ops::Range;
 use std::sync::Arc;
@@ -178,8 +180,8 @@ impl Comm {
         self.sent.bytes.load(Ordering::Relaxed)
     }
 
-    /// Number of messages that this rank has sent to others so far: non-empty lists of values to one rank each.
-    /// Access to the memory of other ranks on the same machine does not count.
+    /// Number of messages that this rank has sent to others so far: non-empty lists of values to one rank each, and as
+    /// many for values that all ranks combine or the first one distributes as a tree of the ranks has levels. Access to the memory of other ranks on the same machine does not count.
     pub fn messages_sent(&self) -> u64 {
         self.sent.messages.load(Ordering::Relaxed)
     }
@@ -225,22 +227,10 @@ impl Comm {
         self.sent.bytes.fetch_add(bytes as u64, Ordering::Relaxed);
     }
 
-    /// Sends the next `send_counts[r]` values of `send` to each rank `r`, and fills `receive` with the values
-    /// received, `receive_counts[r]` from rank `r`, in rank order.
-    pub fn all_to_all<T: Pod>(&self, send: (&[T], &[usize]), receive: (&mut [T], &[usize])) {
-        let (room, counts) = receive;
-        assert_eq!(send.0.len(), send.1.iter().sum::<usize>(), "send counts cover the values to send");
-        assert_eq!(room.len(), counts.iter().sum::<usize>(), "receive counts cover the room to receive");
-        self.all_to_all_ranges((send.0, &consecutive(send.1)), (room, &consecutive(counts)));
-    }
-
     /// Sends the values `send_ranges[r]` to each rank `r`, and writes the values from rank `r` to
     /// `receive_ranges[r]`. These ranges must not overlap.
     pub fn all_to_all_ranges<T: Pod>(&self, send: (&[T], &[Range<usize>]), receive: (&mut [T], &[Range<usize>])) {
-        let others = send.1.iter().enumerate().filter(|&(rank, range)| rank != self.rank() && !range.is_empty());
-        let (messages, values) = others.fold((0, 0), |(count, sum), (_, range)| (count + 1, sum + range.len()));
-        self.count_sent(values * size_of::<T>());
-        self.sent.messages.fetch_add(messages, Ordering::Relaxed);
+        self.count_lists::<T>(send.1.iter().map(Range::len));
         match &self.backend {
             Backend::Alone => receive.0[receive.1[0].clone()].copy_from_slice(&send.0[send.1[0].clone()]),
             Backend::Threads(rank) => rank.all_to_all(send, receive),
@@ -248,112 +238,63 @@ impl Comm {
         }
     }
 
-    /// Sends one list to each rank and returns the list received from each rank.
+    /// Sends one list to each rank and returns the list from each rank. Only lists that are not empty are sent, so that
+    /// a rank has as many messages as other ranks with which it has something to exchange.
     pub fn exchange<T: Pod>(&self, send: &[Vec<T>]) -> Vec<Vec<T>> {
-        let counts: Vec<usize> = send.iter().map(Vec::len).collect();
-        let mut incoming = vec![0_usize; counts.len()];
-        let ones = vec![1; counts.len()];
-        self.all_to_all((&counts, &ones), (&mut incoming, &ones));
-        let mut flat = vec![T::zeroed(); incoming.iter().sum()];
-        self.all_to_all((&send.concat(), &counts), (&mut flat, &incoming));
-        let mut rest = flat.as_slice();
-        let mut lists = Vec::with_capacity(incoming.len());
-        for count in incoming {
-            let (list, tail) = rest.split_at(count);
-            lists.push(list.to_vec());
-            rest = tail;
+        self.count_lists::<T>(send.iter().map(Vec::len));
+        match &self.backend {
+            Backend::Alone => send.to_vec(),
+            Backend::Threads(rank) => rank.exchange(send),
+            Backend::Processes(rank) => rank.exchange(send),
         }
-        lists
     }
 
-    /// Values of all ranks, joined in rank order, on every rank. Ranks may contribute different numbers of values.
-    pub fn all_gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
-        self.exchange(&vec![values.to_vec(); self.size()]).concat()
+    /// Sends a number to each rank and returns the number from each rank. Zeros are not sent.
+    pub fn exchange_counts(&self, counts: &[usize]) -> Vec<usize> {
+        let list = |&count: &usize| if count == 0 { Vec::new() } else { vec![count] };
+        let received = self.exchange(&counts.iter().map(list).collect::<Vec<_>>());
+        received.into_iter().map(|list| list.first().copied().unwrap_or(0)).collect()
     }
 
-    /// Values of all ranks, joined in rank order, on the first rank; empty on the others.
-    pub fn gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
-        let mut send = vec![Vec::new(); self.size()];
-        send[0] = values.to_vec();
-        self.exchange(&send).concat()
-    }
-
-    /// Copies the first rank's values to every rank.
-    pub fn broadcast<T: Pod>(&self, values: &mut Vec<T>) {
-        let send = if self.is_first() { vec![values.clone(); self.size()] } else { vec![Vec::new(); self.size()] };
-        *values = self.exchange(&send).swap_remove(0);
-    }
-
-    /// Copies the first rank's text to every rank.
-    pub fn broadcast_text(&self, text: &str) -> String {
-        let mut bytes = text.as_bytes().to_vec();
-        self.broadcast(&mut bytes);
-        String::from_utf8(bytes).expect("the first rank sent text")
-    }
-
-    /// Replaces each value by its sum over the ranks, added in rank order.
-    pub fn sum(&self, values: &mut [f64]) {
-        self.combine(values, |a, b| a + b);
-    }
-
-    /// Replaces each value by its maximum over the ranks.
-    pub fn max(&self, values: &mut [f64]) {
-        self.combine(values, f64::max);
-    }
-
-    /// Replaces each value by its minimum over the ranks.
-    pub fn min(&self, values: &mut [f64]) {
-        self.combine(values, f64::min);
-    }
-
-    fn combine(&self, values: &mut [f64], operation: impl Fn(f64, f64) -> f64) {
-        if self.size() == 1 || values.is_empty() {
-            return;
+    /// Sends the next `counts[r]` values to each rank `r`, and fills the room with the values received, as many from
+    /// each rank as it has counts, in rank order. Ranks without values for each other exchange no message.
+    pub fn send_receive<T: Pod>(&self, send: Sent<T>, receive: Received<T>) {
+        assert_eq!(send.values.len(), send.counts.iter().sum::<usize>(), "send counts cover the values to send");
+        assert_eq!(receive.room.len(), receive.counts.iter().sum::<usize>(), "receive counts cover the room to receive");
+        self.count_lists::<T>(send.counts.iter().copied());
+        match &self.backend {
+            Backend::Alone => receive.room.copy_from_slice(send.values),
+            Backend::Threads(rank) => {
+                let [sent, received] = [send.counts, receive.counts].map(consecutive);
+                rank.all_to_all((send.values, &sent), (receive.room, &received));
+            }
+            Backend::Processes(rank) => rank.send_receive(send, receive),
         }
-        if values.len() > WIDE {
-            // Each rank combines a share of the values, so that none holds more than twice as many at a time.
-            let shares: Vec<_> = (0..self.size()).map(|rank| block(values.len(), self.size(), rank)).collect();
-            let parts = self.exchange(&shares.iter().map(|share| values[share.clone()].to_vec()).collect::<Vec<_>>());
-            let own = shares[self.rank()].len();
-            let combined = combined(&parts.concat(), own, operation);
-            values.copy_from_slice(&self.all_gather(&combined));
-            return;
-        }
-        let all = self.all_gather(values);
-        values.copy_from_slice(&combined(&all, values.len(), operation));
     }
 
-    /// Whether `yes` is true on any rank.
-    pub fn any(&self, yes: bool) -> bool {
-        let mut value = [f64::from(u8::from(yes))];
-        self.max(&mut value);
-        value[0] > 0.0
-    }
-
-    /// Makes an error of any rank an error of all: the result is `Ok` on every rank or on none. The message is that
-    /// of the lowest rank that failed.
-    pub fn agree<T, E: std::fmt::Display>(&self, result: Result<T, E>) -> Result<T, Failure> {
-        let (value, message) = match result {
-            Ok(value) => (Some(value), String::new()),
-            Err(error) => (None, error.to_string()),
-        };
-        if !self.any(value.is_none()) {
-            return Ok(value.expect("no rank failed"));
-        }
-        let messages = self.exchange(&vec![message.into_bytes(); self.size()]);
-        let rank = messages.iter().position(|m| !m.is_empty()).unwrap_or(0);
-        let message = String::from_utf8_lossy(&messages[rank]).into_owned();
-        Err(Failure { rank, ranks: self.size(), message })
+    /// Counts lists of given lengths, one for each rank, as sent.
+    fn count_lists<T>(&self, lengths: impl Iterator<Item = usize>) {
+        let others = lengths.enumerate().filter(|&(rank, length)| rank != self.rank() && length > 0);
+        let (messages, values) = others.fold((0, 0), |(count, sum), (_, length)| (count + 1, sum + length));
+        self.count_sent(values * size_of::<T>());
+        self.sent.messages.fetch_add(messages, Ordering::Relaxed);
     }
 }
 
-/// Number of values above which they are combined by shares.
-const WIDE: usize = 4096;
+/// Values to send, the next `counts[r]` to each rank `r`.
+pub struct Sent<'a, T> {
+    /// The values.
+    pub values: &'a [T],
+    /// Number of values for each rank.
+    pub counts: &'a [usize],
+}
 
-/// The values of all ranks, `width` of each, combined in rank order.
-fn combined(all: &[f64], width: usize, operation: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let of_place = |i: usize| all[i..].iter().step_by(width).copied().reduce(&operation).unwrap_or_default();
-    (0..width).map(of_place).collect()
+/// Room for values to receive, the next `counts[r]` from each rank `r`.
+pub struct Received<'a, T> {
+    /// The room.
+    pub room: &'a mut [T],
+    /// Number of values from each rank.
+    pub counts: &'a [usize],
 }
 
 /// Consecutive ranges of the given lengths.

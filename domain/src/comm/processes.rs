@@ -1,4 +1,4 @@
-//! Ranks that are processes under a launcher such as `mpirun`: the only file that calls MPI.
+//! Ranks that are processes under a launcher such as `mpirun`. Only this file and `messages.rs` call MPI.
 
 use super::window::Segment;
 use super::{Comm, CommError, Job, Launcher};
@@ -9,6 +9,7 @@ use mpi::environment::Universe;
 use mpi::raw::FromRaw;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{Communicator, CommunicatorCollectives};
+use std::cell::Cell;
 use std::io::Write as _;
 use std::mem::{ManuallyDrop, MaybeUninit};
 use std::ops::{Deref, Range};
@@ -24,11 +25,15 @@ pub(super) struct ProcessRank {
 }
 
 /// A communicator that is freed when dropped, unless MPI was finalised before.
-struct OwnedCommunicator(ManuallyDrop<SimpleCommunicator>);
+struct OwnedCommunicator {
+    communicator: ManuallyDrop<SimpleCommunicator>,
+    /// Number of exchanges of lists so far.
+    exchanges: Cell<usize>,
+}
 
 impl OwnedCommunicator {
     fn of(communicator: SimpleCommunicator) -> Rc<Self> {
-        Rc::new(Self(ManuallyDrop::new(communicator)))
+        Rc::new(Self { communicator: ManuallyDrop::new(communicator), exchanges: Cell::new(0) })
     }
 }
 
@@ -36,7 +41,7 @@ impl Deref for OwnedCommunicator {
     type Target = SimpleCommunicator;
 
     fn deref(&self) -> &SimpleCommunicator {
-        &self.0
+        &self.communicator
     }
 }
 
@@ -44,7 +49,7 @@ impl Drop for OwnedCommunicator {
     fn drop(&mut self) {
         if !mpi::environment::is_finalized() {
             // SAFETY: it is not accessed after this.
-            unsafe { ManuallyDrop::drop(&mut self.0) }
+            unsafe { ManuallyDrop::drop(&mut self.communicator) }
         }
     }
 }
@@ -103,6 +108,15 @@ impl ProcessRank {
 
     pub(super) fn size(&self) -> usize {
         self.communicator.size() as usize
+    }
+
+    pub(super) fn communicator(&self) -> &SimpleCommunicator {
+        &self.communicator
+    }
+
+    /// Number of exchanges of lists before this one.
+    pub(super) fn next_exchange(&self) -> usize {
+        self.communicator.exchanges.replace(self.communicator.exchanges.get() + 1)
     }
 
     pub(super) fn split(&self, colour: usize) -> Self {
@@ -171,7 +185,7 @@ impl ProcessRank {
 }
 
 /// Counts and displacements for MPI.
-fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i32>) {
+pub(super) fn counts_and_starts(ranges: &[Range<usize>], words: usize) -> (Vec<i32>, Vec<i32>) {
     let in_32_bits = |n: usize| i32::try_from(n * words).expect("a message of fewer than 2^31 words; use more ranks");
     ranges.iter().map(|range| (in_32_bits(range.len()), in_32_bits(range.start))).unzip()
 }

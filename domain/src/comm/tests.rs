@@ -1,4 +1,4 @@
-use super::Comm;
+use super::{Comm, Received, Sent};
 
 const RANKS: [usize; 8] = [1, 2, 3, 4, 7, 13, 16, 64];
 
@@ -9,7 +9,7 @@ fn all_to_all_is_a_transposition() {
             let send: Vec<u64> = (0..ranks as u64).map(|to| 100 * comm.rank() as u64 + to).collect();
             let mut receive = vec![0; ranks];
             let ones = vec![1; ranks];
-            comm.all_to_all((&send, &ones), (&mut receive, &ones));
+            comm.send_receive(Sent { values: &send, counts: &ones }, Received { room: &mut receive, counts: &ones });
             receive
         });
         for (to, row) in tables.iter().enumerate() {
@@ -28,6 +28,52 @@ fn lists_of_unequal_length_arrive_whole() {
             for (from, list) in comm.exchange(&lists).into_iter().enumerate() {
                 assert_eq!(list, vec![(from * 10 + me) as f64; from + 2 * me]);
             }
+        });
+    }
+}
+
+/// A rank that has nothing for most others sends them nothing: its messages are as many as its lists.
+#[test]
+fn only_lists_that_are_not_empty_are_sent() {
+    for ranks in RANKS {
+        Comm::threads(ranks, |comm| {
+            let (me, next) = (comm.rank(), (comm.rank() + 1) % ranks);
+            let before = (me + ranks - 1) % ranks;
+            let mut lists = vec![Vec::new(); ranks];
+            lists[next] = vec![me as u64; me + 1];
+            let received = comm.exchange(&lists);
+            for (from, list) in received.iter().enumerate() {
+                assert_eq!(list, &if from == before { vec![before as u64; before + 1] } else { Vec::new() });
+            }
+            let counts: Vec<usize> = lists.iter().map(Vec::len).collect();
+            let arriving = comm.exchange_counts(&counts);
+            let mut room = vec![0; before + 1];
+            let sent = Sent { values: &lists.concat(), counts: &counts };
+            comm.send_receive(sent, Received { room: &mut room, counts: &arriving });
+            assert_eq!(room, vec![before as u64; before + 1]);
+            assert_eq!(comm.messages_sent(), if ranks == 1 { 0 } else { 3 });
+        });
+    }
+}
+
+/// Messages of a sum are those of a tree, not one for each rank.
+#[test]
+fn sums_take_as_many_messages_as_a_tree_has_levels() {
+    for (ranks, levels) in [(1, 0), (2, 1), (7, 3), (64, 6)] {
+        Comm::threads(ranks, |comm| {
+            comm.sum(&mut [1.0, 2.0]);
+            assert_eq!(comm.messages_sent(), levels);
+        });
+    }
+}
+
+#[test]
+fn lists_of_all_ranks_are_kept_apart() {
+    for ranks in RANKS {
+        Comm::threads(ranks, |comm| {
+            let lists = comm.all_gather_lists(&vec![comm.rank() as u32; comm.rank() % 3]);
+            let expected: Vec<_> = (0..ranks).map(|rank| vec![rank as u32; rank % 3]).collect();
+            assert_eq!(lists, expected);
         });
     }
 }

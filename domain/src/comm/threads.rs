@@ -148,7 +148,53 @@ impl ThreadRank {
         self.barrier();
     }
 
+    pub(super) fn exchange<T: Pod>(&self, send: &[Vec<T>]) -> Vec<Vec<T>> {
+        for (to, list) in send.iter().enumerate() {
+            *lock(self.mailbox(self.number, to)) = bytemuck::cast_slice(list).to_vec();
+        }
+        self.barrier();
+        let take = |from| values_of(&std::mem::take(&mut *lock(self.mailbox(from, self.number))));
+        let received = (0..self.size()).map(take).collect();
+        self.barrier();
+        received
+    }
+
+    /// Values of each rank, in rank order.
+    pub(super) fn all_gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
+        self.published(values, 0..self.size())
+    }
+
+    /// Values of each rank, in rank order, on the first rank; empty on the others.
+    pub(super) fn gather<T: Pod>(&self, values: &[T]) -> Vec<T> {
+        self.published(values, if self.number == 0 { 0..self.size() } else { 0..0 })
+    }
+
+    /// Replaces the values by those of the first rank, which has equally many.
+    pub(super) fn broadcast<T: Pod>(&self, values: &mut [T]) {
+        let first = self.published(values, 0..1);
+        values.copy_from_slice(&first);
+    }
+
+    /// Values that some ranks passed, in rank order.
+    fn published<T: Pod>(&self, values: &[T], ranks: Range<usize>) -> Vec<T> {
+        *lock(self.mailbox(self.number, self.number)) = bytemuck::cast_slice(values).to_vec();
+        self.barrier();
+        let mut all = Vec::new();
+        for rank in ranks {
+            all.extend(values_of::<T>(&lock(self.mailbox(rank, rank))));
+        }
+        self.barrier();
+        all
+    }
+
     fn mailbox(&self, from: usize, to: usize) -> &Mutex<Vec<u8>> {
         &self.group.mail[from * self.group.size + to]
     }
+}
+
+/// Values from their bytes.
+fn values_of<T: Pod>(bytes: &[u8]) -> Vec<T> {
+    let mut values = vec![T::zeroed(); bytes.len() / size_of::<T>()];
+    bytemuck::cast_slice_mut::<T, u8>(&mut values).copy_from_slice(bytes);
+    values
 }
