@@ -1,7 +1,7 @@
 //! Halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
 //! owners.
 
-use crate::{Partition, PeriodicBox, Received, Sent, Vector, block};
+use crate::{Incoming, Outgoing, Partition, PeriodicBox, Vector, block};
 use bytemuck::Pod;
 use std::ops::AddAssign;
 
@@ -65,8 +65,8 @@ impl Halo {
         }
         let sent: Vec<T> = self.leaving.iter().flatten().map(|&i| values[i as usize]).collect();
         values.resize(self.present(), T::zeroed());
-        let room = Received { room: &mut values[self.owned..], counts: &self.arriving };
-        self.comm.send_receive(Sent { values: &sent, counts: &self.leaving_counts() }, room);
+        let room = Incoming { room: &mut values[self.owned..], counts: &self.arriving };
+        self.comm.send_receive(Outgoing { values: &sent, counts: &self.leaving_counts() }, room);
     }
 
     /// Adds the ghosts' values to those of the particles of which they are copies, in rank order, and drops the
@@ -78,8 +78,8 @@ impl Halo {
         }
         let counts = self.leaving_counts();
         let mut returned = vec![T::zeroed(); counts.iter().sum()];
-        let room = Received { room: &mut returned, counts: &counts };
-        self.comm.send_receive(Sent { values: &values[self.owned..], counts: &self.arriving }, room);
+        let room = Incoming { room: &mut returned, counts: &counts };
+        self.comm.send_receive(Outgoing { values: &values[self.owned..], counts: &self.arriving }, room);
         values.truncate(self.owned);
         for (&i, value) in self.leaving.iter().flatten().zip(returned) {
             values[i as usize] += value;

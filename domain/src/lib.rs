@@ -54,7 +54,7 @@ pub use axis_rotation::AxisRotation;
 pub use block::{block, block_of};
 pub use boundaries::Boundaries;
 pub use by_id::ById;
-pub use comm::{Comm, CommError, Failure, Launcher, Received, Sent, Window};
+pub use comm::{Comm, CommError, Failure, Incoming, Launcher, Outgoing, Window};
 pub use domain_view::DomainView;
 pub use given_positions::GivenPositions;
 pub use halo::{Halo, Reach};

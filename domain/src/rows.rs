@@ -1,7 +1,7 @@
 //! Moves of a table's rows, one property after the other: reordering, and sending to other ranks.
 
-use crate::{Comm, Received, Sent};
 use crate::parallel::MeasuredLoop;
+use crate::{Comm, Incoming, Outgoing};
 use bytemuck::Pod;
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ fn pick<T: Copy, const WIDTH: usize>(values: &[T], rows: &[usize], picked: &mut 
     picked.iter_mut().zip(rows).for_each(|(picked, &row)| *picked = values[row]);
 }
 
-/// Sends each row to a rank. Received rows are in the order of the sending ranks, and from each rank in its own
+/// Sends each row to a rank. Incoming rows are in the order of the sending ranks, and from each rank in its own
 /// order.
 pub(crate) struct RowExchange {
     comm: Comm,
@@ -82,8 +82,8 @@ impl RowMove for RowExchange {
         let [sent, arriving] =
             [&self.leaving, &self.arriving].map(|rows| rows.iter().map(|rows| rows * width).collect::<Vec<_>>());
         let mut received = vec![T::zeroed(); arriving.iter().sum()];
-        let room = Received { room: &mut received, counts: &arriving };
-        self.comm.send_receive(Sent { values: &send, counts: &sent }, room);
+        let room = Incoming { room: &mut received, counts: &arriving };
+        self.comm.send_receive(Outgoing { values: &send, counts: &sent }, room);
         received
     }
 }

@@ -137,7 +137,10 @@ impl VerletList {
             halo.extend(&mut ids);
             halo.extend(&mut positions);
             let pencil = Pencil::of(&self.partition, cell, comm.rank());
-            listed = positions.iter().map(|&position| pencil.is_within([margin; 2], Pencil::place(cell, position))).collect();
+            listed = positions
+                .iter()
+                .map(|&position| pencil.is_within([margin; 2], Pencil::place(cell, position)))
+                .collect();
         }
         let mut lists = Neighbours::find(cell, &positions, listed.len(), reach);
         lists.sort_by_key(|neighbour| (ids[neighbour.row as usize], neighbour.steps));

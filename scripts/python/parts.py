@@ -1,24 +1,15 @@
-"""Parts of the benchmark other than whole mobilities: transforms, stencils, and communication between ranks."""
+"""Parts of the benchmark other than whole mobilities: transforms and stencils."""
 
 import json
 import math
-import os
 import subprocess
 
 TRANSFORMS = [48, 64, 96, 128, 144, 192]
-RANKS = [2, 4, 8, 16, 32, 64]
-EXCHANGING = 20_000
-
-# The network of the projection: bytes per second of a node, and latency of a message in seconds.
-BANDWIDTH, LATENCY = 12.5e9, 2e-6
-# Approximate messages to every other rank for one mobility: transpositions, and particle data with their counts.
-MESSAGES = 10
 
 
-def output(command, **environment):
+def output(command):
     """Output of a command, as JSON lines."""
-    environment = {**os.environ, **environment}
-    ended = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True)
+    ended = subprocess.run(list(map(str, command)), capture_output=True, text=True)
     if ended.returncode:
         raise SystemExit(f"{' '.join(map(str, command))} failed:\n{ended.stderr}")
     return [json.loads(line) for line in ended.stdout.splitlines()]
@@ -61,48 +52,8 @@ def stencils(programs, target):
     return rows
 
 
-def exchange(programs):
-    """Bytes that a rank sends for one mobility, and a projection to more ranks than there are cores."""
-    alone = output(programs.solve("", **exchanging()).command)[0]
-    grid, total = alone["grid"][0], alone["seconds"]["total"]
-    bytes_of_grid = 3 * grid**3 * (4 if alone["precision"] == "f32" else 8)
-    rows = [
-        "| ranks | bytes sent by a rank | of which transposition | projected ms | efficiency, strong | efficiency, weak |",
-        "|---|---|---|---|---|---|",
-    ]
-    halo = 0
-    for ranks in [*RANKS, 256, 1024]:
-        transposed = 2 * bytes_of_grid / ranks * kept_moving(ranks, grid)
-        sent = transposed + halo / math.sqrt(ranks)
-        if ranks <= RANKS[-1]:
-            case = programs.solve("", ranks=ranks, **exchanging())
-            case.command.insert(1, "--oversubscribe")
-            sent = output(case.command, OMPI_MCA_mpi_yield_when_idle="1")[0]["bytes_sent"]
-            halo = (sent - transposed) * math.sqrt(ranks)
-        waiting = MESSAGES * ranks * LATENCY
-        strong = total / ranks + sent / BANDWIDTH + waiting
-        # Each rank has as many spheres as one has here, with a halo around its whole share.
-        weak = total + (2 * bytes_of_grid * kept_moving(ranks, grid * ranks ** (1 / 3)) + halo) / BANDWIDTH + waiting
-        shown = f"{sent / 1e6:.2f} MB" if ranks <= RANKS[-1] else f"({sent / 1e6:.2f} MB)"
-        cells = [ranks, shown, f"{transposed / 1e6:.2f} MB", f"{1e3 * strong:.2f}"]
-        cells += [f"{total / strong / ranks:.0%}", f"{total / weak:.0%}"]
-        rows.append("| " + " | ".join(map(str, cells)) + " |")
-    return grid, total, rows
-
-
-def kept_moving(ranks, lines):
-    """Smallest fraction of the grid that two transpositions move, over all tables of ranks that the grid allows."""
-    tables = [(n, ranks // n) for n in range(1, ranks + 1) if ranks % n == 0 and max(n, ranks // n) <= lines]
-    return min(2 - 1 / a - 1 / b for a, b in tables)
-
-
-def exchanging():
-    return {"particles": EXCHANGING, "repeats": 1, "no-error": True}
-
-
 def page(programs, target):
     """Section of the benchmark page with these results."""
-    grid, total, exchanged = exchange(programs)
     return [
         "## Transforms",
         "",
@@ -123,14 +74,5 @@ def page(programs, target):
         "sorting the spheres, and clearing the grid.",
         "",
         *stencils(programs, target),
-        "",
-        "## Communication between ranks",
-        "",
-        f"One mobility of {EXCHANGING} spheres at 12% on a grid of {grid}^3, which takes {1e3 * total:.0f} ms on one thread. Bytes are counted,",
-        f"with more ranks than cores. Times are a projection, not a measurement: equally divided work, {BANDWIDTH / 1e9} GB/s per rank,",
-        f"{1e6 * LATENCY:.0f} microseconds per message, and about {MESSAGES} messages to every other rank. In parentheses: the bytes of the",
-        "halos, extrapolated as the square root of the number of ranks.",
-        "",
-        *exchanged,
         "",
     ]

@@ -54,7 +54,7 @@ pub use forces::pairwise::{PairLaw, PairwiseForce};
 pub use forecast::Forecast;
 pub use forecast::calibrate_repulsion::{LeastRepulsionError, least_repulsion};
 pub use forecast::cost_growth::cost_growth;
-pub use forecast::scaling::{BANDWIDTH, LATENCY, Scaling, StepAlone};
+pub use forecast::scaling::{AssumedNode, LATENCY, NODE, Scaling, StepAlone};
 pub use forecast::stable_step::longest_step;
 pub use forecast::summary::{Asked, outline, plan_values, predicted_memory};
 pub use hydrodynamics::memory::Ranks;

@@ -15,17 +15,15 @@ NODES = [Node("40 cores, 12.5 GB/s", 40, 2, 12.5e9, 150e9), Node("128 cores, 25 
 # Spheres and cores of the projection, and those of weak scaling.
 JOBS = [(10**7, 1024), (10**9, 4096), (10**9, 16384), (10**9, 65536)]
 SPHERES_A_CORE, WEAK = 10**7 / 1024, (1024, 8192)
-NOW, NEIGHBOURS, OVERLAP = Design(), Design(by_neighbours=True), Design(by_neighbours=True, overlaps=True)
-COARSER = Design(by_neighbours=True, overlaps=True, coarseness=0.76)
+NOW, OVERLAP, COARSER = Design(), Design(overlaps=True), Design(overlaps=True, coarseness=0.76)
 # Designs, and whether a rank has the cores of a NUMA domain.
 DESIGNS = [
     ("as it is, a rank a core", NOW, False),
     ("as it is, a rank a NUMA domain", NOW, True),
-    ("a rank a core, sums by trees, lists with neighbours alone", NEIGHBOURS, False),
-    ("and one component on the way while the next is transformed", OVERLAP, False),
+    ("a rank a core, one component on the way while the next is transformed", OVERLAP, False),
     ("and 0.76 of the grid points along an axis", COARSER, False),
     ("all of these, a rank a NUMA domain", COARSER, True),
-    ("and 1% of its work serial", Design(by_neighbours=True, overlaps=True, coarseness=0.76, serial=0.01), True),
+    ("and 1% of its work serial", Design(overlaps=True, coarseness=0.76, serial=0.01), True),
 ]
 
 
@@ -82,7 +80,8 @@ def calls_of(stored):
         of, plan, slabs = stored["counts"][case]["16"], measured.plan(stored, count, lubricated), 16
         neighbours = 2 * math.ceil(plan.reach * slabs / plan.edge)
         per_image = of["halos_bytes"][1] / images(count, plan, (1, slabs)).count
-        found[lubricated] = Calls(of["sums_calls"][1], of["halos_messages"][1] / neighbours, per_image, of["groups_calls"][1] / 2)
+        sums, halos = of["sums_messages"][1] / math.log2(slabs), of["halos_messages"][1] / neighbours
+        found[lubricated] = Calls(sums, halos, per_image, of["groups_calls"][1] / 2)
     return found
 
 
@@ -95,7 +94,8 @@ def counted(stored):
             numbers = [of[f"{kind}_{name}"][1] / unit for name, unit in (("messages", 1), ("bytes", 1e3)) for kind in counts.KINDS]
             kinds.append([case, ranks, *map(short, numbers)])
     step = stored["counts"]["step"]["16"]
-    resumed = {int(ranks): of["sums_calls"][1] + of["halos_calls"][1] for ranks, of in stored["counts"]["resumed"].items()}
+    trees = step["sums_messages"][1] / 4
+    resumed = [of["sums_calls"][1] for of in stored["counts"]["resumed"].values()]
     header = ["", "ranks", "messages of sums", "of halos", "of transpositions", "kB of sums", "of halos", "of transpositions"]
     return [
         "### Messages and bytes of a rank",
@@ -107,16 +107,15 @@ def counted(stored):
         *table(["ranks", "MB sent", "messages"], sent),
         "",
         *prose(f"""By kind, as a counter between the program and MPI finds them, means of the ranks: the same evaluation, and a step of
-            {counts.STEPPED:,} spheres at 20% in shear with lubrication. *Sums* are calls in which a rank has a message for each other rank:
-            sums over the ranks, and the lengths of lists that are sent next. *Halos* are images, what is returned for them, and migration.
+            {counts.STEPPED:,} spheres at 20% in shear with lubrication. *Sums* are collective calls, each with as many messages as a tree
+            of the ranks has levels: sums over the ranks, broadcasts, and the barriers that end an exchange of lists of unknown lengths.
+            *Halos* are messages to those ranks that get something: lists, images, what is returned for them, and migration.
             *Transpositions* are those between nodes."""),
         *table(header, kinds),
         "",
-        *prose(f"""A step with lubrication makes {step['sums_calls'][1]:.0f} calls in which each rank has a message for each other rank, on 8
-            ranks as on 16. If that holds for more, a rank sends {step['sums_calls'][1] * 63:,.0f} such messages in a step on 64 ranks, and
-            {step['sums_calls'][1] * 1023:,.0f} on 1,024. A run resumed on 8 ranks makes {resumed[8]:,.0f} calls before its first step, on
-            16 {resumed[16]:,.0f}: about
-            {(resumed[16] - resumed[8]) / 8:.0f} for each rank."""),
+        *prose(f"""A step with lubrication makes {trees:.0f} collective calls: {trees * 6:,.0f} messages of a rank on 64 ranks, and
+            {trees * 10:,.0f} on 1,024. Those of halos depend on the ranks within reach alone. A run resumed makes
+            {resumed[0]:.0f} collective calls before its first step on 8 ranks, {resumed[1]:.0f} on 16."""),
     ]
 
 
@@ -174,7 +173,7 @@ def wire_table(model):
     """An evaluation with values of four and of eight bytes."""
     rows = []
     for node, (spheres, cores) in ((node, job) for node in NODES for job in JOBS):
-        single, double = (model.on(node).parts(Job(spheres, cores, 1), Design(by_neighbours=True, value_bytes=width)) for width in (4, 8))
+        single, double = (model.on(node).parts(Job(spheres, cores, 1), Design(value_bytes=width)) for width in (4, 8))
         sent_single = double.total - double.transpositions + single.transpositions
         rows.append([f"{node.cores}", power(spheres), f"{cores:,}", *map(short, (single.total, double.total, sent_single))])
     return table(["cores a node", "spheres", "cores", "all in f32, s", "all in f64, s", "f64, sent as f32, s"], rows)
@@ -189,22 +188,15 @@ def memory_table(stored):
 
 def breaks(model, stored):
     """Limits in the order in which they are met, with numbers."""
-    step, plan = stored["counts"]["step"]["16"], measured.plan(stored, 10**9, False)
-    resumed = [of["sums_calls"][1] + of["halos_calls"][1] for of in stored["counts"]["resumed"].values()]
-    of_rank = (resumed[1] - resumed[0]) / 8
+    plan = measured.plan(stored, 10**9, False)
     grid = Slice(65536, plan.points)
-    messages = step["sums_calls"][1]
     found = images(10**9, plan, grid.table).count / (10**9 / 65536)
     return [
-        f"1. **Resuming.** A checkpoint is read with {of_rank:.0f} calls to all ranks for each rank: on 4,096 ranks "
-        f"{of_rank * 4096**2 * LATENCY / 60:,.0f} minutes of messages.",
-        f"2. **Messages to all.** {messages:.0f} for each other rank in a step with lubrication: {messages * 1023 * LATENCY:.2f} s on 1,024 ranks, "
-        f"{messages * 4095 * LATENCY:.2f} s on 4,096, {messages * 65535 * LATENCY:.0f} s on 65,536.",
-        "3. **The transpositions**, which are limited by the port of a node and by the fat tree.",
-        f"4. **Blocks along x.** Ranks divide the {plan.points // 2:,} coefficients along x in blocks of 16: on 65,536 ranks in "
+        "1. **The transpositions**, which are limited by the port of a node and by the fat tree.",
+        f"2. **Blocks along x.** Ranks divide the {plan.points // 2:,} coefficients along x in blocks of 16: on 65,536 ranks in "
         f"{grid.table[0]} rows the "
         f"largest share is {grid.unevenness(4)[1]:.1f} times the mean.",
-        f"5. **Images.** Pencils of 65,536 ranks are {plan.edge / 256:.1f} radii wide, and a rank has {found:.1f} images of "
+        f"3. **Images.** Pencils of 65,536 ranks are {plan.edge / 256:.1f} radii wide, and a rank has {found:.1f} images of "
         "other ranks' spheres for each "
         "of its own.",
     ]
@@ -234,7 +226,7 @@ def projection(stored, exponent):
         "",
         "### Precision of what is sent",
         "",
-        *prose("""An evaluation with lists to neighbours and sums by trees, a rank a core. Plans with tolerances
+        *prose("""An evaluation, a rank a core. Plans with tolerances
             of 1e-6 and above are in f32 as a whole.
             On 65,536 ranks f32 is no faster, since ranks divide its coefficients in larger blocks."""),
         *wire_table(model),

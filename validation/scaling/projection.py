@@ -16,8 +16,8 @@ COPIES_ON_NODE, COPIES_TO_OTHERS = 1, 2
 
 @dataclasses.dataclass(frozen=True)
 class Calls:
-    """Exchanges of a rank in an evaluation or a step: `sums` with every other rank, `halos` with those that it borders on; bytes of an
-    image of a sphere; pairs of transforms."""
+    """Exchanges of a rank in an evaluation or a step: `sums` along a tree of the ranks, `halos` with those that it borders on; bytes of
+    an image of a sphere; pairs of transforms."""
 
     sums: float
     halos: float
@@ -29,8 +29,6 @@ class Calls:
 class Design:
     """The program as it is, or with changes."""
 
-    # Sums by a tree, and lists with neighbours alone.
-    by_neighbours: bool = False
     # One component of the grid is on the way while the next is transformed.
     overlaps: bool = False
     value_bytes: int = 4
@@ -181,8 +179,7 @@ class Model:
         sent = calls.image_bytes * found.count
         seconds = self.network.port_seconds(layout, away * sent) + self.network.memory_seconds(layout, 4 * sent)
         neighbours = min(ranks - 1, (2 * reached[0] + 1) * (2 * reached[1] + 1) - 1)
-        each = 2 * math.log2(ranks) if design.by_neighbours else ranks - 1
-        return seconds, calls.sums * each + calls.halos * neighbours
+        return seconds, calls.sums * math.ceil(math.log2(ranks)) + calls.halos * neighbours
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,7 +2,7 @@
 //! first one receive.
 
 use super::processes::{ProcessRank, counts_and_starts};
-use super::{Received, Sent, consecutive};
+use super::{Incoming, Outgoing, consecutive};
 use bytemuck::Pod;
 use mpi::Tag;
 use mpi::collective::SystemOperation;
@@ -44,7 +44,8 @@ impl ProcessRank {
         received[self.rank()].clone_from(&send[self.rank()]);
         scope(|sending| {
             let mut open = Vec::new();
-            for (rank, list) in send.iter().enumerate().filter(|&(rank, list)| rank != self.rank() && !list.is_empty()) {
+            for (rank, list) in send.iter().enumerate().filter(|&(rank, list)| rank != self.rank() && !list.is_empty())
+            {
                 let (words, receiver) = (bytemuck::cast_slice::<T, W>(list), communicator.process_at_rank(rank as i32));
                 open.push(receiver.immediate_synchronous_send_with_tag(sending, words, tag));
             }
@@ -74,11 +75,11 @@ impl ProcessRank {
     }
 
     /// See [`super::Comm::send_receive`].
-    pub(super) fn send_receive<T: Pod>(&self, send: Sent<T>, receive: Received<T>) {
+    pub(super) fn send_receive<T: Pod>(&self, send: Outgoing<T>, receive: Incoming<T>) {
         in_words!(self.send_receive_words::<T>(send, receive));
     }
 
-    fn send_receive_words<T: Pod, W: Pod + Equivalence>(&self, send: Sent<T>, receive: Received<T>) {
+    fn send_receive_words<T: Pod, W: Pod + Equivalence>(&self, send: Outgoing<T>, receive: Incoming<T>) {
         let (communicator, me) = (self.communicator(), self.rank());
         let lists = consecutive(send.counts).into_iter().map(|range| &send.values[range]).enumerate();
         scope(|transfer| {

@@ -181,7 +181,8 @@ impl Comm {
     }
 
     /// Number of messages that this rank has sent to others so far: non-empty lists of values to one rank each, and as
-    /// many for values that all ranks combine or the first one distributes as a tree of the ranks has levels. Access to the memory of other ranks on the same machine does not count.
+    /// many for values that all ranks combine or the first one distributes as a tree of the ranks has levels. Access to
+    /// the memory of other ranks on the same machine does not count.
     pub fn messages_sent(&self) -> u64 {
         self.sent.messages.load(Ordering::Relaxed)
     }
@@ -258,9 +259,13 @@ impl Comm {
 
     /// Sends the next `counts[r]` values to each rank `r`, and fills the room with the values received, as many from
     /// each rank as it has counts, in rank order. Ranks without values for each other exchange no message.
-    pub fn send_receive<T: Pod>(&self, send: Sent<T>, receive: Received<T>) {
+    pub fn send_receive<T: Pod>(&self, send: Outgoing<T>, receive: Incoming<T>) {
         assert_eq!(send.values.len(), send.counts.iter().sum::<usize>(), "send counts cover the values to send");
-        assert_eq!(receive.room.len(), receive.counts.iter().sum::<usize>(), "receive counts cover the room to receive");
+        assert_eq!(
+            receive.room.len(),
+            receive.counts.iter().sum::<usize>(),
+            "receive counts cover the room to receive"
+        );
         self.count_lists::<T>(send.counts.iter().copied());
         match &self.backend {
             Backend::Alone => receive.room.copy_from_slice(send.values),
@@ -282,7 +287,7 @@ impl Comm {
 }
 
 /// Values to send, the next `counts[r]` to each rank `r`.
-pub struct Sent<'a, T> {
+pub struct Outgoing<'a, T> {
     /// The values.
     pub values: &'a [T],
     /// Number of values for each rank.
@@ -290,7 +295,7 @@ pub struct Sent<'a, T> {
 }
 
 /// Room for values to receive, the next `counts[r]` from each rank `r`.
-pub struct Received<'a, T> {
+pub struct Incoming<'a, T> {
     /// The room.
     pub room: &'a mut [T],
     /// Number of values from each rank.

@@ -1,7 +1,7 @@
 //! Replacement for the processes of MPI in a program built without it.
 
 use super::window::Segment;
-use super::{Comm, CommError, Job, Launcher, Received, Sent};
+use super::{Comm, CommError, Incoming, Job, Launcher, Outgoing};
 use bytemuck::Pod;
 use std::ops::Range;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ impl ProcessRank {
         match *self {}
     }
 
-    pub(super) fn send_receive<T: Pod>(&self, _send: Sent<T>, _receive: Received<T>) {
+    pub(super) fn send_receive<T: Pod>(&self, _send: Outgoing<T>, _receive: Incoming<T>) {
         match *self {}
     }
 

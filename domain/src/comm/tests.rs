@@ -1,4 +1,4 @@
-use super::{Comm, Received, Sent};
+use super::{Comm, Incoming, Outgoing};
 
 const RANKS: [usize; 8] = [1, 2, 3, 4, 7, 13, 16, 64];
 
@@ -9,7 +9,10 @@ fn all_to_all_is_a_transposition() {
             let send: Vec<u64> = (0..ranks as u64).map(|to| 100 * comm.rank() as u64 + to).collect();
             let mut receive = vec![0; ranks];
             let ones = vec![1; ranks];
-            comm.send_receive(Sent { values: &send, counts: &ones }, Received { room: &mut receive, counts: &ones });
+            comm.send_receive(
+                Outgoing { values: &send, counts: &ones },
+                Incoming { room: &mut receive, counts: &ones },
+            );
             receive
         });
         for (to, row) in tables.iter().enumerate() {
@@ -48,8 +51,8 @@ fn only_lists_that_are_not_empty_are_sent() {
             let counts: Vec<usize> = lists.iter().map(Vec::len).collect();
             let arriving = comm.exchange_counts(&counts);
             let mut room = vec![0; before + 1];
-            let sent = Sent { values: &lists.concat(), counts: &counts };
-            comm.send_receive(sent, Received { room: &mut room, counts: &arriving });
+            let sent = Outgoing { values: &lists.concat(), counts: &counts };
+            comm.send_receive(sent, Incoming { room: &mut room, counts: &arriving });
             assert_eq!(room, vec![before as u64; before + 1]);
             assert_eq!(comm.messages_sent(), if ranks == 1 { 0 } else { 3 });
         });

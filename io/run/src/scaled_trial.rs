@@ -1,9 +1,10 @@
 //! The time of a run on ranks that are not present, by a trial on one that is.
 
 use crate::{Trial, time_in_words};
+use domain::Number;
 use scene::{Kind, Scene};
 use simulation::Outline;
-use suspension::{BANDWIDTH, LATENCY, Ranks, Scaling, StepAlone};
+use suspension::{LATENCY, NODE, Ranks, Scaling, StepAlone};
 
 /// A trial as it would be on other ranks.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,9 +59,11 @@ impl ScaledTrial {
     /// The machine and the network that are thought of.
     fn assumed(&self) -> String {
         format!(
-            "{:.0}% of the time is work, with cores as fast as those here, {:.0} GB/s a rank and {} a message",
+            "{:.0}% of the time is work, with cores as fast as those here, {} a node with a port of {} GB/s, and {} a \
+             message",
             100.0 * self.efficiency,
-            BANDWIDTH / 1e9,
+            NODE.cores,
+            Number(NODE.port / 1e9),
             time_in_words(LATENCY)
         )
     }

@@ -267,34 +267,41 @@ impl ArrayDistribution<'_> {
     /// This rank's rows of the next array. Collective.
     fn rows<T: Pod>(&mut self, width: usize) -> Vec<T> {
         let ranks = self.comm.size();
-        let mut own = Vec::new();
-        for rank in 0..ranks {
-            own.extend(self.sent_to::<T>(rank, block(self.count, ranks, rank).len(), width));
-        }
-        own
+        let shares: Vec<usize> = (0..ranks).map(|rank| block(self.count, ranks, rank).len()).collect();
+        self.distribute(&shares, width)
     }
 
     /// This rank's pieces out of pieces of these lengths in bytes; piece `k` goes to rank `k mod ranks`. Collective.
     fn pieces(&mut self, lengths: &[usize]) -> Vec<Vec<u8>> {
-        let (rank, ranks) = (self.comm.rank(), self.comm.size());
-        let mut own = Vec::new();
-        for (number, &length) in lengths.iter().enumerate() {
-            let piece = self.sent_to(number % ranks, length, 1);
-            if number % ranks == rank {
-                own.push(piece);
-            }
+        let own = self.distribute(lengths, 1);
+        let (mut rest, mut pieces) = (own.as_slice(), Vec::new());
+        for &length in lengths.iter().skip(self.comm.rank()).step_by(self.comm.size()) {
+            let (piece, after) = rest.split_at(length);
+            pieces.push(piece.to_vec());
+            rest = after;
         }
-        own
+        pieces
     }
 
-    /// The next rows, sent to `rank`; empty on the other ranks. Collective.
-    fn sent_to<T: Pod>(&mut self, rank: usize, rows: usize, width: usize) -> Vec<T> {
-        let mut own = Vec::new();
-        for start in (0..rows).step_by(BLOCK) {
-            let mut send: Vec<Vec<T>> = vec![Vec::new(); self.comm.size()];
-            send[rank] = self.next(width * BLOCK.min(rows - start));
-            own.extend(self.comm.exchange(&send).swap_remove(0));
+    /// This rank's rows out of parts with so many rows, of which part `k` goes to rank `k mod ranks`. An exchange has
+    /// the rows of as many ranks as fit in a block. Collective.
+    fn distribute<T: Pod>(&mut self, parts: &[usize], width: usize) -> Vec<T> {
+        let (ranks, mut own) = (self.comm.size(), Vec::new());
+        let (mut send, mut room) = (vec![Vec::new(); ranks], BLOCK);
+        for (number, &rows) in parts.iter().enumerate() {
+            let mut left = rows;
+            while left > 0 {
+                let taken = left.min(room);
+                send[number % ranks].extend(self.next::<T>(width * taken));
+                (left, room) = (left - taken, room - taken);
+                if room == 0 {
+                    own.extend(self.comm.exchange(&send).swap_remove(0));
+                    send.iter_mut().for_each(Vec::clear);
+                    room = BLOCK;
+                }
+            }
         }
+        own.extend(self.comm.exchange(&send).swap_remove(0));
         own
     }
 

@@ -110,6 +110,26 @@ fn ranks_write_one_file_and_read_shares_of_it() {
     }
 }
 
+/// Arrays of more rows than an exchange has are read in shares as well, with a number of messages that depends on the
+/// bytes, not on the ranks.
+#[test]
+fn large_files_are_read_in_few_exchanges() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut whole = state(3);
+    (7..150_001).for_each(|id| whole.particles.push(id, Vector::splat(id as f64), 1.0, 0));
+    whole.statistics = vec![(0..200_000_u32).map(|byte| byte as u8).collect(), vec![5; 70_000], Vec::new(), vec![1]];
+    Checkpoints::write(&Manifest::of_test(folder.path()), &whole, &record(), &Comm::alone()).unwrap();
+    let sent = Comm::threads(5, |comm| {
+        let before = comm.messages_sent();
+        let found = Checkpoints::of(folder.path()).latest(&comm).unwrap().state;
+        let ids = domain::block(150_001, 5, comm.rank());
+        assert_eq!(found.particles, whole.particles.selected(&ids.collect::<Vec<_>>()));
+        assert_eq!(found.statistics, pieces(&whole, &comm));
+        comm.messages_sent() - before
+    });
+    assert!(sent[0] < 200, "{sent:?}");
+}
+
 #[test]
 fn the_last_two_are_kept_and_nothing_half_written() {
     let folder = tempfile::tempdir().unwrap();
