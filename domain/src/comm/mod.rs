@@ -287,6 +287,7 @@ impl Comm {
 }
 
 /// Values to send, the next `counts[r]` to each rank `r`.
+#[derive(Debug, Clone, Copy)]
 pub struct Outgoing<'a, T> {
     /// The values.
     pub values: &'a [T],
@@ -295,6 +296,7 @@ pub struct Outgoing<'a, T> {
 }
 
 /// Room for values to receive, the next `counts[r]` from each rank `r`.
+#[derive(Debug)]
 pub struct Incoming<'a, T> {
     /// The room.
     pub room: &'a mut [T],
