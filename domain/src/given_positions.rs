@@ -1,8 +1,8 @@
 //! Positions given by a user.
 
-use crate::Vector;
+use crate::{Quaternion, Vector};
 
-/// Positions from a file or a caller, optionally with radii and species.
+/// Positions from a file or a caller, optionally with radii, species and orientations.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct GivenPositions {
     /// Their source, for messages.
@@ -13,4 +13,6 @@ pub struct GivenPositions {
     pub radii: Option<Vec<f64>>,
     /// Species as indices from 0, if they are known.
     pub species: Option<Vec<u32>>,
+    /// Orientations, if they are known.
+    pub orientations: Option<Vec<Quaternion>>,
 }

@@ -22,6 +22,12 @@ _FOUND = {
 _EXACT = 2**53
 
 
+def axes_of(orientations):
+    """The third axes (N, 3) of orientations given as quaternions w, x, y, z (N, 4)."""
+    w, x, y, z = np.moveaxis(orientations, -1, 0)
+    return np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), w * w + z * z - x * x - y * y], axis=-1)
+
+
 def rows(name, value, count, width=3):
     """`value` as a C-contiguous float64 array of shape (count, width)."""
     array = np.ascontiguousarray(numbers(name, value))

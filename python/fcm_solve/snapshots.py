@@ -24,7 +24,7 @@ class Snapshot:
         self._step, self._time = core.clock()
         self._taken = core.frame()
         names = ("positions", "radii", *(("velocity", "angular_velocity") if self._state.has_inertia else ()))
-        self._arrays = {name: self._taken[name].copy() for name in names if name in self._taken}
+        self._arrays = {name: self._taken[name].copy() for name in (*names, "orientation") if name in self._taken}
 
     @property
     def step(self) -> int:
@@ -75,6 +75,18 @@ class Snapshot:
         self._set("angular_velocity", value)
 
     @property
+    def orientations(self) -> np.ndarray:
+        """(N, 4): quaternions w, x, y, z; new values of any length; zeros for spheres without orientation"""
+        if "orientation" not in self._arrays:
+            raise Error("spheres of this scene have no orientations; species.orientation asks for them")
+        return self._arrays["orientation"]
+
+    @orientations.setter
+    def orientations(self, value):
+        _ = self.orientations
+        self._set("orientation", value)
+
+    @property
     def ids(self) -> np.ndarray:
         """(N,), ids of the particles"""
         return self._taken["ids"]
@@ -102,11 +114,13 @@ class Snapshot:
 
     def _changes(self):
         """The state, and the changed rows of each array, in the form that the compiled part takes."""
-        moved = [self._changed(name) for name in ("positions", "velocity", "angular_velocity")]
+        moved = [self._changed(name) for name in ("positions", "velocity", "angular_velocity", "orientation")]
         ids, radii = self._changed("radii")
         return self._state, tuple(moved), (ids, radii.tolist())
 
     def _changed(self, name):
+        if name == "orientation" and name not in self._taken:
+            return [], np.empty((0, 4))
         taken = self._taken.get(name, np.empty((0, 3)))
         now = _arrays.exactly(name, self._arrays.get(name, taken), taken.shape)
         is_changed = (now != taken) if taken.ndim == 1 else (now != taken).any(axis=1)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ._arrays import axes_of
 from ._errors import Error
 
 
@@ -34,6 +35,16 @@ class State:
     def angular_velocities(self) -> np.ndarray:
         """(N, 3), the background flow's rotation included; 1/time"""
         return self._column("angular_velocity")
+
+    @property
+    def orientations(self) -> np.ndarray:
+        """(N, 4): quaternions w, x, y, z, from axes fixed in the sphere to those of space; zeros for spheres without orientation"""
+        return self._column("orientation")
+
+    @property
+    def axes(self) -> np.ndarray:
+        """(N, 3): unit vectors, the third axis of each orientation; zeros for spheres without orientation"""
+        return axes_of(self.orientations)
 
     @property
     def stresslets(self) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ._arrays import axes_of
 from ._extras import needed
 from ._hdf5 import opened
 from .lazy import Dataset, Unwrapped, variable
@@ -16,12 +17,17 @@ from .lazy import Dataset, Unwrapped, variable
 if TYPE_CHECKING:
     import xarray
 
-_COMPONENTS = {3: ("axis", ["x", "y", "z"]), 5: ("component", ["xx", "xy", "xz", "yy", "yz"])}
+_COMPONENTS = {
+    3: ("axis", ["x", "y", "z"]),
+    4: ("quaternion", ["w", "x", "y", "z"]),
+    5: ("component", ["xx", "xy", "xz", "yy", "yz"]),
+}
 _UNITS = {
     "position": "length",
     "velocity": "length/time",
     "angular_velocity": "1/time",
     "stresslet": "force*length",
+    "orientation": "",
 }
 
 
@@ -40,7 +46,7 @@ class Frame:
     lattice: np.ndarray
     """(3, 3), the vectors of the box as rows; length"""
     columns: dict = field(repr=False)
-    """Further columns that the run has written: velocity and angular_velocity (N, 3), stresslet (N, 5)"""
+    """Further columns that the run has written: velocity and angular_velocity (N, 3), stresslet (N, 5), orientation (N, 4)"""
 
     @property
     def unwrapped_positions(self):
@@ -56,6 +62,16 @@ class Frame:
     def angular_velocities(self):
         """(N, 3), the background flow's rotation included; 1/time"""
         return self.columns["angular_velocity"]
+
+    @property
+    def orientations(self):
+        """(N, 4): quaternions w, x, y, z; zeros for spheres without orientation"""
+        return self.columns["orientation"]
+
+    @property
+    def axes(self):
+        """(N, 3): unit vectors, the third axis of each orientation; zeros for spheres without orientation"""
+        return axes_of(self.orientations)
 
     @property
     def stresslets(self):

@@ -97,13 +97,13 @@ impl PySimulation {
         self.run.with(py, Run::snapshot)
     }
 
-    /// Goes back to a state with changes: `moved` has ids and values of changed positions, velocities and angular
-    /// velocities, `radii` those of changed radii.
+    /// Goes back to a state with changes: `moved` has ids and values of changed positions, velocities, angular
+    /// velocities and orientations, `radii` those of changed radii.
     fn restore(
         &self,
         py: Python<'_>,
         snapshot: &PySnapshot,
-        moved: (Moved<'_>, Moved<'_>, Moved<'_>),
+        moved: (Moved<'_>, Moved<'_>, Moved<'_>, Moved<'_>),
         radii: (Vec<u64>, Vec<f64>),
     ) -> PyResult<()> {
         let change = rearrangement(moved, radii)?;

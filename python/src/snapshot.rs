@@ -1,7 +1,7 @@
 //! Snapshots of the states of simulations, and changes to them.
 
 use crate::arrays::{Rows, list_of};
-use domain::{Comm, Vector};
+use domain::{Comm, Quaternion, Vector};
 use pyo3::prelude::*;
 use scene::{Kind, Scene};
 use simulation::{Rearrangement, State};
@@ -56,9 +56,14 @@ impl PySnapshot {
 /// Ids of particles, and new values of a vector.
 pub type Moved<'py> = (Vec<u64>, Rows<'py>);
 
-/// Changes by the user of the first rank: of positions, velocities and angular velocities, and of radii, each with ids.
-pub fn rearrangement(moved: (Moved<'_>, Moved<'_>, Moved<'_>), radii: (Vec<u64>, Vec<f64>)) -> PyResult<Rearrangement> {
-    let (positions, velocities, angular_velocities) = moved;
+/// Changes by the user of the first rank: of positions, velocities, angular velocities and orientations, and of radii,
+/// each with ids.
+pub fn rearrangement(
+    moved: (Moved<'_>, Moved<'_>, Moved<'_>, Moved<'_>),
+    radii: (Vec<u64>, Vec<f64>),
+) -> PyResult<Rearrangement> {
+    let (positions, velocities, angular_velocities, (rotated, orientations)) = moved;
+    let orientations: Vec<Quaternion> = list_of(Some(orientations))?;
     let vectors = |(ids, rows): Moved<'_>| -> PyResult<Vec<(u64, Vector)>> {
         Ok(ids.into_iter().zip(list_of(Some(rows))?).collect())
     };
@@ -67,17 +72,19 @@ pub fn rearrangement(moved: (Moved<'_>, Moved<'_>, Moved<'_>), radii: (Vec<u64>,
         radii: radii.0.into_iter().zip(radii.1).collect(),
         velocities: vectors(velocities)?,
         angular_velocities: vectors(angular_velocities)?,
+        orientations: rotated.into_iter().zip(orientations).collect(),
     })
 }
 
 /// The changes of the first rank, on all ranks. Collective.
 pub fn shared(change: Rearrangement, comm: &Comm) -> Rearrangement {
-    let Rearrangement { positions, radii, velocities, angular_velocities } = change;
+    let Rearrangement { positions, radii, velocities, angular_velocities, orientations } = change;
     Rearrangement {
         positions: of_first(positions, comm),
         radii: of_first(radii, comm),
         velocities: of_first(velocities, comm),
         angular_velocities: of_first(angular_velocities, comm),
+        orientations: of_first(orientations, comm),
     }
 }
 

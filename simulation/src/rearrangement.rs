@@ -1,6 +1,6 @@
 //! Particles that a user puts elsewhere.
 
-use domain::{Particles, Vector};
+use domain::{Particles, Quaternion, Vector};
 use std::collections::HashMap;
 
 /// New values of some particles, each with the particle's id: what a user has changed in a state.
@@ -14,6 +14,8 @@ pub struct Rearrangement {
     pub velocities: Vec<(u64, Vector)>,
     /// Angular velocities, of particles with inertia.
     pub angular_velocities: Vec<(u64, Vector)>,
+    /// Orientations, of particles that have some.
+    pub orientations: Vec<(u64, Quaternion)>,
 }
 
 impl Rearrangement {
@@ -39,8 +41,12 @@ impl Rearrangement {
 
     /// Whether nothing changes.
     pub fn is_empty(&self) -> bool {
-        let Self { positions, radii, velocities, angular_velocities } = self;
-        positions.is_empty() && radii.is_empty() && velocities.is_empty() && angular_velocities.is_empty()
+        let Self { positions, radii, velocities, angular_velocities, orientations } = self;
+        positions.is_empty()
+            && radii.is_empty()
+            && velocities.is_empty()
+            && angular_velocities.is_empty()
+            && orientations.is_empty()
     }
 }
 
@@ -61,6 +67,12 @@ pub enum RearrangementError {
     /// Disks that leave their plane.
     #[error("disk {0} would leave the plane z = 0; leave z of positions and velocities 0")]
     OffThePlane(u64),
+    /// Orientations of particles without.
+    #[error("particle {0} has no orientation; ask for them by species.orientation of the scene")]
+    NoOrientation(u64),
+    /// A quaternion that is no rotation.
+    #[error("the orientation of particle {0} would be {1:?}; it needs a quaternion w, x, y, z other than 0")]
+    NoRotation(u64, [f64; 4]),
     /// A radius that is none.
     #[error("the radius of particle {0} would be {1}; it needs to be above 0")]
     Radius(u64, f64),

@@ -1,6 +1,7 @@
 //! Diffusivities from correlations and displacements.
 
 use crate::{Estimate, Lag, LagSums};
+use domain::Vector;
 
 /// Diffusivity along each axis, in two ways.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +31,15 @@ impl Diffusivity {
             by_integral: [0, 1, 2].map(|i| sums.estimate(species, |lags| integral(lags, i))),
             by_slope: [0, 1, 2].map(|i| sums.estimate(species, |lags| slope(lags, i))),
         }
+    }
+}
+
+impl Diffusivity {
+    /// Half the slope of the mean square displacement in a window of lags, the mean over the axes.
+    pub fn mean_slope(lags: &[Lag], window: [f64; 2]) -> f64 {
+        let inside = lags.iter().filter(|lag| (window[0]..=window[1]).contains(&lag.time));
+        let mean = |lag: &Lag| lag.mean_square_displacement.dot(Vector::splat(1.0 / 3.0));
+        0.5 * slope(&inside.map(|lag| (lag.time, mean(lag))).collect::<Vec<_>>())
     }
 }
 

@@ -22,6 +22,8 @@ pub struct Lag {
     pub time: f64,
     /// `<v(0) v(t)> - <v(0)> <v(t)>`; over its value at lag 0, the autocorrelation `R(t)`.
     pub correlation: Vector,
+    /// `<v(0) v(t)>`, with the means.
+    pub product: Vector,
     /// `<d^2> - <d>^2`, the mean square displacement.
     pub mean_square_displacement: Vector,
     /// `<v(0) d> - <v(0)> <d>`, which is the integral of the correlation from 0 to `t`, without an error of quadrature:

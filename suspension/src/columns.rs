@@ -2,6 +2,7 @@
 
 use crate::scalars::{AGES, NEXT_SUBSTEP, OLDEST_AGE};
 use domain::Particles;
+use hydrodynamics::brownian::{DISPLACEMENT, DRIFT_ANGULAR_VELOCITY, DRIFT_VELOCITY};
 
 /// Velocities.
 pub const VELOCITY: &str = "velocity";
@@ -42,8 +43,57 @@ pub const BOND_NUMBERS: usize = 3;
 
 pub use hydrodynamics::brownian::BROWNIAN;
 
-/// Removes the history of the integrators: all velocities except the present ones, and the ages of substeps.
+/// Orientations as quaternions `w, x, y, z` ([`domain::Quaternion`]), zeros for spheres of species without; and the
+/// width of the column. It exists if some species has orientations.
+pub const ORIENTATION: &str = "orientation";
+pub const ORIENTATION_NUMBERS: usize = 4;
+
+/// Vectors of the rotations since the start of a step or substep. This column does not exist between steps.
+pub const ROTATION: &str = "rotation in the step";
+
+/// Rotation vectors by the drawn motions of the fluid. This column does not exist between steps.
+pub const RANDOM_ROTATION: &str = "random rotation";
+
+/// Columns of velocities or displacements, and those of the angular velocities or rotations by which orientations
+/// rotate in their place. Except for the first, they exist only with orientations.
+const ANGULAR: [(&str, &str); 10] = [
+    (VELOCITY, ANGULAR_VELOCITY),
+    (PAST[0], "past angular velocity 1"),
+    (PAST[1], "past angular velocity 2"),
+    (PAST[2], "past angular velocity 3"),
+    (STAGES[0], "stage angular velocity 2"),
+    (STAGES[1], "stage angular velocity 3"),
+    (MEAN, "mean angular velocity"),
+    (EXPECTED, "expected angular velocity"),
+    (DISPLACEMENT, RANDOM_ROTATION),
+    (DRIFT_VELOCITY, DRIFT_ANGULAR_VELOCITY),
+];
+
+/// The column of angular velocities that belongs to one of velocities.
+///
+/// # Panics
+///
+/// If there is none, which is a mistake in the program.
+pub fn angular(velocity: &str) -> &'static str {
+    let found = ANGULAR.iter().find(|(name, _)| *name == velocity);
+    found.map(|(_, angular)| *angular).expect("each column of velocities has one of angular velocities")
+}
+
+/// Whether a column has angular velocities of previous steps or substeps.
+fn is_past_angular(name: &str) -> bool {
+    ANGULAR.iter().skip(1).any(|(_, angular)| *angular == name)
+}
+
+/// Names of the columns that belong to orientations, and their widths.
+pub fn of_orientations() -> impl Iterator<Item = (&'static str, usize)> {
+    let angular = ANGULAR.iter().skip(1).map(|(_, name)| (*name, 3));
+    angular.chain([(ORIENTATION, ORIENTATION_NUMBERS), (ROTATION, 3)])
+}
+
+/// Removes the history of the integrators: all velocities and angular velocities except the present ones, and the ages
+/// of substeps.
 pub fn clear_history(particles: &mut Particles) {
     let ages = [AGES, OLDEST_AGE, NEXT_SUBSTEP];
-    particles.remove(|name| name != VELOCITY && VELOCITY_COLUMNS.contains(&name) || ages.contains(&name));
+    let is_past = |name: &str| name != VELOCITY && VELOCITY_COLUMNS.contains(&name) || is_past_angular(name);
+    particles.remove(|name| is_past(name) || ages.contains(&name));
 }

@@ -36,13 +36,14 @@ mod integrators;
 mod model;
 mod neighbourhood;
 mod observables;
+mod rotation;
 mod run;
 mod sampling;
 mod scalars;
 mod start;
 mod suspension;
 
-pub use columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
+pub use columns::{ANGULAR_VELOCITY, ORIENTATION, STRESSLET, VELOCITY};
 pub use error::step::StepError;
 pub use error::{PlacingError, StartError};
 pub use evaluation::stress::{ParticleStress, StressPart};
@@ -67,8 +68,8 @@ pub use model::box_axes::UserAxes;
 pub use model::radii::Radii;
 pub use model::{
     Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow, Hydrodynamics, Integrator,
-    Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Parameters, Protocol, RateChange, Repulsion, ShearRates,
-    SizeClass, SizeDistribution, Species, Start, StatisticsParameters, Trapped, Traps,
+    Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Orientation, Parameters, Protocol, RateChange,
+    Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start, StatisticsParameters, Trapped, Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;

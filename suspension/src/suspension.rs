@@ -16,7 +16,7 @@ use crate::integrators::brownian::{self, BrownianStep, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::scalars;
-use crate::start::{given_positions, placement};
+use crate::start::{given_positions, orientations, placement};
 use domain::parallel::stage;
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
@@ -101,7 +101,9 @@ impl Suspension {
         let mut particles = state.map(|state| state.particles).unwrap_or_default();
         comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
         let is_tied = if comm.is_first() { tethers::check(&particles, model) } else { Ok(()) };
+        let is_oriented = if comm.is_first() { orientations::check(&particles, model) } else { Ok(()) };
         comm.agree(is_tied)?;
+        comm.agree(is_oriented)?;
         placement::share_columns(&mut particles, comm);
         scalars::restore(&mut particles, comm);
         let (dynamics, particles) = Dynamics::new(model, Setup::at(model, particles, comm, step[0])?)?;

@@ -13,6 +13,7 @@ mod lattices;
 mod noise;
 mod open_extension;
 mod open_space;
+mod orientations;
 mod protocols;
 mod rearranged;
 mod registered_forces;

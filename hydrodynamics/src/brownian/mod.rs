@@ -22,7 +22,9 @@ pub const BROWNIAN: &str = "brownian stresslet";
 
 /// Columns of the Brownian drift; each draw is a random estimate of its mean.
 pub const DRIFT_VELOCITY: &str = "drift velocity";
-const DRIFT: [&str; 2] = [DRIFT_VELOCITY, "drift angular velocity"];
+/// Angular velocities of the drift.
+pub const DRIFT_ANGULAR_VELOCITY: &str = "drift angular velocity";
+const DRIFT: [&str; 2] = [DRIFT_VELOCITY, DRIFT_ANGULAR_VELOCITY];
 
 /// Column of displacements that are taken back.
 pub const DISPLACEMENT: &str = "random displacement";
@@ -126,6 +128,13 @@ pub fn limit_drift(particles: &mut Particles, time: f64) {
     let most: Vec<f64> = particles.radii.iter().map(|radius| FARTHEST * radius / time).collect();
     for (velocity, most) in particles.vectors(DRIFT_VELOCITY).iter_mut().zip(most) {
         *velocity = velocity.clamp_length_max(most);
+    }
+}
+
+/// Limits angular drift velocities in the same way, to a rotation by a twentieth of a radian in a time.
+pub fn limit_angular_drift(particles: &mut Particles, time: f64) {
+    for velocity in particles.vectors(DRIFT_ANGULAR_VELOCITY) {
+        *velocity = velocity.clamp_length_max(FARTHEST / time);
     }
 }
 

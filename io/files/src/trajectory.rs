@@ -10,8 +10,8 @@ use simulation::Frame;
 use std::path::Path;
 
 /// A trajectory that is being written: positions inside the box, images, and those of the columns `velocity`,
-/// `angular_velocity` and `stresslet` that the particles have, all in the order of the ids. If the run is killed, the
-/// file can be read up to its last complete frame.
+/// `angular_velocity`, `stresslet` and `orientation` that the particles have, all in the order of the ids. If the run
+/// is killed, the file can be read up to its last complete frame.
 pub struct Trajectory {
     frames: Frames,
     description: TrajectoryDescription,
@@ -46,10 +46,11 @@ impl TrajectoryDescription {
 }
 
 /// Columns that are written, with their units.
-const COLUMNS: [(&str, &str, &str); 3] = [
+const COLUMNS: [(&str, &str, &str); 4] = [
     ("velocity", "particles/all/velocity", "length/time"),
     ("angular_velocity", "particles/all/angular_velocity", "1/time"),
     ("stresslet", "particles/all/stresslet", "force*length"),
+    ("orientation", "particles/all/orientation", ""),
 ];
 
 impl Trajectory {
@@ -208,6 +209,7 @@ mod tests {
         (0..23).for_each(|id| all.push(id, Vector::splat(0.1 * id as f64), 1.0 + id as f64, (id % 2) as u32));
         all.steps[3] = [1, -2, 3];
         all.column("stresslet", 5).values.iter_mut().enumerate().for_each(|(k, value)| *value = k as f64);
+        all.column("orientation", 4).values.iter_mut().enumerate().for_each(|(k, value)| *value = 0.1 * k as f64);
         all.vectors("another").fill(Vector::ONE);
         all.vectors("velocity")[22] = Vector::new(-0.0, 1e-300, 1.0 / 3.0);
         let folder = tempfile::tempdir().unwrap();
@@ -244,6 +246,7 @@ mod tests {
         (0..2).for_each(|step| whole.append((step, 0.5), &frame).unwrap());
         assert!(content(&path) == files[0]);
         let (_, read) = crate::TrajectoryReader::open(&path).unwrap().frame(1).unwrap();
+        assert_eq!(read.columns.last().map(|column| &column.values), Some(&all.column("orientation", 4).values));
         assert_eq!((read.ids, read.positions, read.steps), (all.ids, all.positions, all.steps));
     }
 

@@ -35,7 +35,7 @@ pub struct TimedFrame {
 }
 
 /// Optional columns of a frame, and their widths.
-const COLUMNS: [(&str, usize); 3] = [("velocity", 3), ("angular_velocity", 3), ("stresslet", 5)];
+const COLUMNS: [(&str, usize); 4] = [("velocity", 3), ("angular_velocity", 3), ("stresslet", 5), ("orientation", 4)];
 
 impl TrajectoryReader {
     /// Opens a trajectory.

@@ -77,6 +77,7 @@ fn average(sums: &[f64; SUMS]) -> Lag {
     Lag {
         time: sums[1] / sums[0],
         correlation: covariance(2, 0, 1),
+        product: Vector::new(mean(2, 0), mean(2, 1), mean(2, 2)),
         mean_square_displacement: covariance(4, 3, 3),
         correlation_integral: covariance(5, 0, 3),
     }

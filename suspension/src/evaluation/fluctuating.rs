@@ -5,6 +5,7 @@ use crate::columns::PAST;
 use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
 use crate::neighbourhood::PairsWithHalo;
+use crate::rotation;
 use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
 use fcm::{Loads, Motion, Stream};
 use hydrodynamics::brownian::{self, FiniteDifference, ambient, set_ambient};
@@ -36,8 +37,22 @@ impl Dynamics {
 
     /// Stores the velocities of the drawn motions plus the background flow as the first past velocities.
     pub fn store_drawn_velocities(&self, particles: &mut Particles) {
-        let drawn = ambient(particles).velocities;
-        self.note_carried(particles, PAST[0], &drawn);
+        let drawn = ambient(particles);
+        self.note_carried(particles, PAST[0], &drawn.velocities);
+        self.note_rotating(particles, &drawn.angular_velocities);
+    }
+
+    /// Angular velocities plus those of the background flow at the particles.
+    pub(super) fn with_rotation_of_flow(&self, particles: &Particles, own: &[Vector]) -> Vec<Vector> {
+        particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x)).collect()
+    }
+
+    /// Stores angular velocities plus those of the background flow as the first past ones, for orientations.
+    fn note_rotating(&self, particles: &mut Particles, own: &[Vector]) {
+        if let Some([past]) = rotation::angular(particles, [PAST[0]]) {
+            let rotating = self.with_rotation_of_flow(particles, own);
+            particles.vectors(past).copy_from_slice(&rotating);
+        }
     }
 
     /// [`Self::evaluate`] in the fluctuating fluid: with the drawn motions, the drift near walls, and lubrication noise
@@ -96,6 +111,7 @@ impl Dynamics {
     ) -> Result<Outcome, StepError> {
         let (loads, solved) = self.solve_fluctuating(particles, moment, noise, 0.0)?;
         self.note_carried(particles, PAST[0], &solved.motion.velocities);
+        self.note_rotating(particles, &solved.motion.angular_velocities);
         if self.rigid {
             let cell = *self.moving.cell();
             let noted = brownian::store_solution(&mut self.hydrodynamics, &cell, particles, &loads, &solved);

@@ -350,9 +350,7 @@ impl Dynamics {
         let _stage = stage("record of the solution");
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
-            let own = &solved.motion.angular_velocities;
-            let turned = particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x));
-            let turned: Vec<_> = turned.collect();
+            let turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
             particles.vectors(ANGULAR_VELOCITY).copy_from_slice(&turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);

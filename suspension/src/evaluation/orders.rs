@@ -3,6 +3,7 @@
 use crate::columns::PAST;
 use crate::columns::VELOCITY;
 use crate::evaluation::extrapolation::integral;
+use crate::rotation;
 use domain::parallel::MeasuredLoop;
 use domain::{Comm, Particles, Vector};
 use rayon::prelude::*;
@@ -90,6 +91,18 @@ pub fn of_displacements(particles: &mut Particles, weights: &Weights, comm: &Com
     let mut largest = [worst.error, worst.roughness];
     comm.max(&mut largest);
     ErrorEstimate { error: largest[0], roughness: largest[1] }
+}
+
+/// Worst estimate of the rotations of all spheres with orientations, in radians; none without. Collective.
+pub fn of_rotations(particles: &mut Particles, weights: &Weights, comm: &Comm) -> ErrorEstimate {
+    if !rotation::is_oriented(particles) {
+        return ErrorEstimate::default();
+    }
+    let between = std::array::from_fn(|order| {
+        let difference = std::array::from_fn(|k| weights[order][k] - weights[order + 1][k]);
+        rotation::largest(particles, USED, difference, comm)
+    });
+    ErrorEstimate::of(between)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! Time integration of positions.
+//! Time integration of positions and orientations.
 
+use crate::columns;
 use crate::columns::VELOCITY;
 use crate::columns::{PAST, STAGES};
 use crate::integrators::motion;
@@ -76,6 +77,9 @@ impl AdamsBashforth {
                 motion::advance(particles, [VELOCITY, PAST[0], PAST[1], PAST[2]], weights);
             }
         }
+        let known = 1 + self.past();
+        let (columns, times) = ([VELOCITY, PAST[0], PAST[1], PAST[2]], [0.0, -dt, -2.0 * dt, -3.0 * dt]);
+        motion::end_smooth(particles, &columns[..known], &times[..known], dt);
         remember(particles, self.past());
     }
 }
@@ -116,31 +120,26 @@ fn runge_kutta<E>(
     let first = PAST[0];
     motion::advance(particles, [first], [0.5 * dt]);
     evaluate(particles, 0.5)?;
-    copy(particles, VELOCITY, STAGES[0]);
+    motion::copy(particles, VELOCITY, STAGES[0]);
     motion::advance(particles, [STAGES[0], first], [0.5 * dt, -0.5 * dt]);
     evaluate(particles, 0.5)?;
-    copy(particles, VELOCITY, STAGES[1]);
+    motion::copy(particles, VELOCITY, STAGES[1]);
     motion::advance(particles, [STAGES[1], STAGES[0]], [dt, -0.5 * dt]);
     evaluate(particles, 1.0)?;
     let weights = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0 - 1.0, 1.0 / 6.0].map(|w| w * dt);
     motion::advance(particles, [first, STAGES[0], STAGES[1], VELOCITY], weights);
-    particles.columns.retain(|column| !STAGES.contains(&column.name.as_str()));
+    motion::end_smooth(particles, &[first, VELOCITY], &[0.0, dt], dt);
+    let stages = STAGES.map(|name| [name, columns::angular(name)]);
+    particles.columns.retain(|column| !stages.as_flattened().contains(&column.name.as_str()));
     Ok(())
 }
 
 /// Makes the present velocities the latest past ones and keeps `past` of them.
 pub fn remember(particles: &mut Particles, past: usize) {
     for k in (1..past).rev() {
-        copy(particles, PAST[k - 1], PAST[k]);
+        motion::copy(particles, PAST[k - 1], PAST[k]);
     }
-    copy(particles, VELOCITY, PAST[0]);
-}
-
-/// Copies a column of vectors into another.
-fn copy(particles: &mut Particles, from: &str, to: &str) {
-    let values = std::mem::take(&mut particles.column(from, 3).values);
-    particles.column(to, 3).values.copy_from_slice(&values);
-    particles.column(from, 3).values = values;
+    motion::copy(particles, VELOCITY, PAST[0]);
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::error::step::StepError;
 use crate::evaluation::gap_control::RelativeMotion;
-use crate::evaluation::orders::{ErrorEstimate, USED, Weights, of_displacements, weights};
+use crate::evaluation::orders::{ErrorEstimate, USED, Weights, of_displacements, of_rotations, weights};
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::adams_bashforth::remember;
 use crate::integrators::motion;
@@ -32,10 +32,10 @@ const GAP_ERROR: f64 = 0.01;
 /// ```
 ///
 /// The error is estimated by the difference from the method of order 2, which has a line in place of the parabola of
-/// order 3. `h` is chosen such that this is at most `tolerance` radii for every sphere and a hundredth of
-/// `gap_fraction` of every gap, and that no gap loses more than `gap_fraction` of itself. All this is known before any
-/// sphere moves: no substep is rejected, and each takes one evaluation. The first substeps of a run have a shorter past
-/// and are therefore short.
+/// order 3. `h` is chosen such that this is at most `tolerance` radii for every sphere, also for the surface of one
+/// that rotates and has an orientation, and a hundredth of `gap_fraction` of every gap, and that no gap loses more than
+/// `gap_fraction` of itself. All this is known before any sphere moves: no substep is rejected, and each takes one
+/// evaluation. The first substeps of a run have a shorter past and are therefore short.
 ///
 /// Order 4 is used unless the motion of some sphere or gap is too rough for it ([`ErrorEstimate`]); where a motion is
 /// smooth, its difference from order 3 counts as an error, too. For a rotating pair the error of order 3 is along the
@@ -68,6 +68,8 @@ pub fn advance(
         let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
         motion::advance(particles, USED, weights);
         motion::move_apart(particles, &apart);
+        let (known, times) = smooth(&ages);
+        motion::end_smooth(particles, &USED[..known], &times[..known], step);
         remember(particles, PAST_VELOCITIES);
         let moment =
             StageTime { clock: *clock, fraction: end, ages: ages.clone(), since_last_solution: step, implicit: None };
@@ -77,6 +79,12 @@ pub fn advance(
         fraction = end;
     }
     Ok(outcome)
+}
+
+/// Number of angular velocities in [`USED`] for the change of the angular velocity in a substep, and their times.
+fn smooth(ages: &[f64]) -> (usize, [f64; 3]) {
+    let times = std::array::from_fn(|k| ages.get(k).map_or(0.0, |age| -age));
+    (ages.len().min(times.len()), times)
 }
 
 /// A substep whose length is to be chosen.
@@ -143,7 +151,9 @@ impl AdaptiveSubstep<'_> {
         let gaps = approach.advected_by(carry).after_orders(*orders, least, comm);
         let of_gaps = ErrorEstimate { error: gaps.error, roughness: gaps.roughness };
         let of_places = of_displacements(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);
-        let estimate = of_places.worse(of_gaps.scaled(1.0 / (GAP_ERROR * self.control.gap_fraction)));
+        let of_rotations = of_rotations(self.particles, orders, comm).scaled(1.0 / self.control.tolerance);
+        let estimate =
+            of_places.worse(of_rotations).worse(of_gaps.scaled(1.0 / (GAP_ERROR * self.control.gap_fraction)));
         Known { estimate, loss: gaps.loss / self.control.gap_fraction, gap: gaps.gap }
     }
 }

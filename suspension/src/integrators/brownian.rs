@@ -7,6 +7,7 @@ use crate::evaluation::fluctuating::Noise;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::motion;
 use crate::model::BrownianScheme;
+use crate::rotation;
 use domain::Particles;
 use fcm::Stream;
 use hydrodynamics::brownian::{self, CHANGE, DISPLACEMENT, DRIFT_VELOCITY, FiniteDifference};
@@ -67,7 +68,9 @@ const DIFFERENCE_FRACTION: f64 = 0.02;
 ///
 /// Two evaluations give the Brownian stress as well: the same difference of stresslets has the mean `-kT div D` of the
 /// first moments `D` caused by forces, with a variance that does not grow as `dt` decreases. They also avoid pushing
-/// near spheres into overlap before the solve. Both schemes are weakly of order 1 in `dt`. With two evaluations, the
+/// near spheres into overlap before the solve. Orientations rotate in both schemes as positions move, by the drawn
+/// rotations of the fluid to `x*` and by the angular velocities of rigid spheres after it, see
+/// [`rotation`]. Both schemes are weakly of order 1 in `dt`. With two evaluations, the
 /// velocities due to forces alone are evaluated after the step only if it `is_seen`, since later steps do not use them.
 /// Collective; fails on every rank or on none.
 pub fn advance(
@@ -103,6 +106,7 @@ fn midpoint(
     let middle = StageTime::in_step(clock, 0.5, 0);
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
     motion::advance(particles, [VELOCITY, PAST[0]], [2.0 * half, -half]);
+    motion::end(particles);
     dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
     brownian::clear_history(particles);
     Ok(outcome)
@@ -117,13 +121,16 @@ fn two_evaluations(
     let start = StageTime::in_step(clock, 0.0, 0);
     dynamics.fluctuate(particles, noise);
     brownian::displace(particles, DIFFERENCE_FRACTION * 0.5 * clock.dt());
+    rotation::store_random(particles, DIFFERENCE_FRACTION * 0.5 * clock.dt());
     let outcome = dynamics.move_at_random(particles, &start, noise)?;
     motion::advance(particles, [DISPLACEMENT], [1.0]);
     dynamics.wrap_and_migrate(particles, &start)?;
     let change = FiniteDifference { over: DIFFERENCE_FRACTION, energy: noise.energy, tolerance: CHANGE };
     dynamics.store_drift(particles, &start, change)?;
     brownian::limit_drift(particles, clock.dt());
+    rotation::limit_drift(particles, clock.dt());
     motion::advance(particles, [DISPLACEMENT, PAST[0], DRIFT_VELOCITY], [-1.0, clock.dt(), clock.dt()]);
+    motion::end(particles);
     brownian::clear_history(particles);
     dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
     Ok(outcome)

@@ -1,5 +1,6 @@
 //! Time stepping with implicit short-range forces, whose stiffness does not limit the step.
 
+use crate::columns;
 use crate::columns::VELOCITY;
 use crate::columns::{EXPECTED, MEAN, PAST};
 use crate::error::step::StepError;
@@ -11,8 +12,9 @@ use crate::integrators::adams_bashforth::{PAST_OF_ANY_LENGTH, remember};
 use crate::integrators::motion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
 use crate::model::Adaptive;
+use crate::rotation;
 use crate::scalars::NEXT_SUBSTEP;
-use domain::{Comm, Particles, Vector};
+use domain::{Comm, Particles};
 use simulation::Clock;
 
 /// Columns from which the positions at the end of a substep are predicted.
@@ -137,8 +139,7 @@ impl Substep<'_> {
             let mut outcome = dynamics.evaluate(particles, &moment)?;
             let mut error = correct(particles, &length, control, dynamics);
             if error > 1.0 && error.is_finite() {
-                let found = particles.vectors(VELOCITY).to_vec();
-                particles.vectors(EXPECTED).copy_from_slice(&found);
+                motion::copy(particles, VELOCITY, EXPECTED);
                 outcome = dynamics.evaluate(particles, &moment)?;
                 error = correct(particles, &length, control, dynamics);
             }
@@ -203,8 +204,7 @@ fn choose(
 
 /// Moves the particles to their predicted positions at the end of a substep. Collective.
 fn predict(particles: &mut Particles, length: &Length, mut approach: RelativeMotion<3>, dynamics: &mut Dynamics) {
-    let expected = combined(particles, [VELOCITY, PAST[0]], length.extrapolation());
-    particles.vectors(EXPECTED).copy_from_slice(&expected);
+    motion::combine(particles, [VELOCITY, PAST[0]], length.extrapolation(), EXPECTED);
     let sheared = approach.advected_by(dynamics.periodic_cell().advect(length.step, length.expected()));
     let apart = moved_apart(sheared, length.expected(), dynamics).unwrap_or_default();
     motion::advance(particles, USED, length.expected());
@@ -222,7 +222,9 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let share = if length.ages.len() < 2 { 1.0 / 2.0 } else { 1.0 / 3.0 };
     let [now, past] = length.extrapolation().map(|weight| -weight * weights[0]);
     let (last, difference) = ([VELOCITY, PAST[0], PAST[1]], [weights[0], now, past]);
-    let error = share * largest_displacement(particles, last, difference, comm) / control.tolerance;
+    let moved = largest_displacement(particles, last, difference, comm);
+    let moved = moved.max(rotation::largest(particles, last, difference, comm));
+    let error = share * moved / control.tolerance;
     let mut approach = dynamics.approach(particles, columns);
     let sheared = approach.advected_by(dynamics.periodic_cell().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
@@ -235,15 +237,10 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
 /// Stores the data from which the next substep starts.
 fn finish(particles: &mut Particles, length: &Length, next: f64) {
     let b = length.implicit();
-    let mean = combined(particles, [VELOCITY, MEAN], [b, 1.0 - b]);
-    particles.vectors(MEAN).copy_from_slice(&mean);
+    motion::combine(particles, [VELOCITY, MEAN], [b, 1.0 - b], MEAN);
+    motion::end(particles);
     particles.scalars.set(NEXT_SUBSTEP, &[next]);
     contacts::keep(particles);
-    particles.columns.retain(|column| column.name != EXPECTED);
-}
-
-/// Weighted sum of two columns of vectors.
-fn combined(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2]) -> Vec<Vector> {
-    let [first, second] = columns.map(|name| particles.vectors(name).to_vec());
-    first.iter().zip(second).map(|(&first, second)| first * weights[0] + second * weights[1]).collect()
+    let expected = [EXPECTED, columns::angular(EXPECTED)];
+    particles.columns.retain(|column| !expected.contains(&column.name.as_str()));
 }

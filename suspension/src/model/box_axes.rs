@@ -1,8 +1,8 @@
 //! Axes of the user, which differ from those of the box if walls are across x or y.
 
-use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT, STRESSLET, VELOCITY};
+use crate::columns::{ANGULAR_VELOCITY, ORIENTATION, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::Parameters;
-use domain::{AxisRotation, Particles, PeriodicBox, Tensor, Traceless, Vector};
+use domain::{AxisRotation, Particles, PeriodicBox, Quaternion, Tensor, Traceless, Vector};
 use simulation::{ContactForces, VelocityField};
 
 /// Rotation from the axes of the box to the user's axes and back; the identity without a [`Parameters::turn`].
@@ -51,6 +51,16 @@ impl UserAxes {
         self.turn.vector(of_user)
     }
 
+    /// An orientation in the user's axes.
+    pub fn orientation(&self, of_box: Quaternion) -> Quaternion {
+        self.turn.inverse().quaternion(of_box)
+    }
+
+    /// An orientation in the axes of the box.
+    pub fn orientation_in(&self, of_user: Quaternion) -> Quaternion {
+        self.turn.quaternion(of_user)
+    }
+
     /// A tensor in the user's axes.
     pub fn tensor(&self, of_box: &Tensor) -> Tensor {
         self.turn.inverse().tensor(of_box)
@@ -81,8 +91,8 @@ impl UserAxes {
         PeriodicBox::new(edges).and_then(|plain| plain.with_extent(origin, edges)).expect("edges of a box")
     }
 
-    /// Particles in the user's axes, with velocities, angular velocities, stresslets and pair moments, as far as they
-    /// have these columns.
+    /// Particles in the user's axes, with velocities, angular velocities, stresslets, orientations and pair moments,
+    /// as far as they have these columns.
     pub fn particles(&self, mut particles: Particles) -> Particles {
         if self.turn.is_none() {
             return particles;
@@ -102,6 +112,12 @@ impl UserAxes {
                     let stresslets: &mut [Traceless] = bytemuck::cast_slice_mut(&mut column.values);
                     for stresslet in stresslets {
                         *stresslet = self.turn.inverse().traceless(*stresslet);
+                    }
+                }
+                ORIENTATION => {
+                    let orientations: &mut [Quaternion] = bytemuck::cast_slice_mut(&mut column.values);
+                    for orientation in orientations {
+                        *orientation = self.orientation(*orientation);
                     }
                 }
                 PAIR_MOMENT => {

@@ -1,6 +1,6 @@
 //! Species and initial positions of the spheres.
 
-use super::Parameters;
+use super::{Orientation, Parameters};
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector, sphere};
 use hydrodynamics::lengths::check_radius;
 
@@ -25,6 +25,8 @@ pub struct Species {
     pub force: Vector,
     /// Steady torque on each sphere.
     pub torque: Vector,
+    /// Orientations at the start; `None` for spheres without orientations.
+    pub orientation: Option<Orientation>,
 }
 
 /// Initial positions of the spheres.
@@ -60,10 +62,18 @@ pub enum Lattice {
 }
 
 impl Species {
-    /// `count` spheres of a radius without loads.
+    /// `count` spheres of a radius without loads and orientations.
     pub fn new(name: &str, radius: f64, count: u64) -> Self {
         let (force, torque) = (Vector::ZERO, Vector::ZERO);
-        Self { name: name.to_owned(), radius, count: Some(count), density_difference: 0.0, force, torque }
+        Self {
+            name: name.to_owned(),
+            radius,
+            count: Some(count),
+            density_difference: 0.0,
+            force,
+            torque,
+            orientation: None,
+        }
     }
 
     /// Steady force on a sphere of this species and of the given radius: its own force plus weight minus buoyancy.
@@ -93,7 +103,8 @@ impl Species {
         }
         ParameterError::require_finite(&key("density_difference"), self.density_difference)?;
         ParameterError::require_finite_vector(&key("force"), axes.vector(self.force))?;
-        ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque)).map(drop)
+        ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque))?;
+        self.orientation.map_or(Ok(()), |orientation| orientation.check(index, p))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Suspensions in boxes whose special axis is not the user's z axis.
 
-use super::{Axis, Centres, Parameters, Start};
+use super::{Axis, Centres, Orientation, Parameters, Start};
 use domain::{AxisRotation, Vector};
 
 impl Parameters {
@@ -18,6 +18,9 @@ impl Parameters {
         self.gravity = axes.vector_in(self.gravity);
         for species in &mut self.species {
             (species.force, species.torque) = (axes.vector_in(species.force), axes.vector_in(species.torque));
+            if let Some(Orientation::Aligned(axis)) = &mut species.orientation {
+                *axis = axes.vector_in(*axis);
+            }
         }
         let inside = |places: &mut [Vector]| places.iter_mut().for_each(|place| *place = axes.place_in(*place));
         if let Start::Positions(places) = &mut self.start {

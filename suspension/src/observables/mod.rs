@@ -4,6 +4,7 @@ pub mod averages;
 pub mod clouds;
 pub mod heights;
 pub mod observable;
+pub mod orientations;
 pub mod rheology;
 mod series_warnings;
 mod velocities;
@@ -200,6 +201,7 @@ fn of_model(model: &Model) -> Vec<Box<dyn Observable>> {
     if !model.traps.is_empty() {
         list.extend(numbers(&TRAPS));
     }
+    list.extend(orientations::orientations(model));
     list.extend(numbers(&STEP));
     if model.cell.boundaries() == Boundaries::Periodic {
         list.extend(numbers(&DIVERGENCE));

@@ -2,7 +2,7 @@
 
 use super::{channel_bins, numbers};
 use crate::model::Model;
-use domain::{Boundaries, Bytes, IdBlocks, Particles, Tensor, Vector, shared_pairs_bytes};
+use domain::{Boundaries, Bytes, IdBlocks, Particles, Quaternion, Tensor, Vector, shared_pairs_bytes};
 use statistics::{ChannelProfile, Lagrangian, PairDistribution, TrackedMotion};
 
 /// Numbers of particles of a rank, for its share of the statistics.
@@ -30,13 +30,19 @@ impl RankCounts {
     pub fn bytes(self, model: &Model, samples: u64, threads: usize) -> Bytes {
         let species = model.species.len();
         let pairs = if has_pairs(model) { PairDistribution::bytes(species, threads) } else { Bytes::default() };
-        self.followed(samples).then(pairs).then(self.profile(model, samples))
+        self.followed(model, samples).then(pairs).then(self.profile(model, samples))
     }
 
-    /// Paths and past velocities of its blocks.
-    fn followed(self, samples: u64) -> Bytes {
+    /// Paths and past velocities of its blocks, and rotations if there are orientations.
+    fn followed(self, model: &Model, samples: u64) -> Bytes {
+        let past = Lagrangian::bytes(self.redistributed, samples);
         // Positions, velocities and paths of [`super::Paths`].
-        Bytes::list::<[Vector; 3]>(self.redistributed).then(Lagrangian::bytes(self.redistributed, samples))
+        let paths = Bytes::list::<[Vector; 3]>(self.redistributed).then(past);
+        if model.has_orientations() {
+            paths.then(Bytes::list::<(Quaternion, Vector)>(self.redistributed)).then(past)
+        } else {
+            paths
+        }
     }
 
     /// Profile across a channel.
@@ -64,7 +70,7 @@ impl RankCounts {
 
     /// Bytes of its share of the serialised state.
     pub fn state_bytes(self, model: &Model, samples: u64) -> f64 {
-        self.followed(samples).then(self.profile(model, samples)).kept
+        self.followed(model, samples).then(self.profile(model, samples)).kept
     }
 }
 

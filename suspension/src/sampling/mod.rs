@@ -3,14 +3,15 @@
 mod background;
 mod channel;
 mod memory;
+mod needed_columns;
 mod particle_history;
 mod paths;
+mod rotations;
 mod species_columns;
 mod tables;
 mod vectors;
 
-use crate::columns::{ANGULAR_VELOCITY, PAIR_MOMENT_NUMBERS, STRESSLET, VELOCITY};
-use crate::forces::Forces;
+use crate::columns::{ANGULAR_VELOCITY, ORIENTATION, VELOCITY};
 use crate::model::{Axis, Extension, Flow, Model, MultipoleOrder, ShearRates, Species, StatisticsParameters};
 use background::Flows;
 use channel::{ChannelSampling, MORE_COLUMNS};
@@ -19,9 +20,12 @@ use domain::{
     Boundaries, Comm, DomainView, IdBlocks, Particles, Partition, PeriodicBox, Vector, fold_shared_pairs, sphere,
 };
 pub use memory::RankCounts;
+use needed_columns::{channel_bins, oriented};
+pub use needed_columns::{has_profile, needed_columns, needs_pair_moments, numbers};
 use particle_history::{Moving, ParticleHistory};
 use paths::Paths;
 use rayon::prelude::*;
+use rotations::Rotations;
 use solver::BackgroundFlow;
 use species_columns::columns_of_user;
 pub use species_columns::{column_bytes, columns, counted, has_columns};
@@ -65,8 +69,8 @@ pub struct Sample<'a> {
     pub rate: f64,
     /// Box, in the user's axes.
     pub cell: &'a PeriodicBox,
-    /// Particles of this rank with the columns [`COLUMNS`], and if profiles need them those of stresslets and of pair
-    /// moments.
+    /// Particles of this rank with the columns [`COLUMNS`], those of orientations if they have some, and if profiles
+    /// need them those of stresslets and of pair moments.
     pub particles: &'a Particles,
     /// Partition of the box among ranks.
     pub partition: &'a Partition,
@@ -92,6 +96,8 @@ struct SampledModel {
     edges: Vector,
     rates: ShearRates,
     rigid: bool,
+    /// Indices and names of the species with orientations.
+    oriented: Vec<(usize, String)>,
     /// Whether there is Brownian motion.
     is_brownian: bool,
     axis: usize,
@@ -134,7 +140,7 @@ impl Statistics {
             times: [f64::NAN, f64::NAN, 0.0],
             velocities: each(speed),
             angular_velocities: each(if largest > 0.0 { speed / largest } else { 1.0 }),
-            kept: kept(&redistributed.species, parts, about.names.len(), profile),
+            kept: kept(&redistributed.species, parts, &about, profile),
             pairs: is_periodic.then(pairs),
             channel: ChannelSampling::of(model, wanted),
             segregation: Blocks::default(),
@@ -152,10 +158,15 @@ impl Statistics {
             return;
         }
         self.count_pairs(sample);
-        let needed = |name: &str| COLUMNS.contains(&name) || (self.channel.is_some() && MORE_COLUMNS.contains(&name));
+        let is_oriented = !self.about.oriented.is_empty();
+        let needed = |name: &str| {
+            let of_profile = self.channel.is_some() && MORE_COLUMNS.contains(&name);
+            COLUMNS.contains(&name) || of_profile || is_oriented && name == ORIENTATION
+        };
         let particles = &*self.blocks.distributed(sample.particles, needed);
         let rows = self.blocks.rows(particles);
         let velocities = self.average(sample.rate, particles, &rows);
+        self.follow_rotations(sample.time, particles, &rows);
         self.follow(sample, particles, &rows, &velocities);
         let intensity = self.intensity(sample.cell, particles);
         if self.blocks.comm().is_first() {
@@ -173,7 +184,10 @@ impl Statistics {
 
     /// Passes over missing samples: the next one is as many intervals later.
     pub fn skip_missing(&mut self, missing: u64) {
-        self.kept.iter_mut().for_each(|kept| kept.lagrangian.skip_missing(missing));
+        for kept in &mut self.kept {
+            kept.lagrangian.skip_missing(missing);
+            kept.rotations.iter_mut().for_each(|rotations| rotations.skip_missing(missing));
+        }
     }
 
     /// Averages velocities relative to the flow, which it returns, and angular velocities.
@@ -206,6 +220,15 @@ impl Statistics {
         let advects = self.about.advects;
         let moving = Moving { time, cell, positions, steps, velocities, advects, in_lattice, radii, species };
         self.kept.par_iter_mut().zip(rows).measured().for_each(|(kept, rows)| kept.add(&moving, rows.clone()));
+    }
+
+    /// Updates the rotations of the particles of each block, if there are orientations.
+    fn follow_rotations(&mut self, time: f64, particles: &Particles, rows: &[Range<usize>]) {
+        let Some(orientations) = rotations::orientations(particles) else { return };
+        let blocks = self.kept.par_iter_mut().zip(rows);
+        blocks.for_each(|(kept, rows)| {
+            kept.rotations.iter_mut().for_each(|rotations| rotations.add(time, &orientations[rows.clone()]));
+        });
     }
 
     /// Counts pairs, each on the rank whose part of space has the particle with the smaller id.
@@ -241,11 +264,11 @@ pub fn distance(model: &Model, wanted: StatisticsParameters, largest: f64) -> f6
 fn kept(
     species: &[u32],
     BlockRows { blocks, rows }: BlockRows,
-    count: usize,
+    about: &SampledModel,
     profile: impl Fn() -> Option<Profile>,
 ) -> Vec<ParticleHistory> {
     let numbers = |rows: &Range<usize>| {
-        let mut numbers = vec![0; count];
+        let mut numbers = vec![0; about.names.len()];
         for &species in &species[rows.clone()] {
             numbers[species as usize] += 1;
         }
@@ -253,8 +276,10 @@ fn kept(
     };
     let before = blocks.before(&rows.iter().map(numbers).collect::<Vec<_>>());
     let of_block = |(before, rows): (Vec<u64>, &Range<usize>)| {
-        let lagrangian = Lagrangian::after(before, &species[rows.clone()]);
-        ParticleHistory { paths: Paths::default(), lagrangian, profile: profile() }
+        let species = &species[rows.clone()];
+        let rotations = (!about.oriented.is_empty()).then(|| Rotations::after(before.clone(), species));
+        let lagrangian = Lagrangian::after(before, species);
+        ParticleHistory { paths: Paths::default(), lagrangian, rotations, profile: profile() }
     };
     before.into_iter().zip(rows).map(of_block).collect()
 }
@@ -291,6 +316,7 @@ impl SampledModel {
             edges: model.cell.edges(),
             rates,
             rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
+            oriented: oriented(model),
             is_brownian: model.thermal_energy.is_some(),
             axis: axis(model, wanted.axis),
             angle: angle(&flow, model.flow, axis(model, wanted.axis)),
@@ -298,33 +324,6 @@ impl SampledModel {
             wanted,
         }
     }
-}
-
-/// Columns that a sample of a model needs.
-pub fn needed_columns(model: &Model) -> Vec<&'static str> {
-    COLUMNS.into_iter().chain(channel_bins(model).map(|_| STRESSLET)).collect()
-}
-
-/// Whether a sample of a model also needs the column [`PAIR_MOMENT`](crate::columns::PAIR_MOMENT).
-pub fn needs_pair_moments(model: &Model) -> bool {
-    let has_stress = || Forces::of(model).is_ok_and(|forces| !forces.stresses_of_model().is_empty());
-    has_profile(model) && has_stress()
-}
-
-/// Whether samples of a model include profiles of stresses.
-pub fn has_profile(model: &Model) -> bool {
-    channel_bins(model).is_some()
-}
-
-/// Numbers per particle in all of these columns.
-pub fn numbers(model: &Model) -> usize {
-    let pair_moments = if needs_pair_moments(model) { PAIR_MOMENT_NUMBERS } else { 0 };
-    6 + channel_bins(model).map_or(0, |_| 5) + pair_moments
-}
-
-/// Number of bins of profiles, for a model with statistics and a wall or an open axis.
-fn channel_bins(model: &Model) -> Option<usize> {
-    model.statistics.and_then(|wanted| channel::bins(model, wanted))
 }
 
 /// Gradient axis of a shear flow.

@@ -2,6 +2,7 @@
 
 use super::Statistics;
 use super::paths::Paths;
+use super::rotations::Rotations;
 use domain::{Comm, PeriodicBox, Vector};
 use statistics::{Counts, Lagrangian, Profile, State, Store};
 use std::ops::Range;
@@ -10,6 +11,8 @@ use std::ops::Range;
 pub struct ParticleHistory {
     pub paths: Paths,
     pub lagrangian: Lagrangian,
+    /// Rotations, if some species has orientations.
+    pub rotations: Option<Rotations>,
     /// Profile, in a fully periodic box.
     pub profile: Option<Profile>,
 }
@@ -45,7 +48,8 @@ impl ParticleHistory {
 
     /// Whether the restored state has as many particles as the block.
     fn fits(&self) -> bool {
-        self.lagrangian.fits() && self.paths.fits(self.lagrangian.particles())
+        let is_fit = self.lagrangian.fits() && self.paths.fits(self.lagrangian.particles());
+        is_fit && self.rotations.as_ref().is_none_or(Rotations::fits)
     }
 }
 
@@ -70,6 +74,9 @@ impl State for StatePiece<'_> {
         }
         block.paths.visit(store);
         block.lagrangian.visit(store);
+        if let Some(rotations) = &mut block.rotations {
+            rotations.visit(store);
+        }
         if let Some(pairs) = pairs.as_mut().filter(|_| has_more) {
             pairs.visit(store);
         }

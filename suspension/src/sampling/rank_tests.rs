@@ -1,6 +1,7 @@
 //! Statistics have the same bytes and tables on any number of ranks.
 
 use super::*;
+use crate::columns::PAIR_MOMENT_NUMBERS;
 use crate::model::{Flow, Parameters, Start};
 use domain::Random;
 use simulation::Table;

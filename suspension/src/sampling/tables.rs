@@ -2,6 +2,7 @@
 
 use super::Statistics;
 use super::channel::ChannelSampling;
+use super::rotations;
 use super::vectors::VectorMoments;
 use simulation::Table;
 use statistics::{
@@ -27,6 +28,8 @@ fn known(diffusivity: Estimate) -> Estimate {
 struct Results<'a> {
     of: &'a Statistics,
     lags: LagSums,
+    /// Sums of rotations, if some species has orientations.
+    rotations: Option<LagSums>,
     /// Profile, in a fully periodic box.
     profile: Option<Profile>,
 }
@@ -40,9 +43,18 @@ impl Statistics {
         self.settle();
         let lags: Vec<_> = self.kept.iter().map(|kept| kept.lagrangian.sums().into_numbers()).collect();
         let lags = LagSums::of_numbers(self.about.names.len(), self.blocks.total(&lags));
-        let profile = self.total_profile();
-        let tables = || Results { of: self, lags, profile }.tables();
+        let (rotations, profile) = (self.total_rotations(), self.total_profile());
+        let tables = || Results { of: self, lags, rotations, profile }.tables();
         if self.blocks.comm().is_first() { tables() } else { Vec::new() }
+    }
+
+    /// Collective.
+    fn total_rotations(&self) -> Option<LagSums> {
+        if self.about.oriented.is_empty() {
+            return None;
+        }
+        let sums = self.kept.iter().flat_map(|kept| &kept.rotations).map(|rotations| rotations.sums().into_numbers());
+        Some(LagSums::of_numbers(self.about.names.len(), self.blocks.total(&sums.collect::<Vec<_>>())))
     }
 
     fn total_profile(&self) -> Option<Profile> {
@@ -60,6 +72,7 @@ impl Results<'_> {
             densities("angular_velocity_density", &self.of.about.names, &self.of.angular_velocities),
             self.lags(),
         ];
+        tables.extend(self.rotations.iter().map(|lags| rotations::table(lags, &self.of.about.oriented)));
         tables.extend(self.of.pairs.iter().flat_map(|pairs| [self.radial(pairs), self.by_angle(pairs)]));
         tables.extend(self.profile.iter().map(|profile| self.concentration(profile)));
         tables.extend(self.of.channel.iter().map(|channel| self.across(channel)));
@@ -103,6 +116,7 @@ impl Results<'_> {
             summary.add("pressure_gradient", ALL, "force/length^3", pressure.estimate());
         }
         self.add_diffusivities(&mut summary);
+        self.add_rotational_diffusivities(&mut summary);
         if let Some(channel) = &self.of.channel {
             summary.add("volume_outside", ALL, "", channel.profile.outside());
         }
@@ -112,9 +126,22 @@ impl Results<'_> {
         summary.0
     }
 
-    fn add_diffusivities(&self, summary: &mut Summary) {
+    /// Window of time lags in which motion is diffusive.
+    fn diffusive(&self) -> [f64; 2] {
         let span = self.of.times[1] - self.of.times[0];
-        let window = [self.of.about.wanted.diffusive_from.unwrap_or(0.25 * span), 0.5 * span];
+        [self.of.about.wanted.diffusive_from.unwrap_or(0.25 * span), 0.5 * span]
+    }
+
+    fn add_rotational_diffusivities(&self, summary: &mut Summary) {
+        let Some(lags) = &self.rotations else { return };
+        for (index, name) in &self.of.about.oriented {
+            let found = rotations::diffusivity(lags, *index, self.diffusive());
+            summary.add("rotational_diffusivity", name, "1/time", known(found));
+        }
+    }
+
+    fn add_diffusivities(&self, summary: &mut Summary) {
+        let window = self.diffusive();
         let unit = "length^2/time";
         let mut by_species = Vec::new();
         for (index, name) in self.of.about.names.iter().map(String::as_str).chain([ALL]).enumerate() {

@@ -1,6 +1,6 @@
 //! Checks of particles restored from a saved state.
 
-use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY_COLUMNS};
+use crate::columns::{self, ANGULAR_VELOCITY, STRESSLET, VELOCITY_COLUMNS};
 use crate::evaluation::initial_guess::WarmStart;
 use crate::forces::user::{APPLIED, APPLIED_MOMENT};
 use crate::scalars::{AGES, CONSTANT_FLUX, NEXT_SUBSTEP, OLDEST_AGE, STRESS_CONTROL, STRESS_CONTROL_NUMBERS};
@@ -28,7 +28,14 @@ fn widths(coupled: bool) -> Vec<(String, usize)> {
     let others = [(ANGULAR_VELOCITY, 3), (STRESSLET, 5), (STRESS_CONTROL, STRESS_CONTROL_NUMBERS), (CONSTANT_FLUX, 1)];
     let others = others.into_iter().chain(of_steps).map(|(name, width)| (name.to_owned(), width));
     let applied = APPLIED.map(|name| (name.to_owned(), 3)).into_iter().chain([(APPLIED_MOMENT.to_owned(), 9)]);
-    velocities.into_iter().chain(others).chain(applied).chain(WarmStart::new(coupled).kept()).collect()
+    let of_orientations = columns::of_orientations().map(|(name, width)| (name.to_owned(), width));
+    velocities
+        .into_iter()
+        .chain(others)
+        .chain(of_orientations)
+        .chain(applied)
+        .chain(WarmStart::new(coupled).kept())
+        .collect()
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 mod tests;
 
 use crate::columns::VELOCITY;
-use crate::columns::{ANGULAR_VELOCITY, STRESSLET};
+use crate::columns::{ANGULAR_VELOCITY, ORIENTATION_NUMBERS, STRESSLET};
 use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
@@ -189,6 +189,7 @@ impl Share<'_> {
             Integrator::Implicit(_) => 1 + PAST_OF_ANY_LENGTH + 2,
             Integrator::Brownian(_) => 2,
         };
+        let velocities = velocities + self.orientation_numbers(velocities);
         let velocities = velocities + usize::from(self.model.flow.keeps_flux());
         let velocities =
             velocities + if self.model.shear_rates().stress().is_some() { STRESS_CONTROL_NUMBERS } else { 0 };
@@ -197,6 +198,17 @@ impl Share<'_> {
             velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()
         } else {
             velocities
+        }
+    }
+
+    /// Numbers of a particle for orientations, given those for velocities, each of which but the present one has an
+    /// angular velocity beside it: the orientation and the rotation in the step as well, and where motions are random,
+    /// the rotation by them.
+    fn orientation_numbers(&self, velocities: usize) -> usize {
+        match self.model.integrator {
+            _ if !self.model.has_orientations() => 0,
+            Integrator::Brownian(_) => ORIENTATION_NUMBERS + velocities - 3 + 3 + 3,
+            _ => ORIENTATION_NUMBERS + velocities - 3 + 3,
         }
     }
 
@@ -281,7 +293,7 @@ impl Share<'_> {
 
     fn frame(&self) -> Bytes {
         let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
-        let numbers: usize = widths.sum();
+        let numbers = widths.sum::<usize>() + if self.model.has_orientations() { ORIENTATION_NUMBERS } else { 0 };
         let buffers = if self.is_first() { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
         self.by_id(numbers).then(buffers).freed()
     }

@@ -2,6 +2,7 @@
 
 pub mod given_positions;
 pub mod memory;
+pub mod orientations;
 pub mod placement;
 pub mod plan;
 pub mod rearranged;

@@ -2,6 +2,7 @@
 
 use crate::error::PlacingError;
 use crate::model::{Lattice, Model, Species, Start};
+use crate::start::orientations;
 use domain::{
     Comm, GivenPositions, Particles, Partition, PeriodicBox, Random, Vector, random_cloud, random_packing,
     shared_random_packing,
@@ -133,7 +134,9 @@ fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
     let radii = placed.radii.unwrap_or_else(|| species.iter().map(|&s| model.species[s as usize].radius).collect());
     let axes = model.user_axes();
     let positions: Vec<Vector> = placed.positions.into_iter().map(|place| axes.place_in(place)).collect();
-    Ok(store(&positions, &radii, &species))
+    let mut particles = store(&positions, &radii, &species);
+    orientations::store(&mut particles, placed.orientations.as_deref(), model)?;
+    Ok(particles)
 }
 
 /// Checks that the species of provided spheres match those of the model.

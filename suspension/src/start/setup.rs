@@ -12,6 +12,7 @@ use crate::forces::tethers;
 use crate::model::radii::Radii;
 use crate::model::{Flow, Model};
 use crate::start::memory;
+use crate::start::orientations;
 use crate::start::placement;
 use crate::start::plan::{plan, plan_in};
 use domain::{Boundaries, Comm, DomainView, Failure, GivenPositions, Particles, PeriodicBox};
@@ -40,7 +41,8 @@ impl Setup {
     ) -> Result<Self, StartError> {
         let shared = planned.as_ref().map(|planned| placement::shared(model, &planned.partition(comm))).transpose();
         let first = || if comm.is_first() { placement::particles(model, placed) } else { Ok(Particles::default()) };
-        let particles = comm.agree(shared.and_then(|shared| shared.flatten().map_or_else(first, Ok)))?;
+        let mut particles = comm.agree(shared.and_then(|shared| shared.flatten().map_or_else(first, Ok)))?;
+        orientations::start(&mut particles, model, comm);
         let mut setup = match planned {
             Some(planned) => Self::of(model, planned, particles, comm, 0)?,
             None => Self::at(model, particles, comm, 0).map_err(|error| StartError::Given(Box::new(error)))?,

@@ -2,7 +2,7 @@
 
 use crate::trajectory_reader::TimedFrame;
 use crate::{FileError, Manifest, atomic_file};
-use domain::Vector;
+use domain::{Column, Quaternion, Vector};
 use simulation::Frame;
 use std::fmt::Write as _;
 use std::io::{BufWriter, Result, Write};
@@ -72,6 +72,12 @@ impl DataArray {
     }
 }
 
+/// The axes of spheres with orientations, as vectors for glyphs; zero for those without.
+fn axes(orientations: &Column) -> DataArray {
+    let axes: Vec<Vector> = bytemuck::cast_slice(&orientations.values).iter().map(|q: &Quaternion| q.axis()).collect();
+    DataArray::reals("axis", 3, bytemuck::cast_slice(&axes))
+}
+
 /// Content of a file: points, and vertices or lines.
 pub(super) struct Piece {
     pub(super) step: u64,
@@ -96,6 +102,7 @@ impl Piece {
         data.extend(
             particles.columns.iter().map(|column| DataArray::reals(&column.name, column.width, &column.values)),
         );
+        data.extend(particles.columns.iter().filter(|column| column.name == "orientation").map(axes));
         let vertices = vec![DataArray::integers("connectivity", 0..count), DataArray::integers("offsets", 1..=count)];
         Self {
             step: *step,

@@ -42,14 +42,39 @@ fn line(out: &mut impl Write, particles: &Particles, row: usize) -> Result<()> {
     write!(out, "{} {x:?} {y:?} {z:?} {:?} ", particles.species[row], particles.radii[row])?;
     write!(out, "{}", particles.ids[row])?;
     let columns = particles.columns.iter();
-    let mut numbers = columns.flat_map(|column| &column.values[row * column.width..][..column.width]);
+    let mut numbers = columns.flat_map(|column| numbers(column, row));
     numbers.try_for_each(|number| write!(out, " {number:?}"))?;
     writeln!(out)
+}
+
+/// Numbers of a particle: orientations as `x, y, z, w`, as OVITO reads them, and not rotated if there is none.
+fn numbers(column: &Column, row: usize) -> Vec<f64> {
+    let numbers = &column.values[row * column.width..][..column.width];
+    match (column.name.as_str(), numbers) {
+        ("orientation", [0.0, 0.0, 0.0, 0.0]) => vec![0.0, 0.0, 0.0, 1.0],
+        ("orientation", &[w, x, y, z]) => vec![x, y, z, w],
+        _ => numbers.to_vec(),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn orientations_have_the_scalar_last() {
+        let mut particles = Particles::default();
+        particles.push(4, Vector::ZERO, 1.0, 0);
+        particles.push(5, Vector::ZERO, 1.0, 0);
+        particles.column("orientation", 4).values[..4].copy_from_slice(&[0.5, 0.1, 0.2, 0.3]);
+        assert!(properties(&particles).ends_with(":orientation:R:4"));
+        let line = |row: usize| {
+            let mut out = Vec::new();
+            super::line(&mut out, &particles, row).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        assert!(line(0).ends_with(" 0.1 0.2 0.3 0.5\n") && line(1).ends_with(" 0.0 0.0 0.0 1.0\n"), "{}", line(0));
+    }
 
     #[test]
     fn a_box_that_follows_particles_says_where_it_begins() {

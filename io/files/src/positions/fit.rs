@@ -41,7 +41,8 @@ pub fn spheres(mut file: StartFile, model: &Model) -> Result<Fitted, String> {
     add_images(&mut file, &scene);
     notes.extend(order::sort(&mut file)?);
     let species = species(&mut file, &model.species, &mut notes)?;
-    Ok(Fitted { given: GivenPositions { positions: file.positions, species, ..GivenPositions::default() }, notes })
+    let (positions, orientations) = (file.positions, file.orientations);
+    Ok(Fitted { given: GivenPositions { positions, species, orientations, ..GivenPositions::default() }, notes })
 }
 
 /// Disks of a file, with the radii of the file.

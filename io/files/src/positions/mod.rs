@@ -10,7 +10,7 @@ mod species;
 mod text;
 
 use crate::FileError;
-use domain::{Number, Vector};
+use domain::{Number, Quaternion, Vector};
 pub use file_box::FileBox;
 pub use fit::{Fitted, disks, spheres, strain_for_disks, strain_for_spheres};
 use scene::{SceneReader, StartSource};
@@ -30,6 +30,8 @@ pub struct StartFile {
     /// Radii.
     pub radii: Option<Vec<f64>>,
     species: Option<SpeciesColumn>,
+    /// Orientations, zero for particles without.
+    pub orientations: Option<Vec<Quaternion>>,
     /// Numbers that identify the particles, in any order.
     ids: Option<Vec<u64>>,
     /// The box.
@@ -112,6 +114,7 @@ fn check(file: &StartFile) -> Result<(), String> {
         ("species", file.species.as_ref().map(SpeciesColumn::len)),
         ("ids", file.ids.as_ref().map(Vec::len)),
         ("images", file.images.as_ref().map(Vec::len)),
+        ("orientations", file.orientations.as_ref().map(Vec::len)),
     ];
     if let Some((name, Some(found))) = lists.into_iter().find(|(_, found)| found.is_some_and(|n| n != count)) {
         return Err(format!("it has {count} positions, but {found} {name}; it needs one for each"));

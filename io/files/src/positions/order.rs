@@ -14,6 +14,7 @@ pub(super) fn sort(file: &mut StartFile) -> Result<Option<String>, String> {
     arranged(&mut file.positions, &rows);
     file.images.iter_mut().for_each(|list| arranged(list, &rows));
     file.radii.iter_mut().for_each(|list| arranged(list, &rows));
+    file.orientations.iter_mut().for_each(|list| arranged(list, &rows));
     file.species.iter_mut().for_each(|kinds| arranged(kinds.numbers_mut(), &rows));
     let (Some(&first), Some(&last)) = (rows.first(), rows.last()) else { return Ok(None) };
     let (first, last, count) = (ids[first], ids[last], ids.len() as u64);
@@ -36,7 +37,7 @@ fn arranged<T: Clone>(list: &mut [T], rows: &[usize]) {
 mod tests {
     use super::super::species::SpeciesColumn;
     use super::*;
-    use domain::Vector;
+    use domain::{Quaternion, Vector};
 
     fn file(ids: &[u64]) -> StartFile {
         StartFile {
@@ -44,6 +45,7 @@ mod tests {
             radii: Some(ids.iter().map(|&id| 1.0 + id as f64).collect()),
             species: Some(SpeciesColumn::Indices(ids.iter().map(|&id| id as u32).collect())),
             images: Some(ids.iter().map(|&id| [id as i32; 3]).collect()),
+            orientations: Some(ids.iter().map(|&id| Quaternion { w: id as f64, v: Vector::ZERO }).collect()),
             ids: Some(ids.to_vec()),
             ..StartFile::default()
         }
@@ -55,6 +57,7 @@ mod tests {
         assert_eq!(sort(&mut sorted), Ok(None));
         assert_eq!(sorted.positions, [1.0, 2.0, 3.0].map(|x| Vector::X * x));
         assert_eq!((sorted.radii, sorted.images), (Some(vec![2.0, 3.0, 4.0]), Some(vec![[1; 3], [2; 3], [3; 3]])));
+        assert_eq!(sorted.orientations.unwrap().iter().map(|q| q.w).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
         assert_eq!(sorted.species.unwrap().numbers_mut(), [1, 2, 3]);
     }
 

@@ -3,9 +3,10 @@
 use super::species::SpeciesColumn;
 use super::{FileBox, StartFile, TakenFrame, frame};
 use crate::{Checkpoints, FileError, Latest};
-use domain::{Comm, PeriodicBox, Vector};
+use domain::{Comm, PeriodicBox, Quaternion, Vector};
 use scene::{Kind, Scene, StartSource};
 use simulation::State;
+use suspension::ORIENTATION;
 
 pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
     let (folder, trajectory) = (&source.path, source.path.join("trajectory.h5"));
@@ -24,6 +25,9 @@ pub(super) fn read(source: &StartSource) -> Result<StartFile, FileError> {
 
 /// Particles of a checkpoint, in the axes of the user.
 fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
+    let oriented = state.particles.columns.iter().find(|column| column.name == ORIENTATION);
+    let mut orientations: Option<Vec<Quaternion>> =
+        oriented.map(|column| bytemuck::cast_slice(&column.values).to_vec());
     let mut positions = state.particles.positions;
     let (cell, time_step) = match scene.kind() {
         Kind::Suspension(scene) if scene.model.cell.axes().is_some() => {
@@ -35,6 +39,9 @@ fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
             let (cell, axes) = (&scene.model.cell, scene.model.user_axes());
             for position in &mut positions {
                 *position = axes.place(*position);
+            }
+            for orientation in orientations.iter_mut().flatten() {
+                *orientation = axes.orientation(*orientation);
             }
             let edges = Vector::from_array(axes.list(cell.edges().to_array()));
             let periodic = axes.list([0, 1, 2].map(|axis| cell.is_periodic(axis)));
@@ -57,6 +64,7 @@ fn of_state(state: State, scene: &Scene) -> Result<StartFile, String> {
         cell: Some(cell),
         frame: TakenFrame { number: 0, count: 1, step: Some(step as i64), time: Some(step as f64 * time_step) },
         images: None,
+        orientations,
     })
 }
 

@@ -3,7 +3,7 @@ mod hdf5_files;
 use super::species::SpeciesNames;
 use super::*;
 use crate::{Provenance, Trajectory};
-use domain::{Particles, PeriodicBox, Vector};
+use domain::{Particles, PeriodicBox, Quaternion, Vector};
 use ndarray::{Array1, Array2, Array3};
 use simulation::Frame;
 
@@ -39,6 +39,33 @@ fn csv_is_read_by_its_names() {
     assert_eq!((placed.radii, placed.species), (Some(vec![1.5, 2.5]), Some(SpeciesColumn::Indices(vec![0, 1]))));
     assert!(read("a.csv", "x,y,z\n1,2,3\n1,two,3\n").unwrap_err().contains("line 3 has two"));
     assert!(read("a.csv", "x,y,z\n1,2,nan\n").unwrap_err().contains("position 0 is"));
+}
+
+/// The same orientations in all formats: quaternions with the scalar first, except in XYZ.
+#[test]
+fn orientations_are_read_from_all_formats() {
+    let expected =
+        Some(vec![Quaternion::from_array([0.5, 0.1, 0.2, 0.3]), Quaternion::from_array([0.0, 0.0, 1.0, 0.0])]);
+    let csv = "orientation_x,x,y,z,orientation_w,orientation_y,orientation_z\n0.1,1,2,3,0.5,0.2,0.3\n0,4,5,6,0,1,0\n";
+    assert_eq!(read("a.csv", csv).unwrap().orientations, expected);
+    let xyz = "2\nProperties=pos:R:3:orientation:R:4\n1 2 3 0.1 0.2 0.3 0.5\n4 5 6 0 1 0 0\n";
+    assert_eq!(read("a.xyz", xyz).unwrap().orientations, expected);
+    let other = "1\nProperties=pos:R:3:orientation:R:3\n1 2 3 0.1 0.2 0.3\n";
+    assert_eq!(read("a.xyz", other).unwrap().orientations, None);
+    let dump = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: ATOMS x y z quatw quati quatj quatk\n\
+                1 2 3 0.5 0.1 0.2 0.3\n4 5 6 0 0 1 0\n";
+    assert_eq!(read("dump", dump).unwrap().orientations, expected);
+    let rows = |width: usize, values: &[f64]| Array2::from_shape_vec((2, width), values.to_vec()).unwrap();
+    let both = |orientations: Array2<f64>| {
+        hdf5(|file| {
+            put(file, "positions", &rows(3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]));
+            put(file, "orientations", &orientations);
+        })
+    };
+    let values = [0.5, 0.1, 0.2, 0.3, 0.0, 0.0, 1.0, 0.0];
+    assert_eq!(both(rows(4, &values)).unwrap().orientations, expected);
+    assert!(both(rows(3, &values[..6])).unwrap_err().contains("orientations has the shape (2, 3); it needs (2, 4)"));
+    assert_eq!(read("a.csv", "x,y,z\n1,2,3\n").unwrap().orientations, None);
 }
 
 #[test]

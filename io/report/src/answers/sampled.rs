@@ -7,7 +7,7 @@ use simulation::csv_words;
 use statistics::{SteadyMean, Verdict};
 use std::f64::consts::PI;
 use std::path::Path;
-use suspension::{Flow, Model};
+use suspension::{Flow, Model, Species};
 
 /// Volume fractions up to which the viscosity of a suspension is that of its fluid, for the correction for the box.
 const DILUTE: f64 = 0.05;
@@ -51,12 +51,7 @@ impl StatisticsSummary {
         for species in &model.species {
             for (name, axes) in directions(model) {
                 let Some(mean) = self.diffusivity(&species.name, &axes) else { continue };
-                let answer = |quantity: &str, mean, unit: &str| RunAnswer {
-                    quantity: quantity.to_owned(),
-                    species: species.name.clone(),
-                    mean,
-                    unit: unit.to_owned(),
-                };
+                let answer = |quantity: &str, mean, unit: &str| answer(species, quantity, mean, unit);
                 answers.push(answer(name, mean, "length^2/time"));
                 let rate = model.shear_rates().largest() * species.radius.powi(2);
                 if matches!(model.flow, Flow::Shear { .. }) && rate > 0.0 {
@@ -68,6 +63,23 @@ impl StatisticsSummary {
                 }
             }
         }
+        answers.extend(self.rotational_diffusivities(model));
+        answers
+    }
+
+    /// The rotational diffusivities of species with orientations, and with Brownian motion those over that of an
+    /// isolated sphere, `kT / (8 pi mu a^3)`.
+    fn rotational_diffusivities(&self, model: &Model) -> Vec<RunAnswer> {
+        let mut answers = Vec::new();
+        for species in &model.species {
+            let Some(row) = self.get("rotational_diffusivity", &species.name) else { continue };
+            let mean = self.mean(&[row]);
+            answers.push(answer(species, "rotational_diffusivity", mean, "1/time"));
+            if let Some(energy) = model.thermal_energy {
+                let isolated = energy / (8.0 * PI * model.viscosity * species.radius.powi(3));
+                answers.push(answer(species, "reduced_rotational_diffusivity", mean.times(1.0 / isolated), ""));
+            }
+        }
         answers
     }
 
@@ -76,6 +88,11 @@ impl StatisticsSummary {
         let letter = |axis: usize| ["x", "y", "z"][axis];
         let rows: Vec<&SummaryRow> =
             axes.iter().map(|&axis| self.get(&format!("D_slope_{}", letter(axis)), species)).collect::<Option<_>>()?;
+        Some(self.mean(&rows))
+    }
+
+    /// The mean of some rows.
+    fn mean(&self, rows: &[&SummaryRow]) -> SteadyMean {
         let count = rows.len() as f64;
         let value = rows.iter().map(|row| row.value).sum::<f64>() / count;
         let error = rows.iter().map(|row| row.error * row.error).sum::<f64>().sqrt() / count;
@@ -89,7 +106,7 @@ impl StatisticsSummary {
             _ => Verdict::Converged,
         };
         let [value, error] = if verdict == Verdict::Meaningless { [f64::NAN; 2] } else { [value, error] };
-        Some(SteadyMean { value, error, samples: f64::NAN, transient, verdict })
+        SteadyMean { value, error, samples: f64::NAN, transient, verdict }
     }
 
     /// By how much the fluid that goes with a sphere slows it down in a cubic box that repeats, in dilute suspensions
@@ -103,6 +120,10 @@ impl StatisticsSummary {
         let is_dilute = fractions.map(|row| row.value).sum::<f64>() <= DILUTE;
         (is_cubic && is_dilute).then(|| CUBIC * energy / (6.0 * PI * model.viscosity * edges.x))
     }
+}
+
+fn answer(species: &Species, quantity: &str, mean: SteadyMean, unit: &str) -> RunAnswer {
+    RunAnswer { quantity: quantity.to_owned(), species: species.name.clone(), mean, unit: unit.to_owned() }
 }
 
 /// The factor by which a run is at least too short whose error is a lower bound.

@@ -17,7 +17,7 @@ pub(super) struct RecordedSuspension<'a> {
 
 impl RecordedSuspension<'_> {
     /// The columns of the series that quantities are made of.
-    pub(super) const COLUMNS: [&'static str; 18] = [
+    pub(super) const COLUMNS: [&'static str; 19] = [
         "relative_viscosity",
         "first_normal_stress_difference",
         "second_normal_stress_difference",
@@ -36,6 +36,7 @@ impl RecordedSuspension<'_> {
         "contacts_per_particle",
         "segregation",
         "bond_energy",
+        "orientation",
     ];
 
     /// The quantities that a suspension of this kind is run for, the first ones first.
@@ -48,6 +49,7 @@ impl RecordedSuspension<'_> {
             self.heights(),
             self.channel(),
             self.structure(),
+            self.orientations(),
         ];
         lists.into_iter().flatten().collect()
     }
@@ -225,6 +227,23 @@ impl RecordedSuspension<'_> {
             Some(Course::new(what.0, what.1, self.number(what.0)?).beside(scale))
         };
         columns.into_iter().filter_map(course).collect()
+    }
+
+    /// Polar and nematic order of the species with orientations.
+    fn orientations(&self) -> Vec<Course> {
+        let oriented = self.model.species.iter().filter(|species| species.orientation.is_some()).enumerate();
+        let orders = [("polar_order", 3), ("nematic_order", 4)];
+        let of_species = |(row, species): (usize, &suspension::Species)| {
+            let course = |(name, column)| {
+                Some(
+                    Course::new(name, "", self.component("orientation", row, column)?)
+                        .of_species(&species.name)
+                        .beside(1.0),
+                )
+            };
+            orders.map(course)
+        };
+        oriented.flat_map(of_species).flatten().collect()
     }
 
     /// The steady force on a sphere of each species, in the axes of the user.

@@ -1,6 +1,6 @@
 //! Quantities for colouring particles.
 
-use domain::{Number, Particles, Vector};
+use domain::{Number, Particles, Quaternion, Vector};
 use serde_json::{Value, json};
 use simulation::Frame;
 
@@ -87,6 +87,7 @@ pub(super) fn columns_of(colours: &Colours) -> Vec<ParticleColumn<'_>> {
     vec![
         column("speed", speed, Box::new(|particles: &Particles| speeds(particles, colours))),
         column("stress", "size of the stresslet (force length)", Box::new(stresses)),
+        column("axis", "axis along z", Box::new(axes)),
     ]
 }
 
@@ -109,6 +110,12 @@ fn stresses(particles: &Particles) -> Option<Vec<f32>> {
         (s[0] * s[0] + s[3] * s[3] + zz * zz + 2.0 * (s[1] * s[1] + s[2] * s[2] + s[4] * s[4])).sqrt() as f32
     };
     Some(rows(particles, "stresslet")?.map(size).collect())
+}
+
+/// Components along z of the axes of spheres with orientations.
+fn axes(particles: &Particles) -> Option<Vec<f32>> {
+    let along = |q: &[f64]| Quaternion::from_array([q[0], q[1], q[2], q[3]]).axis().z as f32;
+    Some(rows(particles, "orientation")?.map(along).collect())
 }
 
 impl ParticleColumn<'_> {
@@ -160,6 +167,19 @@ mod tests {
         particles.columns.push(domain::Column { name: "stresslet".into(), width: 5, values });
         // The tensor with the rows (1 2 0), (2 -3 1), (0 1 2).
         assert_eq!(stresses(&particles), Some(vec![24_f32.sqrt()]));
+    }
+
+    #[test]
+    fn the_axis_of_a_sphere_is_that_of_its_orientation() {
+        let mut particles = Particles::default();
+        particles.push(0, Vector::ZERO, 1.0, 0);
+        particles.push(1, Vector::ZERO, 1.0, 0);
+        assert_eq!(axes(&particles), None);
+        let values = [Quaternion::between(Vector::Z, -Vector::Z), Quaternion::between(Vector::Z, Vector::X)];
+        let values = values.map(Quaternion::to_array).concat();
+        particles.columns.push(domain::Column { name: "orientation".into(), width: 4, values });
+        let found = axes(&particles).unwrap();
+        assert!((found[0] + 1.0).abs() < 1e-6 && found[1].abs() < 1e-6, "{found:?}");
     }
 
     #[test]

@@ -108,6 +108,19 @@ pub(super) struct SpeciesSection {
     /// Constant torque on each sphere.
     #[serde(default)]
     pub(super) torque: [f64; 3],
+    /// Orientations of the spheres at the start, which rotate with them; none by default.
+    pub(super) orientation: Option<InitialOrientation>,
+    /// Direction of the axes of the spheres at the start, for orientation = "aligned".
+    pub(super) orientation_axis: Option<[f64; 3]>,
+}
+
+/// Orientations at the start: all equally likely, along an axis, or those of the file with the positions.
+#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum InitialOrientation {
+    Random,
+    Aligned,
+    File,
 }
 
 #[derive(Deserialize, JsonSchema)]

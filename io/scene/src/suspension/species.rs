@@ -3,7 +3,7 @@
 use super::super::checks::{few_enough, positive};
 use super::{KeyError, names, raw};
 use domain::{Number, Vector, sphere};
-use suspension::{MAX_FRACTION, SizeClass, SizeDistribution, Species};
+use suspension::{MAX_FRACTION, Orientation, SizeClass, SizeDistribution, Species};
 
 /// Default number of classes that represent a distribution of radii.
 const CLASSES: usize = 4;
@@ -22,6 +22,7 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
         let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force instead";
         return Err(KeyError::new(format!("species[{index}].density_difference"), message));
     }
+    let orientation = orientation(one, index)?;
     let classes = classes(one, index)?;
     let total = count(raw, index, volume, &classes)?;
     let name = one.name.clone().unwrap_or_else(|| format!("{}", index + 1));
@@ -32,6 +33,7 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
         density_difference: one.density_difference.unwrap_or(0.0),
         force: Vector::from_array(one.force),
         torque: Vector::from_array(one.torque),
+        orientation,
     };
     let all: Vec<Species> = classes.iter().enumerate().map(species).collect();
     if one.distribution.is_some() && all.iter().any(|class| class.count == Some(0)) {
@@ -40,6 +42,21 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
         return Err(KeyError::new(format!("species[{index}].distribution"), message));
     }
     Ok(all)
+}
+
+/// Orientations of the spheres of a section at the start.
+fn orientation(one: &raw::SpeciesSection, index: usize) -> Result<Option<Orientation>, KeyError> {
+    let of_axis = |message| Err(KeyError::new(format!("species[{index}].orientation_axis"), message));
+    Ok(match (one.orientation, one.orientation_axis) {
+        (Some(raw::InitialOrientation::Aligned), None) => {
+            return of_axis("is missing; orientation = \"aligned\" needs it, as [0.0, 0.0, 1.0]");
+        }
+        (Some(raw::InitialOrientation::Aligned), Some(axis)) => Some(Orientation::Aligned(Vector::from_array(axis))),
+        (_, Some(_)) => return of_axis("goes with orientation = \"aligned\" only; leave it out or change that"),
+        (Some(raw::InitialOrientation::Random), None) => Some(Orientation::Random),
+        (Some(raw::InitialOrientation::File), None) => Some(Orientation::Given),
+        (None, None) => None,
+    })
 }
 
 /// Radii of a section, and their relative numbers.

@@ -6,7 +6,7 @@ mod file;
 
 use crate::trajectory_reader::TimedFrame;
 use centred::Centred;
-use domain::{Column, Particles, PeriodicBox, Traceless, Vector};
+use domain::{Column, Particles, PeriodicBox, Quaternion, Traceless, Vector};
 use file::{Chunk, GsdFile};
 use simulation::Frame;
 use std::borrow::Cow;
@@ -57,14 +57,22 @@ fn moving(Frame { particles, cell, .. }: &Frame) -> Vec<Chunk> {
     let mut chunks =
         vec![Chunk::f32s("particles/position", 3, positions.as_flattened()), Chunk::i32s("particles/image", &images)];
     for column in &particles.columns {
-        let name = if column.name == "velocity" { "particles/" } else { "log/particles/" }.to_owned() + &column.name;
+        let is_known = ["velocity", "orientation"].contains(&column.name.as_str());
+        let name = if is_known { "particles/" } else { "log/particles/" }.to_owned() + &column.name;
         chunks.push(Chunk::f32s(&name, column.width, &along_axes(cell, column)));
     }
     chunks
 }
 
-/// Vectors and traceless tensors along the axes of the box, which the format requires of its boxes.
+/// Vectors, traceless tensors and orientations along the axes of the box, which the format requires of its boxes.
+/// Particles without orientation are not rotated.
 fn along_axes<'a>(cell: &PeriodicBox, column: &'a Column) -> Cow<'a, [f64]> {
+    if column.name == "orientation" {
+        let along = cell.axes().map_or(Quaternion::IDENTITY, |axes| Quaternion::of_matrix(&axes.transpose()));
+        let rotated = |q: &Quaternion| if q.is_some() { along * *q } else { Quaternion::IDENTITY };
+        let orientations: &[Quaternion] = bytemuck::cast_slice(&column.values);
+        return orientations.iter().flat_map(|q| rotated(q).to_array()).collect();
+    }
     let Some(axes) = cell.axes() else { return Cow::Borrowed(&column.values) };
     let along = axes.transpose();
     let turned = |values: &[f64]| match *values {
@@ -87,5 +95,11 @@ mod tests {
         assert_eq!(along_axes(&cell, &column(&[1.0, 2.0, 3.0]))[..], [2.0, -1.0, 3.0]);
         // xx, xy, xz, yy, yz
         assert_eq!(along_axes(&cell, &column(&[1.0, 2.0, 3.0, 4.0, 5.0]))[..], [4.0, -2.0, 5.0, 1.0, -3.0]);
+        let body = Quaternion::exp(Vector::new(0.3, 0.1, -0.5));
+        let values = [body, Quaternion::NONE].map(Quaternion::to_array).concat();
+        let rotated = along_axes(&cell, &Column { name: "orientation".into(), width: 4, values }).into_owned();
+        let expected = Vector::new(body.axis().y, -body.axis().x, body.axis().z);
+        let found = Quaternion::from_array([rotated[0], rotated[1], rotated[2], rotated[3]]);
+        assert!((found.axis() - expected).length() < 1e-14 && rotated[4..] == [1.0, 0.0, 0.0, 0.0]);
     }
 }

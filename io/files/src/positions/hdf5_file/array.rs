@@ -3,7 +3,7 @@
 use crate::frames::one_of;
 use crate::positions::species::{SpeciesColumn, SpeciesNames};
 use crate::{claimed_size, verified};
-use domain::Vector;
+use domain::{Quaternion, Vector};
 use hdf5::types::{EnumType, FixedAscii, FixedUnicode, FloatSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Dataset, H5Type, Selection};
 use ndarray::IxDyn;
@@ -116,6 +116,15 @@ impl Array {
         let steps: Option<Vec<i32>> = self.numbers()?.into_iter().map(whole).collect();
         let steps = steps.ok_or_else(|| format!("{} has numbers that are not whole", self.name()))?;
         Ok(steps.chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
+    }
+
+    /// Quaternions `w, x, y, z`, one per particle.
+    pub(super) fn orientations(&self, count: usize) -> Result<Vec<Quaternion>, String> {
+        let shape = self.shape();
+        if shape != [count, 4] {
+            return Err(format!("{} has the shape {}; it needs ({count}, 4)", self.name(), shape_in_words(&shape)));
+        }
+        Ok(self.numbers()?.chunks_exact(4).map(|q| Quaternion::from_array([q[0], q[1], q[2], q[3]])).collect())
     }
 
     /// Non-negative integers, one per particle.

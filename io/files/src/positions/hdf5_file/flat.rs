@@ -7,7 +7,7 @@ use hdf5::File;
 use scene::StartSource;
 use scene::document::excerpt;
 
-/// Reads `positions`, and if present `radii`, `species`, `id`, `box` and `strain`.
+/// Reads `positions`, and if present `radii`, `species`, `id`, `orientations`, `box` and `strain`.
 pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, String> {
     frame::pick(source.frame, 1)?;
     if source.group.is_some() {
@@ -18,8 +18,9 @@ pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, Strin
     let radii = dataset(file, "radii")?.map(|radii| radii.one_each(count)).transpose()?;
     let species = dataset(file, "species")?.map(|species| species.kinds(count)).transpose()?;
     let ids = dataset(file, "id")?.map(|ids| ids.ids(count)).transpose()?;
+    let orientations = dataset(file, "orientations")?.map(|rows| rows.orientations(count)).transpose()?;
     let frame = TakenFrame { count: 1, ..TakenFrame::default() };
-    Ok(StartFile { positions, radii, species, ids, cell: cell(file)?, frame, ..StartFile::default() })
+    Ok(StartFile { positions, radii, species, ids, orientations, cell: cell(file)?, frame, ..StartFile::default() })
 }
 
 fn dataset(file: &File, name: &str) -> Result<Option<Array>, String> {

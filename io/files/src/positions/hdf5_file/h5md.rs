@@ -31,6 +31,7 @@ pub(super) fn read(file: &File, source: &StartSource) -> Result<StartFile, Strin
         radii: value("radius")?.map(|array| array.one_each(n)).transpose()?,
         species: value("species")?.map(|array| array.kinds(n)).transpose()?.map(|kinds| with_names(kinds, file)),
         ids: value("id")?.map(|array| array.ids(n)).transpose()?,
+        orientations: value("orientation")?.map(|array| array.orientations(n)).transpose()?,
         images: value("image")?.map(|array| array.steps(n)).transpose()?,
         cell: cell(&group, step)?,
         frame: TakenFrame { number, count, step: step.map(|step| step as i64), time },

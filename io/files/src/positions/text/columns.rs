@@ -3,7 +3,7 @@
 use super::number::{NumberParser, whole};
 use crate::positions::StartFile;
 use crate::positions::species::{SpeciesColumn, SpeciesNames};
-use domain::Vector;
+use domain::{Quaternion, Vector};
 use scene::document::excerpt;
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -17,7 +17,17 @@ pub(super) struct ColumnNumbers {
     pub(super) radius: Option<(usize, f64)>,
     pub(super) species: Option<(usize, Labels)>,
     pub(super) id: Option<usize>,
+    /// Columns of the components `w, x, y, z` of orientations.
+    pub(super) orientation: Option<[usize; 4]>,
 }
+
+/// Names of the components `w, x, y, z` of orientations: in tables, in dumps of LAMMPS, and of a property of XYZ, which
+/// has the scalar last.
+const ORIENTATIONS: [[&str; 4]; 3] = [
+    ["orientation_w", "orientation_x", "orientation_y", "orientation_z"],
+    ["quatw", "quati", "quatj", "quatk"],
+    ["orientation 3", "orientation 0", "orientation 1", "orientation 2"],
+];
 
 /// Meaning of the entries in a species column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +50,8 @@ pub(super) struct TableLine<'a> {
     pub(super) cells: Vec<Cow<'a, str>>,
 }
 
-/// The columns `x`, `y`, `z`, `radius` or `diameter`, `species` or `type`, and `id`, from names in lower case.
+/// The columns `x`, `y`, `z`, `radius` or `diameter`, `species` or `type`, `id` and orientations, from names in lower
+/// case.
 pub(super) fn named(names: &[String], coordinates: [&str; 3], species: Labels) -> Result<ColumnNumbers, String> {
     let place = |name: &str| unique(names, name);
     let required = |name: &str| place(name)?.ok_or_else(|| format!("it has no column {name}"));
@@ -54,7 +65,20 @@ pub(super) fn named(names: &[String], coordinates: [&str; 3], species: Labels) -
         radius: scaled("radius", 1.0)?.or(scaled("diameter", 0.5)?),
         species: labelled("species", species)?.or(labelled("type", Labels::Types)?),
         id: place("id")?,
+        orientation: orientation(names)?,
     })
+}
+
+/// Columns of orientations, if there are all of their components under some names.
+fn orientation(names: &[String]) -> Result<Option<[usize; 4]>, String> {
+    let mut found = None;
+    for components in ORIENTATIONS {
+        let [w, x, y, z] = components.map(|name| unique(names, name));
+        if let (Some(w), Some(x), Some(y), Some(z)) = (w?, x?, y?, z?) {
+            found = found.or(Some([w, x, y, z]));
+        }
+    }
+    Ok(found)
 }
 
 /// Column of a name that must not occur twice.
@@ -78,6 +102,7 @@ impl ColumnNumbers {
             radii: self.radius.map(|_| vec![]),
             images: self.images.map(|_| vec![]),
             ids: self.id.map(|_| vec![]),
+            orientations: self.orientation.map(|_| vec![]),
             ..StartFile::default()
         };
         let mut labels = Labelled::default();
@@ -94,6 +119,10 @@ impl ColumnNumbers {
             }
             if let (Some(ids), Some(column)) = (&mut file.ids, self.id) {
                 ids.push(integer(&row, column, "an id")?);
+            }
+            if let (Some(orientations), Some(columns)) = (&mut file.orientations, self.orientation) {
+                let [w, x, y, z] = columns.map(|column| numbers.parse(row.line, &row.cells[column]));
+                orientations.push(Quaternion::from_array([w?, x?, y?, z?]));
             }
             if let Some((column, _)) = self.species {
                 labels.add(&row, column)?;

@@ -46,7 +46,8 @@ impl XyzHeader {
     pub(super) fn properties(&self) -> Result<Properties, String> {
         let Some(list) = self.get("properties") else {
             let species = Some((0, Labels::Symbols));
-            let columns = ColumnNumbers { position: [1, 2, 3], images: None, radius: None, species, id: None };
+            let columns =
+                ColumnNumbers { position: [1, 2, 3], images: None, radius: None, species, id: None, orientation: None };
             return Ok(Properties { columns, width: 4 });
         };
         let wrong = || format!("its Properties {} are not name:type:columns", excerpt(list));
@@ -129,6 +130,7 @@ fn column_names(name: &str, width: u16) -> Result<Vec<String>, String> {
     let expected = match name.as_str() {
         "radius" | "diameter" | "species" | "type" | "id" => 1,
         "pos" => 3,
+        "orientation" if width == 4 => 4,
         _ => return Ok((0..width).map(|column| format!("other {name} {column}")).collect()),
     };
     if width != expected {
