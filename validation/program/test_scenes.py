@@ -30,6 +30,7 @@ SMALLER = {
     "colloid": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "colloid-sediment": {"species[0].count": 20, "time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
+    "orientations": {"species[0].count": 10, "time.duration": 0.5, "statistics.every": 1},
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},

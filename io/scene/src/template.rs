@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All templates.
-pub static TEMPLATES: [Template; 24] = [
+pub static TEMPLATES: [Template; 25] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -38,6 +38,7 @@ pub static TEMPLATES: [Template; 24] = [
     template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
     template!("brownian-shear", "The same in a shear flow"),
     template!("colloid-sediment", "Colloids that settle on a bottom and diffuse above it"),
+    template!("orientations", "Aligned spheres that lose their order by Brownian rotation"),
     template!("family", "Three volume fractions with two seeds each: a viscosity with its error from many runs"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
     template!("disk-sweep", "Several seeds and viscosities of such disks"),
