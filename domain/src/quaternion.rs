@@ -61,13 +61,14 @@ impl Quaternion {
     /// directions it is half a turn about some axis across them.
     pub fn between(from: Vector, to: Vector) -> Self {
         let (from, to) = (from.normalize(), to.normalize());
-        let middle = from + to;
-        let length = middle.length();
-        if length < 1e-12 {
-            return Self { w: 0.0, v: from.any_orthonormal_vector() };
+        if from.dot(to) > 0.0 {
+            let middle = (from + to).normalize();
+            return Self { w: from.dot(middle), v: from.cross(middle) };
         }
-        let middle = middle / length;
-        Self { w: from.dot(middle), v: from.cross(middle) }
+        // Near opposite directions the axis is across `from` to the last digit, though its direction is not known well.
+        let across = from.cross(to);
+        let axis = if across.length() < 1e-15 { from.any_orthonormal_vector() } else { across.reject_from(from) };
+        Self { w: 0.5 * (from + to).length(), v: axis.normalize() * (0.5 * (to - from).length()) }
     }
 
     /// The rotation of a matrix, which has to be one.
@@ -185,7 +186,7 @@ mod tests {
     fn a_direction_is_taken_to_another() {
         for to in [A, -3.0 * B, Vector::Z, -Vector::Z, Vector::new(1e-9, 0.0, -1.0)] {
             let q = Quaternion::between(2.0 * Vector::Z, to);
-            assert!((q.axis() - to.normalize()).length() < 1e-12 && (q.length() - 1.0).abs() < 1e-12, "{to}");
+            assert!((q.axis() - to.normalize()).length() < 1e-14 && (q.length() - 1.0).abs() < 1e-14, "{to}");
         }
     }
 
