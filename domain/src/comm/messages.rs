@@ -36,8 +36,8 @@ impl ProcessRank {
     }
 
     /// Sends lists that are not empty, and receives until every rank knows that its own have arrived, which a barrier
-    /// tells that does not wait: Hoefler, Siebert & Lumsdaine, *Scalable communication protocols for dynamic sparse data
-    /// exchange* (2010).
+    /// tells that does not wait: Hoefler, Siebert & Lumsdaine, *Scalable communication protocols for dynamic sparse
+    /// data exchange* (2010).
     fn exchange_words<T: Pod, W: Pod + Equivalence>(&self, send: &[Vec<T>]) -> Vec<Vec<T>> {
         let communicator = self.communicator();
         let tag = UNKNOWN[self.next_exchange() % UNKNOWN.len()];
