@@ -353,8 +353,7 @@ impl Share<'_> {
         let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
         let flow = if plan.boundaries == Boundaries::Periodic {
             // In a sheared box the coordinates of the points are written as well.
-            let gathered = Bytes::list::<Vector>(2.0 * far.points()).then(Bytes::list::<Vector>(2.0 * all));
-            far.evaluation().or(far.velocity_field().then(gathered))
+            far.evaluation().or(far.velocity_field().then(Bytes::list::<Vector>(2.0 * all)))
         } else {
             // With rotated axes there are two copies.
             let turned = if self.model.turn.is_none() { 0.0 } else { all };
