@@ -1,14 +1,14 @@
 //! Cell lists: particles sorted into cells, for the neighbour search.
 
 use crate::neighbour::Images;
+use crate::parallel::{SortedRows, mapped};
 use crate::{PeriodicBox, Vector};
 use std::ops::Range;
 
 /// Cells along each axis, in lattice coordinates, and the particles sorted into them.
 pub(crate) struct Cells {
     counts: [usize; 3],
-    starts: Vec<u32>,
-    rows: Vec<u32>,
+    sorted: SortedRows,
     /// Positions of the particles in the order of the cells, by component.
     positions: [Vec<f64>; 3],
     reach: [i32; 3],
@@ -104,23 +104,11 @@ impl Cells {
         let counts = (edges / widest * fineness).floor().clamp(Vector::ONE, Vector::splat(2.0 * most));
         let reach = (widest / edges * counts).ceil().to_array().map(|r| r as i32);
         let counts = counts.to_array().map(|c| c as usize);
-        let places: Vec<usize> = positions.iter().map(|&p| place(cell, counts, p)).collect();
-        let mut starts = vec![0_u32; counts.iter().product::<usize>() + 1];
-        for &c in &places {
-            starts[c + 1] += 1;
-        }
-        for c in 1..starts.len() {
-            starts[c] += starts[c - 1];
-        }
-        let mut next = starts.clone();
-        let mut rows = vec![0; positions.len()];
-        for (row, &c) in places.iter().enumerate() {
-            rows[next[c] as usize] = row as u32;
-            next[c] += 1;
-        }
-        let component = |axis: usize| rows.iter().map(|&row: &u32| positions[row as usize][axis]).collect();
+        let places = mapped(positions, |&position| place(cell, counts, position) as u32);
+        let sorted = SortedRows::by_key(&places, counts.iter().product());
+        let component = |axis: usize| mapped(sorted.rows(), |&row| positions[row as usize][axis]);
         let positions = [component(0), component(1), component(2)];
-        Self { counts, starts, rows, positions, reach, images }
+        Self { counts, sorted, positions, reach, images }
     }
 
     /// Images to which entries refer.
@@ -130,12 +118,18 @@ impl Cells {
 
     /// Number of cells.
     pub fn count(&self) -> usize {
-        self.starts.len() - 1
+        self.sorted.starts().len() - 1
     }
 
     /// Rows of the particles in a cell.
     pub fn members(&self, cell: usize) -> &[u32] {
-        &self.rows[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+        self.sorted.of(cell)
+    }
+
+    /// Places of the particles in consecutive cells.
+    fn places(&self, cells: Range<usize>) -> Range<usize> {
+        let starts = self.sorted.starts();
+        starts[cells.start] as usize..starts[cells.end] as usize
     }
 
     /// Collects the particles and images in all cells that are within the cutoff of a cell.
@@ -168,10 +162,10 @@ impl Cells {
 
     /// Appends the images of the particles in consecutive cells.
     fn append(&self, cell: &PeriodicBox, cells: Range<usize>, steps: [i32; 3], around: &mut CellNeighbourhood) {
-        let range = self.starts[cells.start] as usize..self.starts[cells.end] as usize;
+        let range = self.places(cells);
         let shift = if steps == [0; 3] { Vector::ZERO } else { cell.lattice(steps) };
         let image = self.images.entry(0).wrapping_add(self.images.shift(steps));
-        around.who.extend(self.rows[range.clone()].iter().map(|&row| image | row));
+        around.who.extend(self.sorted.rows()[range.clone()].iter().map(|&row| image | row));
         for axis in 0..3 {
             around.positions[axis].extend(self.positions[axis][range.clone()].iter().map(|p| p + shift[axis]));
         }

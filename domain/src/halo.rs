@@ -3,6 +3,7 @@
 
 use crate::{Incoming, Outgoing, Partition, PeriodicBox, Vector, block};
 use bytemuck::Pod;
+use std::borrow::Cow;
 use std::ops::AddAssign;
 
 /// Distance that a particle's influence extends beyond its own pencil, along y and along z.
@@ -55,6 +56,20 @@ impl Halo {
     /// Number of owned particles and ghosts.
     pub fn present(&self) -> usize {
         self.owned + self.arriving.iter().sum::<usize>()
+    }
+
+    /// Whether one rank has all particles, so that nothing is exchanged.
+    pub fn is_alone(&self) -> bool {
+        self.comm.size() == 1
+    }
+
+    /// The values of the owned particles followed by those of the ghosts: the list itself if no rank has any.
+    pub fn extended<'a, T: Pod>(&self, values: &'a [T]) -> Cow<'a, [T]> {
+        let mut all = Cow::Borrowed(values);
+        if !self.is_alone() {
+            self.extend(all.to_mut());
+        }
+        all
     }
 
     /// Appends the ghosts' values to those of the owned particles.

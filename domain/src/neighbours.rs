@@ -2,7 +2,7 @@
 
 use crate::cells::{CellNeighbourhood, Cells, Centre};
 use crate::neighbour::Images;
-use crate::parallel::MeasuredLoop;
+use crate::parallel::{MeasuredLoop, ScatteredWrites, concat};
 use crate::{Neighbour, PeriodicBox, Vector};
 use rayon::prelude::*;
 
@@ -60,6 +60,30 @@ impl<'a> NeighboursOf<'a> {
 impl Neighbours {
     /// Finds the neighbours of the first `owned` particles among all local particles and ghosts.
     pub fn find(cell: &PeriodicBox, positions: &[Vector], owned: usize, cutoff: f64) -> Self {
+        Self::find_and(cell, positions, owned, cutoff, |_, _| ())
+    }
+
+    /// The same with the list of each particle in the order of a key.
+    pub(crate) fn find_in_order<K: Ord>(
+        cell: &PeriodicBox,
+        positions: &[Vector],
+        owned: usize,
+        cutoff: f64,
+        key: impl Fn(&Neighbour) -> K + Sync,
+    ) -> Self {
+        let sort =
+            |images: &Images, list: &mut [u32]| list.sort_unstable_by_key(|&entry| key(&images.neighbour(entry)));
+        Self::find_and(cell, positions, owned, cutoff, sort)
+    }
+
+    /// The same with a function that is applied to the list of each particle.
+    fn find_and(
+        cell: &PeriodicBox,
+        positions: &[Vector],
+        owned: usize,
+        cutoff: f64,
+        apply: impl Fn(&Images, &mut [u32]) + Sync,
+    ) -> Self {
         if owned == 0 {
             return Self { images: Images::new(cell, cutoff), ..Self::default() };
         }
@@ -75,7 +99,9 @@ impl Neighbours {
                     }
                     for &row in members {
                         let centre = Centre { position: positions[row as usize], row };
+                        let first = found.list.len();
                         around.append_near(&cells, centre, cutoff, &mut found.list);
+                        apply(cells.images(), &mut found.list[first..]);
                         found.ends.push((row, found.list.len()));
                     }
                 }
@@ -86,38 +112,27 @@ impl Neighbours {
         Self::join(batches, owned, cells.images())
     }
 
-    /// Sorts each list by a key.
-    pub(crate) fn sort_by_key<K: Ord>(&mut self, key: impl Fn(&Neighbour) -> K + Sync) {
-        let images = &self.images;
-        let mut lists: Vec<&mut [u32]> = Vec::with_capacity(self.ranges.len());
-        let mut rest = self.list.as_mut_slice();
-        let mut ranges = self.ranges.clone();
-        ranges.sort_unstable();
-        for [start, end] in ranges {
-            let (list, others) = rest.split_at_mut(end - start);
-            lists.push(list);
-            rest = others;
-        }
-        lists
-            .into_par_iter()
-            .measured()
-            .for_each(|list| list.sort_unstable_by_key(|&entry| key(&images.neighbour(entry))));
-    }
-
-    /// Joins the lists of the batches, of `owned` particles in total, whose entries refer to `images`.
+    /// Joins the lists of the batches, of `owned` different particles in total, whose entries refer to `images`.
     pub(crate) fn join(batches: Vec<Batch>, owned: usize, images: &Images) -> Self {
+        let mut total = 0;
+        let mut place = |batch: &Batch| {
+            total += batch.list.len();
+            total - batch.list.len()
+        };
+        let first_places: Vec<usize> = batches.iter().map(&mut place).collect();
+        let (ends, lists): (Vec<_>, Vec<_>) = batches.into_iter().map(|batch| (batch.ends, batch.list)).unzip();
         let mut ranges = vec![[0; 2]; owned];
-        let mut list = Vec::with_capacity(batches.iter().map(|batch| batch.list.len()).sum());
-        for batch in batches {
-            let mut start = list.len();
-            for (row, end) in batch.ends {
-                let end = list.len() + end;
-                ranges[row as usize] = [start, end];
-                start = end;
+        let by_row = ScatteredWrites::into(&mut ranges);
+        ends.into_par_iter().zip(first_places).measured().for_each(|(ends, first)| {
+            let mut start = first;
+            for (row, end) in ends {
+                let range = [start, first + end];
+                // SAFETY: each particle is in one batch.
+                unsafe { by_row.set(row as usize, range) };
+                start = first + end;
             }
-            list.extend_from_slice(&batch.list);
-        }
-        Self { ranges, list, images: images.clone() }
+        });
+        Self { ranges, list: concat(lists), images: images.clone() }
     }
 
     /// Neighbours of one particle.

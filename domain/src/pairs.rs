@@ -75,7 +75,7 @@ impl Pairs {
             pairs
         };
         let batches: Vec<Vec<Pair>> = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
-        let mut list = batches.concat();
+        let mut list = parallel::concat(batches);
         if ids.len() > owned {
             // Pairs whose first particle another rank owns come last, like its ghost.
             let of_others = (0..owned).flat_map(of_row).filter(|pair| pair.j as usize >= owned).map(Pair::reversed);

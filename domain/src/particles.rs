@@ -1,6 +1,6 @@
 //! Particle store: one column per property, one row per particle, and the scalars of the state.
 
-use crate::parallel::{MeasuredLoop, sort, stage};
+use crate::parallel::{MeasuredLoop, change_rows, copied, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Scalars, Vector};
 use rayon::prelude::*;
@@ -53,6 +53,13 @@ pub struct Particles {
 
 /// Particles that one thread processes at a time.
 const BATCH: usize = 1024;
+
+impl Column {
+    /// A copy, made by all threads.
+    fn copied(&self) -> Self {
+        Self { name: self.name.clone(), width: self.width, values: copied(&self.values) }
+    }
+}
 
 impl Particles {
     /// Number of particles that this rank owns.
@@ -119,9 +126,8 @@ impl Particles {
         }
         let find = |name| self.columns.iter().find(|column| column.name == name).expect("made above");
         let columns: [&[Vector]; N] = columns.map(|name| bytemuck::cast_slice(&find(name).values));
-        for (row, position) in self.positions.iter_mut().enumerate() {
-            *position += (0..N).map(|k| columns[k][row] * weights[k]).sum::<Vector>();
-        }
+        let displacement = |row: usize| (0..N).map(|k| columns[k][row] * weights[k]).sum::<Vector>();
+        change_rows(&mut self.positions, |row, position| *position += displacement(row));
     }
 
     /// Refuses a store whose columns do not fit its number of particles.
@@ -209,12 +215,12 @@ impl Particles {
     #[must_use]
     pub fn with_columns(&self, wanted: impl Fn(&str) -> bool) -> Self {
         Self {
-            ids: self.ids.clone(),
-            positions: self.positions.clone(),
-            steps: self.steps.clone(),
-            radii: self.radii.clone(),
-            species: self.species.clone(),
-            columns: self.columns.iter().filter(|column| wanted(&column.name)).cloned().collect(),
+            ids: copied(&self.ids),
+            positions: copied(&self.positions),
+            steps: copied(&self.steps),
+            radii: copied(&self.radii),
+            species: copied(&self.species),
+            columns: self.columns.iter().filter(|column| wanted(&column.name)).map(Column::copied).collect(),
             scalars: self.scalars.clone(),
         }
     }
@@ -238,7 +244,7 @@ impl Particles {
     /// A copy, made by all threads.
     #[must_use]
     pub fn copied(&self) -> Self {
-        Self { columns: self.columns.par_iter().cloned().measured().collect(), ..self.without_columns() }
+        self.with_columns(|_| true)
     }
 
     /// Moves the rows of one property after the other, so that only one is in memory twice.

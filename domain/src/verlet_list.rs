@@ -2,10 +2,11 @@
 
 use crate::halo::Pencil;
 use crate::neighbours::Batch;
-use crate::parallel::{MeasuredLoop, sort};
-use crate::{Halo, Neighbours, Partition, PeriodicBox, Tensor, Vector};
+use crate::parallel::{MeasuredLoop, all_rows, copied, of_rows, rows, sort};
+use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 /// Neighbours of each particle within a cutoff. The lists extend beyond the cutoff by a skin and are rebuilt only
 /// when some particle has moved too far (Verlet, Phys. Rev. 159, 98, 1967); neighbours within the cutoff are selected
@@ -122,7 +123,7 @@ impl VerletList {
 
     fn search(&mut self, cell: &PeriodicBox, present: &LocalAndGhosts) -> StoredLists {
         let comm = self.partition.comm();
-        let (mut ids, mut positions) = (present.ids.to_vec(), present.positions.to_vec());
+        let (mut ids, mut positions) = (Cow::Borrowed(present.ids), copied(present.positions));
         // A single search needs no skin.
         let skin = if self.searches > 0 { self.skin } else { 0.0 };
         self.searches += 1;
@@ -132,9 +133,9 @@ impl VerletList {
             // Particles that may become owned before the next search, and all in their lists.
             let margin = 0.5 * (reach - self.cutoff);
             let halo = Halo::plan(&self.partition, cell, &positions[..present.owned], [reach + margin; 2]);
-            ids.truncate(present.owned);
+            ids = Cow::Owned(ids[..present.owned].to_vec());
             positions.truncate(present.owned);
-            halo.extend(&mut ids);
+            halo.extend(ids.to_mut());
             halo.extend(&mut positions);
             let pencil = Pencil::of(&self.partition, cell, comm.rank());
             listed = positions
@@ -142,8 +143,8 @@ impl VerletList {
                 .map(|&position| pencil.is_within([margin; 2], Pencil::place(cell, position)))
                 .collect();
         }
-        let mut lists = Neighbours::find(cell, &positions, listed.len(), reach);
-        lists.sort_by_key(|neighbour| (ids[neighbour.row as usize], neighbour.steps));
+        let key = |neighbour: &Neighbour| (ids[neighbour.row as usize], neighbour.steps);
+        let lists = Neighbours::find_in_order(cell, &positions, listed.len(), reach, key);
         listed.resize(ids.len(), false);
         let rows = RowById::new(&ids);
         StoredLists { cell: *cell, rows, positions, listed, reach, lists }
@@ -155,7 +156,7 @@ const NOBODY: u32 = u32::MAX;
 
 /// Rows of ids: a table over all ids if it is not much longer than a list of those present.
 enum RowById {
-    Table(Vec<u32>),
+    Table(Vec<AtomicU32>),
     /// In the order of the ids.
     List(Vec<(u64, u32)>),
 }
@@ -163,25 +164,29 @@ enum RowById {
 impl RowById {
     /// For ids in the order of their rows.
     fn new(ids: &[u64]) -> Self {
-        let last = ids.iter().copied().max().unwrap_or(0);
-        let rows = ids.iter().zip(0..);
+        let last = ids.par_iter().with_min_len(BATCH).copied().measured().max().unwrap_or(0);
         if last >= (SPARSEST * ids.len()) as u64 {
-            let mut list: Vec<(u64, u32)> = rows.map(|(&id, row)| (id, row)).collect();
+            let mut list = of_rows(ids.len(), |row| (ids[row], row as u32));
             sort(list.len(), || list.par_sort_unstable());
             return Self::List(list);
         }
-        let mut table = vec![NOBODY; last as usize + 1];
-        rows.for_each(|(&id, row)| table[id as usize] = row);
+        let table = nobody(last as usize + 1);
+        rows(ids.len()).measured().for_each(|row| table[ids[row] as usize].store(row as u32, Ordering::Relaxed));
         Self::Table(table)
     }
 
     fn get(&self, id: u64) -> Option<usize> {
         let row = match self {
-            Self::Table(table) => *table.get(usize::try_from(id).ok()?)?,
+            Self::Table(table) => table.get(usize::try_from(id).ok()?)?.load(Ordering::Relaxed),
             Self::List(list) => list[list.binary_search_by_key(&id, |&(known, _)| known).ok()?].1,
         };
         (row != NOBODY).then_some(row as usize)
     }
+}
+
+/// Rows without particles, which threads fill in.
+fn nobody(count: usize) -> Vec<AtomicU32> {
+    of_rows(count, |_| AtomicU32::new(NOBODY))
 }
 
 /// Present state of the particles of the last rebuild. Those that have left this rank have no neighbours.
@@ -226,12 +231,12 @@ impl StoredLists {
             _ => least_stretch(&self.cell, cell),
         };
         images.check_rows(present.positions.len());
-        let rows = self.rows_now(present)?;
+        let rows_now = self.rows_now(present)?;
         let spare = self.reach * least_stretch - cutoff;
         let before_to_now = edges / self.cell.edges();
         let all_near = AtomicBool::new(true);
         let track = |before: usize| {
-            let row = rows[before];
+            let row = rows_now[before].load(Ordering::Relaxed);
             let Some(&now) = present.positions.get(row as usize) else {
                 return PresentParticle { place: Vector::NAN, row, shift: 0 };
             };
@@ -248,22 +253,22 @@ impl StoredLists {
             let place = if steps == [0; 3] { now } else { now - cell.lattice(steps) };
             PresentParticle { place, row, shift: images.shift(steps) }
         };
-        let particles = (0..rows.len()).into_par_iter().with_min_len(BATCH).map(track).measured().collect();
+        let particles = of_rows(rows_now.len(), track);
         let offsets = images.steps().map(|steps| cell.lattice(steps)).collect();
         all_near.into_inner().then_some(PresentState { owned: present.owned, particles, offsets })
     }
 
     /// Present rows by rows of the rebuild; `None` if the rank owns a particle that was not here then.
-    fn rows_now(&self, present: &LocalAndGhosts) -> Option<Vec<u32>> {
-        let mut rows = vec![NOBODY; self.positions.len()];
-        for (row, &id) in present.ids.iter().enumerate() {
-            match self.rows.get(id) {
-                Some(before) => rows[before] = row as u32,
-                None if row < present.owned => return None,
-                None => {}
+    fn rows_now(&self, present: &LocalAndGhosts) -> Option<Vec<AtomicU32>> {
+        let rows_now = nobody(self.positions.len());
+        let were_here = all_rows(present.ids.len(), |row| match self.rows.get(present.ids[row]) {
+            Some(before) => {
+                rows_now[before].store(row as u32, Ordering::Relaxed);
+                true
             }
-        }
-        Some(rows)
+            None => row >= present.owned,
+        });
+        were_here.then_some(rows_now)
     }
 
     /// Neighbours in the lists that are within a cutoff.

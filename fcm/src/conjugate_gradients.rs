@@ -1,5 +1,6 @@
 //! Preconditioned conjugate gradients, with the unknowns distributed over ranks.
 
+use domain::parallel::change;
 use domain::{Comm, Interrupt, Traceless};
 
 /// Vectors of a linear space, of which each rank holds its own part.
@@ -211,15 +212,11 @@ fn step_and_measure<S: System>(
 
 impl Linear for Vec<Traceless> {
     fn add(&mut self, factor: f64, other: &Self) {
-        for (a, &b) in self.iter_mut().zip(other) {
-            *a += b * factor;
-        }
+        change(self, other, |a, &b| *a += b * factor);
     }
 
     fn scale_add(&mut self, factor: f64, other: &Self) {
-        for (a, &b) in self.iter_mut().zip(other) {
-            *a = b + *a * factor;
-        }
+        change(self, other, |a, &b| *a = b + *a * factor);
     }
 }
 

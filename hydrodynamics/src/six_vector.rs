@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
-use domain::parallel::MeasuredLoop;
+use domain::parallel::{MeasuredLoop, copied, mapped, of_rows};
 use fcm::Linear;
 use rayon::prelude::*;
 use std::ops::{AddAssign, Neg};
@@ -43,25 +43,31 @@ impl Neg for SixVector {
 }
 
 /// One six-vector for each particle of a rank.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct SixVectors(pub Vec<SixVector>);
+
+impl Clone for SixVectors {
+    fn clone(&self) -> Self {
+        Self(copied(&self.0))
+    }
+}
 
 impl SixVectors {
     /// Six-vectors from lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
         let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
         let vector = |i: usize| SixVector::new(at(linear, i), at(angular, i));
-        Self((0..count).into_par_iter().with_min_len(BATCH).map(vector).measured().collect())
+        Self(of_rows(count, vector))
     }
 
     /// Velocities, or forces.
     pub fn linear(&self) -> Vec<Vector> {
-        self.0.par_iter().with_min_len(BATCH).map(|s| s.linear()).measured().collect()
+        mapped(&self.0, |vector| vector.linear())
     }
 
     /// Angular velocities, or torques.
     pub fn angular(&self) -> Vec<Vector> {
-        self.0.par_iter().with_min_len(BATCH).map(|s| s.angular()).measured().collect()
+        mapped(&self.0, |vector| vector.angular())
     }
 }
 
@@ -71,7 +77,7 @@ const BATCH: usize = 1024;
 impl SixVectors {
     /// `count` zero six-vectors.
     pub fn zero(count: usize) -> Self {
-        Self(vec![SixVector::default(); count])
+        Self(of_rows(count, |_| SixVector::default()))
     }
 
     /// Bytes of a number of lists of this length.

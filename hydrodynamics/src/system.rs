@@ -4,7 +4,7 @@ use crate::pairs::search::{NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::units::Scaled;
-use domain::parallel::MeasuredLoop;
+use domain::parallel::{MeasuredLoop, copied, mapped, of_rows};
 use domain::{Comm, Traceless, Vector, sphere};
 use fcm::{Linear, Loads, Motion, System};
 use rayon::prelude::*;
@@ -20,7 +20,7 @@ pub struct MotionsWithLoads {
 
 /// Unknowns of the system: minus the motions in the loads of stiff pairs and of soft pairs, and the first moments
 /// `D = -S`. Only the sum of the pair loads of the solution and of its start matters; it may be kept in either.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct Unknowns {
     /// `y_s`
     pub stiff: MotionsWithLoads,
@@ -36,6 +36,12 @@ pub struct Residual {
     pub stiff: SixVectors,
     pub soft: SixVectors,
     pub strain_rates: Vec<Traceless>,
+}
+
+impl Clone for Unknowns {
+    fn clone(&self) -> Self {
+        Self { stiff: self.stiff.clone(), soft: self.soft.clone(), moments: copied(&self.moments) }
+    }
 }
 
 impl Linear for MotionsWithLoads {
@@ -144,8 +150,7 @@ impl SingleSpheres {
     /// For spheres of these radii.
     pub fn new(viscosity: f64, radii: &[f64]) -> Self {
         let strain = |&radius: &f64| sphere::strain_resistance(viscosity, radius);
-        let motion = radii.iter().map(|&radius| single(viscosity, radius)).collect();
-        Self { motion, strain: radii.iter().map(strain).collect() }
+        Self { motion: mapped(radii, |&radius| single(viscosity, radius)), strain: mapped(radii, strain) }
     }
 }
 
@@ -186,9 +191,8 @@ impl<'a> CoupledSystem<'a> {
 
     /// Residual of the start, in a background flow with the strain rate `ambient`.
     pub fn residual(&self, start: &Unknowns, ambient: Traceless) -> Residual {
-        let mut sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
-        sums.strain_rates.iter_mut().for_each(|e| *e += ambient);
-        let strain_rates = sums.strain_rates.into_iter().map(|e| e * -1.0).collect();
+        let sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
+        let strain_rates = mapped(&sums.strain_rates, |&e| (e + ambient) * -1.0);
         Residual { stiff: sums.stiff.negative(), soft: sums.soft.negative(), strain_rates }
     }
 
@@ -228,7 +232,7 @@ fn image(stiff: &SixVectors, soft: &SixVectors, motion: &Motion) -> Residual {
         sum.add(1.0, motions);
         sum
     };
-    Residual { stiff: plus(stiff), soft: plus(soft), strain_rates: motion.strain_rates.clone() }
+    Residual { stiff: plus(stiff), soft: plus(soft), strain_rates: copied(&motion.strain_rates) }
 }
 
 impl System for CoupledSystem<'_> {
@@ -252,8 +256,8 @@ impl System for CoupledSystem<'_> {
     fn precondition(&mut self, residual: &Residual) -> Unknowns {
         let stiff = self.of_stiff(&residual.stiff);
         let soft = resisted(self.near, Pairs::Soft, &residual.soft);
-        let rates = residual.strain_rates.par_iter().with_min_len(BATCH);
-        let moments = rates.zip(self.strain_resistance).map(|(&r, &d)| r * d).measured().collect();
+        let rates = &residual.strain_rates;
+        let moments = of_rows(rates.len(), |row| rates[row] * self.strain_resistance[row]);
         Unknowns { stiff, soft, moments }
     }
 
@@ -310,6 +314,6 @@ pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &SixVectors) -> Motions
 
 /// Loads on the far field: forces, torques, and stresslets `-D`.
 pub fn far_loads(loads: &SixVectors, moments: &[Traceless]) -> Loads {
-    let stresslets = moments.par_iter().with_min_len(BATCH).map(|&d| -d).measured().collect();
+    let stresslets = mapped(moments, |&d| -d);
     Loads { forces: loads.linear(), torques: loads.angular(), stresslets }
 }

@@ -4,6 +4,7 @@
 use crate::solution::{Guess, Solution, StoredSolution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
+use domain::parallel::{copied, mapped};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Loads, Mobility, Motion, Multipoles, Output};
 use lubrication::PairKind;
@@ -37,7 +38,7 @@ pub fn resistance<'a>(springs: &'a Springs<'a>, units: &Units) -> impl Fn(f64, P
 /// Contact springs of a rank's particles in scaled units.
 pub fn contacts(springs: &Springs, units: &Units) -> Vec<Vec<ContactSprings>> {
     let of_one = |all: &Vec<ContactSprings>| all.iter().map(|contact| contact.times(units.velocity())).collect();
-    springs.contacts.iter().map(of_one).collect()
+    mapped(springs.contacts, of_one)
 }
 
 /// Bonds and traps of a rank's particles in scaled units.
@@ -49,8 +50,8 @@ pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
         ..*bond
     };
     TetherResistance {
-        bonds: bonds.iter().map(|all| all.iter().map(bond).collect()).collect(),
-        traps: traps.iter().map(|trap| trap * units.velocity()).collect(),
+        bonds: mapped(bonds, |all| all.iter().map(bond).collect()),
+        traps: mapped(traps, |trap| trap * units.velocity()),
     }
 }
 
@@ -58,15 +59,19 @@ pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
 pub fn particles(given: &Particles, units: &Units) -> Particles {
     let over = 1.0 / units.length;
     Particles {
-        positions: given.positions.iter().map(|&x| x * over).collect(),
-        radii: given.radii.iter().map(|&a| a * over).collect(),
-        ..given.without_columns()
+        ids: copied(&given.ids),
+        positions: mapped(&given.positions, |&x| x * over),
+        steps: copied(&given.steps),
+        radii: mapped(&given.radii, |&a| a * over),
+        species: copied(&given.species),
+        columns: Vec::new(),
+        scalars: given.scalars.clone(),
     }
 }
 
 /// The initial guess in scaled units.
 pub fn guess(given: &Guess, units: &Units) -> Guess {
-    let times = |list: &[Vector], unit: f64| list.iter().map(|&v| v * (1.0 / unit)).collect();
+    let times = |list: &[Vector], unit: f64| mapped(list, |&v| v * (1.0 / unit));
     Guess {
         stresslets_far: tensors_times(&given.stresslets_far, 1.0 / units.torque()),
         induced_velocities: times(&given.induced_velocities, units.velocity()),
@@ -92,8 +97,8 @@ pub fn solution(found: &Solution, units: &Units) -> Solution {
 /// Loads with torques and stresslets in another unit; the unit of forces is unchanged.
 pub fn times(loads: &Loads, torque: f64) -> Loads {
     Loads {
-        forces: loads.forces.clone(),
-        torques: loads.torques.iter().map(|&t| t * torque).collect(),
+        forces: copied(&loads.forces),
+        torques: mapped(&loads.torques, |&t| t * torque),
         stresslets: tensors_times(&loads.stresslets, torque),
     }
 }
@@ -120,12 +125,12 @@ pub fn found(given: &StoredSolution, units: &Units) -> StoredSolution {
 
 fn motion_times(motion: &Motion, velocity: f64, rate: f64) -> Motion {
     Motion {
-        velocities: motion.velocities.iter().map(|&v| v * velocity).collect(),
-        angular_velocities: motion.angular_velocities.iter().map(|&w| w * rate).collect(),
+        velocities: mapped(&motion.velocities, |&v| v * velocity),
+        angular_velocities: mapped(&motion.angular_velocities, |&w| w * rate),
         strain_rates: tensors_times(&motion.strain_rates, rate),
     }
 }
 
 fn tensors_times(list: &[Traceless], factor: f64) -> Vec<Traceless> {
-    list.iter().map(|&t| t * factor).collect()
+    mapped(list, |&t| t * factor)
 }

@@ -1,6 +1,6 @@
 //! Values on the grid, with a type parameter for physical or Fourier space.
 
-use crate::layout::Layout;
+use crate::layout::{Layout, ModeRows};
 use crate::modes::{Complexes, MODES};
 use crate::shared::Shared;
 use crate::{Real, memory::AlignedMemory};
@@ -220,7 +220,8 @@ impl<T: Real> Field<T, Spectral> {
     /// as zero.
     pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
         let (layout, values) = (&self.layout, self.memory.values());
-        layout.for_each_mode(&layout.spectral, &layout.modes, |place| values[place], &mut visit);
+        let rows = ModeRows { strides: &layout.spectral, modes: &layout.modes };
+        (0..layout.points[2]).for_each(|m3| layout.for_modes_of_plane(rows, m3, |place| values[place], &mut visit));
     }
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.

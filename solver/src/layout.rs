@@ -78,6 +78,14 @@ impl Layout {
     }
 }
 
+/// Rows of modes along x in memory.
+#[derive(Clone, Copy)]
+pub struct ModeRows<'a> {
+    pub strides: &'a Strides,
+    /// Indices along y.
+    pub modes: &'a Range<usize>,
+}
+
 impl Layout {
     /// Number of rounds in which `ranks` ranks of a row exchange columns along z, of at most `room` values each: the
     /// same on all ranks.
@@ -86,26 +94,23 @@ impl Layout {
         (3 * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
     }
 
-    /// Calls `visit(mode, values)` for each mode of this rank with an index along y in `modes`; `read` returns the
-    /// value at a position given by the strides.
-    pub fn for_each_mode<T: Real>(
+    /// Calls `visit(mode, values)` for each mode of this rank with an index along y in `rows` and the index `m3` along
+    /// z; `read` returns the value at a position given by the strides.
+    pub fn for_modes_of_plane<T: Real>(
         &self,
-        strides: &Strides,
-        modes: &Range<usize>,
+        ModeRows { strides, modes }: ModeRows,
+        m3: usize,
         read: impl Fn(usize) -> T,
-        visit: &mut impl FnMut([usize; 3], [Complex<T>; 3]),
+        mut visit: impl FnMut([usize; 3], [Complex<T>; 3]),
     ) {
-        let [nx, _, nz] = self.points;
-        let columns = self.blocks.start * T::LANES..(self.blocks.end * T::LANES).min(nx / 2);
-        for m3 in 0..nz {
-            for m2 in modes.clone() {
-                for m1 in columns.clone() {
-                    let value = |component| {
-                        let real = strides.at(component, m2 - modes.start, m3) + self.in_row::<T>(m1);
-                        Complex::new(read(real), read(real + T::LANES))
-                    };
-                    visit([m1, m2, m3], std::array::from_fn(value));
-                }
+        let columns = self.blocks.start * T::LANES..(self.blocks.end * T::LANES).min(self.points[0] / 2);
+        for m2 in modes.clone() {
+            for m1 in columns.clone() {
+                let value = |component| {
+                    let real = strides.at(component, m2 - modes.start, m3) + self.in_row::<T>(m1);
+                    Complex::new(read(real), read(real + T::LANES))
+                };
+                visit([m1, m2, m3], std::array::from_fn(value));
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::scalars;
 use crate::start::{given_positions, orientations, placement};
-use domain::parallel::stage;
+use domain::parallel::{of_rows, stage};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
 use simulation::{Clock, State};
@@ -244,8 +244,8 @@ impl Suspension {
         let column = self.particles.columns.iter().find(|c| c.name == VELOCITY).expect("velocities were computed");
         let velocities: &[Vector] = bytemuck::cast_slice(&column.values);
         let (moving, particles) = (self.dynamics.periodic_cell(), &self.particles);
-        let places = particles.positions.iter().zip(&particles.radii);
-        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - moving.velocity_of(x, a)).collect()
+        let (positions, radii) = (&particles.positions, &particles.radii);
+        of_rows(velocities.len(), |row| velocities[row] - moving.velocity_of(positions[row], radii[row]))
     }
 
     /// Rate of shear or extension to which the velocities belong, and the strain so far.

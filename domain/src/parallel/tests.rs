@@ -24,6 +24,14 @@ fn measured(computation: impl FnOnce() + Send) -> ParallelProfile {
     pool.install(|| measure(clock, computation)).1
 }
 
+/// Calls a function on pools of several numbers of threads.
+pub(super) fn on_threads(check: impl Fn(usize) + Sync) {
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| check(threads));
+    }
+}
+
 fn two_stages() {
     work(1);
     let mut stage = stage("first");

@@ -2,7 +2,7 @@
 
 use crate::grid::kernel::{Kernel, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
-use domain::parallel::MeasuredLoop;
+use domain::parallel::{MeasuredLoop, ScatteredWrites, of_rows};
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, VectorKernel};
@@ -26,32 +26,13 @@ impl Interpolation<'_> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
-        let mut motions = vec![(Vector::ZERO, Tensor::ZERO); self.stencils.len()];
+        let mut motions = of_rows(self.stencils.len(), |_| (Vector::ZERO, Tensor::ZERO));
         let bytes = 3 * size_of_val(slab.components[0]) + size_of_val(&motions[..]);
-        let by_row = &ByRow { motions: motions.as_mut_ptr(), rows: motions.len() };
+        let by_row = &ScatteredWrites::into(&mut motions);
         self.stencils.par_chunks(BATCH).moving(bytes).for_each(|stencils| {
             T::dispatch(Weigh { to: self, kernel, stencils, slab, by_row });
         });
         motions
-    }
-}
-
-/// Motions that threads write concurrently, each thread those of its own stencils.
-struct ByRow {
-    motions: *mut (Vector, Tensor),
-    rows: usize,
-}
-
-// SAFETY: each particle has one stencil, and each stencil is in one batch: no two threads write to the same row.
-unsafe impl Sync for ByRow {}
-
-impl ByRow {
-    #[inline(always)]
-    fn set(&self, stencil: &Stencil, motion: (Vector, Tensor)) {
-        let row = stencil.row as usize;
-        assert!(row < self.rows, "a stencil of a particle that is present");
-        // SAFETY: a row of the list, to which no other thread writes.
-        unsafe { self.motions.add(row).write(motion) };
     }
 }
 
@@ -61,7 +42,7 @@ struct Weigh<'a, T, K> {
     kernel: &'a K,
     stencils: &'a [Stencil],
     slab: &'a Slab<&'a [T]>,
-    by_row: &'a ByRow,
+    by_row: &'a ScatteredWrites<'a, (Vector, Tensor)>,
 }
 
 impl<T: Real, K: Kernel<T>> VectorKernel<T> for Weigh<'_, T, K> {
@@ -82,7 +63,9 @@ impl<T: Real, K: Kernel<T>> VectorKernel<T> for Weigh<'_, T, K> {
                 }
             }
             let [x, y, z] = gradient;
-            self.by_row.set(stencil, (velocity * *volume, Tensor::from_cols(x, y, z) * -*volume));
+            let motion = (velocity * *volume, Tensor::from_cols(x, y, z) * -*volume);
+            // SAFETY: each particle has one stencil, and each stencil is in one batch.
+            unsafe { self.by_row.set(stencil.row as usize, motion) };
         }
     }
 }

@@ -1,8 +1,7 @@
 //! Grid points of the particles' stencils.
 
 use domain::Vector;
-use domain::parallel::MeasuredLoop;
-use rayon::prelude::*;
+use domain::parallel::{SortedRows, mapped, of_rows};
 use solver::Grid;
 
 /// Size of the stencils of all particles. With the direct method they are the points within the reach, in a box of
@@ -44,8 +43,8 @@ pub(crate) fn sorted_stencils(grid: &Grid, extent: [usize; 3], positions: &[Vect
     let points = grid.points().map(|n| n as i32);
     let half = 0.5 * Vector::from_array(extent.map(|n| n as f64));
     let (row_shift, slope) = (grid.row_shift() as i32, spacing.x / spacing.y * grid.row_shift() as f64);
-    let unsorted = positions.par_iter().enumerate().map(|(row, &position)| {
-        let mut coordinates = grid.cell().lattice_coordinates(position);
+    let stencil = |row: usize| {
+        let mut coordinates = grid.cell().lattice_coordinates(positions[row]);
         if row_shift != 0 {
             coordinates.x += slope * coordinates.y;
         }
@@ -55,10 +54,11 @@ pub(crate) fn sorted_stencils(grid: &Grid, extent: [usize; 3], positions: &[Vect
         let wrapped = |d: usize, first: i32| first.rem_euclid(points[d]) as u32;
         let first = [wrapped(0, x - row_shift * y), wrapped(1, y), wrapped(2, z)];
         Stencil { row: row as u32, first, offset }
-    });
+    };
+    let unsorted = of_rows(positions.len(), stencil);
     let blocks = GridBlocks::of(grid.points());
-    let key = |stencil: &Stencil| blocks.index_of(stencil.first.map(|p| p as usize));
-    sort_by_key(unsorted.measured().collect(), key, blocks.count())
+    let keys = mapped(&unsorted, |stencil| blocks.index_of(stencil.first.map(|p| p as usize)) as u32);
+    mapped(SortedRows::by_key(&keys, blocks.count()).rows(), |&row| unsorted[row as usize])
 }
 
 /// Order of the grid's blocks in which neighbours in the list are neighbours in memory: columns of blocks along z,
@@ -91,27 +91,4 @@ impl GridBlocks {
         let layer = column * self.counts[2] + z;
         (layer * COLUMN[1] + y % COLUMN[1]) * COLUMN[0] + x % COLUMN[0]
     }
-}
-
-/// Stable counting sort by keys below `keys`.
-fn sort_by_key(stencils: Vec<Stencil>, key: impl Fn(&Stencil) -> usize, keys: usize) -> Vec<Stencil> {
-    if stencils.len() < keys / 8 {
-        let mut stencils = stencils;
-        stencils.sort_by_key(key);
-        return stencils;
-    }
-    let mut starts = vec![0_u32; keys + 1];
-    for stencil in &stencils {
-        starts[key(stencil) + 1] += 1;
-    }
-    for k in 1..keys {
-        starts[k] += starts[k - 1];
-    }
-    let mut sorted = stencils.clone();
-    for stencil in &stencils {
-        let next = &mut starts[key(stencil)];
-        sorted[*next as usize] = *stencil;
-        *next += 1;
-    }
-    sorted
 }

@@ -1,6 +1,7 @@
 //! Loads on the particles and their motions.
 
 use crate::plan::problem::Multipoles;
+use domain::parallel::{change, greatest};
 use domain::{Tensor, Traceless, Vector};
 
 /// Loads that the particles apply to the fluid, one entry per particle; an empty list stands for zeros and costs
@@ -18,8 +19,8 @@ pub struct Loads {
 impl Loads {
     /// Largest component of these loads, with torques and stresslets divided by a length; NaN is ignored.
     pub(crate) fn largest(&self, length: f64) -> f64 {
-        let largest = |list: &[Vector]| list.iter().map(|v| v.abs().max_element()).fold(0.0, f64::max);
-        let stresslets = self.stresslets.iter().flat_map(|s| s.0).map(f64::abs).fold(0.0, f64::max);
+        let largest = |list: &[Vector]| greatest(list, |vector| vector.abs().max_element());
+        let stresslets = greatest(&self.stresslets, |s| s.0.into_iter().map(f64::abs).fold(0.0, f64::max));
         largest(&self.forces).max(largest(&self.torques).max(stresslets) / length)
     }
 }
@@ -49,12 +50,10 @@ pub struct Motion {
 impl Motion {
     /// Adds `factor` times another motion of the same particles.
     pub fn add(&mut self, factor: f64, other: &Self) {
-        let add = |to: &mut [Vector], by: &[Vector]| to.iter_mut().zip(by).for_each(|(v, &w)| *v += w * factor);
+        let add = |to: &mut [Vector], by: &[Vector]| change(to, by, |v, &w| *v += w * factor);
         add(&mut self.velocities, &other.velocities);
         add(&mut self.angular_velocities, &other.angular_velocities);
-        for (e, &d) in self.strain_rates.iter_mut().zip(&other.strain_rates) {
-            *e += d * factor;
-        }
+        change(&mut self.strain_rates, &other.strain_rates, |e, &d| *e += d * factor);
     }
 
     /// The motion without what a plan of these multipoles has not: with monopoles, velocities alone.

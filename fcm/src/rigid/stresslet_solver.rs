@@ -6,6 +6,7 @@ use crate::mobility::work::Work;
 use crate::mobility::{Mobility, RigidProblem, RigidSolution};
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
+use domain::parallel::{all_rows, change_rows, copied, mapped, of_rows};
 use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, sphere};
 
 /// Failure of a solve, the same on all ranks.
@@ -133,7 +134,7 @@ impl StressletSolver {
             Multipoles::Monopole => self.free(input.loads, input.ambient),
             Multipoles::Dipole => self.rigid(&particles.radii, input)?,
         };
-        let finite = solved.motion.velocities.iter().all(|v| v.is_finite());
+        let finite = all_rows(particles.len(), |row| solved.motion.velocities[row].is_finite());
         if self.comm.any(!finite) { Err(SolveError::NotFinite) } else { Ok(solved) }
     }
 
@@ -156,12 +157,10 @@ impl StressletSolver {
         motion.add(1.0, ambient);
         // The unknowns are D = -S, for which the system is positive definite.
         resistances.resize(radii.len(), Traceless::ZERO);
-        for s in &mut resistances {
-            *s = -*s;
-        }
-        let mut residual: Vec<_> = motion.strain_rates.iter().map(|&e| -(e + background)).collect();
+        change_rows(&mut resistances, |_, s| *s = -*s);
+        let mut residual = mapped(&motion.strain_rates, |&e| -(e + background));
         let viscosity = self.mobility.plan().viscosity;
-        let diagonal: Vec<f64> = radii.iter().map(|a| sphere::strain_resistance(viscosity, *a)).collect();
+        let diagonal = mapped(radii, |a| sphere::strain_resistance(viscosity, *a));
         let tolerance = self.mobility.plan().iteration_tolerance;
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &self.interrupt };
         let mut z = Vec::new();
@@ -169,7 +168,7 @@ impl StressletSolver {
         let iterate = Iterate { x: &mut resistances, residual: &mut residual, z: &mut z };
         let outcome = conjugate_gradients(&self.comm, &mut strain, iterate, limits);
         let motion = strain.motion;
-        let stresslets = resistances.into_iter().map(|d| -d).collect();
+        let stresslets = mapped(&resistances, |&d| -d);
         ended(RigidSolution { motion, stresslets, outcome }, tolerance)
     }
 
@@ -223,12 +222,12 @@ impl System for Strain<'_> {
     }
 
     fn apply(&mut self, direction: &Vec<Traceless>) -> Vec<Traceless> {
-        let stresslets = direction.iter().map(|&d| -d).collect();
+        let stresslets = mapped(direction, |&d| -d);
         let loads = Loads { stresslets, ..Loads::default() };
         // Releases the memory of the last step before this one's is allocated.
         self.step = Motion::default();
         self.step = self.mobility.apply(&loads, Output::All);
-        self.step.strain_rates.clone()
+        copied(&self.step.strain_rates)
     }
 
     fn on_step(&mut self, length: f64) {
@@ -236,7 +235,7 @@ impl System for Strain<'_> {
     }
 
     fn precondition(&mut self, residual: &Vec<Traceless>) -> Vec<Traceless> {
-        residual.iter().zip(&self.diagonal).map(|(&r, &d)| r * d).collect()
+        of_rows(residual.len(), |row| residual[row] * self.diagonal[row])
     }
 
     fn size(&self, x: &Vec<Traceless>) -> f64 {

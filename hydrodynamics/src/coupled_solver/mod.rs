@@ -16,7 +16,7 @@ use crate::springs::Springs;
 use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStart, Unknowns, single};
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
-use domain::parallel::stage;
+use domain::parallel::{all_rows, change, mapped, stage};
 use domain::{Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units};
 use fcm::{
     DrawDiagnostics, Iterate, IterationOutcome, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, RigidInput,
@@ -192,7 +192,7 @@ impl CoupledSolver {
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..input.loads.clone() };
         let plan = self.far.mobility().plan();
-        let single: Vec<SixVector> = particles.radii.iter().map(|&a| single(plan.viscosity, a)).collect();
+        let single = mapped(&particles.radii, |&a| single(plan.viscosity, a));
         let induced = induced(&single, &motion, &far);
         Ok(Solution { motion, stresslets, far, induced, curvature: 0.0, iterations, residual })
     }
@@ -231,8 +231,8 @@ impl CoupledSolver {
         // Square roots of the units of translational and rotational resistance.
         let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
         Loads {
-            forces: loads.forces.into_iter().map(|f| f * force).collect(),
-            torques: loads.torques.into_iter().map(|t| t * torque).collect(),
+            forces: mapped(&loads.forces, |&f| f * force),
+            torques: mapped(&loads.torques, |&t| t * torque),
             stresslets: Vec::new(),
         }
     }
@@ -246,8 +246,8 @@ fn in_units(lengths: &[f64], unit: f64) -> Vec<f64> {
 /// uniform.
 fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> Option<Motion> {
     (!strain_rate.is_uniform()).then(|| {
-        let mut strain_rates: Vec<Traceless> = particles.positions.iter().map(|x| strain_rate.beyond(x.z)).collect();
-        strain_rates.iter_mut().zip(&ambient.strain_rates).for_each(|(sum, &own)| *sum += own);
+        let mut strain_rates = mapped(&particles.positions, |x| strain_rate.beyond(x.z));
+        change(&mut strain_rates, &ambient.strain_rates, |sum, &own| *sum += own);
         Motion { strain_rates, ..ambient.clone() }
     })
 }
@@ -298,13 +298,15 @@ impl LubricatedSolve<'_> {
         ended(&outcome, limits)?;
         let (motion, x) =
             system.finish(FinalIterate { x, residual: &residual, correction }, END * limits.tolerance, comm);
-        if comm.any(!motion.velocities.iter().all(|v| v.is_finite())) {
+        if comm.any(!all_rows(count, |row| motion.velocities[row].is_finite())) {
             return Err(SolveError::NotFinite);
         }
         known.add(1.0, &x.loads());
         let far = system::far_loads(&known, &x.moments);
         let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
-        let stresslets = far.stresslets.iter().zip(near.stresslets(&motions)).map(|(&far, near)| far + near).collect();
+        let mut stresslets = near.stresslets(&motions);
+        stresslets.truncate(far.stresslets.len());
+        change(&mut stresslets, &far.stresslets, |near, &far| *near = far + *near);
         let induced = induced(&spheres.motion, &motion, &far);
         let (curvature, IterationOutcome { iterations, residual, .. }) = (0.0, outcome);
         Ok(Solution { motion, stresslets, far, induced, curvature, iterations, residual })
@@ -334,7 +336,7 @@ fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
 
 /// First moments of a guess for `count` spheres.
 fn moments(guess: &Guess, count: usize) -> Vec<Traceless> {
-    let mut moments: Vec<Traceless> = guess.stresslets_far.iter().map(|&s| -s).collect();
+    let mut moments = mapped(&guess.stresslets_far, |&s| -s);
     moments.resize(count, Traceless::ZERO);
     moments
 }

@@ -9,7 +9,7 @@ use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
-use domain::parallel::{MeasuredLoop, stage};
+use domain::parallel::{MeasuredLoop, change, copied, equal, mapped, of_rows, stage};
 use domain::{
     DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
 };
@@ -29,9 +29,6 @@ pub struct NearField {
     /// Radii by species.
     pub radii: Vec<f64>,
 }
-
-/// Number of motions that one thread copies at a time.
-const BATCH: usize = 1024;
 
 /// A rank's particles and the ghosts in their reach, in a box.
 pub struct Present {
@@ -92,7 +89,7 @@ impl Present {
         reach: f64,
     ) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
-        let (mut positions, mut ids) = (particles.positions.clone(), particles.ids.clone());
+        let (mut positions, mut ids) = (copied(&particles.positions), copied(&particles.ids));
         halo.extend(&mut positions);
         halo.extend(&mut ids);
         halo.extend(&mut species);
@@ -102,16 +99,16 @@ impl Present {
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
     fn is_of(&self, particles: &Particles, species: &[u32], cell: &PeriodicBox) -> bool {
         let owned = particles.len();
-        let is_like = self.halo.owned() == owned && self.cell == *cell && self.ids[..owned] == particles.ids;
-        is_like && self.species[..owned] == *species && self.positions[..owned] == particles.positions
+        let is_like = self.halo.owned() == owned && self.cell == *cell && equal(&self.ids[..owned], &particles.ids);
+        is_like && equal(&self.species[..owned], species) && equal(&self.positions[..owned], &particles.positions)
     }
 }
 
 impl NearField {
     /// Collects particles and ghosts, and updates the neighbour lists. Collective.
     pub fn present(&mut self, particles: &Particles, view: DomainView) -> Rc<Present> {
-        let class = |a: &f64| self.radii.partition_point(|radius| radius < a) as u32;
-        let species = particles.radii.iter().map(class).collect();
+        let radii = &self.radii;
+        let species = mapped(&particles.radii, |a| radii.partition_point(|radius| radius < a) as u32);
         self.lists.follow(particles, species, view)
     }
 }
@@ -173,7 +170,7 @@ impl NearPairs {
         let lubrication = lubrication.as_ref();
         let arrangement =
             PairArrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
-        let (mut loads, mut moments) = (SixVectors::zero(owned), vec![Traceless::ZERO; owned]);
+        let (mut loads, mut moments) = (SixVectors::zero(owned), of_rows(owned, |_| Traceless::ZERO));
         let Resisting { mut stiff, soft } = match field.precision {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, &mut loads.0, &mut moments)),
             Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, &mut loads.0, &mut moments)),
@@ -185,8 +182,9 @@ impl NearPairs {
             loads.0[at_wall.row] += load;
             moments[at_wall.row] += moment;
         }
+        let trapped = springs.map_or(0, |springs| springs.tethers.traps.len());
         let trap = |row: usize| Some((row, springs?.trap(row)?));
-        let traps: Vec<(usize, f64)> = (0..owned).filter_map(trap).collect();
+        let traps: Vec<(usize, f64)> = (0..trapped).filter_map(trap).collect();
         for &(row, resistance) in &traps {
             stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
@@ -261,16 +259,16 @@ impl NearPairs {
     /// Collective.
     pub fn stresslets(&self, motions: &SixVectors) -> Vec<Traceless> {
         let present = self.present(motions);
-        let mut by_motions = vec![Traceless::ZERO; self.moments.len()];
+        let mut by_motions = of_rows(self.moments.len(), |_| Traceless::ZERO);
         self.stiff.add_moments(&present, &mut by_motions);
         self.soft.add_moments(&present, &mut by_motions);
         self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
-        let moments = self.moments.par_iter().with_min_len(BATCH).zip(by_motions);
-        moments.map(|(&by_strain, by_motion)| by_strain - by_motion).measured().collect()
+        change(&mut by_motions, &self.moments, |by_motion, &by_strain| *by_motion = by_strain - *by_motion);
+        by_motions
     }
 
     fn present(&self, motions: &SixVectors) -> Vec<Padded> {
-        let mut present: Vec<Padded> = motions.0.par_iter().with_min_len(BATCH).map(Padded::from).measured().collect();
+        let mut present = mapped(&motions.0, |motion| Padded::from(motion));
         self.around.halo.extend(&mut present);
         present
     }

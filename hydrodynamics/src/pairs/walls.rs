@@ -4,8 +4,10 @@ use crate::ambient::StrainRate;
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
+use domain::parallel::{MeasuredLoop, concat};
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
 use lubrication::{PairKind, WallCoefficients, WallForce};
+use rayon::prelude::*;
 
 /// A sphere near a wall. Its resistance is like that of a pair one of which is at rest relative to the flow.
 #[derive(Debug, Clone, Copy)]
@@ -20,6 +22,9 @@ pub struct AtWall {
     pub in_flow: (SixVector, Traceless),
 }
 
+/// Spheres that one thread compares with the walls at a time.
+const BATCH: usize = 1024;
+
 /// The spheres of a rank within the range of lubrication or springs at walls, by rows, in an ambient flow with a strain
 /// rate.
 pub fn find(
@@ -29,8 +34,8 @@ pub fn find(
     cell: &PeriodicBox,
     strain_rate: StrainRate,
 ) -> Vec<AtWall> {
-    let rows = particles.positions.iter().zip(&particles.radii).enumerate();
-    let of_row = |(row, (&place, &radius))| {
+    let of_row = |row: usize| {
+        let (place, radius) = (particles.positions[row], particles.radii[row]);
         let at_wall = move |to: ToWall| {
             let lubricated = lubrication.and_then(|force| force.factor(to.axis, to.distance, radius));
             let mut resistance = lubricated.map(|factor| factor.coefficients()).unwrap_or_default();
@@ -42,7 +47,9 @@ pub fn find(
         };
         cell.to_walls(place).filter_map(at_wall)
     };
-    rows.flat_map(of_row).collect()
+    let count = if cell.boundaries().walls() == 0 { 0 } else { particles.len() };
+    let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).flat_map(of_row).collect();
+    concat((0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect())
 }
 
 /// Load and first moment on a sphere that moves with the velocity of a parabolic flow at its centre. The reference is

@@ -5,14 +5,16 @@ mod noise;
 mod transposition;
 
 use crate::fourier::{AnyLength, Direction};
-use crate::layout::Layout;
+use crate::layout::{Layout, ModeRows};
 use crate::memory::AlignedMemory;
 use crate::shared::Shared;
 use crate::{Field, Physical, Real, Spectral, Stokes};
 use domain::Partition;
+use domain::parallel::MeasuredLoop;
 use local_transform::{LocalTransform, PlaneTask};
 pub use noise::Draw;
 use num_complex::Complex;
+use rayon::prelude::*;
 use transposition::{Transposition, WholeColumns};
 
 /// Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
@@ -135,23 +137,32 @@ impl<T: Real> Transform<T> {
         self.planes_backward(&mut field.memory, operator.occupied());
     }
 
-    /// Calls `visit(mode, values)` for each mode of a field that this rank owns after the transform, as
-    /// [`Field::for_each_mode`] does after [`Self::forward`], but in any order and without another field: the values
-    /// of this one are overwritten.
-    pub fn for_each_mode(
+    /// Folds over the modes of a field that this rank owns after the transform, which are those of
+    /// [`Field::for_each_mode`] after [`Self::forward`], but without another field: the values of this one are
+    /// overwritten. Returns partial results, each begun by `start` and folded by `visit` over a part of the modes.
+    pub fn fold_modes<S: Send>(
         &mut self,
         field: &mut Field<T, Physical>,
-        mut visit: impl FnMut([usize; 3], [Complex<T>; 3]),
-    ) {
+        start: impl Fn() -> S + Sync,
+        visit: impl Fn(&mut S, [usize; 3], [Complex<T>; 3]) + Sync,
+    ) -> Vec<S> {
+        let (mut parts, planes_of_modes) = (Vec::new(), self.local.layout().points[2]);
         let planes = self.planes_forward(&mut field.memory, self.local.all_lines());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
             self.local.pencils(&columns, Direction::Forward);
             let WholeColumns { memory, strides, modes } = &columns;
-            // SAFETY: the columns have all these modes, and are not written before the next round.
-            let read = |place| unsafe { *memory.at(place) };
-            self.local.layout().for_each_mode::<T>(strides, modes, read, &mut visit);
+            let of_plane = |m3: usize| {
+                let mut part = start();
+                // SAFETY: the columns have all these modes, and are not written before the next round.
+                let read = |place| unsafe { *memory.at(place) };
+                let visit = |mode, values| visit(&mut part, mode, values);
+                self.local.layout().for_modes_of_plane(ModeRows { strides, modes }, m3, read, visit);
+                part
+            };
+            parts.extend((0..planes_of_modes).into_par_iter().map(of_plane).measured().collect::<Vec<_>>());
         }
+        parts
     }
 
     /// Number of rounds in which columns along z are exchanged.

@@ -73,7 +73,8 @@ fn in_room<T: Real>(
         let mut field = transform.field();
         fill(&mut field, true);
         let mut shown = BTreeMap::new();
-        transform.for_each_mode(&mut field.clone(), |mode, values| assert!(shown.insert(mode, values).is_none()));
+        let parts = transform.fold_modes(&mut field.clone(), Vec::new, |part, mode, values| part.push((mode, values)));
+        parts.concat().into_iter().for_each(|(mode, values)| assert!(shown.insert(mode, values).is_none()));
         let spectrum = transform.forward(field);
         let found = modes(&spectrum);
         assert!(found == shown, "modes are shown as they are kept");

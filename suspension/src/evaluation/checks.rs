@@ -2,6 +2,7 @@
 
 use super::Dynamics;
 use crate::error::step::StepError;
+use domain::parallel::all_rows;
 use domain::{Number, Particles, Vector};
 use simulation::Clock;
 
@@ -18,7 +19,9 @@ impl Dynamics {
     pub(super) fn check_positions(&self, particles: &Particles, clock: &Clock) -> Result<(), StepError> {
         let edges = self.cell().edges();
         let is_somewhere = |p: &Vector| (*p / edges).abs().max_element() < FARTHEST;
-        let lost = particles.positions.iter().position(|p| !is_somewhere(p));
+        let positions = &particles.positions;
+        let are_somewhere = all_rows(positions.len(), |row| is_somewhere(&positions[row]));
+        let lost = if are_somewhere { None } else { positions.iter().position(|p| !is_somewhere(p)) };
         let message = |row: usize| {
             format!(
                 "step {}: particle {} is at {}, which is no place; the time step is probably too large for the forces \

@@ -6,7 +6,7 @@ use crate::flow::periodic_cell::PeriodicCell;
 use crate::model::Integrator;
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
 use bytemuck::{Pod, Zeroable};
-use domain::parallel::MeasuredLoop;
+use domain::parallel::{MeasuredLoop, all_rows, change, copied, mapped, of_rows};
 use domain::{Comm, DomainView, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -66,9 +66,9 @@ impl<const N: usize> RelativeMotion<N> {
 
     /// Relative motion of known near pairs, with velocities in the named columns. Collective.
     pub fn new(near: PairsWithHalo, particles: &mut Particles, moving: &PeriodicCell, columns: [&str; N]) -> Self {
-        let velocities = columns.map(|name| particles.vectors(name).to_vec());
+        let velocities = columns.map(|name| copied(particles.vectors(name)));
         let at_walls = at_walls(particles, moving.cell(), velocities.each_ref());
-        let pairs = near.map(velocities, |SeparatedPair { separation, radii, steps }, velocities| {
+        let pairs = near.map(&velocities, |SeparatedPair { separation, radii, steps }, velocities| {
             let image = moving.velocity_of_image(steps);
             MovingPair { separation, velocities: velocities.map(|velocity| velocity + image), radii }
         });
@@ -137,25 +137,27 @@ impl<const N: usize> RelativeMotion<N> {
 
     /// [`Self::apart`] as far as the iteration comes, and whether it converged. Collective.
     pub fn pushed(&self, weights: [f64; N], closest: f64, comm: &Comm) -> (Vec<Vector>, bool) {
-        let separations: Vec<Vector> =
-            self.pairs.iter().map(|pair| pair.separation_after(weights, self.advection)).collect();
-        let mut displacements = vec![Vector::ZERO; self.near.owned()];
+        let (pairs, advection) = (&self.pairs, self.advection);
+        let separations = mapped(pairs, |pair| pair.separation_after(weights, advection));
+        let mut displacements = of_rows(self.near.owned(), |_| Vector::ZERO);
         for _ in 0..MOST_ROUNDS {
             let between = self.near.differences(&displacements);
-            let pushes: Vec<[Push; 2]> =
-                (0..self.pairs.len()).map(|k| self.pairs[k].push(separations[k] + between[k], closest)).collect();
+            let pushes = of_rows(pairs.len(), |k| pairs[k].push(separations[k] + between[k], closest));
             let by_walls: Vec<(usize, Push)> =
                 self.at_walls.iter().filter_map(|sphere| sphere.push(weights, &displacements, closest)).collect();
-            if !comm.any(!by_walls.is_empty() || pushes.iter().any(|[push, _]| push.pairs > 0.0)) {
+            let are_apart = by_walls.is_empty() && all_rows(pushes.len(), |k| pushes[k][0].pairs == 0.0);
+            if !comm.any(!are_apart) {
                 return (displacements, true);
             }
             let mut sums = self.near.summed(pushes.into_iter());
             for (row, push) in by_walls {
                 sums[row] += push;
             }
-            for (displacement, push) in displacements.iter_mut().zip(sums).filter(|(_, push)| push.pairs > 0.0) {
-                *displacement += push.displacement / push.pairs;
-            }
+            change(&mut displacements, &sums, |displacement, push| {
+                if push.pairs > 0.0 {
+                    *displacement += push.displacement / push.pairs;
+                }
+            });
         }
         (displacements, false)
     }

@@ -4,8 +4,8 @@ use crate::columns::STRESSLET;
 use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
 use crate::scalars::BLEND;
-use domain::parallel::{MeasuredLoop, stage};
-use domain::{Comm, Particles, Vector};
+use domain::parallel::{MeasuredLoop, change, change_rows, copied, of_rows, overwrite, stage};
+use domain::{Comm, Particles};
 use fcm::{Loads, Motion};
 use hydrodynamics::{Guess, Solution};
 use rayon::prelude::*;
@@ -71,7 +71,7 @@ impl WarmStart {
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1));
         let times = if steps > 0 && !is_known { PAST } else { 1 };
         for (name, width) in (0..times).flat_map(|_| self.columns()) {
-            let mut newest = particles.column(name, width).values.clone();
+            let mut newest = copied(&particles.column(name, width).values);
             for k in 1..=PAST {
                 std::mem::swap(&mut particles.column(&past(name, k), width).values, &mut newest);
             }
@@ -101,14 +101,14 @@ impl WarmStart {
         if !self.coupled {
             return;
         }
-        particles.column(STRESSLET_FAR, 5).values.copy_from_slice(bytemuck::cast_slice(&solved.far.stresslets));
+        overwrite(&mut particles.column(STRESSLET_FAR, 5).values, bytemuck::cast_slice(&solved.far.stresslets));
         for (name, far) in [(FORCE, &solved.far.forces), (TORQUE, &solved.far.torques)] {
-            let known = far.iter().copied().chain(std::iter::repeat(Vector::ZERO));
-            particles.vectors(name).iter_mut().zip(known).for_each(|(value, far)| *value = far);
+            let known = |row: usize| far.get(row).copied().unwrap_or_default();
+            change_rows(particles.vectors(name), |row, value| *value = known(row));
         }
         for (names, motion) in [(INDUCED, &solved.induced), (MOTION, &solved.motion)] {
             for (name, list) in names.iter().zip([&motion.velocities, &motion.angular_velocities]) {
-                particles.vectors(name).iter_mut().zip(list).for_each(|(value, &known)| *value = known);
+                change(particles.vectors(name), list, |value, &known| *value = known);
             }
         }
     }
@@ -145,12 +145,7 @@ impl WarmStart {
             let share = curvature.get(k).copied().unwrap_or_default();
             let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
             let past = Past::of(particles, name, width, ages, ahead);
-            (0..past.len())
-                .into_par_iter()
-                .with_min_len(BATCH)
-                .map(|i| mixed(past.extrapolated(i)))
-                .measured()
-                .collect()
+            of_rows(past.len(), |i| mixed(past.extrapolated(i)))
         });
         Self::guessed(lists)
     }
@@ -162,20 +157,20 @@ impl WarmStart {
 
     /// The last solution, as a guess.
     pub fn found(&self, particles: &mut Particles) -> Guess {
-        Self::guessed(self.columns().into_iter().map(|(name, width)| particles.column(name, width).values.clone()))
+        Self::guessed(self.columns().into_iter().map(|(name, width)| copied(&particles.column(name, width).values)))
     }
 
     /// A guess from the values of all columns, in their order.
     fn guessed(mut lists: impl Iterator<Item = Vec<f64>>) -> Guess {
-        let stresslets_far = lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default();
+        let stresslets_far = lists.next().map(|list| copied(bytemuck::cast_slice(&list))).unwrap_or_default();
         let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
-            [(); 4].map(|()| lists.next().map(|list| bytemuck::cast_slice(&list).to_vec()).unwrap_or_default());
+            [(); 4].map(|()| lists.next().map(|list| copied(bytemuck::cast_slice(&list))).unwrap_or_default());
         Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities }
     }
 
     /// Motions relative to the background flow in the last solution.
     pub fn motion(particles: &mut Particles) -> Motion {
-        let [velocities, angular_velocities] = MOTION.map(|name| particles.vectors(name).to_vec());
+        let [velocities, angular_velocities] = MOTION.map(|name| copied(particles.vectors(name)));
         Motion { velocities, angular_velocities, strain_rates: Vec::new() }
     }
 
@@ -264,7 +259,7 @@ fn past(name: &str, k: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use domain::Traceless;
+    use domain::{Traceless, Vector};
     use fcm::Motion;
     use std::f64::consts::PI;
 

@@ -36,7 +36,8 @@ use crate::forces::{Forces, SharedRanges};
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
-use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector, parallel::stage};
+use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite, stage};
+use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::{Motion, SolveError};
 use following::Following;
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
@@ -315,18 +316,19 @@ impl Dynamics {
 
     /// A column of velocities minus the background flow, as far as the column contains it.
     fn relative(&self, particles: &mut Particles, name: &str) -> Vec<Vector> {
-        let velocities = particles.vectors(name).to_vec();
-        let places = particles.positions.iter().zip(&particles.radii);
-        velocities.iter().zip(places).map(|(&v, (&x, &a))| v - self.moving.carried_velocity_of(x, a)).collect()
+        let mut velocities = copied(particles.vectors(name));
+        let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
+        change_rows(&mut velocities, |row, v| *v -= moving.carried_velocity_of(positions[row], radii[row]));
+        velocities
     }
 
     /// Adds `times` the flow relative to which velocities are given while particles move.
     fn add_background(&self, particles: &mut Particles, times: f64) {
-        if !self.moving.advects() {
-            return;
+        if self.moving.advects() {
+            let flow = self.flow();
+            let reference = mapped(&particles.positions, |&x| flow.velocity(x) * times);
+            change(particles.vectors(VELOCITY), &reference, |v, &reference| *v += reference);
         }
-        let reference: Vec<_> = particles.positions.iter().map(|&x| self.flow().velocity(x) * times).collect();
-        particles.vectors(VELOCITY).iter_mut().zip(reference).for_each(|(v, reference)| *v += reference);
     }
 
     /// The error for a failed solve: an overlap, if there is one. Collective.
@@ -351,18 +353,19 @@ impl Dynamics {
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
             let turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
-            particles.vectors(ANGULAR_VELOCITY).copy_from_slice(&turned);
+            overwrite(particles.vectors(ANGULAR_VELOCITY), &turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
-            particles.column(STRESSLET, 5).values.copy_from_slice(stresslets);
+            overwrite(&mut particles.column(STRESSLET, 5).values, stresslets);
             self.warm_start.record(particles, solved);
         }
     }
 
     /// Writes velocities into a column, with the background flow that columns of velocities contain.
     fn note_carried(&self, particles: &mut Particles, column: &str, velocities: &[Vector]) {
-        let places = particles.positions.iter().zip(&particles.radii).zip(velocities);
-        let carried: Vec<_> = places.map(|((&x, &a), &v)| v + self.moving.carried_velocity_of(x, a)).collect();
-        particles.vectors(column).copy_from_slice(&carried);
+        let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
+        let carried = |row: usize| velocities[row] + moving.carried_velocity_of(positions[row], radii[row]);
+        let carried = of_rows(velocities.len(), carried);
+        overwrite(particles.vectors(column), &carried);
     }
 }
 

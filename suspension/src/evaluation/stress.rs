@@ -5,7 +5,9 @@ use crate::columns::{BROWNIAN, STRESSLET};
 use crate::forces::NamedMoments;
 use crate::forces::force::StressName;
 use bytemuck::cast_slice;
+use domain::parallel::MeasuredLoop;
 use domain::{Comm, Particles, Tensor, Traceless};
+use rayon::prelude::*;
 
 /// Stress of the particles of one species, averaged over the box, by contribution. With `S_n` the far-field stresslet
 /// of a particle, `L_n` the stresslet added by lubrication, `F_ij` the repulsion on particle `i` due to `j`, and `V`
@@ -106,13 +108,17 @@ impl ParticleStress {
         comm: &Comm,
     ) -> Vec<Self> {
         let summands = summands(particles, moments);
-        let mut sums = vec![Tensor::ZERO; species * summands.len()];
-        for (row, &kind) in particles.species.iter().enumerate() {
-            let of_kind = &mut sums[kind as usize * summands.len()..][..summands.len()];
-            for (sum, (_, summands)) in of_kind.iter_mut().zip(&summands) {
-                *sum += summands.of(row).unwrap_or(Tensor::ZERO);
+        // Contributions in parallel: sums over particles have an order.
+        let of_part = |(_, summands): &(StressName, Summands)| {
+            let mut sums = vec![Tensor::ZERO; species];
+            for (row, &kind) in particles.species.iter().enumerate() {
+                sums[kind as usize] += summands.of(row).unwrap_or(Tensor::ZERO);
             }
-        }
+            sums
+        };
+        let of_parts: Vec<Vec<Tensor>> = summands.par_iter().map(of_part).measured().collect();
+        let of_species = |kind: usize| of_parts.iter().map(move |sums| sums[kind]);
+        let mut sums: Vec<Tensor> = (0..species).flat_map(of_species).collect();
         comm.sum(bytemuck::cast_slice_mut(&mut sums));
         let part = |(name, &sum): (StressName, &Tensor)| StressPart { name, tensor: sum * (1.0 / volume) };
         let names = || summands.iter().map(|(name, _)| *name);

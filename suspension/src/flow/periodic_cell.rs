@@ -6,6 +6,7 @@ use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
+use domain::parallel::{change_rows, copied, equal};
 use domain::{Boundaries, Particles, PeriodicBox, Scalars, Traceless, Vector};
 use hydrodynamics::Poiseuille;
 use hydrodynamics::StrainRate;
@@ -338,8 +339,11 @@ impl PeriodicCell {
     }
 
     fn wrap_in_flow(&self, particles: &mut Particles) {
-        let before = particles.steps.clone();
+        let before = copied(&particles.steps);
         particles.wrap(&self.cell);
+        if equal(&before, &particles.steps) {
+            return;
+        }
         for (i, before) in before.iter().enumerate() {
             let now = particles.steps[i];
             if now == *before {
@@ -366,7 +370,7 @@ fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
 
 /// Advects particles with a flow, together with their velocities relative to it.
 fn carry_by(deformation: Deformation, particles: &mut Particles) {
-    let carry = |vectors: &mut [Vector]| vectors.iter_mut().for_each(|vector| *vector = deformation.of(*vector));
+    let carry = |vectors: &mut [Vector]| change_rows(vectors, |_, vector| *vector = deformation.of(*vector));
     carry(&mut particles.positions);
     velocities(particles).for_each(carry);
 }

@@ -3,6 +3,7 @@
 use super::acting::Configuration;
 use super::force::Force;
 use crate::model::{Model, Species};
+use domain::parallel::{change, mapped, of_rows};
 use domain::{Particles, Vector};
 use fcm::Loads;
 
@@ -28,7 +29,7 @@ fn add(loads: &mut Vec<Vector>, more: Vec<Vector>) {
     if loads.is_empty() {
         *loads = more;
     } else {
-        loads.iter_mut().zip(more).for_each(|(load, more)| *load += more);
+        change(loads, &more, |load, &more| *load += more);
     }
 }
 
@@ -56,14 +57,15 @@ impl ExternalForces {
         if self.species.iter().all(|s| s.force_on(1.0, self.gravity) == Vector::ZERO) {
             return Vec::new();
         }
-        let force = |(&species, &radius): (&u32, &f64)| self.species[species as usize].force_on(radius, self.gravity);
-        particles.species.iter().zip(&particles.radii).map(force).collect()
+        let force =
+            |row: usize| self.species[particles.species[row] as usize].force_on(particles.radii[row], self.gravity);
+        of_rows(particles.len(), force)
     }
 
     fn torques(&self, particles: &Particles) -> Vec<Vector> {
         if self.species.iter().all(|s| s.torque == Vector::ZERO) {
             return Vec::new();
         }
-        particles.species.iter().map(|&s| self.species[s as usize].torque).collect()
+        mapped(&particles.species, |&s| self.species[s as usize].torque)
     }
 }

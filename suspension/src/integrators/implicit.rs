@@ -126,7 +126,7 @@ impl Substep<'_> {
         let (ages, rest) = (ages(&particles.scalars), (1.0 - fraction) * clock.dt());
         let mut longest =
             proposed(particles, &ages, control, &comm).min(dynamics.periodic_cell().longest_substep()).min(rest);
-        let before = (particles.clone(), dynamics.periodic_cell().clone());
+        let before = (particles.copied(), dynamics.periodic_cell().clone());
         loop {
             let mut approach = dynamics.approach(particles, USED);
             let length = choose(&mut approach, &ages, LengthBounds { rest, longest, control, clock }, dynamics)?;
@@ -152,7 +152,7 @@ impl Substep<'_> {
                 dynamics.adapt_stiffness(particles, step);
                 return Ok((end, outcome));
             }
-            (*particles, longest) = (before.0.clone(), step * if error.is_finite() { factor } else { 0.1 });
+            (*particles, longest) = (before.0.copied(), step * if error.is_finite() { factor } else { 0.1 });
             dynamics.go_back(before.1.clone());
         }
     }

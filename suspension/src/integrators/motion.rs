@@ -1,6 +1,7 @@
 //! The motion of particles in a step: the one place where integrators change positions and orientations.
 
 use crate::rotation;
+use domain::parallel::{change, mapped, overwrite};
 use domain::{Particles, Vector};
 
 /// Moves the particles by the sum of `weights[k]` times the velocities in column `k`, and rotates their orientations,
@@ -13,7 +14,7 @@ pub fn advance<const N: usize>(particles: &mut Particles, columns: [&str; N], we
 
 /// Moves the particles by displacements without rotation, which keep near spheres apart; an empty list stands for none.
 pub fn move_apart(particles: &mut Particles, displacements: &[Vector]) {
-    particles.positions.iter_mut().zip(displacements).for_each(|(position, &displacement)| *position += displacement);
+    change(&mut particles.positions, displacements, |position, &displacement| *position += displacement);
 }
 
 /// Ends a step or substep. Its rotations are of order 2 in the step.
@@ -38,7 +39,7 @@ pub fn copy(particles: &mut Particles, from: &str, to: &str) {
 
 fn copy_column(particles: &mut Particles, from: &str, to: &str) {
     let values = std::mem::take(&mut particles.column(from, 3).values);
-    particles.column(to, 3).values.copy_from_slice(&values);
+    overwrite(&mut particles.column(to, 3).values, &values);
     particles.column(from, 3).values = values;
 }
 
@@ -52,9 +53,9 @@ pub fn combine(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2],
 }
 
 fn store_sum(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], to: &str) {
-    let [first, second] = columns.map(|name| particles.vectors(name).to_vec());
-    let sums = first.iter().zip(second).map(|(&first, second)| first * weights[0] + second * weights[1]);
-    particles.vectors(to).iter_mut().zip(sums).for_each(|(value, sum)| *value = sum);
+    let mut sums = mapped(particles.vectors(columns[0]), |&first| first * weights[0]);
+    change(&mut sums, particles.vectors(columns[1]), |sum, &second| *sum += second * weights[1]);
+    overwrite(particles.vectors(to), &sums);
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use crate::evaluation::Dynamics;
 use crate::evaluation::gap_control::RelativeMotion;
 use crate::scalars::{AGES, OLDEST_AGE};
+use domain::parallel::{change, greatest, of_rows};
 use domain::{Comm, Particles, Scalars, Vector};
 
 /// Smallest substep, over the clock's step.
@@ -35,13 +36,13 @@ pub fn largest_displacement<const N: usize>(
     weights: [f64; N],
     comm: &Comm,
 ) -> f64 {
-    let mut sums = vec![Vector::ZERO; particles.len()];
+    let mut sums = of_rows(particles.len(), |_| Vector::ZERO);
     for (name, weight) in columns.into_iter().zip(weights) {
-        sums.iter_mut().zip(particles.vectors(name).iter()).for_each(|(sum, &v)| *sum += v * weight);
+        change(&mut sums, particles.vectors(name), |sum, &v| *sum += v * weight);
     }
-    let over_radius = sums.iter().zip(&particles.radii).map(|(sum, a)| sum.length() / a);
+    let over_radius = of_rows(sums.len(), |row| sums[row].length() / particles.radii[row]);
     // The maximum of floating-point numbers ignores NaN.
-    let mut largest = [over_radius.fold(0.0, |m, e| if e.is_nan() { f64::INFINITY } else { f64::max(m, e) })];
+    let mut largest = [greatest(&over_radius, |&over| if over.is_nan() { f64::INFINITY } else { over })];
     comm.max(&mut largest);
     largest[0]
 }

@@ -2,7 +2,9 @@
 
 use super::SeparatedPair;
 use bytemuck::Pod;
+use domain::parallel::{copied, equal};
 use domain::{DomainView, Halo, Pair, Particles, PeriodicBox, Vector};
+use std::borrow::Cow;
 
 /// Particles of a rank, followed by ghosts within a distance, at one time.
 pub struct LocalParticles {
@@ -32,7 +34,7 @@ impl LocalParticles {
     pub fn new(particles: &Particles, DomainView { cell, partition }: DomainView, distance: f64) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [distance; 2]);
         let (mut positions, mut radii, mut ids) =
-            (particles.positions.clone(), particles.radii.clone(), particles.ids.clone());
+            (copied(&particles.positions), copied(&particles.radii), copied(&particles.ids));
         halo.extend(&mut positions);
         halo.extend(&mut radii);
         halo.extend(&mut ids);
@@ -42,8 +44,8 @@ impl LocalParticles {
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
     pub(super) fn is_of(&self, particles: &Particles, cell: &PeriodicBox) -> bool {
         let (owned, LocalPositions { cell: known, positions, radii }) = (self.owned(), &self.local);
-        let is_same = owned == particles.len() && known == cell && self.ids[..owned] == particles.ids;
-        is_same && radii[..owned] == particles.radii && positions[..owned] == particles.positions
+        let is_same = owned == particles.len() && known == cell && equal(&self.ids[..owned], &particles.ids);
+        is_same && equal(&radii[..owned], &particles.radii) && equal(&positions[..owned], &particles.positions)
     }
 
     /// Halo of the ghosts.
@@ -77,8 +79,7 @@ impl LocalParticles {
     }
 
     /// Values of this rank's particles, extended by those of its ghosts. Collective.
-    pub fn extended<T: Pod>(&self, mut values: Vec<T>) -> Vec<T> {
-        self.halo.extend(&mut values);
-        values
+    pub fn extended<'a, T: Pod>(&self, values: &'a [T]) -> Cow<'a, [T]> {
+        self.halo.extended(values)
     }
 }

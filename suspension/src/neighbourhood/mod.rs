@@ -11,6 +11,7 @@ pub use local_particles::LocalParticles;
 pub use neighbour_lists::{NearParticles, NeighbourLists};
 use rayon::prelude::*;
 pub use smallest_gap::smallest_gap;
+use std::borrow::Cow;
 use std::ops::AddAssign;
 use std::rc::Rc;
 
@@ -68,7 +69,7 @@ impl PairsWithHalo {
 
     /// Difference of a vector of each particle, second minus first, for each pair. Collective.
     pub fn differences(&self, values: &[Vector]) -> Vec<Vector> {
-        let present = self.present.extended(values.to_vec());
+        let present = self.present.extended(values);
         let difference = |pair: &Pair| present[pair.j as usize] - present[pair.i as usize];
         self.pairs.list().par_iter().with_min_len(BATCH).map(difference).measured().collect()
     }
@@ -77,12 +78,12 @@ impl PairsWithHalo {
     /// vectors, as in [`PairsWithHalo::differences`]. Collective.
     pub fn map<T: Send, const N: usize>(
         &self,
-        values: [Vec<Vector>; N],
+        values: &[Vec<Vector>; N],
         of_pair: impl Fn(SeparatedPair, [Vector; N]) -> T + Sync,
     ) -> Vec<T> {
-        let (present, local) = (values.map(|list| self.present.extended(list)), self.present.local());
+        let (present, local) = (values.each_ref().map(|list| self.present.extended(list)), self.present.local());
         let made = |pair: &Pair| {
-            let difference = |list: &Vec<Vector>| list[pair.j as usize] - list[pair.i as usize];
+            let difference = |list: &Cow<[Vector]>| list[pair.j as usize] - list[pair.i as usize];
             of_pair(local.pair(pair), present.each_ref().map(difference))
         };
         self.pairs.list().par_iter().with_min_len(BATCH).map(made).measured().collect()

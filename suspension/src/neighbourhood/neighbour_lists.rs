@@ -2,7 +2,7 @@
 
 use super::smallest_gap::{smallest_gap, smallest_gap_at_walls};
 use super::{LocalParticles, PairsWithHalo};
-use domain::parallel::stage;
+use domain::parallel::{least, stage};
 use domain::{
     Bytes, DomainView, ExpectedCounts, LocalAndGhosts, Neighbours, Pair, Pairs, Particles, Partition, VerletList,
 };
@@ -98,13 +98,16 @@ impl NeighbourLists {
         drop(levels);
         let Some(range) = range else { return smallest_gap(particles, domain) };
         let NearParticles { present, neighbours } = self.near(particles, domain, range);
+        let (positions, radii) = (present.positions(), present.radii());
         let gap = |i: usize, j: usize, steps: [i8; 3]| {
             let pair = Pair { i: i as u32, j: j as u32, steps };
-            pair.separation(domain.cell, present.positions()).length() - (present.radii()[i] + present.radii()[j])
+            pair.separation(domain.cell, positions).length() - (radii[i] + radii[j])
         };
-        let of_row = |row: usize| neighbours.of(row).iter().map(move |other| (row, other.row as usize, other.steps));
-        let gaps = (0..particles.len()).flat_map(of_row).map(|(i, j, steps)| gap(i, j, steps));
-        let mut smallest = [gaps.fold(f64::INFINITY, f64::min)];
+        let of_row = |row: usize| {
+            let gaps = neighbours.of(row).iter().map(|other| gap(row, other.row as usize, other.steps));
+            gaps.fold(f64::INFINITY, f64::min)
+        };
+        let mut smallest = [least(particles.len(), of_row)];
         domain.comm().min(&mut smallest);
         // Pairs beyond the range have larger gaps than this.
         if smallest[0] > range - 2.0 * largest_radius {

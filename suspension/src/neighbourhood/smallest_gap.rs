@@ -1,5 +1,6 @@
 //! Smallest gap of a suspension.
 
+use domain::parallel::least;
 use domain::{DomainView, Halo, Neighbour, Neighbours, Pair, Particles, Vector};
 
 /// Smallest gap between the surfaces of two particles, of a particle and its own image, or of a particle and a wall.
@@ -26,9 +27,11 @@ pub(super) fn smallest_gap_at_walls(particles: &Particles, domain: DomainView) -
     if cell.boundaries().walls() == 0 {
         return f64::INFINITY;
     }
-    let of_one = |(&place, &radius): (&Vector, &f64)| cell.to_walls(place).map(move |to| to.distance - radius);
-    let gaps = particles.positions.iter().zip(&particles.radii).flat_map(of_one);
-    let mut smallest = [gaps.fold(f64::INFINITY, f64::min)];
+    let of_one = |row: usize| {
+        let gaps = cell.to_walls(particles.positions[row]).map(|to| to.distance - particles.radii[row]);
+        gaps.fold(f64::INFINITY, f64::min)
+    };
+    let mut smallest = [least(particles.len(), of_one)];
     domain.comm().min(&mut smallest);
     smallest[0]
 }
@@ -65,8 +68,8 @@ fn smallest_gap_of(
             let pair = Pair { i: row as u32, j: other.row, steps: other.steps };
             pair.separation(cell, &places).length() - (sizes[row] + sizes[other.row as usize])
         };
-        let gaps = (0..first.len()).flat_map(|row| neighbours.of(row).iter().map(move |other| gap(row, other)));
-        let mut found = [gaps.fold(smallest, f64::min)];
+        let of_row = |row: usize| neighbours.of(row).iter().map(|other| gap(row, other)).fold(f64::INFINITY, f64::min);
+        let mut found = [least(first.len(), of_row).min(smallest)];
         partition.comm().min(&mut found);
         smallest = found[0];
         // Pairs beyond the cutoff have gaps larger than the margin.

@@ -2,6 +2,7 @@
 
 use super::history::{CONTACTS, Memory, recall};
 use crate::neighbourhood::{LocalParticles, NearParticles};
+use domain::parallel::copied;
 use domain::{Particles, PeriodicBox, Vector};
 use hydrodynamics::ContactSprings;
 use lubrication::{Contact, PairKind};
@@ -97,9 +98,10 @@ impl AllTouching {
     /// Values relative to the flow for all local particles and ghosts, from those of this rank's particles, and zero
     /// for walls, which move with the flow. Collective.
     pub fn extended(&self, values: &[Vector]) -> Vec<Vector> {
-        let mut own = values.to_vec();
+        let mut own = copied(values);
         own.resize(self.present.owned(), Vector::ZERO);
-        let mut extended = self.present.extended(own);
+        self.present.halo().extend(&mut own);
+        let mut extended = own;
         extended.push(Vector::ZERO);
         extended
     }

@@ -262,7 +262,7 @@ impl Bonds {
     /// Collective.
     fn pulls(&self, tied: &Tied, ahead: Option<(&Prediction, f64)>) -> Vec<f64> {
         let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
-        let velocities = tied.present.extended(ahead.velocities.to_vec());
+        let velocities = tied.present.extended(ahead.velocities);
         let of_one = |bond: &Bond| {
             bond.pull() + times * self.resistance(bond, ahead.time) * bond.separation_rate(&velocities, ahead)
         };

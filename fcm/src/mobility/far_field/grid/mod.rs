@@ -14,11 +14,10 @@ use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorr
 use crate::plan::Plan;
 use crate::plan::problem::Precision;
 use crate::walls::wall_images::WallImages;
-use domain::parallel::{MeasuredLoop, stage};
+use domain::parallel::{all_rows, mapped, of_rows, stage};
 use domain::{
     Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
 };
-use rayon::prelude::*;
 use solver::Real;
 use spectral_grid::{GridLoads, GridPart, SpectralGrid};
 
@@ -112,7 +111,7 @@ impl GridFarField {
         let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
         let mut forces = Vec::new();
         if forced {
-            forces = loads.forces.iter().map(|&force| force * of_force).collect();
+            forces = mapped(&loads.forces, |&force| force * of_force);
             self.arrangement.halo.extend(&mut forces);
         }
         let mut dipoles = Vec::new();
@@ -120,7 +119,7 @@ impl GridFarField {
             let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
             let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
             let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
-            dipoles = (0..self.arrangement.halo.owned()).map(dipole).collect();
+            dipoles = of_rows(self.arrangement.halo.owned(), dipole);
             self.arrangement.halo.extend(&mut dipoles);
         }
         (forces, dipoles)
@@ -131,13 +130,13 @@ impl FarField for GridFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("arrangement"));
         let inverse = 1.0 / self.units.length;
-        let (cell, positions) = (&cell.scaled(inverse), particles.positions.iter().map(|&x| x * inverse));
-        let mut present: Vec<Vector> = positions.collect();
+        let (cell, plan) = (&cell.scaled(inverse), &self.plan);
+        let mut present = mapped(&particles.positions, |&position| position * inverse);
         let owned = present.len();
         let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
         let reach = self.reach(cell).map(|stencil| stencil.max(cutoff));
         let halo = Halo::plan(&self.partition, cell, &present, reach);
-        let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        let mut classes = mapped(&particles.radii, |&radius| plan.class_of(radius));
         halo.extend(&mut present);
         halo.extend(&mut classes);
         clock.stop(&mut self.work.seconds.exchange);
@@ -146,8 +145,7 @@ impl FarField for GridFarField {
         clock.stop(&mut self.work.seconds.spread);
         stage.next("neighbour lists");
         if self.near.is_some() {
-            let mut ids = particles.ids.clone();
-            halo.extend(&mut ids);
+            let ids = halo.extended(&particles.ids);
             self.verlet_list.update(cell, &LocalAndGhosts { owned, ids: &ids, positions: &present });
             self.work.searches = self.verlet_list.searches();
         }
@@ -162,12 +160,12 @@ impl FarField for GridFarField {
 
     fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
         let (inverse, known) = (1.0 / self.units.length, &self.arrangement);
-        let mut places = particles.positions.iter().zip(&known.positions);
-        let mut radii = particles.radii.iter().zip(&known.classes);
+        let (plan, positions, classes) = (&self.plan, &known.positions, &known.classes);
+        let is_same = |row: usize| {
+            particles.positions[row] * inverse == positions[row] && plan.class_of(particles.radii[row]) == classes[row]
+        };
         let is_like = self.has_arranged && known.halo.owned() == particles.len() && known.cell == cell.scaled(inverse);
-        is_like
-            && places.all(|(&position, &known)| position * inverse == known)
-            && radii.all(|(&radius, &class)| self.plan.class_of(radius) == class)
+        is_like && all_rows(particles.len(), is_same)
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
@@ -249,6 +247,9 @@ impl ArrangedParticles {
 
     /// Returns the sums that ranks made for each other's particles to the owners.
     fn collect(&self, motions: &mut Vec<(Vector, Tensor)>) {
+        if self.halo.is_alone() {
+            return;
+        }
         let mut velocities: Vec<Vector> = motions.iter().map(|m| m.0).collect();
         self.halo.collect(&mut velocities);
         motions.iter_mut().zip(velocities).for_each(|(motion, velocity)| motion.0 = velocity);
@@ -264,11 +265,11 @@ fn motion(motions: &[(Vector, Tensor)], output: Output, units: &Units) -> Motion
     let (velocity, rate) = (units.velocity(), units.rate());
     let mut motion = Motion::default();
     if output != Output::Gradients {
-        motion.velocities = motions.par_iter().map(|m| m.0 * velocity).measured().collect();
+        motion.velocities = mapped(motions, |m| m.0 * velocity);
     }
     if output != Output::Velocities {
-        motion.angular_velocities = motions.par_iter().map(|m| angular_velocity(&m.1) * rate).measured().collect();
-        motion.strain_rates = motions.par_iter().map(|m| Traceless::part_of(&m.1) * rate).measured().collect();
+        motion.angular_velocities = mapped(motions, |m| angular_velocity(&m.1) * rate);
+        motion.strain_rates = mapped(motions, |m| Traceless::part_of(&m.1) * rate);
     }
     motion
 }
