@@ -14,16 +14,16 @@ pub fn divergence<T: Real>(
     comm: &Comm,
 ) -> f64 {
     // Squares; the square roots are taken once at the end.
-    let visit = |largest: &mut [f64; 2], mode: [usize; 3], values: [Complex<T>; 3]| {
+    let visit = |largest: [f64; 2], mode: [usize; 3], values: [Complex<T>; 3]| {
         if (0..3).any(|axis| grid.is_nyquist(axis, mode)) {
-            return;
+            return largest;
         }
         let k = grid.wavevector(mode);
         let [re, im] =
             [values.map(|value| value.re.to_f64()), values.map(|value| value.im.to_f64())].map(Vector::from_array);
         let squares =
             [k.dot(re).powi(2) + k.dot(im).powi(2), k.length_squared() * (re.length_squared() + im.length_squared())];
-        *largest = greater(*largest, squares);
+        greater(largest, squares)
     };
     let parts = transform.fold_modes(velocity, || [0.0; 2], visit);
     let mut largest = parts.into_iter().fold([0.0; 2], greater).map(f64::sqrt);

@@ -220,8 +220,10 @@ impl<T: Real> Field<T, Spectral> {
     /// as zero.
     pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
         let (layout, values) = (&self.layout, self.memory.values());
-        let rows = ModeRows { strides: &layout.spectral, modes: &layout.modes };
-        (0..layout.points[2]).for_each(|m3| layout.for_modes_of_plane(rows, m3, |place| values[place], &mut visit));
+        for m3 in 0..layout.points[2] {
+            let rows = ModeRows { strides: &layout.spectral, modes: &layout.modes, m3 };
+            layout.fold_modes_of_plane(rows, |place| values[place], (), |(), mode, values| visit(mode, values));
+        }
     }
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.

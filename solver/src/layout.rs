@@ -78,12 +78,14 @@ impl Layout {
     }
 }
 
-/// Rows of modes along x in memory.
+/// Rows of modes along x in a plane in memory.
 #[derive(Clone, Copy)]
 pub struct ModeRows<'a> {
     pub strides: &'a Strides,
     /// Indices along y.
     pub modes: &'a Range<usize>,
+    /// Index along z.
+    pub m3: usize,
 }
 
 impl Layout {
@@ -94,15 +96,15 @@ impl Layout {
         (3 * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
     }
 
-    /// Calls `visit(mode, values)` for each mode of this rank with an index along y in `rows` and the index `m3` along
-    /// z; `read` returns the value at a position given by the strides.
-    pub fn for_modes_of_plane<T: Real>(
+    /// Folds `visit(state, mode, values)` over the modes of this rank with an index along y in `rows` and the index `m3`
+    /// along z; `read` returns the value at a position given by the strides.
+    pub fn fold_modes_of_plane<T: Real, S>(
         &self,
-        ModeRows { strides, modes }: ModeRows,
-        m3: usize,
+        ModeRows { strides, modes, m3 }: ModeRows,
         read: impl Fn(usize) -> T,
-        mut visit: impl FnMut([usize; 3], [Complex<T>; 3]),
-    ) {
+        mut state: S,
+        mut visit: impl FnMut(S, [usize; 3], [Complex<T>; 3]) -> S,
+    ) -> S {
         let columns = self.blocks.start * T::LANES..(self.blocks.end * T::LANES).min(self.points[0] / 2);
         for m2 in modes.clone() {
             for m1 in columns.clone() {
@@ -110,9 +112,10 @@ impl Layout {
                     let real = strides.at(component, m2 - modes.start, m3) + self.in_row::<T>(m1);
                     Complex::new(read(real), read(real + T::LANES))
                 };
-                visit([m1, m2, m3], std::array::from_fn(value));
+                state = visit(state, [m1, m2, m3], std::array::from_fn(value));
             }
         }
+        state
     }
 
     /// Position of the real part of a mode in its spectral row; the imaginary part follows after a vector's lanes.

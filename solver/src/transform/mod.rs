@@ -144,7 +144,7 @@ impl<T: Real> Transform<T> {
         &mut self,
         field: &mut Field<T, Physical>,
         start: impl Fn() -> S + Sync,
-        visit: impl Fn(&mut S, [usize; 3], [Complex<T>; 3]) + Sync,
+        visit: impl Fn(S, [usize; 3], [Complex<T>; 3]) -> S + Sync,
     ) -> Vec<S> {
         let (mut parts, planes_of_modes) = (Vec::new(), self.local.layout().points[2]);
         let planes = self.planes_forward(&mut field.memory, self.local.all_lines());
@@ -153,12 +153,9 @@ impl<T: Real> Transform<T> {
             self.local.pencils(&columns, Direction::Forward);
             let WholeColumns { memory, strides, modes } = &columns;
             let of_plane = |m3: usize| {
-                let mut part = start();
                 // SAFETY: the columns have all these modes, and are not written before the next round.
                 let read = |place| unsafe { *memory.at(place) };
-                let visit = |mode, values| visit(&mut part, mode, values);
-                self.local.layout().for_modes_of_plane(ModeRows { strides, modes }, m3, read, visit);
-                part
+                self.local.layout().fold_modes_of_plane(ModeRows { strides, modes, m3 }, read, start(), &visit)
             };
             parts.extend((0..planes_of_modes).into_par_iter().map(of_plane).measured().collect::<Vec<_>>());
         }

@@ -73,7 +73,11 @@ fn in_room<T: Real>(
         let mut field = transform.field();
         fill(&mut field, true);
         let mut shown = BTreeMap::new();
-        let parts = transform.fold_modes(&mut field.clone(), Vec::new, |part, mode, values| part.push((mode, values)));
+        let push = |mut part: Vec<_>, mode, values| {
+            part.push((mode, values));
+            part
+        };
+        let parts = transform.fold_modes(&mut field.clone(), Vec::new, push);
         parts.concat().into_iter().for_each(|(mode, values)| assert!(shown.insert(mode, values).is_none()));
         let spectrum = transform.forward(field);
         let found = modes(&spectrum);
