@@ -142,6 +142,7 @@ impl Grid {
     }
 
     /// Wavevector `(k1, k2 - s k1, k3 - r k2 - (t - s r) k1)` of a mode, along the box's axes.
+    #[inline(always)]
     pub fn wavevector(&self, mode: [usize; 3]) -> Vector {
         let [k1, mut k2, k3] = std::array::from_fn(|axis| self.wavenumber(axis, mode[axis]));
         if self.is_reduced {
@@ -153,6 +154,7 @@ impl Grid {
 
     /// Whether a mode is the Nyquist mode of an axis, `m = -n/2`. It stands for `n/2` as well, so its derivative is
     /// undefined: operators set such modes to zero.
+    #[inline(always)]
     pub fn is_nyquist(&self, axis: usize, mode: [usize; 3]) -> bool {
         if axis == 1 && self.is_reduced {
             let (all, twice) = self.along_reduced(mode);

@@ -98,6 +98,7 @@ impl Layout {
 
     /// Folds `visit(state, mode, values)` over the modes of this rank with an index along y in `rows` and the index `m3`
     /// along z; `read` returns the value at a position given by the strides.
+    #[inline(always)]
     pub fn fold_modes_of_plane<T: Real, S>(
         &self,
         ModeRows { strides, modes, m3 }: ModeRows,
