@@ -96,8 +96,8 @@ impl Layout {
         (3 * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
     }
 
-    /// Folds `visit(state, mode, values)` over the modes of this rank with an index along y in `rows` and the index `m3`
-    /// along z; `read` returns the value at a position given by the strides.
+    /// Folds `visit(state, mode, values)` over the modes of this rank with an index along y in `rows` and the index
+    /// `m3` along z; `read` returns the value at a position given by the strides.
     #[inline(always)]
     pub fn fold_modes_of_plane<T: Real, S>(
         &self,
