@@ -97,9 +97,7 @@ fn counts(line: &str) -> Option<[usize; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::costs::Costs;
-    use crate::plan::problem::{Fixed, Loading, Multipoles, Problem};
-    use domain::{Boundaries, Vector};
+    use crate::plan::problem::{Fixed, Problem};
 
     const PLAN: &str = "method     split: common Gaussian of width 1, pairs within 5.15\n\
         grid       14 x 14 x 14 points in f32\nsupport    8 x 6 x 6 points a particle\n\
@@ -142,26 +140,7 @@ mod tests {
     /// The same as that of its own description, in any axes.
     #[test]
     fn a_description_keeps_the_identity() {
-        let problem = Problem {
-            edges: Vector::new(9.0, 8.0, 10.0),
-            boundaries: Boundaries::Periodic,
-            volume: 720.0,
-            shortest_vector: 8.0,
-            smallest_edge_ratio: 1.0,
-            largest_strain: 0.0,
-            largest_tilts: [0.0; 2],
-            radii: vec![(1.0, 3), (1.3, 2)],
-            viscosity: 1.0,
-            multipoles: Multipoles::Dipole,
-            rigid: true,
-            lubricated: false,
-            loading: Loading::Varied,
-            tolerance: 1e-3,
-            threads: 1,
-            ranks: 1,
-            costs: Costs::default(),
-            fixed: Fixed::default(),
-        };
+        let problem = Problem::of_five_spheres();
         for method in Method::ALL {
             let fixed = Fixed { method: Some(method), ..Fixed::default() };
             let plan = Plan::choose(&Problem { fixed, ..problem.clone() }).unwrap();

@@ -136,3 +136,30 @@ pub struct Fixed {
     /// Relative error allowed in the stresslets.
     pub iteration_tolerance: Option<f64>,
 }
+
+#[cfg(test)]
+impl Problem {
+    /// Five spheres of two radii in a periodic box.
+    pub(crate) fn of_five_spheres() -> Self {
+        Self {
+            edges: Vector::new(9.0, 8.0, 10.0),
+            boundaries: Boundaries::Periodic,
+            volume: 720.0,
+            shortest_vector: 8.0,
+            smallest_edge_ratio: 1.0,
+            largest_strain: 0.0,
+            largest_tilts: [0.0; 2],
+            radii: vec![(1.0, 3), (1.3, 2)],
+            viscosity: 1.0,
+            multipoles: Multipoles::Dipole,
+            rigid: true,
+            lubricated: false,
+            loading: Loading::Varied,
+            tolerance: 1e-3,
+            threads: 1,
+            ranks: 1,
+            costs: Costs::default(),
+            fixed: Fixed::default(),
+        }
+    }
+}

@@ -1,29 +1,9 @@
 use super::*;
-use crate::plan::costs::Costs;
-use crate::plan::problem::{Fixed, Loading, Multipoles};
+use crate::plan::problem::Fixed;
 use domain::Vector;
 
 fn problem() -> Problem {
-    Problem {
-        edges: Vector::new(9.0, 8.0, 10.0),
-        boundaries: Boundaries::Periodic,
-        volume: 720.0,
-        shortest_vector: 8.0,
-        smallest_edge_ratio: 1.0,
-        largest_strain: 0.0,
-        largest_tilts: [0.0; 2],
-        radii: vec![(1.0, 3), (1.3, 2)],
-        viscosity: 1.0,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        lubricated: false,
-        loading: Loading::Varied,
-        tolerance: 1e-3,
-        threads: 1,
-        ranks: 1,
-        costs: Costs::default(),
-        fixed: on_card(),
-    }
+    Problem { fixed: on_card(), ..Problem::of_five_spheres() }
 }
 
 fn on_card() -> Fixed {
