@@ -5,7 +5,7 @@
 //! one load of an atomic more than without, and a stage another. Results have the same bits in either case.
 //!
 //! Lists that grow with particles, points or pairs are made, copied, compared and joined by the functions of this
-//! module ([`mapped`], [`concat`], [`SortedRows`] and others), with the same result on any number of threads.
+//! module ([`mapped`], [`concat()`], [`SortedRows`] and others), with the same result on any number of threads.
 
 mod iterator;
 mod lists;

@@ -36,6 +36,8 @@ pub struct LoopProfile {
     pub work: f64,
     /// Seconds in the largest task of each run.
     pub largest: f64,
+    /// Seconds in the mean task of each run.
+    pub mean: f64,
     /// Bytes read and written, as far as they were counted.
     pub bytes: u64,
 }
@@ -90,9 +92,9 @@ impl LoopProfile {
         (self.work / threads as f64).max(self.largest).max(in_memory) + wake_up
     }
 
-    /// Largest task over the mean of its run.
+    /// Largest task over the mean of its run, at least 1.
     pub fn imbalance(&self) -> f64 {
-        if self.work > 0.0 { self.largest * self.tasks as f64 / (self.work * self.runs as f64) } else { 1.0 }
+        if self.mean > 0.0 { self.largest / self.mean } else { 1.0 }
     }
 }
 
@@ -147,7 +149,9 @@ impl ParallelProfile {
                 let Some(again) = again.loops.iter().find(|again| again.place == of_loop.place) else { continue };
                 of_loop.seconds = of_loop.seconds.min(again.seconds);
                 of_loop.work = of_loop.work.min(again.work);
-                of_loop.largest = of_loop.largest.min(again.largest);
+                if again.largest < of_loop.largest {
+                    (of_loop.largest, of_loop.mean) = (again.largest, again.mean);
+                }
             }
         }
         for piece in &mut self.pieces {
@@ -170,7 +174,8 @@ impl ParallelProfile {
     pub(super) fn of_loop(&mut self, stage: &'static str, place: &'static Location<'static>) -> &mut LoopProfile {
         let loops = &mut self.stage(stage).loops;
         let at = loops.iter().position(|of| of.place == place).unwrap_or_else(|| {
-            loops.push(LoopProfile { place, runs: 0, seconds: 0.0, tasks: 0, work: 0.0, largest: 0.0, bytes: 0 });
+            let (seconds, work, largest, mean) = (0.0, 0.0, 0.0, 0.0);
+            loops.push(LoopProfile { place, runs: 0, seconds, tasks: 0, work, largest, mean, bytes: 0 });
             loops.len() - 1
         });
         &mut loops[at]

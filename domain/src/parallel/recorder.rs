@@ -177,8 +177,11 @@ impl Recording {
         of_loop.runs += 1;
         of_loop.seconds += seconds.max(0.0);
         of_loop.tasks += count;
-        of_loop.work += (work - reading * count as f64).max(0.0);
-        of_loop.largest += (largest - reading).max(0.0);
+        let work = (work - reading * count as f64).max(0.0);
+        let mean = work / count.max(1) as f64;
+        of_loop.work += work;
+        of_loop.mean += mean;
+        of_loop.largest += (largest - reading).max(mean);
         of_loop.bytes += bytes as u64;
         RECORDER.with_borrow_mut(|kept| *kept = Some(recorder));
     }

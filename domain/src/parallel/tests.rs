@@ -73,6 +73,18 @@ fn a_loop_on_more_threads_is_bounded_by_its_largest_task_and_by_memory() {
     assert_eq!(profile.seconds_on(4, &slow), 10.0 + 7.0 + 5.0 + 4.0);
 }
 
+#[test]
+fn runs_of_different_numbers_of_tasks_have_no_largest_task_below_the_mean() {
+    let profile = measured(|| {
+        for tasks in [1_u32, 9] {
+            (0..tasks).into_par_iter().measured().for_each(|_| work(tasks.into()));
+        }
+    });
+    let of_loop = &profile.stages()[0].loops[0];
+    assert_eq!((of_loop.runs, of_loop.tasks, of_loop.largest, of_loop.mean), (2, 10, 10.0, 10.0));
+    assert_eq!(profile.clone().least(&profile).stages()[0].loops[0].imbalance(), 1.0);
+}
+
 /// A loop in a task of another one belongs to that task.
 #[test]
 fn nested_loops_and_stages_are_not_counted_twice() {
