@@ -2,10 +2,10 @@
 
    FAULT_FOLDER  only files below this folder count, given as an absolute path
    FAULT_RANK    only this rank of an MPI job counts, 0 by default
-   FAULT_LOG     a file that gets a line `call path` for each call that counts, or for the one that fails; and in a list of
-                 calls a line `long path` after a write that goes over the end of a page of memory
+   FAULT_LOG     a file that gets a line `call process path` for each call that counts, or for the one that fails; and in a
+                 list of calls a line `long process path` after a write that goes over the end of a page of memory
    FAULT_CALL    which call: open, write, sync, rename, unlink, truncate, mkdir or close
-   FAULT_AT      the n-th such call fails; 0, the default, lets all pass and lists them in the log
+   FAULT_AT      the n-th such call of each process fails; 0, the default, lets all pass and lists them in the log
    FAULT_ERROR   the number of the error (errno)
    FAULT_HOW     `once`; `stays`: and so does whatever needs room from then on; `short`: the write ends at a
                  page of memory and the next one fails; `always`: every such call fails; `killed`: the program is killed
@@ -58,7 +58,7 @@ __attribute__((constructor)) static void start(void) {
 
 static void note(const char *name, const char *path) {
     char line[PATH_MAX + 32];
-    int length = snprintf(line, sizeof line, "%s %s\n", name, path);
+    int length = snprintf(line, sizeof line, "%s %d %s\n", name, (int)getpid(), path);
     if (log_file >= 0 && length > 0) syscall(SYS_write, log_file, line, (size_t)length);
 }
 

@@ -1,9 +1,12 @@
 """Makes each call that changes the folder of a run fail, one at a time."""
 
 import collections
+import concurrent.futures
 import dataclasses
 import errno
+import itertools
 import os
+import queue
 import shutil
 import signal
 
@@ -17,7 +20,7 @@ ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT)
 
 @dataclasses.dataclass(frozen=True)
 class Fault:
-    """The n-th call of a kind fails: once, from then on, or, for a write, after half of its bytes. Or the program is killed
+    """The n-th call of a kind fails in each process: once, from then on, or, for a write, after half of its bytes. Or the program is killed
     before the call or, for a write, after half of its bytes."""
 
     call: str
@@ -64,24 +67,28 @@ class Place:
 
     def stop_halfway(self):
         """From now on runs continue one that was stopped halfway by a full disk."""
-        writes = sum(call == "write" for call in self.calls())
+        writes = max(process.count("write") for process in self.calls())
         self.reset()
         self.call(self.arguments(), self.environment(Fault("write", 3 * writes // 4, errno.ENOSPC, "stays")))
         shutil.copytree(self.out, self.former)
 
     def calls(self, rank=0):
-        """The calls of a run without faults, in order, as named in the log of the library."""
+        """The calls of each process of a run without faults, in order, as named in the log of the library."""
         self.reset()
         code, said = self.call(self.arguments(), self.environment(rank=rank))
         if code != 0 or differences(end_state(self.out), self.expected):
             raise RuntimeError(f"{self.run.name} with all calls listed ended with {code}:\n{said}")
-        return [line.split()[0] for line in self.log.read_text().splitlines()] if self.log.exists() else []
+        processes = collections.defaultdict(list)
+        for line in self.log.read_text().splitlines() if self.log.exists() else []:
+            call, process = line.split()[:2]
+            processes[process].append(call)
+        return list(processes.values())
 
     def survives(self, fault):
         """None if the run survives the fault; otherwise the failure."""
         self.reset()
         code, said = self.call(self.arguments(), self.environment(fault))
-        if not self.log.exists():
+        if not self.log.read_text():
             return f"the call was not made: {said}"
         return self.wrong_end(fault, code, said) or self.wrong_after(code)
 
@@ -108,8 +115,15 @@ class Place:
         return f"other results: {missed}" if missed else None
 
 
-def faults(calls, ways):
-    """The faults to try: every kind at every call, with the errors in turn. Only long writes can end early."""
+def faults(processes, ways):
+    """The faults to try: every kind at every call of a process, with the errors in turn. A call of the same number fails in
+    all processes at once."""
+    of_processes = (of_process(calls, ways) for calls in processes)
+    return {(fault.call, fault.at, fault.how): fault for fault in itertools.chain(*of_processes)}.values()
+
+
+def of_process(calls, ways):
+    """The faults of one process. Only long writes can end early."""
     counts = collections.Counter()
     for place, call in enumerate(calls):
         counts[call] += 1
@@ -126,18 +140,45 @@ def sample(all_faults, most):
     return all_faults[::step]
 
 
+class Places:
+    """Folders in which runs of one kind are tried at the same time, as many as the processors allow."""
+
+    def __init__(self, run, folder, library):
+        places = max(1, (os.cpu_count() or 1) // (run.ranks or 1))
+        self.all = []
+        for number in range(places):
+            os.makedirs(folder / str(number))
+            self.all.append(Place(run, folder / str(number), library))
+        self.free = queue.SimpleQueue()
+        for place in self.all:
+            self.free.put(place)
+
+    def survives(self, fault):
+        """The fault, and None if the run survives it; otherwise the failure."""
+        place = self.free.get()
+        try:
+            return fault, place.survives(fault)
+        finally:
+            self.free.put(place)
+
+    def try_all(self, chosen):
+        """Yields each fault with its failure or None."""
+        with concurrent.futures.ThreadPoolExecutor(len(self.all)) as threads:
+            yield from threads.map(self.survives, chosen)
+
+
 def try_run(run, folder, library, ways, most):
     """Tries faults from the start of the run and in its continuation; returns their number, the failures, and the number of
     calls by ranks other than the first."""
-    os.makedirs(folder)
-    place = Place(run, folder, library)
+    places = Places(run, folder, library)
+    first = places.all[0]
     tried, failures = 0, []
-    others = sum(len(place.calls(rank)) for rank in range(1, run.ranks or 1))
+    others = sum(len(calls) for rank in range(1, run.ranks or 1) for calls in first.calls(rank))
     for start in ("from the start", "going on"):
         if start == "going on":
-            place.stop_halfway()
-        for fault in sample(faults(place.calls(), ways), most):
-            wrong = place.survives(fault)
+            for place in places.all:
+                place.stop_halfway()
+        for fault, wrong in places.try_all(sample(faults(first.calls(), ways), most)):
             tried += 1
             if wrong:
                 failures.append(f"{run.name}, {start}, {fault}: {wrong}")
