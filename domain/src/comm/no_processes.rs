@@ -72,3 +72,21 @@ impl ProcessRank {
         match *self {}
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A launcher announces several processes to a program that was built for a single one.
+    #[test]
+    fn ranks_without_mpi_are_refused() {
+        let refused = |job| {
+            let mut launcher = Launcher::of_this_process();
+            launcher.job = job;
+            ProcessRank::world(&launcher).map(|_| ()).unwrap_err().to_string()
+        };
+        let message = refused(Job::Of(2));
+        assert!(message.starts_with("a launcher started 2 processes, but this program was built without"), "{message}");
+        assert!(refused(Job::Unknown).starts_with("a launcher started several processes, but"));
+    }
+}
