@@ -49,7 +49,13 @@ CELL = {
     "output.trajectory_every": 3,
     "measure.pixels": "[5, 4]",
 }
-SWEEP = {"box.edges": "[30.0, 30.0]", "time.strain": 0.1, "output.observables_every": 20}
+SWEEP = {
+    "box.edges": "[30.0, 30.0]",
+    "time.strain": 0.03,
+    "output.observables_every": 20,
+    "output.checkpoint_every": 20,
+    "output.trajectory_every": 20,
+}
 
 
 @dataclasses.dataclass(frozen=True)
