@@ -48,15 +48,21 @@ pub(crate) trait FarField {
     }
 
     /// Flow of loads at points of the fluid; `None` from a back end whose plans do not have such points.
-    fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>>;
+    fn flow(&mut self, _loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
+        None
+    }
 
     /// Velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest;
     /// `None` without a grid.
-    fn velocity_field(&self) -> Option<Vec<f64>>;
+    fn velocity_field(&self) -> Option<Vec<f64>> {
+        None
+    }
 
     /// Largest `|k . u| / (|k| |u|)` over all modes of that field. It may take the memory of the field, which is then
     /// no longer to be had; `None` without a grid.
-    fn divergence(&mut self) -> Option<f64>;
+    fn divergence(&mut self) -> Option<f64> {
+        None
+    }
 
     /// Work done so far.
     fn work(&self) -> Work;

@@ -6,7 +6,7 @@ mod entries;
 mod pair_sum;
 mod wave_sum;
 
-use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
+use crate::mobility::far_field::{FarField, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{self, COMPONENTS, DrawDiagnostics, ParticleComponents};
 use crate::mobility::work::{Stopwatch, Work};
@@ -203,18 +203,6 @@ impl FarField for DenseFarField {
         let scales = [length, length.powi(3)].map(|size| (size * viscosity).sqrt().recip());
         let motion = Self::motion(components, scales, Output::All).of(self.plan.multipoles);
         (motion, DrawDiagnostics { iterations: 1, clipped: *clipped, change: 0.0 })
-    }
-
-    fn flow(&mut self, _: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
-        None
-    }
-
-    fn velocity_field(&self) -> Option<Vec<f64>> {
-        None
-    }
-
-    fn divergence(&mut self) -> Option<f64> {
-        None
     }
 
     fn work(&self) -> Work {

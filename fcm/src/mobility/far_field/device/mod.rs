@@ -9,7 +9,7 @@ mod tables;
 mod tests;
 
 use crate::mobility::far_field::grid::GridFarField;
-use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest, RigidFarField, RigidProblem, RigidSolution};
+use crate::mobility::far_field::{FarField, NoiseRequest, RigidFarField, RigidProblem, RigidSolution};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::DrawDiagnostics;
 use crate::mobility::work::Work;
@@ -183,18 +183,6 @@ impl FarField for DeviceFarField {
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
         self.host().noise(draw)
-    }
-
-    fn flow(&mut self, _: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
-        None
-    }
-
-    fn velocity_field(&self) -> Option<Vec<f64>> {
-        None
-    }
-
-    fn divergence(&mut self) -> Option<f64> {
-        None
     }
 
     fn work(&self) -> Work {
