@@ -23,6 +23,8 @@ pub use exponential::exponential;
 pub use real::Real;
 pub use strided_rows::StridedRows;
 
+use std::sync::OnceLock;
+
 /// As many neighbouring values as fill a cache line of 64 bytes, processed at once.
 ///
 /// All functions are meant to be inlined into [`VectorKernel::run`].
@@ -111,19 +113,32 @@ pub enum InstructionSet {
     Avx512,
 }
 
+/// Environment variable with the widest set to use, `portable` or `avx2`: the machine's own set by default.
+pub const WIDEST: &str = "FCM_SOLVE_VECTORS";
+
 impl InstructionSet {
-    /// Widest set of this machine.
+    /// Widest set of this machine, up to the one that [`WIDEST`] names when this is first called.
     #[inline]
     pub fn detect() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if x86::has_avx512() {
-                return Self::Avx512;
-            }
-            if x86::has_avx2() {
-                return Self::Avx2;
-            }
+        static USED: OnceLock<InstructionSet> = OnceLock::new();
+        *USED.get_or_init(|| Self::widest_up_to(std::env::var(WIDEST).ok().as_deref()))
+    }
+
+    /// Widest set of this machine up to the one of a name. Unknown names stand for no limit.
+    #[cfg(target_arch = "x86_64")]
+    fn widest_up_to(name: Option<&str>) -> Self {
+        let is_portable = name == Some("portable");
+        if x86::has_avx512() && !is_portable && name != Some("avx2") {
+            Self::Avx512
+        } else if x86::has_avx2() && !is_portable {
+            Self::Avx2
+        } else {
+            Self::Portable
         }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn widest_up_to(_: Option<&str>) -> Self {
         Self::Portable
     }
 }

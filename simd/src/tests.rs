@@ -63,6 +63,16 @@ fn all_levels() -> Vec<InstructionSet> {
     levels
 }
 
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn a_name_limits_the_instructions() {
+    let levels = all_levels();
+    let within = |name| levels.iter().copied().rfind(|&level| level == InstructionSet::Portable || level == name);
+    assert_eq!(InstructionSet::widest_up_to(Some("portable")), InstructionSet::Portable);
+    assert_eq!(Some(InstructionSet::widest_up_to(Some("avx2"))), within(InstructionSet::Avx2));
+    assert_eq!(Some(&InstructionSet::widest_up_to(None)), levels.last());
+}
+
 fn same_bits_on_all_levels<T: Real>() {
     let lanes = T::LANES;
     for level in all_levels() {
