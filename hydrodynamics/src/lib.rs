@@ -2,6 +2,7 @@
 //! together. Independent of scenes and models: from positions and loads to motions and stresslets.
 
 pub mod ambient;
+mod bodies;
 pub mod brownian;
 mod coupled_solver;
 pub mod lengths;
@@ -17,6 +18,7 @@ mod system;
 mod units;
 
 pub use ambient::{FlowRefused, Poiseuille, StrainRate};
+pub use bodies::RigidBodies;
 pub use coupled_solver::{CoupledSolver, ShortRange};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
