@@ -166,7 +166,7 @@ fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, secon
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;
-    let Motions { motion, stresslets, stresslets_far, iterations, residual } = motions;
+    let Motions { motion, stresslets, stresslets_far, iterations, residual, .. } = motions;
     CaseAnswer {
         velocities: vectors(&motion.velocities),
         angular_velocities: dipoles.then(|| vectors(&motion.angular_velocities)),

@@ -3,6 +3,7 @@
 
 pub mod ambient;
 mod bodies;
+mod body_projection;
 pub mod brownian;
 mod coupled_solver;
 pub mod lengths;

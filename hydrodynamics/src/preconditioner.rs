@@ -1,5 +1,6 @@
 //! Preconditioner: solves with the near-field resistance matrix.
 
+use crate::body_projection::BodyProjection;
 use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::{SixVector, SixVectors, dot};
@@ -12,6 +13,11 @@ use solver::Real;
 
 /// The matrix `M_0^-1 + R`, with `M_0` the mobility of single spheres and `R` the resistance of the stiff pairs:
 /// resistance to rigid-body motions of particles that interact only through the lubrication of stiff pairs.
+///
+/// With rigid bodies, motions of spheres are those of bodies, `K Q`, and the matrix is `K^T (M_0^-1 + R) K`. Motions
+/// are stored sphere by sphere; of loads only the totals on the bodies matter, and residuals are stored as the loads
+/// with these totals that [`BodyProjection::project`] distributes. Loads that the rigidity of the bodies adds have no
+/// totals. So loads minus the residual and minus `M_0^-1` times the motions are `R` times the motions plus such loads.
 pub struct Preconditioner<'a> {
     comm: Comm,
     near: &'a NearPairs,
@@ -19,6 +25,7 @@ pub struct Preconditioner<'a> {
     single: &'a [SixVector],
     /// Inverses of the diagonal blocks.
     inverse: Vec<Block>,
+    bodies: Option<BodyProjection<'a>>,
     /// Relative error of a solve, in the norm of the single-sphere resistances.
     tolerance: f64,
 }
@@ -37,7 +44,27 @@ impl<'a> Preconditioner<'a> {
     /// The matrix for near pairs of particles with the given single-sphere resistances.
     pub fn new(comm: &Comm, near: &'a NearPairs, single: &'a [SixVector], tolerance: f64) -> Self {
         let inverse = near.stiff().inverses(single);
-        Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, tolerance }
+        Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, bodies: None, tolerance }
+    }
+
+    /// The matrix for spheres of which some are parts of rigid bodies.
+    #[must_use]
+    pub fn with_bodies(self, bodies: Option<BodyProjection<'a>>) -> Self {
+        Self { bodies, ..self }
+    }
+
+    /// Replaces motions by the nearest ones in which bodies are rigid. Collective.
+    pub fn make_rigid(&self, motions: &mut SixVectors) {
+        if let Some(bodies) = &self.bodies {
+            bodies.make_rigid(motions);
+        }
+    }
+
+    /// Replaces loads by those with the same totals on bodies. Collective.
+    fn project(&self, loads: &mut SixVectors) {
+        if let Some(bodies) = &self.bodies {
+            bodies.project(loads);
+        }
     }
 
     /// Approximate motions under the given loads, and the pair loads in these motions. Collective.
@@ -55,8 +82,9 @@ impl<'a> Preconditioner<'a> {
 
     /// Motions under the given loads with stiff and soft pairs, to an error of `tolerance`, and the pair loads in these
     /// motions. Starts from `motions`. Collective.
-    pub fn solve_with_all(&mut self, motions: SixVectors, loads: &SixVectors, tolerance: f64) -> [SixVectors; 2] {
+    pub fn solve_with_all(&mut self, mut motions: SixVectors, loads: &SixVectors, tolerance: f64) -> [SixVectors; 2] {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
+        self.make_rigid(&mut motions);
         let mut residual = loads.clone();
         residual.add(-1.0, &self.apply(&motions));
         let limits = Limits { tolerance, ..self.limits() };
@@ -75,6 +103,7 @@ impl<'a> Preconditioner<'a> {
     ) -> [SixVectors; 2] {
         let _stage = stage("preconditioner");
         let comm = self.comm.clone();
+        self.project(&mut residual);
         let mut z = SixVectors::zero(loads.0.len());
         conjugate_gradients(&comm, self, Iterate { x: &mut motions, residual: &mut residual, z: &mut z }, limits);
         let resisted = self.remainder(loads, &residual, &motions);
@@ -125,7 +154,7 @@ impl System for Preconditioner<'_> {
     }
 
     fn curvature(&mut self, direction: &SixVectors) -> (SixVectors, f64) {
-        self.near.times_and(self.pairs, direction, |first, loads| {
+        let (mut image, curvature) = self.near.times_and(self.pairs, direction, |first, loads| {
             let of_rows = loads.iter_mut().zip(&self.single[first..]).zip(&direction.0[first..]);
             let mut sums = [0.0; 6];
             for ((load, single), motion) in of_rows {
@@ -135,7 +164,9 @@ impl System for Preconditioner<'_> {
                 }
             }
             sums.iter().sum()
-        })
+        });
+        self.project(&mut image);
+        (image, curvature)
     }
 
     fn on_step(&mut self, _: f64) {}
@@ -145,6 +176,9 @@ impl System for Preconditioner<'_> {
         let chunks =
             self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
         chunks.measured().for_each(|((blocks, vectors), results)| f64::dispatch(Products { blocks, vectors, results }));
+        if let Some(bodies) = &self.bodies {
+            bodies.precondition(residual, &mut motions);
+        }
         motions
     }
 
@@ -161,6 +195,9 @@ impl System for Preconditioner<'_> {
         at: Iterate<SixVectors, SixVectors>,
         step: Option<Step<SixVectors, SixVectors>>,
     ) -> InnerProducts {
+        if self.bodies.is_some() {
+            return self.step_of_bodies(at, step);
+        }
         let Iterate { x, residual, z } = at;
         let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
         let given = self.inverse.par_chunks(BATCH).zip(self.single.par_chunks(BATCH));
@@ -171,6 +208,24 @@ impl System for Preconditioner<'_> {
         };
         let sums: Vec<InnerProducts> = places.zip(given).enumerate().map(of_batch).measured().collect();
         sums.into_iter().fold(InnerProducts::default(), |all, of_batch| all + of_batch)
+    }
+}
+
+impl Preconditioner<'_> {
+    /// [`System::step_and_measure`] with rigid bodies.
+    fn step_of_bodies(
+        &mut self,
+        Iterate { x, residual, z }: Iterate<SixVectors, SixVectors>,
+        step: Option<Step<SixVectors, SixVectors>>,
+    ) -> InnerProducts {
+        let mut former = 0.0;
+        if let Some(Step { length, direction, image }) = step {
+            x.add(length, direction);
+            residual.add(-length, &image);
+            former = residual.dot(z);
+        }
+        *z = self.precondition(residual);
+        InnerProducts { product: residual.dot(z), former, error: self.error(residual, z), size: self.size(x) }
     }
 }
 

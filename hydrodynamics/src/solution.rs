@@ -1,6 +1,7 @@
 //! Input and output of a coupled solve.
 
 use crate::ambient::StrainRate;
+use crate::bodies::RigidBodies;
 use crate::springs::Springs;
 use domain::{Traceless, Vector};
 use fcm::{Loads, Motion};
@@ -13,10 +14,19 @@ pub struct SolveInput<'a> {
     pub strain_rate: StrainRate,
     /// Springs whose resistance is part of the solve, if there are any.
     pub springs: Option<&'a Springs<'a>>,
+    /// Rigid bodies, if there are any.
+    pub bodies: Option<&'a RigidBodies>,
     /// Further motions of the ambient fluid at each particle, such as Brownian noise; empty lists stand for none.
     pub ambient: &'a Motion,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
+}
+
+impl<'a> SolveInput<'a> {
+    /// Loads on free spheres in a background flow, and nothing else.
+    pub fn new(loads: &'a Loads, strain_rate: StrainRate) -> Self {
+        Self { loads, strain_rate, springs: None, bodies: None, ambient: &NO_AMBIENT, constant_flux: false }
+    }
 }
 
 /// Solution for the motions of the spheres.
@@ -28,6 +38,9 @@ pub struct Solution {
     pub stresslets: Vec<Traceless>,
     /// Loads on the far field: given loads plus lubrication, and the far-field part of the stresslets.
     pub far: Loads,
+    /// Loads by which the rigidity of bodies acts on their spheres, with zero total force and torque on each body: the
+    /// loads on the fluid are given loads plus these. Empty without bodies.
+    pub constraint_loads: Loads,
     /// Motions induced by the loads of all other spheres: total motions minus those of single spheres under their own
     /// loads.
     pub induced: Motion,

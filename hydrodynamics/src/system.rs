@@ -126,6 +126,18 @@ impl Unknowns {
 ///
 /// with `d` the resistance of single spheres to strain. No small difference of large numbers is taken, however small
 /// the gaps.
+///
+/// Spheres of rigid bodies move as `K Q`, with six numbers `Q` a body, and loads `lambda` without total force and
+/// torque on a body, `K^T lambda = 0`, keep them so. Then `-y_s` is in the range of `K`, and the loads stored with it
+/// are `R_s y_s + lambda`. The product `r_s . (R_s y_s + lambda)` with the image of other such unknowns stays
+/// symmetric and positive definite, since `lambda . K Q = 0`, and the preconditioner is projected:
+///
+/// ```text
+/// K^T (M_0^-1 + R_s) K Q = K^T M_0^-1 r_s,        y_s = K Q,        R_s y_s + lambda = M_0^-1 (r_s - y_s)
+/// ```
+///
+/// In an ambient flow that strains, rigid motions are `K Q` plus known differences from that flow, which are in the
+/// start of the iteration.
 pub struct CoupledSystem<'a> {
     mobility: Scaled<'a>,
     near: &'a NearPairs,
@@ -213,7 +225,10 @@ impl<'a> CoupledSystem<'a> {
             correction.stiff = MotionsWithLoads { motions, loads };
         }
         x.add(1.0, &correction);
-        let rigid = x.stiff.motions.negative();
+        let mut rigid = x.stiff.motions.negative();
+        if let Some(matrix) = &self.matrix {
+            matrix.make_rigid(&mut rigid);
+        }
         let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
         (Motion { velocities, angular_velocities, strain_rates: self.motion.strain_rates }, x)
     }

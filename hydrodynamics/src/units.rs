@@ -87,6 +87,7 @@ pub fn solution(found: &Solution, units: &Units) -> Solution {
         motion: motion_back(&found.motion, units),
         stresslets: tensors_times(&found.stresslets, units.torque()),
         far: times(&found.far, units.torque()),
+        constraint_loads: times(&found.constraint_loads, units.torque()),
         induced: motion_back(&found.induced, units),
         curvature: found.curvature * units.rate() / units.length,
         iterations: found.iterations,

@@ -215,7 +215,7 @@ fn failed(cause: &MobilityError) -> PyErr {
 }
 
 fn answer(py: Python<'_>, motions: Motions) -> PyResult<MobilityAnswer<'_>> {
-    let Motions { motion, stresslets, stresslets_far, iterations, residual } = motions;
+    let Motions { motion, stresslets, stresslets_far, iterations, residual, .. } = motions;
     Ok((
         rows_of(py, motion.velocities)?,
         rows_of(py, motion.angular_velocities)?,

@@ -1,13 +1,17 @@
 //! Rigid bodies made of spheres.
 
+pub mod matrix;
+pub mod present;
 mod shared;
 
 use crate::six_vector::{SixVector, SixVectors};
-use domain::parallel::{MeasuredLoop, SortedRows, concat, copied, mapped, of_rows, sort};
+use domain::parallel::{MeasuredLoop, SortedRows, change_rows, concat, copied, mapped, of_rows, sort};
 use domain::{Comm, Vector};
 use fcm::{Loads, Motion};
+use matrix::{BodyMatrix, load_on_body, motion_of_member};
 use rayon::prelude::*;
 use shared::SharedBodies;
+use std::ops::AddAssign;
 
 /// Membership of a rank's spheres in rigid bodies. The spheres of a body with the velocity `V` and the angular velocity
 /// `Omega` move as `U = V + Omega x s` and `Omega`, with `s` the arm of the sphere. For all bodies this is `K Q`; the
@@ -63,6 +67,12 @@ impl RigidBodies {
         self.numbers.get(self.places[row] as usize).copied()
     }
 
+    /// Place of the body of the sphere in a row in lists of bodies; `None` for a free sphere.
+    pub fn place(&self, row: usize) -> Option<usize> {
+        let place = self.places[row] as usize;
+        (place < self.numbers.len()).then_some(place)
+    }
+
     /// Arm of the sphere in a row.
     pub fn arm(&self, row: usize) -> Vector {
         self.arms[row]
@@ -80,7 +90,7 @@ impl RigidBodies {
         let at = |list: &[Vector], row: usize| list.get(row).copied().unwrap_or_default();
         let of_member = |row: usize| {
             let angular = at(&motion.angular_velocities, row);
-            SixVector::new(at(&motion.velocities, row) - angular.cross(self.arms[row]), angular)
+            motion_of_member(SixVector::new(at(&motion.velocities, row), angular), -self.arms[row])
         };
         let mean = self.means(of_member);
         Motion { velocities: mean.linear(), angular_velocities: mean.angular(), strain_rates: Vec::new() }
@@ -96,22 +106,43 @@ impl RigidBodies {
 }
 
 impl RigidBodies {
+    /// These bodies with arms in another unit.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        Self { arms: mapped(&self.arms, |&arm| arm * factor), ..self.clone() }
+    }
+
     /// `K Q` in a row: motion of the sphere as a part of its body; `None` for a free sphere.
     pub(crate) fn motion(&self, row: usize, bodies: &SixVectors) -> Option<SixVector> {
         let of_body = bodies.0.get(self.places[row] as usize)?;
-        let angular = of_body.angular();
-        Some(SixVector::new(of_body.linear() + angular.cross(self.arms[row]), angular))
+        Some(motion_of_member(*of_body, self.arms[row]))
     }
 
     /// `K^T L`: loads on the bodies. Collective.
     pub(crate) fn totals(&self, loads: &SixVectors) -> SixVectors {
-        let of_member = |row: usize| {
-            let (force, torque) = (loads.0[row].linear(), loads.0[row].angular());
-            SixVector::new(force, torque + self.arms[row].cross(force))
-        };
-        let mut totals = self.sums(of_member);
+        let mut totals = SixVectors(self.sums(|row| load_on_body(loads.0[row], self.arms[row])));
         self.shared.sum(bytemuck::cast_slice_mut(&mut totals.0), 6);
         totals
+    }
+
+    /// Row of the first sphere of a body on this rank.
+    pub(crate) fn first_member(&self, body: usize) -> usize {
+        self.members.of(body)[0] as usize
+    }
+
+    /// Sums of a matrix of each sphere over the members of the bodies. Collective.
+    pub(crate) fn matrices(&self, of_sphere: impl Fn(usize) -> BodyMatrix + Sync) -> Vec<BodyMatrix> {
+        let mut sums = self.sums(of_sphere);
+        self.shared.sum(bytemuck::cast_slice_mut(&mut sums), BodyMatrix::NUMBERS);
+        sums
+    }
+
+    /// Sets values of free spheres to zero.
+    pub(crate) fn keep_members(&self, values: &mut SixVectors) {
+        change_rows(&mut values.0, |row, value| {
+            if self.body(row).is_none() {
+                *value = SixVector::default();
+            }
+        });
     }
 
     /// Means over the members of the bodies. Collective.
@@ -120,7 +151,7 @@ impl RigidBodies {
         let mut counted: Vec<[f64; 7]> = (0..self.numbers.len())
             .map(|body| {
                 let count = self.members.of(body).len() as f64;
-                std::array::from_fn(|k| sums.0[body].0.get(k).copied().unwrap_or(count))
+                std::array::from_fn(|k| sums[body].0.get(k).copied().unwrap_or(count))
             })
             .collect();
         self.shared.sum(bytemuck::cast_slice_mut(&mut counted), 7);
@@ -128,13 +159,13 @@ impl RigidBodies {
     }
 
     /// Sums over this rank's members of the bodies, in the order of the rows.
-    fn sums(&self, of_member: impl Fn(usize) -> SixVector + Sync) -> SixVectors {
+    fn sums<T: Default + AddAssign + Send>(&self, of_member: impl Fn(usize) -> T + Sync) -> Vec<T> {
         let of_body = |body: usize| {
-            let mut sum = SixVector::default();
+            let mut sum = T::default();
             self.members.of(body).iter().for_each(|&row| sum += of_member(row as usize));
             sum
         };
-        SixVectors((0..self.numbers.len()).into_par_iter().with_min_len(BATCH).map(of_body).measured().collect())
+        (0..self.numbers.len()).into_par_iter().with_min_len(BATCH).map(of_body).measured().collect()
     }
 }
 

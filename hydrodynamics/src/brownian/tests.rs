@@ -200,6 +200,7 @@ fn by_differences(
                 loads: &Loads { forces, ..Loads::default() },
                 strain_rate: StrainRate::default(),
                 springs: None,
+                bodies: None,
                 ambient: &Motion::default(),
                 constant_flux: false,
             };

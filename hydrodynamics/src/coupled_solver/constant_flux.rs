@@ -3,7 +3,7 @@
 use crate::ambient::Poiseuille;
 use crate::ambient::StrainRate;
 use crate::coupled_solver::CoupledSolver;
-use crate::pairs::search::{NearPairs, Pairs};
+use crate::pairs::search::{Connections, NearPairs, Pairs};
 use crate::six_vector::SixVectors;
 use crate::solution::Solution;
 use crate::units;
@@ -67,7 +67,7 @@ impl CoupledSolver {
         let height = cell.edges().z / units.length;
         let flow = Poiseuille { curvature: units.length / units.rate(), height }.strain_rate();
         let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
-        let near = NearPairs::find(field, None, &own, view, flow);
+        let near = NearPairs::find(field, Connections::default(), &own, view, flow);
         let pairs = PairsInFlow { near: &near, units: &units, strain_rate, positions: &particles.positions };
         flux.lubricated(mobility, &pairs, self.partition.comm())
     }

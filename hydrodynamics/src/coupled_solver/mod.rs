@@ -6,9 +6,11 @@ mod perturbed_solve;
 pub use perturbed_solve::DisplacedSpheres;
 
 use crate::ambient::StrainRate;
+use crate::bodies::RigidBodies;
+use crate::body_projection::BodyProjection;
 use crate::noise;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::search::{NearField, NearLists, NearPairs, Pairs};
+use crate::pairs::search::{Connections, NearField, NearLists, NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{Guess, Solution, SolveInput};
@@ -132,22 +134,18 @@ impl CoupledSolver {
         guess: &Guess,
     ) -> Result<Solution, SolveError> {
         let _stage = stage("coupled solve");
-        let SolveInput { loads, strain_rate, springs, ambient, constant_flux } = *acting;
+        let SolveInput { loads, strain_rate, bodies, ambient, constant_flux, .. } = *acting;
         let sloping = sloping(strain_rate, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
         self.far.mobility().constrain(flux.as_ref().map(ConstantFlux::constraint));
-        if let Some(field) = &mut self.near {
+        if self.near.is_some() || bodies.is_some() {
             let (units, own) = (self.units, units::particles(particles, &self.units));
-            let scaled_rate = strain_rate.in_units(units.rate(), units.length);
-            let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
-            let resistance = springs.map(|springs| units::resistance(springs, &units));
-            let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
-            let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
-            let springs =
-                resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
-            let near = NearPairs::find(field, springs.as_ref(), &own, view, scaled_rate);
-            if self.partition.comm().any(!near.is_empty()) {
+            let strain_rate = strain_rate.in_units(units.rate(), units.length);
+            let bodies = bodies.map(|bodies| bodies.scaled(1.0 / units.length));
+            let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
+            let near = self.near_pairs(cell, &own, &acting);
+            if bodies.is_some() || self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();
                 if flux.is_none() {
@@ -159,9 +157,10 @@ impl CoupledSolver {
                     comm: self.partition.comm(),
                     interrupt: &interrupt,
                     near: &near,
+                    bodies: bodies.as_ref(),
                     is_preconditioned: self.preconditioned,
-                    radii: &own.radii,
-                    strain_rate: scaled_rate.at_zero,
+                    particles: &own,
+                    strain_rate,
                 };
                 let (loads, guess) = (units::times(loads, 1.0 / units.torque()), units::guess(guess, &units));
                 let ambient = units::motion(ambient, &units);
@@ -181,6 +180,21 @@ impl CoupledSolver {
         Ok(solved)
     }
 
+    /// Near pairs of particles in scaled units, in a box in the original units, with the strain rate and the bodies of
+    /// `acting` in scaled units and its springs in the original ones. Collective.
+    fn near_pairs(&mut self, cell: &PeriodicBox, own: &Particles, acting: &SolveInput) -> NearPairs {
+        let (units, cell) = (self.units, &cell.scaled(1.0 / self.units.length));
+        let Some(field) = &mut self.near else { return NearPairs::none(own, cell, &self.partition) };
+        let SolveInput { strain_rate, springs, bodies, .. } = *acting;
+        let resistance = springs.map(|springs| units::resistance(springs, &units));
+        let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
+        let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
+        let springs =
+            resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
+        let connections = Connections { springs: springs.as_ref(), bodies };
+        NearPairs::find(field, connections, own, DomainView { cell, partition: &self.partition }, strain_rate)
+    }
+
     /// Motions of particles without near pairs.
     fn solve_far(
         &mut self,
@@ -194,7 +208,8 @@ impl CoupledSolver {
         let plan = self.far.mobility().plan();
         let single = mapped(&particles.radii, |&a| single(plan.viscosity, a));
         let induced = induced(&single, &motion, &far);
-        Ok(Solution { motion, stresslets, far, induced, curvature: 0.0, iterations, residual })
+        let constraint_loads = Loads::default();
+        Ok(Solution { motion, stresslets, far, constraint_loads, induced, curvature: 0.0, iterations, residual })
     }
 }
 
@@ -252,26 +267,27 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
     })
 }
 
-/// [`CoupledSolver::solve`] with near pairs, in scaled units.
+/// [`CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
 struct LubricatedSolve<'a> {
     comm: &'a Comm,
     interrupt: &'a Interrupt,
     near: &'a NearPairs,
+    bodies: Option<&'a RigidBodies>,
     is_preconditioned: bool,
-    radii: &'a [f64],
+    particles: &'a Particles,
     /// Strain rate of the background flow.
-    strain_rate: Traceless,
+    strain_rate: StrainRate,
 }
 
 impl LubricatedSolve<'_> {
     fn run(&self, mobility: Scaled, loads: &Loads, ambient: &Motion, guess: &Guess) -> Result<Solution, SolveError> {
-        let (comm, near, radii) = (self.comm, self.near, self.radii);
+        let (comm, near, radii) = (self.comm, self.near, &self.particles.radii[..]);
         let plan = mobility.mobility.plan().clone();
         let viscosity = plan.viscosity / mobility.units.viscosity;
         let limits =
             Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt: self.interrupt };
         let spheres = SingleSpheres::new(viscosity, radii);
-        let mut matrix = self.is_preconditioned.then(|| Preconditioner::new(comm, near, &spheres.motion, ROUGH));
+        let mut matrix = self.preconditioner(&spheres.motion);
         let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
         known.add(1.0, near.ambient_loads());
         let is_rigid = plan.multipoles == Multipoles::Dipole;
@@ -291,7 +307,7 @@ impl LubricatedSolve<'_> {
         };
         let start = SystemStart { loads: &known, ambient, unknowns: &x };
         let mut system = CoupledSystem::new(mobility, near, matrix, &spheres, start);
-        let mut residual = system.residual(&x, self.strain_rate);
+        let mut residual = system.residual(&x, self.strain_rate.at_zero);
         let mut correction = Unknowns::default();
         let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
         let outcome = conjugate_gradients(comm, &mut system, iterate, limits);
@@ -301,15 +317,37 @@ impl LubricatedSolve<'_> {
         if comm.any(!all_rows(count, |row| motion.velocities[row].is_finite())) {
             return Err(SolveError::NotFinite);
         }
+        let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
+        let constraint_loads = self.constraint_loads(&x, &motions);
         known.add(1.0, &x.loads());
         let far = system::far_loads(&known, &x.moments);
-        let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
         let mut stresslets = near.stresslets(&motions);
         stresslets.truncate(far.stresslets.len());
         change(&mut stresslets, &far.stresslets, |near, &far| *near = far + *near);
         let induced = induced(&spheres.motion, &motion, &far);
         let (curvature, IterationOutcome { iterations, residual, .. }) = (0.0, outcome);
-        Ok(Solution { motion, stresslets, far, induced, curvature, iterations, residual })
+        Ok(Solution { motion, stresslets, far, constraint_loads, induced, curvature, iterations, residual })
+    }
+
+    /// The preconditioner for single-sphere resistances; bodies always need it. Collective.
+    fn preconditioner<'b>(&'b self, single: &'b [SixVector]) -> Option<Preconditioner<'b>> {
+        if !self.is_preconditioned && self.bodies.is_none() {
+            return None;
+        }
+        let projection = |bodies: &'b RigidBodies| {
+            BodyProjection::new(bodies, self.near, single, bodies.offsets(self.particles, self.strain_rate))
+        };
+        let matrix = Preconditioner::new(self.comm, self.near, single, ROUGH);
+        Some(matrix.with_bodies(self.bodies.map(projection)))
+    }
+
+    /// Loads that keep bodies rigid: those of the unknowns minus the lubrication of the motions. Collective.
+    fn constraint_loads(&self, x: &Unknowns, motions: &SixVectors) -> Loads {
+        let Some(bodies) = self.bodies else { return Loads::default() };
+        let mut loads = x.loads();
+        loads.add(1.0, &self.near.times(&[Pairs::Stiff, Pairs::Soft], motions));
+        bodies.keep_members(&mut loads);
+        Loads { forces: loads.linear(), torques: loads.angular(), stresslets: Vec::new() }
     }
 }
 

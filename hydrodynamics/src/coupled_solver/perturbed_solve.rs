@@ -2,7 +2,7 @@
 
 use crate::ambient::StrainRate;
 use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH, ended, unknowns};
-use crate::pairs::search::NearPairs;
+use crate::pairs::search::{Connections, NearPairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{NO_AMBIENT, Solution, StoredSolution};
@@ -113,7 +113,7 @@ impl CoupledSolver {
         let near = match &mut self.near {
             Some(field) => {
                 let view = DomainView { cell: &scaled_cell, partition: &self.partition };
-                NearPairs::find(field, None, &own, view, StrainRate::default())
+                NearPairs::find(field, Connections::default(), &own, view, StrainRate::default())
             }
             None => NearPairs::none(&own, &scaled_cell, &self.partition),
         };

@@ -1,5 +1,6 @@
 //! Lubricated spheres against exact solutions and a dense solve, on any number of ranks and threads.
 
+mod bodies;
 mod constant_flux;
 mod springs;
 mod system;
@@ -59,6 +60,7 @@ fn acting(loads: &Loads, strain_rate: Traceless) -> SolveInput<'_> {
         loads,
         strain_rate: StrainRate::uniform(strain_rate),
         springs: None,
+        bodies: None,
         ambient: &NO_AMBIENT,
         constant_flux: false,
     }

@@ -1,6 +1,7 @@
 //! Loads and motions in columns of the particles, which migrate with them between ranks.
 
 use super::Motions;
+use super::bodies::BodySpheres;
 use crate::solution::Solution;
 use domain::{Particles, Traceless};
 use fcm::Motion;
@@ -40,13 +41,14 @@ pub fn moved(all: &mut Particles) -> Motion {
     }
 }
 
-pub fn motions(mut all: Particles, solved: &Solution) -> Motions {
+pub fn motions(mut all: Particles, solved: &Solution, bodies: &BodySpheres) -> Motions {
     Motions {
         motion: moved(&mut all),
         stresslets: traceless(&mut all, column::STRESSLET).to_vec(),
         stresslets_far: traceless(&mut all, column::STRESSLET_FAR).to_vec(),
         iterations: solved.iterations,
         residual: solved.residual,
+        bodies: bodies.motions(&mut all),
     }
 }
 

@@ -1,13 +1,16 @@
 //! Mobility of spheres at given positions, from loads to motions.
 
+mod bodies;
 mod columns;
 mod drift;
 mod error;
 pub mod memory;
 pub mod overlaps;
+mod random_motions;
 mod square_root;
 
-use columns::{column, fill, motions, moved, record, record_motion, traceless};
+use bodies::{BodySpheres, record_bodies};
+use columns::{column, fill, motions, record, traceless};
 pub use drift::Drift;
 pub use error::MobilityError;
 
@@ -17,11 +20,11 @@ use crate::coupled_solver::{CoupledSolver, ShortRange};
 use crate::lengths::{check_box_of_noise, check_radius};
 use crate::mobility::memory::SingleEvaluation;
 use crate::mobility::overlaps::Overlaps;
-use crate::solution::{Guess, NO_AMBIENT, Solution, SolveInput};
+use crate::solution::{Guess, Solution, SolveInput};
 use domain::{AxisRotation, Bytes, Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
-    ComputeDevice, Costs, DrawDiagnostics, Fixed, Loading, Loads, Method, Motion, Multipoles, Output, OutsideError,
-    Plan, Problem, SolveError, Stream, check_inside,
+    ComputeDevice, Costs, Fixed, Loading, Loads, Method, Motion, Multipoles, Output, OutsideError, Plan, Problem,
+    SolveError, check_inside,
 };
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
@@ -83,6 +86,7 @@ pub struct Mobility {
     partition: Partition,
     hydrodynamics: CoupledSolver,
     positions: Vec<Vector>,
+    bodies: BodySpheres,
     turn: AxisRotation,
     pressure_gradient: Vector,
 }
@@ -101,6 +105,8 @@ pub struct Motions {
     pub iterations: usize,
     /// Estimated error, relative to the solution.
     pub residual: f64,
+    /// Motions of the rigid bodies relative to the background flow at their centres.
+    pub bodies: Motion,
 }
 
 impl Mobility {
@@ -116,8 +122,9 @@ impl Mobility {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics =
             comm.agree(CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
-        let (positions, turn, pressure_gradient) = (Vec::new(), AxisRotation::default(), Vector::ZERO);
-        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, turn, pressure_gradient })
+        let (positions, bodies) = (Vec::new(), BodySpheres::default());
+        let (turn, pressure_gradient) = (AxisRotation::default(), Vector::ZERO);
+        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, bodies, turn, pressure_gradient })
     }
 
     /// Sets the rotation from the caller's axes, in which vectors and tensors are given and returned, to those of the
@@ -125,6 +132,13 @@ impl Mobility {
     #[must_use]
     pub fn turned(self, turn: AxisRotation) -> Self {
         Self { turn, ..self }
+    }
+
+    /// Joins spheres into rigid bodies with these numbers, from 0, `None` for a free sphere; for rigid spheres with
+    /// dipoles. The centre of a body is the mean of the centres of its spheres. Their positions are given next to each
+    /// other, even if some are outside the box.
+    pub fn join(&mut self, bodies: Vec<Option<u32>>) {
+        self.bodies = BodySpheres::new(bodies);
     }
 
     /// Drives the fluid between two walls by a pressure gradient. Motions are then relative to the velocity and half
@@ -165,7 +179,9 @@ impl Mobility {
     /// lubrication.
     pub fn place(&mut self, positions: &[Vector]) -> Result<Option<Overlaps>, MobilityError> {
         let cell = &self.parameters.cell;
-        self.positions = positions.iter().map(|&position| cell.wrap(self.turn.vector(position)).0).collect();
+        self.positions = positions.iter().map(|&position| self.turn.vector(position)).collect();
+        self.bodies.place(&self.positions);
+        self.positions.iter_mut().for_each(|position| *position = cell.wrap(*position).0);
         centre_where_open(cell, &mut self.positions);
         for (id, (&position, &radius)) in self.positions.iter().zip(&self.parameters.radii).enumerate() {
             let turned = |error: OutsideError| {
@@ -174,7 +190,8 @@ impl Mobility {
             };
             check_inside(cell, id as u64, position, radius).map_err(turned)?;
         }
-        let overlaps = Overlaps::find(cell, &self.positions, &self.parameters.radii);
+        let overlaps =
+            Overlaps::find(cell, &self.positions, &self.parameters.radii, |pair| self.bodies.are_of_one(pair));
         match overlaps.filter(|_| self.parameters.lubrication.is_some()) {
             Some(overlaps) => Err(MobilityError::Overlap(overlaps)),
             None => Ok(overlaps),
@@ -194,59 +211,7 @@ impl Mobility {
         let given = [loads.forces.len(), loads.torques.len(), loads.stresslets.len()].map(has);
         let solved = self.solve(&mut particles, given, &background)?;
         record(&mut particles, &solved);
-        Ok(motions(particles.gathered(&self.partition), &solved).turned(turn.inverse()))
-    }
-
-    /// Random motions of the spheres whose covariance is their mobility, one for each of `draws`: Brownian motion over
-    /// a time `dt` at a thermal energy `kT = dt / 2`. The same seed and draw give the same motion, on any number of
-    /// ranks. Strain rates are those of the fluctuating fluid for spheres that are not rigid, else absent.
-    pub fn noise(
-        &mut self,
-        seed: u64,
-        draws: std::ops::Range<u64>,
-    ) -> Result<(Vec<Motion>, DrawDiagnostics), MobilityError> {
-        self.check_draws(&draws)?;
-        let (cell, mut worst) = (self.parameters.cell, DrawDiagnostics::default());
-        let mut motions = Vec::new();
-        let is_rigid = self.parameters.rigid && self.parameters.multipoles == Multipoles::Dipole;
-        let tolerance = ROOT * self.parameters.tolerance;
-        for draw in draws {
-            self.unless_interrupted()?;
-            let mut particles = self.placed(&Loads::default());
-            let stream = Stream::new(seed, draw);
-            let (ambient, drawn) = self.hydrodynamics.noise(&cell, &particles, tolerance, stream);
-            worst.iterations = worst.iterations.max(drawn.iterations);
-            worst.clipped = worst.clipped.max(drawn.clipped);
-            let mut motion = ambient.clone();
-            if is_rigid {
-                let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
-                let guess = Guess::induced_by(&ambient);
-                let acting = SolveInput {
-                    loads: &loads,
-                    strain_rate: StrainRate::default(),
-                    springs: None,
-                    ambient: &ambient,
-                    constant_flux: false,
-                };
-                motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
-                motion.strain_rates.clear();
-            }
-            record_motion(&mut particles, &motion);
-            let mut motion = moved(&mut particles.gathered(&self.partition));
-            turn_motion(&mut motion, self.turn.inverse());
-            motions.push(motion);
-        }
-        Ok((motions, worst))
-    }
-
-    /// Refuses draws whose motions, with the caller's copy, exceed the memory. Collective.
-    fn check_draws(&self, draws: &std::ops::Range<u64>) -> Result<(), MobilityError> {
-        self.parameters.check_noise()?;
-        let numbers = DRAWN_NUMBERS * draws.end.saturating_sub(draws.start) as f64 * self.parameters.radii.len() as f64;
-        let (plan, radii, lubrication) = (&self.plan, self.problem.radii.clone(), self.parameters.lubrication);
-        let (numbers, besides) = (NUMBERS, Bytes::keep(2.0 * 8.0 * numbers));
-        let evaluation = SingleEvaluation { plan, radii, lubrication, numbers, besides, remedy: FEWER_DRAWS };
-        Ok(evaluation.check_memory(self.partition.comm())?)
+        Ok(motions(particles.gathered(&self.partition), &solved, &self.bodies).turned(turn.inverse()))
     }
 
     /// Fails if any rank is asked to stop. Collective.
@@ -268,6 +233,7 @@ impl Mobility {
         fill(particles.vectors(column::FORCE), &vectors(&loads.forces));
         fill(particles.vectors(column::TORQUE), &vectors(&loads.torques));
         fill(traceless(&mut particles, column::STRESSLET), &stresslets);
+        self.bodies.store(&mut particles);
         particles.wrap(&self.parameters.cell);
         particles.migrate(&self.partition, &self.parameters.cell);
         particles
@@ -290,9 +256,13 @@ impl Mobility {
         let (by_pressure, bend) = poiseuille(cell, self.parameters.viscosity, self.pressure_gradient);
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
-            let acting =
-                SolveInput { loads: &loads, strain_rate, springs: None, ambient: &NO_AMBIENT, constant_flux: false };
+            let bodies = self.bodies.load(particles, self.partition.comm());
+            let acting = SolveInput { bodies: bodies.as_ref(), ..SolveInput::new(&loads, strain_rate) };
             let mut solved = self.hydrodynamics.solve(cell, particles, &acting, &Guess::default())?;
+            if let Some(bodies) = &bodies {
+                let motions = bodies.motions_in(strain_rate, particles, &solved.motion);
+                record_bodies(particles, bodies, &motions);
+            }
             carry(&mut solved.motion, &particles.radii, bend);
             return Ok(solved);
         }
@@ -305,7 +275,16 @@ impl Mobility {
         carry(&mut motion, &particles.radii, bend);
         let stresslets = traceless(particles, column::STRESSLET).to_vec();
         let (induced, curvature) = (Motion::default(), 0.0);
-        Ok(Solution { motion, stresslets, far: loads, induced, curvature, iterations: 0, residual: 0.0 })
+        Ok(Solution {
+            motion,
+            stresslets,
+            far: loads,
+            constraint_loads: Loads::default(),
+            induced,
+            curvature,
+            iterations: 0,
+            residual: 0.0,
+        })
     }
 }
 
@@ -325,6 +304,7 @@ impl Motions {
             return self;
         }
         turn_motion(&mut self.motion, turn);
+        turn_motion(&mut self.bodies, turn);
         for tensor in self.stresslets.iter_mut().chain(&mut self.stresslets_far) {
             *tensor = turn.traceless(*tensor);
         }
@@ -358,12 +338,6 @@ const ROOT: f64 = 0.3;
 
 /// Advice for a problem that needs too much memory.
 const REMEDY: &str = "fewer positions, a larger tolerance";
-
-/// Advice for draws that need too much memory.
-const FEWER_DRAWS: &str = "fewer draws at a time, fewer positions";
-
-/// Numbers per particle and draw.
-const DRAWN_NUMBERS: f64 = 11.0;
 
 /// Approximate numbers per particle in columns.
 const NUMBERS: usize = 32;

@@ -19,8 +19,13 @@ const ROUND_OFF: f64 = 1e-12;
 
 impl Overlaps {
     /// Overlaps of all spheres in a box, at positions inside it; `None` if no spheres overlap. All spheres have to be
-    /// on this rank.
-    pub fn find(cell: &PeriodicBox, positions: &[Vector], radii: &[f64]) -> Option<Self> {
+    /// on this rank. Pairs of rows that are joined do not count.
+    pub fn find(
+        cell: &PeriodicBox,
+        positions: &[Vector],
+        radii: &[f64],
+        are_joined: impl Fn([u32; 2]) -> bool + Sync,
+    ) -> Option<Self> {
         let cutoff = 2.0 * radii.iter().copied().fold(0.0, f64::max);
         if cutoff == 0.0 {
             return None;
@@ -29,7 +34,7 @@ impl Overlaps {
         let count = |found: &mut Option<Self>, rows: [u32; 2], separation: Vector| {
             let [a, b] = rows.map(|row| radii[row as usize]);
             let overlap = a + b - separation.length();
-            if overlap > least {
+            if overlap > least && !are_joined(rows) {
                 let one = Self { pairs: 1, deepest: rows, depth: overlap / a.min(b) };
                 *found = Some(found.map_or(one, |others| others.and(one)));
             }
@@ -60,7 +65,7 @@ mod tests {
     fn found(positions: &[[f64; 3]], radii: &[f64]) -> Option<Overlaps> {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
         let positions: Vec<Vector> = positions.iter().map(|&p| Vector::from_array(p)).collect();
-        Overlaps::find(&cell, &positions, radii)
+        Overlaps::find(&cell, &positions, radii, |_| false)
     }
 
     #[test]

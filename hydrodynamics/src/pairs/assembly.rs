@@ -1,6 +1,7 @@
 //! Assembly of the near-field resistance matrix from neighbour lists.
 
 use crate::ambient::StrainRate;
+use crate::bodies::present::PresentBodies;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::{LANES, StoredLanes};
 use crate::pairs::matrix::packed_rows::{NearPair, PackedKind, PackedPairs, STIFF, SizedPair, Soft, Stiff};
@@ -20,6 +21,7 @@ use std::marker::PhantomData;
 pub struct PairArrangement<'a> {
     pub lubrication: Option<&'a PairLubrication>,
     pub springs: Option<&'a Springs<'a>>,
+    pub bodies: Option<&'a PresentBodies>,
     /// Radii by species.
     pub radii: &'a [f64],
     pub cell: &'a PeriodicBox,
@@ -48,6 +50,9 @@ pub struct Assembly<'a, T> {
     moments: &'a mut [Traceless],
     stored: PhantomData<T>,
 }
+
+/// Overlap up to which spheres of a body touch, over the distance of their centres. Others have no lubrication.
+const TOUCHING: f64 = 1e-3;
 
 /// Pairs of one kind, stiff or soft, in the order of the rows of a block.
 struct PairList {
@@ -105,7 +110,8 @@ impl<T: StoredLanes> Assembly<'_, T> {
     /// Appends the pair of a row and a neighbour to the stiff or the soft pairs, if they interact.
     #[inline(always)]
     fn list(&self, row: usize, neighbour: Neighbour, [stiff, soft]: &mut [PairList; 2]) {
-        let PairArrangement { lubrication, springs, radii, cell, positions, ids, species, .. } = *self.arrangement;
+        let PairArrangement { lubrication, springs, bodies, radii, cell, positions, ids, species, .. } =
+            *self.arrangement;
         let other = neighbour.row as usize;
         let mut separation = positions[other] - positions[row];
         if neighbour.steps != [0; 3] {
@@ -113,8 +119,10 @@ impl<T: StoredLanes> Assembly<'_, T> {
         }
         let (pair, distance) = ([species[row], species[other]], separation.length());
         let gap = lubrication.and_then(|pairs| pairs.force.gap(distance, pair));
+        let is_within_body = bodies.is_some_and(|bodies| bodies.are_of_one([row, other], separation));
+        let gap = gap.filter(|&gap| !is_within_body || gap >= -TOUCHING * distance);
         let between = |springs: &Springs| springs.between(row, ids[other], distance, pair.map(|s| radii[s as usize]));
-        let resisted = springs.map(between);
+        let resisted = springs.map(|springs| if is_within_body { [0.0; 3] } else { between(springs) });
         let spring = resisted.map_or(0.0, |[along, ..]| along);
         if gap.is_none() && spring == 0.0 {
             return;
@@ -123,7 +131,7 @@ impl<T: StoredLanes> Assembly<'_, T> {
         let list = if spring > 0.0 || lubrication.is_some_and(is_stiff) { stiff } else { soft };
         let (other, is_lubricated) = (neighbour.row, gap.is_some());
         let height = positions[row].z + 0.5 * separation.z;
-        list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated });
+        list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated, is_within_body });
         list.springs.extend(resisted);
     }
 
@@ -144,6 +152,7 @@ impl<T: StoredLanes> Assembly<'_, T> {
                 let mut packed = PackedPairs::empty(kind(), (self.first + rows[0] as usize) as u32);
                 self.pack::<V, K, N>(listed, rows, place, &mut packed);
                 packed.assemble(part.group(), &mut sums, self.arrangement.strain_rate.at_zero);
+                self.mark_bodies(listed, rows, place, &mut part);
             }
             part.end_slice(slice, &sums.resistance.totals());
             let (added, moved) = sums.in_strain.totals();
@@ -152,7 +161,22 @@ impl<T: StoredLanes> Assembly<'_, T> {
                 self.moments[row as usize] += moved[lane];
             }
         }
+        part.sort_marked();
         part
+    }
+
+    /// Marks the pairs within bodies at one position of the rows' lists, which are in the last group.
+    #[inline(always)]
+    fn mark_bodies<S: StoredLanes>(&self, listed: &PairList, rows: &[u32], place: usize, part: &mut MatrixPart<S>) {
+        if self.arrangement.bodies.is_none() {
+            return;
+        }
+        for (lane, &row) in rows.iter().enumerate() {
+            let range = listed.of(row);
+            if place < range.len() && listed.pairs[range.start + place].is_within_body {
+                part.mark_body(row, lane);
+            }
+        }
     }
 
     /// Packs the pairs at one position of the rows' lists.

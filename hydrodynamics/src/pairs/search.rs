@@ -1,11 +1,14 @@
 //! Near pairs and their resistance.
 
 use crate::ambient::StrainRate;
+use crate::bodies::RigidBodies;
+use crate::bodies::present::PresentBodies;
 use crate::pairs::assembly::{Assembled, Assembly, PairArrangement};
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::StoredLanes;
 use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
+use crate::pairs::matrix::within_bodies::StiffOfBodies;
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
@@ -136,6 +139,15 @@ pub struct NearPairs {
     moments: Vec<Traceless>,
     /// Whether any particle is in a trap.
     has_traps: bool,
+    /// Rigid bodies, if there are any.
+    bodies: Option<PresentBodies>,
+}
+
+/// Springs and rigid bodies of spheres, if there are any.
+#[derive(Clone, Copy, Default)]
+pub struct Connections<'a> {
+    pub springs: Option<&'a Springs<'a>>,
+    pub bodies: Option<&'a RigidBodies>,
 }
 
 /// Resistance matrices of stiff and of soft pairs.
@@ -152,10 +164,11 @@ impl Resisting {
 }
 
 impl NearPairs {
-    /// Finds the pairs within the range of lubrication or springs, in a flow with a strain rate. Collective.
+    /// Finds the pairs within the range of lubrication or springs, in a flow with a strain rate. Springs do not act
+    /// within a body, nor does lubrication between its spheres that overlap. Collective.
     pub fn find(
         field: &mut NearField,
-        springs: Option<&Springs>,
+        connections: Connections,
         particles: &Particles,
         view: DomainView,
         strain_rate: StrainRate,
@@ -164,12 +177,24 @@ impl NearPairs {
         let cell = view.cell;
         let owned = particles.len();
         let around = field.present(particles, view);
+        let Connections { springs, bodies } = connections;
+        let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &around.halo));
         let Present { positions, ids, species, .. } = &*around;
         let NearField { lubrication, at_walls, lists, radii, .. } = &*field;
         let neighbours = lists.neighbours();
         let lubrication = lubrication.as_ref();
-        let arrangement =
-            PairArrangement { lubrication, springs, radii, cell, positions, ids, species, neighbours, strain_rate };
+        let arrangement = PairArrangement {
+            lubrication,
+            springs,
+            bodies: bodies.as_ref(),
+            radii,
+            cell,
+            positions,
+            ids,
+            species,
+            neighbours,
+            strain_rate,
+        };
         let (mut loads, mut moments) = (SixVectors::zero(owned), of_rows(owned, |_| Traceless::ZERO));
         let Resisting { mut stiff, soft } = match field.precision {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, &mut loads.0, &mut moments)),
@@ -188,7 +213,7 @@ impl NearPairs {
         for &(row, resistance) in &traps {
             stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
-        Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty() }
+        Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty(), bodies }
     }
 
     /// No near pairs, for systems without short-range interactions. Collective.
@@ -197,12 +222,13 @@ impl NearPairs {
         let (loads, moments) = (SixVectors::zero(particles.len()), vec![Traceless::ZERO; particles.len()]);
         Self {
             around: Rc::new(present),
-            stiff: PairMatrix::new(Vec::new()),
+            stiff: PairMatrix::without_pairs(particles.len()),
             soft: Box::new(PairMatrix::<f64>::new(Vec::new())),
             at_walls: Vec::new(),
             loads,
             moments,
             has_traps: false,
+            bodies: None,
         }
     }
 
@@ -214,6 +240,11 @@ impl NearPairs {
     /// Resistance matrix of stiff pairs, walls and traps.
     pub fn stiff(&self) -> &PairMatrix<f64> {
         &self.stiff
+    }
+
+    /// Stiff pairs as parts of the resistance of bodies.
+    pub fn stiff_of_bodies(&self) -> StiffOfBodies<'_> {
+        StiffOfBodies { stiff: &self.stiff, present: self.bodies.as_ref() }
     }
 
     /// Loads of a selection of pairs in the motions of this rank's particles. Collective.

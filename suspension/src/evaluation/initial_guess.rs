@@ -307,8 +307,16 @@ mod tests {
         let far = Loads { forces: vector(5.0), torques: vector(3.0), stresslets: vec![Traceless([1.0; 5])] };
         let induced = Motion { velocities: vector(7.0), angular_velocities: vector(9.0), ..Motion::default() };
         let (motion, stresslets) = (Motion::default(), Vec::new());
-        let solved =
-            Solution { motion, stresslets, far: far.clone(), induced, curvature: 0.0, iterations: 1, residual: 0.0 };
+        let solved = Solution {
+            motion,
+            stresslets,
+            far: far.clone(),
+            constraint_loads: Loads::default(),
+            induced,
+            curvature: 0.0,
+            iterations: 1,
+            residual: 0.0,
+        };
         let mut particles = Particles::default();
         particles.push(0, Vector::ZERO, 1.0, 0);
         let warm_start = WarmStart::new(true);

@@ -296,7 +296,7 @@ impl Dynamics {
         let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
         let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
-        let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), ambient, constant_flux };
+        let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), bodies: None, ambient, constant_flux };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {

@@ -101,7 +101,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
         let mut solve = |loads: &Loads, flow: Poiseuille, constant_flux: bool| {
             let strain_rate = flow.strain_rate();
             let springs = Some(&springs);
-            let acting = SolveInput { loads, strain_rate, springs, ambient: &NO_AMBIENT, constant_flux };
+            let acting = SolveInput { loads, strain_rate, springs, bodies: None, ambient: &NO_AMBIENT, constant_flux };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let kept = solve(&loads, background, true);
@@ -140,7 +140,13 @@ fn against(springs: &Springs, particles: &Particles, plan: &Plan, reach: f64, mo
     let resistance = crate::units::resistance(springs, &units);
     let springs = Springs { resistance: &resistance, contacts: &[], tethers: springs.tethers };
     let view = DomainView { cell: &plan.cell().scaled(1.0 / units.length), partition: &partition };
-    let near = NearPairs::find(field, Some(&springs), &own, view, StrainRate::default());
+    let near = NearPairs::find(
+        field,
+        Connections { springs: Some(&springs), bodies: None },
+        &own,
+        view,
+        StrainRate::default(),
+    );
     let motion = crate::units::motion(motion, &units);
     let motions = SixVectors::new(particles.len(), &motion.velocities, &motion.angular_velocities);
     near.times(&[Pairs::Stiff, Pairs::Soft], &motions).linear()

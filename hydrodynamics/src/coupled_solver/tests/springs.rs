@@ -40,6 +40,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
                 loads,
                 strain_rate: StrainRate::uniform(strain),
                 springs,
+                bodies: None,
                 ambient: &NO_AMBIENT,
                 constant_flux: false,
             };
@@ -100,6 +101,7 @@ fn springs_push_as_the_motions_say() {
                 loads: &loads,
                 strain_rate: StrainRate::uniform(strain),
                 springs,
+                bodies: None,
                 ambient: &NO_AMBIENT,
                 constant_flux: false,
             };

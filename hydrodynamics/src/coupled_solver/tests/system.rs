@@ -50,7 +50,7 @@ impl Setting {
         let mut field = NearField { lubrication, at_walls: None, lists, precision: plan.precision, radii };
         let near = NearPairs::find(
             &mut field,
-            None,
+            Connections::default(),
             &particles,
             DomainView { cell: &cell, partition: &partition },
             StrainRate::default(),

@@ -105,7 +105,7 @@ impl<X: Arithmetic> DiagonalBlock<X> {
 
 /// Inverse of a symmetric positive definite matrix, by Gauss-Jordan elimination without pivoting.
 #[inline(always)]
-fn inverse<X: Arithmetic>(mut work: [[X; 6]; 6]) -> [[X; 6]; 6] {
+pub fn inverse<X: Arithmetic>(mut work: [[X; 6]; 6]) -> [[X; 6]; 6] {
     for pivot in 0..6 {
         let scale = X::constant(1.0).over(work[pivot][pivot]);
         work[pivot][pivot] = X::constant(1.0);

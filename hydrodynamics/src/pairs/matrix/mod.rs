@@ -6,3 +6,4 @@ pub mod lanes;
 pub mod packed_rows;
 pub mod row_sums;
 pub mod sparse;
+pub mod within_bodies;

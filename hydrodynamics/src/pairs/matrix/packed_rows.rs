@@ -18,6 +18,8 @@ pub struct NearPair {
     pub other: u32,
     pub species: [u32; 2],
     pub is_lubricated: bool,
+    /// Whether both spheres are parts of one rigid body.
+    pub is_within_body: bool,
 }
 
 /// A pair, and the radii of its two spheres.

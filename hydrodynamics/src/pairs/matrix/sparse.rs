@@ -3,6 +3,7 @@
 use crate::pairs::matrix::diagonal_block::{DiagonalBlock, Inverses};
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, transpose};
+use crate::pairs::matrix::within_bodies::StoredPair;
 use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
@@ -23,16 +24,18 @@ pub const ROWS: usize = 64;
 /// lanes are empty (sliced ELLPACK, Kreutzer et al. 2014, doi:10.1137/130930352). Coefficients of pairs are stored in
 /// single or double precision; sums and diagonal blocks are always in double precision.
 pub struct PairMatrix<T> {
-    parts: Vec<MatrixPart<T>>,
+    pub(super) parts: Vec<MatrixPart<T>>,
 }
 
 /// Matrix rows of a block of particles.
 pub struct MatrixPart<T> {
     /// Diagonal blocks.
-    own: Vec<DiagonalBlock<f64>>,
+    pub(super) own: Vec<DiagonalBlock<f64>>,
     slices: Vec<Slice>,
-    groups: Vec<LaneGroup<T>>,
+    pub(super) groups: Vec<LaneGroup<T>>,
     moments: Vec<MomentGroup<T>>,
+    /// Pairs within rigid bodies.
+    pub(super) within_bodies: Vec<StoredPair>,
     /// Number of groups that have been filled.
     filled: usize,
 }
@@ -102,6 +105,7 @@ impl<T: StoredLanes> MatrixPart<T> {
             slices: Vec::with_capacity(rows.div_ceil(LANES)),
             groups: vec![LaneGroup::zeroed(); groups],
             moments: vec![MomentGroup::zeroed(); groups],
+            within_bodies: Vec::new(),
             filled: 0,
         }
     }
@@ -112,6 +116,16 @@ impl<T: StoredLanes> MatrixPart<T> {
         let next = self.filled;
         self.filled += 1;
         GroupOfPairs { group: &mut self.groups[next], moments: &mut self.moments[next] }
+    }
+
+    /// Marks the pair of a row in a lane of the last group as one within a rigid body.
+    pub fn mark_body(&mut self, row: u32, lane: usize) {
+        self.within_bodies.push(StoredPair { row, group: self.filled as u32 - 1, lane: lane as u32 });
+    }
+
+    /// Sorts the marked pairs by their rows.
+    pub fn sort_marked(&mut self) {
+        self.within_bodies.sort_unstable();
     }
 
     /// Ends a slice and stores the diagonal blocks of its rows, given lane by lane.
@@ -133,6 +147,12 @@ impl<T: StoredLanes> PairMatrix<T> {
     /// The matrix of blocks of [`ROWS`] rows each, except for the last.
     pub fn new(parts: Vec<MatrixPart<T>>) -> Self {
         Self { parts }
+    }
+
+    /// The matrix of rows without pairs.
+    pub fn without_pairs(rows: usize) -> Self {
+        let part = |part: usize| MatrixPart::new((rows - part * ROWS).min(ROWS), 0);
+        Self::new((0..rows.div_ceil(ROWS)).map(part).collect())
     }
 
     /// Adds to the diagonal block of a row.

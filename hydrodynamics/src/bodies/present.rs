@@ -1,0 +1,37 @@
+//! Bodies of a rank's spheres and of the ghosts in their reach.
+
+use crate::bodies::RigidBodies;
+use domain::parallel::{copied, of_rows};
+use domain::{Halo, Vector};
+
+/// Body numbers and arms of a rank's spheres and ghosts.
+pub struct PresentBodies {
+    /// Number of the body plus one; zero for a free sphere.
+    numbers: Vec<u64>,
+    arms: Vec<Vector>,
+}
+
+impl PresentBodies {
+    /// Adds those of the ghosts of a halo. Collective.
+    pub fn new(bodies: &RigidBodies, halo: &Halo) -> Self {
+        let number = |row: usize| bodies.body(row).map_or(0, |number| u64::from(number) + 1);
+        let mut numbers = of_rows(bodies.arms.len(), number);
+        let mut arms = copied(&bodies.arms);
+        halo.extend(&mut numbers);
+        halo.extend(&mut arms);
+        Self { numbers, arms }
+    }
+
+    /// Whether two spheres are parts of one body, and not of a body and its image: the separation from the first to
+    /// the second is nearly the difference of their arms.
+    pub fn are_of_one(&self, [first, second]: [usize; 2], separation: Vector) -> bool {
+        let number = self.numbers[first];
+        let difference = self.arms[second] - self.arms[first] - separation;
+        number > 0 && number == self.numbers[second] && difference.length() < 0.5 * separation.length()
+    }
+
+    /// Arm of a sphere or a ghost.
+    pub fn arm(&self, row: usize) -> Vector {
+        self.arms[row]
+    }
+}

@@ -1,0 +1,143 @@
+//! Loads and motions of spheres as those of rigid bodies.
+
+use crate::ambient::StrainRate;
+use crate::bodies::RigidBodies;
+use crate::bodies::matrix::{BodyMatrix, motion_of_member};
+use crate::pairs::matrix::diagonal_block::inverse;
+use crate::pairs::search::NearPairs;
+use crate::six_vector::{SixVector, SixVectors};
+use domain::Particles;
+use domain::parallel::{MeasuredLoop, change, change_rows, of_rows};
+use fcm::{Linear, Motion};
+use rayon::prelude::*;
+use simd::{SimdVector as Width, VectorKernel};
+use solver::Real;
+
+/// Rigid bodies in the solve with the resistance of single spheres and of stiff pairs. With `Z` the resistance of
+/// single spheres, `S = K^T Z K` is that of the bodies if their spheres do not interact.
+pub struct BodyProjection<'a> {
+    bodies: &'a RigidBodies,
+    single: &'a [SixVector],
+    /// Motions of the spheres relative to the background flow when their bodies rest relative to it.
+    offsets: SixVectors,
+    /// `S^-1` of each body.
+    inverse: Vec<BodyMatrix>,
+    /// `(S + K^T R K)^-1 S` of each body, with the resistance `R` of its own stiff pairs.
+    preconditioner: Vec<BodyMatrix>,
+}
+
+/// Number of bodies whose matrices one thread inverts at a time.
+const BATCH: usize = 64;
+
+impl<'a> BodyProjection<'a> {
+    /// The projection for spheres with single-sphere resistances, and with motions of their own when their bodies rest.
+    /// Collective.
+    pub fn new(bodies: &'a RigidBodies, near: &NearPairs, single: &'a [SixVector], offsets: SixVectors) -> Self {
+        let stiff = near.stiff_of_bodies();
+        let alone = |row: usize| {
+            let arm = bodies.arm(row);
+            BodyMatrix::of_members([arm; 2], |motion| resisted(&single[row], motion))
+        };
+        let alone = bodies.matrices(alone);
+        let mut resistance = bodies.matrices(|row| stiff.of_member(bodies, row));
+        change(&mut resistance, &alone, |sum, &of_body| *sum += of_body);
+        let mut preconditioner = inverses(resistance);
+        change(&mut preconditioner, &alone, |inverse, s| *inverse = inverse.product(s));
+        Self { bodies, single, offsets, inverse: inverses(alone), preconditioner }
+    }
+
+    /// Replaces the loads on members by those with the same totals that move single spheres as parts of their bodies:
+    /// `Z K S^-1 K^T L`. Collective.
+    pub fn project(&self, loads: &mut SixVectors) {
+        let motions = self.moved(&self.bodies.totals(loads));
+        change_rows(&mut loads.0, |row, load| {
+            if let Some(motion) = self.bodies.motion(row, &motions) {
+                *load = resisted(&self.single[row], motion);
+            }
+        });
+    }
+
+    /// Overwrites the motions of members by those under projected loads: any member tells the load on its body.
+    pub fn precondition(&self, projected: &SixVectors, motions: &mut SixVectors) {
+        let of_body = |(body, matrix): (usize, &BodyMatrix)| {
+            let row = self.bodies.first_member(body);
+            let single = &self.single[row];
+            let moved = SixVector(std::array::from_fn(|k| projected.0[row].0[k] / single.0[k]));
+            matrix.times(&motion_of_member(moved, -self.bodies.arm(row)))
+        };
+        let moved = SixVectors(self.preconditioner.par_iter().enumerate().map(of_body).measured().collect());
+        change_rows(&mut motions.0, |row, motion| {
+            if let Some(rigid) = self.bodies.motion(row, &moved) {
+                *motion = rigid;
+            }
+        });
+    }
+
+    /// Replaces motions relative to the background flow by the nearest ones in which bodies are rigid. Collective.
+    pub fn make_rigid(&self, motions: &mut SixVectors) {
+        motions.add(-1.0, &self.offsets);
+        let moved = self.moved(&self.bodies.totals(&motions.resisted(self.single)));
+        change_rows(&mut motions.0, |row, motion| {
+            if let Some(mut rigid) = self.bodies.motion(row, &moved) {
+                rigid += self.offsets.0[row];
+                *motion = rigid;
+            }
+        });
+    }
+
+    /// `S^-1` times loads on the bodies.
+    fn moved(&self, totals: &SixVectors) -> SixVectors {
+        let of_body = |(matrix, load): (&BodyMatrix, &SixVector)| matrix.times(load);
+        SixVectors(self.inverse.par_iter().zip(&totals.0).map(of_body).measured().collect())
+    }
+}
+
+/// Load of a single sphere in a motion.
+fn resisted(single: &SixVector, motion: SixVector) -> SixVector {
+    SixVector(std::array::from_fn(|k| single.0[k] * motion.0[k]))
+}
+
+fn inverses(mut matrices: Vec<BodyMatrix>) -> Vec<BodyMatrix> {
+    matrices.par_chunks_mut(BATCH).measured().for_each(|batch| f64::dispatch(Inversion(batch)));
+    matrices
+}
+
+/// Inverts symmetric positive definite matrices.
+struct Inversion<'a>(&'a mut [BodyMatrix]);
+
+impl VectorKernel<f64> for Inversion<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Width<f64>>(self) {
+        self.0.iter_mut().for_each(|matrix| matrix.0 = inverse(matrix.0));
+    }
+}
+
+impl RigidBodies {
+    /// Motions of the bodies relative to a background flow at their centres, from motions of the spheres relative to
+    /// that flow. Collective.
+    pub(crate) fn motions_in(&self, flow: StrainRate, spheres: &Particles, motion: &Motion) -> Motion {
+        let mut relative = SixVectors::new(spheres.len(), &motion.velocities, &motion.angular_velocities);
+        relative.add(-1.0, &self.offsets(spheres, flow));
+        self.body_motions(&Motion {
+            velocities: relative.linear(),
+            angular_velocities: relative.angular(),
+            strain_rates: Vec::new(),
+        })
+    }
+
+    /// Motions of the spheres relative to a background flow when their bodies move with the flow at their centres. A
+    /// single sphere that moves freely has the velocity of the flow at its centre plus `a^2 / 6` times its curvature.
+    pub(crate) fn offsets(&self, spheres: &Particles, flow: StrainRate) -> SixVectors {
+        SixVectors(of_rows(spheres.len(), |row| {
+            if self.body(row).is_none() {
+                return SixVector::default();
+            }
+            let (arm, radius) = (self.arm(row), spheres.radii[row]);
+            let strained = flow.at(spheres.positions[row].z - arm.z).tensor().mul_vec3(arm);
+            let curved = flow.half_curvature() * (arm.z * arm.z + radius * radius / 3.0);
+            -SixVector::new(strained + curved, flow.turning(arm.z))
+        }))
+    }
+}
