@@ -76,6 +76,7 @@ fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<
     let (parameters, turn) = parameters(case, tolerance, run::kept_costs(comm)?)?;
     case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
+    mobility.join(case.rigid_bodies());
     let positions: Vec<Vector> = case.positions.iter().map(|&position| position.into()).collect();
     let overlaps = mobility.place(&positions)?;
     for caution in cautions(overlaps, &mobility).iter().filter(|_| comm.is_first()) {
@@ -166,13 +167,16 @@ fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, secon
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;
-    let Motions { motion, stresslets, stresslets_far, iterations, residual, .. } = motions;
+    let Motions { motion, stresslets, stresslets_far, iterations, residual, bodies } = motions;
+    let has_bodies = !bodies.velocities.is_empty();
     CaseAnswer {
         velocities: vectors(&motion.velocities),
         angular_velocities: dipoles.then(|| vectors(&motion.angular_velocities)),
         strain_rates: dipoles.then(|| tensors(&motion.strain_rates)),
         stresslets: dipoles.then(|| tensors(stresslets)),
         stresslets_far: case.lubrication.then(|| tensors(stresslets_far)),
+        body_velocities: has_bodies.then(|| vectors(&bodies.velocities)),
+        body_angular_velocities: has_bodies.then(|| vectors(&bodies.angular_velocities)),
         iterations: *iterations,
         residual: *residual,
         seconds,

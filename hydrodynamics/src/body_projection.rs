@@ -3,22 +3,24 @@
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
 use crate::bodies::matrix::{BodyMatrix, motion_of_member};
+use crate::bodies::members::Members;
 use crate::pairs::matrix::diagonal_block::inverse;
 use crate::pairs::search::NearPairs;
 use crate::six_vector::{SixVector, SixVectors};
 use domain::Particles;
-use domain::parallel::{MeasuredLoop, change, change_rows, of_rows};
+use domain::parallel::{MeasuredLoop, change, change_rows, mapped, of_rows};
 use fcm::{Linear, Motion};
 use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
 
 /// Rigid bodies in the solve with the resistance of single spheres and of stiff pairs. With `Z` the resistance of
-/// single spheres, `S = K^T Z K` is that of the bodies if their spheres do not interact.
+/// single spheres, `S = K^T Z K` is that of the bodies if their spheres do not interact. Where components of the motion
+/// of a body are given, `K` has columns for the others alone, and the inverses have zeros.
 pub struct BodyProjection<'a> {
     bodies: &'a RigidBodies,
     single: &'a [SixVector],
-    /// Motions of the spheres relative to the background flow when their bodies rest relative to it.
+    /// Motions of the spheres relative to the background flow when the unknown motions of their bodies are zero.
     offsets: SixVectors,
     /// `S^-1` of each body.
     inverse: Vec<BodyMatrix>,
@@ -30,44 +32,49 @@ pub struct BodyProjection<'a> {
 const BATCH: usize = 64;
 
 impl<'a> BodyProjection<'a> {
-    /// The projection for spheres with single-sphere resistances, and with motions of their own when their bodies rest.
-    /// Collective.
-    pub fn new(bodies: &'a RigidBodies, near: &NearPairs, single: &'a [SixVector], offsets: SixVectors) -> Self {
-        let stiff = near.stiff_of_bodies();
+    /// The projection for spheres with single-sphere resistances, and with the given motions relative to the background
+    /// flow when their bodies rest relative to it. Collective.
+    pub fn new(bodies: &'a RigidBodies, near: &NearPairs, single: &'a [SixVector], mut offsets: SixVectors) -> Self {
+        let (stiff, members) = (near.stiff_of_bodies(), bodies.members());
         let alone = |row: usize| {
-            let arm = bodies.arm(row);
+            let arm = members.arm(row);
             BodyMatrix::of_members([arm; 2], |motion| resisted(&single[row], motion))
         };
         let alone = bodies.matrices(alone);
-        let mut resistance = bodies.matrices(|row| stiff.of_member(bodies, row));
+        let mut resistance = bodies.matrices(|row| stiff.of_member(members, row));
         change(&mut resistance, &alone, |sum, &of_body| *sum += of_body);
-        let mut preconditioner = inverses(resistance);
+        let given: Vec<[Option<f64>; 6]> =
+            (0..alone.len()).map(|body| bodies.given_motion(body).components()).collect();
+        let moved = SixVectors(mapped(&given, |given| SixVector(given.map(Option::unwrap_or_default))));
+        change_rows(&mut offsets.0, |row, offset| *offset += members.motion(row, &moved).unwrap_or_default());
+        let mut preconditioner = inverses(resistance, &given);
         change(&mut preconditioner, &alone, |inverse, s| *inverse = inverse.product(s));
-        Self { bodies, single, offsets, inverse: inverses(alone), preconditioner }
+        Self { bodies, single, offsets, inverse: inverses(alone, &given), preconditioner }
     }
 
     /// Replaces the loads on members by those with the same totals that move single spheres as parts of their bodies:
     /// `Z K S^-1 K^T L`. Collective.
     pub fn project(&self, loads: &mut SixVectors) {
         let motions = self.moved(&self.bodies.totals(loads));
+        let (members, single) = (self.bodies.members(), self.single);
         change_rows(&mut loads.0, |row, load| {
-            if let Some(motion) = self.bodies.motion(row, &motions) {
-                *load = resisted(&self.single[row], motion);
+            if let Some(motion) = members.motion(row, &motions) {
+                *load = resisted(&single[row], motion);
             }
         });
     }
 
     /// Overwrites the motions of members by those under projected loads: any member tells the load on its body.
     pub fn precondition(&self, projected: &SixVectors, motions: &mut SixVectors) {
+        let (members, single) = (self.bodies.members(), self.single);
         let of_body = |(body, matrix): (usize, &BodyMatrix)| {
-            let row = self.bodies.first_member(body);
-            let single = &self.single[row];
-            let moved = SixVector(std::array::from_fn(|k| projected.0[row].0[k] / single.0[k]));
-            matrix.times(&motion_of_member(moved, -self.bodies.arm(row)))
+            let row = members.rows(body)[0] as usize;
+            let moved = SixVector(std::array::from_fn(|k| projected.0[row].0[k] / single[row].0[k]));
+            matrix.times(&motion_of_member(moved, -members.arm(row)))
         };
         let moved = SixVectors(self.preconditioner.par_iter().enumerate().map(of_body).measured().collect());
         change_rows(&mut motions.0, |row, motion| {
-            if let Some(rigid) = self.bodies.motion(row, &moved) {
+            if let Some(rigid) = members.motion(row, &moved) {
                 *motion = rigid;
             }
         });
@@ -77,9 +84,10 @@ impl<'a> BodyProjection<'a> {
     pub fn make_rigid(&self, motions: &mut SixVectors) {
         motions.add(-1.0, &self.offsets);
         let moved = self.moved(&self.bodies.totals(&motions.resisted(self.single)));
+        let (members, offsets) = (self.bodies.members(), &self.offsets);
         change_rows(&mut motions.0, |row, motion| {
-            if let Some(mut rigid) = self.bodies.motion(row, &moved) {
-                rigid += self.offsets.0[row];
+            if let Some(mut rigid) = members.motion(row, &moved) {
+                rigid += offsets.0[row];
                 *motion = rigid;
             }
         });
@@ -97,8 +105,14 @@ fn resisted(single: &SixVector, motion: SixVector) -> SixVector {
     SixVector(std::array::from_fn(|k| single.0[k] * motion.0[k]))
 }
 
-fn inverses(mut matrices: Vec<BodyMatrix>) -> Vec<BodyMatrix> {
+/// Inverses of matrices without the given components.
+fn inverses(mut matrices: Vec<BodyMatrix>, given: &[[Option<f64>; 6]]) -> Vec<BodyMatrix> {
+    let without = |matrix: &BodyMatrix, given: &[Option<f64>; 6], diagonal: f64| {
+        matrix.without(given.map(|component| component.is_some()), diagonal)
+    };
+    change(&mut matrices, given, |matrix, given| *matrix = without(matrix, given, 1.0));
     matrices.par_chunks_mut(BATCH).measured().for_each(|batch| f64::dispatch(Inversion(batch)));
+    change(&mut matrices, given, |matrix, given| *matrix = without(matrix, given, 0.0));
     matrices
 }
 
@@ -119,14 +133,16 @@ impl RigidBodies {
     /// that flow. Collective.
     pub(crate) fn motions_in(&self, flow: StrainRate, spheres: &Particles, motion: &Motion) -> Motion {
         let mut relative = SixVectors::new(spheres.len(), &motion.velocities, &motion.angular_velocities);
-        relative.add(-1.0, &self.offsets(spheres, flow));
+        relative.add(-1.0, &self.members().offsets(spheres, flow));
         self.body_motions(&Motion {
             velocities: relative.linear(),
             angular_velocities: relative.angular(),
             strain_rates: Vec::new(),
         })
     }
+}
 
+impl Members {
     /// Motions of the spheres relative to a background flow when their bodies move with the flow at their centres. A
     /// single sphere that moves freely has the velocity of the flow at its centre plus `a^2 / 6` times its curvature.
     pub(crate) fn offsets(&self, spheres: &Particles, flow: StrainRate) -> SixVectors {

@@ -19,7 +19,7 @@ mod system;
 mod units;
 
 pub use ambient::{FlowRefused, Poiseuille, StrainRate};
-pub use bodies::RigidBodies;
+pub use bodies::{GivenMotion, RigidBodies};
 pub use coupled_solver::{CoupledSolver, ShortRange};
 pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;

@@ -38,8 +38,9 @@ pub struct Solution {
     pub stresslets: Vec<Traceless>,
     /// Loads on the far field: given loads plus lubrication, and the far-field part of the stresslets.
     pub far: Loads,
-    /// Loads by which the rigidity of bodies acts on their spheres, with zero total force and torque on each body: the
-    /// loads on the fluid are given loads plus these. Empty without bodies.
+    /// Loads by which the rigidity of bodies acts on their spheres: the loads on the fluid are given loads plus these.
+    /// Their total force and torque on a body are zero along components of its motion that are not given. Empty without
+    /// bodies.
     pub constraint_loads: Loads,
     /// Motions induced by the loads of all other spheres: total motions minus those of single spheres under their own
     /// loads.

@@ -36,6 +36,11 @@ def rows(name, value, count, width=3):
     return finite(name, array)
 
 
+def rows_or_none(name, value, count, width=3):
+    """`rows` of a value that is given."""
+    return None if value is None else rows(name, value, count, width)
+
+
 def row_each(name, value, count):
     """A new float64 array of shape (count,), from one number for all or one for each."""
     array = numbers(name, value)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _arrays, _core
+from ._bodies import RigidBodies
 from ._communicator import handle
 from ._errors import Caution, InputError
 
@@ -23,6 +24,7 @@ _LUBRICATED = (
     'lubrication is for rigid particles with dipoles; set rigid to True and multipoles to "dipole", '
     "or lubrication to False"
 )
+_BODIES = 'bodies are made of rigid spheres with dipoles; set rigid to True and multipoles to "dipole"'
 _POINTS = 'torques and stresslets need dipoles; set multipoles to "dipole"'
 
 
@@ -49,6 +51,10 @@ class Motion:
     """Relative residual after these iterations."""
     seconds: float
     """Wall time of the evaluation."""
+    body_velocities: np.ndarray
+    """(B, 3), length/time: velocities of the centres of B rigid bodies, relative to the background flow there"""
+    body_angular_velocities: np.ndarray
+    """(B, 3), 1/time"""
 
 
 @dataclass(frozen=True)
@@ -127,6 +133,9 @@ class Mobility:
     method      "direct": the envelopes themselves on the grid; "split": wider envelopes on a coarser grid, and a pair
                 correction; "dense": a matrix of exact sums, for few spheres; "auto": the faster of the first two
     device      "gpu": the far field on an NVIDIA card, in periodic boxes; "cpu": on the processors of the host
+    bodies      rigid bodies made of rigid spheres: a list of lists of indices, or the number of the body of each sphere (N,),
+                from 0, with -1 for free spheres. Bodies may touch, and the spheres of one body may overlap. The centre of
+                a body is the mean of the centres of its spheres; its spheres are placed next to each other, not wrapped
     strain      the box's Lees-Edwards strain: its second edge is (strain Ly, Ly, 0)
     boundaries  boundary conditions along x, y and z: one axis may have "walls" at 0 and at its edge, a "wall" at 0, or be
                 "open", the others "periodic"; or all are "open": then the edges need to be longer than the extent of the
@@ -152,6 +161,7 @@ class Mobility:
         boundaries: Sequence[str] = ("periodic", "periodic", "periodic"),
         method: str = "auto",
         device: str = "cpu",
+        bodies: ArrayLike | Sequence[Sequence[int]] | None = None,
     ) -> None:
         self._radii = _radii(radii, count)
         self._radii.flags.writeable = False
@@ -169,6 +179,10 @@ class Mobility:
         terms = (self._dipoles, cutoff, *_arrays.words("method", method, 1), *_arrays.words("device", device, 1))
         self._core = _core.Mobility(spheres, fluid, terms, handle(comm))
         self._positions: np.ndarray | None = None
+        self._bodies = RigidBodies(bodies, len(self._radii))
+        if self._bodies.count and not (self._rigid and self._dipoles):
+            raise InputError(_BODIES)
+        self._core.join(self._bodies.numbers)
         self._say(self._core.burden())
 
     @property
@@ -201,6 +215,8 @@ class Mobility:
         stresslets: ArrayLike | None = None,
         background: ArrayLike | None = None,
         pressure_gradient: ArrayLike = (0.0, 0.0, 0.0),
+        body_forces: ArrayLike | None = None,
+        body_torques: ArrayLike | None = None,
     ) -> Motion:
         """The motions under loads.
 
@@ -210,6 +226,7 @@ class Mobility:
         background  (3, 3), 1/time: the velocity gradient of the background flow, G[i, j] = du_i/dx_j, without trace;
                     between two walls, a shear flow of moving walls
         pressure_gradient  (3,), force/length^3: dp/dx_i, which drives a flow between two walls
+        body_forces, body_torques  (B, 3): loads on the centres of bodies, in addition to those on spheres
 
         Arguments that are left out are zero. Raises `Error` if no solution is found.
         """
@@ -220,16 +237,27 @@ class Mobility:
         if not self._dipoles and (torques is not None or stresslets is not None):
             raise InputError(_POINTS)
         loads = (
-            _load("forces", forces, self._radii, 3),
-            _load("torques", torques, self._radii, 3),
-            _load("stresslets", stresslets, self._radii, 5),
+            *self._bodies.loads((forces, torques), (body_forces, body_torques), self._positions),
+            _arrays.rows_or_none("stresslets", stresslets, len(self._radii), 5),
         )
         gradient = None if background is None else _arrays.exactly("background", background, (3, 3)).tolist()
         self._core.drive(_arrays.exactly("pressure_gradient", pressure_gradient, (3,)).tolist())
-        (velocities, angular, strain_rates, stresslets, far, iterations, residual), seconds = self._core.apply(
-            *loads, gradient
-        )
-        return Motion(velocities, angular, stresslets, far, strain_rates, iterations, residual, seconds)
+        (of_spheres, of_bodies, iterations, residual), seconds = self._core.apply(*loads, gradient)
+        velocities, angular, strain_rates, stresslets, far = of_spheres
+        return Motion(velocities, angular, stresslets, far, strain_rates, iterations, residual, seconds, *of_bodies)
+
+    def body_mobility(self) -> np.ndarray:
+        """The mobility matrix (6B, 6B) of the rigid bodies at the present positions, by 6B evaluations.
+
+        It maps (F, T, F, T, ...), force and torque about the centre of each body, to velocities and angular velocities in the
+        same order, and is symmetric to the tolerance. Free spheres have no loads.
+        """
+        return self._bodies.mobility(self)
+
+    def body_resistance(self) -> np.ndarray:
+        """The resistance matrix (6B, 6B) of the rigid bodies: the inverse of `body_mobility`, made symmetric."""
+        mobility = self.body_mobility()
+        return np.linalg.inv(0.5 * (mobility + mobility.T))
 
     def noise(self, draws: int, seed: int, first: int = 0) -> Noise:
         """Random motions whose covariance is the mobility: Brownian displacements over a time dt at kT = dt/2.
@@ -251,6 +279,7 @@ class Mobility:
     def drift(self, draws: int, seed: int, first: int = 0) -> Drift:
         """Random contributions to the drift kT div M for `noise` of the same arguments, at kT = 1. For rigid spheres."""
         draws, seed, first = self._draws(draws, seed, first)
+        self._bodies.refuse("drift")
         if not (self._rigid and self._dipoles):
             raise InputError("only rigid spheres drift: leave out rigid=False and multipoles=\"monopole\"")
         parts = self._core.drift(draws, seed, first)
@@ -288,6 +317,7 @@ class Mobility:
 
     def _root(self, numbers, transposed):
         """Applies the square root or its transpose to six numbers a sphere, (N, 6)."""
+        self._bodies.refuse("square_root")
         if self._positions is None:
             raise InputError("the spheres have no positions yet: set .positions")
         root, clipped = self._core.root(np.ascontiguousarray(numbers), transposed)
@@ -322,7 +352,3 @@ def _has_dipoles(multipoles):
     if multipoles not in ("monopole", "dipole"):
         raise InputError(f'multipoles is {multipoles!r}; it needs to be "monopole" or "dipole"')
     return multipoles == "dipole"
-
-
-def _load(name, value, radii, width):
-    return None if value is None else _arrays.rows(name, value, len(radii), width)

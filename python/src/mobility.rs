@@ -23,9 +23,9 @@ pub struct PyMobility {
     is_first: bool,
 }
 
-/// Velocities, angular velocities, strain rates, stresslets, far stresslets, iterations, residual.
-type MobilityAnswer<'py> =
-    (NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>, usize, f64);
+/// Velocities, angular velocities, strain rates, stresslets, far stresslets; velocities and angular velocities of
+/// bodies; iterations, residual.
+type MobilityAnswer<'py> = ([NumpyMatrix<'py>; 5], [NumpyMatrix<'py>; 2], usize, f64);
 
 /// Velocities, angular velocities, strain rates or stresslets.
 type RandomMotions<'py> = (NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>);
@@ -77,6 +77,11 @@ impl PyMobility {
         let positions: Vec<Vector> = list_of(Some(positions))?;
         let overlaps = self.planned.with(py, |mobility| mobility.place(&positions))?.map_err(|cause| failed(&cause))?;
         Ok(overlaps.map(|overlaps| overlaps.to_string()))
+    }
+
+    /// Joins spheres into rigid bodies: the number of the body of each sphere, or `None`.
+    fn join(&self, py: Python<'_>, bodies: Vec<Option<u32>>) -> PyResult<()> {
+        self.planned.with(py, |mobility| mobility.join(bodies))
     }
 
     /// Sets the pressure gradient that drives the fluid between walls in later evaluations.
@@ -215,16 +220,16 @@ fn failed(cause: &MobilityError) -> PyErr {
 }
 
 fn answer(py: Python<'_>, motions: Motions) -> PyResult<MobilityAnswer<'_>> {
-    let Motions { motion, stresslets, stresslets_far, iterations, residual, .. } = motions;
-    Ok((
+    let Motions { motion, stresslets, stresslets_far, iterations, residual, bodies } = motions;
+    let of_spheres = [
         rows_of(py, motion.velocities)?,
         rows_of(py, motion.angular_velocities)?,
         rows_of(py, motion.strain_rates)?,
         rows_of(py, stresslets)?,
         rows_of(py, stresslets_far)?,
-        iterations,
-        residual,
-    ))
+    ];
+    let of_bodies = [rows_of(py, bodies.velocities)?, rows_of(py, bodies.angular_velocities)?];
+    Ok((of_spheres, of_bodies, iterations, residual))
 }
 
 /// The boundary condition along each axis, from its name.

@@ -20,6 +20,14 @@ impl BodyMatrix {
         SixVector(std::array::from_fn(row))
     }
 
+    /// The matrix with the rows and columns of some components replaced by those of `diagonal` times the identity.
+    #[must_use]
+    pub fn without(&self, components: [bool; 6], diagonal: f64) -> Self {
+        let unit = |i: usize, k: usize| if i == k { diagonal } else { 0.0 };
+        let component = |i: usize, k: usize| if components[i] || components[k] { unit(i, k) } else { self.0[i][k] };
+        Self(std::array::from_fn(|i| std::array::from_fn(|k| component(i, k))))
+    }
+
     /// Product with another matrix.
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {

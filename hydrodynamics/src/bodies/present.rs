@@ -1,7 +1,7 @@
 //! Bodies of a rank's spheres and of the ghosts in their reach.
 
 use crate::bodies::RigidBodies;
-use domain::parallel::{copied, of_rows};
+use domain::parallel::of_rows;
 use domain::{Halo, Vector};
 
 /// Body numbers and arms of a rank's spheres and ghosts.
@@ -14,9 +14,10 @@ pub struct PresentBodies {
 impl PresentBodies {
     /// Adds those of the ghosts of a halo. Collective.
     pub fn new(bodies: &RigidBodies, halo: &Halo) -> Self {
-        let number = |row: usize| bodies.body(row).map_or(0, |number| u64::from(number) + 1);
-        let mut numbers = of_rows(bodies.arms.len(), number);
-        let mut arms = copied(&bodies.arms);
+        let members = bodies.members();
+        let number = |row: usize| members.body(row).map_or(0, |number| u64::from(number) + 1);
+        let mut numbers = of_rows(members.spheres(), number);
+        let mut arms = of_rows(members.spheres(), |row| members.arm(row));
         halo.extend(&mut numbers);
         halo.extend(&mut arms);
         Self { numbers, arms }

@@ -142,7 +142,7 @@ impl CoupledSolver {
         if self.near.is_some() || bodies.is_some() {
             let (units, own) = (self.units, units::particles(particles, &self.units));
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
-            let bodies = bodies.map(|bodies| bodies.scaled(1.0 / units.length));
+            let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
             let near = self.near_pairs(cell, &own, &acting);
             if bodies.is_some() || self.partition.comm().any(!near.is_empty()) {
@@ -335,7 +335,7 @@ impl LubricatedSolve<'_> {
             return None;
         }
         let projection = |bodies: &'b RigidBodies| {
-            BodyProjection::new(bodies, self.near, single, bodies.offsets(self.particles, self.strain_rate))
+            BodyProjection::new(bodies, self.near, single, bodies.members().offsets(self.particles, self.strain_rate))
         };
         let matrix = Preconditioner::new(self.comm, self.near, single, ROUGH);
         Some(matrix.with_bodies(self.bodies.map(projection)))
@@ -346,7 +346,7 @@ impl LubricatedSolve<'_> {
         let Some(bodies) = self.bodies else { return Loads::default() };
         let mut loads = x.loads();
         loads.add(1.0, &self.near.times(&[Pairs::Stiff, Pairs::Soft], motions));
-        bodies.keep_members(&mut loads);
+        bodies.members().keep_members(&mut loads);
         Loads { forces: loads.linear(), torques: loads.angular(), stresslets: Vec::new() }
     }
 }

@@ -95,7 +95,7 @@ impl BodySpheres {
 pub fn record_bodies(particles: &mut Particles, bodies: &RigidBodies, motions: &Motion) {
     let rows = 0..particles.len();
     for (name, list) in [(VELOCITY, &motions.velocities), (ANGULAR_VELOCITY, &motions.angular_velocities)] {
-        let of_row = |row: usize| bodies.place(row).map_or(Vector::ZERO, |place| list[place]);
+        let of_row = |row: usize| bodies.members().place(row).map_or(Vector::ZERO, |place| list[place]);
         let values: Vec<Vector> = rows.clone().map(of_row).collect();
         fill(particles.vectors(name), &values);
     }

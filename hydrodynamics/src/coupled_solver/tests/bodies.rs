@@ -1,7 +1,7 @@
 //! Rigid bodies against exact functions of two spheres, a dense solve and free spheres.
 
 use super::*;
-use crate::bodies::RigidBodies;
+use crate::bodies::{GivenMotion, RigidBodies};
 use domain::Boundaries;
 use lubrication::two_sphere::{Function, TwoSphere};
 
@@ -262,4 +262,25 @@ fn bodies_need_no_near_pairs() {
     // Between one sphere and two that touch.
     assert!(alone < 1.0 && alone > 1.0 / (2.0 * 0.64514), "{alone}");
     assert!((alone - lubricated).abs() < 1e-3 * alone, "{alone} {lubricated}");
+}
+
+/// A doublet with a given velocity across its axis and a given spin takes the loads that cause them, and turns freely.
+#[test]
+fn a_given_motion_takes_the_loads_that_cause_it() {
+    let body = doublet(0.1, [1.0, 2.0], 1e-4);
+    let wanted = [Vector::new(0.3, 0.0, 0.0), Vector::new(0.0, 0.0, -0.7)];
+    let given =
+        GivenMotion { velocity: wanted[0].to_array().map(Some), angular_velocity: [None, None, Some(wanted[1].z)] };
+    let rigid = body.rigid().with_given_motions(|_| Some(given));
+    let loads = Loads::default();
+    let acting = SolveInput { bodies: Some(&rigid), ..acting(&loads, Traceless::ZERO) };
+    let solved = body.solver().solve(&body.plan.cell(), &body.particles, &acting, &Guess::default()).unwrap();
+    let found = rigid.body_motions(&solved.motion);
+    assert!((found.velocities[0] - wanted[0]).length() < 1e-12, "{found:?}");
+    assert!((found.angular_velocities[0].z - wanted[1].z).abs() < 1e-12, "{found:?}");
+    let taken = rigid.total_loads(&solved.constraint_loads);
+    assert!(taken.torques[0].x.abs() + taken.torques[0].y.abs() < 1e-8 * taken.torques[0].length(), "{taken:?}");
+    let [velocity, angular] = body.moved([taken.forces[0], taken.torques[0]]);
+    assert!((velocity - wanted[0]).length() < 1e-3 * wanted[0].length(), "{velocity}");
+    assert!((angular - found.angular_velocities[0]).length() < 1e-3 * wanted[1].length(), "{angular}");
 }

@@ -1,7 +1,7 @@
 //! Pairs within rigid bodies.
 
-use crate::bodies::RigidBodies;
 use crate::bodies::matrix::BodyMatrix;
+use crate::bodies::members::Members;
 use crate::bodies::present::PresentBodies;
 use crate::pairs::matrix::sparse::{LaneGroup, MatrixPart, PairMatrix, ROWS};
 use crate::six_vector::SixVector;
@@ -70,8 +70,8 @@ pub struct StiffOfBodies<'a> {
 
 impl StiffOfBodies<'_> {
     /// Loads of stiff pairs on the sphere of a row, as loads on its body, in the motions of that body alone.
-    pub fn of_member(&self, bodies: &RigidBodies, row: usize) -> BodyMatrix {
-        let arm = bodies.arm(row);
+    pub fn of_member(&self, members: &Members, row: usize) -> BodyMatrix {
+        let arm = members.arm(row);
         let mut sum = BodyMatrix::of_members([arm; 2], |motion| self.stiff.own_load(row, motion));
         if let Some(present) = self.present {
             for pair in self.stiff.within_body(row) {

@@ -24,6 +24,12 @@ pub struct CaseAnswer {
     /// With lubrication, the part of the stresslets that acts on the far field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stresslets_far: Option<Vec<[f64; 5]>>,
+    /// Velocities of the centres of rigid bodies, relative to the background flow there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body_velocities: Option<Vec<[f64; 3]>>,
+    /// Angular velocities of rigid bodies, relative to the background flow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body_angular_velocities: Option<Vec<[f64; 3]>>,
     /// Random velocities, one list for each draw.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_velocities: Option<Vec<Vec<[f64; 3]>>>,
@@ -86,6 +92,12 @@ impl CaseAnswer {
         }
         if let Some(list) = &self.stresslets_far {
             table("stresslets_far", 5, list.concat())?;
+        }
+        if let Some(list) = &self.body_velocities {
+            table("body_velocities", 3, list.concat())?;
+        }
+        if let Some(list) = &self.body_angular_velocities {
+            table("body_angular_velocities", 3, list.concat())?;
         }
         draws(file, "noise_velocities", self.noise_velocities.as_deref())?;
         draws(file, "noise_angular_velocities", self.noise_angular_velocities.as_deref())?;

@@ -8,6 +8,7 @@ impl Case {
     pub(super) fn check(&self) -> Result<(), String> {
         self.check_particles()?;
         self.check_method()?;
+        self.check_bodies()?;
         self.check_noise()?;
         self.check_multipoles()
     }
@@ -63,6 +64,32 @@ impl Case {
                  sphere, and lubrication true",
                 Number(cutoff)
             ));
+        }
+        Ok(())
+    }
+
+    /// Bodies have numbers without a gap, and are made of rigid particles.
+    fn check_bodies(&self) -> Result<(), String> {
+        let count = self.positions.len();
+        if ![0, count].contains(&self.bodies.len()) {
+            return Err(format!("bodies has {} entries, but there are {count} positions", self.bodies.len()));
+        }
+        let mut numbers: Vec<i64> = self.bodies.iter().copied().filter(|&number| number != -1).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        if let Some((place, wrong)) = (0..).zip(&numbers).find(|(place, number)| place != *number) {
+            return Err(format!(
+                "bodies has the number {wrong}, but no {place}; number bodies from 0, free particles -1"
+            ));
+        }
+        if !numbers.is_empty() && !self.is_rigid() {
+            return Err(
+                "bodies are made of rigid particles with dipoles; set rigid to true and multipoles to \"dipole\""
+                    .to_owned(),
+            );
+        }
+        if !numbers.is_empty() && self.noise.is_some_and(|noise| noise.drift) {
+            return Err("noise.drift is true, but the drift is that of free particles; leave out bodies".to_owned());
         }
         Ok(())
     }

@@ -44,6 +44,9 @@ pub struct Case {
     /// Stresslets (xx, xy, xz, yy, yz) of particles that are not rigid; zero if absent.
     #[serde(default)]
     pub stresslets: Vec<[f64; 5]>,
+    /// Number of the rigid body of each particle, from 0, with -1 for free particles; no bodies if absent.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<i64>,
     /// Whether to solve for the stresslets that keep the particles rigid.
     #[serde(default = "yes")]
     pub rigid: bool,
@@ -179,6 +182,11 @@ impl Case {
             OneOrAll::One(radius) => vec![*radius; self.positions.len()],
             OneOrAll::All(radii) => radii.clone(),
         }
+    }
+
+    /// The rigid body of each particle, `None` for free ones; empty without bodies.
+    pub fn rigid_bodies(&self) -> Vec<Option<u32>> {
+        self.bodies.iter().map(|&body| u32::try_from(body).ok()).collect()
     }
 
     /// The box with its non-periodic axis last, and the rotation of axes to it.
