@@ -1,5 +1,7 @@
 //! Brownian forces between near pairs.
 
+use crate::bodies::RigidBodies;
+use crate::bodies::present::PresentBodies;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::SimdLanes;
 use crate::pairs::search::{NearField, Present};
@@ -21,10 +23,18 @@ const BATCH: usize = 64;
 /// Random forces and torques `B zeta` on a rank's particles, with `B` the factor of the lubrication resistance `B B^T`
 /// and `zeta` one standard normal number per mode of each pair. The numbers are keyed by the ids and the periodic image
 /// of a pair, so that all ranks draw the same. Collective.
-pub fn loads(field: &mut NearField, particles: &Particles, view: DomainView, stream: Stream) -> Loads {
+pub fn loads(
+    field: &mut NearField,
+    particles: &Particles,
+    bodies: Option<&RigidBodies>,
+    view: DomainView,
+    stream: Stream,
+) -> Loads {
     let _stage = stage("random loads of near pairs");
     let cell = view.cell;
     let present = field.present(particles, view);
+    let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &present.halo));
+    let bodies = bodies.as_ref();
     let Present { halo, positions, ids, species, .. } = &*present;
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
     halo.extend(&mut steps);
@@ -33,7 +43,19 @@ pub fn loads(field: &mut NearField, particles: &Particles, view: DomainView, str
     let (positions, ids, species, steps) = (&positions[..], &ids[..], &species[..], &steps[..]);
     let of_batch = |batch: usize| {
         let rows = [batch * BATCH, owned.min((batch + 1) * BATCH)];
-        f64::dispatch(NoisePairs { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows })
+        f64::dispatch(NoisePairs {
+            force,
+            cell,
+            positions,
+            ids,
+            species,
+            steps,
+            bodies,
+            neighbours,
+            stream,
+            owned,
+            rows,
+        })
     };
     let parts: Vec<Vec<(usize, [Vector; 2])>> =
         (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
@@ -58,6 +80,7 @@ struct NoisePairs<'a> {
     ids: &'a [u64],
     species: &'a [u32],
     steps: &'a [[i32; 4]],
+    bodies: Option<&'a PresentBodies>,
     neighbours: &'a Neighbours,
     stream: Stream,
     owned: usize,
@@ -69,7 +92,7 @@ impl VectorKernel<f64> for NoisePairs<'_> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) -> Self::Output {
-        let Self { force, cell, positions, ids, species, steps, neighbours, stream, owned, rows } = self;
+        let Self { force, cell, positions, ids, species, steps, bodies, neighbours, stream, owned, rows } = self;
         let mut sums = Vec::new();
         for row in rows[0]..rows[1] {
             for neighbour in neighbours.of(row).iter() {
@@ -87,6 +110,13 @@ impl VectorKernel<f64> for NoisePairs<'_> {
                 }
                 let (sign, pair) = if is_first { (1, [row, other]) } else { (-1, [other, row]) };
                 let kinds = pair.map(|row| species[row]);
+                let are_lubricated = |bodies: &PresentBodies| {
+                    let gap = force.gap(separation.length(), kinds);
+                    gap.is_some_and(|gap| bodies.are_lubricated([row, other], separation, gap))
+                };
+                if !bodies.is_none_or(are_lubricated) {
+                    continue;
+                }
                 let Some(factor) = force.factor_by::<SimdLanes<V>>(separation * f64::from(sign), kinds) else {
                     continue;
                 };

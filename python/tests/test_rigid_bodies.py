@@ -86,3 +86,19 @@ def test_bodies_that_cannot_be_are_refused(bodies, more, message):
         fcm.Mobility((12.0, 12.0, 12.0), RADII, 1.0, bodies=bodies, **more)
     with pytest.raises(ValueError, match="leave out bodies"):
         mobility().drift(1, 1)
+
+
+def test_random_motions_of_bodies_are_rigid_and_have_the_covariance_of_their_mobility():
+    made = mobility()
+    noise = made.noise(200, 3)
+    velocities = np.stack([noise.velocities[:, members].mean(axis=1) for members in BODIES], axis=1)
+    spins = np.stack([noise.angular_velocities[:, members[0]] for members in BODIES], axis=1)
+    for body, members in enumerate(BODIES):
+        arms = np.array(POSITIONS)[members] - np.mean(np.array(POSITIONS)[members], axis=0)
+        rigid = velocities[:, None, body] + np.cross(spins[:, None, body], arms)
+        assert np.allclose(noise.velocities[:, members], rigid, atol=1e-12)
+    matrix = made.body_mobility()
+    drawn = np.stack([velocities, spins], axis=2).reshape(200, -1)
+    white = np.linalg.solve(np.linalg.cholesky(0.5 * (matrix + matrix.T)), drawn.T)
+    # The mean of 2,400 squares deviates by 3%.
+    assert abs(np.mean(white**2) - 1) < 0.1

@@ -11,6 +11,9 @@ pub struct PresentBodies {
     arms: Vec<Vector>,
 }
 
+/// Overlap up to which spheres of a body touch, over the distance of their centres.
+const TOUCHING: f64 = 1e-3;
+
 impl PresentBodies {
     /// Adds those of the ghosts of a halo. Collective.
     pub fn new(bodies: &RigidBodies, halo: &Halo) -> Self {
@@ -29,6 +32,12 @@ impl PresentBodies {
         let number = self.numbers[first];
         let difference = self.arms[second] - self.arms[first] - separation;
         number > 0 && number == self.numbers[second] && difference.length() < 0.5 * separation.length()
+    }
+
+    /// Whether lubrication acts between two spheres with a gap between their surfaces: not if they are parts of one body
+    /// and overlap.
+    pub fn are_lubricated(&self, rows: [usize; 2], separation: Vector, gap: f64) -> bool {
+        gap >= -TOUCHING * separation.length() || !self.are_of_one(rows, separation)
     }
 
     /// Arm of a sphere or a ghost.

@@ -235,14 +235,22 @@ impl CoupledSolver {
         }
     }
 
-    /// Random forces and torques whose covariance is the lubrication resistance; empty without lubrication. Collective.
-    pub fn pair_noise(&mut self, cell: &PeriodicBox, particles: &Particles, stream: Stream) -> Loads {
+    /// Random forces and torques whose covariance is the lubrication resistance of free spheres and of those of bodies;
+    /// empty without lubrication. Collective.
+    pub fn pair_noise(
+        &mut self,
+        cell: &PeriodicBox,
+        particles: &Particles,
+        bodies: Option<&RigidBodies>,
+        stream: Stream,
+    ) -> Loads {
         let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {
             return Loads::default();
         };
         let (units, own) = (self.units, units::particles(particles, &self.units));
         let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
-        let loads = noise::loads(field, &own, view, stream);
+        let bodies = bodies.map(|bodies| bodies.in_units(&units));
+        let loads = noise::loads(field, &own, bodies.as_ref(), view, stream);
         // Square roots of the units of translational and rotational resistance.
         let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
         Loads {

@@ -42,7 +42,7 @@ impl Mobility {
             let stream = Stream::new(seed, draw);
             if is_rigid {
                 let (fluid, _) = self.hydrodynamics.noise(&cell, &particles, tolerance, stream);
-                let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
+                let loads = self.hydrodynamics.pair_noise(&cell, &particles, None, stream);
                 brownian::set_ambient(&mut particles, &fluid, 1.0);
                 brownian::displace(&mut particles, step);
                 brownian::solve(&mut self.hydrodynamics, &cell, &mut particles, &loads, &fluid)?;

@@ -37,9 +37,9 @@ impl Mobility {
             worst.clipped = worst.clipped.max(drawn.clipped);
             let mut motion = ambient.clone();
             if is_rigid {
-                let loads = self.hydrodynamics.pair_noise(&cell, &particles, stream);
-                let guess = Guess::induced_by(&ambient);
                 let bodies = self.bodies.load(&mut particles, self.partition.comm());
+                let loads = self.hydrodynamics.pair_noise(&cell, &particles, bodies.as_ref(), stream);
+                let guess = Guess::induced_by(&ambient);
                 let still = SolveInput::new(&loads, StrainRate::default());
                 let acting = SolveInput { bodies: bodies.as_ref(), ambient: &ambient, ..still };
                 motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;

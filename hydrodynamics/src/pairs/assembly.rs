@@ -51,9 +51,6 @@ pub struct Assembly<'a, T> {
     stored: PhantomData<T>,
 }
 
-/// Overlap up to which spheres of a body touch, over the distance of their centres. Others have no lubrication.
-const TOUCHING: f64 = 1e-3;
-
 /// Pairs of one kind, stiff or soft, in the order of the rows of a block.
 struct PairList {
     pairs: Vec<NearPair>,
@@ -120,7 +117,8 @@ impl<T: StoredLanes> Assembly<'_, T> {
         let (pair, distance) = ([species[row], species[other]], separation.length());
         let gap = lubrication.and_then(|pairs| pairs.force.gap(distance, pair));
         let is_within_body = bodies.is_some_and(|bodies| bodies.are_of_one([row, other], separation));
-        let gap = gap.filter(|&gap| !is_within_body || gap >= -TOUCHING * distance);
+        let are_lubricated = |gap| bodies.is_none_or(|bodies| bodies.are_lubricated([row, other], separation, gap));
+        let gap = gap.filter(|&gap| are_lubricated(gap));
         let between = |springs: &Springs| springs.between(row, ids[other], distance, pair.map(|s| radii[s as usize]));
         let resisted = springs.map(|springs| if is_within_body { [0.0; 3] } else { between(springs) });
         let spring = resisted.map_or(0.0, |[along, ..]| along);

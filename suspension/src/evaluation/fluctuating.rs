@@ -154,7 +154,7 @@ impl Dynamics {
     /// Random loads between near pairs. Collective.
     fn pair_noise(&mut self, particles: &Particles, Noise { amplitude, stream, .. }: Noise) -> Loads {
         let cell = *self.moving.cell();
-        let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, stream);
+        let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, None, stream);
         let times = |list: Vec<Vector>| list.into_iter().map(|load| load * amplitude).collect();
         Loads { forces: times(forces), torques: times(torques), stresslets: Vec::new() }
     }

@@ -1,6 +1,7 @@
 //! Rigid bodies against exact functions of two spheres, a dense solve and free spheres.
 
 use super::*;
+use crate::ambient::Poiseuille;
 use crate::bodies::{GivenMotion, RigidBodies};
 use domain::Boundaries;
 use lubrication::two_sphere::{Function, TwoSphere};
@@ -283,4 +284,36 @@ fn a_given_motion_takes_the_loads_that_cause_it() {
     let [velocity, angular] = body.moved([taken.forces[0], taken.torques[0]]);
     assert!((velocity - wanted[0]).length() < 1e-3 * wanted[0].length(), "{velocity}");
     assert!((angular - found.angular_velocities[0]).length() < 1e-3 * wanted[1].length(), "{angular}");
+}
+
+/// Spheres of a body at different heights and with different radii, in a parabolic flow.
+#[test]
+fn bodies_are_rigid_in_a_curved_flow() {
+    let bodies = cluster_of_body();
+    let (flow, rigid, loads) = (Poiseuille { curvature: 0.02, height: 22.0 }, bodies.rigid(), Loads::default());
+    let acting =
+        SolveInput { strain_rate: flow.strain_rate(), bodies: Some(&rigid), ..acting(&loads, Traceless::ZERO) };
+    let cell = bodies.plan.cell();
+    let motion = bodies.solver().solve(&cell, &bodies.particles, &acting, &Guess::default()).unwrap().motion;
+    let moving = |k: usize| {
+        let (z, radius) = (bodies.particles.positions[k].z, bodies.particles.radii[k]);
+        let velocity = motion.velocities[k] + flow.velocity_of(z, radius);
+        [velocity, motion.angular_velocities[k] + flow.angular_velocity(z)]
+    };
+    let [velocity, angular] = moving(0);
+    for k in 1..3 {
+        let [other, turning] = moving(k);
+        assert!((turning - angular).length() < 1e-13, "{turning} {angular}");
+        let expected = velocity + angular.cross(bodies.arms[k]);
+        assert!((other - expected).length() < 1e-12, "{other} {expected}");
+    }
+}
+
+/// Spheres that overlap have random loads if they are free, and none as parts of a body.
+#[test]
+fn spheres_of_a_body_that_overlap_have_no_random_loads() {
+    let body = doublet(-0.5, [1.0; 2], 1e-3);
+    let (mut solver, rigid, stream) = (body.solver(), body.rigid(), fcm::Stream::new(1, 1));
+    let mut drawn = |bodies| solver.pair_noise(&body.plan.cell(), &body.particles, bodies, stream).forces[0].length();
+    assert!(drawn(Some(&rigid)) < 1e-14 && drawn(None) > 0.1);
 }
