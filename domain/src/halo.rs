@@ -1,6 +1,7 @@
 //! Halo of a rank: its ghosts, which are copies of other ranks' particles, and the return of sums from ghosts to
 //! owners.
 
+use crate::parallel::check_row_numbers;
 use crate::{Incoming, Outgoing, Partition, PeriodicBox, Vector, block};
 use bytemuck::Pod;
 use std::borrow::Cow;
@@ -23,6 +24,7 @@ pub struct Halo {
 impl Halo {
     /// Plans the halo for the particles at `positions`, inside the box, that each rank owns.
     pub fn plan(partition: &Partition, cell: &PeriodicBox, positions: &[Vector], reach: Reach) -> Self {
+        check_row_numbers(positions.len());
         let comm = partition.comm().clone();
         let mut leaving = vec![Vec::new(); comm.size()];
         if comm.size() > 1 {

@@ -1,5 +1,7 @@
 //! Counter-based random numbers, which depend only on a seed and a name.
 
+use std::collections::HashMap;
+
 /// Stream of random numbers by a seed and a name, such as a particle's id or the number of a step. It is the same on
 /// any rank and in any order of use: `SplitMix64` (Steele, Lea & Flood, OOPSLA 2014, Fig. 14), started at a state
 /// mixed from seed and name.
@@ -50,12 +52,31 @@ impl Random {
         crate::Vector::new(x, y, z)
     }
 
+    /// A number from 0 to `last`.
+    fn up_to(&mut self, last: usize) -> usize {
+        ((u128::from(self.bits()) * (last as u128 + 1)) >> 64) as usize
+    }
+
     /// Shuffles a list, with all orders equally likely (Fisher-Yates).
     pub fn shuffle<T>(&mut self, list: &mut [T]) {
         for last in (1..list.len()).rev() {
-            let other = (u128::from(self.bits()) * (last as u128 + 1)) >> 64;
-            list.swap(last, other as usize);
+            list.swap(last, self.up_to(last));
         }
+    }
+
+    /// Numbers below `count` that [`Random::shuffle`] of the list `0..count` moves to its places from `kept` on, at
+    /// least 1, in ascending order. Takes memory for these only.
+    pub fn shuffled_beyond(&mut self, kept: usize, count: usize) -> Vec<usize> {
+        let mut moved: HashMap<usize, usize> = HashMap::new();
+        let mut beyond: Vec<usize> = (kept.max(1)..count)
+            .rev()
+            .map(|last| {
+                let (other, own) = (self.up_to(last), moved.remove(&last).unwrap_or(last));
+                if other == last { own } else { moved.insert(other, own).unwrap_or(other) }
+            })
+            .collect();
+        beyond.sort_unstable();
+        beyond
     }
 }
 
@@ -96,6 +117,16 @@ fn mix(mut z: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_end_of_a_shuffle_needs_no_list() {
+        for (kept, count) in [(1, 1), (1, 2), (3, 3), (1, 50), (17, 50), (49, 50), (900, 1000)] {
+            let mut list: Vec<usize> = (0..count).collect();
+            Random::new(3, 9).shuffle(&mut list);
+            list[kept..].sort_unstable();
+            assert_eq!(Random::new(3, 9).shuffled_beyond(kept, count), list[kept..], "{kept} of {count}");
+        }
+    }
 
     #[test]
     fn normal_and_uniform_numbers_have_their_moments() {

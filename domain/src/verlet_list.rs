@@ -2,7 +2,7 @@
 
 use crate::halo::Pencil;
 use crate::neighbours::Batch;
-use crate::parallel::{MeasuredLoop, all_rows, copied, of_rows, rows, sort};
+use crate::parallel::{MeasuredLoop, all_rows, check_row_numbers, copied, of_rows, rows, sort};
 use crate::{Halo, Neighbour, Neighbours, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -164,6 +164,7 @@ enum RowById {
 impl RowById {
     /// For ids in the order of their rows.
     fn new(ids: &[u64]) -> Self {
+        check_row_numbers(ids.len());
         let last = ids.par_iter().with_min_len(BATCH).copied().measured().max().unwrap_or(0);
         if last >= (SPARSEST * ids.len()) as u64 {
             let mut list = of_rows(ids.len(), |row| (ids[row], row as u32));

@@ -1,21 +1,33 @@
-//! `fcm-solve calibrate`: costs of evaluations on this machine.
+//! `fcm-solve calibrate`: costs of evaluations on this machine, and the network between machines.
 
 use crate::streams;
-use domain::Comm;
+use domain::{Comm, Number};
 use fcm::Costs;
 use std::path::PathBuf;
-use suspension::benchmark::measured_costs;
+use suspension::benchmark::{measured_costs, measured_network};
 
-/// Measures the costs, which takes a fraction of a second, and stores them. Collective.
+/// Measures the costs, which takes a fraction of a second, and the network if the ranks are on several machines, and
+/// stores them. Collective.
 pub fn calibrate(comm: &Comm) -> anyhow::Result<()> {
     // Each rank measures by itself, with its share of the machine.
     let costs = measured_costs(&Comm::alone())?;
-    let kept = if comm.is_first() { run::keep_costs(costs) } else { Ok(PathBuf::new()) };
+    let network = measured_network(comm);
+    let stored = network.filter(|_| comm.spans_machines());
+    let kept = if comm.is_first() { run::keep_costs(costs, stored) } else { Ok(PathBuf::new()) };
     let path = comm.agree(kept.map_err(|e| scene::in_full(&e)))?;
     let Costs { stencils, transforms, pairs } = costs;
+    let network = network.map_or_else(String::new, |network| {
+        let [gigabytes, microseconds] = [1e-9 * network.bandwidth, 1e6 * network.latency].map(Number);
+        let unused = if stored.is_some() { "" } else { "; not kept, since they share a machine" };
+        format!(
+            "network    {gigabytes:.3} GB/s a rank and {microseconds:.3} microseconds a message between {} ranks\
+             {unused}\n",
+            network.ranks
+        )
+    });
     let text = format!(
         "stencils   {stencils:.2}\ntransforms {transforms:.2}\npairs      {pairs:.2}\ntimes those of the machine that \
-         the planner was made on; kept in {}\n",
+         the planner was made on; kept in {}\n{network}",
         path.display()
     );
     streams::print(comm, &text)

@@ -30,6 +30,7 @@
 //!     threads: 1,
 //!     ranks: 1,
 //!     costs: Costs::default(),
+//!     network: None,
 //!     fixed: Fixed::default(),
 //! })?;
 //! let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
@@ -74,6 +75,7 @@ pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use plan::costs::Costs;
 pub use plan::device::{CardMemory, ComputeDevice};
 pub use plan::method::{Method, Split};
+pub use plan::network::{Network, Traffic};
 pub use plan::plan_identity::PlanIdentity;
 pub use plan::problem::{Fixed, Loading, Multipoles, Precision, Problem};
 pub use plan::sample_points::SamplePoints;

@@ -223,6 +223,11 @@ impl Comm {
         }
     }
 
+    /// Whether the ranks of this group are on several machines. Collective.
+    pub fn spans_machines(&self) -> bool {
+        self.machine().size() < self.size()
+    }
+
     /// Counts bytes that went to other ranks through a [`Window`].
     pub fn count_sent(&self, bytes: usize) {
         self.sent.bytes.fetch_add(bytes as u64, Ordering::Relaxed);

@@ -1,5 +1,6 @@
 //! Cell lists of the spheres already placed.
 
+use crate::parallel::check_row_numbers;
 use crate::{Partition, PeriodicBox, Vector};
 
 /// Cell lists on several levels, one for each range of sizes, with cells about as wide as the spheres of that level,
@@ -58,6 +59,7 @@ impl<'a> Occupied<'a> {
 
     /// Adds a sphere, unless it is out of reach of the share; spheres are numbered from 0.
     pub fn insert(&mut self, size: f64, position: Vector) {
+        check_row_numbers(self.spheres.len() + 1);
         let number = self.spheres.len() as u32;
         if let Some(first) = self.first_at(size, position) {
             let next = std::mem::replace(first, number);

@@ -20,7 +20,7 @@ pub use lists::{
 };
 pub use profile::{LoopProfile, Machine, ParallelProfile, SerialPiece, StageProfile};
 pub use recorder::{MeasuredStage, TaskClock, measure, parts, sort, stage, wall_clock};
-pub use sorted_rows::SortedRows;
+pub use sorted_rows::{SortedRows, check_row_numbers};
 
 #[cfg(test)]
 mod tests;

@@ -22,14 +22,26 @@ const TILES: usize = 128;
 /// A row with its key.
 type Keyed = [u32; 2];
 
+/// Checks that the numbers of so many rows have 32 bits; the largest such number is left to stand for no row.
+///
+/// # Panics
+///
+/// If there are more rows.
+#[track_caller]
+pub fn check_row_numbers(rows: usize) {
+    let fits = u32::try_from(rows).is_ok();
+    assert!(fits, "a list of a rank has {rows} rows, whose numbers need more than 32 bits: take more ranks");
+}
+
 impl SortedRows {
     /// Sorts the rows of a list of keys, all below `count`.
     ///
     /// # Panics
     ///
-    /// If a key is not below `count`.
+    /// If a key is not below `count`, or if row numbers need more than 32 bits.
     #[track_caller]
     pub fn by_key(keys: &[u32], count: usize) -> Self {
+        check_row_numbers(keys.len());
         let parts = if keys.len() > TILE { RANGES } else { 1 };
         let bits = count.div_ceil(parts).next_power_of_two().trailing_zeros();
         let ranges = count.div_ceil(1 << bits);
@@ -132,6 +144,17 @@ mod tests {
         rows.sort_by_key(|&row| keys[row as usize]);
         let start = |key: usize| rows.partition_point(|&row| (keys[row as usize] as usize) < key) as u32;
         SortedRows { starts: (0..=count).map(start).collect(), rows }
+    }
+
+    #[test]
+    fn four_billion_rows_have_numbers() {
+        check_row_numbers(u32::MAX as usize);
+    }
+
+    #[test]
+    #[should_panic(expected = "4294967296 rows, whose numbers need more than 32 bits: take more ranks")]
+    fn more_rows_are_refused() {
+        check_row_numbers(1 << 32);
     }
 
     proptest! {

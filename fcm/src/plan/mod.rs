@@ -9,6 +9,7 @@ pub(crate) mod device;
 pub(crate) mod grid_refinement;
 pub(crate) mod infeasible;
 pub(crate) mod method;
+pub(crate) mod network;
 pub(crate) mod plan_identity;
 pub(crate) mod planner;
 pub(crate) mod problem;
@@ -153,7 +154,7 @@ impl Plan {
             return Err(problem.no_plan());
         }
         problem.keep_evaluable(&mut plans)?;
-        plans.sort_by(|a, b| a.predicted_seconds.total_cmp(&b.predicted_seconds));
+        plans.sort_by(|a, b| problem.seconds_of(a).total_cmp(&problem.seconds_of(b)));
         Ok(plans)
     }
 
@@ -179,6 +180,7 @@ impl Plan {
             threads: 1,
             ranks: 1,
             costs: Costs::default(),
+            network: None,
             fixed: Fixed { method: Some(Method::Direct), ..Fixed::default() },
         };
         Self::choose(&problem)

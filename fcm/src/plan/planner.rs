@@ -66,6 +66,11 @@ impl Problem {
         self.radii.iter().map(|r| r.1).sum()
     }
 
+    /// Seconds by which plans are compared: of an evaluation, on the ranks of the network if there is one.
+    pub(crate) fn seconds_of(&self, plan: &Plan) -> f64 {
+        self.network.map_or(plan.predicted_seconds, |network| network.evaluation(plan, &self.radii))
+    }
+
     /// Plans that keep the tolerance: the best of each method, precision and stencil. If none keeps it at walls, the
     /// one with the smallest error there.
     pub(crate) fn candidates(&self) -> Vec<Plan> {
@@ -89,7 +94,7 @@ impl Problem {
                         same_method && (other.precision, other.support.support) == (precision, plan.support.support)
                     };
                     match best.iter_mut().find(alike) {
-                        Some(other) if other.predicted_seconds <= plan.predicted_seconds => {}
+                        Some(other) if self.seconds_of(other) <= self.seconds_of(&plan) => {}
                         Some(other) => *other = plan,
                         None => best.push(plan),
                     }

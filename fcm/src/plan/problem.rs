@@ -4,6 +4,7 @@ use crate::envelope::Envelope;
 use crate::plan::costs::Costs;
 use crate::plan::device::ComputeDevice;
 use crate::plan::method::Method;
+use crate::plan::network::Network;
 use domain::{Boundaries, PeriodicBox, Vector};
 
 /// Precision of the values on the grid; everything else is in `f64`.
@@ -80,6 +81,8 @@ pub struct Problem {
     pub ranks: usize,
     /// Costs of the parts of an evaluation on the machine, over those where the planner was calibrated.
     pub costs: Costs,
+    /// Ranks and their network, if they are to count.
+    pub network: Option<Network>,
     /// Choices that the user fixed.
     pub fixed: Fixed,
 }
@@ -159,6 +162,7 @@ impl Problem {
             threads: 1,
             ranks: 1,
             costs: Costs::default(),
+            network: None,
             fixed: Fixed::default(),
         }
     }

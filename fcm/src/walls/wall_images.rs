@@ -71,7 +71,7 @@ pub(crate) struct WallImages {
 #[derive(Clone, Copy)]
 struct ImagePair {
     row: u32,
-    block: u32,
+    block: usize,
     is_forward: bool,
     x: Vector,
 }
@@ -152,7 +152,7 @@ impl WallImages {
         let mut first = Vec::new();
         for (row, list) in lists.iter_mut().enumerate() {
             for pair in list.iter_mut().filter(|pair| is_first(pair)) {
-                pair.block = first.len() as u32;
+                pair.block = first.len();
                 first.push((row, *pair));
             }
         }
@@ -244,7 +244,7 @@ impl WallImages {
         for ImagePair { row, block, is_forward, .. } in list {
             let force = present.forces.get(*row as usize).copied().unwrap_or_default();
             let dipole = present.dipoles.get(*row as usize).copied().unwrap_or(Tensor::ZERO);
-            let block = &self.blocks[*block as usize];
+            let block = &self.blocks[*block];
             let (u, d) =
                 if *is_forward { block.motion(force, &dipole) } else { block.motion_of_second(force, &dipole) };
             motion.0 += u * self.inverse_viscosity;
@@ -280,6 +280,7 @@ mod tests {
             threads: 1,
             ranks: 1,
             costs: crate::Costs::default(),
+            network: None,
             fixed: Fixed::default(),
         };
         Plan::choose(&problem).unwrap()

@@ -59,6 +59,7 @@ impl Suspension {
             threads: 1,
             ranks: 1,
             costs: Costs::default(),
+            network: None,
             fixed: Fixed::default(),
         }
     }

@@ -88,6 +88,7 @@ fn hydrodynamics(cell: &PeriodicBox, tolerance: f64, lubrication: Option<Lubrica
         threads: 1,
         ranks: 1,
         costs: Costs::default(),
+        network: None,
         fixed: Fixed::default(),
     };
     let plan = Plan::choose(&problem).unwrap();

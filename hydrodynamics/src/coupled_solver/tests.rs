@@ -35,6 +35,7 @@ fn problem(edge: f64, radii: &[f64], tolerance: f64, iteration: f64) -> Problem 
         threads: 1,
         ranks: 1,
         costs: Costs::default(),
+        network: None,
         fixed: Fixed { iteration_tolerance: Some(iteration), precision: Some(Precision::Double), ..Fixed::default() },
     }
 }

@@ -361,6 +361,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         threads: 1,
         ranks: 1,
         costs: parameters.costs,
+        network: None,
         fixed: Fixed { method: parameters.method, device: parameters.device, ..Fixed::default() },
     }
 }

@@ -57,9 +57,9 @@ const WITH_CONSENT: [&str; 5] = [
     "repulsion.radius_power",
 ];
 
-/// Keys that a run adds to its scene: the measured costs of the machine where it started, the stiffness of contacts
-/// found by the adaptation, and the strain of the box that its particles come from.
-const OWN: [&str; 3] = ["hydrodynamics.costs", "contacts.adapted_stiffness", "box.strain"];
+/// Keys that a run adds to its scene: the measured costs and network of the machine where it started, the stiffness of
+/// contacts found by the adaptation, and the strain of the box that its particles come from.
+const OWN: [&str; 4] = ["hydrodynamics.costs", "hydrodynamics.network", "contacts.adapted_stiffness", "box.strain"];
 
 /// Keys that a run sets in its scene where that asks for a calibrated repulsion.
 const FOUND: [&str; 2] = ["repulsion.strength", "repulsion.calibrate"];

@@ -123,6 +123,7 @@ impl Task {
             threads: rayon::current_num_threads(),
             ranks: comm.size(),
             costs: self.costs,
+            network: None,
             fixed: self.fixed,
         };
         let plan = Plan::choose(&problem).map_err(BenchmarkError::Plan)?;

@@ -3,12 +3,14 @@
 mod costs;
 mod machine;
 mod measure;
+mod network;
 mod shares;
 mod spheres;
 
 pub use costs::measured_costs;
 pub use machine::measured_machine;
 pub use measure::{CostMeasurement, Stages, Task};
+pub use network::measured_network;
 pub use shares::Shares;
 pub use spheres::{BenchmarkCase, BenchmarkKind, Spheres};
 

@@ -2,6 +2,7 @@
 
 pub mod calibrate_repulsion;
 pub mod cost_growth;
+mod network;
 pub mod scaling;
 pub mod stable_step;
 pub mod step_lengths;

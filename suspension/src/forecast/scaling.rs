@@ -3,8 +3,7 @@
 use crate::evaluation::prepared::Planned;
 use crate::flow::open_cell::follows;
 use crate::model::Model;
-use domain::{ExpectedCounts, Place};
-use fcm::Precision;
+use fcm::{Network, Traffic};
 
 /// Assumed machine: ranks of a node share its port and its memory, in bytes per second.
 pub struct AssumedNode {
@@ -25,20 +24,21 @@ pub const LATENCY: f64 = 1.5e-6;
 /// Times that bytes for another rank are read and written in memory.
 const COPIES: f64 = 4.0;
 
-/// Sums and ends of exchanges in an evaluation, as counted: each has as many messages as a tree of ranks has levels.
-const SUMS: f64 = 4.0;
-
-/// Messages of a rank to each rank within reach in an evaluation, as counted.
-const EXCHANGES: f64 = 8.0;
-
-/// Bytes sent in an evaluation for each image of a sphere on another rank, as counted: lists, loads and motions.
-const IMAGE: f64 = 190.0;
-
 /// Parallel efficiency from which a number of ranks is worthwhile.
 const WORTH: f64 = 0.5;
 
 /// Largest number of ranks considered, a power of two.
 const MOST: usize = 1 << 20;
+
+impl AssumedNode {
+    /// The network of ranks of so many threads each that fill such nodes.
+    pub fn network(&self, ranks: usize, threads: usize) -> Network {
+        let of_node = (self.cores / threads).clamp(1, ranks) as f64;
+        let away = 1.0 - of_node / ranks as f64;
+        let seconds = of_node * (away / self.port + COPIES / self.memory);
+        Network { ranks, threads, bandwidth: 1.0 / seconds, latency: LATENCY }
+    }
+}
 
 /// Model of the time of a step on any number of ranks.
 pub struct Scaling {
@@ -105,7 +105,7 @@ impl Scaling {
         if ranks == 1 {
             return 1.0;
         }
-        let lines = self.largest_share(ranks);
+        let lines = self.planned.plan.largest_share(ranks);
         let count = self.planned.radii.count() as f64;
         let expected = count * lines;
         // Expected maximum over the ranks of the number of spheres, whose standard deviation is the square root of its
@@ -116,57 +116,12 @@ impl Scaling {
 
     /// Seconds of communication of a rank of so many threads in an evaluation.
     fn exchange(&self, ranks: usize, threads: usize) -> f64 {
-        if ranks == 1 {
-            return 0.0;
-        }
-        let of_node = (NODE.cores / threads).clamp(1, ranks) as f64;
-        let away = 1.0 - of_node / ranks as f64;
-        let of_byte = of_node * (away / NODE.port + COPIES / NODE.memory);
-        self.bytes(ranks) * of_byte + self.messages(ranks) * LATENCY
+        NODE.network(ranks, threads).seconds(self.traffic(ranks))
     }
 
-    /// Number of messages that a rank sends in an evaluation.
-    fn messages(&self, ranks: usize) -> f64 {
-        SUMS * f64::from(ranks.next_power_of_two().ilog2()) + EXCHANGES * self.neighbours(ranks)
-    }
-
-    /// Number of ranks within reach of a rank.
-    fn neighbours(&self, ranks: usize) -> f64 {
-        let (plan, table) = (&self.planned.plan, self.place(ranks).table());
-        let within = |d: usize| {
-            let parts = table[d] as f64;
-            (2.0 * (self.reach() * parts / plan.edges[d + 1]).ceil() + 1.0).min(parts)
-        };
-        within(0) * within(1) - 1.0
-    }
-
-    /// Distance up to which a rank has images of others' spheres.
-    fn reach(&self) -> f64 {
-        self.planned.plan.cutoff().max(self.planned.plan.support.reach)
-    }
-
-    /// Bytes that a rank sends in an evaluation: the grid, in both directions along each axis that is divided among
-    /// ranks, and images.
-    fn bytes(&self, ranks: usize) -> f64 {
-        let plan = &self.planned.plan;
-        let place = self.place(ranks);
-        let others = place.table().map(|parts| 1.0 - 1.0 / parts as f64).iter().sum::<f64>();
-        let point = if plan.precision == Precision::Single { 12.0 } else { 24.0 };
-        let points: f64 = plan.grid.iter().map(|&n| n as f64).product();
-        let expected = ExpectedCounts::new(plan.edges, self.planned.radii.kinds(), &place);
-        let images = expected.present(self.reach()) - expected.owned();
-        2.0 * point * points * self.largest_share(ranks) * others + IMAGE * images
-    }
-
-    /// Largest fraction of the grid's lines that a rank owns.
-    fn largest_share(&self, ranks: usize) -> f64 {
-        let place = self.place(ranks);
-        let largest = |d: usize| place.lines()[d].div_ceil(place.table()[d]) as f64 / place.lines()[d] as f64;
-        largest(0) * largest(1)
-    }
-
-    fn place(&self, ranks: usize) -> Place {
-        Place::of(ranks, 0, [self.planned.plan.grid[1], self.planned.plan.grid[2]])
+    /// Data that a rank sends in an evaluation.
+    fn traffic(&self, ranks: usize) -> Traffic {
+        self.planned.plan.traffic(self.planned.radii.kinds(), ranks)
     }
 }
 
@@ -204,9 +159,9 @@ mod tests {
         for (ranks, megabytes, messages) in
             [(2, 8.24, 10.0), (4, 6.32, 20.0), (8, 4.04, 22.0), (16, 1.85, 40.0), (32, 1.53, 74.0), (64, 1.23, 76.0)]
         {
-            let bytes = scaling.bytes(ranks) / 1e6;
+            let Traffic { bytes, messages: found } = scaling.traffic(ranks);
+            let bytes = bytes / 1e6;
             assert!((bytes / megabytes - 1.0).abs() < 0.35, "{bytes} for {megabytes} MB on {ranks} ranks");
-            let found = scaling.messages(ranks);
             assert!((found / messages - 1.0).abs() < 0.3, "{found} for {messages} on {ranks} ranks");
         }
     }

@@ -4,6 +4,7 @@ use crate::error::StartError;
 use crate::error::gap::Gap;
 use crate::evaluation::prepared::{Planned, Setup};
 use crate::flow::open_cell::follows;
+use crate::forecast::network::with_network;
 use crate::forecast::warnings::{cautions, diffusive_step};
 use crate::model::radii::Radii;
 use crate::model::{Contacts, Flow, Model};
@@ -80,6 +81,7 @@ pub fn outline(
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
     let outline = with_card(memory.add_to(outline), memory::card(&planned.radii, &planned.plan)?);
     let outline = with_cost(outline, &planned.plan, model.turn, &others);
+    let outline = with_network(outline, model, &planned, asked);
     let outline = beside_periodic(outline, model, &cell, &planned, asked.ranks);
     Ok(outline.warnings(memory.missing.into_iter().chain(relaxed).chain(cautions(model, &planned.radii))))
 }

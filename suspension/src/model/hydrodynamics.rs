@@ -2,7 +2,7 @@
 
 use crate::model::box_axes::UserAxes;
 use domain::{Number, ParameterError};
-use fcm::{ComputeDevice, Method};
+use fcm::{ComputeDevice, Method, Network};
 
 /// Parameters of the hydrodynamic interactions; those that are `None` are chosen from the tolerance.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +24,8 @@ pub struct Hydrodynamics {
     /// Measured costs of stencils, transforms and pair sums on the machine that the run is planned for, over those on
     /// the planner's reference machine.
     pub costs: Option<[f64; 3]>,
+    /// Ranks and the network between them that the run is planned for; by default those of one machine.
+    pub network: Option<Network>,
     /// Whether lubrication acts between near spheres.
     pub lubrication: bool,
     /// Gap at which lubrication ends, over the larger radius of a pair; by default
@@ -53,6 +55,7 @@ impl Default for Hydrodynamics {
             support: None,
             iteration_tolerance: None,
             costs: None,
+            network: None,
             lubrication: false,
             lubrication_cutoff: None,
             preconditioner: true,
@@ -77,6 +80,7 @@ impl Hydrodynamics {
         for (name, cost) in ["stencils", "transforms", "pairs"].iter().zip(self.costs.iter().flatten()) {
             ParameterError::require_between(&key(&format!("costs.{name}")), *cost, [0.01, 100.0])?;
         }
+        self.network.as_ref().map_or(Ok(()), check_network)?;
         self.check_lubrication()
     }
 
@@ -106,6 +110,21 @@ impl Hydrodynamics {
             _ => Ok(()),
         }
     }
+}
+
+/// Largest numbers of ranks and of their threads that a run is planned for.
+const MOST_RANKS: usize = 1 << 20;
+
+fn check_network(network: &Network) -> Result<(), ParameterError> {
+    let key = |name: &str| format!("hydrodynamics.network.{name}");
+    for (name, count) in [("ranks", network.ranks), ("threads", network.threads)] {
+        if !(1..=MOST_RANKS).contains(&count) {
+            return Err(ParameterError::new(key(name), format!("is {count}; it needs to be 1 to {MOST_RANKS}")));
+        }
+    }
+    ParameterError::require_between(&key("bandwidth"), network.bandwidth, [1e3, 1e15])?;
+    ParameterError::require_between(&key("latency"), network.latency, [0.0, 1.0])?;
+    Ok(())
 }
 
 /// Largest number of grid points along an axis.

@@ -93,16 +93,26 @@ pub fn placing(model: &Model, radii: &Radii) -> MemoryNeed {
     }
 }
 
+/// Memory of the positions of all spheres on the rank that makes them.
 fn placing_bytes(model: &Model, count: f64) -> Bytes {
     let listed = Bytes::list::<(u32, f64)>(count);
     let places = match model.start {
         Start::Random { minimum_gap } => packing_bytes(count, filled(model, minimum_gap) > DENSE),
         Start::Cloud { .. } => packing_bytes(count, false),
-        // A lattice may have more sites than there are spheres.
-        _ => Bytes::list::<(Vector, usize)>(2.0 * count),
+        Start::Lattice(_) => lattice_bytes(model, count),
+        // Lists of a file in its order, and sorted by id.
+        _ => Bytes::list::<(Vector, Vector, usize)>(2.0 * count),
     };
-    let store = Particles::bytes(domain::GROWING * count, 0);
-    listed.then(places).then(Bytes::list::<Vector>(count)).then(store).freed()
+    listed.then(places).then(Bytes::list::<Vector>(count)).freed()
+}
+
+/// Memory of a rank's part of a lattice: a byte for each sphere of all ranks if species are mixed, and the rank's
+/// spheres.
+fn lattice_bytes(model: &Model, own: f64) -> Bytes {
+    let is_mixed = model.species.len() > 1;
+    let all = model.species.iter().map(|kind| kind.count.unwrap_or(0) as f64).sum::<f64>();
+    let mixed = Bytes::list::<u8>(if is_mixed { all } else { 0.0 });
+    mixed.then(Particles::bytes(own, 0)).then(Bytes::list::<(Vector, u32)>(own)).freed()
 }
 
 /// Volume fraction of the spheres enlarged by half the gap that is kept around each.
@@ -139,11 +149,13 @@ impl Share<'_> {
             Start::Random { minimum_gap } if filled(self.model, minimum_gap) <= DENSE => {
                 self.shared_placing(minimum_gap)
             }
+            Start::Lattice(_) => lattice_bytes(self.model, self.expected.owned()),
             _ if self.is_first() => placing_bytes(self.model, self.expected.total()),
             _ => Bytes::default(),
         };
         let own = Particles::bytes(self.expected.owned(), 0);
-        placed.or(own.then(self.near(self.gap_search())).freed())
+        let divided = own.then(Particles::migration_bytes(self.expected.owned())).freed();
+        placed.or(divided).or(own.then(self.near(self.gap_search())).freed())
     }
 
     /// Memory of a rank that places its own spheres and stores those around them.

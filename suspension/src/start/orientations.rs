@@ -31,29 +31,32 @@ pub fn start(particles: &mut Particles, model: &Model, comm: &Comm) {
     }
 }
 
-/// Stores orientations provided with the positions, in the axes of the user. Refuses a list that is missing or of
+/// Whether orientations of spheres of these species are provided and needed. Refuses a list that is missing or of
 /// another length, and quaternions without direction.
-pub fn store(particles: &mut Particles, given: Option<&[Quaternion]>, model: &Model) -> Result<(), String> {
+pub fn check_given(given: Option<&[Quaternion]>, species: &[u32], model: &Model) -> Result<bool, String> {
     let is_given = |kind: u32| model.species[kind as usize].orientation == Some(Orientation::Given);
-    let Some(of_file) = particles.species.iter().position(|&kind| is_given(kind)) else { return Ok(()) };
-    let kind = particles.species[of_file] as usize;
+    let Some(kind) = species.iter().copied().find(|&kind| is_given(kind)) else { return Ok(false) };
     let Some(given) = given else {
         return Err(format!("has no orientations, but species[{kind}].orientation is \"file\"; take \"random\""));
     };
-    if given.len() != particles.len() {
-        return Err(format!("has {} positions, but {} orientations", particles.len(), given.len()));
+    if given.len() != species.len() {
+        return Err(format!("has {} positions, but {} orientations", species.len(), given.len()));
     }
+    let is_none = |&(_, (given, kind)): &(usize, (&Quaternion, &u32))| {
+        is_given(*kind) && !(given.length() > 0.0 && given.length().is_finite())
+    };
+    match given.iter().zip(species).enumerate().find(is_none) {
+        Some((row, (none, _))) => Err(format!("has the orientation {:?} in row {row}, which is none", none.to_array())),
+        None => Ok(true),
+    }
+}
+
+/// Stores orientations provided with the positions, in the axes of the user.
+pub fn store(particles: &mut Particles, given: &[Quaternion], model: &Model) {
     let axes = model.user_axes();
-    let are_given: Vec<bool> = particles.species.iter().map(|&kind| is_given(kind)).collect();
-    for (row, (own, (given, is_given))) in
-        orientations(particles).iter_mut().zip(given.iter().zip(are_given)).enumerate()
-    {
-        if is_given && !(given.length() > 0.0 && given.length().is_finite()) {
-            return Err(format!("has the orientation {:?} in row {row}, which is none", given.to_array()));
-        }
+    for (own, given) in orientations(particles).iter_mut().zip(given) {
         *own = axes.orientation_in(given.normalized());
     }
-    Ok(())
 }
 
 /// Refuses particles of a saved state that have orientations where the model has none, or have none where it has.

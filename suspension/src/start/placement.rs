@@ -1,121 +1,145 @@
 //! Initial positions of the particles.
 
 use crate::error::PlacingError;
-use crate::model::{Lattice, Model, Species, Start};
+use crate::model::{Model, Species, Start};
+use crate::start::lattice::Sites;
 use crate::start::orientations;
 use domain::{
-    Comm, GivenPositions, Particles, Partition, PeriodicBox, Random, Vector, random_cloud, random_packing,
+    Comm, Failure, GivenPositions, Particles, Partition, Random, block, random_cloud, random_packing,
     shared_random_packing,
 };
+use std::ops::Range;
+
+/// Particles of a model at the start, each on any rank, with a partition if the scene gives their numbers. The ranks
+/// make equal parts of a lattice and of random positions at low volume fractions; of others, which the first rank makes
+/// or has from elsewhere, each rank gets its part at once. Collective.
+pub fn particles(
+    model: &Model,
+    placed: Option<GivenPositions>,
+    partition: Option<&Partition>,
+    comm: &Comm,
+) -> Result<Particles, Failure> {
+    let shared = partition.map(|partition| shared(model, partition)).transpose();
+    if let Some(particles) = comm.agree(shared.map(Option::flatten))? {
+        return Ok(particles);
+    }
+    let counted: usize = model.species.iter().map(count).sum();
+    let rows = block(counted, comm.size(), comm.rank());
+    match &model.start {
+        Start::Lattice(lattice) => {
+            let positions = Sites::new(&model.cell, *lattice, counted, model.seed).positions(rows.clone());
+            let species = Some(mixed_species(model, rows.clone()));
+            Ok(store(model, GivenPositions { positions, species, ..GivenPositions::default() }, rows.start))
+        }
+        Start::Positions(positions) => {
+            let positions = positions[rows.clone()].to_vec();
+            Ok(store(model, GivenPositions { positions, ..GivenPositions::default() }, rows.start))
+        }
+        _ => {
+            let first = || if comm.is_first() { on_first(model, placed) } else { Ok(GivenPositions::default()) };
+            let (own, all) = comm.agree(first())?.divided(comm);
+            Ok(store(model, own, block(all, comm.size(), comm.rank()).start))
+        }
+    }
+}
 
 /// Random placement that the ranks share, at low volume fractions: the spheres of a model with random positions, each
 /// on the rank that owns it. `None` if the first rank has to place all of them. Collective.
-pub fn shared(model: &Model, partition: &Partition) -> Result<Option<Particles>, PlacingError> {
+fn shared(model: &Model, partition: &Partition) -> Result<Option<Particles>, PlacingError> {
     let Start::Random { minimum_gap } = model.start else { return Ok(None) };
     let groups: Vec<(f64, usize)> = model.species.iter().map(|kind| (kind.radius, count(kind))).collect();
     let placed = shared_random_packing(&model.cell, &groups, minimum_gap, model.seed, partition)?;
-    let ends: Vec<u64> = groups.iter().scan(0, |end, group| Some(next(end, group.1))).collect();
+    let ends = ends(model);
     Ok(placed.map(|spheres| {
         let mut particles = Particles::default();
         for (id, place) in spheres {
-            let species = ends.partition_point(|&end| end <= id);
+            let species = ends.partition_point(|&end| end <= id as usize);
             particles.push(id, place, groups[species].0, species as u32);
         }
         particles
     }))
 }
 
-/// Running total of the number of spheres.
-fn next(end: &mut u64, count: usize) -> u64 {
-    *end += count as u64;
-    *end
+/// Number of spheres up to the end of each species, in the order of the model's counts.
+fn ends(model: &Model) -> Vec<usize> {
+    let next = |end: &mut usize, kind: &Species| {
+        *end += count(kind);
+        Some(*end)
+    };
+    model.species.iter().scan(0, next).collect()
 }
 
-/// All particles of a model, in the order of their ids.
-pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Particles, PlacingError> {
+/// All positions of a model, of which the first rank makes or has all.
+fn on_first(model: &Model, placed: Option<GivenPositions>) -> Result<GivenPositions, PlacingError> {
     if model.start == Start::Given {
         let placed = placed.unwrap_or_default();
         let name = placed.name.clone();
         return given(model, placed).map_err(|message| PlacingError::Given { name, message });
     }
-    let mut species = counted(model);
-    if let Start::Lattice(_) = &model.start {
-        Random::new(model.seed, u64::MAX).shuffle(&mut species);
-    }
-    let radii: Vec<f64> = species.iter().map(|&s| model.species[s as usize].radius).collect();
-    let positions = match &model.start {
-        Start::Random { minimum_gap } => &random_packing(&model.cell, &radii, *minimum_gap, model.seed)?,
-        Start::Cloud { radius, minimum_gap } => &random_cloud(*radius, &radii, *minimum_gap, model.seed)?,
-        Start::Lattice(lattice) => &on_lattice(&model.cell, *lattice, species.len(), model.seed),
-        Start::Positions(positions) => positions,
-        Start::Given => unreachable!("taken above"),
+    let radii = model.species.iter().flat_map(|kind| std::iter::repeat_n(kind.radius, count(kind)));
+    let radii: Vec<f64> = radii.collect();
+    let positions = match model.start {
+        Start::Random { minimum_gap } => random_packing(&model.cell, &radii, minimum_gap, model.seed)?,
+        Start::Cloud { radius, minimum_gap } => random_cloud(radius, &radii, minimum_gap, model.seed)?,
+        Start::Lattice(_) | Start::Positions(_) | Start::Given => unreachable!("taken above"),
     };
-    Ok(store(positions, &radii, &species))
+    Ok(GivenPositions { positions, ..GivenPositions::default() })
 }
 
-/// Species of each sphere, in the order of the model's counts.
-fn counted(model: &Model) -> Vec<u32> {
-    let mut species = Vec::with_capacity(model.species.iter().map(count).sum());
-    for (number, kind) in (0..).zip(&model.species) {
-        species.extend(std::iter::repeat_n(number, count(kind)));
+/// Species of all spheres of these rows, in the order of the model's counts.
+fn counted_species(model: &Model, rows: Range<usize>) -> impl Iterator<Item = u32> {
+    let ends = ends(model);
+    let mut species = ends.partition_point(|&end| end <= rows.start);
+    rows.map(move |row| {
+        while ends.get(species).is_some_and(|&end| end <= row) {
+            species += 1;
+        }
+        species as u32
+    })
+}
+
+/// Species of the spheres of these rows after those of all spheres are mixed at random. Each rank mixes a list with a
+/// byte for each sphere, if there are up to 256 species.
+fn mixed_species(model: &Model, rows: Range<usize>) -> Vec<u32> {
+    let all = 0..model.species.iter().map(count).sum();
+    if model.species.len() == 1 {
+        return vec![0; rows.len()];
     }
-    species
+    let mut random = Random::new(model.seed, u64::MAX);
+    if u8::try_from(model.species.len() - 1).is_ok() {
+        let mut species: Vec<u8> = counted_species(model, all).map(|species| species as u8).collect();
+        random.shuffle(&mut species);
+        species[rows].iter().map(|&species| u32::from(species)).collect()
+    } else {
+        let mut species: Vec<u32> = counted_species(model, all).collect();
+        random.shuffle(&mut species);
+        species[rows].to_vec()
+    }
 }
 
 fn count(kind: &Species) -> usize {
     kind.count.unwrap_or(0) as usize
 }
 
-fn store(positions: &[Vector], radii: &[f64], species: &[u32]) -> Particles {
-    let mut particles = Particles::default();
-    for (id, &position) in positions.iter().enumerate() {
-        particles.push(id as u64, position, radii[id], species[id]);
+/// Particles numbered from `first`. Species that are not given are those of the model's counts.
+fn store(model: &Model, part: GivenPositions, first: usize) -> Particles {
+    let rows = first..first + part.positions.len();
+    let species = part.species.unwrap_or_else(|| match model.species.len() {
+        1 => vec![0; rows.len()],
+        _ => counted_species(model, rows.clone()).collect(),
+    });
+    let radii = part.radii.unwrap_or_else(|| species.iter().map(|&s| model.species[s as usize].radius).collect());
+    let ids = rows.map(|row| row as u64).collect();
+    let mut particles = Particles { ids, ..Particles::numbered(part.positions, radii, species) };
+    if let Some(given) = part.orientations {
+        orientations::store(&mut particles, &given, model);
     }
     particles
 }
 
-/// Positions on the coarsest lattice of roughly cubic cells with enough sites; vacancies are random.
-fn on_lattice(cell: &PeriodicBox, lattice: Lattice, count: usize, seed: u64) -> Vec<Vector> {
-    let basis: &[[f64; 3]] = match lattice {
-        Lattice::SimpleCubic => &[[0.5, 0.5, 0.5]],
-        Lattice::FaceCentredCubic => &[[0.25, 0.25, 0.25], [0.75, 0.75, 0.25], [0.75, 0.25, 0.75], [0.25, 0.75, 0.75]],
-    };
-    let edges = cell.edges();
-    let mut cells = (edges / spacing(cell, basis.len() as f64, count as f64)).round().max(Vector::ONE);
-    while (cells.element_product() as usize) * basis.len() < count {
-        let widths = edges / cells;
-        let widest = (0..3).max_by(|&a, &b| widths[a].total_cmp(&widths[b])).expect("three axes");
-        cells[widest] += 1.0;
-    }
-    let [nx, ny, nz] = cells.to_array().map(|n| n as usize);
-    let corners = (0..nz).flat_map(|z| (0..ny).flat_map(move |y| (0..nx).map(move |x| [x, y, z])));
-    let site = |corner: [usize; 3]| {
-        let corner = Vector::from_array(corner.map(|c| c as f64));
-        basis.iter().map(move |&b| cell.position((corner + Vector::from_array(b)) / cells * edges))
-    };
-    let sites: Vec<Vector> = corners.flat_map(site).collect();
-    let mut chosen: Vec<usize> = (0..sites.len()).collect();
-    Random::new(seed, u64::MAX - 1).shuffle(&mut chosen);
-    chosen.truncate(count);
-    chosen.sort_unstable();
-    chosen.into_iter().map(|i| sites[i]).collect()
-}
-
-/// Edge of a lattice cell with the given number of sites, such that the box has as many sites as spheres. Along edges
-/// of the box that are shorter than that, the box is one cell wide.
-fn spacing(cell: &PeriodicBox, sites: f64, spheres: f64) -> f64 {
-    let mut spacing = (cell.volume() * sites / spheres).cbrt();
-    for _ in 0..2 {
-        let long: Vec<f64> = cell.edges().to_array().into_iter().filter(|&edge| edge >= 0.5 * spacing).collect();
-        if let 1 | 2 = long.len() {
-            spacing = (long.iter().product::<f64>() * sites / spheres).powf(1.0 / long.len() as f64);
-        }
-    }
-    spacing
-}
-
-/// Particles at positions from elsewhere. Species and radii are those provided, or else follow from the model's counts.
-fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
+/// Positions from elsewhere in the axes of the model. Species and radii are those provided, or else follow from the
+/// model's counts.
+fn given(model: &Model, placed: GivenPositions) -> Result<GivenPositions, String> {
     let count_here = placed.positions.len();
     let count_asked: usize = model.species.iter().map(count).sum();
     let is_told = placed.species.is_some() || model.species.len() == 1;
@@ -125,18 +149,17 @@ fn given(model: &Model, placed: GivenPositions) -> Result<Particles, String> {
              make them fit"
         ));
     }
-    let species = match placed.species {
+    let species = match &placed.species {
         Some(species) => species,
-        None if is_told => vec![0; count_here],
-        None => counted(model),
+        None if is_told => &vec![0; count_here],
+        None => &counted_species(model, 0..count_here).collect(),
     };
-    check_species(model, &species)?;
-    let radii = placed.radii.unwrap_or_else(|| species.iter().map(|&s| model.species[s as usize].radius).collect());
+    check_species(model, species)?;
+    let has_orientations = orientations::check_given(placed.orientations.as_deref(), species, model)?;
     let axes = model.user_axes();
-    let positions: Vec<Vector> = placed.positions.into_iter().map(|place| axes.place_in(place)).collect();
-    let mut particles = store(&positions, &radii, &species);
-    orientations::store(&mut particles, placed.orientations.as_deref(), model)?;
-    Ok(particles)
+    let positions = placed.positions.into_iter().map(|place| axes.place_in(place)).collect();
+    let orientations = placed.orientations.filter(|_| has_orientations);
+    Ok(GivenPositions { positions, orientations, ..placed })
 }
 
 /// Checks that the species of provided spheres match those of the model.
@@ -169,48 +192,4 @@ pub fn share_columns(particles: &mut Particles, comm: &Comm) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two cells along each edge would be too few, three along each too many.
-    #[test]
-    fn a_lattice_has_sites_enough() {
-        let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
-        let sites = on_lattice(&cell, Lattice::SimpleCubic, 11, 1);
-        assert_eq!(sites.len(), 11);
-        let halved = (0..3).filter(|&d| sites.iter().all(|site| [2.5, 7.5].contains(&site[d]))).count();
-        assert_eq!(halved, 2, "{sites:?}");
-    }
-
-    #[test]
-    fn a_lattice_has_one_distance() {
-        let cell = PeriodicBox::new(Vector::new(8.0, 8.0, 16.0)).unwrap();
-        for (lattice, count, nearest) in
-            [(Lattice::SimpleCubic, 128, 2.0), (Lattice::FaceCentredCubic, 64, 4.0 / 2.0_f64.sqrt())]
-        {
-            let sites = on_lattice(&cell, lattice, count, 1);
-            assert_eq!(sites.len(), count);
-            for (i, &site) in sites.iter().enumerate() {
-                let others = sites.iter().enumerate().filter(|(j, _)| *j != i);
-                let least = others.map(|(_, &s)| cell.nearest_image(s - site).length()).fold(f64::INFINITY, f64::min);
-                assert!((least - nearest).abs() < 1e-12);
-            }
-        }
-        assert_eq!(on_lattice(&cell, Lattice::SimpleCubic, 100, 1).len(), 100);
-    }
-
-    #[test]
-    fn a_lattice_in_a_long_or_flat_box_has_about_as_many_sites_as_spheres() {
-        let cells = |edges: [f64; 3], cells: f64| {
-            let cell = PeriodicBox::new(Vector::from_array(edges)).unwrap();
-            (cell.edges() / spacing(&cell, 1.0, cells)).round()
-        };
-        assert_eq!(cells([8.0, 1e20, 8.0], 4.0), Vector::new(0.0, 4.0, 0.0));
-        assert_eq!(cells([1.0, 300.0, 300.0], 9.0), Vector::new(0.0, 3.0, 3.0));
-        assert_eq!(cells([8.0, 8.0, 16.0], 16.0), Vector::new(2.0, 2.0, 4.0));
-        let line = PeriodicBox::new(Vector::new(8.0, 1e20, 8.0)).unwrap();
-        let sites = on_lattice(&line, Lattice::FaceCentredCubic, 8, 1);
-        assert_eq!(sites.len(), 8);
-        assert!(sites.iter().any(|site| site.y > 0.5e20) && sites.iter().any(|site| site.y < 0.5e20));
-    }
-}
+mod tests;

@@ -48,6 +48,7 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         threads: 1,
         ranks: 1,
         costs: costs.unwrap_or_default(),
+        network: model.hydrodynamics.network,
         fixed: fixed(model),
     }
 }

@@ -39,9 +39,8 @@ impl Setup {
         planned: Option<Planned>,
         comm: &Comm,
     ) -> Result<Self, StartError> {
-        let shared = planned.as_ref().map(|planned| placement::shared(model, &planned.partition(comm))).transpose();
-        let first = || if comm.is_first() { placement::particles(model, placed) } else { Ok(Particles::default()) };
-        let mut particles = comm.agree(shared.and_then(|shared| shared.flatten().map_or_else(first, Ok)))?;
+        let partition = planned.as_ref().map(|planned| planned.partition(comm));
+        let mut particles = placement::particles(model, placed, partition.as_ref(), comm)?;
         orientations::start(&mut particles, model, comm);
         let mut setup = match planned {
             Some(planned) => Self::of(model, planned, particles, comm, 0)?,

@@ -16,6 +16,7 @@ use crate::document::NumberOr;
 use crate::key_error::KeyError;
 use crate::time_and_output::{OutputSchedules, Time, share};
 use domain::{AxisRotation, Boundaries, PeriodicBox, Vector, sphere};
+use fcm::Network;
 pub(super) use raw::SuspensionSections;
 use simulation::Schedule;
 use std::path::Path;
@@ -189,6 +190,12 @@ fn hydrodynamics(raw: &raw::HydrodynamicsSection) -> Hydrodynamics {
         support: raw.support,
         iteration_tolerance: raw.iteration_tolerance,
         costs: raw.costs.map(|costs| [costs.stencils, costs.transforms, costs.pairs]),
+        network: raw.network.map(|network| Network {
+            ranks: network.ranks,
+            threads: network.threads.unwrap_or(1),
+            bandwidth: network.bandwidth,
+            latency: network.latency.unwrap_or(0.0),
+        }),
         lubrication: raw.lubrication.unwrap_or(default.lubrication),
         lubrication_cutoff: raw.lubrication_cutoff,
         preconditioner: raw.preconditioner.unwrap_or(default.preconditioner),

@@ -3,13 +3,14 @@
 use crate::answers::AnswersSection;
 use crate::document::{Alternative, NumberOr};
 use crate::time_and_output::output_section;
-use crate::{CaseDevice, CaseMethod};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
 
+mod hydrodynamics;
 mod interactions;
 
+pub(super) use hydrodynamics::HydrodynamicsSection;
 pub(super) use interactions::{
     AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, RepulsionSection, TrapsSection,
 };
@@ -251,45 +252,6 @@ pub(super) enum FlowKind {
     PlanarExtension,
     UniaxialExtension,
     BiaxialExtension,
-}
-
-/// Keys that are absent take the defaults of the suspension.
-#[derive(Deserialize, JsonSchema, Default)]
-#[serde(deny_unknown_fields)]
-pub(super) struct HydrodynamicsSection {
-    /// Terms of the multipole expansion: forces alone, or torques and stresslets as well.
-    pub(super) multipoles: Option<Multipoles>,
-    /// Relative error of velocities, angular velocities and stresslets.
-    pub(super) tolerance: Option<f64>,
-    /// Evaluation method of the far field; the fastest by default.
-    pub(super) method: Option<CaseMethod>,
-    /// Device that evaluates the far field; the processors of the host by default.
-    pub(super) device: Option<CaseDevice>,
-    /// Grid points along x, y and z, which are even numbers; chosen from the tolerance by default.
-    pub(super) grid: Option<[usize; 3]>,
-    /// Grid points across the support of an envelope; chosen from the tolerance by default.
-    pub(super) support: Option<usize>,
-    /// Relative residual of the solve for the stresslets; chosen from the tolerance by default.
-    pub(super) iteration_tolerance: Option<f64>,
-    /// Costs of the parts of an evaluation on this machine, as measured by `fcm-solve calibrate`.
-    pub(super) costs: Option<CostsSection>,
-    /// Whether near pairs have exact lubrication forces.
-    pub(super) lubrication: Option<bool>,
-    /// Gap at which lubrication ends, over the radius of the larger sphere; 2.5 by default.
-    pub(super) lubrication_cutoff: Option<f64>,
-    /// Whether the solve with lubrication is preconditioned.
-    pub(super) preconditioner: Option<bool>,
-}
-
-#[derive(Deserialize, JsonSchema, Clone, Copy)]
-#[serde(deny_unknown_fields)]
-pub(super) struct CostsSection {
-    /// Spreading and interpolation.
-    pub(super) stencils: f64,
-    /// Fourier transforms.
-    pub(super) transforms: f64,
-    /// Pair corrections.
-    pub(super) pairs: f64,
 }
 
 /// Declares the names of a library type's values in scenes.

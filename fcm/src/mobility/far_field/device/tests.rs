@@ -101,6 +101,7 @@ impl Case {
             threads: 1,
             ranks: 1,
             costs: Costs::default(),
+            network: None,
             fixed: Fixed { method: Some(Method::Split), precision: Some(precision), ..Fixed::default() },
         };
         Plan::choose(&problem).unwrap()
