@@ -1,6 +1,8 @@
 """Runs of a million spheres and more on two ranks: seconds of the start and of a step, and the peak of memory of each rank.
 
-`scripts/validate millions` runs one million spheres; `--full` also four million, which takes 12 GB and a quarter of an hour."""
+`scripts/validate millions` runs one million spheres; `--full` also four million, which takes 12 GB and a quarter of an hour.
+`scripts/validate millions --lubricated 4000000` takes ten steps of so many spheres with lubrication instead, and writes no page: of four
+million, `fcm-solve check` expects 27 GB."""
 
 import argparse
 import csv
@@ -40,10 +42,27 @@ def step(words):
     return float(rows[-1]["seconds_per_step"])
 
 
+def lubricated(count):
+    """Ten steps of lubricated spheres: seconds of the run, and the predicted peak and those of each rank in GB."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "scene.toml"
+        path.write_text(spheres(count, "split", True))
+        words = [path]
+        for item in ("hydrodynamics.tolerance=0.01", "hydrodynamics.lubrication_cutoff=0.2", "time.steps=10", "output.trajectory_every=0"):
+            words += ["--set", item]
+        expected, began = predicted(PROGRAM, [*words, "--no-trial"], RANKS)[0], time.monotonic()
+        peaks = [expected, *measured(PROGRAM, words, RANKS)]
+        print(f"{count:,}", f"{time.monotonic() - began:.1f} s", *(f"{peak / 1e9:.2f} GB" for peak in peaks), sep="  ")
+
+
 def main():
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--full", action="store_true", help="also four million spheres")
+    arguments.add_argument("--lubricated", type=int, metavar="COUNT", help="ten steps of so many spheres with lubrication instead")
     asked = arguments.parse_args()
+    if asked.lubricated:
+        lubricated(asked.lubricated)
+        return
     subprocess.run(BUILD, check=True, cwd=ROOT)
     rows, wrong = [], []
     for count in SIZES + MORE * asked.full:
