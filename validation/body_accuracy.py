@@ -13,7 +13,9 @@ TOUCHING = {"along the axis": 0.64514, "across": 0.72466, "spin about the axis":
 LARGEST_ERROR = 2e-3
 PAIRS = [(ratio, gap) for ratio in (1.0, 2.0, 4.0) for gap in (1e-4, 1e-2, 0.1, 1.0)]
 COUNTS = (8, 64, 512)
-FRACTION = 0.2
+# Drag of rods of touching spheres along their axis, over that of as many spheres far apart: collocation of multipoles of all spheres.
+RODS = {3: 0.51380, 5: 0.39731, 10: 0.29447}
+FRACTION = 0.12
 
 
 def shared(load, positions):
@@ -67,6 +69,12 @@ def held_apart(ratio, gap):
     block = np.linalg.inv([[by_force[0][0], by_torque[0][0]], [by_force[1][1], by_torque[1][1]]])
     found = [1 / moved(positions, radii, unit(2))[0][2], block[0, 0], 1 / moved(positions, radii, unit(5))[1][2]]
     return [value / wanted - 1 for value, wanted in zip(found, (along, across, spin), strict=True)]
+
+
+def rod(count, **more):
+    """The same drag of a rod of touching spheres, as computed."""
+    positions = np.outer(np.arange(count), [0.0, 0.0, 2.000001])
+    return 1 / (6 * np.pi * count * moved(positions, 1.0, unit(2), **more)[0][2])
 
 
 def shell(level):
@@ -138,6 +146,11 @@ def main():
         "",
         *table(["radii", "gap", "along", "across", "spin"],
                [[f"1 : {ratio:g}", f"{gap:g}", *(f"{error:+.1e}" for error in errors)] for (ratio, gap), errors in apart.items()]),
+        "",
+        "Rods of touching spheres: drag along the axis, over that of as many spheres far apart.",
+        "",
+        *table(["spheres", "computed", "exact", "without lubrication"],
+               [[str(count), f"{rod(count):.5f}", f"{exact:.5f}", f"{rod(count, lubrication=False):.5f}"] for count, exact in RODS.items()]),
         "",
         "Shells of spheres with centres on the unit sphere, the closest of which touch: hydrodynamic radii, and the order in the radius of the",
         "spheres in which that of translation tends to 1.",

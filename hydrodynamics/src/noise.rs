@@ -33,7 +33,7 @@ pub fn loads(
     let _stage = stage("random loads of near pairs");
     let cell = view.cell;
     let present = field.present(particles, view);
-    let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &present.halo));
+    let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &particles.radii, &present.halo));
     let bodies = bodies.as_ref();
     let Present { halo, positions, ids, species, .. } = &*present;
     let mut steps: Vec<[i32; 4]> = particles.steps.iter().map(|&[x, y, z]| [x, y, z, 0]).collect();
@@ -110,11 +110,9 @@ impl VectorKernel<f64> for NoisePairs<'_> {
                 }
                 let (sign, pair) = if is_first { (1, [row, other]) } else { (-1, [other, row]) };
                 let kinds = pair.map(|row| species[row]);
-                let are_lubricated = |bodies: &PresentBodies| {
-                    let gap = force.gap(separation.length(), kinds);
-                    gap.is_some_and(|gap| bodies.are_lubricated([row, other], separation, gap))
-                };
-                if !bodies.is_none_or(are_lubricated) {
+                let sizes = kinds.map(|kind| force.radii()[kind as usize]);
+                let share = bodies.and_then(|bodies| bodies.share([row, other], separation, sizes));
+                if share == Some(0.0) {
                     continue;
                 }
                 let Some(factor) = force.factor_by::<SimdLanes<V>>(separation * f64::from(sign), kinds) else {
@@ -122,7 +120,8 @@ impl VectorKernel<f64> for NoisePairs<'_> {
                 };
                 let modes = numbers(stream, pair.map(|row| ids[row]), image.map(|step| sign * step));
                 let loads = factor.loads(&modes);
-                let of = |k: usize| (pair[k], [loads.force[k], loads.torque[k]]);
+                let root = share.map_or(1.0, f64::sqrt);
+                let of = |k: usize| (pair[k], [loads.force[k] * root, loads.torque[k] * root]);
                 sums.extend([of(0), of(1)].into_iter().filter(|(row, _)| *row < owned));
             }
         }

@@ -44,6 +44,31 @@ pub struct SphereRow<X> {
 }
 
 impl<X: Arithmetic> SphereRow<X> {
+    /// These coefficients times a factor.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(&self, factor: X) -> Self {
+        let n = |number: X| number * factor;
+        let two = |[one, other]: [X; 2]| [one * factor, other * factor];
+        Self {
+            xa: two(self.xa),
+            ya: two(self.ya),
+            xc: two(self.xc),
+            yc: two(self.yc),
+            yb: two(self.yb),
+            xg: two(self.xg),
+            yg: two(self.yg),
+            yh: two(self.yh),
+            yb_other: n(self.yb_other),
+            xg_strain: n(self.xg_strain),
+            yg_strain: n(self.yg_strain),
+            yh_strain: n(self.yh_strain),
+            xm_minus_zm_half: n(self.xm_minus_zm_half),
+            ym_minus_zm: n(self.ym_minus_zm),
+            zm: n(self.zm),
+        }
+    }
+
     /// Coefficients of the larger sphere if `is_larger` is 1, of the smaller one if it is 0.
     #[inline(always)]
     pub fn of(c: &Coefficients<X>, is_larger: X) -> Self {

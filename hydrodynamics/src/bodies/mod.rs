@@ -109,6 +109,13 @@ impl RigidBodies {
         totals
     }
 
+    /// Sums of six numbers of each sphere over the members of the bodies. Collective.
+    pub(crate) fn sums_of(&self, of_sphere: impl Fn(usize) -> [f64; 6] + Sync) -> SixVectors {
+        let mut sums = SixVectors(self.members.sums(|row| SixVector(of_sphere(row))));
+        self.shared.sum(bytemuck::cast_slice_mut(&mut sums.0), 6);
+        sums
+    }
+
     /// Sums of a matrix of each sphere over the members of the bodies. Collective.
     pub(crate) fn matrices(&self, of_sphere: impl Fn(usize) -> BodyMatrix + Sync) -> Vec<BodyMatrix> {
         let mut sums = self.members.sums(of_sphere);

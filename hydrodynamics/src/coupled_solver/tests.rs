@@ -193,6 +193,11 @@ fn flat(linear: &[Vector], angular: &[Vector], tensors: &[Traceless]) -> Vec<f64
 /// Resistance matrix of all particles in a box without near images: `M^-1` plus the correction of each pair, column by
 /// column.
 fn dense(plan: &Plan, particles: &Particles) -> Vec<Vec<f64>> {
+    dense_with(plan, particles, |_| 1.0)
+}
+
+/// The same with a factor of the correction of each pair.
+fn dense_with(plan: &Plan, particles: &Particles, factor: impl Fn([usize; 2]) -> f64) -> Vec<Vec<f64>> {
     let (n, cell) = (particles.len(), plan.cell());
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut mobility = Mobility::new(plan, &partition);
@@ -230,7 +235,7 @@ fn dense(plan: &Plan, particles: &Particles) -> Vec<Vec<f64>> {
                 if let Some(loads) = force.loads(separation, [class(i), class(j)], &motion) {
                     let column = flat(&loads.force, &loads.torque, &loads.moment);
                     for row in 0..22 {
-                        resistance[11 * [i, j][row / 11] + row % 11][k] += column[row];
+                        resistance[11 * [i, j][row / 11] + row % 11][k] += factor([i, j]) * column[row];
                     }
                 }
             }

@@ -116,11 +116,11 @@ impl<T: StoredLanes> Assembly<'_, T> {
         }
         let (pair, distance) = ([species[row], species[other]], separation.length());
         let gap = lubrication.and_then(|pairs| pairs.force.gap(distance, pair));
-        let is_within_body = bodies.is_some_and(|bodies| bodies.are_of_one([row, other], separation));
-        let are_lubricated = |gap| bodies.is_none_or(|bodies| bodies.are_lubricated([row, other], separation, gap));
-        let gap = gap.filter(|&gap| are_lubricated(gap));
+        let sizes = pair.map(|s| radii[s as usize]);
+        let within_body = bodies.and_then(|bodies| bodies.share([row, other], separation, sizes));
+        let gap = gap.filter(|_| within_body != Some(0.0));
         let between = |springs: &Springs| springs.between(row, ids[other], distance, pair.map(|s| radii[s as usize]));
-        let resisted = springs.map(|springs| if is_within_body { [0.0; 3] } else { between(springs) });
+        let resisted = springs.map(|springs| if within_body.is_some() { [0.0; 3] } else { between(springs) });
         let spring = resisted.map_or(0.0, |[along, ..]| along);
         if gap.is_none() && spring == 0.0 {
             return;
@@ -129,7 +129,7 @@ impl<T: StoredLanes> Assembly<'_, T> {
         let list = if spring > 0.0 || lubrication.is_some_and(is_stiff) { stiff } else { soft };
         let (other, is_lubricated) = (neighbour.row, gap.is_some());
         let height = positions[row].z + 0.5 * separation.z;
-        list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated, is_within_body });
+        list.pairs.push(NearPair { separation, distance, height, other, species: pair, is_lubricated, within_body });
         list.springs.extend(resisted);
     }
 
@@ -171,7 +171,7 @@ impl<T: StoredLanes> Assembly<'_, T> {
         }
         for (lane, &row) in rows.iter().enumerate() {
             let range = listed.of(row);
-            if place < range.len() && listed.pairs[range.start + place].is_within_body {
+            if place < range.len() && listed.pairs[range.start + place].within_body.is_some() {
                 part.mark_body(row, lane);
             }
         }

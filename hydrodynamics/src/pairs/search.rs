@@ -178,7 +178,7 @@ impl NearPairs {
         let owned = particles.len();
         let around = field.present(particles, view);
         let Connections { springs, bodies } = connections;
-        let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &around.halo));
+        let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &particles.radii, &around.halo));
         let Present { positions, ids, species, .. } = &*around;
         let NearField { lubrication, at_walls, lists, radii, .. } = &*field;
         let neighbours = lists.neighbours();

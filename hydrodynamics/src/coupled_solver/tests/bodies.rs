@@ -44,16 +44,23 @@ impl Bodies {
     }
 }
 
-/// A doublet along z in unbounded fluid, with the centre halfway between the centres of its spheres.
-fn doublet(gap: f64, radii: [f64; 2], tolerance: f64) -> Bodies {
-    let distance = radii[0] + radii[1] + gap;
-    let edge = 2.0 * (radii[0] + radii[1]) + gap;
-    let mut problem = problem(edge, &radii, tolerance, 0.1 * tolerance);
+/// A body in unbounded fluid, with the mean of the centres of its spheres as its centre.
+fn alone(mut arms: Vec<Vector>, radii: &[f64], tolerance: f64) -> Bodies {
+    let mean = arms.iter().sum::<Vector>() / arms.len() as f64;
+    for arm in &mut arms {
+        *arm -= mean;
+    }
+    let edge = 2.0 * arms.iter().zip(radii).map(|(arm, radius)| arm.length() + radius).fold(0.0, f64::max);
+    let mut problem = problem(edge, radii, tolerance, 0.1 * tolerance);
     problem.boundaries = Boundaries::Open;
     let plan = Plan::choose(&problem).unwrap();
-    let arms = vec![-0.5 * distance * Vector::Z, 0.5 * distance * Vector::Z];
     let positions: Vec<Vector> = arms.iter().map(|&arm| Vector::splat(0.5 * edge) + arm).collect();
-    Bodies { particles: placed(&positions, &radii), plan, of: vec![Some(3); 2], arms }
+    Bodies { particles: placed(&positions, radii), plan, of: vec![Some(3); radii.len()], arms }
+}
+
+/// A doublet along z.
+fn doublet(gap: f64, radii: [f64; 2], tolerance: f64) -> Bodies {
+    alone(vec![Vector::ZERO, Vector::Z * (radii[0] + radii[1] + gap)], &radii, tolerance)
 }
 
 /// Resistance of a doublet to motion along and across, to spin, and to turning end over end, in units of single unit
@@ -116,6 +123,21 @@ fn cluster_of_body() -> Bodies {
     Bodies { plan, particles, of: vec![Some(0), Some(0), Some(0), None], arms }
 }
 
+/// Part of the lubrication of a pair, from sums over the pairs of the first three spheres.
+fn share(bodies: &Bodies, [i, j]: [usize; 2]) -> f64 {
+    if j > 2 {
+        return 1.0;
+    }
+    let (a, at) = (&bodies.particles.radii, &bodies.arms);
+    let over = |term: &dyn Fn(usize, usize) -> f64| {
+        (0..3).flat_map(|k| (0..3).map(move |l| (k, l))).filter(|(k, l)| k != l).map(|(k, l)| term(k, l)).sum::<f64>()
+    };
+    let products = over(&|k, l| a[k] * a[l]);
+    let mean_square = over(&|k, l| a[k] * a[l] * (at[k] - at[l]).length_squared()) / products;
+    let screened = 1.0 + products / (a[0] + a[1] + a[2]) / mean_square.sqrt();
+    (1.0 + 2.0 * a[i] * a[j] / (a[i] + a[j]) / (at[i] - at[j]).length()) / screened
+}
+
 /// `K`: motions of the spheres by those of the body and of the last sphere.
 fn rigid_columns(bodies: &Bodies) -> Vec<Vec<f64>> {
     let column = |k: usize| {
@@ -141,7 +163,7 @@ fn bodies_move_as_the_dense_matrix_says() {
     let bodies = cluster_of_body();
     let (n, strain) = (bodies.of.len(), Traceless([0.2, 0.5, -0.1, 0.3, 0.0]));
     let forces: Vec<Vector> = (0..n).map(|i| Vector::new(1.0, i as f64, -2.0)).collect();
-    let resistance = dense(&bodies.plan, &bodies.particles);
+    let resistance = dense_with(&bodies.plan, &bodies.particles, |pair| share(&bodies, pair));
     let (moving, straining): (Vec<usize>, Vec<usize>) = (0..11 * n).partition(|k| k % 11 < 6);
     // Motions relative to the flow when the body rests, and minus its strain rate.
     let mut given = vec![0.0; 11 * n];
@@ -316,4 +338,33 @@ fn spheres_of_a_body_that_overlap_have_no_random_loads() {
     let (mut solver, rigid, stream) = (body.solver(), body.rigid(), fcm::Stream::new(1, 1));
     let mut drawn = |bodies| solver.pair_noise(&body.plan.cell(), &body.particles, bodies, stream).forces[0].length();
     assert!(drawn(Some(&rigid)) < 1e-14 && drawn(None) > 0.1);
+}
+
+/// Rods of touching spheres along their axis against collocation of all spheres, over the drag of spheres far apart.
+#[test]
+fn rods_move_as_the_exact_ones() {
+    for (count, exact) in [(3, 0.51380), (5, 0.39731), (10, 0.29447)] {
+        let arms = (0..count).map(|k| Vector::Z * (2.000_001 * f64::from(k))).collect();
+        let body = alone(arms, &vec![1.0; count as usize], 1e-4);
+        let found = 1.0 / (6.0 * PI * f64::from(count) * body.moved([Vector::Z, Vector::ZERO])[0].z);
+        assert!((found / exact - 1.0).abs() < 8e-3, "{count} spheres: {found}, exact {exact}");
+    }
+}
+
+/// A shell of spheres around the unit sphere drags as a sphere between that one and its own outside.
+#[test]
+fn a_shell_of_spheres_moves_as_a_sphere() {
+    let (count, radius) = (100, 0.15);
+    // Points along a spiral.
+    let arm = |k: i32| {
+        let (height, turn) = (1.0 - f64::from(2 * k + 1) / f64::from(count), f64::from(k) * PI * (3.0 - 5f64.sqrt()));
+        let across = (1.0 - height * height).sqrt();
+        Vector::new(across * turn.cos(), across * turn.sin(), height)
+    };
+    let body = alone((0..count).map(arm).collect(), &vec![radius; count as usize], 1e-3);
+    let by_force = 1.0 / body.moved([6.0 * PI * Vector::Z, Vector::ZERO])[0].z;
+    let by_torque = (1.0 / body.moved([Vector::ZERO, 8.0 * PI * Vector::X])[1].x).cbrt();
+    for found in [by_force, by_torque] {
+        assert!(found > 1.0 && found < 1.0 + radius, "{by_force} {by_torque}");
+    }
 }

@@ -18,8 +18,8 @@ pub struct NearPair {
     pub other: u32,
     pub species: [u32; 2],
     pub is_lubricated: bool,
-    /// Whether both spheres are parts of one rigid body.
-    pub is_within_body: bool,
+    /// Factor of the resistance of spheres of one rigid body; `None` for others.
+    pub within_body: Option<f64>,
 }
 
 /// A pair, and the radii of its two spheres.
@@ -48,6 +48,9 @@ pub struct PackedPairs<K, const N: usize> {
     /// Increase of the xz and yz components of the ambient strain rate from `z = 0` to the pair.
     sloping: [[f64; LANES]; 2],
     others: [u32; LANES],
+    /// Factors of the resistance, and whether any differs from 1.
+    factors: [f64; LANES],
+    has_factors: bool,
 }
 
 impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
@@ -60,6 +63,8 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
             axis: [[0.0; LANES]; 3],
             sloping: [[0.0; LANES]; 2],
             others: [row; LANES],
+            factors: [1.0; LANES],
+            has_factors: false,
         }
     }
 
@@ -70,6 +75,10 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
         self.kind.write::<V>(lane, sized, spring, &mut self.records[lane]);
         let SizedPair { pair, radii } = sized;
         self.others[lane] = pair.other;
+        if let Some(factor) = pair.within_body {
+            self.factors[lane] = factor;
+            self.has_factors = true;
+        }
         for k in 0..2 {
             self.sloping[k][lane] = slope[k] * pair.height;
         }
@@ -91,7 +100,10 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
         for (k, lanes) in numbers.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
             transpose::<V, N>(&self.records, k * LANES, lanes);
         }
-        let side = self.kind.sides::<V>(&numbers);
+        let mut side = self.kind.sides::<V>(&numbers);
+        if self.has_factors {
+            side = side.times(SimdLanes::read(&self.factors));
+        }
         let mut z = [SimdLanes::constant(0.0); 3];
         for k in 0..3 {
             z[k] = SimdLanes::read(&self.axis[k]);
