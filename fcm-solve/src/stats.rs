@@ -67,7 +67,10 @@ impl Args {
     fn scene(&self) -> anyhow::Result<Scene> {
         let (kept, table) = (self.folder.join("scene.toml"), self.folder.join("observables.csv"));
         match Provenance::of_folder(&self.folder)? {
-            Some(recorded) => Ok(SCENES.parse(&recorded.scene, "the scene of the run", &[])?),
+            Some(recorded) => {
+                let recorded_in = format!("the scene in the results of {}", self.folder.display());
+                Ok(SCENES.parse(&recorded.scene, &recorded_in, &[])?)
+            }
             None if table.is_file() => Ok(SCENES.read(&kept, &[])?),
             None => bail!(
                 "{}: no results of a run: neither trajectory.h5 nor observables.csv; name the folder of a run that \

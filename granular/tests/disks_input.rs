@@ -28,6 +28,7 @@ fn each_parameter_is_refused_by_its_key() {
         ("preparation.restitution", refusal(|p| p.preparation.restitution = 0.0)),
         ("preparation.elastic_until", refusal(|p| p.preparation = late)),
         ("time.step", refusal(|p| p.time_step = f64::NAN)),
+        ("time.step", refusal(|p| p.time_step = 5e-321)),
         ("fluid.viscosity", refusal(|p| p.viscosity = 0.2)),
         ("flow.rate", refusal(|p| p.flow = Flow::Shear { rate: f64::INFINITY })),
         ("flow", refusal(|p| p.flow = Flow::Shear { rate: 3.0 })),

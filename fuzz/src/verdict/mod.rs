@@ -9,6 +9,7 @@ pub use cells::of_cells;
 pub use named::Names;
 use named::is_option;
 pub use numbers::{of_hdf5, of_table, of_text};
+use std::ffi::OsString;
 use std::os::unix::process::ExitStatusExt;
 
 /// The end of a process that did nothing wrong.
@@ -52,7 +53,15 @@ fn stopped(ended: &Ended) -> Result<End, String> {
 }
 
 fn answered(ended: &Ended) -> Result<(), String> {
-    of_text(&ended.stdout).and_then(|()| of_text(&ended.stderr))
+    let answers = [&ended.stdout, &ended.stderr];
+    answers.into_iter().try_for_each(|text| of_text(&without_words(text, &ended.arguments)))
+}
+
+/// A text without the words of the command line: they may be names of files.
+fn without_words(text: &str, words: &[OsString]) -> String {
+    let is_given = |word: &&str| !words.iter().any(|given| given.as_os_str() == *word);
+    let of_line = |line: &str| line.split_whitespace().filter(is_given).collect::<Vec<_>>().join(" ");
+    text.lines().map(of_line).collect::<Vec<_>>().join("\n")
 }
 
 fn refused(ended: &Ended, names: &Names) -> Result<End, String> {
@@ -108,6 +117,8 @@ mod tests {
         assert!(verdict(0, "gap NaN\n", "").is_err());
         assert!(verdict(0, "", "gap -inf\n").is_err());
         assert!(verdict(0, "{\"velocities\": [null]}", "").is_err());
+        let named = Ended { arguments: vec!["--out".into(), "inf".into()], ..ended(0, "2 frames in inf\n", "") };
+        assert_eq!(judge(&named, &names()), Ok(End::Answered));
     }
 
     #[test]

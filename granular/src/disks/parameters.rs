@@ -228,7 +228,8 @@ impl Model {
         self.sizes.iter().map(|s| 6.0 * PI * s.radius / self.mass(s.radius)).fold(0.0, f64::max)
     }
 
-    pub(super) fn preparing_steps(&self) -> u64 {
+    /// Number of steps that prepare a random start.
+    pub fn preparing_steps(&self) -> u64 {
         [Stage::RemoveOverlaps, Stage::Equilibrate].into_iter().filter_map(|stage| self.law(stage).steps).sum()
     }
 
@@ -282,5 +283,6 @@ fn check_restitution(key: &'static str, found: f64) -> Result<(), ParameterError
 }
 
 fn check_step(key: &'static str, found: f64) -> Result<(), ParameterError> {
-    require(found > 0.0 && found <= 0.5, key, Number(found), "0 < time_step <= 0.5: a contact lasts pi")
+    require(found > 0.0 && found <= 0.5, key, Number(found), "0 < time_step <= 0.5: a contact lasts pi")?;
+    require(found * found >= f64::MIN_POSITIVE, key, Number(found), "a step whose square is a positive number")
 }

@@ -71,6 +71,11 @@ impl TrajectoryReader {
         Ok(Self { path: path.to_owned(), group, fixed, times, steps, sums, provenance, scenes })
     }
 
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Provenance of the file.
     pub fn provenance(&self) -> &Provenance {
         &self.provenance

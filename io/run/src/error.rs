@@ -34,6 +34,16 @@ pub enum RunError {
     /// A request to stop.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
+    /// A state that cannot be continued.
+    #[error("{}: the checkpoint of step {step}", folder.display())]
+    Checkpoint {
+        /// Folder of the run.
+        folder: PathBuf,
+        /// Step of the checkpoint.
+        step: u64,
+        /// Cause.
+        source: granular::StartError,
+    },
     /// A scene of a kind that is not advanced in steps.
     #[error("scenes of this kind have no steps")]
     NoSteps,

@@ -71,7 +71,12 @@ impl Resumption {
 
     /// The simulation in the state of the checkpoint. Collective.
     pub fn simulation(&mut self, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
-        start::resume(&self.scene, self.state.take(), comm)
+        start::resume(&self.scene, self.state.take(), comm).map_err(|error| match error {
+            RunError::Grains(source) => {
+                RunError::Checkpoint { folder: self.folder.path().to_owned(), step: self.step, source }
+            }
+            other => other,
+        })
     }
 
     /// Recorder of the simulation, and the scene. Collective.

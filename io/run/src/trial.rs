@@ -52,6 +52,9 @@ const RARE: f64 = 4.0;
 const MOST_SPHERES: f64 = 4000.0;
 const MOST_GRAINS: usize = 2000;
 
+/// Largest number of steps of single disks in the preparation of a trial, some seconds.
+const MOST_DISK_STEPS: f64 = 5e7;
+
 /// Approximate largest number of evaluations of a trial.
 const EVALUATIONS: f64 = 50.0;
 
@@ -192,11 +195,17 @@ fn next(output: &OutputSchedules, step: u64) -> u64 {
 fn trying(scene: &Scene, comm: &Comm) -> Result<Option<TrialSimulation>, RunError> {
     Ok(match scene.kind() {
         Kind::Suspension(scene) => of_spheres(scene, comm)?,
-        Kind::GranularDisks(disks) if disks.start.is_none() && disks.model.sizes().len() > MOST_GRAINS => None,
+        Kind::GranularDisks(disks) if disks.start.is_none() && is_long_start(&disks.model) => None,
         Kind::ShearCell(cell) if cell.experiment.count > MOST_GRAINS => None,
         Kind::Continuum(_) => None,
         _ => Some(TrialSimulation::as_it_is(start::start(scene, comm, &mut |_| ())?)),
     })
+}
+
+/// Whether the preparation of a random start takes longer than a trial.
+fn is_long_start(model: &granular::disks::Model) -> bool {
+    let disks = model.sizes().len();
+    disks > MOST_GRAINS || model.preparing_steps() as f64 * disks as f64 > MOST_DISK_STEPS
 }
 
 /// Spheres from a file are tried themselves, if they are few; other scenes with a reduced copy of similar spheres.
@@ -349,6 +358,15 @@ mod tests {
         let found = usual(&[(6, 3.0), (7, 4.0), (8, 5.0), (10, 7.0), (11, 28.0)]);
         assert!((found - 8.0 / 5.0).abs() < 1e-15, "{found}");
         assert!((usual(&[(6, 3.0), (8, 7.0)]) - 2.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn preparations_longer_than_a_trial_are_not_tried() {
+        let mut parameters = granular::disks::Parameters::default();
+        let model = |parameters: &granular::disks::Parameters| granular::disks::Model::new(parameters.clone()).unwrap();
+        assert!(!is_long_start(&model(&parameters)));
+        parameters.preparation.mixed = 2e7;
+        assert!(is_long_start(&model(&parameters)));
     }
 
     #[test]

@@ -55,20 +55,44 @@ pub fn export(
     match format {
         Format::Xyz => atomic_file::write_with(path, |file, _| xyz::write(&mut BufWriter::new(file), frames)),
         Format::Gsd => {
-            atomic_file::write_with(path, |file, _| gsd::write(&mut BufWriter::new(file), &species(recorded), frames))
+            let species = species(recorded)?;
+            atomic_file::write_with(path, |file, _| gsd::write(&mut BufWriter::new(file), &species, frames))
         }
         Format::Vtp => vtp::write((path, run), frames),
     }
 }
 
 /// Names of the species according to the scene, or else their numbers.
-fn species(recorded: &TrajectoryReader) -> Vec<String> {
-    let count = recorded.species().iter().max().map_or(0, |last| *last as usize + 1);
-    let mut names: Vec<String> = (0..count).map(|number| number.to_string()).collect();
-    if let Ok(scene) = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[])
-        && let Kind::Suspension(scene) = scene.kind()
-    {
-        names.iter_mut().zip(&scene.model.species).for_each(|(name, species)| name.clone_from(&species.name));
+fn species(recorded: &TrajectoryReader) -> Result<Vec<String>, FileError> {
+    let scene = Scene::parse(&recorded.provenance().scene, "the scene of the run", &[]).ok();
+    let named: Vec<String> = match scene.as_ref().map(Scene::kind) {
+        Some(Kind::Suspension(scene)) => scene.model.species.iter().map(|species| species.name.clone()).collect(),
+        _ => Vec::new(),
+    };
+    names(recorded.species(), named).map_err(|found| FileError::damaged(recorded.path(), &found))
+}
+
+/// Names of the species of particles, of which the first have been given; the error says which species is too many.
+fn names(species: &[u32], mut named: Vec<String>) -> Result<Vec<String>, String> {
+    let (particles, count) = (species.len(), species.iter().max().map_or(0, |last| *last as usize + 1));
+    if count > particles.max(named.len()) {
+        return Err(format!("a particle of species {}, of {particles} particles", count - 1));
     }
-    names
+    named.truncate(count);
+    named.extend((named.len()..count).map(|number| number.to_string()));
+    Ok(named)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn species_have_names_unless_they_are_more_than_particles() {
+        let named = ["small", "large", "absent"].map(str::to_owned).to_vec();
+        assert_eq!(names(&[0, 1, 0], named.clone()).unwrap(), ["small", "large"]);
+        assert_eq!(names(&[2], named).unwrap(), ["small", "large", "absent"]);
+        assert_eq!(names(&[0, 1], Vec::new()).unwrap(), ["0", "1"]);
+        assert!(names(&[0, u32::MAX], Vec::new()).unwrap_err().contains("species 4294967295"));
+    }
 }
