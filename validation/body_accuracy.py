@@ -166,7 +166,7 @@ def main():
                [[str(count), str(joined["iterations"]), str(alone["iterations"]), f"{joined['seconds'] / alone['seconds']:.2f}"]
                 for count, (joined, alone) in works.items()]),
     ]
-    write_section("bodies.md", "body-accuracy", "Accuracy", lines)
+    write_section("lubrication.md", "body-accuracy", "Rigid bodies", lines)
     if worst > LARGEST_ERROR:
         raise SystemExit(f"the doublet has an error of {worst:.1e}")
 
