@@ -20,6 +20,7 @@
 
 mod axis_rotation;
 mod block;
+mod body_shape;
 mod boundaries;
 mod by_id;
 mod cells;
@@ -53,6 +54,7 @@ mod walls;
 
 pub use axis_rotation::AxisRotation;
 pub use block::{block, block_of};
+pub use body_shape::{BodyShape, BodySphere, EqualSpheres};
 pub use boundaries::Boundaries;
 pub use by_id::ById;
 pub use comm::{Comm, CommError, Failure, Incoming, Launcher, Outgoing, Window};

@@ -151,6 +151,23 @@ impl Neighbours {
         &self.images
     }
 
+    /// The neighbours for which `stays` is true, given the rows of a particle and its neighbour.
+    #[must_use]
+    pub fn retained(&self, stays: impl Fn(usize, usize) -> bool + Sync) -> Self {
+        let owned = self.ranges.len();
+        let of_batch = |batch: usize| {
+            let mut kept = Batch::default();
+            for row in batch * BATCH..owned.min((batch + 1) * BATCH) {
+                let entries = self.entries(row).iter().copied();
+                kept.list.extend(entries.filter(|&entry| stays(row, self.images.neighbour(entry).row as usize)));
+                kept.ends.push((row as u32, kept.list.len()));
+            }
+            kept
+        };
+        let batches = (0..owned.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
+        Self::join(batches, owned, &self.images)
+    }
+
     /// Number of entries in all lists: twice the number of pairs on one rank.
     pub fn count(&self) -> usize {
         self.list.len()
@@ -180,6 +197,13 @@ mod tests {
             let mut found: Vec<Neighbour> = neighbours.of(row).iter().collect();
             found.sort_unstable();
             expected.sort_unstable();
+            assert_eq!(found, *expected);
+        }
+        let others = neighbours.retained(|row, other| row % 7 != other % 7);
+        for (row, expected) in expected.iter_mut().enumerate() {
+            expected.retain(|other| row % 7 != other.row as usize % 7);
+            let mut found: Vec<Neighbour> = others.of(row).iter().collect();
+            found.sort_unstable();
             assert_eq!(found, *expected);
         }
     }

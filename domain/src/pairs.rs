@@ -86,6 +86,13 @@ impl Pairs {
         Self { list }
     }
 
+    /// The pairs for which `stays` is true, given their rows.
+    #[must_use]
+    pub fn retained(mut self, stays: impl Fn(usize, usize) -> bool) -> Self {
+        self.list.retain(|pair| stays(pair.i as usize, pair.j as usize));
+        self
+    }
+
     /// The pairs.
     pub fn list(&self) -> &[Pair] {
         &self.list

@@ -62,6 +62,11 @@ class State:
         return self._core.frame()["species"]
 
     @property
+    def bodies(self) -> np.ndarray:
+        """(N,), the number of the rigid body of each sphere, -1 for none; in scenes with bodies"""
+        return self._column("body")[:, 0].astype(int)
+
+    @property
     def lattice(self) -> np.ndarray:
         """(3, 3), the vectors of the box as rows; length"""
         return self._core.frame()["lattice"]

@@ -122,6 +122,11 @@ class Trajectory:
         """(N,), indices into the scene's list"""
         return self._particles["species"][:]
 
+    @cached_property
+    def bodies(self):
+        """(N,), the number of the rigid body of each sphere, -1 for none; in scenes with bodies"""
+        return self._particles["body"][:]
+
     @property
     def _columns(self):
         return [name for name in _UNITS if name in self._particles]

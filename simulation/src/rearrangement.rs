@@ -73,6 +73,9 @@ pub enum RearrangementError {
     /// A quaternion that is no rotation.
     #[error("the orientation of particle {0} would be {1:?}; it needs a quaternion w, x, y, z other than 0")]
     NoRotation(u64, [f64; 4]),
+    /// Spheres of rigid bodies.
+    #[error("spheres of rigid bodies can't be put elsewhere one by one; start another scene with other bodies")]
+    RigidBodies,
     /// A radius that is none.
     #[error("the radius of particle {0} would be {1}; it needs to be above 0")]
     Radius(u64, f64),

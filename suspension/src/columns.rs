@@ -79,6 +79,55 @@ pub fn angular(velocity: &str) -> &'static str {
     found.map(|(_, angular)| *angular).expect("each column of velocities has one of angular velocities")
 }
 
+/// Number of the rigid body that a sphere belongs to, from 0, or -1 for none. It exists if there are bodies.
+pub const BODY: &str = "body";
+
+/// Position of a sphere in the axes of its body, from the centre. It exists if there are bodies.
+pub const ARM: &str = "arm";
+
+/// Contributions of the forces that keep bodies rigid to the stress, as tensors; and the width of the column. It exists
+/// if there are bodies.
+pub const CONSTRAINT_MOMENT: &str = "constraint moment";
+pub const CONSTRAINT_MOMENT_NUMBERS: usize = 9;
+
+/// Columns of velocities or displacements, and those of the centres of bodies. The latter exist only with bodies.
+const CENTRES: [(&str, &str); 9] = [
+    (VELOCITY, "centre velocity"),
+    (PAST[0], "past centre velocity 1"),
+    (PAST[1], "past centre velocity 2"),
+    (PAST[2], "past centre velocity 3"),
+    (STAGES[0], "stage centre velocity 2"),
+    (STAGES[1], "stage centre velocity 3"),
+    (MEAN, "mean centre velocity"),
+    (EXPECTED, "expected centre velocity"),
+    (DISPLACEMENT, "random displacement of the centre"),
+];
+
+/// The column of velocities of centres that belongs to one of velocities.
+///
+/// # Panics
+///
+/// If there is none, which is a mistake in the program.
+pub fn centre(velocity: &str) -> &'static str {
+    let found = CENTRES.iter().find(|(name, _)| *name == velocity);
+    found.map(|(_, centre)| *centre).expect("each column of velocities has one of centres")
+}
+
+/// Whether a column has velocities, which change with the frame of reference.
+pub fn are_velocities(name: &str) -> bool {
+    let of_centres = || CENTRES.iter().find(|(_, centre)| *centre == name).map_or("", |(velocity, _)| *velocity);
+    VELOCITY_COLUMNS.contains(&name) || VELOCITY_COLUMNS.contains(&of_centres())
+}
+
+/// Names of the columns that belong to bodies, and their widths.
+pub fn of_bodies() -> impl Iterator<Item = (&'static str, usize)> {
+    CENTRES.iter().map(|(_, name)| (*name, 3)).chain([
+        (BODY, 1),
+        (ARM, 3),
+        (CONSTRAINT_MOMENT, CONSTRAINT_MOMENT_NUMBERS),
+    ])
+}
+
 /// Whether a column has angular velocities of previous steps or substeps.
 fn is_past_angular(name: &str) -> bool {
     ANGULAR.iter().skip(1).any(|(_, angular)| *angular == name)
@@ -94,6 +143,7 @@ pub fn of_orientations() -> impl Iterator<Item = (&'static str, usize)> {
 /// of substeps.
 pub fn clear_history(particles: &mut Particles) {
     let ages = [AGES, OLDEST_AGE, NEXT_SUBSTEP];
-    let is_past = |name: &str| name != VELOCITY && VELOCITY_COLUMNS.contains(&name) || is_past_angular(name);
+    let is_now = |name: &str| name == VELOCITY || name == centre(VELOCITY);
+    let is_past = |name: &str| !is_now(name) && are_velocities(name) || is_past_angular(name);
     particles.remove(|name| is_past(name) || ages.contains(&name));
 }

@@ -26,6 +26,7 @@
 //! ```
 
 pub mod benchmark;
+mod bodies;
 mod columns;
 mod error;
 mod evaluation;
@@ -43,7 +44,7 @@ mod scalars;
 mod start;
 mod suspension;
 
-pub use columns::{ANGULAR_VELOCITY, ORIENTATION, STRESSLET, VELOCITY};
+pub use columns::{ANGULAR_VELOCITY, BODY, ORIENTATION, STRESSLET, VELOCITY};
 pub use error::step::StepError;
 pub use error::{PlacingError, StartError};
 pub use evaluation::stress::{ParticleStress, StressPart};
@@ -67,9 +68,10 @@ pub use lubrication::{Elasticity, PairKind};
 pub use model::box_axes::UserAxes;
 pub use model::radii::Radii;
 pub use model::{
-    Adaptive, Attraction, Axis, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow, Hydrodynamics, Integrator,
-    Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Orientation, Parameters, Protocol, RateChange,
-    Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start, StatisticsParameters, Trapped, Traps,
+    Adaptive, Attraction, Axis, Bodies, BodyOrientation, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow,
+    Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Orientation, Parameters,
+    Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start, StatisticsParameters,
+    Trapped, Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;

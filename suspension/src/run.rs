@@ -1,7 +1,7 @@
 //! A run of a suspension, with its time series and statistics, as a [`Simulation`].
 
 use crate::columns::VELOCITY;
-use crate::columns::{ANGULAR_VELOCITY, ORIENTATION, STRESSLET};
+use crate::columns::{ANGULAR_VELOCITY, BODY, ORIENTATION, STRESSLET};
 use crate::error::StartError;
 use crate::error::step::StepError;
 use crate::evaluation::velocity_field::FluidVelocity;
@@ -36,7 +36,7 @@ pub struct SuspensionRun {
 }
 
 /// Columns of a frame of the trajectory.
-const FRAME: [&str; 4] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET, ORIENTATION];
+const FRAME: [&str; 5] = [VELOCITY, ANGULAR_VELOCITY, STRESSLET, ORIENTATION, BODY];
 
 impl SuspensionRun {
     /// Starts a run of a model at time zero, at positions provided by the first rank if the model requires them.

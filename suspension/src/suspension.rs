@@ -16,7 +16,7 @@ use crate::integrators::brownian::{self, BrownianStep, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
 use crate::scalars;
-use crate::start::{given_positions, orientations, placement};
+use crate::start::{bodies, given_positions, orientations, placement};
 use domain::parallel::{of_rows, stage};
 use domain::{Comm, GivenPositions, Interrupt, Particles, Partition, PeriodicBox, Vector};
 use fcm::PlanError;
@@ -102,6 +102,8 @@ impl Suspension {
         comm.agree(given_positions::check(&particles, model.species.len(), model.is_coupled()))?;
         let is_tied = if comm.is_first() { tethers::check(&particles, model) } else { Ok(()) };
         let is_oriented = if comm.is_first() { orientations::check(&particles, model) } else { Ok(()) };
+        let has_bodies = if comm.is_first() { bodies::check(&particles, model) } else { Ok(()) };
+        comm.agree(has_bodies)?;
         comm.agree(is_tied)?;
         comm.agree(is_oriented)?;
         placement::share_columns(&mut particles, comm);

@@ -2,6 +2,7 @@
 
 mod adaptive_steps;
 mod applied_loads;
+mod bodies;
 mod bounded_mobility;
 mod brownian;
 mod constant_flux;

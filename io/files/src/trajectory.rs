@@ -10,8 +10,9 @@ use simulation::Frame;
 use std::path::Path;
 
 /// A trajectory that is being written: positions inside the box, images, and those of the columns `velocity`,
-/// `angular_velocity`, `stresslet` and `orientation` that the particles have, all in the order of the ids. If the run
-/// is killed, the file can be read up to its last complete frame.
+/// `angular_velocity`, `stresslet` and `orientation` that the particles have, all in the order of the ids; radii,
+/// species and the numbers of rigid bodies (-1 for none) do not change. If the run is killed, the file can be read up
+/// to its last complete frame.
 pub struct Trajectory {
     frames: Frames,
     description: TrajectoryDescription,
@@ -189,6 +190,12 @@ fn write_fixed(file: &hdf5::File, ParticleRows { rows, periodic }: ParticleRows)
     checksum::write_blocks::<u32>(&group, "species", count, |each| rows.species(each))?;
     let radii = checksum::write_blocks::<f64>(&group, "radius", count, |each| rows.radii(each))?;
     text::write_dimensions(&radii, "length")?;
+    if let Some(bodies) = rows.columns().position(|(name, _)| name == "body") {
+        let whole = |numbers: &[f64]| numbers.iter().map(|&number| number as i64).collect::<Vec<_>>();
+        checksum::write_blocks::<i64>(&group, "body", count, |each| {
+            rows.column(bodies, |numbers| each(&whole(numbers)))
+        })?;
+    }
     let cell = group.group("box")?;
     cell.new_attr::<i32>().create("dimension")?.write_scalar(&3)?;
     let boundary = periodic.map(|yes| text::fixed(if yes { "periodic" } else { "none" }));

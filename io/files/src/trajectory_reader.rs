@@ -54,7 +54,7 @@ impl TrajectoryReader {
         let group = file.group("particles/all")?;
         let ids: Vec<u64> = checksum::read(&group.dataset("id")?)?;
         let count = ids.len();
-        let fixed = Particles {
+        let mut fixed = Particles {
             ids,
             positions: vec![Vector::ZERO; count],
             steps: vec![[0; 3]; count],
@@ -62,6 +62,11 @@ impl TrajectoryReader {
             species: checksum::read(&group.dataset("species")?)?,
             ..Particles::default()
         };
+        if group.link_exists("body") {
+            let numbers: Vec<i64> = checksum::read(&group.dataset("body")?)?;
+            let values = numbers.into_iter().map(|number| number as f64).collect();
+            fixed.columns.push(Column { name: "body".to_owned(), width: 1, values });
+        }
         let mut times: Vec<f64> = claimed_size::read(&group, "position/time")?;
         // Times are written before steps, so there may be one more.
         let steps: Vec<u64> = claimed_size::read(&group, "position/step")?;

@@ -50,6 +50,9 @@ pub enum PlacingError {
     /// Random placement found no room.
     #[error("can't place the spheres of [[species]] at random: {0}")]
     Packing(#[from] PackingError),
+    /// Random placement of bodies found no room.
+    #[error("can't place [[bodies]]: {0}")]
+    NoRoom(String),
     /// Spheres from elsewhere that do not match the species.
     #[error("{name}: {message}")]
     Given {

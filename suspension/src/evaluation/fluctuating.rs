@@ -1,6 +1,7 @@
 //! Evaluations in a fluctuating fluid.
 
 use super::{Dynamics, Outcome, StageTime};
+use crate::bodies;
 use crate::columns::PAST;
 use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
@@ -35,11 +36,14 @@ impl Dynamics {
         set_ambient(particles, &motion, noise.amplitude);
     }
 
-    /// Stores the velocities of the drawn motions plus the background flow as the first past velocities.
+    /// Stores the velocities of the drawn motions plus the background flow as the first past velocities; bodies have
+    /// the means over their spheres.
     pub fn store_drawn_velocities(&self, particles: &mut Particles) {
         let drawn = ambient(particles);
+        let drawn = self.rigid_means(particles, drawn);
         self.note_carried(particles, PAST[0], &drawn.velocities);
         self.note_rotating(particles, &drawn.angular_velocities);
+        self.note_centres(particles, &drawn);
     }
 
     /// Angular velocities plus those of the background flow at the particles.
@@ -152,9 +156,9 @@ impl Dynamics {
     }
 
     /// Random loads between near pairs. Collective.
-    fn pair_noise(&mut self, particles: &Particles, Noise { amplitude, stream, .. }: Noise) -> Loads {
-        let cell = *self.moving.cell();
-        let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, None, stream);
+    fn pair_noise(&mut self, particles: &mut Particles, Noise { amplitude, stream, .. }: Noise) -> Loads {
+        let (cell, bodies) = (*self.moving.cell(), bodies::of(particles, self.partition.comm()));
+        let Loads { forces, torques, .. } = self.hydrodynamics.pair_noise(&cell, particles, bodies.as_ref(), stream);
         let times = |list: Vec<Vector>| list.into_iter().map(|load| load * amplitude).collect();
         Loads { forces: times(forces), torques: times(torques), stresslets: Vec::new() }
     }

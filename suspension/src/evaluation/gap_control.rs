@@ -1,5 +1,6 @@
 //! Relative motion of near pairs.
 
+use crate::bodies;
 use crate::evaluation::orders::ErrorEstimate;
 use crate::flow::deformation::Deformation;
 use crate::flow::periodic_cell::PeriodicCell;
@@ -9,6 +10,7 @@ use bytemuck::{Pod, Zeroable};
 use domain::parallel::{MeasuredLoop, all_rows, change, copied, mapped, of_rows};
 use domain::{Comm, DomainView, Particles, Partition, PeriodicBox, ToWall, Vector};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 /// Largest centre distance of the pairs that are considered, over the largest radius.
@@ -37,6 +39,8 @@ pub struct RelativeMotion<const N: usize> {
     near: PairsWithHalo,
     pairs: Vec<MovingPair<N>>,
     at_walls: Vec<MovingAtWall<N>>,
+    /// Numbers of the bodies of this rank's particles, if there are bodies.
+    bodies: Option<Vec<f64>>,
     /// Deformation of separations by the flow, in addition.
     advection: Deformation,
 }
@@ -72,7 +76,8 @@ impl<const N: usize> RelativeMotion<N> {
             let image = moving.velocity_of_image(steps);
             MovingPair { separation, velocities: velocities.map(|velocity| velocity + image), radii }
         });
-        Self { near, pairs, at_walls, advection: Deformation::NONE }
+        let bodies = bodies::exist(particles).then(|| copied(bodies::numbers(particles)));
+        Self { near, pairs, at_walls, bodies, advection: Deformation::NONE }
     }
 
     /// Lets the flow deform separations as well, after they changed by displacements.
@@ -128,8 +133,8 @@ impl<const N: usize> RelativeMotion<N> {
 
     /// Displacements, in addition to `sum of weights[k] * velocity k`, that give every pair a gap of at least `closest`
     /// mean radii, up to a tenth of that. Iteratively, pairs that are closer are moved apart along their lines of
-    /// centres, the smaller sphere farther; a sphere of several such pairs moves by their mean. `None` if the iteration
-    /// does not converge. Collective.
+    /// centres, the smaller sphere farther; a sphere of several such pairs, or a rigid body, moves by their mean.
+    /// `None` if the iteration does not converge. Collective.
     pub fn apart(&self, weights: [f64; N], closest: f64, comm: &Comm) -> Option<Vec<Vector>> {
         let (displacements, is_done) = self.pushed(weights, closest, comm);
         is_done.then_some(displacements)
@@ -153,6 +158,7 @@ impl<const N: usize> RelativeMotion<N> {
             for (row, push) in by_walls {
                 sums[row] += push;
             }
+            self.share(&mut sums, comm);
             change(&mut displacements, &sums, |displacement, push| {
                 if push.pairs > 0.0 {
                     *displacement += push.displacement / push.pairs;
@@ -160,6 +166,20 @@ impl<const N: usize> RelativeMotion<N> {
             });
         }
         (displacements, false)
+    }
+
+    /// Gives all spheres of a rigid body the sum of their pushes. Collective.
+    fn share(&self, pushes: &mut [Push], comm: &Comm) {
+        let Some(bodies) = &self.bodies else { return };
+        let own = bodies.iter().zip(&*pushes).filter(|(body, push)| **body >= 0.0 && push.pairs > 0.0);
+        let own: Vec<OfBody> = own.map(|(&body, &push)| OfBody { body, push }).collect();
+        let mut sums: BTreeMap<u64, Push> = BTreeMap::new();
+        for OfBody { body, push } in comm.all_gather(&own) {
+            *sums.entry(body as u64).or_default() += push;
+        }
+        for (&body, push) in bodies.iter().zip(pushes).filter(|(body, _)| **body >= 0.0) {
+            *push = sums.get(&(body as u64)).copied().unwrap_or_default();
+        }
     }
 }
 
@@ -208,6 +228,14 @@ impl Change {
 struct Push {
     displacement: Vector,
     pairs: f64,
+}
+
+/// Push of a sphere of a body.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct OfBody {
+    body: f64,
+    push: Push,
 }
 
 impl AddAssign for Push {

@@ -3,6 +3,7 @@
 mod checks;
 pub mod extrapolation;
 pub mod fluctuating;
+pub mod fluctuating_bodies;
 mod following;
 pub mod gap_control;
 pub mod initial_guess;
@@ -17,12 +18,9 @@ mod stress_controlled;
 mod tethered;
 pub mod velocity_field;
 
-use crate::columns;
-use crate::columns::EXPECTED;
-use crate::columns::{ANGULAR_VELOCITY, STRESSLET, VELOCITY};
-use crate::error::StartError;
-use crate::error::gap::Gap;
-use crate::error::step::StepError;
+use crate::bodies;
+use crate::columns::{self, ANGULAR_VELOCITY, EXPECTED, STRESSLET, VELOCITY};
+use crate::error::{StartError, gap::Gap, step::StepError};
 use crate::evaluation::gap_control::watched_range;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::evaluation::overlap_monitor::OverlapMonitor;
@@ -296,7 +294,8 @@ impl Dynamics {
         let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
         let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
-        let acting = SolveInput { loads, strain_rate, springs: springs.as_ref(), bodies: None, ambient, constant_flux };
+        let (springs, bodies) = (springs.as_ref(), bodies::of(particles, self.partition.comm()));
+        let acting = SolveInput { loads, strain_rate, springs, bodies: bodies.as_ref(), ambient, constant_flux };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {
@@ -328,6 +327,7 @@ impl Dynamics {
             let flow = self.flow();
             let reference = mapped(&particles.positions, |&x| flow.velocity(x) * times);
             change(particles.vectors(VELOCITY), &reference, |v, &reference| *v += reference);
+            bodies::add_at_centres(particles, |x| flow.velocity(x) * times);
         }
     }
 
@@ -356,6 +356,7 @@ impl Dynamics {
             overwrite(particles.vectors(ANGULAR_VELOCITY), &turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             overwrite(&mut particles.column(STRESSLET, 5).values, stresslets);
+            bodies::record(particles, &solved.constraint_loads.forces, self.moving.advecting_gradient());
             self.warm_start.record(particles, solved);
         }
     }

@@ -1,7 +1,6 @@
 //! Particle stress.
 
-use crate::columns::STRESSLET_FAR;
-use crate::columns::{BROWNIAN, STRESSLET};
+use crate::columns::{BROWNIAN, CONSTRAINT_MOMENT, STRESSLET, STRESSLET_FAR};
 use crate::forces::NamedMoments;
 use crate::forces::force::StressName;
 use bytemuck::cast_slice;
@@ -10,13 +9,14 @@ use domain::{Comm, Particles, Tensor, Traceless};
 use rayon::prelude::*;
 
 /// Stress of the particles of one species, averaged over the box, by contribution. With `S_n` the far-field stresslet
-/// of a particle, `L_n` the stresslet added by lubrication, `F_ij` the repulsion on particle `i` due to `j`, and `V`
-/// the volume of the box (Batchelor, J. Fluid Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111,
-/// 1988),
+/// of a particle, `L_n` the stresslet added by lubrication, `C_n` the force on a sphere at the arm `s_n` that keeps its
+/// body rigid, `F_ij` the repulsion on particle `i` due to `j`, and `V` the volume of the box (Batchelor, J. Fluid
+/// Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111, 1988),
 ///
 /// ```text
 /// stresslet  = sum_n S_n / V
 /// lubrication = sum_n L_n / V
+/// constraint = -sum_n sym(s_n C_n) / V
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
 ///
@@ -29,9 +29,9 @@ use rayon::prelude::*;
 /// Stresslets are traceless: only the non-hydrodynamic part of the particle pressure is defined. External forces such
 /// as weight do not contribute.
 ///
-/// Contributions have names: [`Self::STRESSLET`], [`Self::LUBRICATION`], those of the model's forces (`repulsion`,
-/// `attraction`, `contact`, `bond`), [`Self::BROWNIAN`], and those of the user's forces (`applied`, and the names of
-/// registered ones).
+/// Contributions have names: [`Self::STRESSLET`], [`Self::LUBRICATION`], [`Self::CONSTRAINT`], those of the model's
+/// forces (`repulsion`, `attraction`, `contact`, `bond`), [`Self::BROWNIAN`], and those of the user's forces
+/// (`applied`, and the names of registered ones).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParticleStress {
     parts: Vec<StressPart>,
@@ -70,6 +70,8 @@ impl ParticleStress {
     pub const STRESSLET: &str = "stresslet";
     /// Name of lubrication.
     pub const LUBRICATION: &str = "lubrication";
+    /// Name of the contribution of the forces that keep bodies rigid.
+    pub const CONSTRAINT: &str = "constraint";
     /// Name of the mean of the stresslets caused by random motions, if it is separated from these.
     pub const BROWNIAN: &str = "brownian";
 
@@ -129,7 +131,8 @@ impl ParticleStress {
 
 /// Contributions of this rank's particles with their names, in the order of a stress.
 fn summands(particles: &Particles, moments: [Vec<NamedMoments>; 2]) -> Vec<(StressName, Summands<'_>)> {
-    let column = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| cast_slice(&c.values));
+    let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| c.values.as_slice());
+    let column = |name: &str| values(name).map(cast_slice);
     let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
     let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
     let by_heat: &[Traceless] = column(BROWNIAN).unwrap_or_default();
@@ -138,8 +141,11 @@ fn summands(particles: &Particles, moments: [Vec<NamedMoments>; 2]) -> Vec<(Stre
         (StressName::symmetric(ParticleStress::STRESSLET), Summands::Stresslets(far_known)),
         (StressName::symmetric(ParticleStress::LUBRICATION), Summands::Rest(whole, far)),
     ];
+    let constraint = values(CONSTRAINT_MOMENT).map(|moments| {
+        (StressName::symmetric(ParticleStress::CONSTRAINT), Summands::Moments(cast_slice(moments).to_vec()))
+    });
     let brownian = (StressName::symmetric(ParticleStress::BROWNIAN), Summands::Stresslets(by_heat));
     let of_force = |NamedMoments { name, of_particles }| (name, Summands::Moments(of_particles));
     let [of_model, of_user] = moments.map(|moments| moments.into_iter().map(of_force));
-    fluid.into_iter().chain(of_model).chain([brownian]).chain(of_user).collect()
+    fluid.into_iter().chain(constraint).chain(of_model).chain([brownian]).chain(of_user).collect()
 }

@@ -1,13 +1,14 @@
 //! The simulation box in time: static, sheared (Lees-Edwards), stretched (Kraynik-Reinelt), or open.
 
-use crate::columns::VELOCITY_COLUMNS;
+use crate::bodies;
+use crate::columns::are_velocities;
 use crate::flow::constant_flux::ConstantFluxState;
 use crate::flow::deformation::Deformation;
 use crate::flow::kraynik_reinelt::{Matrix, Named, StretchingLattice};
 use crate::flow::stress_control::{Search, StressControl, StressTarget};
 use crate::model::{Extension, ShearRates};
 use domain::parallel::{change_rows, copied, equal};
-use domain::{Boundaries, Particles, PeriodicBox, Scalars, Traceless, Vector};
+use domain::{Boundaries, Particles, PeriodicBox, Scalars, Tensor, Traceless, Vector};
 use hydrodynamics::Poiseuille;
 use hydrodynamics::StrainRate;
 use simulation::Clock;
@@ -216,6 +217,11 @@ impl PeriodicCell {
             || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
     }
 
+    /// Velocity gradient of the flow relative to which velocities are while particles move, if they are.
+    pub fn advecting_gradient(&self) -> Option<Tensor> {
+        self.advects().then(|| self.flow.gradient())
+    }
+
     /// Deformation of the box that advects the particles, over a coming time; under stress control, `weights` are those
     /// of the present and past rates and of the mean over the last substep.
     pub fn advect(&self, duration: f64, weights: [f64; 3]) -> Deformation {
@@ -359,7 +365,7 @@ impl PeriodicCell {
 
 /// All columns of velocities.
 fn velocities(particles: &mut Particles) -> impl Iterator<Item = &mut [Vector]> {
-    let columns = particles.columns.iter_mut().filter(|c| VELOCITY_COLUMNS.contains(&c.name.as_str()));
+    let columns = particles.columns.iter_mut().filter(|c| are_velocities(&c.name));
     columns.map(|column| bytemuck::cast_slice_mut(&mut column.values))
 }
 
@@ -368,10 +374,17 @@ fn shear(cell: &PeriodicBox, rate: f64) -> BackgroundFlow {
     if cell.gradient_axis() == 2 { BackgroundFlow::couette(rate) } else { BackgroundFlow::shear(rate) }
 }
 
-/// Advects particles with a flow, together with their velocities relative to it.
+/// Advects particles with a flow, together with their velocities relative to it. Bodies are advected with their centres
+/// and not deformed.
 fn carry_by(deformation: Deformation, particles: &mut Particles) {
     let carry = |vectors: &mut [Vector]| change_rows(vectors, |_, vector| *vector = deformation.of(*vector));
-    carry(&mut particles.positions);
+    let arms = bodies::arms(particles);
+    if arms.is_empty() {
+        carry(&mut particles.positions);
+    } else {
+        let carry = |row: usize, place: Vector| deformation.of(place - arms[row]) + arms[row];
+        change_rows(&mut particles.positions, |row, place| *place = carry(row, *place));
+    }
     velocities(particles).for_each(carry);
 }
 

@@ -7,7 +7,7 @@ use crate::flow::open_cell::follows;
 use crate::forecast::network::with_network;
 use crate::forecast::warnings::{cautions, diffusive_step};
 use crate::model::radii::Radii;
-use crate::model::{Contacts, Flow, Model};
+use crate::model::{Bodies, Contacts, Flow, Model};
 use crate::start::memory;
 use crate::start::plan::problem_in;
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
@@ -152,7 +152,17 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
         .line("particles", format_args!("{}{filled}{place}", radii.count()))
         .value("particles", radii.count())
         .value("volume_fraction", fraction);
-    outline.value("smallest_gap", gap.map(|gap| gap.length))
+    with_bodies(outline.value("smallest_gap", gap.map(|gap| gap.length)), model)
+}
+
+/// Adds the rigid bodies, if there are some.
+fn with_bodies(outline: Outline, model: &Model) -> Outline {
+    if model.bodies.is_empty() {
+        return outline;
+    }
+    let each = |kind: &Bodies| format!("{} \"{}\" of {} spheres", kind.count, kind.name, kind.spheres.len());
+    let text = model.bodies.iter().map(each).collect::<Vec<_>>().join(", ");
+    outline.line("bodies", text).value("bodies", model.bodies.iter().map(|kind| kind.count).sum::<u64>())
 }
 
 /// Adds the cost of the boundaries, relative to a periodic box with the same edges.

@@ -129,7 +129,7 @@ fn runge_kutta<E>(
     let weights = [1.0 / 6.0, 2.0 / 6.0, 2.0 / 6.0 - 1.0, 1.0 / 6.0].map(|w| w * dt);
     motion::advance(particles, [first, STAGES[0], STAGES[1], VELOCITY], weights);
     motion::end_smooth(particles, &[first, VELOCITY], &[0.0, dt], dt);
-    let stages = STAGES.map(|name| [name, columns::angular(name)]);
+    let stages = STAGES.map(|name| [name, columns::angular(name), columns::centre(name)]);
     particles.columns.retain(|column| !stages.as_flattened().contains(&column.name.as_str()));
     Ok(())
 }

@@ -1,9 +1,10 @@
 //! Time stepping of Brownian motion.
 
-use crate::columns::PAST;
-use crate::columns::VELOCITY;
+use crate::bodies;
+use crate::columns::{PAST, VELOCITY};
 use crate::error::step::StepError;
 use crate::evaluation::fluctuating::Noise;
+use crate::evaluation::fluctuating_bodies;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::integrators::motion;
 use crate::model::BrownianScheme;
@@ -104,12 +105,34 @@ fn midpoint(
     dynamics.store_drawn_velocities(particles);
     motion::advance(particles, [PAST[0]], [half]);
     let middle = StageTime::in_step(clock, 0.5, 0);
+    add_divergence_of_bodies(particles, &middle, noise, dynamics)?;
     let outcome = dynamics.evaluate_fluctuating(particles, &middle, noise)?;
     motion::advance(particles, [VELOCITY, PAST[0]], [2.0 * half, -half]);
     motion::end(particles);
     dynamics.wrap_and_migrate(particles, &StageTime::in_step(clock, 1.0, 0))?;
     brownian::clear_history(particles);
     Ok(outcome)
+}
+
+/// Adds the divergence due to the rigidity of bodies to the drawn motions of the fluid, as a finite difference between
+/// positions to which bodies are displaced both ways, see [`fluctuating_bodies`].
+fn add_divergence_of_bodies(
+    particles: &mut Particles,
+    moment: &StageTime,
+    noise: Noise,
+    dynamics: &mut Dynamics,
+) -> Result<(), StepError> {
+    if !bodies::exist(particles) {
+        return Ok(());
+    }
+    let step = dynamics.draw_displacements(particles, noise);
+    for [displaced, sign] in [[0.5, 1.0], [-1.0, -1.0]] {
+        motion::advance(particles, [DISPLACEMENT], [displaced]);
+        dynamics.add_caused(particles, moment, sign * noise.energy / step)?;
+    }
+    motion::advance(particles, [DISPLACEMENT], [0.5]);
+    fluctuating_bodies::clear_displacements(particles);
+    Ok(())
 }
 
 fn two_evaluations(

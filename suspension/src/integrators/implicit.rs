@@ -241,6 +241,6 @@ fn finish(particles: &mut Particles, length: &Length, next: f64) {
     motion::end(particles);
     particles.scalars.set(NEXT_SUBSTEP, &[next]);
     contacts::keep(particles);
-    let expected = [EXPECTED, columns::angular(EXPECTED)];
+    let expected = [EXPECTED, columns::angular(EXPECTED), columns::centre(EXPECTED)];
     particles.columns.retain(|column| !expected.contains(&column.name.as_str()));
 }

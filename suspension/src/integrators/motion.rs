@@ -1,18 +1,25 @@
 //! The motion of particles in a step: the one place where integrators change positions and orientations.
 
-use crate::rotation;
+use crate::{bodies, rotation};
 use domain::parallel::{change, mapped, overwrite};
 use domain::{Particles, Vector};
 
 /// Moves the particles by the sum of `weights[k]` times the velocities in column `k`, and rotates their orientations,
 /// if they have some, by the same sum of angular velocities. Rotations within a step are added as vectors, like
-/// displacements, until the step ends: [`end`] or [`end_smooth`].
+/// displacements, until the step ends: [`end`] or [`end_smooth`]. Spheres of a rigid body move with its centre and
+/// its rotation.
 pub fn advance<const N: usize>(particles: &mut Particles, columns: [&str; N], weights: [f64; N]) {
-    particles.displace_by(columns, weights);
+    let arms = bodies::arms(particles);
+    match bodies::centres(particles, columns) {
+        Some(of_centres) => particles.displace_by(of_centres, weights),
+        None => particles.displace_by(columns, weights),
+    }
     rotation::advance(particles, columns, weights);
+    bodies::swing(particles, &arms);
 }
 
 /// Moves the particles by displacements without rotation, which keep near spheres apart; an empty list stands for none.
+/// All spheres of a rigid body have the same displacement.
 pub fn move_apart(particles: &mut Particles, displacements: &[Vector]) {
     change(&mut particles.positions, displacements, |position, &displacement| *position += displacement);
 }
@@ -25,16 +32,24 @@ pub fn end(particles: &mut Particles) {
 /// Ends a step of a length, in which angular velocities vary smoothly, with the values of `columns` at `times` since
 /// its start. Its rotations are of order 4, if the values are.
 pub fn end_smooth(particles: &mut Particles, columns: &[&str], times: &[f64], step: f64) {
+    let arms = bodies::arms(particles);
     rotation::add_commutator(particles, columns, times, step);
+    bodies::swing(particles, &arms);
     rotation::end(particles);
 }
 
-/// Copies a column of velocities into another, and with orientations, that of the angular velocities.
+/// Copies a column of velocities into another; with orientations, that of the angular velocities, and with bodies, that
+/// of the velocities of centres as well.
 pub fn copy(particles: &mut Particles, from: &str, to: &str) {
     copy_column(particles, from, to);
-    if let Some([from, to]) = rotation::angular(particles, [from, to]) {
+    for [from, to] in accompanying(particles, [from, to]).into_iter().flatten() {
         copy_column(particles, from, to);
     }
+}
+
+/// Columns that belong to columns of velocities and change with them, as far as they exist.
+fn accompanying<const N: usize>(particles: &Particles, columns: [&str; N]) -> [Option<[&'static str; N]>; 2] {
+    [rotation::angular(particles, columns), bodies::centres(particles, columns)]
 }
 
 fn copy_column(particles: &mut Particles, from: &str, to: &str) {
@@ -43,11 +58,11 @@ fn copy_column(particles: &mut Particles, from: &str, to: &str) {
     particles.column(from, 3).values = values;
 }
 
-/// Stores the weighted sum of columns of velocities in another, which may be one of them; with orientations, that of
-/// the angular velocities as well.
+/// Stores the weighted sum of columns of velocities in another, which may be one of them, and those of the columns that
+/// [`copy`] copies.
 pub fn combine(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], to: &str) {
     store_sum(particles, columns, weights, to);
-    if let Some([first, second, to]) = rotation::angular(particles, [columns[0], columns[1], to]) {
+    for [first, second, to] in accompanying(particles, [columns[0], columns[1], to]).into_iter().flatten() {
         store_sum(particles, [first, second], weights, to);
     }
 }
@@ -61,7 +76,7 @@ fn store_sum(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], t
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::{ANGULAR_VELOCITY, ROTATION, VELOCITY};
+    use crate::columns::{ANGULAR_VELOCITY, ARM, BODY, EXPECTED, PAST, ROTATION, VELOCITY};
     use crate::integrators::adams_bashforth::{AdamsBashforth, advance};
     use crate::rotation::orientations;
     use domain::Quaternion;
@@ -127,5 +142,60 @@ mod tests {
         }
         assert!(orientations(&mut particles)[0].log().length() < 1e-10);
         assert_eq!(orientations(&mut particles)[1], Quaternion::NONE);
+    }
+
+    /// Two spheres of a body, and one that is free.
+    fn pair() -> Particles {
+        let mut particles = Particles::default();
+        for id in 0..3 {
+            particles.push(id, Vector::ZERO, 1.0, 0);
+        }
+        particles.column(BODY, 1).values = vec![0.0, 0.0, -1.0];
+        particles.vectors(ARM).copy_from_slice(&[Vector::Z, -Vector::Z, Vector::ZERO]);
+        let start = Quaternion::exp(Vector::new(0.3, -0.2, 1.0));
+        orientations(&mut particles).copy_from_slice(&[start, start, Quaternion::NONE]);
+        particles.positions = bodies::arms(&mut particles);
+        particles
+    }
+
+    /// Velocities of a body whose centre has the velocity `v`, and which rotates by `w`.
+    fn set_motion(particles: &mut Particles, [v, w]: [Vector; 2]) {
+        let arms = bodies::arms(particles);
+        let velocities: Vec<Vector> = arms.iter().map(|&arm| v + w.cross(arm)).collect();
+        particles.vectors(VELOCITY).copy_from_slice(&velocities);
+        particles.vectors(ANGULAR_VELOCITY).fill(w);
+        bodies::store_centres(particles, None);
+    }
+
+    #[test]
+    fn centres_move_and_spheres_follow_the_rotation() {
+        let mut particles = pair();
+        let (v, w) = (Vector::new(1.0, 2.0, -0.5), Vector::new(0.4, 0.3, -2.0));
+        set_motion(&mut particles, [v, w]);
+        copy(&mut particles, VELOCITY, PAST[0]);
+        combine(&mut particles, [VELOCITY, PAST[0]], [2.0, -1.0], EXPECTED);
+        let turned = Quaternion::exp(w * 3.0) * orientations(&mut particles)[0];
+        super::advance(&mut particles, [EXPECTED, PAST[0]], [2.0, 1.0]);
+        for (row, arm) in [Vector::Z, -Vector::Z].into_iter().enumerate() {
+            let expected = v * 3.0 + turned.rotate(arm);
+            assert!((particles.positions[row] - expected).length() < 1e-14, "{:?}", particles.positions[row]);
+        }
+        assert!((particles.positions[2] - v * 3.0).length() < 1e-14);
+    }
+
+    /// Steps of any length, of velocities of any kind, taken back in part, keep the distance.
+    #[test]
+    fn bodies_are_rigid_whatever_moves_them() {
+        let mut particles = pair();
+        for step in 0..500 {
+            let phase = f64::from(step);
+            let motion_now = [Vector::new(phase.sin(), 1.0, 0.2), Vector::new(1.0, (0.3 * phase).cos(), 0.7)];
+            set_motion(&mut particles, motion_now);
+            super::advance(&mut particles, [VELOCITY, PAST[0]], [0.9, -0.4]);
+            copy(&mut particles, VELOCITY, PAST[0]);
+            end(&mut particles);
+        }
+        let distance = (particles.positions[0] - particles.positions[1]).length();
+        assert!((distance - 2.0).abs() < 1e-12, "{distance}");
     }
 }

@@ -1,6 +1,6 @@
 //! Axes of the user, which differ from those of the box if walls are across x or y.
 
-use crate::columns::{ANGULAR_VELOCITY, ORIENTATION, PAIR_MOMENT, STRESSLET, VELOCITY};
+use crate::columns::{ANGULAR_VELOCITY, BODY, ORIENTATION, PAIR_MOMENT, STRESSLET, VELOCITY};
 use crate::model::Parameters;
 use domain::{AxisRotation, Particles, PeriodicBox, Quaternion, Tensor, Traceless, Vector};
 use simulation::{ContactForces, VelocityField};
@@ -126,6 +126,7 @@ impl UserAxes {
                         *moment = self.tensor(moment);
                     }
                 }
+                BODY => {}
                 other => unreachable!("\"{other}\" is for nobody outside"),
             }
         }

@@ -2,8 +2,8 @@
 
 use super::species::check_species;
 use super::{
-    Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, ShearRates, Species, bonds,
-    displacement, traps,
+    Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, ShearRates, Species, bodies,
+    bonds, displacement, traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -18,6 +18,7 @@ const MAX_STRAIN: f64 = 1e9;
 pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let p = parameters;
     ParameterError::require_positive("time.step", p.time_step)?;
+    bodies::check(p)?;
     check_species(p, p.shortest_vector())?;
     ParameterError::require_positive("fluid.viscosity", p.viscosity)?;
     check_heat(p)?;

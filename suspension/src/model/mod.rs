@@ -1,6 +1,7 @@
 //! Parameters of a suspension, and the model: parameters that have been checked.
 
 mod attraction;
+mod bodies;
 mod bonds;
 pub mod box_axes;
 mod check;
@@ -24,6 +25,7 @@ use crate::columns::BOND_NUMBERS;
 use crate::model::box_axes::UserAxes;
 use ::hydrodynamics::Poiseuille;
 pub use attraction::Attraction;
+pub use bodies::{Bodies, BodyOrientation};
 pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
@@ -59,8 +61,10 @@ pub struct Parameters {
     pub thermal_energy: Option<f64>,
     /// Acceleration of gravity.
     pub gravity: Vector,
-    /// The species of spheres.
+    /// The species of spheres; those of [`Self::bodies`] come last.
     pub species: Vec<Species>,
+    /// Rigid bodies, which [`Parameters::with_bodies`] adds together with the species of their spheres.
+    pub bodies: Vec<Bodies>,
     /// Initial positions.
     pub start: Start,
     /// Background flow.
@@ -105,6 +109,7 @@ impl Parameters {
             thermal_energy: None,
             gravity: Vector::ZERO,
             species,
+            bodies: Vec::new(),
             start: Start::Random { minimum_gap: 0.0 },
             flow: Flow::None,
             last_strain: None,

@@ -13,6 +13,8 @@ pub enum Orientation {
     Aligned(Vector),
     /// Orientations provided by the caller together with positions.
     Given,
+    /// The orientation of the rigid body to which the sphere belongs.
+    OfBody,
 }
 
 impl Orientation {
@@ -41,7 +43,7 @@ impl Orientation {
                     "is \"file\", which goes with particles.initial = \"file\"; take \"random\" or \"aligned\"";
                 Err(ParameterError::new(key, message))
             }
-            Self::Random | Self::Given => Ok(()),
+            Self::Random | Self::Given | Self::OfBody => Ok(()),
         }
     }
 }

@@ -190,7 +190,7 @@ fn check_open(cell: &PeriodicBox) -> Result<(), ParameterError> {
 }
 
 fn check_places(places: &[Vector], p: &Parameters) -> Result<(), ParameterError> {
-    let (species, cell, axes) = (&p.species, &p.cell, p.user_axes());
+    let (species, cell, axes) = (&p.species[..p.free_species()], &p.cell, p.user_axes());
     let counted: u64 = species.iter().filter_map(|s| s.count).sum();
     if places.len() as u64 != counted {
         let message = format!("has {} positions, but the species count {counted} spheres", places.len());

@@ -1,6 +1,6 @@
 //! Suspensions in boxes whose special axis is not the user's z axis.
 
-use super::{Axis, Centres, Orientation, Parameters, Start};
+use super::{Axis, BodyOrientation, Centres, Orientation, Parameters, Start};
 use domain::{AxisRotation, Vector};
 
 impl Parameters {
@@ -22,10 +22,17 @@ impl Parameters {
                 *axis = axes.vector_in(*axis);
             }
         }
+        for bodies in &mut self.bodies {
+            (bodies.force, bodies.torque) = (axes.vector_in(bodies.force), axes.vector_in(bodies.torque));
+            if let BodyOrientation::Aligned(axis) = &mut bodies.orientation {
+                *axis = axes.vector_in(*axis);
+            }
+        }
         let inside = |places: &mut [Vector]| places.iter_mut().for_each(|place| *place = axes.place_in(*place));
         if let Start::Positions(places) = &mut self.start {
             inside(places);
         }
+        self.bodies.iter_mut().filter_map(|bodies| bodies.positions.as_mut()).for_each(|places| inside(places));
         for traps in &mut self.traps {
             match &mut traps.centres {
                 Centres::AtStart => {}

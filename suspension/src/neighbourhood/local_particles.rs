@@ -1,15 +1,18 @@
 //! Particles of a rank and their ghosts at one time.
 
 use super::SeparatedPair;
+use crate::bodies;
 use bytemuck::Pod;
 use domain::parallel::{copied, equal};
-use domain::{DomainView, Halo, Pair, Particles, PeriodicBox, Vector};
+use domain::{DomainView, Halo, Neighbours, Pair, Particles, PeriodicBox, Vector};
 use std::borrow::Cow;
 
 /// Particles of a rank, followed by ghosts within a distance, at one time.
 pub struct LocalParticles {
     halo: Halo,
     ids: Vec<u64>,
+    /// Numbers of the bodies of particles and ghosts, `None` for those that belong to none; empty without bodies.
+    bodies: Vec<Option<u32>>,
     local: LocalPositions,
 }
 
@@ -38,7 +41,8 @@ impl LocalParticles {
         halo.extend(&mut positions);
         halo.extend(&mut radii);
         halo.extend(&mut ids);
-        Self { halo, ids, local: LocalPositions { cell: *cell, positions, radii } }
+        let bodies = bodies::with_ghosts(particles, &halo);
+        Self { halo, ids, bodies, local: LocalPositions { cell: *cell, positions, radii } }
     }
 
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
@@ -46,6 +50,21 @@ impl LocalParticles {
         let (owned, LocalPositions { cell: known, positions, radii }) = (self.owned(), &self.local);
         let is_same = owned == particles.len() && known == cell && equal(&self.ids[..owned], &particles.ids);
         is_same && equal(&radii[..owned], &particles.radii) && equal(&positions[..owned], &particles.positions)
+    }
+
+    /// Whether there are rigid bodies.
+    pub(super) fn has_bodies(&self) -> bool {
+        !self.bodies.is_empty()
+    }
+
+    /// Whether two of the particles and ghosts, by their rows, belong to the same rigid body.
+    pub(super) fn are_of_one_body(&self, row: usize, other: usize) -> bool {
+        self.bodies[row].is_some() && self.bodies[row] == self.bodies[other]
+    }
+
+    /// Neighbours that belong to other bodies, or to none.
+    pub(super) fn of_others(&self, neighbours: Neighbours) -> Neighbours {
+        if self.has_bodies() { neighbours.retained(|row, other| !self.are_of_one_body(row, other)) } else { neighbours }
     }
 
     /// Halo of the ghosts.

@@ -36,10 +36,11 @@ pub struct SeparatedPair {
 const BATCH: usize = 1024;
 
 impl PairsWithHalo {
-    /// Finds the pairs whose centres are closer than `cutoff`. Collective.
+    /// Finds the pairs whose centres are closer than `cutoff`, except those within a rigid body. Collective.
     pub fn find(particles: &Particles, domain: DomainView, cutoff: f64) -> Self {
         let present = LocalParticles::new(particles, domain, cutoff);
         let pairs = Pairs::find(domain.cell, present.positions(), present.ids(), particles.len(), cutoff);
+        let pairs = if present.has_bodies() { pairs.retained(|i, j| !present.are_of_one_body(i, j)) } else { pairs };
         Self { present: Rc::new(present), pairs }
     }
 

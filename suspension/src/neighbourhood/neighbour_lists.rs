@@ -60,17 +60,19 @@ impl NeighbourLists {
         Self { levels: RefCell::new(levels) }
     }
 
-    /// Particles that are closer than `range` to each particle. A range beyond those of the lists takes a search.
-    /// Collective.
+    /// Particles that are closer than `range` to each particle and not of the same rigid body. A range beyond those of
+    /// the lists takes a search. Collective.
     pub fn near(&self, particles: &Particles, domain: DomainView, range: f64) -> NearParticles {
         let _stage = stage("pairs of forces and steps");
         let mut levels = self.levels();
         if let Some(level) = levels.iter_mut().rev().find(|level| level.range >= range) {
             let present = level.follow(particles, domain);
-            return NearParticles { present, neighbours: level.lists.within(range) };
+            let neighbours = present.of_others(level.lists.within(range));
+            return NearParticles { present, neighbours };
         }
         let present = Rc::new(LocalParticles::new(particles, domain, range));
-        let neighbours = Neighbours::find(domain.cell, present.positions(), particles.len(), range);
+        let found = Neighbours::find(domain.cell, present.positions(), particles.len(), range);
+        let neighbours = present.of_others(found);
         NearParticles { present, neighbours }
     }
 

@@ -1,9 +1,11 @@
 //! Smallest gap of a suspension.
 
+use crate::bodies;
 use domain::parallel::least;
 use domain::{DomainView, Halo, Neighbour, Neighbours, Pair, Particles, Vector};
 
 /// Smallest gap between the surfaces of two particles, of a particle and its own image, or of a particle and a wall.
+/// Particles of the same rigid body do not count.
 /// The search proceeds by size, from the largest down: each pass takes particles within a factor of two in size
 /// together with all smaller ones, so that the search range for small particles is short. Collective.
 pub fn smallest_gap(particles: &Particles, domain: DomainView) -> f64 {
@@ -54,6 +56,8 @@ fn smallest_gap_of(
     let rows: Vec<usize> = first.iter().chain(&others).copied().collect();
     let pick = |r: &usize| (particles.positions[*r], particles.radii[*r]);
     let (positions, radii): (Vec<Vector>, Vec<f64>) = rows.iter().map(pick).unzip();
+    let of_bodies = bodies::numbers(particles);
+    let numbers: Vec<f64> = rows.iter().map(|&row| of_bodies.get(row).copied().unwrap_or(-1.0)).collect();
     // No two centres are farther apart than this, so the search ends.
     let (shortest, farthest) = (cell.edges().min_element(), cell.edges().element_sum());
     let (mut margin, mut smallest) = ((0.2 * largest).max(LEAST_MARGIN * shortest), known);
@@ -63,12 +67,22 @@ fn smallest_gap_of(
         let (mut places, mut sizes) = (positions.clone(), radii.clone());
         halo.extend(&mut places);
         halo.extend(&mut sizes);
+        let mut numbers = numbers.clone();
+        if bodies::exist(particles) {
+            halo.extend(&mut numbers);
+        }
         let neighbours = Neighbours::find(cell, &places, first.len(), cutoff);
         let gap = |row: usize, other: Neighbour| {
             let pair = Pair { i: row as u32, j: other.row, steps: other.steps };
             pair.separation(cell, &places).length() - (sizes[row] + sizes[other.row as usize])
         };
-        let of_row = |row: usize| neighbours.of(row).iter().map(|other| gap(row, other)).fold(f64::INFINITY, f64::min);
+        let is_other = |row: usize, other: Neighbour| {
+            numbers[row] < 0.0 || numbers[row].total_cmp(&numbers[other.row as usize]).is_ne()
+        };
+        let of_row = |row: usize| {
+            let others = neighbours.of(row).iter().filter(|&other| is_other(row, other));
+            others.map(|other| gap(row, other)).fold(f64::INFINITY, f64::min)
+        };
         let mut found = [least(first.len(), of_row).min(smallest)];
         partition.comm().min(&mut found);
         smallest = found[0];

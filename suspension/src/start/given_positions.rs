@@ -33,6 +33,7 @@ fn widths(coupled: bool) -> Vec<(String, usize)> {
         .into_iter()
         .chain(others)
         .chain(of_orientations)
+        .chain(columns::of_bodies().map(|(name, width)| (name.to_owned(), width)))
         .chain(applied)
         .chain(WarmStart::new(coupled).kept())
         .collect()

@@ -4,7 +4,7 @@
 mod tests;
 
 use crate::columns::VELOCITY;
-use crate::columns::{ANGULAR_VELOCITY, ORIENTATION_NUMBERS, STRESSLET};
+use crate::columns::{ANGULAR_VELOCITY, CONSTRAINT_MOMENT_NUMBERS, ORIENTATION_NUMBERS, STRESSLET};
 use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
@@ -146,7 +146,9 @@ impl Share<'_> {
 
     fn start(&self) -> Bytes {
         let placed = match self.model.start {
-            Start::Random { minimum_gap } if filled(self.model, minimum_gap) <= DENSE => {
+            Start::Random { minimum_gap }
+                if self.model.bodies.is_empty() && filled(self.model, minimum_gap) <= DENSE =>
+            {
                 self.shared_placing(minimum_gap)
             }
             Start::Lattice(_) => lattice_bytes(self.model, self.expected.owned()),
@@ -201,7 +203,7 @@ impl Share<'_> {
             Integrator::Implicit(_) => 1 + PAST_OF_ANY_LENGTH + 2,
             Integrator::Brownian(_) => 2,
         };
-        let velocities = velocities + self.orientation_numbers(velocities);
+        let velocities = velocities + self.orientation_numbers(velocities) + self.body_numbers(velocities);
         let velocities = velocities + usize::from(self.model.flow.keeps_flux());
         let velocities =
             velocities + if self.model.shear_rates().stress().is_some() { STRESS_CONTROL_NUMBERS } else { 0 };
@@ -222,6 +224,12 @@ impl Share<'_> {
             Integrator::Brownian(_) => ORIENTATION_NUMBERS + velocities - 3 + 3 + 3,
             _ => ORIENTATION_NUMBERS + velocities - 3 + 3,
         }
+    }
+
+    /// Numbers of a particle for rigid bodies, given those for velocities, each of which has one of the centre beside
+    /// it: the number of its body, its arm and its part of the stress as well.
+    fn body_numbers(&self, velocities: usize) -> usize {
+        if self.model.bodies.is_empty() { 0 } else { 1 + 3 + CONSTRAINT_MOMENT_NUMBERS + velocities }
     }
 
     fn forces(&self) -> Option<Forces> {
@@ -306,6 +314,7 @@ impl Share<'_> {
     fn frame(&self) -> Bytes {
         let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
         let numbers = widths.sum::<usize>() + if self.model.has_orientations() { ORIENTATION_NUMBERS } else { 0 };
+        let numbers = numbers + usize::from(!self.model.bodies.is_empty());
         let buffers = if self.is_first() { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
         self.by_id(numbers).then(buffers).freed()
     }

@@ -1,5 +1,6 @@
 //! Start of a run: positions of a model, and its memory and plan.
 
+pub mod bodies;
 pub mod given_positions;
 mod lattice;
 pub mod memory;

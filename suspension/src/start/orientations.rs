@@ -20,7 +20,7 @@ pub fn start(particles: &mut Particles, model: &Model, comm: &Comm) {
     for (own, (id, kind)) in orientations(particles).iter_mut().zip(ids.into_iter().zip(kinds)) {
         *own = match model.species[kind as usize].orientation {
             None => Quaternion::NONE,
-            Some(Orientation::Given) => *own,
+            Some(Orientation::Given | Orientation::OfBody) => *own,
             Some(Orientation::Random) => {
                 axes.orientation_in(Quaternion::random(&mut Random::new(model.seed.wrapping_add(STREAM), id)))
             }

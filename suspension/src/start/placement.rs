@@ -3,7 +3,7 @@
 use crate::error::PlacingError;
 use crate::model::{Model, Species, Start};
 use crate::start::lattice::Sites;
-use crate::start::orientations;
+use crate::start::{bodies, orientations};
 use domain::{
     Comm, Failure, GivenPositions, Particles, Partition, Random, block, random_cloud, random_packing,
     shared_random_packing,
@@ -12,13 +12,16 @@ use std::ops::Range;
 
 /// Particles of a model at the start, each on any rank, with a partition if the scene gives their numbers. The ranks
 /// make equal parts of a lattice and of random positions at low volume fractions; of others, which the first rank makes
-/// or has from elsewhere, each rank gets its part at once. Collective.
+/// or has from elsewhere, each rank gets its part at once. With bodies the first rank has all. Collective.
 pub fn particles(
     model: &Model,
     placed: Option<GivenPositions>,
     partition: Option<&Partition>,
     comm: &Comm,
 ) -> Result<Particles, Failure> {
+    if !model.bodies.is_empty() {
+        return comm.agree(if comm.is_first() { bodies::particles(model) } else { Ok(Particles::default()) });
+    }
     let shared = partition.map(|partition| shared(model, partition)).transpose();
     if let Some(particles) = comm.agree(shared.map(Option::flatten))? {
         return Ok(particles);

@@ -5,7 +5,7 @@ use crate::evaluation::initial_guess::WarmStart;
 use crate::forces::Forces;
 use crate::forces::user::{APPLIED, APPLIED_MOMENT};
 use crate::model::box_axes::UserAxes;
-use crate::rotation;
+use crate::{bodies, rotation};
 use domain::{Particles, Quaternion, Vector};
 use simulation::{Rearrangement, RearrangementError, State};
 use std::collections::HashSet;
@@ -45,6 +45,9 @@ fn without_orientation(particles: &mut Particles) -> HashSet<u64> {
 pub fn rearranged(mut state: State, change: &Rearrangement, axes: &UserAxes) -> Result<State, RearrangementError> {
     if !(change.velocities.is_empty() && change.angular_velocities.is_empty()) {
         return Err(RearrangementError::NoInertia);
+    }
+    if bodies::exist(&state.particles) && !change.is_empty() {
+        return Err(RearrangementError::RigidBodies);
     }
     if let Some(&(id, radius)) = change.radii.iter().find(|(_, radius)| !(radius.is_finite() && *radius > 0.0)) {
         return Err(RearrangementError::Radius(id, radius));

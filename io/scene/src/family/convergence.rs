@@ -127,8 +127,12 @@ fn box_of(root: &Value, scene: &Scene) -> Result<KeyChange, String> {
     let doubled = edges.iter().zip(&is_periodic).map(double).collect();
     let mut keys = vec![("box.edges".to_owned(), Value::Array(edges.clone()), Value::Array(doubled))];
     let factor = 1_i64 << is_periodic.iter().filter(|is_periodic| **is_periodic).count();
-    let species = get(root, "species").and_then(Value::as_array).map_or(0, Vec::len);
-    for key in (0..species).map(|place| format!("species[{place}].count")) {
+    let count = |name: &str| get(root, name).and_then(Value::as_array).map_or(0, Vec::len);
+    if (0..count("bodies")).any(|place| get(root, &format!("bodies[{place}].positions")).is_some()) {
+        return Err("the box: bodies have given places, of which there are none for a larger one".to_owned());
+    }
+    let counts = ["species", "bodies"].map(|name| (0..count(name)).map(move |place| format!("{name}[{place}].count")));
+    for key in counts.into_iter().flatten() {
         if let Some(count) = get(root, &key).and_then(Value::as_integer) {
             keys.push((key, Value::Integer(count), Value::Integer(count.saturating_mul(factor))));
         }

@@ -5,6 +5,7 @@ use super::{KeyError, flow};
 use crate::CaseBoundary;
 use crate::case::boundaries_of;
 use crate::checks::positive;
+use crate::document::NumberOr;
 use domain::{AxisRotation, Boundaries, Number, PeriodicBox, Vector};
 
 /// Room around spheres whose positions the scene does not determine, in radii of the largest sphere.
@@ -58,7 +59,8 @@ fn strain(raw: &SuspensionSections, boundaries: Boundaries) -> Result<f64, KeyEr
 }
 
 fn edges(raw: &SuspensionSections, boundaries: Boundaries) -> Result<[f64; 3], KeyError> {
-    let starts_in_box = matches!(raw.particles.initial, raw::Initial::Random | raw::Initial::Lattice);
+    let is_placed = raw.species.is_empty() && raw.bodies.iter().all(|one| one.positions.is_some());
+    let starts_in_box = matches!(raw.particles.initial, raw::Initial::Random | raw::Initial::Lattice) && !is_placed;
     match raw.cell.edges {
         Some(_) if boundaries == Boundaries::Open && !starts_in_box => {
             let message = "are given, but in unbounded fluid only particles.initial = \"random\" and \"lattice\" \
@@ -82,13 +84,15 @@ fn edges(raw: &SuspensionSections, boundaries: Boundaries) -> Result<[f64; 3], K
 
 /// Approximate edges of a box around spheres in unbounded fluid.
 fn around(raw: &SuspensionSections) -> [f64; 3] {
-    let room = SOMEWHERE * raw.species.iter().map(largest).fold(0.0, f64::max);
+    let sizes = raw.species.iter().map(largest).chain(raw.bodies.iter().map(largest_of_body));
+    let room = SOMEWHERE * sizes.fold(0.0, f64::max);
     if let Some(radius) = raw.particles.radius {
         return [2.0 * radius.abs() + room; 3];
     }
-    let places = raw.particles.positions.as_deref().unwrap_or_default();
+    let of_bodies = || raw.bodies.iter().filter_map(|one| one.positions.as_deref());
+    let places = || raw.particles.positions.as_deref().into_iter().chain(of_bodies()).flatten();
     std::array::from_fn(|axis| {
-        let coordinates = || places.iter().map(|place| place[axis]).filter(|x| x.is_finite());
+        let coordinates = || places().map(|place| place[axis]).filter(|x| x.is_finite());
         let extent = coordinates().fold(f64::NEG_INFINITY, f64::max) - coordinates().fold(f64::INFINITY, f64::min);
         extent.max(0.0) + room
     })
@@ -102,6 +106,15 @@ fn largest(species: &raw::SpeciesSection) -> f64 {
         table.max(spread).max(raw.largest.unwrap_or(0.0))
     };
     species.radius.or(species.distribution.as_ref().map(of_list)).unwrap_or(0.0)
+}
+
+/// Approximate largest radius of a kind of bodies, or that of its shell.
+fn largest_of_body(body: &raw::BodiesSection) -> f64 {
+    let of_list = match &body.spheres {
+        Some(NumberOr::Other(list)) => list.iter().map(|one| one.radius).fold(0.0, f64::max),
+        _ => 0.0,
+    };
+    [body.radius, body.shell_radius].into_iter().flatten().fold(of_list, f64::max)
 }
 
 fn boundaries(axes: [raw::Boundary; 3]) -> Result<(Boundaries, AxisRotation), KeyError> {

@@ -1,6 +1,7 @@
 //! Scenes of spheres in Stokes flow.
 
 mod attraction;
+mod bodies;
 mod cell;
 mod duration;
 mod flow;
@@ -50,13 +51,15 @@ impl SuspensionScene {
         let (cell, turn) = cell::cell(&raw)?;
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, room(&raw, &cell))?;
+        let bodies = bodies::bodies(&raw, &species, room(&raw, &cell))?;
         let shears = cell.boundaries() == Boundaries::Periodic;
         let time_step = positive("time.step", raw.time.step)?;
         let (flow, protocol) = flow::flow(raw.flow.as_ref(), raw.fluid.viscosity, time_step, shears)?;
         let (time, last_strain) = duration::time(&raw.time, &flow, &protocol)?;
         check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
-        output.check(time.steps, species.iter().map(|s| s.count.unwrap_or(0) as f64).sum())?;
+        let of_bodies = bodies.iter().map(|kind| (kind.count * kind.spheres.len() as u64) as f64).sum::<f64>();
+        output.check(time.steps, of_bodies + species.iter().map(|s| s.count.unwrap_or(0) as f64).sum::<f64>())?;
         let (start, source) = start(&raw.particles, folder)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
         let traps = tethers::traps(&raw.traps, &species)?;
@@ -68,6 +71,7 @@ impl SuspensionScene {
             thermal_energy: raw.fluid.thermal_energy,
             gravity: raw.gravity.as_ref().map_or(Vector::ZERO, |g| g.acceleration.into()),
             species,
+            bodies: Vec::new(),
             start,
             flow,
             protocol,
@@ -84,6 +88,7 @@ impl SuspensionScene {
             statistics: raw.statistics.as_ref().map(statistics),
             fields: output.fields != Schedule::NEVER,
         }
+        .with_bodies(bodies)
         .turned(turn);
         Ok(Self {
             title: raw.title.unwrap_or_default(),

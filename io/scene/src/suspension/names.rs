@@ -13,8 +13,8 @@ const LONGEST: usize = 100;
 /// Programs that open tables take a cell that begins with one of these as a formula.
 const FORMULAS: [char; 8] = ['=', '+', '-', '@', '\u{ff1d}', '\u{ff0b}', '\u{ff0d}', '\u{ff20}'];
 
-/// Refuses a name of a species that would make a table ambiguous or unreadable.
-pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), KeyError> {
+/// Refuses a name of a section, as `species[0]`, that would make a table ambiguous or unreadable.
+pub(super) fn check(name: Option<&str>, section: &str) -> Result<(), KeyError> {
     let Some(name) = name else { return Ok(()) };
     let shown = excerpt(name);
     let message = if name.trim().is_empty() {
@@ -34,7 +34,7 @@ pub(super) fn check(name: Option<&str>, index: usize) -> Result<(), KeyError> {
     } else {
         return Ok(());
     };
-    Err(KeyError::new(format!("species[{index}].name"), message))
+    Err(KeyError::new(format!("{section}.name"), message))
 }
 
 /// Control characters, line and paragraph separators, direction marks and zero-width joiners.
@@ -50,20 +50,20 @@ mod tests {
     #[test]
     fn names_that_break_tables_are_refused() {
         for name in ["", " ", "\t", " a", "a ", "a\nb", "a\tb", "a\u{2028}b", "a\u{202e}b", "\u{feff}a", "all", "All"] {
-            assert!(check(Some(name), 0).is_err(), "{name:?}");
+            assert!(check(Some(name), "species[0]").is_err(), "{name:?}");
         }
         for formula in ["=cmd|'/C calc'!A0", "+1", "-1", "@SUM(1)", "\u{ff1d}1"] {
-            assert!(check(Some(formula), 0).is_err(), "{formula:?}");
+            assert!(check(Some(formula), "species[0]").is_err(), "{formula:?}");
         }
         for missing in ["nan", "NaN", "NULL", "None", "inf", "NA", "n/a"] {
-            assert!(check(Some(missing), 0).is_err(), "{missing:?}");
+            assert!(check(Some(missing), "species[0]").is_err(), "{missing:?}");
         }
-        assert!(check(Some(&"x".repeat(101)), 0).is_err());
+        assert!(check(Some(&"x".repeat(101)), "species[0]").is_err());
         for name in
             ["Na", "nanotube", "silica, 2 um", "\"round\"", "a;b", "1", "all of it", "Å", "x".repeat(100).as_str()]
         {
-            assert!(check(Some(name), 0).is_ok(), "{name:?}");
+            assert!(check(Some(name), "species[0]").is_ok(), "{name:?}");
         }
-        assert!(check(None, 0).is_ok());
+        assert!(check(None, "species[0]").is_ok());
     }
 }

@@ -7,9 +7,13 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::PathBuf;
 
+mod bodies;
+mod distribution;
 mod hydrodynamics;
 mod interactions;
 
+pub(super) use bodies::{BodiesSection, BodyOrientationName, BodyShapeName, BodySphereSection};
+pub(super) use distribution::{DistributionKind, DistributionSection};
 pub(super) use hydrodynamics::HydrodynamicsSection;
 pub(super) use interactions::{
     AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, RepulsionSection, TrapsSection,
@@ -31,8 +35,12 @@ pub(crate) struct SuspensionSections {
     pub(super) cell: BoxSection,
     /// The fluid.
     pub(super) fluid: FluidSection,
-    /// Species of spheres.
+    /// Species of spheres; with bodies there may be none.
+    #[serde(default)]
     pub(super) species: Vec<SpeciesSection>,
+    /// Rigid bodies made of spheres; none without such sections.
+    #[serde(default)]
+    pub(super) bodies: Vec<BodiesSection>,
     /// Gravity.
     pub(super) gravity: Option<GravitySection>,
     /// Initial positions of the spheres.
@@ -122,35 +130,6 @@ pub(super) enum InitialOrientation {
     Random,
     Aligned,
     File,
-}
-
-#[derive(Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DistributionSection {
-    /// Kind of distribution.
-    pub(super) kind: DistributionKind,
-    /// Number of classes of spheres that represent it; 4 by default.
-    pub(super) classes: Option<usize>,
-    /// Number average of the radius, for "log-normal".
-    pub(super) mean: Option<f64>,
-    /// Standard deviation of the radius by number, for "log-normal".
-    pub(super) standard_deviation: Option<f64>,
-    /// Smallest radius, for "power-law".
-    pub(super) smallest: Option<f64>,
-    /// Largest radius, for "power-law".
-    pub(super) largest: Option<f64>,
-    /// Power of the radius in the number density, for "power-law".
-    pub(super) exponent: Option<f64>,
-    /// Radii and their relative numbers, for "table".
-    pub(super) table: Option<Vec<[f64; 2]>>,
-}
-
-#[derive(Deserialize, JsonSchema, Clone, Copy, PartialEq)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum DistributionKind {
-    LogNormal,
-    PowerLaw,
-    Table,
 }
 
 #[derive(Deserialize, JsonSchema)]

@@ -10,7 +10,10 @@ const CLASSES: usize = 4;
 
 /// Species of a scene, in a box or a ball with this volume.
 pub(super) fn species(raw: &raw::SuspensionSections, volume: f64) -> Result<Vec<Species>, KeyError> {
-    raw.species.iter().enumerate().try_for_each(|(index, one)| names::check(one.name.as_deref(), index))?;
+    raw.species
+        .iter()
+        .enumerate()
+        .try_for_each(|(index, one)| names::check(one.name.as_deref(), &format!("species[{index}]")))?;
     let lists: Result<Vec<_>, _> = (0..raw.species.len()).map(|index| of_section(raw, index, volume)).collect();
     Ok(lists?.into_iter().flatten().collect())
 }
