@@ -95,3 +95,12 @@ fn names_that_will_not_do_are_refused() {
     assert!(refused(Format::Xyz, ".").contains("it is no file"));
     assert!(refused(Format::Gsd, "none/a.gsd").contains("No such file"));
 }
+
+#[test]
+fn species_have_names_unless_they_are_more_than_particles() {
+    let named = ["small", "large", "absent"].map(str::to_owned).to_vec();
+    assert_eq!(names(&[0, 1, 0], named.clone()).unwrap(), ["small", "large"]);
+    assert_eq!(names(&[2], named).unwrap(), ["small", "large", "absent"]);
+    assert_eq!(names(&[0, 1], Vec::new()).unwrap(), ["0", "1"]);
+    assert!(names(&[0, u32::MAX], Vec::new()).unwrap_err().contains("species 4294967295"));
+}
