@@ -64,7 +64,10 @@ impl LocalParticles {
 
     /// Neighbours that belong to other bodies, or to none.
     pub(super) fn of_others(&self, neighbours: Neighbours) -> Neighbours {
-        if self.has_bodies() { neighbours.retained(|row, other| !self.are_of_one_body(row, other)) } else { neighbours }
+        // Without the halo, whose communicator belongs to one thread.
+        let bodies = &self.bodies;
+        let is_of_another = |row: usize, other: usize| bodies[row].is_none() || bodies[row] != bodies[other];
+        if self.has_bodies() { neighbours.retained(is_of_another) } else { neighbours }
     }
 
     /// Halo of the ghosts.
