@@ -75,6 +75,9 @@ impl Program {
     fn wait(&self, child: &mut Child, may_take_long: bool) -> anyhow::Result<(ExitStatus, bool)> {
         let pid = Pid::from_child(child);
         let ProcessLimits { memory, patience, processor_seconds } = self.limits;
+        // A run is asked to stop after a time on all cores.
+        let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;
+        let processor_seconds = if may_take_long { processor_seconds * (cores + 1) } else { processor_seconds };
         for (resource, most) in [(Resource::As, memory), (Resource::Cpu, processor_seconds), (Resource::Core, 0)] {
             // The process may have ended already.
             let _ = prlimit(Some(pid), resource, Rlimit { current: Some(most), maximum: Some(most) });
