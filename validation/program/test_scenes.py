@@ -50,6 +50,7 @@ class Scenes(unittest.TestCase):
         for scene in scenes:
             sets = [word for key, value in SMALLER.get(scene.stem, {}).items() for word in ("--set", f"{key}={value}")]
             with self.subTest(scene=scene.stem), tempfile.TemporaryDirectory() as folder:
+                run(["check", scene])
                 run(["check", scene, *sets])
                 ranks = None if scene.stem in ALONE else 2
                 out = pathlib.Path(folder) / "out"
