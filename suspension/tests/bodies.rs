@@ -2,6 +2,7 @@
 
 use crate::support::ended::ended;
 use crate::support::model_of;
+use crate::support::resumed::resumes_with_the_same_bits;
 use domain::{Comm, Particles, PeriodicBox, Quaternion, Vector};
 use simulation::{Rearrangement, Simulation};
 use std::f64::consts::PI;
@@ -90,18 +91,7 @@ fn bodies_stay_rigid() {
 fn a_resumed_run_has_the_same_bits() {
     for keys in INTEGRATORS {
         let model = model_of(FEW, &[keys, &["time.steps=4", "statistics={every=1}"]].concat());
-        let mut whole = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
-        whole.sample();
-        for step in 1..=model.steps {
-            let mut resumed = SuspensionRun::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
-            for run in [&mut whole, &mut resumed] {
-                run.advance(step).unwrap();
-                run.sample();
-            }
-            let (mut whole, mut resumed) = (whole.state(), resumed.state());
-            assert_eq!(whole.particles, resumed.particles, "{keys:?} after step {step}");
-            assert!(std::mem::take(&mut whole.statistics) == std::mem::take(&mut resumed.statistics), "{keys:?}");
-        }
+        resumes_with_the_same_bits(&model, &format!("{keys:?}"));
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::support::ended::ended;
 use crate::support::model_of;
+use crate::support::resumed::resumes_with_the_same_bits;
 use domain::{AxisRotation, Comm, Particles, Quaternion, Random, Vector};
 use simulation::{Rearrangement, Simulation};
 use suspension::{ANGULAR_VELOCITY, Model, ORIENTATION, Suspension, SuspensionRun};
@@ -118,18 +119,7 @@ fn a_resumed_run_has_the_same_bits() {
     for keys in INTEGRATORS {
         let keys = [keys, &["time.steps=5", "statistics={every=1}"]].concat();
         let model = model_of(THREE, &keys);
-        let mut whole = SuspensionRun::start(&model, None, &Comm::alone()).unwrap();
-        whole.sample();
-        for step in 1..=model.steps {
-            let mut resumed = SuspensionRun::resume(&model, Some(whole.state()), &Comm::alone()).unwrap();
-            for run in [&mut whole, &mut resumed] {
-                run.advance(step).unwrap();
-                run.sample();
-            }
-            let (mut whole, mut resumed) = (whole.state(), resumed.state());
-            assert_eq!(whole.particles, resumed.particles, "{keys:?} after step {step}");
-            assert!(std::mem::take(&mut whole.statistics) == std::mem::take(&mut resumed.statistics), "{keys:?}");
-        }
+        resumes_with_the_same_bits(&model, &format!("{keys:?}"));
     }
 }
 

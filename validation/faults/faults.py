@@ -16,7 +16,7 @@ KILLS, STOPS = 100, 20
 
 def words():
     parser = argparse.ArgumentParser(prog="scripts/faults", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="a sample of everything, in about two minutes")
+    parser.add_argument("--quick", action="store_true", help="a sample of everything, in about a minute")
     parser.add_argument("--kills", type=int, metavar="N", help="kill N runs, and inject nothing")
     parser.add_argument("--only", metavar="NAME", action="append", choices=list(RUNS), help="this run; may be repeated")
     parser.add_argument("library", type=pathlib.Path, help=argparse.SUPPRESS)

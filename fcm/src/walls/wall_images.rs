@@ -258,7 +258,7 @@ impl WallImages {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::problem::{Fixed, Loading, Multipoles, Problem};
+    use crate::plan::problem::Problem;
     use domain::{Boundaries, PeriodicBox};
 
     fn plan(boundaries: Boundaries, tolerance: f64) -> Plan {
@@ -267,21 +267,10 @@ mod tests {
             boundaries,
             volume: 12.0 * 14.0 * 9.0,
             shortest_vector: 9.0,
-            smallest_edge_ratio: 1.0,
-            largest_strain: 0.0,
-            largest_tilts: [0.0; 2],
             radii: vec![(1.0, 1), (1.5, 1)],
             viscosity: 2.0,
-            multipoles: Multipoles::Dipole,
-            rigid: true,
-            lubricated: false,
-            loading: Loading::Varied,
             tolerance,
-            threads: 1,
-            ranks: 1,
-            costs: crate::Costs::default(),
-            network: None,
-            fixed: Fixed::default(),
+            ..Problem::of_five_spheres()
         };
         Plan::choose(&problem).unwrap()
     }

@@ -4,6 +4,7 @@ use crate::recorder::SceneInForce;
 use crate::{Recorder, RunError, RunFolder, start};
 use domain::Comm;
 use files::{Checkpoints, Latest, SceneHistory, SceneRecord};
+use granular::StartError;
 use scene::{Kind, Scene, SceneChange};
 use simulation::{Simulation, State};
 
@@ -72,7 +73,7 @@ impl Resumption {
     /// The simulation in the state of the checkpoint. Collective.
     pub fn simulation(&mut self, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
         start::resume(&self.scene, self.state.take(), comm).map_err(|error| match error {
-            RunError::Grains(source) => {
+            RunError::Grains(source @ (StartError::Parameter(_) | StartError::State)) => {
                 RunError::Checkpoint { folder: self.folder.path().to_owned(), step: self.step, source }
             }
             other => other,

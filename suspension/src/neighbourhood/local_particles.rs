@@ -32,6 +32,11 @@ impl LocalPositions {
     }
 }
 
+/// Whether two particles, by their rows, belong to the same of these bodies.
+fn are_of_one(bodies: &[Option<u32>], row: usize, other: usize) -> bool {
+    bodies[row].is_some() && bodies[row] == bodies[other]
+}
+
 impl LocalParticles {
     /// The particles, with ghosts within a distance of this rank's part of the box. Collective.
     pub fn new(particles: &Particles, DomainView { cell, partition }: DomainView, distance: f64) -> Self {
@@ -59,15 +64,14 @@ impl LocalParticles {
 
     /// Whether two of the particles and ghosts, by their rows, belong to the same rigid body.
     pub(super) fn are_of_one_body(&self, row: usize, other: usize) -> bool {
-        self.bodies[row].is_some() && self.bodies[row] == self.bodies[other]
+        are_of_one(&self.bodies, row, other)
     }
 
     /// Neighbours that belong to other bodies, or to none.
     pub(super) fn of_others(&self, neighbours: Neighbours) -> Neighbours {
         // Without the halo, whose communicator belongs to one thread.
         let bodies = &self.bodies;
-        let is_of_another = |row: usize, other: usize| bodies[row].is_none() || bodies[row] != bodies[other];
-        if self.has_bodies() { neighbours.retained(is_of_another) } else { neighbours }
+        if self.has_bodies() { neighbours.retained(|row, other| !are_of_one(bodies, row, other)) } else { neighbours }
     }
 
     /// Halo of the ghosts.

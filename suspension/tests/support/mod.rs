@@ -1,6 +1,7 @@
 //! Models from the text of scenes, and their runs.
 
 pub mod ended;
+pub mod resumed;
 
 use scene::{Kind, Scene};
 use suspension::Model;
