@@ -21,6 +21,48 @@ impl Envelope {
     pub fn of_sphere(radius: f64) -> Self {
         Self { monopole: radius / PI.sqrt(), dipole: radius / (6.0 * PI.sqrt()).cbrt() }
     }
+
+    /// Gaussians of the degenerate quadrupole of a sphere.
+    pub fn quadrupole(&self) -> Quadrupole {
+        let variance = self.dipole * self.dipole;
+        let half = variance * VARIANCE_STEP;
+        Quadrupole { variances: [variance + half, variance - half], weight: 1.0 / half }
+    }
+}
+
+/// Step in the variance of the Gaussian of a quadrupole, over the variance.
+const VARIANCE_STEP: f64 = 1.0 / 16.0;
+
+/// Gaussians of a degenerate quadrupole `H`: its force density is
+///
+/// ```text
+/// H (Delta_+ - Delta_-) / e,      variances of Delta_(+-): sigma'^2 +- e,     e = sigma'^2 / 16
+/// ```
+///
+/// Since a Gaussian has `d Delta / d(sigma^2) = 1/2 lap Delta`, this is the central difference of `H lap Delta'` with
+/// the width `sigma'` of dipoles (Delmotte, Keaveny, Plouraboue & Climent 2015). It differs from it by a factor `1 +
+/// (e k^2)^2 / 24` in Fourier space, so the far field is the same, and it consists of forces, so that all methods that
+/// evaluate forces evaluate it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quadrupole {
+    /// Variances of the two Gaussians, the wider one first.
+    pub variances: [f64; 2],
+    /// `1/e`: forces of the Gaussians are `H/e` and `-H/e`.
+    pub weight: f64,
+}
+
+impl Quadrupole {
+    /// Velocity of the sphere itself in unbounded fluid over `H / mu`, averaged over the envelope of its force. With
+    /// `s^2` the sum of two variances, a force `F` gives `F / (3 pi^2 mu s) sqrt(pi/2)`.
+    pub fn own_mobility(&self, monopole: f64) -> f64 {
+        let [wide, narrow] = self.variances.map(|variance| (variance + monopole * monopole).sqrt().recip());
+        self.weight * (wide - narrow) * (0.5 * PI).sqrt() / (3.0 * PI * PI)
+    }
+
+    /// The two Gaussians as envelopes of forces.
+    pub(crate) fn envelopes(&self) -> [Envelope; 2] {
+        self.variances.map(|variance| Envelope { monopole: variance.sqrt(), dipole: variance.sqrt() })
+    }
 }
 
 /// Gaussian that the direct method spreads for one multipole, `peak exp(-r^2 / (2 width^2))`: the envelope itself for

@@ -61,7 +61,7 @@ mod walls;
 pub use conjugate_gradients::{
     InnerProducts, Iterate, IterationOutcome, Limits, Linear, Step, System, conjugate_gradients,
 };
-pub use envelope::Envelope;
+pub use envelope::{Envelope, Quadrupole};
 pub use grid::stencil::Support;
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;

@@ -12,6 +12,7 @@ mod lattices;
 mod long_boxes;
 mod overlaps;
 mod properties;
+mod quadrupoles;
 mod ranks;
 mod rigid;
 mod skips;

@@ -15,6 +15,7 @@ mod preconditioner;
 mod six_vector;
 mod solution;
 mod springs;
+mod squirming;
 mod system;
 mod units;
 
@@ -26,3 +27,4 @@ pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use solution::{Guess, NO_AMBIENT, Solution, SolveInput, StoredSolution};
 pub use springs::{BondSprings, ContactSprings, Springs, TetherResistance};
+pub use squirming::{Squirming, SquirmingRefused};

@@ -3,6 +3,7 @@
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
 use crate::springs::Springs;
+use crate::squirming::Squirming;
 use domain::{Traceless, Vector};
 use fcm::{Loads, Motion};
 
@@ -18,6 +19,9 @@ pub struct SolveInput<'a> {
     pub bodies: Option<&'a RigidBodies>,
     /// Further motions of the ambient fluid at each particle, such as Brownian noise; empty lists stand for none.
     pub ambient: &'a Motion,
+    /// Slip of squirmers, if there are any, on all ranks or none. It acts in the far field; lubrication is that of
+    /// spheres without slip.
+    pub squirming: Option<&'a Squirming>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -25,7 +29,8 @@ pub struct SolveInput<'a> {
 impl<'a> SolveInput<'a> {
     /// Loads on free spheres in a background flow, and nothing else.
     pub fn new(loads: &'a Loads, strain_rate: StrainRate) -> Self {
-        Self { loads, strain_rate, springs: None, bodies: None, ambient: &NO_AMBIENT, constant_flux: false }
+        let (springs, bodies, squirming) = (None, None, None);
+        Self { loads, strain_rate, springs, bodies, ambient: &NO_AMBIENT, squirming, constant_flux: false }
     }
 }
 

@@ -38,6 +38,9 @@ pub(crate) trait FarField {
     /// none.
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion;
 
+    /// Motions that degenerate quadrupoles cause, one of each particle, in a box without walls.
+    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion;
+
     /// Random motions whose covariance is the mobility: velocities, and with dipoles angular velocities and rates of
     /// strain.
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics);

@@ -90,6 +90,18 @@ impl Mobility {
         motion
     }
 
+    /// Motions that the degenerate quadrupoles `H` of the particles cause, relative to the fluid far away: velocities,
+    /// angular velocities and rates of strain by the force densities `H lap Delta'` of swimming spheres, as
+    /// [`crate::Quadrupole`] defines them. The list has an entry for each particle that the rank owns. A flow of
+    /// [`Self::constrain`] is not added. Collective.
+    ///
+    /// # Panics
+    /// If the plan has walls.
+    pub fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
+        assert_eq!(self.plan.boundaries.walls(), 0, "quadrupoles have no images in walls");
+        self.far.quadrupole_motion(quadrupoles).of(self.plan.multipoles)
+    }
+
     /// [`FarField::rigid`], unless the motions have a flow of [`Self::constrain`].
     pub(crate) fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
         if self.constraint.is_some() { None } else { self.far.rigid() }

@@ -3,4 +3,5 @@
 pub(crate) mod boys;
 pub(crate) mod pair_correction;
 pub(crate) mod pair_functions;
+pub(crate) mod radial_functions;
 pub(crate) mod table;

@@ -13,15 +13,13 @@
 
 use crate::envelope::{Common, Envelope};
 use crate::grid::totals::Totals;
+use crate::pairs::radial_functions::{Envelopes, MOST_TABULATED, RadialFunctions};
 use crate::pairs::table::{PairFunctions, PairTable};
 use domain::parallel::MeasuredLoop;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, StridedRows, VectorKernel};
 use solver::{AlignedMemory, Real};
-
-/// Number of radii above which tables for all pairs of them cost more than they save.
-const MOST_TABULATED: usize = 8;
 
 /// Number of values that describe a pair, or a load: a multiple of the lanes of any vector.
 pub(crate) const RECORD: usize = 16;
@@ -59,54 +57,11 @@ pub(crate) struct PairCorrection<T> {
     functions: RadialFunctions<T>,
 }
 
-enum RadialFunctions<T> {
-    Tabulated { classes: usize, tables: Vec<PairTable<T>>, alone: Vec<[f64; 9]> },
-    Exact { envelopes: Vec<Envelope>, common: Common },
-}
-
-impl<T: Real> RadialFunctions<T> {
-    #[inline(always)]
-    fn of_pair(&self, i: u32, j: u32, square: f64) -> [T; 9] {
-        match self {
-            Self::Tabulated { classes, tables, .. } => tables[i as usize * classes + j as usize].evaluate(square),
-            Self::Exact { envelopes, common } => {
-                let (mut values, exact) = ([T::default(); 9], exact(envelopes, *common, [i, j], square));
-                for f in 0..9 {
-                    values[f] = T::from_f64(exact[f]);
-                }
-                values
-            }
-        }
-    }
-
-    fn of_one(&self, i: u32) -> [f64; 9] {
-        match self {
-            Self::Tabulated { alone, .. } => alone[i as usize],
-            Self::Exact { envelopes, common } => exact(envelopes, *common, [i, i], 0.0),
-        }
-    }
-}
-
-#[inline(never)]
-fn exact(envelopes: &[Envelope], common: Common, [i, j]: [u32; 2], square: f64) -> [f64; 9] {
-    PairFunctions::new(envelopes[i as usize], envelopes[j as usize], common).exact(square)
-}
-
 impl<T: Real> PairCorrection<T> {
     /// For particles with these envelopes in a fluid of the given viscosity. Pairs farther apart than the cutoff are
     /// left out; tables are exact to `tolerance`.
-    pub fn new(envelopes: Vec<Envelope>, common: Common, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
-        let pair = |&i: &Envelope, &j: &Envelope| PairFunctions::new(i, j, common);
-        let table = |functions: PairFunctions| PairTable::new(&functions, cutoff, tolerance);
-        let all = || envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| pair(i, j))).map(table).collect();
-        let tables: Option<Vec<_>> = if envelopes.len() > MOST_TABULATED { None } else { all() };
-        let functions = match tables {
-            None => RadialFunctions::Exact { envelopes, common },
-            Some(tables) => {
-                let alone = envelopes.iter().map(|e| pair(e, e).exact(0.0)).collect();
-                RadialFunctions::Tabulated { classes: envelopes.len(), tables, alone }
-            }
-        };
+    pub fn new(envelopes: Envelopes, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
+        let functions = RadialFunctions::new(envelopes, cutoff, tolerance);
         Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
     }
 

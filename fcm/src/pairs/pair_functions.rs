@@ -1,6 +1,6 @@
 //! Radial functions of the pair correction: the difference between two envelopes and two wide Gaussians on the grid.
 
-use crate::envelope::Common;
+use crate::envelope::{Common, Quadrupole};
 use crate::pairs::boys::boys;
 use std::f64::consts::PI;
 
@@ -11,12 +11,21 @@ pub(crate) const ORDERS: usize = 11;
 /// variances of the two envelopes and the `w` of [`Common`]. The bracket is `O(k^4)`, so `B` decays like a Gaussian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct EnvelopeDifference {
-    /// Sum of the variances of the two envelopes.
-    variance: f64,
+    /// Sum of the variances of the two envelopes, or two such sums.
+    variances: Variances,
     /// `2 Sigma^2`.
     wide_variance: f64,
     /// Coefficients of `w_i w_j` over the Gaussian, by powers of `k^2`.
     polynomial: [f64; 5],
+}
+
+/// Gaussians in the transform of a radial function.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Variances {
+    /// One of this variance.
+    One(f64),
+    /// The difference of two, times a weight.
+    Difference { of: [f64; 2], weight: f64 },
 }
 
 impl EnvelopeDifference {
@@ -29,7 +38,23 @@ impl EnvelopeDifference {
             }
         }
         let variance = sigma[0] * sigma[0] + sigma[1] * sigma[1];
-        Self { variance, wide_variance: 2.0 * common.width * common.width, polynomial }
+        let variances = Variances::One(variance);
+        Self { variances, wide_variance: 2.0 * common.width * common.width, polynomial }
+    }
+
+    /// For the envelope of width `sigma` of a target and the degenerate quadrupole of a source: the difference of the
+    /// radial functions of its two Gaussians, times their weight. On the grid the Gaussians differ by the bracket of
+    /// [`Common`] alone, which leaves `-k^2`.
+    pub fn of_quadrupole(sigma: f64, source: &Quadrupole, common: Common) -> Self {
+        let of = source.variances.map(|variance| variance + sigma * sigma);
+        let mut polynomial = [0.0, -1.0, 0.0, 0.0, 0.0];
+        for increment in [common.increment, common.increment, common.rest(sigma)] {
+            for power in (1..5).rev() {
+                polynomial[power] += 0.5 * increment * polynomial[power - 1];
+            }
+        }
+        let variances = Variances::Difference { of, weight: source.weight };
+        Self { variances, wide_variance: 2.0 * common.width * common.width, polynomial }
     }
 
     /// `f_n = (1/r d/dr)^n B` at `r^2 = square`, for `n = 1..ORDERS` (entry 0 is not used and zero).
@@ -38,15 +63,32 @@ impl EnvelopeDifference {
     /// `p = 4: (-1)^n (F_(n-1) - F_n) s^(1-2n) / 2`, `p = 2: (-1)^n F_n s^(-1-2n)`,
     /// `p = 0: (-1)^n exp(-x) s^(-3-2n)`, each over `(2 pi)^(3/2)`. Higher powers of `k^2` follow as Laplacians.
     pub fn evaluate(&self, square: f64) -> [f64; ORDERS] {
-        let near = Gaussian::new(square, self.variance);
+        let near = self.variances.over_k4(square);
         let wide = Gaussian::new(square, self.wide_variance);
         let mut f = [0.0; ORDERS];
         for (n, value) in f.iter_mut().enumerate().skip(1) {
             let [a, b, c, d, e] = self.polynomial;
             let smooth = c * wide.itself(n) + d * wide.times_k2(n) + e * wide.times_k4(n);
-            *value = near.over_k4(n) - (a * wide.over_k4(n) + b * wide.over_k2(n) + smooth);
+            *value = near[n] - (a * wide.over_k4(n) + b * wide.over_k2(n) + smooth);
         }
         f
+    }
+}
+
+impl Variances {
+    /// `(1/r d/dr)^n` of the inverse transform of the Gaussians over `k^4`.
+    fn over_k4(&self, square: f64) -> [f64; ORDERS] {
+        let of_one = |variance: f64| {
+            let gaussian = Gaussian::new(square, variance);
+            std::array::from_fn(|n| if n == 0 { 0.0 } else { gaussian.over_k4(n) })
+        };
+        match *self {
+            Self::One(variance) => of_one(variance),
+            Self::Difference { of: [wide, narrow], weight } => {
+                let (wide, narrow) = (of_one(wide), of_one(narrow));
+                std::array::from_fn(|n| weight * (wide[n] - narrow[n]))
+            }
+        }
     }
 }
 
@@ -100,6 +142,22 @@ impl Gaussian {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::envelope::Envelope;
+
+    /// The radial function of a quadrupole is the weighted difference of those of its two Gaussians.
+    #[test]
+    fn a_quadrupole_is_the_difference_of_two_forces() {
+        let (common, quadrupole) = (Common { width: 1.4, increment: 1.1 }, Envelope::of_sphere(1.0).quadrupole());
+        for square in [0.0, 0.7, 4.0, 11.0] {
+            let found = EnvelopeDifference::of_quadrupole(0.6, &quadrupole, common).evaluate(square);
+            let [wide, narrow] =
+                quadrupole.variances.map(|v| EnvelopeDifference::new([0.6, v.sqrt()], common).evaluate(square));
+            for n in 1..ORDERS {
+                let exact = quadrupole.weight * (wide[n] - narrow[n]);
+                assert!((found[n] - exact).abs() < 1e-9 * exact.abs(), "{n} at {square}: {}, not {exact}", found[n]);
+            }
+        }
+    }
 
     /// `f_n = (-1)^n / (2 pi^2) int k^(2n+2) [bracket]/k^4 j_n(kr)/(kr)^n dk` by the trapezoidal rule, which
     /// converges geometrically for this integrand.
@@ -109,7 +167,14 @@ mod tests {
         for i in 1..4000 {
             let k = f64::from(i) * step;
             let q = k * k;
-            let bracket = (-0.5 * q * d.variance).exp() - polynomial(d, q) * (-0.5 * q * d.wide_variance).exp();
+            let near = match d.variances {
+                Variances::One(variance) => (-0.5 * q * variance).exp(),
+                Variances::Difference { of, weight } => {
+                    let [wide, narrow] = of.map(|variance| (-0.5 * q * variance).exp());
+                    weight * (wide - narrow)
+                }
+            };
+            let bracket = near - polynomial(d, q) * (-0.5 * q * d.wide_variance).exp();
             sum += bracket * k.powi(2 * n as i32 - 2) * bessel(n, k * r) * step;
         }
         sum * (-1.0_f64).powi(n as i32) / (2.0 * PI * PI)
@@ -139,8 +204,14 @@ mod tests {
 
     #[test]
     fn closed_forms_are_the_inverse_transforms() {
-        for sigma in [[0.5, 0.5], [0.45, 0.9]] {
-            let difference = EnvelopeDifference::new(sigma, Common { width: 1.1, increment: 0.7 });
+        let common = Common { width: 1.1, increment: 0.7 };
+        let quadrupole = Envelope::of_sphere(1.3).quadrupole();
+        let all = [
+            EnvelopeDifference::new([0.5, 0.5], common),
+            EnvelopeDifference::new([0.45, 0.9], common),
+            EnvelopeDifference::of_quadrupole(0.5, &quadrupole, common),
+        ];
+        for difference in all {
             for r in [0.05, 0.6, 1.3, 2.0, 3.5] {
                 let found = difference.evaluate(r * r);
                 for n in 1..5 {

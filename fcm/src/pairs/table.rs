@@ -28,6 +28,14 @@ impl PairFunctions {
         }
     }
 
+    /// Functions from the degenerate quadrupole of `j`, in place of its force, to envelope `i`; those of a dipole of
+    /// `j` have no meaning.
+    pub fn of_quadrupole(i: Envelope, j: Envelope, common: Common) -> Self {
+        let [velocity, gradient] =
+            [i.monopole, i.dipole].map(|sigma| EnvelopeDifference::of_quadrupole(sigma, &j.quadrupole(), common));
+        Self { forces: velocity, force_dipole: velocity, dipole_force: gradient, dipoles: gradient }
+    }
+
     /// Derivatives of the functions by `r^2` of the given order at `r^2 = square`: `d f_n / d(r^2) = f_(n+1)/2`.
     fn derivative(&self, square: f64, order: usize) -> PairValues {
         let [forces, mixed, other, dipoles] =

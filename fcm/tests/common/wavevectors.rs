@@ -13,6 +13,7 @@ struct Source {
     position: Vector,
     force: Vector,
     dipole: Tensor,
+    quadrupole: Vector,
     widths: [f64; 2],
 }
 
@@ -20,10 +21,24 @@ impl Suspension {
     /// `(F, T, S) -> (V, Omega, E)`.
     pub fn motion(&self, loads: &Loads) -> Motion {
         let sources: Vec<Source> = (0..self.positions.len()).map(|n| self.source(loads, n)).collect();
+        self.motion_by(&sources)
+    }
+
+    /// `H -> (V, Omega, E)` with degenerate quadrupoles whose transform is `-k^2 exp(-k^2 sigma'^2/2) sinh(x)/x`, where
+    /// `x = k^2 sigma'^2/32`.
+    pub fn quadrupole_motion(&self, quadrupoles: &[Vector]) -> Motion {
+        let mut sources: Vec<Source> = (0..self.positions.len()).map(|n| self.source(&Loads::default(), n)).collect();
+        for (source, &quadrupole) in sources.iter_mut().zip(quadrupoles) {
+            source.quadrupole = quadrupole;
+        }
+        self.motion_by(&sources)
+    }
+
+    fn motion_by(&self, sources: &[Source]) -> Motion {
         let mut flow = vec![(Vector::ZERO, Tensor::ZERO); sources.len()];
         let mut factors = Vec::new();
         for k in self.wavevectors() {
-            add_mode(k, &sources, &mut factors, &mut flow);
+            add_mode(k, sources, &mut factors, &mut flow);
         }
         // Each wavevector also stands for its opposite.
         let scale = 2.0 / (self.cell.volume() * self.viscosity);
@@ -43,6 +58,7 @@ impl Suspension {
             position: self.positions[n],
             force: loads.forces.get(n).copied().unwrap_or_default(),
             dipole: loads.stresslets.get(n).copied().unwrap_or_default().tensor() + antisymmetric,
+            quadrupole: Vector::ZERO,
             widths: [a / PI.sqrt(), a / (6.0 * PI.sqrt()).cbrt()],
         }
     }
@@ -78,9 +94,11 @@ fn add_mode(k: Vector, sources: &[Source], factors: &mut Vec<[f64; 4]>, flow: &m
     for source in sources {
         let (sin, cos) = k.dot(source.position).sin_cos();
         let [w, v] = source.widths.map(|s| (-0.5 * square * s * s).exp());
-        let (f, g) = (source.force, source.dipole * k);
-        real += f * (w * cos) + g * (v * sin);
-        imaginary += g * (v * cos) - f * (w * sin);
+        let x = square * source.widths[1].powi(2) / 32.0;
+        let lower = if x > 0.0 { -square * x.sinh() / x } else { 0.0 };
+        let (f, g) = (source.force * w + source.quadrupole * (v * lower), source.dipole * k);
+        real += f * cos + g * (v * sin);
+        imaginary += g * (v * cos) - f * sin;
         factors.push([w * cos, w * sin, v * cos, v * sin]);
     }
     let project = |u: Vector| (u - k * (k.dot(u) / square)) / square;

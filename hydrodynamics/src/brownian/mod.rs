@@ -47,14 +47,7 @@ pub fn solve(
     loads: &Loads,
     fluid: &Motion,
 ) -> Result<Solution, SolveError> {
-    let acting = SolveInput {
-        loads,
-        strain_rate: StrainRate::default(),
-        springs: None,
-        bodies: None,
-        ambient: fluid,
-        constant_flux: false,
-    };
+    let acting = SolveInput { ambient: fluid, ..SolveInput::new(loads, StrainRate::default()) };
     let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
     store_solution(hydrodynamics, cell, particles, loads, &solved)?;
     Ok(solved)

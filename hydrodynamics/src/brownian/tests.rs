@@ -197,14 +197,8 @@ fn by_differences(
             moved.positions[sphere][axis] += length;
             let mut forces = vec![Vector::ZERO; 3];
             forces[sphere][axis] = 0.5 / length;
-            let acting = SolveInput {
-                loads: &Loads { forces, ..Loads::default() },
-                strain_rate: StrainRate::default(),
-                springs: None,
-                bodies: None,
-                ambient: &Motion::default(),
-                constant_flux: false,
-            };
+            let loads = Loads { forces, ..Loads::default() };
+            let acting = SolveInput::new(&loads, StrainRate::default());
             let solved = hydrodynamics.solve(cell, &moved, &acting, &Guess::default()).unwrap();
             let numbers = [solved.motion.velocities, solved.motion.angular_velocities].concat();
             let numbers = numbers.into_iter().flat_map(|v| v.to_array());

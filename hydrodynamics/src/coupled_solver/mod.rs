@@ -2,6 +2,7 @@
 
 mod constant_flux;
 mod perturbed_solve;
+mod swimming;
 
 pub use perturbed_solve::DisplacedSpheres;
 
@@ -135,6 +136,8 @@ impl CoupledSolver {
     ) -> Result<Solution, SolveError> {
         let _stage = stage("coupled solve");
         let SolveInput { loads, strain_rate, bodies, ambient, constant_flux, .. } = *acting;
+        let swimming = self.swimming(cell, particles, acting);
+        let ambient = swimming.as_ref().unwrap_or(ambient);
         let sloping = sloping(strain_rate, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));

@@ -3,6 +3,7 @@
 mod bodies;
 mod constant_flux;
 mod springs;
+mod squirming;
 mod system;
 mod units;
 mod walls;
@@ -57,14 +58,7 @@ fn lubricated_at(lubrication: Option<LubricationRange>) -> ShortRange {
 }
 
 fn acting(loads: &Loads, strain_rate: Traceless) -> SolveInput<'_> {
-    SolveInput {
-        loads,
-        strain_rate: StrainRate::uniform(strain_rate),
-        springs: None,
-        bodies: None,
-        ambient: &NO_AMBIENT,
-        constant_flux: false,
-    }
+    SolveInput::new(loads, StrainRate::uniform(strain_rate))
 }
 
 fn cube(edge: f64) -> PeriodicBox {

@@ -293,9 +293,9 @@ impl Dynamics {
         let resistance = |distance: f64, between: PairKind| resistances.of_pair(distance, between);
         let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
         let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
-        let (strain_rate, constant_flux) = (self.moving.strain_rate(), self.moving.keeps_flux());
+        let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
         let (springs, bodies) = (springs.as_ref(), bodies::of(particles, self.partition.comm()));
-        let acting = SolveInput { loads, strain_rate, springs, bodies: bodies.as_ref(), ambient, constant_flux };
+        let acting = SolveInput { springs, bodies: bodies.as_ref(), ambient, constant_flux, ..input };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {

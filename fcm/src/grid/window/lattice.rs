@@ -56,8 +56,8 @@ impl<T: Real> WindowLattice<T> {
         Self::of_pieces(grid, window, Pieces::new(window), common, envelopes)
     }
 
-    /// The same window on a grid that has been sheared.
-    pub fn sheared(&self, grid: &Grid, common: Common, envelopes: &[Envelope]) -> Self {
+    /// The same window for other envelopes, or on a grid that has been sheared.
+    pub fn with_envelopes(&self, grid: &Grid, common: Common, envelopes: &[Envelope]) -> Self {
         Self::of_pieces(grid, self.window, self.pieces.clone(), common, envelopes)
     }
 

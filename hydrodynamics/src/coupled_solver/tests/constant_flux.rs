@@ -101,7 +101,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
         let mut solve = |loads: &Loads, flow: Poiseuille, constant_flux: bool| {
             let strain_rate = flow.strain_rate();
             let springs = Some(&springs);
-            let acting = SolveInput { loads, strain_rate, springs, bodies: None, ambient: &NO_AMBIENT, constant_flux };
+            let acting = SolveInput { springs, constant_flux, ..SolveInput::new(loads, strain_rate) };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let kept = solve(&loads, background, true);

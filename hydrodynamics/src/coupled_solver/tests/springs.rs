@@ -1,7 +1,6 @@
 //! Implicit springs of repulsion and contacts in the solve.
 
 use super::*;
-use crate::ambient::StrainRate;
 use crate::springs::{ContactSprings, TetherResistance};
 use lubrication::PairKind;
 
@@ -36,14 +35,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
         let mut fluid =
             CoupledSolver::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
-            let acting = SolveInput {
-                loads,
-                strain_rate: StrainRate::uniform(strain),
-                springs,
-                bodies: None,
-                ambient: &NO_AMBIENT,
-                constant_flux: false,
-            };
+            let acting = SolveInput { springs, ..acting(loads, strain) };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
         };
         let sprung = solve(
@@ -97,14 +89,7 @@ fn springs_push_as_the_motions_say() {
             CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: Some(reach) }).unwrap();
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-            let acting = SolveInput {
-                loads: &loads,
-                strain_rate: StrainRate::uniform(strain),
-                springs,
-                bodies: None,
-                ambient: &NO_AMBIENT,
-                constant_flux: false,
-            };
+            let acting = SolveInput { springs, ..acting(&loads, strain) };
             fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
         };
         let between = |distance: f64, between: PairKind| match between {

@@ -8,6 +8,7 @@ use super::pair_sum::PairSum;
 use super::wave_sum::WaveSum;
 use crate::envelope::{Common, Envelope};
 use crate::mobility::noise::{COMPONENTS, ParticleComponents};
+use crate::pairs::table::PairFunctions;
 use crate::plan::Plan;
 use domain::parallel::MeasuredLoop;
 use domain::{PeriodicBox, Vector};
@@ -48,6 +49,11 @@ impl Shapes {
         let common = Common::new(width, envelopes.iter().map(|envelope| envelope.dipole));
         Self { envelopes, common, viscosity: plan.viscosity, rows }
     }
+
+    /// Wavenumber at which sums over wavevectors end.
+    pub fn largest_wavenumber(&self) -> f64 {
+        EXPONENT.sqrt() / self.common.width
+    }
 }
 
 /// Rows of the spheres `own`, one sphere after the other.
@@ -63,7 +69,7 @@ pub(super) fn rows_of(shapes: &Shapes, cell: &PeriodicBox, spheres: &[LocatedSph
         is_own[i] = true;
     }
     let is_summed = |i: usize, j: usize| j >= i || !is_own[j];
-    let pairs = PairSum::new(shapes, cell);
+    let pairs = PairSum::new(shapes, cell, PairFunctions::new);
     rows.par_chunks_mut(height * length).zip(own).measured().for_each(|(rows, &i)| {
         for j in (0..spheres.len()).filter(|&j| is_summed(i, j)) {
             let block = pairs.between(&spheres[i], &spheres[j]);

@@ -4,6 +4,7 @@
 mod cholesky;
 mod entries;
 mod pair_sum;
+mod quadrupoles;
 mod wave_sum;
 
 use crate::mobility::far_field::{FarField, NoiseRequest};
@@ -186,6 +187,22 @@ impl FarField for DenseFarField {
         let components = self.times(&self.rows, &loads, wanted);
         clock.stop(&mut self.work.seconds.near);
         Self::motion(components, [self.units.velocity(), self.units.rate()], output)
+    }
+
+    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
+        let Some(placed) = &self.placed else { return Motion::default() };
+        self.work.evaluations += 1;
+        let mut clock = Stopwatch::start();
+        let all = self.comm.all_gather(bytemuck::cast_slice::<Vector, f64>(quadrupoles));
+        let mut ordered = vec![Vector::ZERO; placed.all.len()];
+        for (h, &place) in all.chunks(3).zip(&placed.all) {
+            ordered[place] = Vector::from_slice(h) * self.units.length.powi(-2);
+        }
+        clock.stop(&mut self.work.seconds.exchange);
+        let shapes = Shapes::new(&self.scaled, &placed.cell, self.height());
+        let components = quadrupoles::motions(&shapes, &placed.cell, &placed.spheres, &placed.own, &ordered);
+        clock.stop(&mut self.work.seconds.near);
+        Self::motion(components, [self.units.velocity(), self.units.rate()], Output::All)
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {

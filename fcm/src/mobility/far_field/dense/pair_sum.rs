@@ -1,8 +1,9 @@
 //! Sum over pairs in space: the difference between the envelopes and the common Gaussian.
 
 use super::entries::{EXPONENT, LocatedSphere, PairBlock, Shapes};
+use crate::envelope::{Common, Envelope};
 use crate::mobility::loads::dipole;
-use crate::mobility::noise::{COMPONENTS, components, tensor};
+use crate::mobility::noise::{COMPONENTS, ParticleComponents, components, tensor};
 use crate::pairs::table::{PairFunctions, PairValues};
 use domain::{PeriodicBox, Tensor, Traceless, Vector};
 
@@ -16,12 +17,17 @@ pub(super) struct PairSum<'a> {
 }
 
 impl<'a> PairSum<'a> {
-    pub fn new(shapes: &Shapes, cell: &'a PeriodicBox) -> Self {
+    /// By [`PairFunctions::new`], or by those of other loads.
+    pub fn new(
+        shapes: &Shapes,
+        cell: &'a PeriodicBox,
+        functions: fn(Envelope, Envelope, Common) -> PairFunctions,
+    ) -> Self {
         let all = &shapes.envelopes;
         let pairs = all.iter().flat_map(|&i| all.iter().map(move |&j| (i, j)));
         Self {
             cell,
-            functions: pairs.map(|(i, j)| PairFunctions::new(i, j, shapes.common)).collect(),
+            functions: pairs.map(|(i, j)| functions(i, j, shapes.common)).collect(),
             classes: all.len(),
             cutoff: 2.0 * shapes.common.width * EXPONENT.sqrt(),
             inverse_viscosity: 1.0 / shapes.viscosity,
@@ -30,19 +36,28 @@ impl<'a> PairSum<'a> {
 
     /// Motions of a sphere due to the loads of another and of its images, or due to its own.
     pub fn between(&self, target: &LocatedSphere, source: &LocatedSphere) -> PairBlock {
-        let functions = &self.functions[target.class as usize * self.classes + source.class as usize];
-        let separation = target.position - source.position;
-        let loads = unit_loads();
         let mut block = PairBlock::default();
-        self.for_each_image(separation, |x| {
+        self.add_flows(target, source, &unit_loads(), &mut block);
+        block
+    }
+
+    /// Adds the motion of a sphere due to each of some loads of another and of its images, or of its own.
+    pub fn add_flows(
+        &self,
+        target: &LocatedSphere,
+        source: &LocatedSphere,
+        loads: &[UnitLoad],
+        motions: &mut [ParticleComponents],
+    ) {
+        let functions = &self.functions[target.class as usize * self.classes + source.class as usize];
+        self.for_each_image(target.position - source.position, |x| {
             let f = functions.exact(x.length_squared());
-            for (sums, load) in block.iter_mut().zip(&loads) {
+            for (sums, load) in motions.iter_mut().zip(loads) {
                 let (velocity, gradient) = flow(&f, x, load);
                 let motion = components(&(velocity * self.inverse_viscosity, gradient * self.inverse_viscosity));
                 sums.iter_mut().zip(motion).for_each(|(sum, value)| *sum += value);
             }
         });
-        block
     }
 
     /// Calls a function with each image of a separation within the cutoff.

@@ -1,6 +1,6 @@
 //! Sum over wavevectors: the flow of the common Gaussians.
 
-use super::entries::{EXPONENT, LocatedSphere, Shapes};
+use super::entries::{LocatedSphere, Shapes};
 use super::pair_sum::{UnitLoad, unit_loads};
 use crate::envelope::Common;
 use crate::mobility::noise::product;
@@ -28,9 +28,8 @@ pub(super) struct WaveSum<'a> {
 
 impl<'a> WaveSum<'a> {
     pub fn new(shapes: &'a Shapes, cell: &PeriodicBox) -> Self {
-        let largest = EXPONENT.sqrt() / shapes.common.width;
         let scale = 2.0 / (cell.volume() * shapes.viscosity);
-        Self { shapes, left: wavevectors(cell, largest), scale, columns: Vec::new() }
+        Self { shapes, left: wavevectors(cell, shapes.largest_wavenumber()), scale, columns: Vec::new() }
     }
 
     /// Finds the columns of the next wavevectors; false if there are none.
@@ -60,7 +59,7 @@ impl<'a> WaveSum<'a> {
 }
 
 /// One of each pair of opposite wavevectors up to the largest, without zero.
-fn wavevectors(cell: &PeriodicBox, largest: f64) -> Vec<Vector> {
+pub(super) fn wavevectors(cell: &PeriodicBox, largest: f64) -> Vec<Vector> {
     let vectors = cell.lattice_vectors();
     let [a, b, c] = vectors;
     let reciprocal = [b.cross(c), c.cross(a), a.cross(b)].map(|normal| normal * (TAU / a.dot(b.cross(c))));
@@ -113,7 +112,7 @@ impl Wave {
 }
 
 /// Transform of the common Gaussian with the brackets of an envelope, at a wavenumber given by its square.
-fn transform(common: &Common, sigma: f64, square: f64) -> f64 {
+pub(super) fn transform(common: &Common, sigma: f64, square: f64) -> f64 {
     let bracket = |increment: f64| 1.0 + 0.5 * increment * square;
     bracket(common.increment) * bracket(common.rest(sigma)) * (-0.5 * square * common.width * common.width).exp()
 }

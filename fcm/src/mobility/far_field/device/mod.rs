@@ -1,7 +1,8 @@
 //! Far field by the split method on a device.
 //!
 //! Loads and motions pass through the host in each evaluation, except in the solve for the stresslets of rigid spheres.
-//! Noise is drawn on the host, by the same plan.
+//! Noise is drawn on the host, by the same plan, and the flow of degenerate quadrupoles, which a solve needs once, is
+//! evaluated there.
 
 mod rigid;
 mod tables;
@@ -179,6 +180,10 @@ impl FarField for DeviceFarField {
 
     fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
         Some(self)
+    }
+
+    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
+        self.host().quadrupole_motion(quadrupoles)
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {

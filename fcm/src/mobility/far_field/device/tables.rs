@@ -68,7 +68,7 @@ impl PlanTables {
     /// Shape of a box, and the tables that depend on it.
     pub fn in_box(&mut self, cell: &PeriodicBox) -> LatticeShape {
         self.grid = self.grid.in_cell(*cell);
-        self.lattice = self.lattice.sheared(&self.grid, self.common, &self.envelopes);
+        self.lattice = self.lattice.with_envelopes(&self.grid, self.common, &self.envelopes);
         let smoothing = |class: usize| [0, 1].map(|multipole| self.lattice.smoothing(class as u32, multipole).factors);
         LatticeShape {
             edges: cell.edges().to_array(),

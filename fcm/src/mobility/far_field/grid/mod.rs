@@ -3,14 +3,17 @@
 mod flow;
 mod fluctuations;
 mod operator;
+mod quadrupoles;
 mod spectral_grid;
 
-use crate::envelope::Envelope;
+use crate::envelope::{Common, Envelope};
 use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
 use crate::mobility::noise::DrawDiagnostics;
 use crate::mobility::work::{Stopwatch, Work};
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorrection};
+use crate::pairs::radial_functions::Envelopes;
+use crate::pairs::table::PairFunctions;
 use crate::plan::Plan;
 use crate::plan::problem::Precision;
 use crate::walls::wall_images::WallImages;
@@ -33,6 +36,8 @@ pub(crate) struct GridFarField {
     partition: Partition,
     grid: Box<dyn GridPart>,
     near: Option<Box<dyn DynPairCorrection>>,
+    /// Pair correction of degenerate quadrupoles, made when first needed.
+    near_quadrupoles: Option<Box<dyn DynPairCorrection>>,
     wall_images: Option<WallImages>,
     arrangement: ArrangedParticles,
     has_arranged: bool,
@@ -71,6 +76,7 @@ impl GridFarField {
             partition: partition.clone(),
             grid,
             near,
+            near_quadrupoles: None,
             wall_images: WallImages::new(&own),
             arrangement,
             has_arranged: false,
@@ -197,6 +203,10 @@ impl FarField for GridFarField {
         motion(&motions, output, &self.units)
     }
 
+    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
+        self.motion_by_quadrupoles(quadrupoles)
+    }
+
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
         self.random_motion(draw)
     }
@@ -226,12 +236,18 @@ fn parts<T: Real>(
     cell: &PeriodicBox,
 ) -> (Box<dyn GridPart>, Option<Box<dyn DynPairCorrection>>) {
     let grid = Box::new(SpectralGrid::<T>::new(plan, partition, cell));
-    let Some(common) = plan.common() else {
-        return (grid, None);
-    };
-    let envelopes = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-    let (cutoff, tolerance) = (plan.cutoff(), plan.table_tolerance());
-    (grid, Some(Box::new(PairCorrection::<T>::new(envelopes, common, cutoff, plan.viscosity, tolerance))))
+    (grid, near::<T>(plan, PairFunctions::new))
+}
+
+/// Near field of a plan, if it has one, by the functions of two envelopes.
+fn near<T: Real>(
+    plan: &Plan,
+    functions: fn(Envelope, Envelope, Common) -> PairFunctions,
+) -> Option<Box<dyn DynPairCorrection>> {
+    let common = plan.common()?;
+    let all = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
+    let (envelopes, tolerance) = (Envelopes { all, common, functions }, plan.table_tolerance());
+    Some(Box::new(PairCorrection::<T>::new(envelopes, plan.cutoff(), plan.viscosity, tolerance)))
 }
 
 impl ArrangedParticles {

@@ -12,7 +12,7 @@ use crate::mobility::loads::Output;
 use crate::mobility::noise::Stream;
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
-use domain::parallel::{MeasuredLoop, stage};
+use domain::parallel::{MeasuredLoop, of_rows, stage};
 use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use solver::{Field, Grid, Physical, Real, Stokes, Transform};
@@ -34,6 +34,11 @@ pub(crate) trait GridPart {
     /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
     /// grid.
     fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)>;
+
+    /// Velocities and velocity gradients by degenerate quadrupoles, one of each particle present: the contributions of
+    /// this rank's share of the grid.
+    fn quadrupole_motions(&mut self, classes: &[u32], quadrupoles: &[Vector], work: &mut Work)
+    -> Vec<(Vector, Tensor)>;
 
     /// Velocity field of the loads on the grid, without interpolation.
     fn solve(&mut self, loads: &GridLoads, work: &mut Work);
@@ -139,6 +144,31 @@ impl<T: Real> SpectralGrid<T> {
         motions
     }
 
+    /// Spreads degenerate quadrupoles: each by two forces with envelopes of their own.
+    fn spread_quadrupoles(&mut self, classes: &[u32], quadrupoles: &[Vector]) {
+        let spheres = envelopes(&self.plan);
+        let sources: Vec<Envelope> = spheres.iter().flat_map(|sphere| sphere.quadrupole().envelopes()).collect();
+        let kernels = self.kernels.with_envelopes(&self.plan, &self.grid, &sources);
+        let axes = self.grid.cell().axes();
+        let load = |row: usize| {
+            let force = quadrupoles[row / 2] * spheres[classes[row / 2] as usize].quadrupole().weight;
+            let force = axes.map_or(force, |axes| axes.transpose() * force);
+            Load::new(if row.is_multiple_of(2) { force } else { -force }, &Tensor::ZERO)
+        };
+        let loads: Vec<Load<T>> = of_rows(2 * classes.len(), load);
+        let classes = of_rows(loads.len(), |row| 2 * classes[row / 2] + (row % 2) as u32);
+        let both = |stencil: &Stencil| [0, 1].map(|part| Stencil { row: 2 * stencil.row + part, ..*stencil });
+        let stencils: Vec<Stencil> = self.stencils.iter().flat_map(both).collect();
+        let spread = Spread { stencils: &stencils, classes: &classes, loads: &loads, period: self.plan.grid[2] };
+        kernels.with([true, false], SpreadTask { spread, field: &mut self.field });
+    }
+
+    /// Velocity field of what is spread.
+    fn transform(&mut self) {
+        self.transform.apply(&mut self.field, &self.operator);
+        self.divergence = None;
+    }
+
     /// Volume of a grid point by which interpolation multiplies.
     fn interpolated_volume(&self) -> f64 {
         let spacing = self.grid.spacing();
@@ -219,24 +249,24 @@ impl<T: Real> SpreadingKernels<T> {
     fn for_envelopes(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         match (plan.window(), plan.common()) {
             (Some(window), Some(common)) => Self::Window(window::WindowLattice::new(grid, window, common, envelopes)),
-            _ => Self::gaussian(plan, grid),
+            _ => Self::gaussian(plan, grid, envelopes),
         }
     }
 
-    fn gaussian(plan: &Plan, grid: &Grid) -> Self {
+    fn gaussian(plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         assert!(grid.cell().is_orthogonal(), "a plan for a tilted lattice has windows");
         let strain = grid.cell().strain();
         let sources =
             |e: &Envelope| Sources { monopole: Source::monopole(e.monopole), dipole: Source::dipole(e.dipole), strain };
-        let sources = envelopes(plan).iter().map(sources).collect();
+        let sources = envelopes.iter().map(sources).collect();
         Self::Gaussian(gaussian::GaussianLattice::new::<T>(grid, plan.support, sources))
     }
 
-    /// The same kernels on a grid that has been sheared.
-    fn sheared(&self, plan: &Plan, grid: &Grid) -> Self {
+    /// The same kernels for other envelopes, or on a grid that has been sheared.
+    fn with_envelopes(&self, plan: &Plan, grid: &Grid, envelopes: &[Envelope]) -> Self {
         match (self, plan.common()) {
-            (Self::Window(lattice), Some(common)) => Self::Window(lattice.sheared(grid, common, &envelopes(plan))),
-            _ => Self::gaussian(plan, grid),
+            (Self::Window(lattice), Some(common)) => Self::Window(lattice.with_envelopes(grid, common, envelopes)),
+            _ => Self::gaussian(plan, grid, envelopes),
         }
     }
 
@@ -276,7 +306,7 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         if cell != self.grid.cell() {
             self.grid = self.grid.in_cell(*cell);
             self.operator = operator(&self.plan, &self.grid, &self.partition);
-            self.kernels = self.kernels.sheared(&self.plan, &self.grid);
+            self.kernels = self.kernels.with_envelopes(&self.plan, &self.grid, &envelopes(&self.plan));
         }
         self.stencils = sorted_stencils(&self.grid, self.kernels.extent(&self.plan), positions);
     }
@@ -285,13 +315,29 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         self.evaluate(loads, output, work)
     }
 
+    fn quadrupole_motions(
+        &mut self,
+        classes: &[u32],
+        quadrupoles: &[Vector],
+        work: &mut Work,
+    ) -> Vec<(Vector, Tensor)> {
+        let mut clock = Stopwatch::start();
+        self.spread_quadrupoles(classes, quadrupoles);
+        clock.stop(&mut work.seconds.spread);
+        self.transform();
+        clock.stop(&mut work.seconds.fft);
+        work.transforms += 1;
+        let motions = self.interpolate(classes, Output::All);
+        clock.stop(&mut work.seconds.interpolate);
+        motions
+    }
+
     fn solve(&mut self, loads: &GridLoads, work: &mut Work) {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("spreading"));
         self.spread(loads, work);
         clock.stop(&mut work.seconds.spread);
         stage.next("transforms");
-        self.transform.apply(&mut self.field, &self.operator);
-        self.divergence = None;
+        self.transform();
         clock.stop(&mut work.seconds.fft);
         work.transforms += 1;
     }

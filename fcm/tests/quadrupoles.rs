@@ -1,0 +1,169 @@
+//! Degenerate quadrupoles of swimming spheres against sums over wavevectors and exact flows.
+
+use crate::common::{Suspension, at_surfaces, difference, on_ranks, worst};
+use domain::{Boundaries, Partition, PeriodicBox, Random, Vector};
+use fcm::{Envelope, Fixed, Loads, Method, Mobility, Motion, Plan, Precision, Problem};
+use std::f64::consts::PI;
+
+/// Quadrupoles of spheres that swim with velocities of about 1.
+fn quadrupoles(suspension: &Suspension, seed: u64) -> Vec<Vector> {
+    let mut random = Random::new(seed, 0x5715);
+    let mut axis = || random.point() - Vector::splat(0.5);
+    suspension.radii.iter().map(|a| axis() * (4.0 / 3.0 * PI * suspension.viscosity * a.powi(3))).collect()
+}
+
+fn by(suspension: &Suspension, plan: &Plan, quadrupoles: &[Vector]) -> Motion {
+    suspension.mobility(plan).quadrupole_motion(quadrupoles)
+}
+
+fn fixed(method: Method) -> Fixed {
+    Fixed { method: Some(method), ..Fixed::default() }
+}
+
+/// A quadrupole moves its sphere in a cubic box with the velocity in unbounded fluid plus the mean of the flow that
+/// a box has not, `2/3 H/(mu V)`: the sphere swims with `1 - phi` of its velocity. Envelopes of images overlap by
+/// `exp(-pi (L/2a)^2)`; forces of `H/e` lose two digits.
+#[test]
+fn a_sphere_in_a_cubic_box_loses_the_volume_fraction() {
+    for edge in [6.5, 9.0, 13.0] {
+        let single = Suspension::single(edge);
+        let quadrupole = vec![Vector::new(0.48, -0.6, 0.64)];
+        let envelope = Envelope::of_sphere(1.0);
+        let own = envelope.quadrupole().own_mobility(envelope.monopole) + 2.0 / (3.0 * edge.powi(3));
+        let exact = quadrupole[0] * (own / single.viscosity);
+        let by = |method| by(&single, &single.plan(1e-12, fixed(method)), &quadrupole);
+        let sum = single.quadrupole_motion(&quadrupole);
+        for motion in [by(Method::Direct), by(Method::Split), by(Method::Dense), sum] {
+            let error = (motion.velocities[0] - exact).length() / exact.length();
+            assert!(error < 1e-10, "L = {edge} a: error {error:e}");
+            assert!(motion.angular_velocities[0].length() < 1e-11);
+        }
+    }
+}
+
+/// Radii of 1 and 1.8 in orthogonal and sheared boxes.
+fn suspensions() -> [Suspension; 2] {
+    let edges = Vector::new(9.0, 10.0, 8.0);
+    let [cell, sheared] = [0.0, 0.3].map(|strain| PeriodicBox::sheared(edges, strain).unwrap());
+    [Suspension::random(8, 1.8, cell, 5), Suspension::random(8, 1.8, sheared, 6)]
+}
+
+#[test]
+fn methods_agree_with_the_sum_over_wavevectors() {
+    for suspension in suspensions() {
+        let quadrupoles = quadrupoles(&suspension, 3);
+        let exact = suspension.quadrupole_motion(&quadrupoles);
+        for method in Method::ALL {
+            let found = by(&suspension, &suspension.plan(1e-11, fixed(method)), &quadrupoles);
+            let error = worst(&found, &exact);
+            assert!(error < 1e-9, "{} in {:?}: {error:e}", method.name(), suspension.cell);
+        }
+    }
+}
+
+/// Errors of motions at the surfaces, over the velocities with which spheres swim by quadrupoles, `-H/(2 pi mu
+/// a^3)`.
+#[test]
+fn errors_stay_below_the_tolerance_of_the_plan() {
+    for suspension in suspensions() {
+        let quadrupoles = quadrupoles(&suspension, 4);
+        let exact = suspension.quadrupole_motion(&quadrupoles);
+        let swum = |(h, a): (&Vector, &f64)| (*h / (2.0 * PI * suspension.viscosity * a.powi(3))).length_squared();
+        let scale = quadrupoles.iter().zip(&suspension.radii).map(swum).sum::<f64>().sqrt();
+        for tolerance in [1e-2, 1e-3, 1e-4, 1e-6] {
+            let problem = Problem { rigid: true, ..suspension.problem(tolerance) };
+            let plan = Plan::choose(&problem).unwrap();
+            let found = by(&suspension, &plan, &quadrupoles);
+            let errors = at_surfaces(&suspension, &difference(&found, &exact)).map(|error| error / scale);
+            println!("{tolerance:e}: {errors:?}");
+            assert!(errors.iter().all(|&error| error < tolerance), "{tolerance:e}: {errors:?}");
+        }
+    }
+}
+
+/// In a box with three slanted lattice vectors, the split method against exact sums.
+#[test]
+fn boxes_may_be_tilted() {
+    let vectors = [Vector::new(9.0, 0.5, -0.4), Vector::new(1.0, 8.5, 0.6), Vector::new(-0.8, 0.9, 8.0)];
+    let suspension = Suspension::random(6, 1.5, PeriodicBox::of_lattice(vectors).unwrap(), 9);
+    let quadrupoles = quadrupoles(&suspension, 2);
+    let [split, dense] = [Method::Split, Method::Dense]
+        .map(|method| by(&suspension, &suspension.plan(1e-9, fixed(method)), &quadrupoles));
+    let error = worst(&split, &dense);
+    assert!(error < 1e-8, "{error:e}");
+}
+
+/// Far apart in open space, the flow is `-(3 r r/r^2 - I).H / (4 pi mu r^3)` and its gradient; the sphere itself moves
+/// with its own velocity. Gaussians at a distance of 9 have decayed to `exp(-9^2/(2 s^2))` with `s` about 1.
+#[test]
+fn the_flow_in_open_space_is_that_of_a_point_quadrupole() {
+    let cell = PeriodicBox::new(Vector::splat(24.0)).unwrap().with_boundaries(Boundaries::Open).unwrap();
+    let (near, x) = (Vector::new(6.0, 7.0, 8.0), Vector::new(8.0, 6.0, 5.0));
+    let suspension = Suspension { cell, viscosity: 0.7, positions: vec![near, near + x], radii: vec![1.0, 1.5] };
+    let h = Vector::new(0.3, -1.1, 0.8);
+    let motion = by(&suspension, &suspension.plan(1e-8, Fixed::default()), &[h, Vector::ZERO]);
+    let flow = |x: Vector| {
+        let square = x.length_squared();
+        (h - x * (3.0 * x.dot(h) / square)) / (4.0 * PI * 0.7 * square.powf(1.5))
+    };
+    let error = (motion.velocities[1] - flow(x)).length() / flow(x).length();
+    assert!(error < 1e-6, "velocity: {error:e}");
+    let slope = |axis: Vector| (flow(x + axis * 1e-3) - flow(x - axis * 1e-3)) / 2e-3;
+    let (xy, yx) = (slope(Vector::Y).x, slope(Vector::X).y);
+    let rate = slope(Vector::Z).z.abs();
+    assert!((motion.strain_rates[1].0[1] - 0.5 * (xy + yx)).abs() < 1e-5 * rate);
+    assert!((motion.angular_velocities[1].z - 0.5 * (yx - xy)).abs() < 1e-5 * rate);
+    let envelope = Envelope::of_sphere(1.0);
+    let own = h * (envelope.quadrupole().own_mobility(envelope.monopole) / 0.7);
+    assert!((motion.velocities[0] - own).length() < 1e-7 * own.length());
+}
+
+/// In units of length, viscosity and force that differ by powers of two, bits are the same; the precision is single,
+/// which other units would take out of range.
+#[test]
+fn other_units_give_the_same_bits() {
+    let [suspension, _] = suspensions();
+    let quadrupoles = quadrupoles(&suspension, 7);
+    let single = Fixed { precision: Some(Precision::Single), ..Fixed::default() };
+    for method in [Method::Direct, Method::Split, Method::Dense] {
+        let fixed = Fixed { method: Some(method), ..single };
+        let fixed = if method == Method::Dense { Fixed { precision: None, ..fixed } } else { fixed };
+        let one = by(&suspension, &suspension.plan(1e-3, fixed), &quadrupoles);
+        for [length, viscosity, force] in [[60, -40, 9], [-50, 30, 90]].map(|all| all.map(|k| 2.0_f64.powi(k))) {
+            let other = Suspension {
+                cell: suspension.cell.scaled(length),
+                viscosity: suspension.viscosity * viscosity,
+                positions: suspension.positions.iter().map(|&x| x * length).collect(),
+                radii: suspension.radii.iter().map(|a| a * length).collect(),
+            };
+            let scaled: Vec<Vector> = quadrupoles.iter().map(|&h| h * (force * length * length)).collect();
+            let found = by(&other, &other.plan(1e-3, fixed), &scaled);
+            let velocity = force / (viscosity * length);
+            for (a, b) in found.velocities.iter().zip(&one.velocities) {
+                assert_eq!(*a, *b * velocity, "{}", method.name());
+            }
+            for (a, b) in found.strain_rates.iter().zip(&one.strain_rates) {
+                assert_eq!(*a, *b * (velocity / length), "{}", method.name());
+            }
+        }
+    }
+}
+
+/// Round-off of sums in another order, with forces of `H/e` at each quadrupole.
+#[test]
+fn ranks_agree() {
+    let [suspension, _] = suspensions();
+    let loads = Loads { forces: quadrupoles(&suspension, 8), ..Loads::default() };
+    for method in Method::ALL {
+        let plan = suspension.plan(1e-8, fixed(method));
+        let alone = by(&suspension, &plan, &loads.forces);
+        let answer = |partition: &Partition, particles: &_, loads: &Loads| {
+            let mut mobility = Mobility::new(&plan, partition);
+            mobility.arrange(&suspension.cell, particles);
+            (mobility.quadrupole_motion(&loads.forces), Vec::new())
+        };
+        let (found, _) = on_ranks(&suspension, &plan, [2, 2], &loads, answer);
+        let error = worst(&found, &alone);
+        assert!(error < 1e-11, "{}: {error:e}", method.name());
+    }
+}
