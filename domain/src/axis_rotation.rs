@@ -57,6 +57,12 @@ impl AxisRotation {
         Vector::new(signed(0), signed(1), signed(2))
     }
 
+    /// Rotated components of a vector, of which some may be missing.
+    pub fn components(self, known: [Option<f64>; 3]) -> [Option<f64>; 3] {
+        let turned = self.list(known);
+        [0, 1, 2].map(|axis| turned[axis].map(|value| if self.against[axis] { 0.0 - value } else { value }))
+    }
+
     /// Rotated position, in a box that has these edges afterwards: the box remains between 0 and the edge along each
     /// axis.
     pub fn place(self, place: Vector, edges: Vector) -> Vector {

@@ -12,10 +12,14 @@
 //! stay rigid to round-off, however long a step is, and no rank needs to know the other spheres of a body. For spheres
 //! that belong to none, the arm is zero: the centre is that of the sphere.
 
-use crate::columns::{self, ANGULAR_VELOCITY, ARM, BODY, CONSTRAINT_MOMENT, CONSTRAINT_MOMENT_NUMBERS, VELOCITY};
+use crate::columns::{
+    self, ANGULAR_VELOCITY, ARM, BODY, CONSTRAINT_LOAD, CONSTRAINT_LOAD_NUMBERS, CONSTRAINT_MOMENT,
+    CONSTRAINT_MOMENT_NUMBERS, VELOCITY,
+};
 use crate::rotation;
 use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite};
 use domain::{Comm, Halo, Particles, Tensor, Vector};
+use fcm::Loads;
 use hydrodynamics::RigidBodies;
 
 /// Whether some particles may belong to bodies.
@@ -116,6 +120,19 @@ fn store_moments(particles: &mut Particles, forces: &[Vector]) {
     let moments: Vec<Tensor> = of_rows(arms.len(), moment);
     let column = particles.column(CONSTRAINT_MOMENT, CONSTRAINT_MOMENT_NUMBERS);
     overwrite(&mut column.values, bytemuck::cast_slice(&moments));
+}
+
+/// Stores the constraint forces on spheres, and their torques about the centres of the bodies.
+pub fn store_loads(particles: &mut Particles, constraint: &Loads) {
+    let arms = arms(particles);
+    let at = |list: &[Vector], row: usize| list.get(row).copied().unwrap_or_default();
+    let load = |row: usize| {
+        let force = at(&constraint.forces, row);
+        [force, at(&constraint.torques, row) + arms[row].cross(force)]
+    };
+    let loads: Vec<[Vector; 2]> = of_rows(arms.len(), load);
+    let column = particles.column(CONSTRAINT_LOAD, CONSTRAINT_LOAD_NUMBERS);
+    overwrite(&mut column.values, bytemuck::cast_slice(&loads));
 }
 
 /// Adds a function of the position to the present velocities of centres.

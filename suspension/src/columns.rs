@@ -90,6 +90,11 @@ pub const ARM: &str = "arm";
 pub const CONSTRAINT_MOMENT: &str = "constraint moment";
 pub const CONSTRAINT_MOMENT_NUMBERS: usize = 9;
 
+/// Force of the constraint on a sphere and its torque about the centre of the body, whose sums over the spheres of a body
+/// are the loads that its given motion takes; and the width of the column. It exists if motions of bodies are given.
+pub const CONSTRAINT_LOAD: &str = "constraint load";
+pub const CONSTRAINT_LOAD_NUMBERS: usize = 6;
+
 /// Columns of velocities or displacements, and those of the centres of bodies. The latter exist only with bodies.
 const CENTRES: [(&str, &str); 9] = [
     (VELOCITY, "centre velocity"),
@@ -125,6 +130,7 @@ pub fn of_bodies() -> impl Iterator<Item = (&'static str, usize)> {
         (BODY, 1),
         (ARM, 3),
         (CONSTRAINT_MOMENT, CONSTRAINT_MOMENT_NUMBERS),
+        (CONSTRAINT_LOAD, CONSTRAINT_LOAD_NUMBERS),
     ])
 }
 

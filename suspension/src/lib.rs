@@ -61,8 +61,9 @@ pub use forecast::stable_step::longest_step;
 pub use forecast::summary::{Asked, outline, plan_values, predicted_memory};
 pub use hydrodynamics::memory::Ranks;
 pub use hydrodynamics::{
-    BondSprings, ContactSprings, CoupledSolver, Drift, FlowRefused, Guess, Mobility, MobilityError, MobilityParameters,
-    Motions, Overlaps, ShortRange, SingleEvaluation, Solution, SolveInput, Springs, TetherResistance,
+    BondSprings, ContactSprings, CoupledSolver, Drift, FlowRefused, GivenMotion, Guess, Mobility, MobilityError,
+    MobilityParameters, Motions, Overlaps, ShortRange, SingleEvaluation, Solution, SolveInput, Springs,
+    TetherResistance,
 };
 pub use lubrication::{Elasticity, PairKind};
 pub use model::box_axes::UserAxes;

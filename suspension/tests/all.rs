@@ -9,6 +9,7 @@ mod constant_flux;
 mod contacts;
 mod extension;
 mod fields;
+mod given_motions;
 mod implicit_steps;
 mod lattices;
 mod noise;

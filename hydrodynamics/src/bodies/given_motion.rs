@@ -1,6 +1,6 @@
 //! Motions of bodies that are given.
 
-use domain::Units;
+use domain::{Units, Vector};
 
 /// Components of the motion of a body that are given, along the axes of the box, as of rollers and obstacles; the
 /// others follow from the loads on the body. Motions are relative to the background flow at the centre of the body.
@@ -13,6 +13,23 @@ pub struct GivenMotion {
 }
 
 impl GivenMotion {
+    /// Whether no component is given.
+    pub fn is_none(&self) -> bool {
+        self.components().iter().all(Option::is_none)
+    }
+
+    /// The same motion relative to a flow with this velocity and angular velocity at the centre of the body.
+    #[must_use]
+    pub fn relative_to(self, velocity: Vector, angular_velocity: Vector) -> Self {
+        let less = |given: [Option<f64>; 3], flow: Vector| {
+            [0, 1, 2].map(|axis| given[axis].map(|component| component - flow[axis]))
+        };
+        Self {
+            velocity: less(self.velocity, velocity),
+            angular_velocity: less(self.angular_velocity, angular_velocity),
+        }
+    }
+
     /// The six components: velocity and angular velocity.
     pub(crate) fn components(&self) -> [Option<f64>; 6] {
         let [[a, b, c], [d, e, f]] = [self.velocity, self.angular_velocity];

@@ -39,11 +39,12 @@ impl RigidBodies {
         Self { shared: SharedBodies::new(comm, members.numbers()), members, given: Vec::new() }
     }
 
-    /// These bodies with components of their motions given, by the number of a body. The constraint loads of a solution
+    /// These bodies with components of their motions given, in the order of [`Self::numbers`]. The constraint loads of a solution
     /// then have the total force and torque that this motion takes in addition to the given loads.
     #[must_use]
-    pub fn with_given_motions(self, of_body: impl Fn(u32) -> Option<GivenMotion>) -> Self {
-        Self { given: self.numbers().iter().map(|&number| of_body(number)).collect(), ..self }
+    pub fn with_given_motions(self, given: Vec<Option<GivenMotion>>) -> Self {
+        assert_eq!(given.len(), self.numbers().len(), "a motion for each body");
+        Self { given, ..self }
     }
 
     /// Numbers of the bodies with spheres on this rank, in ascending order. Other lists of bodies have this order.

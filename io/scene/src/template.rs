@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All templates.
-pub static TEMPLATES: [Template; 27] = [
+pub static TEMPLATES: [Template; 28] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -41,6 +41,7 @@ pub static TEMPLATES: [Template; 27] = [
     template!("orientations", "Aligned spheres that lose their order by Brownian rotation"),
     template!("bodies", "Rods, tetrahedra and spheres that settle together"),
     template!("rods", "Rods in a shear flow, at 10% by volume"),
+    template!("rollers", "Spheres that are turned at a given rate and roll along a bottom"),
     template!("family", "Three volume fractions with two seeds each: a viscosity with its error from many runs"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
     template!("disk-sweep", "Several seeds and viscosities of such disks"),

@@ -1,9 +1,12 @@
-//! Checks of the positions at the end of a step.
+//! Checks of the positions at the end of a step, and errors of failed solves.
 
 use super::Dynamics;
+use crate::columns::VELOCITY;
+use crate::error::gap::Gap;
 use crate::error::step::StepError;
 use domain::parallel::all_rows;
 use domain::{Number, Particles, Vector};
+use fcm::SolveError;
 use simulation::Clock;
 
 /// Largest distance of a particle from the box at the end of a step, in edges: limited by the counting of periodic
@@ -54,5 +57,49 @@ impl Dynamics {
         };
         let found = (0..particles.len()).find(is_in_wall).map_or(Ok(()), |row| Err(message(row)));
         self.partition.comm().agree(found).map_err(StepError::IntoWall)
+    }
+
+    /// The error for a failed solve: an overlap, if there is one. Collective.
+    pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
+        if let SolveError::Interrupted(interrupted) = source {
+            return interrupted.into();
+        }
+        let nothing = [[0.0]; 2];
+        let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
+        if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
+    }
+
+    /// A gap or an overlap, for messages.
+    pub fn gap(&self, length: f64) -> Gap {
+        Gap { length, radius: self.smallest_radius }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::prepared::Setup;
+    use crate::model::{Model, Parameters, Species, Start};
+    use domain::{Comm, PeriodicBox};
+    use std::error::Error;
+
+    /// A failed solve is explained by an overlap, or by another reason.
+    #[test]
+    fn spheres_that_overlap_are_named_where_no_flow_is_found() {
+        let cell = PeriodicBox::new(Vector::splat(14.0)).unwrap();
+        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], 0.05, 6);
+        let start = Start::Positions(vec![Vector::splat(3.0), Vector::new(6.5, 3.0, 3.0)]);
+        let model = Model::new(Parameters { start, ..usual }).unwrap();
+        let (dynamics, mut particles) =
+            Dynamics::new(&model, Setup::start(&model, None, &Comm::alone()).unwrap()).unwrap();
+        for (distance, said) in
+            [(3.5, "step 7: the motion"), (1.5, "step 7: spheres overlap by 0.5 (0.5 of the smallest radius), and")]
+        {
+            particles.positions[1] = particles.positions[0] + Vector::X * distance;
+            let error = dynamics.unsolved(SolveError::NotFinite, &mut particles, 7);
+            let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
+            let message = format!("{error}{cause}");
+            assert!(message.starts_with(said), "{message}");
+        }
     }
 }

@@ -6,6 +6,7 @@ pub mod fluctuating;
 pub mod fluctuating_bodies;
 mod following;
 pub mod gap_control;
+mod given_motions;
 pub mod initial_guess;
 pub mod orders;
 pub mod overlap_monitor;
@@ -20,7 +21,7 @@ pub mod velocity_field;
 
 use crate::bodies;
 use crate::columns::{self, ANGULAR_VELOCITY, EXPECTED, STRESSLET, VELOCITY};
-use crate::error::{StartError, gap::Gap, step::StepError};
+use crate::error::{StartError, step::StepError};
 use crate::evaluation::gap_control::watched_range;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::evaluation::overlap_monitor::OverlapMonitor;
@@ -36,8 +37,9 @@ use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
 use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
-use fcm::{Motion, SolveError};
+use fcm::Motion;
 use following::Following;
+use given_motions::GivenMotions;
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, Springs};
 use lubrication::{LubricationRange, PairKind};
 use simulation::Clock;
@@ -63,6 +65,7 @@ pub struct Dynamics {
     clipped: f64,
     /// Data for replanning when the box follows the particles.
     following: Option<Following>,
+    given_motions: GivenMotions,
     axes: UserAxes,
 }
 
@@ -107,6 +110,7 @@ impl Dynamics {
             smallest_radius: setup.radii.smallest(),
             largest_radius: setup.radii.largest(),
             following: Following::of(model, &setup.radii, setup.replan),
+            given_motions: GivenMotions::of(model),
             axes: model.user_axes(),
             partition: setup.partition,
             moving: setup.moving,
@@ -294,7 +298,7 @@ impl Dynamics {
         let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
         let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
-        let (springs, bodies) = (springs.as_ref(), bodies::of(particles, self.partition.comm()));
+        let (springs, bodies) = (springs.as_ref(), self.bodies(particles));
         let acting = SolveInput { springs, bodies: bodies.as_ref(), ambient, constant_flux, ..input };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
@@ -331,21 +335,6 @@ impl Dynamics {
         }
     }
 
-    /// The error for a failed solve: an overlap, if there is one. Collective.
-    pub(super) fn unsolved(&self, source: SolveError, particles: &mut Particles, step: u64) -> StepError {
-        if let SolveError::Interrupted(interrupted) = source {
-            return interrupted.into();
-        }
-        let nothing = [[0.0]; 2];
-        let gap = self.approach(particles, [VELOCITY]).after(nothing, [0.0; 2], self.partition.comm()).gap;
-        if gap < 0.0 { StepError::Overlap { step, overlap: self.gap(-gap) } } else { StepError::Solve { step, source } }
-    }
-
-    /// A gap or an overlap, for messages.
-    pub(super) fn gap(&self, length: f64) -> Gap {
-        Gap { length, radius: self.smallest_radius }
-    }
-
     /// Writes a solution into the particles' columns. Angular velocities include the background flow; velocities
     /// include it unless they are relative to it while particles move.
     fn record(&self, particles: &mut Particles, solved: &Solution) {
@@ -356,7 +345,7 @@ impl Dynamics {
             overwrite(particles.vectors(ANGULAR_VELOCITY), &turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             overwrite(&mut particles.column(STRESSLET, 5).values, stresslets);
-            bodies::record(particles, &solved.constraint_loads.forces, self.moving.advecting_gradient());
+            self.record_bodies(particles, solved);
             self.warm_start.record(particles, solved);
         }
     }
@@ -367,34 +356,5 @@ impl Dynamics {
         let carried = |row: usize| velocities[row] + moving.carried_velocity_of(positions[row], radii[row]);
         let carried = of_rows(velocities.len(), carried);
         overwrite(particles.vectors(column), &carried);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::{Parameters, Species, Start};
-    use domain::Comm;
-    use domain::PeriodicBox;
-    use std::error::Error;
-
-    /// A failed solve is explained by an overlap, or by another reason.
-    #[test]
-    fn spheres_that_overlap_are_named_where_no_flow_is_found() {
-        let cell = PeriodicBox::new(Vector::splat(14.0)).unwrap();
-        let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], 0.05, 6);
-        let start = Start::Positions(vec![Vector::splat(3.0), Vector::new(6.5, 3.0, 3.0)]);
-        let model = Model::new(Parameters { start, ..usual }).unwrap();
-        let (dynamics, mut particles) =
-            Dynamics::new(&model, Setup::start(&model, None, &Comm::alone()).unwrap()).unwrap();
-        for (distance, said) in
-            [(3.5, "step 7: the motion"), (1.5, "step 7: spheres overlap by 0.5 (0.5 of the smallest radius), and")]
-        {
-            particles.positions[1] = particles.positions[0] + Vector::X * distance;
-            let error = dynamics.unsolved(SolveError::NotFinite, &mut particles, 7);
-            let cause = error.source().map_or_else(String::new, |cause| format!(": {cause}"));
-            let message = format!("{error}{cause}");
-            assert!(message.starts_with(said), "{message}");
-        }
     }
 }

@@ -3,6 +3,7 @@
 use super::{BrownianScheme, Flow, Integrator, MultipoleOrder, Orientation, Parameters, Species, Start};
 use domain::{BodySphere, Number, ParameterError, Quaternion, Vector, sphere};
 use fcm::ComputeDevice;
+use hydrodynamics::GivenMotion;
 use lubrication::LubricationRange;
 
 /// Rigid bodies of one kind. Their spheres are particles of species of their own, one for each radius, which
@@ -25,6 +26,9 @@ pub struct Bodies {
     pub force: Vector,
     /// Steady torque on each body about its centre.
     pub torque: Vector,
+    /// Components of the motion of each body that are given, in the frame of the box. Loads on the body along these have
+    /// no effect.
+    pub motion: GivenMotion,
 }
 
 /// Orientations of bodies at the start: rotations of their own axes, the third of which is the axis of their symmetry.
@@ -63,6 +67,7 @@ impl Bodies {
             density_difference: 0.0,
             force: Vector::ZERO,
             torque: Vector::ZERO,
+            motion: GivenMotion::default(),
         }
     }
 
@@ -135,7 +140,31 @@ impl Bodies {
         let key = |name: &str| format!("bodies[{index}].{name}");
         ParameterError::require_finite(&key("density_difference"), self.density_difference)?;
         ParameterError::require_finite_vector(&key("force"), axes.vector(self.force))?;
-        ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque)).map(drop)
+        ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque))?;
+        self.check_motion(index, p)
+    }
+
+    fn check_motion(&self, index: usize, p: &Parameters) -> Result<(), ParameterError> {
+        let back = p.turn.inverse();
+        let GivenMotion { velocity, angular_velocity } = self.motion;
+        for (name, given) in [("velocity", velocity), ("angular_velocity", angular_velocity)] {
+            for (axis, component) in back.components(given).into_iter().enumerate() {
+                let key = format!("bodies[{index}].{name}[{axis}]");
+                ParameterError::require_finite(&key, component.unwrap_or(0.0))?;
+            }
+        }
+        let name = if velocity == [None; 3] { "angular_velocity" } else { "velocity" };
+        let refused = |message: &str| Err(ParameterError::new(format!("bodies[{index}].{name}"), message));
+        if p.thermal_energy.is_some() && !self.motion.is_none() {
+            return refused("can't be with fluid.thermal_energy yet; leave Brownian motion out");
+        }
+        if matches!(p.flow, Flow::Shear { .. }) && p.cell.is_periodic(2) && velocity[0].is_some() {
+            return refused(
+                "is given along x, but the images of a body in a periodic shear flow have other velocities along x; write \
+                 \"free\" for x, or put walls across the gradient",
+            );
+        }
+        Ok(())
     }
 
     fn check_orientation(&self, index: usize, p: &Parameters) -> Result<(), ParameterError> {
@@ -175,6 +204,11 @@ impl Parameters {
     pub fn with_bodies(mut self, bodies: Vec<Bodies>) -> Self {
         self.species.extend(bodies.iter().flat_map(Bodies::species));
         Self { bodies, ..self }
+    }
+
+    /// Kinds of bodies of whose motion some components are given.
+    pub(crate) fn kinds_with_given_motion(&self) -> impl Iterator<Item = usize> {
+        (0..self.bodies.len()).filter(|&kind| !self.bodies[kind].motion.is_none())
     }
 
     /// Number of species of spheres that belong to no body. They are the first ones.

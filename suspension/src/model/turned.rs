@@ -24,6 +24,9 @@ impl Parameters {
         }
         for bodies in &mut self.bodies {
             (bodies.force, bodies.torque) = (axes.vector_in(bodies.force), axes.vector_in(bodies.torque));
+            let motion = &mut bodies.motion;
+            motion.velocity = turn.components(motion.velocity);
+            motion.angular_velocity = turn.components(motion.angular_velocity);
             if let BodyOrientation::Aligned(axis) = &mut bodies.orientation {
                 *axis = axes.vector_in(*axis);
             }

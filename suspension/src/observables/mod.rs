@@ -2,6 +2,7 @@
 
 pub mod averages;
 pub mod clouds;
+mod given_motions;
 pub mod heights;
 pub mod observable;
 pub mod orientations;
@@ -202,6 +203,7 @@ fn of_model(model: &Model) -> Vec<Box<dyn Observable>> {
         list.extend(numbers(&TRAPS));
     }
     list.extend(orientations::orientations(model));
+    list.extend(given_motions::driving_loads(model));
     list.extend(numbers(&STEP));
     if model.cell.boundaries() == Boundaries::Periodic {
         list.extend(numbers(&DIVERGENCE));

@@ -4,7 +4,9 @@
 mod tests;
 
 use crate::columns::VELOCITY;
-use crate::columns::{ANGULAR_VELOCITY, CONSTRAINT_MOMENT_NUMBERS, ORIENTATION_NUMBERS, STRESSLET};
+use crate::columns::{
+    ANGULAR_VELOCITY, CONSTRAINT_LOAD_NUMBERS, CONSTRAINT_MOMENT_NUMBERS, ORIENTATION_NUMBERS, STRESSLET,
+};
 use crate::evaluation::gap_control::WATCHED;
 use crate::evaluation::initial_guess::WarmStart;
 use crate::flow::open_cell;
@@ -227,9 +229,14 @@ impl Share<'_> {
     }
 
     /// Numbers of a particle for rigid bodies, given those for velocities, each of which has one of the centre beside
-    /// it: the number of its body, its arm and its part of the stress as well.
+    /// it: the number of its body, its arm, its part of the stress and, if motions are given, the constraint's loads as well.
     fn body_numbers(&self, velocities: usize) -> usize {
-        if self.model.bodies.is_empty() { 0 } else { 1 + 3 + CONSTRAINT_MOMENT_NUMBERS + velocities }
+        if self.model.bodies.is_empty() {
+            return 0;
+        }
+        let is_given = self.model.kinds_with_given_motion().next().is_some();
+        let loads = if is_given { CONSTRAINT_LOAD_NUMBERS } else { 0 };
+        1 + 3 + CONSTRAINT_MOMENT_NUMBERS + loads + velocities
     }
 
     fn forces(&self) -> Option<Forces> {

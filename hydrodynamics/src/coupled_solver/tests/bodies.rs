@@ -294,7 +294,7 @@ fn a_given_motion_takes_the_loads_that_cause_it() {
     let wanted = [Vector::new(0.3, 0.0, 0.0), Vector::new(0.0, 0.0, -0.7)];
     let given =
         GivenMotion { velocity: wanted[0].to_array().map(Some), angular_velocity: [None, None, Some(wanted[1].z)] };
-    let rigid = body.rigid().with_given_motions(|_| Some(given));
+    let rigid = body.rigid().with_given_motions(vec![Some(given)]);
     let loads = Loads::default();
     let acting = SolveInput { bodies: Some(&rigid), ..acting(&loads, Traceless::ZERO) };
     let solved = body.solver().solve(&body.plan.cell(), &body.particles, &acting, &Guess::default()).unwrap();

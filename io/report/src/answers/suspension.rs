@@ -8,6 +8,8 @@ use suspension::{Flow, Model};
 
 const STRESS: &str = "force/length^2";
 const VELOCITY: &str = "length/time";
+const FORCES: [&str; 3] = ["driving_force_x", "driving_force_y", "driving_force_z"];
+const TORQUES: [&str; 3] = ["driving_torque_x", "driving_torque_y", "driving_torque_z"];
 
 /// A suspension and its time series.
 pub(super) struct RecordedSuspension<'a> {
@@ -17,7 +19,7 @@ pub(super) struct RecordedSuspension<'a> {
 
 impl RecordedSuspension<'_> {
     /// The columns of the series that quantities are made of.
-    pub(super) const COLUMNS: [&'static str; 19] = [
+    pub(super) const COLUMNS: [&'static str; 21] = [
         "relative_viscosity",
         "first_normal_stress_difference",
         "second_normal_stress_difference",
@@ -37,6 +39,8 @@ impl RecordedSuspension<'_> {
         "segregation",
         "bond_energy",
         "orientation",
+        "driving_force",
+        "driving_torque",
     ];
 
     /// The quantities that a suspension of this kind is run for, the first ones first.
@@ -50,6 +54,7 @@ impl RecordedSuspension<'_> {
             self.channel(),
             self.structure(),
             self.orientations(),
+            self.driving_loads(),
         ];
         lists.into_iter().flatten().collect()
     }
@@ -244,6 +249,27 @@ impl RecordedSuspension<'_> {
             orders.map(course)
         };
         oriented.flat_map(of_species).flatten().collect()
+    }
+
+    /// Mean loads that the given motions of bodies take, along the components that are given.
+    fn driving_loads(&self) -> Vec<Course> {
+        let back = self.model.turn.inverse();
+        let driven = self.model.bodies.iter().filter(|kind| !kind.motion.is_none()).enumerate();
+        let of_kind = |(row, kind): (usize, &suspension::Bodies)| {
+            let forces = ("driving_force", "force", FORCES, back.components(kind.motion.velocity));
+            let torques = ("driving_torque", "force*length", TORQUES, back.components(kind.motion.angular_velocity));
+            [forces, torques]
+                .into_iter()
+                .flat_map(|(column, unit, names, given)| {
+                    let course = |axis: usize| {
+                        let values = self.component(column, row, axis).filter(|_| given[axis].is_some())?;
+                        Some(Course::new(names[axis], unit, values).of_species(&kind.name))
+                    };
+                    (0..3).filter_map(course).collect::<Vec<_>>()
+                })
+                .collect::<Vec<_>>()
+        };
+        driven.flat_map(of_kind).collect()
     }
 
     /// The steady force on a sphere of each species, in the axes of the user.

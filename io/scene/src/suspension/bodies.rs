@@ -5,7 +5,7 @@ use crate::checks::{few_enough, positive};
 use crate::document::NumberOr;
 use domain::{BodyShape, BodySphere, EqualSpheres, Number, Quaternion, Vector, sphere};
 use raw::BodyShapeName::{Aggregate, Cube, Doublet, Plate, Ring, Rod, Shell, Tetrahedron};
-use suspension::{Bodies, BodyOrientation, MAX_FRACTION, Species};
+use suspension::{Bodies, BodyOrientation, GivenMotion, MAX_FRACTION, Species};
 
 /// Largest number of spheres of one body.
 const MOST_SPHERES: f64 = 10_000.0;
@@ -58,6 +58,7 @@ impl BodiesReader<'_> {
             density_difference: one.density_difference.unwrap_or(0.0),
             force: one.force.into(),
             torque: one.torque.into(),
+            motion: GivenMotion { velocity: given(one.velocity), angular_velocity: given(one.angular_velocity) },
             ..Bodies::new(&name, spheres, count)
         })
     }
@@ -199,6 +200,12 @@ impl BodiesReader<'_> {
             _ => self.fault("edge", "needs to be at least 2"),
         }
     }
+}
+
+/// The components of a motion that are numbers.
+fn given(components: Option<[NumberOr<raw::Free>; 3]>) -> [Option<f64>; 3] {
+    let number = |component| if let NumberOr::Number(number) = component { Some(number) } else { None };
+    components.map_or([None; 3], |components| components.map(number))
 }
 
 /// Refuses a body of too many spheres.

@@ -12,7 +12,7 @@ mod distribution;
 mod hydrodynamics;
 mod interactions;
 
-pub(super) use bodies::{BodiesSection, BodyOrientationName, BodyShapeName, BodySphereSection};
+pub(super) use bodies::{BodiesSection, BodyOrientationName, BodyShapeName, BodySphereSection, Free};
 pub(super) use distribution::{DistributionKind, DistributionSection};
 pub(super) use hydrodynamics::HydrodynamicsSection;
 pub(super) use interactions::{

@@ -43,6 +43,23 @@ pub(in crate::suspension) struct BodiesSection {
     /// Constant torque on each body.
     #[serde(default)]
     pub(in crate::suspension) torque: [f64; 3],
+    /// Given velocity of the centre of each body, component by component, each a number or "free"; the force that it
+    /// takes is in the time series.
+    pub(in crate::suspension) velocity: Option<[NumberOr<Free>; 3]>,
+    /// Given angular velocity of each body, component by component, each a number or "free"; the torque that it takes is
+    /// in the time series.
+    pub(in crate::suspension) angular_velocity: Option<[NumberOr<Free>; 3]>,
+}
+
+/// A component of a motion that is not given.
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::suspension) enum Free {
+    Free,
+}
+
+impl Alternative for Free {
+    const WORDS: &'static str = "a number or \"free\"";
 }
 
 /// Shapes that are made of equal spheres.
