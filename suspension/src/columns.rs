@@ -90,8 +90,8 @@ pub const ARM: &str = "arm";
 pub const CONSTRAINT_MOMENT: &str = "constraint moment";
 pub const CONSTRAINT_MOMENT_NUMBERS: usize = 9;
 
-/// Force of the constraint on a sphere and its torque about the centre of the body, whose sums over the spheres of a body
-/// are the loads that its given motion takes; and the width of the column. It exists if motions of bodies are given.
+/// Force of the constraint on a sphere and its torque about the centre of the body, whose sums over the spheres of a
+/// body are the loads that its given motion takes; and the width of the column. It exists if motions are given.
 pub const CONSTRAINT_LOAD: &str = "constraint load";
 pub const CONSTRAINT_LOAD_NUMBERS: usize = 6;
 

@@ -39,8 +39,12 @@ impl RigidBodies {
         Self { shared: SharedBodies::new(comm, members.numbers()), members, given: Vec::new() }
     }
 
-    /// These bodies with components of their motions given, in the order of [`Self::numbers`]. The constraint loads of a solution
-    /// then have the total force and torque that this motion takes in addition to the given loads.
+    /// These bodies with components of their motions given, in the order of [`Self::numbers`]. The constraint loads of
+    /// a solution then have the total force and torque that this motion takes in addition to the given loads.
+    ///
+    /// # Panics
+    ///
+    /// If the list has another length.
     #[must_use]
     pub fn with_given_motions(self, given: Vec<Option<GivenMotion>>) -> Self {
         assert_eq!(given.len(), self.numbers().len(), "a motion for each body");

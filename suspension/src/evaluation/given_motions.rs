@@ -33,8 +33,8 @@ impl GivenMotions {
 }
 
 impl Dynamics {
-    /// The bodies of a rank's particles, with the given motions relative to the background flow at their centres; `None`
-    /// without bodies. Collective.
+    /// The bodies of a rank's particles, with the given motions relative to the background flow at their centres;
+    /// `None` without bodies. Collective.
     pub(super) fn bodies(&self, particles: &mut Particles) -> Option<RigidBodies> {
         let all = bodies::of(particles, self.partition.comm())?;
         if self.given_motions.of_kinds.is_empty() {

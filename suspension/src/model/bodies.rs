@@ -26,8 +26,8 @@ pub struct Bodies {
     pub force: Vector,
     /// Steady torque on each body about its centre.
     pub torque: Vector,
-    /// Components of the motion of each body that are given, in the frame of the box. Loads on the body along these have
-    /// no effect.
+    /// Components of the motion of each body that are given, in the frame of the box. Loads on the body along these
+    /// have no effect.
     pub motion: GivenMotion,
 }
 
@@ -160,8 +160,8 @@ impl Bodies {
         }
         if matches!(p.flow, Flow::Shear { .. }) && p.cell.is_periodic(2) && velocity[0].is_some() {
             return refused(
-                "is given along x, but the images of a body in a periodic shear flow have other velocities along x; write \
-                 \"free\" for x, or put walls across the gradient",
+                "is given along x, but the images of a body in a periodic shear flow have other velocities along x; \
+                 write \"free\" for x, or put walls across the gradient",
             );
         }
         Ok(())

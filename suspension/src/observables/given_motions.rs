@@ -6,8 +6,8 @@ use crate::model::Model;
 use domain::Vector;
 use simulation::Quantity;
 
-/// Mean force and torque, about the centre, on a body of each kind with a given motion, by what moves it: in addition to
-/// the other loads on the body.
+/// Mean force and torque, about the centre, on a body of each kind with a given motion, by what moves it: in addition
+/// to the other loads on the body.
 pub fn driving_loads(model: &Model) -> Vec<Box<dyn Observable>> {
     let kinds: Vec<DrivenKind> = model.kinds_with_given_motion().map(|kind| DrivenKind::of(model, kind)).collect();
     if kinds.is_empty() {

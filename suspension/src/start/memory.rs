@@ -229,7 +229,7 @@ impl Share<'_> {
     }
 
     /// Numbers of a particle for rigid bodies, given those for velocities, each of which has one of the centre beside
-    /// it: the number of its body, its arm, its part of the stress and, if motions are given, the constraint's loads as well.
+    /// it: the number of its body, its arm, its part of the stress and, if motions are given, loads as well.
     fn body_numbers(&self, velocities: usize) -> usize {
         if self.model.bodies.is_empty() {
             return 0;

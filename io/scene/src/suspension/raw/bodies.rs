@@ -46,8 +46,8 @@ pub(in crate::suspension) struct BodiesSection {
     /// Given velocity of the centre of each body, component by component, each a number or "free"; the force that it
     /// takes is in the time series.
     pub(in crate::suspension) velocity: Option<[NumberOr<Free>; 3]>,
-    /// Given angular velocity of each body, component by component, each a number or "free"; the torque that it takes is
-    /// in the time series.
+    /// Given angular velocity of each body, component by component, each a number or "free"; the torque that it takes
+    /// is in the time series.
     pub(in crate::suspension) angular_velocity: Option<[NumberOr<Free>; 3]>,
 }
 
