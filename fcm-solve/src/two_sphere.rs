@@ -3,7 +3,7 @@
 use crate::streams;
 use anyhow::Context;
 use domain::Comm;
-use lubrication::two_sphere::{TwoSphere, named};
+use lubrication::two_sphere::{TwoSphere, TwoSphereError, TwoSphereSlip, named, named_slip};
 use serde_json::{Map, Value};
 
 /// Geometry of two spheres, and the form of the output.
@@ -15,22 +15,32 @@ pub struct Args {
     /// Gap between the surfaces over the radius of sphere 1, above 0
     #[arg(long, value_name = "G", allow_hyphen_values = true)]
     gap: f64,
+    /// Print the loads of spheres at rest by the slip of squirmers in place of resistance functions
+    #[arg(long)]
+    slip: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
 }
 
 /// Prints the resistance functions `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey
-/// (1992). Collective.
+/// (1992), or the loads by slip `XF1_11` and so on over viscosity, in units of the first radius. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
-    let functions = TwoSphere::with_ratio(args.ratio).and_then(|table| table.resistance(args.gap));
-    let values = named(&comm.agree(functions).with_context(|| format!("--ratio {} --gap {}", args.ratio, args.gap))?);
+    let values = comm.agree(values(args)).with_context(|| format!("--ratio {} --gap {}", args.ratio, args.gap))?;
     let text = if args.json {
-        let object: Map<String, Value> =
-            values.into_iter().map(|(name, value)| (name.to_owned(), value.into())).collect();
+        let object: Map<String, Value> = values.into_iter().map(|(name, value)| (name, value.into())).collect();
         format!("{}\n", Value::Object(object))
     } else {
         values.into_iter().map(|(name, value)| format!("{name}  {value:+.10e}\n")).collect::<Vec<_>>().concat()
     };
     streams::print(comm, &text)
+}
+
+/// Names and values.
+fn values(args: &Args) -> Result<Vec<(String, f64)>, TwoSphereError> {
+    let functions = TwoSphere::with_ratio(args.ratio)?.resistance(args.gap)?;
+    if args.slip {
+        return Ok(named_slip(&TwoSphereSlip::with_ratio(args.ratio)?.at(args.gap)));
+    }
+    Ok(named(&functions).into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }

@@ -19,8 +19,7 @@ pub struct SolveInput<'a> {
     pub bodies: Option<&'a RigidBodies>,
     /// Further motions of the ambient fluid at each particle, such as Brownian noise; empty lists stand for none.
     pub ambient: &'a Motion,
-    /// Slip of squirmers, if there are any, on all ranks or none. It acts in the far field; lubrication is that of
-    /// spheres without slip.
+    /// Slip of squirmers, if there are any, on all ranks or none.
     pub squirming: Option<&'a Squirming>,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,

@@ -1,7 +1,7 @@
 //! Squirmers: spheres that swim by a slip velocity at their surface.
 
 use domain::parallel::{mapped, of_rows};
-use domain::{Traceless, Vector, sphere};
+use domain::{Traceless, Units, Vector, sphere};
 use fcm::{Envelope, Motion, Multipoles, Plan};
 use std::f64::consts::PI;
 use thiserror::Error;
@@ -90,11 +90,19 @@ impl Squirming {
         }
     }
 
-    fn first_of(&self, row: usize) -> Vector {
+    /// The same in other units.
+    pub(crate) fn in_units(&self, units: &Units) -> Self {
+        let over = 1.0 / units.velocity();
+        Self { first: mapped(&self.first, |&b| b * over), second: mapped(&self.second, |&q| q * over) }
+    }
+
+    /// `B1 p` of a sphere.
+    pub(crate) fn first_of(&self, row: usize) -> Vector {
         self.first.get(row).copied().unwrap_or_default()
     }
 
-    fn second_of(&self, row: usize) -> Traceless {
+    /// `B2 (p p - I/3)` of a sphere.
+    pub(crate) fn second_of(&self, row: usize) -> Traceless {
         self.second.get(row).copied().unwrap_or_default()
     }
 }

@@ -1,11 +1,12 @@
 //! Resistance of a pair in the force-coupling method itself: two spheres in free space.
 
 use domain::sphere;
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use crate::dense::{Square, inverse};
-use crate::gaussian::{radial_derivatives, widths};
+use crate::gaussian::{quadrupole, radial_derivatives, widths};
 use crate::two_sphere::blocks::{ResistanceBlocks, place};
+use crate::two_sphere::slip::{SLIP_VALUES, SlipFunction, SlipValues};
 
 /// Resistance over viscosity of two spheres in free space by the force-coupling method: forces, torques and
 /// stresslets with Gaussian envelopes, each block the inverse of its mobility.
@@ -23,6 +24,85 @@ pub fn resistance(radii: [f64; 2], distance: f64) -> ResistanceBlocks {
         transverse: transverse(distance, &f, [velocity, angular, strain]),
         planar: inverse(symmetric(strain, 3.0 * f[1][1][1] + distance.powi(2) * f[1][1][2])),
     }
+}
+
+/// Loads over viscosity of two spheres at rest by slip, by the force-coupling method: squirmers apply degenerate
+/// quadrupoles `H = -4/3 pi a^3 b`, have the velocity `2/3 b` besides that by the loads and quadrupoles of others, and the
+/// rate of strain `-3 Q/(5 a)`. At rest, the loads are the resistance times minus these velocities.
+pub fn slip(radii: [f64; 2], distance: f64) -> SlipValues {
+    let resistance = resistance(radii, distance);
+    let mut values = [0.0; SLIP_VALUES];
+    for slips in 0..2 {
+        let other = 1 - slips;
+        let flow = QuadrupoleFlow::new([radii[slips], radii[other]], distance);
+        let sign = if other == 1 { 1.0 } else { -1.0 };
+        let strain = -3.0 / (5.0 * radii[slips]);
+        let mut axial = [[0.0; 4]; 2];
+        axial[0][slips] = -2.0 / 3.0;
+        axial[0][other] = -flow.along;
+        axial[0][2 + other] = -sign * flow.stretching * 1.5_f64.sqrt();
+        axial[1][2 + slips] = strain * (2.0 / 3.0) * 1.5_f64.sqrt();
+        let mut transverse = [[0.0; 6]; 2];
+        transverse[0][slips] = -2.0 / 3.0;
+        transverse[0][other] = -flow.across;
+        transverse[0][2 + other] = -sign * flow.turning;
+        transverse[0][4 + other] = -sign * flow.shearing * 2.0_f64.sqrt();
+        transverse[1][4 + slips] = strain * 2.0_f64.sqrt();
+        let (axial, transverse) =
+            (axial.map(|m| times(&resistance.axial, &m)), transverse.map(|m| times(&resistance.transverse, &m)));
+        for bears in 0..2 {
+            let mut put =
+                |function: SlipFunction, value: f64| values[4 * function as usize + 2 * bears + slips] = value;
+            put(SlipFunction::XF1, axial[0][bears]);
+            put(SlipFunction::XS1, axial[0][2 + bears] / 1.5_f64.sqrt());
+            put(SlipFunction::XF2, axial[1][bears]);
+            put(SlipFunction::XS2, axial[1][2 + bears] / 1.5_f64.sqrt());
+            put(SlipFunction::YF1, transverse[0][bears]);
+            put(SlipFunction::YT1, transverse[0][2 + bears]);
+            put(SlipFunction::YS1, transverse[0][4 + bears] * FRAC_1_SQRT_2);
+            put(SlipFunction::YF2, transverse[1][bears]);
+            put(SlipFunction::YT2, transverse[1][2 + bears]);
+            put(SlipFunction::YS2, transverse[1][4 + bears] * FRAC_1_SQRT_2);
+            put(SlipFunction::ZS2, resistance.planar[bears][slips] * strain);
+        }
+    }
+    values
+}
+
+/// Flow of the quadrupole of a unit slip `b` at another sphere at a distance along `z`, averaged over its envelopes.
+struct QuadrupoleFlow {
+    /// Velocity `u_z` by `b = z`, and `u_x` by `b = x`.
+    along: f64,
+    across: f64,
+    /// `E_zz` by `b = z`, `E_xz` and `Omega_y` by `b = x`.
+    stretching: f64,
+    shearing: f64,
+    turning: f64,
+}
+
+impl QuadrupoleFlow {
+    /// For the radii of the sphere that slips and of the other.
+    fn new([slips, other]: [f64; 2], r: f64) -> Self {
+        let (variances, weight) = quadrupole(slips);
+        let strength = -sphere::volume(slips) * weight;
+        let difference = |width: f64| -> [f64; 4] {
+            let [wide, narrow] = variances.map(|variance| radial_derivatives(r, variance.sqrt().hypot(width)));
+            std::array::from_fn(|n| strength * (wide[n] - narrow[n]))
+        };
+        let [velocity, gradient] = widths(other).map(difference);
+        let r2 = r * r;
+        Self {
+            along: -2.0 * velocity[0],
+            across: -2.0 * velocity[0] - r2 * velocity[1],
+            stretching: -2.0 * r * gradient[1],
+            shearing: -0.5 * r * (3.0 * gradient[1] + r2 * gradient[2]),
+            turning: -0.5 * r * (5.0 * gradient[1] + r2 * gradient[2]),
+        }
+    }
+}
+
+fn times<const N: usize>(matrix: &Square<N>, vector: &[f64; N]) -> [f64; N] {
+    matrix.map(|row| row.iter().zip(vector).map(|(r, v)| r * v).sum())
 }
 
 /// Mobility times viscosity along the line of centres with forces alone.

@@ -25,6 +25,14 @@ pub fn widths(radius: f64) -> [f64; 2] {
     [radius / PI.sqrt(), radius / (6.0 * PI.sqrt()).cbrt()]
 }
 
+/// Variances of the two Gaussians of the degenerate quadrupole of a sphere, and `1/e`: as `fcm::Quadrupole`, forces `H/e`
+/// and `-H/e` with the variances `sigma'^2 +- e`, `e = sigma'^2/16`.
+pub fn quadrupole(radius: f64) -> ([f64; 2], f64) {
+    let variance = widths(radius)[1].powi(2);
+    let half = variance / 16.0;
+    ([variance + half, variance - half], 1.0 / half)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

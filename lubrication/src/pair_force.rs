@@ -41,6 +41,13 @@ struct SpeciesTable {
     minimum_gap: f64,
 }
 
+/// Gap of a pair over its smaller radius, that radius, and the viscosity times it, tapered.
+pub(crate) struct PairGap {
+    pub over_small: f64,
+    pub small: f64,
+    pub factor: f64,
+}
+
 /// Error for species between which lubrication cannot be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 pub enum PairForceError {
@@ -104,6 +111,14 @@ impl PairForce {
         let table = self.table(species);
         let gap = distance - table.sum;
         (gap * table.over_large < self.range.cutoff() && distance > 0.0).then_some(gap)
+    }
+
+    /// Gap of a pair of species in tables, and the factor of its loads; `None` beyond the cutoff.
+    pub(crate) fn pair_gap(&self, distance: f64, species: [u32; 2]) -> Option<PairGap> {
+        let (table, gap) = (self.table(species), self.gap(distance, species)?);
+        let over_small = self.range.effective_gap(gap, table.minimum_gap) * table.over_small;
+        let factor = self.viscosity * table.small * self.range.taper_factor(gap * table.over_large);
+        Some(PairGap { over_small, small: table.small, factor })
     }
 
     /// Factor of a pair, with `separation` from the first centre to the second; `None` beyond the cutoff.

@@ -1,7 +1,7 @@
 //! Motion and loads of a sphere.
 
 use domain::{Traceless, Vector};
-use std::ops::Add;
+use std::ops::{Add, Mul};
 
 /// Motion of a sphere relative to the ambient flow at its centre, `U - U_inf`, `Omega - Omega_inf`, `E - E_inf`.
 ///
@@ -32,6 +32,13 @@ impl Add for SphereLoads {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self { force: self.force + other.force, torque: self.torque + other.torque, moment: self.moment + other.moment }
+    }
+}
+
+impl Mul<f64> for SphereLoads {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self { force: self.force * factor, torque: self.torque * factor, moment: self.moment * factor }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Rigid spheres with lubrication: coupled solve of the far field and the near field.
 
 mod constant_flux;
+mod near_pairs;
 mod perturbed_solve;
 mod swimming;
 
@@ -181,21 +182,6 @@ impl CoupledSolver {
             flux.complete(&mut solved, self.partition.comm());
         }
         Ok(solved)
-    }
-
-    /// Near pairs of particles in scaled units, in a box in the original units, with the strain rate and the bodies of
-    /// `acting` in scaled units and its springs in the original ones. Collective.
-    fn near_pairs(&mut self, cell: &PeriodicBox, own: &Particles, acting: &SolveInput) -> NearPairs {
-        let (units, cell) = (self.units, &cell.scaled(1.0 / self.units.length));
-        let Some(field) = &mut self.near else { return NearPairs::none(own, cell, &self.partition) };
-        let SolveInput { strain_rate, springs, bodies, .. } = *acting;
-        let resistance = springs.map(|springs| units::resistance(springs, &units));
-        let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
-        let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
-        let springs =
-            resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
-        let connections = Connections { springs: springs.as_ref(), bodies };
-        NearPairs::find(field, connections, own, DomainView { cell, partition: &self.partition }, strain_rate)
     }
 
     /// Motions of particles without near pairs.

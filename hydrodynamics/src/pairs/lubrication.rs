@@ -1,7 +1,8 @@
 //! Lubrication between spheres, divided into stiff pairs, which the preconditioner includes, and soft pairs.
 
 use crate::six_vector::SixVector;
-use lubrication::{PairForce, SphereRowTables};
+use lubrication::{PairForce, SlipForce, SphereRowTables};
+use std::sync::OnceLock;
 
 /// Lubrication between spheres.
 pub struct PairLubrication {
@@ -10,6 +11,7 @@ pub struct PairLubrication {
     /// Tables for soft pairs.
     pub soft: SphereRowTables,
     stiffness: Stiffness,
+    slip: OnceLock<SlipForce>,
 }
 
 impl PairLubrication {
@@ -17,7 +19,13 @@ impl PairLubrication {
     pub fn new(force: PairForce, single: &[SixVector]) -> Self {
         let stiffness = Stiffness::new(&force, single);
         let soft = SphereRowTables::new(&force, |species| stiffness.gap(species));
-        Self { force, soft, stiffness }
+        Self { force, soft, stiffness, slip: OnceLock::new() }
+    }
+
+    /// Loads by slip, whose tables are made at the first call. Must not be called from a rayon task.
+    pub fn slip(&self) -> &SlipForce {
+        let of_radii = || SlipForce::new(&self.force).expect("the ratios of radii are those of the pair force");
+        self.slip.get_or_init(of_radii)
     }
 
     /// Whether a pair of two species is stiff at a gap.

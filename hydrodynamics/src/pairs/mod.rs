@@ -5,4 +5,5 @@ pub mod contacts;
 pub mod lubrication;
 pub mod matrix;
 pub mod search;
+pub mod slip;
 pub mod walls;

@@ -9,15 +9,18 @@ use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::StoredLanes;
 use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::matrix::within_bodies::StiffOfBodies;
+use crate::pairs::slip::SlippingPairs;
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
+use crate::squirming::Squirming;
 use domain::parallel::{MeasuredLoop, change, copied, equal, mapped, of_rows, stage};
 use domain::{
-    DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
+    DomainView, Halo, LocalAndGhosts, Neighbour, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector,
+    VerletList,
 };
 use fcm::Precision;
-use lubrication::WallForce;
+use lubrication::{SurfaceSlip, WallForce};
 use rayon::prelude::*;
 use std::rc::Rc;
 
@@ -97,6 +100,12 @@ impl Present {
         halo.extend(&mut ids);
         halo.extend(&mut species);
         Self { cell: *cell, halo, positions, ids, species }
+    }
+
+    /// Separation of a particle and a neighbour of its list.
+    pub fn separation(&self, row: usize, neighbour: Neighbour) -> Vector {
+        let apart = self.positions[neighbour.row as usize] - self.positions[row];
+        if neighbour.steps == [0; 3] { apart } else { apart + self.cell.lattice(neighbour.steps.map(i32::from)) }
     }
 
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
@@ -214,6 +223,29 @@ impl NearPairs {
             stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
         Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty(), bodies }
+    }
+
+    /// Adds the lubrication loads by the slip of squirmers, in the units of the pairs. Collective.
+    pub fn add_slip(&mut self, field: &NearField, squirming: &Squirming) {
+        let Some(lubrication) = &field.lubrication else { return };
+        let (owned, halo) = (self.moments.len(), &self.around.halo);
+        let mut first = of_rows(owned, |row| squirming.first_of(row));
+        let mut second = of_rows(owned, |row| squirming.second_of(row));
+        halo.extend(&mut first);
+        halo.extend(&mut second);
+        let slips = of_rows(first.len(), |row| SurfaceSlip { first: first[row], second: second[row] });
+        let pairs = SlippingPairs {
+            lubrication,
+            slip: lubrication.slip(),
+            present: &self.around,
+            bodies: self.bodies.as_ref(),
+            neighbours: field.lists.neighbours(),
+            slips: &slips,
+        };
+        let loads = of_rows(owned, |row| pairs.loads(row));
+        // In the flow of the slip, as in that of the ambient strain, these are loads on the fluid with the opposite sign.
+        change(&mut self.loads.0, &loads, |sum, by| *sum += SixVector::new(-by.force, -by.torque));
+        change(&mut self.moments, &loads, |sum, by| *sum += -by.moment);
     }
 
     /// No near pairs, for systems without short-range interactions. Collective.

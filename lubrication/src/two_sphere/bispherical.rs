@@ -17,6 +17,7 @@
 
 use super::double_double::DoubleDouble;
 use super::geometry::{Geometry, side};
+use super::normal_polynomial::NormalPolynomial;
 use super::tridiagonal::{self, BlockRow, Matrix2};
 
 /// Velocity on one sphere: coefficients of `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` in the basis above over
@@ -33,7 +34,7 @@ pub struct SurfaceVelocity {
     pub lowered: SurfaceFunction,
 }
 
-/// A function on a sphere that is at most linear in the coordinates.
+/// A function on a sphere.
 #[derive(Debug, Clone, Copy)]
 pub enum SurfaceFunction {
     /// 0
@@ -44,6 +45,8 @@ pub enum SurfaceFunction {
     Height,
     /// A multiple of `rho`, of order 1
     Radius(f64),
+    /// A polynomial of the normal
+    Normal(NormalPolynomial),
 }
 
 impl SurfaceFunction {
@@ -57,6 +60,7 @@ impl SurfaceFunction {
                 side * (2 * n + 1) as f64 - side * geometry.cosh[sphere] / geometry.sinh[sphere]
             }
             Self::Radius(factor) => decay * (2.0 * factor),
+            Self::Normal(polynomial) => polynomial.coefficient(n, decay, geometry, sphere),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::near::NearContact;
+use super::near::{NearContact, REGULAR};
 use super::singular::Singularity;
 use crate::chebyshev::{Chebyshev, Samples};
 
@@ -32,15 +32,15 @@ pub struct Tabulated<const N: usize> {
 /// in the logarithm of the gap, and beyond a gap of about the distance at contact a Chebyshev series in `t` or its
 /// square.
 #[derive(Debug, Clone)]
-pub struct GapTable<const N: usize> {
+pub struct GapTable<const N: usize, const TERMS: usize = REGULAR> {
     tabulated: Tabulated<N>,
-    near: NearContact<N>,
+    near: NearContact<N, TERMS>,
     pieces: Vec<Chebyshev<N, NODES>>,
     far: Chebyshev<N, NODES>,
     far_from: f64,
 }
 
-impl<const N: usize> GapTable<N> {
+impl<const N: usize, const TERMS: usize> GapTable<N, TERMS> {
     /// Computes the tables of functions with given singularities at contact.
     pub fn compute(
         tabulated: Tabulated<N>,

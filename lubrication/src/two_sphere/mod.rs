@@ -23,11 +23,14 @@ mod gap_table;
 mod geometry;
 mod mobility;
 mod near;
+mod normal_polynomial;
 mod singular;
+pub(crate) mod slip;
 mod table;
 mod tridiagonal;
 mod wall;
 
 pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, WallFunctions, named, named_mobility};
+pub use slip::{SlipFunction, SlipValues, TwoSphereSlip, named_slip};
 pub use table::{LARGEST_RATIO, TwoSphere, TwoSphereError};
 pub use wall::SphereWall;

@@ -4,20 +4,21 @@ use super::singular::Singularity;
 use crate::dense;
 use rayon::prelude::*;
 
-/// Terms of the regular part: `1, x, x² L, x², x³ L, x³, x⁴ L, x⁴`, with `x` the gap and `L = ln 1/x`.
-const TERMS: usize = 8;
+/// Number of terms of a regular part.
+pub const REGULAR: usize = 8;
 
 /// `g1/xi + g2 ln(1/xi) + g3 xi ln(1/xi)` for `N` functions plus a regular part fitted to exact values, with `xi` the
-/// gap over the mean radius, or over the radius of a sphere at a wall.
+/// gap over the mean radius, or over the radius of a sphere at a wall. With more than [`REGULAR`] terms, logarithms with
+/// coefficients that are not known are fitted too.
 #[derive(Debug, Clone)]
-pub struct NearContact<const N: usize> {
+pub struct NearContact<const N: usize, const TERMS: usize> {
     /// Radius that is the unit of `xi`.
     unit: f64,
     singular: [Singularity; N],
     regular: [[f64; N]; TERMS],
 }
 
-impl<const N: usize> NearContact<N> {
+impl<const N: usize, const TERMS: usize> NearContact<N, TERMS> {
     /// Fit to values at gaps from `start` to 16 times that.
     pub fn fit(
         unit: f64,
@@ -38,7 +39,7 @@ impl<const N: usize> NearContact<N> {
 
     /// All functions at `gap`.
     pub fn at(&self, gap: f64) -> [f64; N] {
-        let terms = terms(gap);
+        let terms = terms::<TERMS>(gap);
         let mut values = self.singular_part(gap);
         for (term, coefficients) in terms.iter().zip(&self.regular) {
             values.iter_mut().zip(coefficients).for_each(|(value, c)| *value += term * c);
@@ -53,7 +54,9 @@ impl<const N: usize> NearContact<N> {
     }
 }
 
-fn terms(x: f64) -> [f64; TERMS] {
+/// `1, x, x² L, x², x³ L, x³, x⁴ L, x⁴`, with `x` the gap and `L = ln 1/x`, and then `L, x L`.
+fn terms<const TERMS: usize>(x: f64) -> [f64; TERMS] {
     let log = -x.ln();
-    [1.0, x, x * x * log, x * x, x.powi(3) * log, x.powi(3), x.powi(4) * log, x.powi(4)]
+    let all = [1.0, x, x * x * log, x * x, x.powi(3) * log, x.powi(3), x.powi(4) * log, x.powi(4), log, x * log];
+    std::array::from_fn(|term| all[term])
 }

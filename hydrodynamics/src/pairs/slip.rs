@@ -1,0 +1,36 @@
+//! Lubrication loads of near pairs by the slip of squirmers.
+
+use crate::bodies::present::PresentBodies;
+use crate::pairs::lubrication::PairLubrication;
+use crate::pairs::search::Present;
+use domain::Neighbours;
+use lubrication::{SlipForce, SphereLoads, SurfaceSlip};
+
+/// Particles with their slip, ghosts included, and the pairs that are lubricated.
+pub struct SlippingPairs<'a> {
+    pub lubrication: &'a PairLubrication,
+    pub slip: &'a SlipForce,
+    pub present: &'a Present,
+    pub bodies: Option<&'a PresentBodies>,
+    pub neighbours: &'a Neighbours,
+    pub slips: &'a [SurfaceSlip],
+}
+
+impl SlippingPairs<'_> {
+    /// Loads of a sphere on the fluid by the slip of its near pairs, in the order of its neighbours. Within a body they
+    /// are as much less as lubrication is.
+    pub fn loads(&self, row: usize) -> SphereLoads {
+        let (present, force) = (self.present, &self.lubrication.force);
+        let mut sum = SphereLoads::default();
+        for neighbour in self.neighbours.of(row).iter() {
+            let other = neighbour.row as usize;
+            let (separation, species) = (present.separation(row, neighbour), [row, other].map(|i| present.species[i]));
+            let slips = [self.slips[row], self.slips[other]];
+            let Some(loads) = self.slip.loads(force, separation, species, &slips) else { continue };
+            let radii = species.map(|s| force.radii()[s as usize]);
+            let share = self.bodies.and_then(|bodies| bodies.share([row, other], separation, radii)).unwrap_or(1.0);
+            sum = sum + loads * share;
+        }
+        sum
+    }
+}
