@@ -27,8 +27,8 @@ pub fn resistance(radii: [f64; 2], distance: f64) -> ResistanceBlocks {
 }
 
 /// Loads over viscosity of two spheres at rest by slip, by the force-coupling method: squirmers apply degenerate
-/// quadrupoles `H = -4/3 pi a^3 b`, have the velocity `2/3 b` besides that by the loads and quadrupoles of others, and the
-/// rate of strain `-3 Q/(5 a)`. At rest, the loads are the resistance times minus these velocities.
+/// quadrupoles `H = -4/3 pi a^3 b`, have the velocity `2/3 b` besides that by the loads and quadrupoles of others, and
+/// the rate of strain `-3 Q/(5 a)`. At rest, the loads are the resistance times minus these velocities.
 pub fn slip(radii: [f64; 2], distance: f64) -> SlipValues {
     let resistance = resistance(radii, distance);
     let mut values = [0.0; SLIP_VALUES];

@@ -25,8 +25,8 @@ pub fn widths(radius: f64) -> [f64; 2] {
     [radius / PI.sqrt(), radius / (6.0 * PI.sqrt()).cbrt()]
 }
 
-/// Variances of the two Gaussians of the degenerate quadrupole of a sphere, and `1/e`: as `fcm::Quadrupole`, forces `H/e`
-/// and `-H/e` with the variances `sigma'^2 +- e`, `e = sigma'^2/16`.
+/// Variances of the two Gaussians of the degenerate quadrupole of a sphere, and `1/e`: as `fcm::Quadrupole`, forces
+/// `H/e` and `-H/e` with the variances `sigma'^2 +- e`, `e = sigma'^2/16`.
 pub fn quadrupole(radius: f64) -> ([f64; 2], f64) {
     let variance = widths(radius)[1].powi(2);
     let half = variance / 16.0;

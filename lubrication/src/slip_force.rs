@@ -9,8 +9,8 @@ use crate::slip_table::SlipTable;
 use crate::sphere_motion::SphereLoads;
 use crate::two_sphere::slip::{SlipFunction, SlipValues};
 
-/// Slip velocity at the surface of a sphere with the outward normal `n`, `(n n - I).b + (n.Q.n) n - Q.n`. A squirmer with
-/// the axis `p` has `b = B1 p` and `Q = B2 (p p - I/3)`.
+/// Slip velocity at the surface of a sphere with the outward normal `n`, `(n n - I).b + (n.Q.n) n - Q.n`. A squirmer
+/// with the axis `p` has `b = B1 p` and `Q = B2 (p p - I/3)`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SurfaceSlip {
     /// `b`

@@ -12,12 +12,12 @@ use crate::two_sphere::slip::{SLIP_VALUES, SlipValues, TwoSphereSlip};
 /// Loads by slip of the exact solution minus those of the force-coupling method, for radii 1 and `ratio`, viscosity 1.
 #[derive(Debug)]
 pub struct SlipTable {
-    pieces: Vec<Piece>,
+    pieces: Vec<SlipPiece>,
 }
 
 /// Table between two gaps, with their geometric mean.
 #[derive(Debug)]
-struct Piece {
+struct SlipPiece {
     mean: f64,
     powers: Powers<SLIP_VALUES, NODES>,
 }
@@ -42,7 +42,7 @@ impl SlipTable {
             let (all, known) = (exact.at(gap), far_field::slip(radii, radii[0] + radii[1] + gap));
             std::array::from_fn(|i| all[i] - known[i])
         };
-        let piece = |k: usize| Piece { mean: mean_of(k), powers: of_gaps(mean_of(k), difference) };
+        let piece = |k: usize| SlipPiece { mean: mean_of(k), powers: of_gaps(mean_of(k), difference) };
         Self { pieces: (0..=piece_of(FARTHEST * exact.ratio())).map(piece).collect() }
     }
 

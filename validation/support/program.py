@@ -27,9 +27,9 @@ def mobility(case, tolerance):
         return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 
-def two_sphere(ratio, gap):
+def two_sphere(ratio, gap, *options):
     """The exact two-sphere functions, by name."""
-    command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json"]
+    command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json", *options]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 

@@ -10,10 +10,13 @@ mod walls;
 
 use super::*;
 use crate::ambient::StrainRate;
+use crate::pairs::search::Connections;
 use crate::solution::NO_AMBIENT;
+use crate::springs::Springs;
+use crate::squirming::Squirming;
 use domain::{Vector, random_packing};
 use fcm::{Costs, Fixed, Loading, Multipoles, Output, Precision, Problem};
-use lubrication::PairMotion;
+use lubrication::{PairMotion, SlipForce};
 use std::f64::consts::PI;
 
 /// Rigid spheres in a periodic cube, with a double-precision grid; a single-precision grid would add noise of 1e-7.
@@ -273,13 +276,14 @@ fn the_iteration_finds_the_dense_solution() {
     }
 }
 
-/// A random suspension at 30%, solved on ranks that are threads; results in the order of the ids.
+/// A random suspension of squirmers at 30%, solved on ranks that are threads; results in the order of the ids.
 fn on_ranks(ranks: usize) -> Vec<f64> {
     let (n, edge) = (24, (24.0 * 4.0 / 3.0 * PI / 0.3_f64).cbrt());
     let (radii, cell) = (vec![1.0; n], cube(edge));
     let positions = random_packing(&cell, &radii, 1e-3, 7).unwrap();
     let plan = plan(edge, &radii, 1e-3, 1e-6);
-    PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
+    let force = PairForce::new(&plan.radii, 1.0, LubricationRange::default()).unwrap();
+    SlipForce::new(&force).unwrap();
     let all = Comm::threads(ranks, |comm| {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
         let mut particles = if comm.is_first() { placed(&positions, &radii) } else { Particles::default() };
@@ -288,7 +292,14 @@ fn on_ranks(ranks: usize) -> Vec<f64> {
             CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
         let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
         let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
-        let solved = fluid.solve(&cell, &particles, &acting(&loads, strain), &Guess::default()).unwrap();
+        let swims = |&id: &u64| domain::Random::new(5, id).point() - Vector::splat(0.5);
+        let second = |&id: &u64| Traceless(std::array::from_fn(|k| domain::Random::new(k as u64, id).uniform() - 0.5));
+        let squirming = Squirming {
+            first: particles.ids.iter().map(swims).collect(),
+            second: particles.ids.iter().map(second).collect(),
+        };
+        let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, strain) };
+        let solved = fluid.solve(&cell, &particles, &acting, &Guess::default()).unwrap();
         particles.vectors("velocity").copy_from_slice(&solved.motion.velocities);
         particles.column("stresslet", 5).values.copy_from_slice(bytemuck::cast_slice(&solved.stresslets));
         let mut all = particles.gathered(&partition);

@@ -16,8 +16,7 @@ use crate::springs::Springs;
 use crate::squirming::Squirming;
 use domain::parallel::{MeasuredLoop, change, copied, equal, mapped, of_rows, stage};
 use domain::{
-    DomainView, Halo, LocalAndGhosts, Neighbour, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector,
-    VerletList,
+    DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
 };
 use fcm::Precision;
 use lubrication::{SurfaceSlip, WallForce};
@@ -100,12 +99,6 @@ impl Present {
         halo.extend(&mut ids);
         halo.extend(&mut species);
         Self { cell: *cell, halo, positions, ids, species }
-    }
-
-    /// Separation of a particle and a neighbour of its list.
-    pub fn separation(&self, row: usize, neighbour: Neighbour) -> Vector {
-        let apart = self.positions[neighbour.row as usize] - self.positions[row];
-        if neighbour.steps == [0; 3] { apart } else { apart + self.cell.lattice(neighbour.steps.map(i32::from)) }
     }
 
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
@@ -237,13 +230,15 @@ impl NearPairs {
         let pairs = SlippingPairs {
             lubrication,
             slip: lubrication.slip(),
-            present: &self.around,
+            cell: &self.around.cell,
+            positions: &self.around.positions,
+            species: &self.around.species,
             bodies: self.bodies.as_ref(),
             neighbours: field.lists.neighbours(),
             slips: &slips,
         };
         let loads = of_rows(owned, |row| pairs.loads(row));
-        // In the flow of the slip, as in that of the ambient strain, these are loads on the fluid with the opposite sign.
+        // As those in the ambient strain, the loads are kept as known loads of the far field: with the opposite sign.
         change(&mut self.loads.0, &loads, |sum, by| *sum += SixVector::new(-by.force, -by.torque));
         change(&mut self.moments, &loads, |sum, by| *sum += -by.moment);
     }

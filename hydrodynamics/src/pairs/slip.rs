@@ -2,15 +2,16 @@
 
 use crate::bodies::present::PresentBodies;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::search::Present;
-use domain::Neighbours;
+use domain::{Neighbour, Neighbours, PeriodicBox, Vector};
 use lubrication::{SlipForce, SphereLoads, SurfaceSlip};
 
 /// Particles with their slip, ghosts included, and the pairs that are lubricated.
 pub struct SlippingPairs<'a> {
     pub lubrication: &'a PairLubrication,
     pub slip: &'a SlipForce,
-    pub present: &'a Present,
+    pub cell: &'a PeriodicBox,
+    pub positions: &'a [Vector],
+    pub species: &'a [u32],
     pub bodies: Option<&'a PresentBodies>,
     pub neighbours: &'a Neighbours,
     pub slips: &'a [SurfaceSlip],
@@ -20,11 +21,11 @@ impl SlippingPairs<'_> {
     /// Loads of a sphere on the fluid by the slip of its near pairs, in the order of its neighbours. Within a body they
     /// are as much less as lubrication is.
     pub fn loads(&self, row: usize) -> SphereLoads {
-        let (present, force) = (self.present, &self.lubrication.force);
+        let force = &self.lubrication.force;
         let mut sum = SphereLoads::default();
         for neighbour in self.neighbours.of(row).iter() {
             let other = neighbour.row as usize;
-            let (separation, species) = (present.separation(row, neighbour), [row, other].map(|i| present.species[i]));
+            let (separation, species) = (self.separation(row, neighbour), [row, other].map(|i| self.species[i]));
             let slips = [self.slips[row], self.slips[other]];
             let Some(loads) = self.slip.loads(force, separation, species, &slips) else { continue };
             let radii = species.map(|s| force.radii()[s as usize]);
@@ -32,5 +33,11 @@ impl SlippingPairs<'_> {
             sum = sum + loads * share;
         }
         sum
+    }
+
+    /// Separation of a sphere and a neighbour of its list.
+    fn separation(&self, row: usize, neighbour: Neighbour) -> Vector {
+        let apart = self.positions[neighbour.row as usize] - self.positions[row];
+        if neighbour.steps == [0; 3] { apart } else { apart + self.cell.lattice(neighbour.steps.map(i32::from)) }
     }
 }

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 pub const REGULAR: usize = 8;
 
 /// `g1/xi + g2 ln(1/xi) + g3 xi ln(1/xi)` for `N` functions plus a regular part fitted to exact values, with `xi` the
-/// gap over the mean radius, or over the radius of a sphere at a wall. With more than [`REGULAR`] terms, logarithms with
-/// coefficients that are not known are fitted too.
+/// gap over the mean radius, or over the radius of a sphere at a wall. With more than [`REGULAR`] terms, logarithms
+/// with coefficients that are not known are fitted too.
 #[derive(Debug, Clone)]
 pub struct NearContact<const N: usize, const TERMS: usize> {
     /// Radius that is the unit of `xi`.

@@ -16,9 +16,9 @@ impl NormalPolynomial {
     /// Coefficient of degree `n` over `sqrt 2`, given `exp(-(n+1/2) alpha)`.
     ///
     /// On the sphere `xi = side alpha`, `n_z = side (w - cosh alpha)` and `n_rho = sinh alpha rho` with `w = sinh^2
-    /// alpha / (cosh alpha - cos eta)`. From the series of `(cosh alpha - cos eta)^(-1/2)`, `k` derivatives by `cos eta`
-    /// give that of `rho^k`, and derivatives by `alpha` multiply it by powers of `w`: with `y = (n+1/2) sinh alpha` and
-    /// `c = cosh alpha`, the coefficients of `rho^k w^q` are those of `rho^k` times
+    /// alpha / (cosh alpha - cos eta)`. From the series of `(cosh alpha - cos eta)^(-1/2)`, `k` derivatives by `cos
+    /// eta` give that of `rho^k`, and derivatives by `alpha` multiply it by powers of `w`: with `y = (n+1/2) sinh
+    /// alpha` and `c = cosh alpha`, the coefficients of `rho^k w^q` are those of `rho^k` times
     ///
     /// ```text
     /// 1,   y / (k+1/2),   y (y+c) / ((k+1/2)(k+3/2)),   y [(y+2c)(y+c) + 1] / ((k+1/2)(k+3/2)(k+5/2))

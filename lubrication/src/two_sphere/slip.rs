@@ -1,4 +1,4 @@
-//! Loads of two spheres at rest by the slip of squirmers: the exact solution in bispherical coordinates, and its tables.
+//! Loads of two spheres at rest by the slip of squirmers: the exact solution in bispherical coordinates, and tables.
 
 use std::sync::Arc;
 
@@ -78,8 +78,9 @@ pub const SLIP_FUNCTIONS: usize = 11;
 /// Number of values: of each function `[bears][slips]`.
 pub const SLIP_VALUES: usize = 4 * SLIP_FUNCTIONS;
 
-/// Values of all functions for radii 1 and `ratio`: of function `f` for the load of sphere `i` by the slip of sphere `j`
-/// (0 or 1) at `4 f + 2 i + j`. An isolated sphere of radius `a` has the forces `-4 pi a` by `b`, and first moments `-4 pi a^2 Q`.
+/// Values of all functions for radii 1 and `ratio`: of function `f` for the load of sphere `i` by the slip of sphere
+/// `j` (0 or 1) at `4 f + 2 i + j`. An isolated sphere of radius `a` has the force `-4 pi a b` and the first moment
+/// `-4 pi a^2 Q`.
 pub type SlipValues = [f64; SLIP_VALUES];
 
 /// Lowest power of `t = (a1 + a2)/r` in a function: for the sphere that slips, and for the other.
@@ -126,8 +127,8 @@ impl TwoSphereSlip {
 /// All values at a positive, finite `gap`, in units of the first radius.
 pub fn loads(ratio: f64, gap: f64) -> SlipValues {
     let geometry = Geometry::new(ratio, gap);
-    let drives = |order: usize, modes: &[Mode]| {
-        let drive = |mode: &Mode, sphere| mode.on(sphere);
+    let drives = |order: usize, modes: &[SlipMode]| {
+        let drive = |mode: &SlipMode, sphere| mode.on(sphere);
         let all: Vec<SurfaceVelocity> = modes.iter().flat_map(|mode| [drive(mode, 0), drive(mode, 1)]).collect();
         bispherical::solve(&geometry, order, &all)
     };
@@ -158,13 +159,13 @@ pub fn loads(ratio: f64, gap: f64) -> SlipValues {
 
 /// Slip of a unit mode: `v_z`, `(v_rho + v_phi)/2`, `(v_rho - v_phi)/2` as polynomials of the normal; for order 0 the
 /// second is `v_rho`.
-struct Mode {
+struct SlipMode {
     axial: NormalPolynomial,
     raised: NormalPolynomial,
     lowered: Option<NormalPolynomial>,
 }
 
-impl Mode {
+impl SlipMode {
     fn on(&self, sphere: usize) -> SurfaceVelocity {
         SurfaceVelocity {
             sphere,
@@ -180,19 +181,19 @@ const fn normal(order: usize, powers: [f64; 4]) -> NormalPolynomial {
 }
 
 /// `b = z`, `Q = zz`
-const AXIAL: [Mode; 2] = [
-    Mode { axial: normal(0, [-1.0, 0.0, 1.0, 0.0]), raised: normal(1, [0.0, 1.0, 0.0, 0.0]), lowered: None },
-    Mode { axial: normal(0, [0.0, -1.0, 0.0, 1.0]), raised: normal(1, [0.0, 0.0, 1.0, 0.0]), lowered: None },
+const AXIAL: [SlipMode; 2] = [
+    SlipMode { axial: normal(0, [-1.0, 0.0, 1.0, 0.0]), raised: normal(1, [0.0, 1.0, 0.0, 0.0]), lowered: None },
+    SlipMode { axial: normal(0, [0.0, -1.0, 0.0, 1.0]), raised: normal(1, [0.0, 0.0, 1.0, 0.0]), lowered: None },
 ];
 
 /// `b = x`, `Q = xz + zx`
-const TRANSVERSE: [Mode; 2] = [
-    Mode {
+const TRANSVERSE: [SlipMode; 2] = [
+    SlipMode {
         axial: normal(1, [0.0, 1.0, 0.0, 0.0]),
         raised: normal(2, [0.5, 0.0, 0.0, 0.0]),
         lowered: Some(normal(0, [-0.5, 0.0, -0.5, 0.0])),
     },
-    Mode {
+    SlipMode {
         axial: normal(1, [-1.0, 0.0, 2.0, 0.0]),
         raised: normal(2, [0.0, 1.0, 0.0, 0.0]),
         lowered: Some(normal(0, [0.0, 0.0, 0.0, -1.0])),
@@ -200,7 +201,7 @@ const TRANSVERSE: [Mode; 2] = [
 ];
 
 /// `Q = xx - yy`
-const PLANAR: [Mode; 1] = [Mode {
+const PLANAR: [SlipMode; 1] = [SlipMode {
     axial: normal(2, [0.0, 1.0, 0.0, 0.0]),
     raised: normal(3, [0.5, 0.0, 0.0, 0.0]),
     lowered: Some(normal(1, [-0.5, 0.0, -0.5, 0.0])),

@@ -1,7 +1,6 @@
 //! Squirmers against exact velocities, flows and stresslets.
 
 use super::*;
-use crate::squirming::Squirming;
 use domain::Boundaries;
 use lubrication::two_sphere::{Function, SlipFunction, TwoSphere, TwoSphereSlip};
 
@@ -168,23 +167,22 @@ fn exact_pair(ratio: f64, gap: f64, squirming: &Squirming) -> Vec<f64> {
     [along, across, stresslets].concat()
 }
 
-/// Two free squirmers in open space, pushers and pullers, at gaps from a thousandth of a radius to more than the range
-/// of lubrication, move as the exact solution to the accuracy of the method between passive spheres, 1% of their speed;
-/// stresslets to 2% of that of a squirmer alone.
+/// Two free pushers or pullers in open space move as the exact solution to 2e-3 of their speed, at any gap: the
+/// resistance of passive pairs has such an error. Stresslets are as accurate relative to that of a squirmer alone.
 #[test]
 fn two_squirmers_move_as_the_exact_solution() {
     for ratio in [1.0, 2.0] {
-        let cell = cube(20.0).with_boundaries(Boundaries::Open).unwrap();
-        let open = Problem { boundaries: Boundaries::Open, ..problem(20.0, &[1.0, ratio], 1e-4, 1e-7) };
+        let cell = cube(12.0).with_boundaries(Boundaries::Open).unwrap();
+        let open = Problem { boundaries: Boundaries::Open, ..problem(12.0, &[1.0, ratio], 1e-3, 1e-5) };
         let plan = Plan::choose(&open).unwrap();
         let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
         let lubrication = Some(LubricationRange::default());
         let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(lubrication)).unwrap();
-        for (gap, beta) in [1e-3, 0.01, 0.1, 0.5, 1.0, 3.0].into_iter().flat_map(|gap| [(gap, -3.0), (gap, 3.0)]) {
+        for (gap, beta) in [(1e-3, -3.0), (0.1, 3.0), (1.0, -3.0)] {
             let axes = [Vector::new(0.6, 0.0, 0.8), Vector::new(-0.96, 0.0, 0.28)];
             let (first, second) = axes.map(|p| modes(1.0, beta, p)).into_iter().unzip();
             let squirming = Squirming { first, second };
-            let at = Vector::new(9.0, 10.0, 8.0);
+            let at = Vector::new(5.0, 6.0, 4.0);
             let particles = placed(&[at, at + Vector::Z * (1.0 + ratio + gap)], &[1.0, ratio]);
             let loads = Loads::default();
             let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, Traceless::ZERO) };
@@ -195,10 +193,8 @@ fn two_squirmers_move_as_the_exact_solution() {
             let all =
                 [u[0].z, u[1].z, u[0].x, u[1].x, omega[0].y, omega[1].y, zz(&s[0]), zz(&s[1]), s[0].0[2], s[1].0[2]];
             let exact = exact_pair(ratio, gap, &squirming);
-            let allowed = |k: usize| if k < 6 { 0.01 } else { 0.02 * 4.0 * PI * 3.0 * ratio * ratio };
-            println!("ratio {ratio} gap {gap} beta {beta}");
+            let allowed = |k: usize| if k < 6 { 2e-3 } else { 2e-3 * 4.0 * PI * 3.0 };
             for (k, (found, exact)) in all.iter().zip(&exact).enumerate() {
-                println!("  {k}: {found:9.5} {exact:9.5} {:9.1e}", found - exact);
                 assert!(
                     (found - exact).abs() < allowed(k),
                     "ratio {ratio}, gap {gap}, beta {beta}, {k}: {found}, not {exact}"

@@ -5,7 +5,7 @@ use super::*;
 /// Units of length, viscosity and force.
 type Scales = [f64; 3];
 
-/// Eight spheres of two sizes in a sheared box, most of them with near neighbours, under forces and torques and in a
+/// Eight squirmers of two sizes in a sheared box, most of them with near neighbours, under forces and torques and in a
 /// strain, solved in the given units. The results are converted back.
 fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>; 3] {
     let cell = PeriodicBox::sheared(Vector::splat(5.4 * length), 0.2).unwrap();
@@ -34,8 +34,11 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     let rate = force / (viscosity * length * length);
     let strain = Traceless([0.1, 0.5, -0.2, -0.3, 0.05]) * rate;
     let loads = Loads { forces, torques, ..Loads::default() };
-    let found =
-        fluid.solve(&cell, &placed(&positions, &place(&radii)), &acting(&loads, strain), &Guess::default()).unwrap();
+    let swimming = rate * length;
+    let second = given(4, swimming).into_iter().map(|v| Traceless([v.x, v.y, v.z, -v.x, v.y])).collect();
+    let squirming = Squirming { first: given(3, swimming), second };
+    let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, strain) };
+    let found = fluid.solve(&cell, &placed(&positions, &place(&radii)), &acting, &Guess::default()).unwrap();
     assert!(found.iterations > 0);
     let vectors = |list: &[Vector], unit: f64| list.iter().flat_map(|v| (*v / unit).to_array()).collect();
     let stresslets = found.stresslets.iter().flat_map(|s| s.0.map(|c| c / (force * length))).collect();
