@@ -17,13 +17,13 @@ pub enum Flow {
     },
 }
 
-/// Velocity profile of a flow in a cell of given height: one quadratic, evaluated at `y` inside `[low, high)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Velocity profile of a flow in a cell of given height: one quadratic.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct VelocityProfile {
     coefficients: [f64; 3],
-    low: f64,
-    high: f64,
     height: f64,
+    /// The height, for a profile that is repeated there; otherwise 0.
+    period: f64,
     /// Shear rate of the lattice of images.
     pub(super) lattice_rate: f64,
     /// Largest velocity gradient.
@@ -32,21 +32,17 @@ pub(super) struct VelocityProfile {
 
 impl Flow {
     pub(super) fn profile(&self, height: f64) -> VelocityProfile {
-        let whole = |coefficients, lattice_rate: f64| VelocityProfile {
-            coefficients,
-            low: f64::NEG_INFINITY,
-            high: f64::INFINITY,
-            height,
-            lattice_rate,
-            steepest: lattice_rate.abs(),
-        };
+        let still = VelocityProfile { height, ..VelocityProfile::default() };
         match *self {
-            Self::Still => whole([0.0; 3], 0.0),
-            Self::Shear { rate } => whole([-0.5 * rate * height, rate, 0.0], rate),
+            Self::Still => still,
+            Self::Shear { rate } => {
+                let coefficients = [-0.5 * rate * height, rate, 0.0];
+                VelocityProfile { coefficients, lattice_rate: rate, steepest: rate.abs(), ..still }
+            }
             Self::Poiseuille { peak } => {
                 let slope = 4.0 * peak / height;
                 let coefficients = [0.0, slope, -slope / height];
-                VelocityProfile { low: 0.0, high: height, steepest: slope.abs(), ..whole(coefficients, 0.0) }
+                VelocityProfile { coefficients, period: height, steepest: slope.abs(), ..still }
             }
         }
     }
@@ -82,7 +78,7 @@ impl VelocityProfile {
 
     /// A height at which the liquid is at rest.
     pub(super) fn rest_height(&self) -> f64 {
-        if self.low.is_finite() { 0.0 } else { 0.5 * self.height }
+        if self.period > 0.0 { 0.0 } else { 0.5 * self.height }
     }
 
     pub(super) fn curvature(&self) -> f64 {
@@ -91,9 +87,7 @@ impl VelocityProfile {
 
     #[inline(always)]
     fn inside(&self, y: f64) -> f64 {
-        let up = if y < self.low { self.height } else { 0.0 };
-        let down = if y >= self.high { self.height } else { 0.0 };
-        y + up - down
+        y + if y < 0.0 { self.period } else { 0.0 } - if y >= self.height { self.period } else { 0.0 }
     }
 }
 

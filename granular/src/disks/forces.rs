@@ -123,10 +123,10 @@ impl ImageBatch {
             let last = std::mem::replace(&mut self.touched[p as usize], input.step);
             if last != input.step.wrapping_sub(1) {
                 let large = [pair.i, pair.j].map(|row| usize::from(input.identities[row as usize].is_large));
-                sums.encounters[large[0] + large[1]] += 1;
+                sums.encounters[large[0] + large[1]] += 1.0;
             }
             if MEASURE {
-                sums.contacts += 1;
+                sums.contacts += 1.0;
                 sums.image_work += force.x * self.image.velocity;
                 sums.measure(&pair, d, separating / distance, force);
             }

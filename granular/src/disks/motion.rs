@@ -163,13 +163,16 @@ impl StepPass {
             let excess = [velocity.x - liquid, velocity.y];
             let mass = 0.5 * self.dt * self.dt / block.kick[k];
             let square = excess[0] * excess[0] + excess[1] * excess[1];
-            sums.kinetic[k] += 0.5 * mass * square;
-            sums.flux[0][k] += mass * excess[0] * excess[0];
-            sums.flux[1][k] += mass * excess[0] * excess[1];
-            sums.flux[2][k] += mass * excess[1] * excess[1];
-            sums.excess[k] += square.sqrt();
-            sums.drag[k] += block.drag[k] / block.kick[k] * square;
-            sums.flow_work[k] += mass * slope * excess[0] * excess[1] + forces[k].x * liquid;
+            let terms = [
+                0.5 * mass * square,
+                mass * excess[0] * excess[0],
+                mass * excess[0] * excess[1],
+                mass * excess[1] * excess[1],
+                square.sqrt(),
+                block.drag[k] / block.kick[k] * square,
+                mass * slope * excess[0] * excess[1] + forces[k].x * liquid,
+            ];
+            sums.terms.iter_mut().zip(terms).for_each(|(sum, term)| sum[k] += term);
         }
     }
 }

@@ -234,23 +234,23 @@ impl Model {
     }
 
     pub(super) fn law(&self, stage: Stage) -> Law {
-        let p = &self.parameters;
-        let Preparation { restitution, settled, mixed, gear, time_step } = p.preparation;
-        let prepare = |restitution, steps| Law {
-            contact: Contact::new(restitution, p.clip_attraction),
+        let (p, prepared) = (&self.parameters, self.parameters.preparation);
+        let contact = |restitution| Contact::new(restitution, p.clip_attraction);
+        let still = Law {
+            contact: contact(1.0),
             viscosity: 0.0,
             profile: Flow::Still.profile(p.edges[1]),
-            gear,
+            gear: prepared.gear,
             start_strain: 0.0,
-            dt: time_step,
-            steps: Some(steps),
+            dt: prepared.time_step,
+            steps: None,
         };
-        let [settled, mixed] = [settled, mixed].map(|time| (time / time_step).round() as u64);
+        let [settled, mixed] = [prepared.settled, prepared.mixed].map(|time| (time / still.dt).round() as u64);
         match stage {
-            Stage::RemoveOverlaps => prepare(restitution, settled),
-            Stage::Equilibrate => prepare(1.0, mixed.saturating_sub(settled)),
+            Stage::RemoveOverlaps => Law { contact: contact(prepared.restitution), steps: Some(settled), ..still },
+            Stage::Equilibrate => Law { steps: Some(mixed.saturating_sub(settled)), ..still },
             Stage::Flow => Law {
-                contact: Contact::new(p.restitution, p.clip_attraction),
+                contact: contact(p.restitution),
                 viscosity: p.viscosity,
                 profile: p.flow.profile(p.edges[1]),
                 gear: p.gear,

@@ -16,7 +16,7 @@ pub struct DiskRun {
     disks: Disks,
     clock: Clock,
     profile: AveragedProfile,
-    plan: String,
+    length: RunLength,
     comm: Comm,
 }
 
@@ -30,16 +30,6 @@ impl Stored for DiskCheckpoint {
     fn visit(&mut self, store: &mut dyn Store) {
         store.numbers(&mut self.progress);
         self.profile.visit(store);
-    }
-}
-
-impl DiskCheckpoint {
-    /// The progress and the profile in a state; `profile` has the same number of strips.
-    fn load_from(state: &State, profile: AveragedProfile) -> Result<(Progress, AveragedProfile), StartError> {
-        let mut kept = Self { progress: Vec::new(), profile };
-        let fits = kept.load(&state.statistics.concat());
-        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
-        Ok((progress, kept.profile))
     }
 }
 
@@ -79,20 +69,24 @@ impl DiskRun {
         comm: &Comm,
     ) -> Result<Self, StartError> {
         StartError::unless_alone(comm)?;
-        let (progress, profile) = DiskCheckpoint::load_from(state, AveragedProfile::new(length.profile_strips))?;
-        let model = if from_file {
-            Model::with_particles(model.parameters().clone(), &state.particles)?
-        } else {
-            model.clone()
-        };
-        Ok(Self::of(Disks::resume(&model, &state.particles, &progress)?, length, profile, comm))
+        if !from_file {
+            return Self::in_state(model, length, state, comm);
+        }
+        Self::in_state(&Model::with_particles(model.parameters().clone(), &state.particles)?, length, state, comm)
+    }
+
+    fn in_state(model: &Model, length: RunLength, state: &State, comm: &Comm) -> Result<Self, StartError> {
+        let profile = AveragedProfile::new(length.profile_strips);
+        let mut kept = DiskCheckpoint { progress: Vec::new(), profile };
+        let fits = kept.load(&state.statistics.concat());
+        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
+        Ok(Self::of(Disks::resume(model, &state.particles, &progress)?, length, kept.profile, comm))
     }
 
     fn of(disks: Disks, length: RunLength, profile: AveragedProfile, comm: &Comm) -> Self {
         debug_assert!(disks.stage() == Stage::Flow, "states are kept in the flow");
         let clock = Clock::at(disks.steps(), disks.model().parameters().time_step);
-        let plan = outline(disks.model(), length.steps).text().to_owned();
-        Self { disks, clock, profile, plan, comm: comm.clone() }
+        Self { disks, clock, profile, length, comm: comm.clone() }
     }
 }
 
@@ -152,7 +146,7 @@ impl Simulation for DiskRun {
     }
 
     fn plan(&mut self) -> String {
-        self.plan.clone()
+        outline(self.disks.model(), self.length.steps).text().to_owned()
     }
 
     fn advance(&mut self, last: u64) -> Result<(), SimulationError> {
@@ -188,7 +182,7 @@ impl Simulation for DiskRun {
         State {
             step: self.clock.step(),
             strain: self.disks.cell().strain(),
-            plan: self.plan.clone(),
+            plan: self.plan(),
             particles,
             statistics: vec![DiskCheckpoint { progress: progress.to_numbers(), profile: self.profile.clone() }.save()],
         }
@@ -205,13 +199,12 @@ impl Simulation for DiskRun {
         if let Some(&(id, _)) = change.positions.iter().chain(&change.velocities).find(|(_, vector)| vector.z != 0.0) {
             return refused(RearrangementError::OffThePlane(id));
         }
-        let loaded = DiskCheckpoint::load_from(&state, self.profile.clone());
-        let (progress, profile) = loaded.map_err(SimulationError::new)?;
-        let disks = Disks::resume(self.disks.model(), &state.particles, &progress).map_err(SimulationError::new)?;
+        let then = Self::in_state(self.disks.model(), self.length, &state, &self.comm);
+        let mut run = then.map_err(SimulationError::new)?;
         change.put_motions(&mut state.particles);
-        let (particles, progress) = disks.rearranged(&state.particles).map_err(SimulationError::new)?.store();
-        state.statistics = vec![DiskCheckpoint { progress: progress.to_numbers(), profile }.save()];
-        Ok(State { particles, ..state })
+        run.disks = run.disks.rearranged(&state.particles).map_err(SimulationError::new)?;
+        let State { particles, statistics, .. } = run.state();
+        Ok(State { particles, statistics, ..state })
     }
 
     fn averages(&mut self) -> Option<TableSet> {

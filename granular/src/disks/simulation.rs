@@ -149,11 +149,9 @@ impl Disks {
             let task = if left > 0 { PassTask::Both } else { PassTask::Correct };
             let motion = self.state.advance(&self.law, task, self.step + 1 - self.list.built_at_step, measure);
             drift = motion.drift_squared;
-            for (total, begun) in self.tally.collisions.iter_mut().zip(contact.encounters) {
-                *total += begun as f64;
-            }
+            self.tally.collisions += contact.encounters;
             if measure {
-                self.escaped |= !motion.kinetic.is_finite();
+                self.escaped |= !motion.terms[0].is_finite();
                 self.tally.add(self.measurement(&motion, &contact));
             }
         }

@@ -2,6 +2,7 @@
 
 use super::stage::Law;
 use super::{Model, for_each_part};
+use domain::parallel::change;
 use domain::{Particles, PeriodicBox, Vector};
 use glam::DVec2;
 
@@ -137,13 +138,8 @@ impl DiskState {
 
     /// Sets the reference positions of the drift to the present ones.
     pub(super) fn set_references(&mut self) {
-        let mut parts: Vec<_> = self.bodies.chunks(CHUNK).zip(self.blocks.chunks_mut(CHUNK / LANES)).collect();
-        for_each_part(&mut parts, |(bodies, blocks)| {
-            for (bodies, block) in bodies.chunks_exact(LANES).zip(blocks.iter_mut()) {
-                for (k, body) in bodies.iter().enumerate() {
-                    (block.x0[k], block.y0[k]) = (body.position.x, body.position.y);
-                }
-            }
+        change(&mut self.blocks, self.bodies.as_chunks::<LANES>().0, |block, bodies| {
+            (block.x0, block.y0) = (bodies.map(|body| body.position.x), bodies.map(|body| body.position.y));
         });
     }
 

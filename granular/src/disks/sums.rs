@@ -7,9 +7,10 @@ use std::ops::Add;
 /// Sums over the pairs in contact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ContactSums {
-    /// Contacts that have just begun: of two small disks, of a small and a large one, of two large ones.
-    pub(super) encounters: [u64; 3],
-    pub(super) contacts: u64,
+    /// Numbers of contacts that have just begun: of two small disks, of a small and a large one, of two large ones.
+    pub(super) encounters: Vector,
+    /// Number of contacts.
+    pub(super) contacts: f64,
     /// Elastic energy of the springs.
     pub(super) spring: f64,
     /// Power dissipated by damping.
@@ -25,7 +26,7 @@ impl Add for ContactSums {
 
     fn add(self, other: Self) -> Self {
         Self {
-            encounters: std::array::from_fn(|k| self.encounters[k] + other.encounters[k]),
+            encounters: self.encounters + other.encounters,
             contacts: self.contacts + other.contacts,
             spring: self.spring + other.spring,
             loss: self.loss + other.loss,
@@ -38,31 +39,17 @@ impl Add for ContactSums {
 /// Sums over the disks, one for each SIMD lane or over all lanes; `w` is the velocity relative to the liquid.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct MotionSums<T = f64> {
-    /// `m w^2 / 2`.
-    pub(super) kinetic: T,
-    /// xx, xy and yy components of `m w w`.
-    pub(super) flux: [T; 3],
-    /// `|w|`.
-    pub(super) excess: T,
-    /// Power dissipated by drag, `6 pi r viscosity w^2`.
-    pub(super) drag: T,
-    /// `m u' w_x w_y + F_x u`, the negative of the power from the flow.
-    pub(super) flow_work: T,
+    /// `m w^2 / 2`; xx, xy and yy components of `m w w`; `|w|`; the power dissipated by drag, `6 pi r viscosity w^2`;
+    /// and `m u' w_x w_y + F_x u`, the negative of the power from the flow.
+    pub(super) terms: [T; 7],
     /// Largest squared distance of a disk from the point to which the flow would have carried it.
     pub(super) drift_squared: T,
 }
 
 impl MotionSums<LaneValues> {
     pub(super) fn total(&self) -> MotionSums {
-        let sum = |lanes: &LaneValues| lanes.iter().sum::<f64>();
-        MotionSums {
-            kinetic: sum(&self.kinetic),
-            flux: self.flux.each_ref().map(sum),
-            excess: sum(&self.excess),
-            drag: sum(&self.drag),
-            flow_work: sum(&self.flow_work),
-            drift_squared: self.drift_squared.iter().copied().fold(0.0, f64::max),
-        }
+        let drift_squared = self.drift_squared.iter().copied().fold(0.0, f64::max);
+        MotionSums { terms: self.terms.each_ref().map(|lanes| lanes.iter().sum()), drift_squared }
     }
 }
 
@@ -70,13 +57,7 @@ impl Add for MotionSums {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            kinetic: self.kinetic + other.kinetic,
-            flux: std::array::from_fn(|k| self.flux[k] + other.flux[k]),
-            excess: self.excess + other.excess,
-            drag: self.drag + other.drag,
-            flow_work: self.flow_work + other.flow_work,
-            drift_squared: self.drift_squared.max(other.drift_squared),
-        }
+        let terms = std::array::from_fn(|k| self.terms[k] + other.terms[k]);
+        Self { terms, drift_squared: self.drift_squared.max(other.drift_squared) }
     }
 }

@@ -32,16 +32,17 @@ pub struct Measurement {
 
 impl Measurement {
     pub(super) fn of(time: f64, area: f64, count: usize, motion: &MotionSums, contact: &ContactSums) -> Self {
+        let [kinetic, xx, xy, yy, speeds, drag, flow_work] = motion.terms;
         Self {
             time,
-            kinetic: motion.kinetic,
+            kinetic,
             elastic: contact.spring,
-            kinetic_stress: Vector::from_array(motion.flux) / area,
+            kinetic_stress: Vector::new(xx, xy, yy) / area,
             contact_stress: contact.virial / area,
-            mean_speed: motion.excess / count as f64,
-            contacts: contact.contacts as f64,
-            input: -motion.flow_work - contact.image_work,
-            drag: motion.drag,
+            mean_speed: speeds / count as f64,
+            contacts: contact.contacts,
+            input: -flow_work - contact.image_work,
+            drag,
             damping: contact.loss,
         }
     }
@@ -72,7 +73,7 @@ pub struct Tally {
     /// Time integrals of xx, xy and yy of the stress.
     pub stress: Vector,
     /// Collisions that began: of two small disks, of a small and a large one, of two large ones.
-    pub collisions: [f64; 3],
+    pub collisions: Vector,
     /// The measurement at the start.
     pub first: Measurement,
     /// The latest measurement.
@@ -115,6 +116,6 @@ impl Tally {
 
     /// Mean free path through the liquid between two collisions of one of `disks` disks.
     pub fn mean_free_path(&self, disks: usize) -> f64 {
-        self.path * disks as f64 / (2.0 * self.collisions.iter().sum::<f64>())
+        self.path * disks as f64 / (2.0 * self.collisions.element_sum())
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Impulses are per mass of a grain. A grain is a uniform sphere with the moment of inertia `J = 2/5 m R^2`.
 
+use super::Side;
 use domain::Vector;
 
 /// Moment of inertia over `m R^2`.
@@ -49,23 +50,12 @@ pub struct Rebound {
 /// A wall at the time of a collision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WallContact {
-    /// Axis of its normal.
-    pub axis: usize,
-    /// Whether the grains are on its positive side.
-    pub below: bool,
+    /// The wall.
+    pub side: Side,
     /// Its velocity.
     pub velocity: Vector,
     /// Mass of a grain over that of the wall along the normal: 0 for a fixed wall.
     pub mass_ratio: f64,
-}
-
-impl WallContact {
-    /// Unit normal into the grains.
-    pub fn normal(&self) -> Vector {
-        let mut n = Vector::ZERO;
-        n[self.axis] = if self.below { 1.0 } else { -1.0 };
-        n
-    }
 }
 
 impl GrainMotion {
@@ -114,7 +104,7 @@ impl CollisionRule {
     /// component `Ji = min(mu Jn, 2/7 |si|)` against the slip `si` (or both together for the cone); a wall that is free
     /// to move along its normal recoils, `Jn = (1 + e)|vn| / (1 + m/M)`. Returns the impulse on the grain, per mass.
     pub fn strike_wall(&self, grain: &mut GrainMotion, wall: &WallContact, radius: f64, rebound: Rebound) -> Vector {
-        let n = wall.normal();
+        let n = wall.side.normal();
         let arm = -n * radius;
         let approach = rebound.growth - (grain.velocity - wall.velocity).dot(n);
         let normal = (approach + f64::max(self.restitution * approach, rebound.least)) / (1.0 + wall.mass_ratio);
@@ -145,7 +135,7 @@ mod tests {
     }
 
     fn floor(speed: f64) -> WallContact {
-        WallContact { axis: 1, below: true, velocity: Vector::X * speed, mass_ratio: 0.0 }
+        WallContact { side: Side::Bottom, velocity: Vector::X * speed, mass_ratio: 0.0 }
     }
 
     fn near(a: Vector, b: Vector) {
@@ -190,7 +180,7 @@ mod tests {
     #[test]
     fn a_lid_with_mass_takes_its_share() {
         let mut grain = GrainMotion { velocity: Vector::Y * 2.0, spin: Vector::ZERO };
-        let top_wall = WallContact { axis: 1, below: false, velocity: Vector::Y * -1.0, mass_ratio: 1.0 / 3.0 };
+        let top_wall = WallContact { side: Side::Top, velocity: Vector::Y * -1.0, mass_ratio: 1.0 / 3.0 };
         let impulse = contact(0.0, FrictionLaw::Box).strike_wall(&mut grain, &top_wall, RADIUS, STILL);
         let after = top_wall.velocity - impulse * top_wall.mass_ratio;
         assert!((after.y - grain.velocity.y - 0.9 * 3.0).abs() < 1e-12);

@@ -85,6 +85,11 @@ pub trait CollisionEngine {
 
     /// The top wall.
     fn top_wall(&self) -> TopWall;
+
+    /// All of them.
+    fn state(&self) -> CellState {
+        CellState { grains: self.grains(), top_wall: self.top_wall(), tally: *self.tally() }
+    }
 }
 
 /// Either of the two engines.
@@ -111,7 +116,7 @@ impl Engine {
     /// The present state. The engine is restarted from it, like one that resumes from a checkpoint, so that both
     /// continue with the same bits.
     pub fn checkpoint(self: &mut Box<Self>, model: &Model) -> Result<CellState, ParameterError> {
-        let state = CellState { grains: self.grains(), top_wall: self.top_wall(), tally: *self.tally() };
+        let state = self.state();
         *self = Self::resume(model, &state, self.collisions()).map_err(|error| self.cause(error))?;
         Ok(state)
     }

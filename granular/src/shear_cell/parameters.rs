@@ -229,7 +229,7 @@ impl Model {
         let (p, top) = (&self.parameters, side == Side::Top);
         let velocity = if top { Vector::Y * top_wall } else { Vector::X * p.speed };
         let mass_ratio = if top { self.top_wall_mass().map_or(0.0, |mass| self.mass() / mass) } else { 0.0 };
-        WallContact { axis: side.axis(), below: side.is_below(), velocity, mass_ratio }
+        WallContact { side, velocity, mass_ratio }
     }
 
     /// Whether the top wall is free to move.

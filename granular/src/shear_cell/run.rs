@@ -1,9 +1,8 @@
 //! A run of the shear cell: one of the two engines, and its measurements.
 
 use super::{
-    Balance, CellSample, CellState, CollisionDetection, DensityMap, Engine, Grains, Layer, Model, Side, Tally, TopWall,
-    WallStress,
-    measure::{InitialBalance, Measurements},
+    Balance, CellSample, CellState, CollisionDetection, DensityMap, Engine, Grains, Layer, Model, Side, Tally,
+    WallStress, measure::Measurements,
 };
 use crate::parameter::{ParameterError, positive, require};
 use domain::Number;
@@ -55,25 +54,22 @@ pub struct ShearCell {
     model: Model,
     engine: Box<Engine>,
     sampling: Sampling,
-    start: InitialBalance,
     measured: Measurements,
-    /// The state at the last restart of the engine, and the measurements up to then.
-    mark: (CellState, Measurements),
+    /// The last restart of the engine.
+    mark: Mark,
 }
 
-/// State of a checkpoint apart from the grains.
-struct CellCheckpoint {
-    top_wall: TopWall,
-    tally: Tally,
-    start: InitialBalance,
+/// State and measurements at one time. A checkpoint keeps them, with the grains in its particle store.
+#[derive(Clone)]
+struct Mark {
+    state: CellState,
     measured: Measurements,
 }
 
-impl statistics::State for CellCheckpoint {
+impl statistics::State for Mark {
     fn visit(&mut self, store: &mut dyn Store) {
-        self.top_wall.visit(store);
-        self.tally.visit(store);
-        self.start.visit(store);
+        self.state.top_wall.visit(store);
+        self.state.tally.visit(store);
         self.measured.visit(store);
     }
 }
@@ -118,12 +114,11 @@ impl ShearCell {
     ) -> Result<Self, ParameterError> {
         sampling.check(collisions)?;
         let engine = Engine::new(model, grains, collisions)?;
-        let start = InitialBalance::new(model, &*engine);
         // A free top wall may rise.
         let height = model.parameters().height * if model.is_top_wall_free() { 1.25 } else { 1.0 };
-        let measured = Measurements::new(model, height, &sampling);
-        let mark = (CellState::new(model, grains), measured.clone());
-        Ok(Self { model: *model, engine, sampling, start, measured, mark })
+        let measured = Measurements::new(model, &*engine, height, &sampling);
+        let mark = Mark { state: CellState::new(model, grains), measured: measured.clone() };
+        Ok(Self { model: *model, engine, sampling, measured, mark })
     }
 
     /// Runs for a duration without measuring, while the grains are not jammed and `may_continue` returns true. Returns
@@ -146,35 +141,30 @@ impl ShearCell {
 
     /// Restarts the engine from the present state, as a resumed run does.
     pub fn restart(&mut self) -> Result<(), ParameterError> {
-        self.mark = (self.engine.checkpoint(&self.model)?, self.measured.clone());
+        self.mark = Mark { state: self.engine.checkpoint(&self.model)?, measured: self.measured.clone() };
         Ok(())
     }
 
     /// Returns to the last restart of the engine.
     pub fn return_to_restart(&mut self) -> Result<(), ParameterError> {
-        self.engine = Engine::resume(&self.model, &self.mark.0, self.engine.collisions())?;
-        self.measured = self.mark.1.clone();
+        self.engine = Engine::resume(&self.model, &self.mark.state, self.engine.collisions())?;
+        self.measured = self.mark.measured.clone();
         Ok(())
     }
 
     /// State of a checkpoint apart from the grains. A run whose engine was restarted and one that is resumed
     /// continue with the same bits.
     pub fn save(&self) -> Vec<u8> {
-        self.checkpoint().save()
-    }
-
-    fn checkpoint(&self) -> CellCheckpoint {
-        let (top_wall, tally) = (self.engine.top_wall(), *self.engine.tally());
-        CellCheckpoint { top_wall, tally, start: self.start, measured: self.measured.clone() }
+        Mark { state: self.engine.state(), measured: self.measured.clone() }.save()
     }
 
     /// The saved part of a checkpoint, for other grains than it was saved with: the balances do not count what the user
     /// has done. None if it is of another form.
     pub fn saved_with_grains(&self, saved: &[u8], [before, after]: [&Grains; 2]) -> Option<Vec<u8>> {
-        let mut checkpoint = self.checkpoint();
-        checkpoint.load(saved).then(|| {
-            checkpoint.start = checkpoint.start.with_replaced(&self.model, [before, after]);
-            checkpoint.save()
+        let mut mark = self.mark.clone();
+        mark.load(saved).then(|| {
+            mark.measured.start = mark.measured.start.with_replaced(&self.model, [before, after]);
+            mark.save()
         })
     }
 
@@ -186,12 +176,10 @@ impl ShearCell {
         sampling: Sampling,
         saved: &[u8],
     ) -> Result<Self, ParameterError> {
-        let mut checkpoint = Self::new(model, grains, collisions, sampling)?.checkpoint();
-        require(checkpoint.load(saved), "checkpoint", "of another form", "what a run of this scene keeps")?;
-        let CellCheckpoint { top_wall, tally, start, measured } = checkpoint;
-        let state = CellState { grains: grains.clone(), top_wall, tally };
-        let engine = Engine::resume(model, &state, collisions)?;
-        Ok(Self { model: *model, engine, sampling, start, mark: (state, measured.clone()), measured })
+        let mut run = Self::new(model, grains, collisions, sampling)?;
+        require(run.mark.load(saved), "checkpoint", "of another form", "what a run of this scene keeps")?;
+        run.return_to_restart()?;
+        Ok(run)
     }
 
     /// The engine.
@@ -201,17 +189,17 @@ impl ShearCell {
 
     /// The present state of the cell, and averages since an earlier tally.
     pub fn sample_since(&self, before: &Tally) -> CellSample {
-        CellSample::of(&self.model, &*self.engine, before, self.start.balance(&self.model, &*self.engine))
+        CellSample::of(&self.model, &*self.engine, before, self.measured.start.balance(&self.model, &*self.engine))
     }
 
     /// The results so far; stresses and profiles are averages over the time measured.
     pub fn report(&self) -> CellReport {
         let (model, tally, measured) = (&self.model, *self.engine.tally(), &self.measured);
         let height = measured.heights.estimate();
-        let balance = self.start.balance(model, &*self.engine);
+        let balance = measured.start.balance(model, &*self.engine);
         CellReport {
             measured: measured.windows() as f64 * self.sampling.window,
-            walls: Side::ALL.map(|side| measured.walls[side as usize].stress(side)),
+            walls: Side::ALL.map(|side| measured.wall(side)),
             height,
             solid_fraction: model.solid_fraction(self.engine.grains().len(), height.mean),
             temperature: measured.profile.temperature(),

@@ -1,6 +1,6 @@
 //! Sums of impulses, work and losses over a run, from which stresses and balances follow.
 
-use super::{Model, Side, TopWall, contact::WallContact};
+use super::{Model, TopWall, WallContact};
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 
@@ -69,7 +69,7 @@ impl Tally {
             top_wall.velocity -= impulse.y * wall.mass_ratio;
         }
         let held = if wall.mass_ratio > 0.0 { Vector::ZERO } else { wall.velocity };
-        let sums = &mut self.walls[Side::of(wall.axis, wall.below) as usize];
+        let sums = &mut self.walls[wall.side as usize];
         sums.impulse -= impulse * mass;
         sums.work += impulse.dot(held) * mass;
         sums.collisions += 1;

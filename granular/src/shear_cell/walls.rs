@@ -26,9 +26,9 @@ impl Side {
         1 + self as usize / 2
     }
 
-    /// Whether the grains are on the wall's positive side.
-    pub fn is_below(self) -> bool {
-        (self as usize).is_multiple_of(2)
+    /// Unit normal into the grains.
+    pub fn normal(self) -> Vector {
+        [Vector::Y, Vector::NEG_Y, Vector::Z, Vector::NEG_Z][self as usize]
     }
 
     /// Direction across the flow in the plane of the wall: along z on bottom and top, along y on the sides.

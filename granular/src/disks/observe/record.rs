@@ -37,7 +37,7 @@ impl Disks {
         let (counted, disks) = (tally.time() > 0.0, snapshot.disks.len());
         let kinetic = tally.latest.kinetic / disks as f64;
         let Vector { x: xx, y: xy, z: yy } = if counted { tally.mean_stress() } else { tally.latest.stress() };
-        let (contacts, [small, mixed, large]) = (tally.latest.contacts, tally.collisions);
+        let (contacts, [small, mixed, large]) = (tally.latest.contacts, tally.collisions.to_array());
         let free_path = if counted { tally.mean_free_path(disks) } else { f64::INFINITY };
         let LaneOrder { peak, spacing } = snapshot.lanes();
         let (strain, segregation, imbalance) = (self.strain(), snapshot.segregation(), tally.imbalance());

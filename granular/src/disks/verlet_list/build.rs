@@ -1,13 +1,13 @@
 //! Construction of the Verlet list.
 
 use super::grid::{CellEntry, DiskCells};
-use super::touching_pairs::TouchingPairs;
 use super::{DiskPair, ImageBatch, List, ListMargin, PairChunk};
 use crate::disks::stage::Law;
 use crate::disks::state::{CHUNK, DiskState, Identity};
 use crate::disks::{Model, Progress, for_each_part};
 use domain::PeriodicBox;
 use glam::DVec2;
+use rustc_hash::FxHashSet;
 use std::ops::Range;
 
 /// Width and height of a cell in units of the mean diameter: few rows to search, and few disks in each.
@@ -15,6 +15,9 @@ const CELL: DVec2 = DVec2::new(0.5, 2.0);
 
 /// Disks are sorted in memory again at the first rebuild after this number of steps.
 const SORT_EVERY: u64 = 2048;
+
+/// Rows of pairs in contact, the smaller row first.
+type TouchingPairs = FxHashSet<[u32; 2]>;
 
 /// The input of the search for pairs.
 struct PairSearch<'a> {
@@ -43,24 +46,22 @@ impl List {
         state.set_references();
         let mut rows: Vec<u32> = (0..state.len() as u32).collect();
         if before.is_none_or(|list| list.built_at_step / SORT_EVERY < step / SORT_EVERY) {
-            let order = DiskCells::sort(&cell, state, cell_edges(&state.identities)).order();
-            state.reorder(&order, law, model);
-            for (new, &old) in order.iter().enumerate() {
+            let cells = DiskCells::sort(&cell, state, cell_edges(&state.identities));
+            state.reorder(cells.rows(), law, model);
+            for (new, &old) in cells.rows().iter().enumerate() {
                 rows[old as usize] = new as u32;
             }
         }
         let last = step.wrapping_sub(1);
-        let touching = before.map(|list| {
-            let pairs = list.touching(last).map(|pair| pair.map(|row| rows[row as usize]));
-            TouchingPairs::of(pairs, rows.len())
-        });
-        Self::find_pairs(state, &cell, step, &touching.unwrap_or_default(), last)
+        let pairs = before.into_iter().flat_map(|list| list.touching(last));
+        let touching = pairs.map(|pair| ordered(pair.map(|row| rows[row as usize]))).collect();
+        Self::find_pairs(state, &cell, step, &touching, last)
     }
 
     /// Rebuilds the list of a stored state, from the positions at which it was first built.
     pub(in crate::disks) fn rebuild(state: &DiskState, model: &Model, law: &Law, progress: &Progress) -> Self {
         let built_at_step = progress.list_built;
-        let touching = TouchingPairs::of(progress.touching.iter().copied(), state.len());
+        let touching = progress.touching.iter().copied().map(ordered).collect();
         let mut list =
             Self::find_pairs(state, &model.cell(law.strain(built_at_step)), built_at_step, &touching, progress.step);
         list.move_images(law, progress.step);
@@ -115,7 +116,7 @@ impl PairSearch<'_> {
             });
             for candidate in &near[..count] {
                 let second = &entries[candidate.entry as usize];
-                let touched = self.touched.wrapping_sub(u32::from(!self.touching.holds(first.row, second.row)));
+                let touched = self.touched.wrapping_sub(u32::from(!self.touching.contains(&ordered([first.row, second.row]))));
                 chunk.list(self.pair(first, second), candidate.steps.map(i32::from), touched);
             }
         }
@@ -179,6 +180,10 @@ impl PairChunk {
         let longest = self.inner.iter().chain(&self.border).map(|b| b.pairs.len()).max().unwrap_or(0);
         self.found.resize(longest, 0);
     }
+}
+
+fn ordered([i, j]: [u32; 2]) -> [u32; 2] {
+    [i.min(j), i.max(j)]
 }
 
 fn cell_edges(disks: &[Identity]) -> DVec2 {

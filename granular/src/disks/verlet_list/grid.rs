@@ -1,8 +1,8 @@
 //! Cell list: disks sorted into cells of the sheared lattice.
 
-use crate::disks::for_each_part;
-use crate::disks::state::{CHUNK, DiskState, Identity};
+use crate::disks::state::{DiskState, Identity};
 use domain::PeriodicBox;
+use domain::parallel::{SortedRows, mapped, of_rows};
 use glam::DVec2;
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ const MOST_CELLS: f64 = 64.0;
 #[derive(Debug)]
 pub(in crate::disks) struct DiskCells {
     counts: [i64; 2],
-    starts: Vec<u32>,
+    sorted: SortedRows,
     entries: Vec<CellEntry>,
     edges: DVec2,
     strain: f64,
@@ -43,28 +43,10 @@ impl DiskCells {
         let edges = cell.edges().truncate();
         let counts = Self::counts(edges, about, state.len());
         let counts = counts.to_array().map(|c| c as i64);
-        let none = CellEntry { position: DVec2::ZERO, radius: 0.0, row: 0, rank: 0 };
-        let starts = vec![0; (counts[0] * counts[1]) as usize + 1];
-        let mut grid = Self { counts, starts, entries: vec![none; state.len()], edges, strain: cell.strain() };
-        let mut homes = vec![0_u32; state.len()];
-        let mut parts: Vec<_> = homes.chunks_mut(CHUNK).enumerate().collect();
-        for_each_part(&mut parts, |(chunk, homes)| {
-            for (row, home) in homes.iter_mut().enumerate() {
-                *home = grid.home(state.reference(*chunk * CHUNK + row));
-            }
-        });
-        for &home in &homes {
-            grid.starts[home as usize + 1] += 1;
-        }
-        for c in 1..grid.starts.len() {
-            grid.starts[c] += grid.starts[c - 1];
-        }
-        let mut next = grid.starts.clone();
-        for (row, &home) in homes.iter().enumerate() {
-            let slot = &mut next[home as usize];
-            grid.entries[*slot as usize] = CellEntry::of(state, row);
-            *slot += 1;
-        }
+        let mut grid = Self { counts, sorted: SortedRows::default(), entries: Vec::new(), edges, strain: cell.strain() };
+        let homes = of_rows(state.len(), |row| grid.home(state.reference(row)));
+        grid.sorted = SortedRows::by_key(&homes, (counts[0] * counts[1]) as usize);
+        grid.entries = mapped(grid.rows(), |&row| CellEntry::of(state, row as usize));
         grid
     }
 
@@ -83,8 +65,8 @@ impl DiskCells {
     }
 
     /// The rows in the order of their cells.
-    pub(super) fn order(&self) -> Vec<u32> {
-        self.entries.iter().map(|e| e.row).collect()
+    pub(super) fn rows(&self) -> &[u32] {
+        self.sorted.rows()
     }
 
     /// Visits the entries that may be within a distance, less than a cell's edge, of a position, in ranges, each with
@@ -107,7 +89,7 @@ impl DiskCells {
                 let (along, first) = split(column, columns);
                 let last = (first + right - column).min(columns - 1);
                 let bounds =
-                    [row * columns + first, row * columns + last + 1].map(|c| self.starts[c as usize] as usize);
+                    [row * columns + first, row * columns + last + 1].map(|c| self.sorted.starts()[c as usize] as usize);
                 visit([along, up], bounds[0]..bounds[1]);
                 column += last + 1 - first;
             }
@@ -139,7 +121,7 @@ mod tests {
     #[test]
     fn the_last_cell_has_what_round_off_puts_on_the_edge() {
         let edges = DVec2::new(30.0, 20.0);
-        let grid = DiskCells { counts: [3, 2], starts: vec![], entries: vec![], edges, strain: 0.0 };
+        let grid = DiskCells { counts: [3, 2], sorted: SortedRows::default(), entries: vec![], edges, strain: 0.0 };
         assert_eq!([DVec2::ZERO, 0.5 * edges, edges].map(|position| grid.home(position)), [0, 4, 5]);
     }
 }

@@ -5,7 +5,6 @@ mod grid;
 mod margin;
 #[cfg(test)]
 mod tests;
-mod touching_pairs;
 
 use super::stage::Law;
 use glam::DVec2;

@@ -17,10 +17,20 @@ pub struct GrainCells {
     pub counts: [usize; 3],
     pub edges: Vector,
     pub walled: [bool; 3],
+    /// Lengths of the periodic axes; infinite where there are walls.
+    pub periods: [f64; 3],
     room: usize,
     filled: Vec<u32>,
     /// `room` entries for each cell.
     slots: Vec<u32>,
+}
+
+/// The nearest image of a coordinate of a separation.
+#[inline(always)]
+pub fn nearest_image(x: f64, period: f64) -> f64 {
+    let back = if x > 0.5 * period { period } else { 0.0 };
+    let forth = if x < -0.5 * period { period } else { 0.0 };
+    x - back + forth
 }
 
 /// The grains in a block of cells.
@@ -39,25 +49,28 @@ impl NearGrains {
 impl GrainCells {
     /// Cells for `count` grains under a top wall at `height`, about one per grain.
     pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
-        let p = model.parameters();
         let walled = std::array::from_fn(|k| model.is_walled(k));
-        let extent = Vector { y: if walled[1] { height } else { p.height }, ..model.edges() };
-        let aim = (extent.element_product() / count.max(1) as f64).cbrt();
-        Self::new(extent, walled, Self::counts(extent, walled, p.diameter, aim, count as f64))
+        let extent = Vector { y: if walled[1] { height } else { model.edges().y }, ..model.edges() };
+        let counts = Self::counts(extent, walled, model.parameters().diameter, count as f64);
+        let edges = extent / Vector::from(counts);
+        let counts = counts.map(|n| n as usize);
+        let period = |k: usize| if walled[k] { f64::INFINITY } else { edges[k] * counts[k] as f64 };
+        let (periods, total) = (std::array::from_fn(period), counts.iter().product());
+        Self { counts, edges, walled, periods, room: ROOM, filled: vec![0; total], slots: vec![0; ROOM * total] }
     }
 
     /// Bytes of the cells for `count` grains.
     pub fn bytes(model: &Model, count: f64) -> f64 {
-        let p = model.parameters();
         let walled = std::array::from_fn(|k| model.is_walled(k));
-        let aim = (model.edges().element_product() / count.max(1.0)).cbrt();
-        let counts = Self::counts(model.edges(), walled, p.diameter, aim, count);
+        let counts = Self::counts(model.edges(), walled, model.parameters().diameter, count);
         counts.iter().product::<f64>() * (size_of::<u32>() * (1 + ROOM)) as f64
     }
 
-    /// Numbers of cells along the edges of the box: with edges no shorter than `least` and near `aim` if that is
-    /// larger; longer where a box is so elongated that there would be many more cells than grains.
-    fn counts(extent: Vector, walled: [bool; 3], least: f64, aim: f64, grains: f64) -> [f64; 3] {
+    /// Numbers of cells along the edges of the box: with edges no shorter than `least`, and near the cube root of the
+    /// volume per grain if that is larger; longer where a box is so elongated that there would be many more cells than
+    /// grains.
+    fn counts(extent: Vector, walled: [bool; 3], least: f64, grains: f64) -> [f64; 3] {
+        let aim = (extent.element_product() / grains.max(1.0)).cbrt();
         let mut counts: [f64; 3] = std::array::from_fn(|k| {
             let fitting = (extent[k] / least).floor().clamp(1.0, f64::from(u32::MAX));
             let wanted = (extent[k] / aim.max(least)).floor();
@@ -69,13 +82,6 @@ impl GrainCells {
             counts[longest] = (0.5 * counts[longest]).ceil();
         }
         counts
-    }
-
-    fn new(extent: Vector, walled: [bool; 3], counts: [f64; 3]) -> Self {
-        let counts = counts.map(|n| n as usize);
-        let edges = extent / Vector::from(counts.map(|n| n as f64));
-        let total: usize = counts.iter().product();
-        Self { counts, edges, walled, room: ROOM, filled: vec![0; total], slots: vec![0; ROOM * total] }
     }
 
     #[inline]
@@ -92,11 +98,6 @@ impl GrainCells {
     pub fn at(&self, position: Vector) -> u32 {
         let place = |k: usize| ((position[k] / self.edges[k]).max(0.0) as usize).min(self.counts[k] - 1);
         self.index([place(0), place(1), place(2)])
-    }
-
-    /// Lengths of the periodic axes; infinite where there are walls.
-    pub fn periods(&self) -> [f64; 3] {
-        std::array::from_fn(|k| if self.walled[k] { f64::INFINITY } else { self.edges[k] * self.counts[k] as f64 })
     }
 
     pub fn grains(&self, cell: u32) -> &[u32] {
@@ -184,7 +185,7 @@ mod tests {
     #[test]
     fn a_long_box_has_no_more_cells_than_allowed_for_its_grains() {
         let extent = |length| Vector::new(length, 8.0, 1.0);
-        let counts = |length| GrainCells::counts(extent(length), [true; 3], 1.0, 0.5, 1.0).map(|n| n as u32);
+        let counts = |length| GrainCells::counts(extent(length), [true; 3], 1.0, 1.0).map(|n| n as u32);
         assert_eq!(counts(8.0), [8, 8, 1]);
         assert_eq!(counts(9.0), [5, 8, 1]);
         assert_eq!(counts(16.0), [8, 8, 1]);

@@ -3,6 +3,7 @@
 use super::{
     super::{CollisionRule, Rebound, Side},
     EventDriven,
+    cells::nearest_image,
 };
 use domain::Vector;
 
@@ -47,9 +48,8 @@ impl EventDriven {
             return self.wall_event(i, Side::of(axis, !up));
         }
         cells.leave(i as u32, grain.cell);
-        let length = cells.edges[axis] * n as f64;
         if outermost {
-            grain.position[axis] += if up { -length } else { length };
+            grain.position[axis] += if up { -cells.periods[axis] } else { cells.periods[axis] };
         }
         home[axis] = (home[axis] + if up { 1 } else { n - 1 }) % n;
         grain.cell = cells.index(home);
@@ -66,7 +66,7 @@ impl EventDriven {
         let rule = self.rule(model.parameters().wall_contact, &[i]);
         let mut motion = self.motion(i);
         let before = motion.energy(radius);
-        let mut pressing = -self.accelerations[i].dot(wall.normal());
+        let mut pressing = -self.accelerations[i].dot(side.normal());
         if wall.mass_ratio > 0.0 {
             pressing += model.top_wall_acceleration();
         }
@@ -99,16 +99,8 @@ impl EventDriven {
 
     /// Nearest image of the separation of two grains in neighbouring cells.
     #[inline]
-    pub(super) fn nearest(&self, mut separation: Vector) -> Vector {
-        for k in (0..3).filter(|&k| !self.cells.walled[k]) {
-            let length = self.cells.edges[k] * self.cells.counts[k] as f64;
-            if separation[k] > 0.5 * length {
-                separation[k] -= length;
-            } else if separation[k] < -0.5 * length {
-                separation[k] += length;
-            }
-        }
-        separation
+    pub(super) fn nearest(&self, separation: Vector) -> Vector {
+        Vector::from(std::array::from_fn(|k| nearest_image(separation[k], self.cells.periods[k])))
     }
 }
 

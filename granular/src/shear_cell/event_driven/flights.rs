@@ -1,6 +1,6 @@
 //! Selection of the neighbours in straight flight that may collide with a grain, computed in SIMD vectors.
 
-use super::cells::NEAR;
+use super::cells::{NEAR, nearest_image};
 use super::contact_time::{GrowingDiameter, StraightFlight};
 use super::grain::Grain;
 use bytemuck::Zeroable;
@@ -85,12 +85,11 @@ impl Flights {
         let (periods, size) = (view.periods, view.size);
         let Self { separations: [x, y, z], velocities: [u, v, w], pairs: [a, b, c], may_meet, .. } = self;
         for k in 0..count.next_multiple_of(GROUP).min(NEAR) {
-            let image = |x: f64, period: f64| {
-                let back = if x > 0.5 * period { period } else { 0.0 };
-                let forth = if x < -0.5 * period { period } else { 0.0 };
-                x - back + forth
-            };
-            let separation = Vector::new(image(x[k], periods[0]), image(y[k], periods[1]), image(z[k], periods[2]));
+            let separation = Vector::new(
+                nearest_image(x[k], periods[0]),
+                nearest_image(y[k], periods[1]),
+                nearest_image(z[k], periods[2]),
+            );
             let pair = StraightFlight::new(separation, Vector::new(u[k], v[k], w[k]), size);
             (a[k], b[k], c[k], may_meet[k]) = (pair.a, pair.b, pair.c, pair.may_meet());
         }

@@ -48,7 +48,7 @@ impl EventDriven {
         let (t, partner) = if ACCELERATED {
             self.first_on_curved_paths(i, best)
         } else {
-            let view = FlightInput { grains, grain, now: *now, periods: cells.periods(), size };
+            let view = FlightInput { grains, grain, now: *now, periods: cells.periods, size };
             flights.first(i, near.list(), &view, best)
         };
         (partner != NO_GRAIN).then_some((self.now + t, partner))

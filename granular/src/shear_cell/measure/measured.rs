@@ -1,8 +1,7 @@
 //! The measurements of a run so far: stresses on the walls with their errors, profile and map.
 
 use super::super::{Engine, Model, Sampling, Side, Tally};
-use super::{DensityMap, LayerProfile};
-use domain::Vector;
+use super::{DensityMap, InitialBalance, LayerProfile};
 use statistics::{Blocks, Estimate, State, Store};
 
 /// Stress on a wall, averaged over windows of time (eq. 24), with errors by blocks.
@@ -20,35 +19,12 @@ pub struct WallStress {
     pub deviation: f64,
 }
 
-/// Time series of the normal stress, the shear stress along the flow and that across it on a wall, by windows.
-#[derive(Debug, Clone, Default)]
-pub struct WallSeries([Blocks; 3]);
-
-impl WallSeries {
-    /// Adds the impulse on a wall during a window.
-    pub fn add(&mut self, model: &Model, side: Side, impulse: Vector, window: f64) {
-        let stress = impulse / (model.area(side) * window);
-        let normal = model.wall_contact(side, 0.0).normal();
-        let stresses = [-stress.dot(normal), stress.x, stress.dot(side.across())];
-        self.0.iter_mut().zip(stresses).for_each(|(blocks, stress)| blocks.add(stress));
-    }
-
-    pub fn stress(&self, side: Side) -> WallStress {
-        let [normal, along, across] = self.0.each_ref().map(Blocks::estimate);
-        WallStress { side, normal, along, across, deviation: self.0[0].deviation() }
-    }
-}
-
-impl State for WallSeries {
-    fn visit(&mut self, store: &mut dyn Store) {
-        self.0[..].visit(store);
-    }
-}
-
-/// Stresses and heights for each window; profile and map for each sample.
+/// Energy and momentum at the start; stresses and heights for each window; profile and map for each sample.
 #[derive(Debug, Clone)]
 pub struct Measurements {
-    pub walls: [WallSeries; 4],
+    pub start: InitialBalance,
+    /// Normal stress, shear stress along the flow and shear stress across it on each wall.
+    stresses: [[Blocks; 3]; 4],
     pub heights: Blocks,
     pub profile: LayerProfile,
     pub map: DensityMap,
@@ -56,9 +32,10 @@ pub struct Measurements {
 
 impl Measurements {
     /// No measurements yet; profile and map up to `height`.
-    pub fn new(model: &Model, height: f64, sampling: &Sampling) -> Self {
+    pub fn new(model: &Model, engine: &Engine, height: f64, sampling: &Sampling) -> Self {
         Self {
-            walls: Default::default(),
+            start: InitialBalance::new(model, engine),
+            stresses: Default::default(),
             heights: Blocks::default(),
             profile: LayerProfile::new(model, height, sampling.layers),
             map: DensityMap::new(model, height, sampling.pixels),
@@ -67,9 +44,11 @@ impl Measurements {
 
     /// Adds the window since the tally `before`, and a sample of profile and map if one is due.
     pub fn add(&mut self, model: &Model, engine: &Engine, before: &Tally, sampling: &Sampling) {
-        for (wall, side) in self.walls.iter_mut().zip(Side::ALL) {
+        for (side, series) in Side::ALL.into_iter().zip(&mut self.stresses) {
             let impulse = engine.tally().walls[side as usize].impulse - before.walls[side as usize].impulse;
-            wall.add(model, side, impulse, sampling.window);
+            let stress = impulse / (model.area(side) * sampling.window);
+            let stresses = [-stress.dot(side.normal()), stress.x, stress.dot(side.across())];
+            series.iter_mut().zip(stresses).for_each(|(blocks, stress)| blocks.add(stress));
         }
         self.heights.add(engine.top_wall().height);
         if self.windows().is_multiple_of(sampling.every) {
@@ -82,11 +61,18 @@ impl Measurements {
     pub fn windows(&self) -> u64 {
         self.heights.count()
     }
+
+    pub fn wall(&self, side: Side) -> WallStress {
+        let series = &self.stresses[side as usize];
+        let [normal, along, across] = series.each_ref().map(Blocks::estimate);
+        WallStress { side, normal, along, across, deviation: series[0].deviation() }
+    }
 }
 
 impl State for Measurements {
     fn visit(&mut self, store: &mut dyn Store) {
-        self.walls[..].visit(store);
+        self.start.visit(store);
+        self.stresses.as_flattened_mut().visit(store);
         self.heights.visit(store);
         self.profile.visit(store);
         self.map.visit(store);

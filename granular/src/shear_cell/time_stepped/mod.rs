@@ -133,13 +133,13 @@ impl TimeStepped {
     fn strike_wall(&mut self, i: usize, side: Side) {
         let (model, radius) = (&self.model, self.model.radius());
         let wall = model.wall_contact(side, self.top_wall.velocity);
-        let (x, normal) = (self.positions[i], wall.normal());
+        let (x, normal) = (self.positions[i], side.normal());
         let plane = match side {
             Side::Bottom | Side::Outer => 0.0,
             Side::Top => self.top_wall.height,
             Side::Inner => model.edges().z,
         };
-        let overlap = radius - (x[wall.axis] - plane) * normal[wall.axis];
+        let overlap = radius - (x[side.axis()] - plane) * normal[side.axis()];
         self.escaped |= overlap > model.parameters().diameter;
         let mut motion = GrainMotion { velocity: self.velocities[i], spin: self.spins[i] };
         if overlap <= 0.0 || (motion.velocity - wall.velocity).dot(normal) >= 0.0 {
