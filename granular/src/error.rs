@@ -15,7 +15,7 @@ pub enum StartError {
     Parameter(#[from] ParameterError),
     /// Grains that cannot be packed.
     #[error(transparent)]
-    Packing(#[from] PackingError),
+    Packing(#[from] JammedPacking),
     /// Particles from outside that do not fit.
     #[error("{name}")]
     Given {
@@ -44,18 +44,15 @@ impl StartError {
     }
 }
 
-/// Reasons why the grains could not be packed.
+/// Error of grains that jam in packing, or do not fit at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum PackingError {
-    /// The grains jam, or do not fit at all.
-    #[error(
-        "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a \
-         larger cell"
-    )]
-    Jammed {
-        /// Solid fraction asked for.
-        wanted: f64,
-        /// Solid fraction reached.
-        reached: f64,
-    },
+#[error(
+    "grains.solid_fraction is {wanted:.4}; this cell was packed at random up to {reached:.4}: ask for less, or a \
+     larger cell"
+)]
+pub struct JammedPacking {
+    /// Solid fraction asked for.
+    pub wanted: f64,
+    /// Solid fraction reached.
+    pub reached: f64,
 }

@@ -34,7 +34,7 @@ pub struct Experiment {
 impl Experiment {
     /// Summary of the cell in words and numbers.
     pub fn outline(&self) -> Outline {
-        let fraction = self.solid_fraction();
+        let fraction = self.model.solid_fraction(self.count, self.model.edges().y);
         let engine = match self.collisions {
             CollisionDetection::EventDriven => "at their exact times".to_owned(),
             CollisionDetection::TimeStepped { step } => format!("on a time step of {:.6}", Number(step)),
@@ -63,11 +63,6 @@ impl Experiment {
                  no profiles unless the run goes on for longer"
             )
         })
-    }
-
-    fn solid_fraction(&self) -> f64 {
-        let volume = std::f64::consts::PI / 6.0 * self.model.parameters().diameter.powi(3);
-        self.count as f64 * volume / self.model.edges().element_product()
     }
 }
 
@@ -102,8 +97,7 @@ impl CellRun {
         let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
         let mut grains = model.pack_with_progress(count, seed, tell)?;
         grains.set_velocities(&model, agitation, seed);
-        let run = ShearCell::new(&model, &grains, collisions, sampling)?;
-        Ok(Self::of(experiment, run, 0, comm))
+        Ok(Self::of(experiment, ShearCell::new(&model, &grains, collisions, sampling)?, 0, comm))
     }
 
     /// An experiment in the state of a checkpoint.

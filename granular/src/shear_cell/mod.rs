@@ -16,7 +16,7 @@ mod tally;
 mod time_stepped;
 mod walls;
 
-pub use crate::error::PackingError;
+pub use crate::error::JammedPacking;
 pub use cell_run::{CellRun, Experiment};
 pub use contact::{CollisionRule, FrictionLaw, GrainMotion, INERTIA, Rebound, WallContact};
 pub use engine::{CellState, CollisionDetection, CollisionEngine, Engine};

@@ -5,7 +5,7 @@ use super::grains::periodic_box;
 use super::{
     CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters,
 };
-use crate::error::PackingError;
+use crate::error::JammedPacking;
 use crate::fraction::without_unit;
 use domain::{Occupied, Random, Vector};
 
@@ -24,7 +24,7 @@ const TRIES: usize = 10_000;
 impl Model {
     /// `count` grains at random positions, without overlap, at rest. The same seed gives the same positions, in
     /// diameters, in any unit of length.
-    pub fn pack(&self, count: usize, seed: u64) -> Result<Grains, PackingError> {
+    pub fn pack(&self, count: usize, seed: u64) -> Result<Grains, JammedPacking> {
         self.pack_with_progress(count, seed, &mut |_| {})
     }
 
@@ -35,7 +35,7 @@ impl Model {
         count: usize,
         seed: u64,
         tell: &mut dyn FnMut(f64),
-    ) -> Result<Grains, PackingError> {
+    ) -> Result<Grains, JammedPacking> {
         let p = self.parameters();
         let [length, height, width, diameter] = without_unit([p.length, p.height, p.width, p.diameter]);
         let elastic_at_rest = self.elastic_at_rest(Vector::new(length, height, width) / diameter);
@@ -52,7 +52,7 @@ impl Model {
                 Err(diameter) => reached = reached.max(fraction * diameter.powi(3)),
             }
         }
-        Err(PackingError::Jammed { wanted: fraction, reached })
+        Err(JammedPacking { wanted: fraction, reached })
     }
 
     /// The same cell at rest with elastic, smooth contacts, in units of the diameter and the thermal speed.

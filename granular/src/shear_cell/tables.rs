@@ -3,7 +3,6 @@
 use super::CellReport;
 use domain::Vector;
 use simulation::Table;
-use statistics::Estimate;
 
 /// The walls in the order of their stresses.
 pub const WALLS: [&str; 4] = ["bottom", "top", "outer", "inner"];
@@ -15,10 +14,9 @@ pub fn tables(report: &CellReport) -> Vec<Table> {
 fn walls(report: &CellReport) -> Table {
     let columns = ["normal", "normal_error", "along", "along_error", "across", "across_error", "deviation"];
     let mut table = Table::new("walls", &["wall"], &columns.map(|name| (name, "force/length^2")));
-    let pair = |e: Estimate| [e.mean, e.error];
     for (wall, name) in report.walls.iter().zip(WALLS) {
-        let [[a, b], [c, d], [e, f]] = [pair(wall.normal), pair(wall.along), pair(wall.across)];
-        table.add(&[name], &[a, b, c, d, e, f, wall.deviation]);
+        let stresses = [wall.normal, wall.along, wall.across].map(|stress| [stress.mean, stress.error]);
+        table.add(&[name], &[stresses.as_flattened(), &[wall.deviation]].concat());
     }
     table
 }

@@ -2,6 +2,7 @@
 
 use super::Snapshot;
 use domain::Vector;
+use glam::DVec2;
 use statistics::{Blocks, Estimate, State, Store};
 
 /// Averages over the disks whose centres are in a strip, weighted by mass.
@@ -13,10 +14,10 @@ pub struct ProfileStrip {
     pub count: u64,
     /// Mass of the disks.
     pub mass: f64,
-    /// Mean velocity along x and y.
-    pub velocity: [f64; 2],
-    /// Mean velocity along x in excess of the liquid's.
-    pub excess: f64,
+    /// Mean velocity.
+    pub velocity: DVec2,
+    /// Mean velocity in excess of the liquid's.
+    pub excess: DVec2,
     /// xx, xy and yy of the covariance of the excess velocities: half of xx and yy is the granular temperature.
     pub covariance: Vector,
 }
@@ -25,24 +26,22 @@ impl Snapshot {
     /// The profile over the height in the given number of strips. Strips without a disk are zero.
     pub fn profile(&self, strips: usize) -> Vec<ProfileStrip> {
         let width = self.edges[1] / strips as f64;
+        let squares = |w: DVec2| Vector::new(w.x * w.x, w.x * w.y, w.y * w.y);
         let mut stripes: Vec<ProfileStrip> =
             (0..strips).map(|k| ProfileStrip { height: (k as f64 + 0.5) * width, ..ProfileStrip::default() }).collect();
-        let mut means = vec![(0.0, Vector::ZERO); strips];
         for disk in &self.disks {
             let k = ((disk.position.y / width) as usize).min(strips - 1);
             let (s, w, m) = (&mut stripes[k], disk.excess, disk.mass);
             s.count += 1;
             s.mass += m;
-            s.velocity = [s.velocity[0] + m * disk.velocity.x, s.velocity[1] + m * disk.velocity.y];
-            s.excess += m * w.x;
-            means[k].0 += m * w.y;
-            means[k].1 += Vector::new(w.x * w.x, w.x * w.y, w.y * w.y) * m;
+            s.velocity += disk.velocity * m;
+            s.excess += w * m;
+            s.covariance += squares(w) * m;
         }
-        for (s, (across, squares)) in stripes.iter_mut().zip(means).filter(|(s, _)| s.count > 0) {
-            s.velocity = s.velocity.map(|v| v / s.mass);
+        for s in stripes.iter_mut().filter(|s| s.count > 0) {
+            s.velocity /= s.mass;
             s.excess /= s.mass;
-            let (x, y) = (s.excess, across / s.mass);
-            s.covariance = squares / s.mass - Vector::new(x * x, x * y, y * y);
+            s.covariance = s.covariance / s.mass - squares(s.excess);
         }
         stripes
     }
@@ -89,8 +88,8 @@ impl AveragedProfile {
             strip.height = now.height;
             strip.count.add(now.count as f64);
             if now.count > 0 {
-                strip.velocity.add(now.velocity[0]);
-                strip.excess.add(now.excess);
+                strip.velocity.add(now.velocity.x);
+                strip.excess.add(now.excess.x);
                 strip.temperature.add(0.5 * (now.covariance.x + now.covariance.z));
             }
         }
@@ -123,7 +122,6 @@ impl State for AveragedProfile {
 mod tests {
     use super::super::Disk;
     use super::*;
-    use glam::DVec2;
 
     #[test]
     fn averages_are_weighted_by_mass() {
@@ -137,7 +135,7 @@ mod tests {
         let disks = vec![disk(1.0, 1.0, 4.0), disk(2.0, 3.0, 0.0), disk(7.0, 1.0, 2.0)];
         let stripes = Snapshot { edges: [10.0; 2], disks }.profile(2);
         assert_eq!((stripes[0].height, stripes[0].count, stripes[1].count), (2.5, 2, 1));
-        assert_eq!((stripes[0].excess, stripes[0].velocity), (1.0, [2.0, 2.0]));
+        assert_eq!((stripes[0].excess, stripes[0].velocity), (DVec2::X, DVec2::splat(2.0)));
         assert_eq!((stripes[0].covariance.x, stripes[1].covariance.x), (3.0, 0.0));
     }
 

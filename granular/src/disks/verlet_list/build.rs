@@ -6,8 +6,8 @@ use crate::disks::stage::Law;
 use crate::disks::state::{CHUNK, DiskState, Identity};
 use crate::disks::{Model, Progress, for_each_part};
 use domain::PeriodicBox;
+use domain::parallel::SortedRows;
 use glam::DVec2;
-use rustc_hash::FxHashSet;
 use std::ops::Range;
 
 /// Width and height of a cell in units of the mean diameter: few rows to search, and few disks in each.
@@ -15,9 +15,6 @@ const CELL: DVec2 = DVec2::new(0.5, 2.0);
 
 /// Disks are sorted in memory again at the first rebuild after this number of steps.
 const SORT_EVERY: u64 = 2048;
-
-/// Rows of pairs in contact, the smaller row first.
-type TouchingPairs = FxHashSet<[u32; 2]>;
 
 /// The input of the search for pairs.
 struct PairSearch<'a> {
@@ -54,14 +51,14 @@ impl List {
         }
         let last = step.wrapping_sub(1);
         let pairs = before.into_iter().flat_map(|list| list.touching(last));
-        let touching = pairs.map(|pair| ordered(pair.map(|row| rows[row as usize]))).collect();
+        let touching = TouchingPairs::of(pairs.map(|pair| pair.map(|row| rows[row as usize])), rows.len());
         Self::find_pairs(state, &cell, step, &touching, last)
     }
 
     /// Rebuilds the list of a stored state, from the positions at which it was first built.
     pub(in crate::disks) fn rebuild(state: &DiskState, model: &Model, law: &Law, progress: &Progress) -> Self {
         let built_at_step = progress.list_built;
-        let touching = progress.touching.iter().copied().map(ordered).collect();
+        let touching = TouchingPairs::of(progress.touching.iter().copied(), state.len());
         let mut list =
             Self::find_pairs(state, &model.cell(law.strain(built_at_step)), built_at_step, &touching, progress.step);
         list.move_images(law, progress.step);
@@ -94,6 +91,27 @@ impl List {
     }
 }
 
+/// Pairs that were in contact when the list was rebuilt.
+struct TouchingPairs {
+    /// Both orders of each pair, by the first row.
+    sorted: SortedRows,
+    /// The second rows.
+    partners: Vec<u32>,
+}
+
+impl TouchingPairs {
+    fn of(pairs: impl Iterator<Item = [u32; 2]>, rows: usize) -> Self {
+        let both = pairs.filter(|pair| pair.iter().all(|&row| (row as usize) < rows));
+        let (firsts, partners): (Vec<u32>, Vec<u32>) = both.flat_map(|[i, j]| [(i, j), (j, i)]).unzip();
+        Self { sorted: SortedRows::by_key(&firsts, rows), partners }
+    }
+
+    #[inline]
+    fn holds(&self, i: u32, j: u32) -> bool {
+        self.sorted.of(i as usize).iter().any(|&place| self.partners[place as usize] == j)
+    }
+}
+
 /// A disk that may touch another, and the lattice steps to its nearest image.
 #[derive(Debug, Clone, Copy, Default)]
 struct NearDisk {
@@ -116,7 +134,7 @@ impl PairSearch<'_> {
             });
             for candidate in &near[..count] {
                 let second = &entries[candidate.entry as usize];
-                let touched = self.touched.wrapping_sub(u32::from(!self.touching.contains(&ordered([first.row, second.row]))));
+                let touched = self.touched.wrapping_sub(u32::from(!self.touching.holds(first.row, second.row)));
                 chunk.list(self.pair(first, second), candidate.steps.map(i32::from), touched);
             }
         }
@@ -180,10 +198,6 @@ impl PairChunk {
         let longest = self.inner.iter().chain(&self.border).map(|b| b.pairs.len()).max().unwrap_or(0);
         self.found.resize(longest, 0);
     }
-}
-
-fn ordered([i, j]: [u32; 2]) -> [u32; 2] {
-    [i.min(j), i.max(j)]
 }
 
 fn cell_edges(disks: &[Identity]) -> DVec2 {

@@ -139,12 +139,11 @@ impl GrainCells {
 
     #[inline(always)]
     fn copy(&self, home: [usize; 3], reach: [[isize; 2]; 3], near: &mut NearGrains, room: usize) {
-        let [xs, ys, zs] =
-            [self.row(0, home[0], reach[0]), self.row(1, home[1], reach[1]), self.row(2, home[2], reach[2])];
+        let [xs, ys, zs]: [_; 3] = std::array::from_fn(|axis| self.around(axis, home[axis], reach[axis]));
         near.count = 0;
-        for &z in &zs.places[..zs.count] {
-            for &y in &ys.places[..ys.count] {
-                for &x in &xs.places[..xs.count] {
+        for z in zs.clone() {
+            for y in ys.clone() {
+                for x in xs.clone() {
                     let cell = self.index([x, y, z]) as usize;
                     let slots = &self.slots[cell * room..(cell + 1) * room];
                     // Copies all slots and keeps the filled ones: no branch depends on their number.
@@ -155,27 +154,13 @@ impl GrainCells {
         }
     }
 
+    /// The cells around a cell along an axis.
     #[inline(always)]
-    fn row(&self, axis: usize, place: usize, [from, to]: [isize; 2]) -> AxisCells {
-        let n = self.counts[axis] as isize;
-        let mut row = AxisCells { places: [0; 3], count: 0 };
-        for step in from..=to {
-            let c = place as isize + step;
-            let outside = c < 0 || c >= n;
-            if outside && self.walled[axis] {
-                continue;
-            }
-            row.places[row.count] = (c + if c < 0 { n } else { 0 } - if c >= n { n } else { 0 }) as usize;
-            row.count += 1;
-        }
-        row
+    fn around(&self, axis: usize, place: usize, [from, to]: [isize; 2]) -> impl Iterator<Item = usize> + Clone {
+        let (n, place, walled) = (self.counts[axis] as isize, place as isize, self.walled[axis]);
+        let cells = (place + from..=place + to).filter(move |c| !walled || (0..n).contains(c));
+        cells.map(move |c| (c + if c < 0 { n } else { 0 } - if c >= n { n } else { 0 }) as usize)
     }
-}
-
-/// The cells around a cell along an axis.
-struct AxisCells {
-    places: [usize; 3],
-    count: usize,
 }
 
 #[cfg(test)]

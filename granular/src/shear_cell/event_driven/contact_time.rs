@@ -49,25 +49,19 @@ impl StraightFlight {
         (self.b < 0.0 || self.a < 0.0) & (self.b * self.b >= self.a * self.c)
     }
 
-    /// Time at which they touch while approaching: zero if they overlap by round-off and approach.
+    /// Time at which they touch while approaching, the smallest root, later than 0 if `b >= 0`: zero if they overlap by
+    /// round-off and approach.
     #[inline]
     pub fn time(&self) -> Option<f64> {
-        first_root(self.c, self.b, self.a)
-    }
-}
-
-/// Smallest root, later than 0 if `b >= 0`, of `c + 2 b t + a t^2` with `c >= 0`.
-#[inline]
-fn first_root(c: f64, b: f64, a: f64) -> Option<f64> {
-    let d = b * b - a * c;
-    if d < 0.0 {
-        None
-    } else if b < 0.0 {
-        Some(c / (d.sqrt() - b))
-    } else if a < 0.0 {
-        Some((b + d.sqrt()) / -a)
-    } else {
-        None
+        let Self { a, b, c } = *self;
+        let d = b * b - a * c;
+        if d < 0.0 || (b >= 0.0 && a >= 0.0) {
+            None
+        } else if b < 0.0 {
+            Some(c / (d.sqrt() - b))
+        } else {
+            Some((b + d.sqrt()) / -a)
+        }
     }
 }
 

@@ -12,22 +12,14 @@ pub struct Queue {
 impl Queue {
     /// Entries with an infinite time.
     pub fn new(entries: usize) -> Self {
-        let mut levels = Vec::new();
-        let mut count = entries.max(1);
-        loop {
-            let blocks = count.div_ceil(CHILDREN);
-            levels.push(vec![f64::INFINITY; blocks * CHILDREN]);
-            if blocks == 1 {
-                return Self { levels };
-            }
-            count = blocks;
-        }
+        let above = |&blocks: &usize| (blocks > 1).then(|| blocks.div_ceil(CHILDREN));
+        let blocks = std::iter::successors(Some(entries.max(1).div_ceil(CHILDREN)), above);
+        Self { levels: blocks.map(|blocks| vec![f64::INFINITY; blocks * CHILDREN]).collect() }
     }
 
     #[expect(clippy::float_cmp, reason = "minima are copies")]
     pub fn set(&mut self, entry: usize, time: f64) {
-        let mut place = entry;
-        let mut time = time;
+        let (mut place, mut time) = (entry, time);
         for level in &mut self.levels {
             if level[place] == time {
                 return;
@@ -41,8 +33,7 @@ impl Queue {
     /// The earliest entry and its time; the first of entries with equal times.
     #[expect(clippy::float_cmp, reason = "minima are copies")]
     pub fn earliest(&self) -> (usize, f64) {
-        let mut place = 0;
-        let mut time = f64::INFINITY;
+        let (mut place, mut time) = (0, f64::INFINITY);
         for level in self.levels.iter().rev() {
             let block = &level[place * CHILDREN..(place + 1) * CHILDREN];
             time = least(block.first_chunk().expect("a block"));
