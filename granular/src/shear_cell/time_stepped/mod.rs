@@ -23,9 +23,7 @@ pub struct TimeStepped {
     model: Model,
     step: f64,
     /// Not wrapped between two searches for neighbours.
-    positions: Vec<Vector>,
-    velocities: Vec<Vector>,
-    spins: Vec<Vector>,
+    grains: Grains,
     top_wall: TopWall,
     near: GrainPairs,
     tally: Tally,
@@ -38,22 +36,19 @@ pub struct TimeStepped {
 impl TimeStepped {
     /// Starts from grains inside the cell.
     pub fn new(model: &Model, state: &CellState, step: f64) -> Result<Self, ParameterError> {
-        let grains = &state.grains;
         positive("time.collision_step", step)?;
         state.check(model)?;
         let mut engine = Self {
             model: *model,
             step,
-            positions: grains.positions.clone(),
-            velocities: grains.motions.iter().map(|m| m.velocity).collect(),
-            spins: grains.motions.iter().map(|m| m.spin).collect(),
+            grains: state.grains.clone(),
             top_wall: state.top_wall,
             near: GrainPairs::default(),
             tally: state.tally,
-            fastest: grains.motions.iter().map(|m| m.velocity.length()).fold(0.0, f64::max),
+            fastest: state.grains.motions.iter().map(|m| m.velocity.length()).fold(0.0, f64::max),
             escaped: false,
         };
-        engine.near.search(model, &mut engine.positions, &engine.velocities, engine.top_wall.height);
+        engine.near.search(model, &mut engine.grains, engine.top_wall.height);
         Ok(engine)
     }
 
@@ -83,7 +78,7 @@ impl TimeStepped {
         if self.escaped {
             return;
         }
-        self.near.refresh(&self.model, &mut self.positions, &self.velocities, self.top_wall.height);
+        self.near.refresh(&self.model, &mut self.grains, self.top_wall.height);
         self.strike_pairs();
         self.tally.time += self.step;
     }
@@ -91,7 +86,8 @@ impl TimeStepped {
     fn drift(&mut self) {
         let (dt, reference) = (self.step, self.near.reference);
         let (mut impulse, mut work, mut fastest) = (Vector::ZERO, 0.0, 0.0);
-        for (x, v) in self.positions.iter_mut().zip(&mut self.velocities) {
+        let Grains { positions, motions } = &mut self.grains;
+        for (x, GrainMotion { velocity: v, .. }) in positions.iter_mut().zip(motions) {
             let kick = self.model.acceleration(*x, *v) * dt;
             work += kick.dot(*v + kick * 0.5);
             impulse += kick;
@@ -120,8 +116,8 @@ impl TimeStepped {
         }
         let radius = self.model.radius();
         let (top, inner) = (self.top_wall.height - radius, self.model.edges().z - radius);
-        for i in 0..self.positions.len() {
-            let x = self.positions[i];
+        for i in 0..self.grains.len() {
+            let x = self.grains.positions[i];
             if x.y < radius || x.y > top || x.z < radius || x.z > inner {
                 for side in Side::ALL {
                     self.strike_wall(i, side);
@@ -133,7 +129,7 @@ impl TimeStepped {
     fn strike_wall(&mut self, i: usize, side: Side) {
         let (model, radius) = (&self.model, self.model.radius());
         let wall = model.wall_contact(side, self.top_wall.velocity);
-        let (x, normal) = (self.positions[i], side.normal());
+        let (x, motion, normal) = (self.grains.positions[i], &mut self.grains.motions[i], side.normal());
         let plane = match side {
             Side::Bottom | Side::Outer => 0.0,
             Side::Top => self.top_wall.height,
@@ -141,13 +137,11 @@ impl TimeStepped {
         };
         let overlap = radius - (x[side.axis()] - plane) * normal[side.axis()];
         self.escaped |= overlap > model.parameters().diameter;
-        let mut motion = GrainMotion { velocity: self.velocities[i], spin: self.spins[i] };
         if overlap <= 0.0 || (motion.velocity - wall.velocity).dot(normal) >= 0.0 {
             return;
         }
         let before = motion.energy(radius);
-        let impulse = model.parameters().wall_contact.strike_wall(&mut motion, &wall, radius, Rebound::default());
-        (self.velocities[i], self.spins[i]) = (motion.velocity, motion.spin);
+        let impulse = model.parameters().wall_contact.strike_wall(motion, &wall, radius, Rebound::default());
         let gain = motion.energy(radius) - before;
         self.tally.strike_wall(model, &wall, impulse, gain, &mut self.top_wall);
         self.tally.largest_overlap = self.tally.largest_overlap.max(overlap / model.parameters().diameter);
@@ -157,12 +151,11 @@ impl TimeStepped {
         let (model, radius, diameter) = (&self.model, self.model.radius(), self.model.parameters().diameter);
         let rule = model.parameters().grain_contact;
         let (mut lost, mut collisions, mut overlaps, mut deepest) = (0.0, 0, 0.0, self.tally.largest_overlap);
-        let mut strike = |i: usize, j: usize, d: Vector, v: &mut [Vector], w: &mut [Vector]| {
-            let mut a = GrainMotion { velocity: v[i], spin: w[i] };
-            let mut b = GrainMotion { velocity: v[j], spin: w[j] };
+        let Grains { positions, motions } = &mut self.grains;
+        let mut strike = |i: usize, j: usize, d: Vector, motions: &mut [GrainMotion]| {
+            let [a, b] = motions.get_disjoint_mut([i, j]).expect("a pair is of two grains");
             let (distance, before) = (d.length(), a.energy(radius) + b.energy(radius));
-            rule.strike_pair([&mut a, &mut b], d / distance, radius, Rebound::default());
-            (v[i], w[i], v[j], w[j]) = (a.velocity, a.spin, b.velocity, b.spin);
+            rule.strike_pair([&mut *a, &mut *b], d / distance, radius, Rebound::default());
             let overlap = 1.0 - distance / diameter;
             lost += before - a.energy(radius) - b.energy(radius);
             collisions += 1;
@@ -171,16 +164,16 @@ impl TimeStepped {
         };
         for &(i, j) in &self.near.within {
             let (i, j) = (i as usize, j as usize);
-            let d = self.positions[j] - self.positions[i];
-            if d.length_squared() < diameter * diameter && d.dot(self.velocities[j] - self.velocities[i]) < 0.0 {
-                strike(i, j, d, &mut self.velocities, &mut self.spins);
+            let d = positions[j] - positions[i];
+            if d.length_squared() < diameter * diameter && d.dot(motions[j].velocity - motions[i].velocity) < 0.0 {
+                strike(i, j, d, motions);
             }
         }
         for &(i, j, shift) in &self.near.across {
             let (i, j) = (i as usize, j as usize);
-            let d = self.positions[j] + shift - self.positions[i];
-            if d.length_squared() < diameter * diameter && d.dot(self.velocities[j] - self.velocities[i]) < 0.0 {
-                strike(i, j, d, &mut self.velocities, &mut self.spins);
+            let d = positions[j] + shift - positions[i];
+            if d.length_squared() < diameter * diameter && d.dot(motions[j].velocity - motions[i].velocity) < 0.0 {
+                strike(i, j, d, motions);
             }
         }
         self.tally.dissipated += lost * model.mass();
@@ -197,7 +190,7 @@ impl CollisionEngine for TimeStepped {
 
     fn advance(&mut self, duration: f64, may_continue: &dyn Fn() -> bool) -> bool {
         let steps = (duration / self.step).round() as u64;
-        let look = (CHECK_INTERVAL / self.positions.len().max(1) as u64).max(1);
+        let look = (CHECK_INTERVAL / self.grains.len().max(1) as u64).max(1);
         for step in 1..=steps {
             self.take_step();
             if self.escaped || (step.is_multiple_of(look) && step < steps && !may_continue()) {
@@ -216,8 +209,7 @@ impl CollisionEngine for TimeStepped {
     }
 
     fn grains(&self) -> Grains {
-        let motions = self.velocities.iter().zip(&self.spins).map(|(&velocity, &spin)| GrainMotion { velocity, spin });
-        let mut grains = Grains { positions: self.positions.clone(), motions: motions.collect() };
+        let mut grains = self.grains.clone();
         wrap(&self.model, &mut grains.positions);
         grains
     }

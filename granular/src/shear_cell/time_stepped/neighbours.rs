@@ -1,7 +1,7 @@
 //! Verlet lists on two levels: a wide list from a cell search, and a narrow one selected from it.
 
 use super::super::{
-    Model,
+    Grains, Model,
     grains::{periodic_box, wrap},
 };
 use domain::{Pair, Pairs, PeriodicBox, Vector};
@@ -32,30 +32,30 @@ impl GrainPairs {
     }
 
     /// Rebuilds the lists if some grain may have moved by half the skin.
-    pub fn refresh(&mut self, model: &Model, positions: &mut [Vector], velocities: &[Vector], height: f64) {
+    pub fn refresh(&mut self, model: &Model, grains: &mut Grains, height: f64) {
         let half = SKINS.map(|skin| 0.5 * skin * model.parameters().diameter);
         if self.travelled[0] > half[0] - half[1] {
-            self.search(model, positions, velocities, height);
+            self.search(model, grains, height);
         } else if self.travelled[1] > half[1] {
-            self.narrow(model, positions, velocities);
+            self.narrow(model, grains);
         }
     }
 
     /// Wraps the positions and finds all pairs.
-    pub fn search(&mut self, model: &Model, positions: &mut [Vector], velocities: &[Vector], height: f64) {
-        wrap(model, positions);
+    pub fn search(&mut self, model: &Model, grains: &mut Grains, height: f64) {
+        wrap(model, &mut grains.positions);
         let reach = model.parameters().diameter * (1.0 + SKINS[0]);
         let cell: PeriodicBox = periodic_box(model, 1.5 * reach, height);
-        let ids: Vec<u64> = (0..positions.len() as u64).collect();
-        let pairs = Pairs::find(&cell, positions, &ids, positions.len(), reach);
+        let ids: Vec<u64> = (0..grains.len() as u64).collect();
+        let pairs = Pairs::find(&cell, &grains.positions, &ids, grains.len(), reach);
         let shifted = |p: &Pair| (p.i, p.j, cell.lattice(p.steps.map(i32::from)));
         self.wide.clear();
         self.wide.extend(pairs.list().iter().map(shifted));
         self.travelled[0] = 0.0;
-        self.narrow(model, positions, velocities);
+        self.narrow(model, grains);
     }
 
-    fn narrow(&mut self, model: &Model, positions: &[Vector], velocities: &[Vector]) {
+    fn narrow(&mut self, model: &Model, Grains { positions, motions }: &Grains) {
         let reach = model.parameters().diameter * (1.0 + SKINS[1]);
         self.within.clear();
         self.across.clear();
@@ -69,6 +69,6 @@ impl GrainPairs {
             }
         }
         self.travelled[1] = 0.0;
-        self.reference = velocities.iter().sum::<Vector>() / velocities.len().max(1) as f64;
+        self.reference = motions.iter().map(|motion| motion.velocity).sum::<Vector>() / motions.len().max(1) as f64;
     }
 }
