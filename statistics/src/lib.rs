@@ -50,4 +50,4 @@ pub use profile::Profile;
 pub use segregation::SpeciesColumns;
 pub use state::{Loader, Saver, State, Store};
 pub use steady_state::{RequestedPrecision, SteadyMean, TimeSeries, Transient, Verdict};
-pub use stretched_exponential::StretchedExponential;
+pub use stretched_exponential::{StretchedExponential, maximum};

@@ -2,7 +2,7 @@
 
 use super::observe::{AveragedProfile, Disk};
 use super::state::{Body, DiskBlock, DiskMotion, Identity, LANES};
-use super::verlet_list::{DiskCells, DiskPair, ListMargin, PairChunk, cell_of};
+use super::verlet_list::{DiskCells, DiskPair, ListMargin, PairChunk};
 use super::{Model, Size};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
@@ -43,15 +43,11 @@ impl Model {
     /// contact.
     fn search(&self) -> Bytes {
         let count = self.sizes().len() as f64;
-        let cells = Bytes::list::<([f64; 4], [u32; 3])>(count).then(Bytes::list::<[u32; 2]>(self.cells()));
-        let touching = Bytes::list::<u64>((4.0 * count).log2().ceil().exp2());
+        let mean_radius = self.sizes().iter().map(|size| size.radius).sum::<f64>() / count;
+        let cells = DiskCells::counts(DVec2::from_array(self.parameters().edges), mean_radius, count);
+        let cells = Bytes::list::<u32>(cells.element_product()).then(Bytes::list::<([f64; 4], [u32; 4])>(count));
+        let touching = Bytes::list::<[u32; 8]>(count);
         cells.then(touching).then(self.pairs()).freed()
-    }
-
-    fn cells(&self) -> f64 {
-        let (sizes, edges) = (self.sizes(), DVec2::from_array(self.parameters().edges));
-        let mean = sizes.iter().map(|s| s.radius).sum::<f64>() / sizes.len() as f64;
-        DiskCells::counts(edges, cell_of(mean), sizes.len()).element_product()
     }
 
     /// Pairs that a list has: those nearer than the cutoff, as many as in a circle of that radius less the disk itself.

@@ -2,6 +2,7 @@
 //! everywhere, and the problem is one equation for the solid fraction.
 
 use super::Problem;
+use statistics::maximum;
 
 /// A uniform flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,14 +59,8 @@ impl Problem {
             let f = self.parameters().grains.functions(self.solid_fraction(z));
             (f.c1.value() * f.c2.value() / f.c6.value()).ln()
         };
-        // Golden-section search: the pressure at a given shear rate falls with v and then rises.
-        let ratio = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut low, mut high) = (-LOGIT, LOGIT);
-        while high - low > 1e-9 {
-            let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-            if need(a) < need(b) { high = b } else { low = a }
-        }
-        self.solid_fraction(0.5 * (low + high))
+        // The pressure at a given shear rate falls with v and then rises.
+        self.solid_fraction(maximum(|z| -need(z), [-LOGIT, LOGIT]))
     }
 
     /// Solid fraction of a logit: `v0 / (1 + exp(-z))`, always below packing.

@@ -3,15 +3,12 @@
 use super::grid::{CellEntry, DiskCells};
 use super::{DiskPair, ImageBatch, List, ListMargin, PairChunk};
 use crate::disks::stage::Law;
-use crate::disks::state::{CHUNK, DiskState, Identity};
+use crate::disks::state::{CHUNK, DiskState};
 use crate::disks::{Model, Progress, for_each_part};
 use domain::PeriodicBox;
-use domain::parallel::SortedRows;
+use domain::parallel::{SortedRows, mapped};
 use glam::DVec2;
 use std::ops::Range;
-
-/// Width and height of a cell in units of the mean diameter: few rows to search, and few disks in each.
-const CELL: DVec2 = DVec2::new(0.5, 2.0);
 
 /// Disks are sorted in memory again at the first rebuild after this number of steps.
 const SORT_EVERY: u64 = 2048;
@@ -43,7 +40,7 @@ impl List {
         state.set_references();
         let mut rows: Vec<u32> = (0..state.len() as u32).collect();
         if before.is_none_or(|list| list.built_at_step / SORT_EVERY < step / SORT_EVERY) {
-            let cells = DiskCells::sort(&cell, state, cell_edges(&state.identities));
+            let cells = DiskCells::sort(&cell, state);
             state.reorder(cells.rows(), law, model);
             for (new, &old) in cells.rows().iter().enumerate() {
                 rows[old as usize] = new as u32;
@@ -75,14 +72,8 @@ impl List {
     ) -> Self {
         let radii = state.identities.iter().map(|d| d.radius);
         let margin = ListMargin::new(radii.clone().fold(f64::INFINITY, f64::min), radii.fold(0.0, f64::max));
-        let search = PairSearch {
-            grid: DiskCells::sort(cell, state, cell_edges(&state.identities)),
-            state,
-            cell,
-            margin,
-            touching,
-            touched: last as u32,
-        };
+        let search =
+            PairSearch { grid: DiskCells::sort(cell, state), state, cell, margin, touching, touched: last as u32 };
         let count = state.len();
         let mut chunks: Vec<PairChunk> =
             (0..count).step_by(CHUNK).map(|start| PairChunk::new(start..count.min(start + CHUNK))).collect();
@@ -95,20 +86,22 @@ impl List {
 struct TouchingPairs {
     /// Both orders of each pair, by the first row.
     sorted: SortedRows,
-    /// The second rows.
+    /// The second rows, in that order.
     partners: Vec<u32>,
 }
 
 impl TouchingPairs {
     fn of(pairs: impl Iterator<Item = [u32; 2]>, rows: usize) -> Self {
         let both = pairs.filter(|pair| pair.iter().all(|&row| (row as usize) < rows));
-        let (firsts, partners): (Vec<u32>, Vec<u32>) = both.flat_map(|[i, j]| [(i, j), (j, i)]).unzip();
-        Self { sorted: SortedRows::by_key(&firsts, rows), partners }
+        let (firsts, seconds): (Vec<u32>, Vec<u32>) = both.flat_map(|[i, j]| [(i, j), (j, i)]).unzip();
+        let sorted = SortedRows::by_key(&firsts, rows);
+        Self { partners: mapped(sorted.rows(), |&place| seconds[place as usize]), sorted }
     }
 
-    #[inline]
-    fn holds(&self, i: u32, j: u32) -> bool {
-        self.sorted.of(i as usize).iter().any(|&place| self.partners[place as usize] == j)
+    /// The rows that touch a row.
+    fn of_row(&self, row: usize) -> &[u32] {
+        let starts = self.sorted.starts();
+        &self.partners[starts[row] as usize..starts[row + 1] as usize]
     }
 }
 
@@ -132,9 +125,10 @@ impl PairSearch<'_> {
                 }
                 count = self.gather(first, steps, range, count, &mut near);
             });
+            let touching = self.touching.of_row(row);
             for candidate in &near[..count] {
                 let second = &entries[candidate.entry as usize];
-                let touched = self.touched.wrapping_sub(u32::from(!self.touching.holds(first.row, second.row)));
+                let touched = self.touched.wrapping_sub(u32::from(!touching.contains(&second.row)));
                 chunk.list(self.pair(first, second), candidate.steps.map(i32::from), touched);
             }
         }
@@ -198,13 +192,4 @@ impl PairChunk {
         let longest = self.inner.iter().chain(&self.border).map(|b| b.pairs.len()).max().unwrap_or(0);
         self.found.resize(longest, 0);
     }
-}
-
-fn cell_edges(disks: &[Identity]) -> DVec2 {
-    cell_of(disks.iter().map(|d| d.radius).sum::<f64>() / disks.len() as f64)
-}
-
-/// Width and height of a cell for disks with this mean radius.
-pub(in crate::disks) fn cell_of(mean_radius: f64) -> DVec2 {
-    CELL * 2.0 * mean_radius
 }

@@ -23,6 +23,8 @@ impl CellEntry {
     }
 }
 
+/// Width and height of a cell in units of the mean diameter: few rows to search, and few disks in each.
+const CELL: DVec2 = DVec2::new(0.5, 2.0);
 /// Largest number of cells per disk.
 const MOST_CELLS: f64 = 64.0;
 
@@ -38,23 +40,24 @@ pub(in crate::disks) struct DiskCells {
 }
 
 impl DiskCells {
-    /// Sorts the reference positions of the drift, which are inside the box, into cells of about the given edges.
-    pub(super) fn sort(cell: &PeriodicBox, state: &DiskState, about: DVec2) -> Self {
-        let edges = cell.edges().truncate();
-        let counts = Self::counts(edges, about, state.len());
-        let counts = counts.to_array().map(|c| c as i64);
-        let mut grid = Self { counts, sorted: SortedRows::default(), entries: Vec::new(), edges, strain: cell.strain() };
+    /// Sorts the reference positions of the drift, which are inside the box, into cells.
+    pub(super) fn sort(cell: &PeriodicBox, state: &DiskState) -> Self {
+        let (edges, disks) = (cell.edges().truncate(), state.len() as f64);
+        let mean_radius = state.identities.iter().map(|disk| disk.radius).sum::<f64>() / disks;
+        let counts = Self::counts(edges, mean_radius, disks).to_array().map(|c| c as i64);
+        let mut grid =
+            Self { counts, sorted: SortedRows::default(), entries: Vec::new(), edges, strain: cell.strain() };
         let homes = of_rows(state.len(), |row| grid.home(state.reference(row)));
         grid.sorted = SortedRows::by_key(&homes, (counts[0] * counts[1]) as usize);
         grid.entries = mapped(grid.rows(), |&row| CellEntry::of(state, row as usize));
         grid
     }
 
-    /// Numbers of cells of about the given edges along each edge of a box with this number of disks.
-    pub(in crate::disks) fn counts(edges: DVec2, about: DVec2, disks: usize) -> DVec2 {
+    /// Numbers of cells along each edge of a box with this number of disks.
+    pub(in crate::disks) fn counts(edges: DVec2, mean_radius: f64, disks: f64) -> DVec2 {
         // For few disks far fewer cells suffice.
-        let most = MOST_CELLS * disks.max(64) as f64;
-        let wanted = (edges / about).floor().max(DVec2::ONE);
+        let most = MOST_CELLS * disks.max(64.0);
+        let wanted = (edges / (CELL * 2.0 * mean_radius)).floor().max(DVec2::ONE);
         let fewer = (most / (wanted.x * wanted.y)).min(1.0);
         if fewer < 1.0 { (wanted * fewer.sqrt()).floor().clamp(DVec2::ONE, DVec2::splat(most)) } else { wanted }
     }
@@ -71,6 +74,7 @@ impl DiskCells {
 
     /// Visits the entries that may be within a distance, less than a cell's edge, of a position, in ranges, each with
     /// the lattice steps to its image.
+    #[inline(always)]
     pub(super) fn for_each_near(&self, position: DVec2, distance: f64, mut visit: impl FnMut([i32; 2], Range<usize>)) {
         let per_cell = DVec2::new(self.counts[0] as f64, self.counts[1] as f64) / self.edges;
         let xi = position.x - self.strain * position.y;
@@ -88,8 +92,8 @@ impl DiskCells {
             while column <= right {
                 let (along, first) = split(column, columns);
                 let last = (first + right - column).min(columns - 1);
-                let bounds =
-                    [row * columns + first, row * columns + last + 1].map(|c| self.sorted.starts()[c as usize] as usize);
+                let bounds = [row * columns + first, row * columns + last + 1]
+                    .map(|c| self.sorted.starts()[c as usize] as usize);
                 visit([along, up], bounds[0]..bounds[1]);
                 column += last + 1 - first;
             }

@@ -10,7 +10,6 @@ use super::stage::Law;
 use glam::DVec2;
 use std::ops::Range;
 
-pub(super) use build::cell_of;
 pub(super) use grid::DiskCells;
 pub(super) use margin::ListMargin;
 

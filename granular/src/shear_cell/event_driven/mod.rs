@@ -44,7 +44,7 @@ const NO_GRAIN: u32 = u32::MAX;
 pub struct EventDriven {
     model: Model,
     /// Id of the grain in each row: grains close to each other in the cell are close to each other in memory.
-    ids: Vec<u32>,
+    ids: Vec<usize>,
     grains: Vec<Grain>,
     accelerations: Vec<Vector>,
     rotations: Vec<Rotation>,
@@ -71,7 +71,7 @@ pub struct EventDriven {
 
 /// Predicted memory of the engine with `count` grains: about one cell per grain, and a tree of times as the queue.
 pub fn bytes(model: &Model, count: f64) -> domain::Bytes {
-    let grains = domain::Bytes::list::<(u32, Grain, Vector, Rotation, NextEvent)>(count);
+    let grains = domain::Bytes::list::<(usize, Grain, Vector, Rotation, NextEvent)>(count);
     grains
         .then(domain::Bytes::list::<f64>(8.0 / 7.0 * count))
         .then(domain::Bytes::keep(GrainCells::bytes(model, count)))
@@ -109,22 +109,21 @@ impl EventDriven {
     pub(super) fn growing(model: &Model, state: &CellState, size: GrowingDiameter) -> Self {
         let accelerated = model.has_body_force();
         let cells = GrainCells::fitting(model, state.top_wall.height, state.grains.len());
-        let (ids, grains) = in_order(&cells, &state.grains);
-        let states = || grains.positions.iter().copied().zip(grains.motions.iter().map(|motion| motion.velocity));
-        let fly = |(position, velocity)| Grain { position, velocity, ..Grain::default() };
-        let pull = |(x, v)| if accelerated { model.acceleration(x, v) } else { Vector::ZERO };
+        let Grains { positions, motions } = &state.grains;
+        let mut ids: Vec<usize> = (0..positions.len()).collect();
+        ids.sort_by_key(|&id| cells.at(positions[id]));
+        let fly = |&id: &usize| Grain { position: positions[id], velocity: motions[id].velocity, ..Grain::default() };
+        let grains: Vec<Grain> = ids.iter().map(fly).collect();
+        let turn = |&id: &usize| Rotation { spin: motions[id].spin, last_collision: f64::NEG_INFINITY };
+        let pull = |g: &Grain| if accelerated { model.acceleration(g.position, g.velocity) } else { Vector::ZERO };
         let mut engine = Self {
             model: *model,
+            accelerations: grains.iter().map(pull).collect(),
+            rotations: ids.iter().map(turn).collect(),
+            plans: vec![NextEvent::default(); ids.len()],
+            queue: Queue::new(ids.len() + 1),
             ids,
-            grains: states().map(fly).collect(),
-            accelerations: states().map(pull).collect(),
-            rotations: grains
-                .motions
-                .iter()
-                .map(|m| Rotation { spin: m.spin, last_collision: f64::NEG_INFINITY })
-                .collect(),
-            plans: vec![NextEvent::default(); grains.len()],
-            queue: Queue::new(grains.len() + 1),
+            grains,
             cells,
             near: Box::new(NearGrains::zeroed()),
             flights: Box::new(Flights::zeroed()),
@@ -317,8 +316,7 @@ impl CollisionEngine for EventDriven {
         let count = self.grains.len();
         let mut grains = Grains { positions: vec![Vector::ZERO; count], motions: vec![GrainMotion::default(); count] };
         for (row, &id) in self.ids.iter().enumerate() {
-            (grains.positions[id as usize], grains.motions[id as usize]) =
-                (self.grains[row].position, self.motion(row));
+            (grains.positions[id], grains.motions[id]) = (self.grains[row].position, self.motion(row));
         }
         super::grains::wrap(&self.model, &mut grains.positions);
         grains
@@ -337,15 +335,6 @@ impl CollisionEngine for EventDriven {
 fn horizon(model: &Model) -> f64 {
     let turned = 2.0 * DRIFT_TOLERANCE * model.parameters().diameter;
     if model.has_body_force() { (turned / model.acceleration_bound()).sqrt() } else { f64::INFINITY }
-}
-
-/// Ids and grains in the order of their cells.
-fn in_order(cells: &GrainCells, grains: &Grains) -> (Vec<u32>, Grains) {
-    let mut ids: Vec<u32> = (0..grains.len() as u32).collect();
-    ids.sort_by_key(|&id| cells.at(grains.positions[id as usize]));
-    let of = |&id: &u32| (grains.positions[id as usize], grains.motions[id as usize]);
-    let (positions, motions) = ids.iter().map(of).unzip();
-    (ids, Grains { positions, motions })
 }
 
 impl Events {

@@ -41,7 +41,8 @@ impl CellSample {
         let time = now.time - before.time;
         let stress = |side: Side| {
             let impulse = now.walls[side as usize].impulse - before.walls[side as usize].impulse;
-            [-side.normal(), Vector::X, side.across()].map(|direction| impulse.dot(direction) / (model.area(side) * time))
+            [-side.normal(), Vector::X, side.across()]
+                .map(|direction| impulse.dot(direction) / (model.area(side) * time))
         };
         let layers = (height / (THICKNESS * model.parameters().diameter)).clamp(1.0, MOST) as usize;
         let mut profile = LayerProfile::new(model, height, layers);
