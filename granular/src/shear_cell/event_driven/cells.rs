@@ -51,7 +51,8 @@ impl GrainCells {
     pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
         let walled = std::array::from_fn(|k| model.is_walled(k));
         let extent = Vector { y: if walled[1] { height } else { model.edges().y }, ..model.edges() };
-        let counts = Self::counts(extent, walled, model.parameters().diameter, count as f64);
+        let aim = (extent.element_product() / count.max(1) as f64).cbrt();
+        let counts = Self::counts(extent, walled, model.parameters().diameter, aim, count as f64);
         let edges = extent / Vector::from(counts);
         let counts = counts.map(|n| n as usize);
         let period = |k: usize| if walled[k] { f64::INFINITY } else { edges[k] * counts[k] as f64 };
@@ -62,15 +63,14 @@ impl GrainCells {
     /// Bytes of the cells for `count` grains.
     pub fn bytes(model: &Model, count: f64) -> f64 {
         let walled = std::array::from_fn(|k| model.is_walled(k));
-        let counts = Self::counts(model.edges(), walled, model.parameters().diameter, count);
+        let aim = (model.edges().element_product() / count.max(1.0)).cbrt();
+        let counts = Self::counts(model.edges(), walled, model.parameters().diameter, aim, count);
         counts.iter().product::<f64>() * (size_of::<u32>() * (1 + ROOM)) as f64
     }
 
-    /// Numbers of cells along the edges of the box: with edges no shorter than `least`, and near the cube root of the
-    /// volume per grain if that is larger; longer where a box is so elongated that there would be many more cells than
-    /// grains.
-    fn counts(extent: Vector, walled: [bool; 3], least: f64, grains: f64) -> [f64; 3] {
-        let aim = (extent.element_product() / grains.max(1.0)).cbrt();
+    /// Numbers of cells along the edges of the box: with edges no shorter than `least` and near `aim` if that is
+    /// larger; longer where a box is so elongated that there would be many more cells than grains.
+    fn counts(extent: Vector, walled: [bool; 3], least: f64, aim: f64, grains: f64) -> [f64; 3] {
         let mut counts: [f64; 3] = std::array::from_fn(|k| {
             let fitting = (extent[k] / least).floor().clamp(1.0, f64::from(u32::MAX));
             let wanted = (extent[k] / aim.max(least)).floor();
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn a_long_box_has_no_more_cells_than_allowed_for_its_grains() {
         let extent = |length| Vector::new(length, 8.0, 1.0);
-        let counts = |length| GrainCells::counts(extent(length), [true; 3], 1.0, 1.0).map(|n| n as u32);
+        let counts = |length| GrainCells::counts(extent(length), [true; 3], 1.0, 0.5, 1.0).map(|n| n as u32);
         assert_eq!(counts(8.0), [8, 8, 1]);
         assert_eq!(counts(9.0), [5, 8, 1]);
         assert_eq!(counts(16.0), [8, 8, 1]);
