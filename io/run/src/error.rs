@@ -35,12 +35,14 @@ pub enum RunError {
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
     /// A state that cannot be continued.
-    #[error("{}: the checkpoint of step {step}", folder.display())]
+    #[error(
+        "{}: the scene can't be continued from this checkpoint; move it away to go on from the one before, or start \
+         the run afresh",
+        file.display()
+    )]
     Checkpoint {
-        /// Folder of the run.
-        folder: PathBuf,
-        /// Step of the checkpoint.
-        step: u64,
+        /// File of the checkpoint.
+        file: PathBuf,
         /// Cause.
         source: granular::StartError,
     },

@@ -74,7 +74,7 @@ impl Resumption {
     pub fn simulation(&mut self, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
         start::resume(&self.scene, self.state.take(), comm).map_err(|error| match error {
             RunError::Grains(source @ (StartError::Parameter(_) | StartError::State)) => {
-                RunError::Checkpoint { folder: self.folder.path().to_owned(), step: self.step, source }
+                RunError::Checkpoint { file: Checkpoints::of(self.folder.path()).path(self.step), source }
             }
             other => other,
         })
@@ -111,4 +111,51 @@ fn of_files(folder: &RunFolder, comm: &Comm) -> Option<String> {
     let read = || names.iter().find_map(|name| SceneHistory::of(&folder.path().join(name)));
     let found = comm.is_first().then(read).flatten().map_or(String::new(), |history| history.first);
     Some(comm.broadcast_text(&found)).filter(|text| !text.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ExistingRun;
+    use std::error::Error;
+
+    const CELL: &str = r#"
+        kind = "shear-cell"
+        [cell]
+        length = 6.0
+        height = 5.0
+        width = 5.0
+        speed = 1.0
+        [grains]
+        diameter = 1.0
+        density = 1.0
+        count = 9
+        restitution = 0.9
+        friction = 0.3
+        [walls]
+        restitution = 0.9
+        friction = 0.3
+        [time]
+        step = 0.1
+        steps = 2
+    "#;
+
+    #[test]
+    fn a_state_that_makes_no_sense_is_refused_by_the_name_of_its_file() {
+        let (place, comm) = (tempfile::tempdir().unwrap(), Comm::alone());
+        let scene = Scene::parse(CELL, "cell.toml", &[]).unwrap();
+        let mut folder = RunFolder::claim(place.path(), &comm, ExistingRun::Keep).unwrap();
+        folder.start_with(scene.text()).unwrap();
+        let mut state = start::start(&scene, &comm, &mut |_| {}).unwrap().state();
+        state.particles.positions[3].y = f64::NAN;
+        let record = SceneRecord::new(scene.text(), scene.kind().output().unwrap());
+        Checkpoints::write(folder.manifest(), &state, &record, &comm).unwrap();
+        let mut resumption = Resumption::of(folder, scene, &[], &comm).unwrap();
+        let error = resumption.simulation(&comm).err().unwrap();
+        let file = place.path().join("checkpoint-0000000000.bin");
+        let advice = "move it away to go on from the one before, or start the run afresh";
+        let said = format!("{}: the scene can't be continued from this checkpoint; {advice}", file.display());
+        assert_eq!(error.to_string(), said);
+        assert!(error.source().unwrap().to_string().starts_with("position is ["), "{error:?}");
+    }
 }

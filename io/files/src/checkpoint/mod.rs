@@ -75,7 +75,7 @@ impl<'a> Checkpoints<'a> {
     }
 
     /// The file of a step.
-    fn path(&self, step: u64) -> PathBuf {
+    pub fn path(&self, step: u64) -> PathBuf {
         self.0.join(format!("checkpoint-{step:010}.bin"))
     }
 
