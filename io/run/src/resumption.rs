@@ -121,6 +121,7 @@ mod tests {
 
     const CELL: &str = r#"
         kind = "shear-cell"
+        collisions = "event-driven"
         [cell]
         length = 6.0
         height = 5.0
@@ -147,7 +148,7 @@ mod tests {
         let mut folder = RunFolder::claim(place.path(), &comm, ExistingRun::Keep).unwrap();
         folder.start_with(scene.text()).unwrap();
         let mut state = start::start(&scene, &comm, &mut |_| {}).unwrap().state();
-        state.particles.positions[3].y = f64::NAN;
+        state.particles.vectors("velocity")[3].y = f64::NAN;
         let record = SceneRecord::new(scene.text(), scene.kind().output().unwrap());
         Checkpoints::write(folder.manifest(), &state, &record, &comm).unwrap();
         let mut resumption = Resumption::of(folder, scene, &[], &comm).unwrap();
@@ -156,6 +157,6 @@ mod tests {
         let advice = "move it away to go on from the one before, or start the run afresh";
         let said = format!("{}: the scene can't be continued from this checkpoint; {advice}", file.display());
         assert_eq!(error.to_string(), said);
-        assert!(error.source().unwrap().to_string().starts_with("position is ["), "{error:?}");
+        assert!(error.source().unwrap().to_string().starts_with("velocity is ["), "{error:?}");
     }
 }
