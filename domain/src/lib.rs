@@ -72,7 +72,7 @@ pub use neighbours::{Neighbours, NeighboursOf};
 pub use number::Number;
 pub use packing::{Occupied, PackingError, random_cloud, random_packing, shared_random_packing};
 pub use pairs::{Pair, Pairs, fold_pairs};
-pub use parameter::ParameterError;
+pub use parameter::{ParameterError, refused, require};
 pub use particles::{Column, ColumnError, Particles};
 pub use partition::{Partition, Place};
 pub use periodic_box::{BoxError, PeriodicBox};

@@ -1,6 +1,7 @@
 //! Parameters and their allowed ranges. Keys are those of a scene.
 
 use crate::{Number, Vector};
+use std::fmt::Display;
 
 /// Error for a parameter outside of its range.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -20,24 +21,19 @@ impl ParameterError {
 
     /// Returns a finite number, or an error.
     pub fn require_finite(key: &str, value: f64) -> Result<f64, Self> {
-        if value.is_finite() {
-            Ok(value)
-        } else {
-            Err(Self::new(key, format!("is {}; it needs to be a finite number", Number(value))))
-        }
+        require(value.is_finite(), key, Number(value), "to be a finite number").map(|()| value)
     }
 
     /// Returns a finite number above 0, or an error.
     pub fn require_positive(key: &str, value: f64) -> Result<f64, Self> {
-        let error = || Self::new(key, format!("is {}; it needs to be a finite number above 0", Number(value)));
-        if value > 0.0 && value.is_finite() { Ok(value) } else { Err(error()) }
+        let holds = value > 0.0 && value.is_finite();
+        require(holds, key, Number(value), "to be a finite number above 0").map(|()| value)
     }
 
     /// Returns a number in a range, both ends included, or an error.
     pub fn require_between(key: &str, value: f64, [low, high]: [f64; 2]) -> Result<f64, Self> {
-        let [found, least, most] = [value, low, high].map(Number);
-        let error = || Self::new(key, format!("is {found}; it needs to be between {least} and {most}"));
-        if (low..=high).contains(&value) { Ok(value) } else { Err(error()) }
+        let allowed = format_args!("to be between {} and {}", Number(low), Number(high));
+        require((low..=high).contains(&value), key, Number(value), allowed).map(|()| value)
     }
 
     /// Returns a vector of finite numbers, or an error.
@@ -47,6 +43,16 @@ impl ParameterError {
         }
         Ok(value)
     }
+}
+
+/// Error that states the value found and the values allowed, which are read after "it needs".
+pub fn refused(key: &str, found: impl Display, allowed: impl Display) -> ParameterError {
+    ParameterError::new(key, format!("is {found}; it needs {allowed}"))
+}
+
+/// Returns `Ok` if `holds`; otherwise an error with the key, the value found and the values allowed.
+pub fn require(holds: bool, key: &str, found: impl Display, allowed: impl Display) -> Result<(), ParameterError> {
+    if holds { Ok(()) } else { Err(refused(key, found, allowed)) }
 }
 
 #[cfg(test)]

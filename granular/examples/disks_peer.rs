@@ -51,9 +51,9 @@ fn run(parameters: Parameters, file: &str, [steps, every]: [u64; 2], out: &str) 
     let mut text = String::new();
     let mut spent = 0.0;
     write_frame(&mut text, &disks)?;
-    while disks.steps() < steps {
+    while disks.clock().step() < steps {
         let before = cpu_seconds()?;
-        disks.advance(every.min(steps - disks.steps()));
+        disks.advance(every.min(steps - disks.clock().step()));
         spent += cpu_seconds()? - before;
         write_frame(&mut text, &disks)?;
     }
@@ -78,7 +78,7 @@ fn read_data(file: &str) -> Result<Particles, Box<dyn Error>> {
 /// Writes a frame in LAMMPS's dump format: id, type, radius, x, y, vx, vy.
 fn write_frame(text: &mut String, disks: &Disks) -> ExampleResult {
     let (particles, _) = disks.store();
-    writeln!(text, "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}", disks.steps(), particles.len())?;
+    writeln!(text, "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}", disks.clock().step(), particles.len())?;
     writeln!(text, "ITEM: ATOMS id type radius x y vx vy")?;
     let velocities = &particles.columns[0].values;
     for row in 0..particles.len() {

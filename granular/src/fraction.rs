@@ -37,20 +37,15 @@ pub fn ratio(a: f64, b: f64) -> f64 {
 /// become whole numbers times a power of ten, and the diameter is from 1e-4 to 1e-3, like that of sand in metres.
 /// Lengths that are not decimal numbers are returned unchanged.
 pub fn without_unit(lengths: [f64; 4]) -> [f64; 4] {
-    whole(lengths).and_then(decimal).unwrap_or(lengths)
+    whole(lengths).and_then(|whole| decimal(&whole)?.try_into().ok()).unwrap_or(lengths)
 }
 
 /// Whole numbers with the same ratios.
-fn whole(lengths: [f64; 4]) -> Option<[u64; 4]> {
-    let [length, height, width, diameter] = lengths;
-    let [x, y, z] = [length, height, width].map(|edge| fraction(edge / diameter));
-    let edges = [x?, y?, z?];
-    let common =
-        edges.iter().try_fold(1, |common: u64, [_, below]| common.checked_mul(below / divisor(common, *below)))?;
-    let [Some(x), Some(y), Some(z)] = edges.map(|[above, below]| above.checked_mul(common / below)) else {
-        return None;
-    };
-    Some([x, y, z, common])
+fn whole(lengths: [f64; 4]) -> Option<Vec<u64>> {
+    let ratios = lengths.iter().map(|length| fraction(length / lengths[3])).collect::<Option<Vec<_>>>()?;
+    let mut belows = ratios.iter().map(|[_, below]| *below);
+    let common = belows.try_fold(1, |common: u64, below| common.checked_mul(below / divisor(common, below)))?;
+    ratios.iter().map(|[above, below]| above.checked_mul(common / below)).collect()
 }
 
 fn divisor(a: u64, b: u64) -> u64 {
@@ -58,11 +53,9 @@ fn divisor(a: u64, b: u64) -> u64 {
 }
 
 /// The numbers divided by the power of ten that brings the last one into its range.
-fn decimal(whole: [u64; 4]) -> Option<[f64; 4]> {
-    let power = 4 + whole[3].ilog10();
-    let parsed = whole.map(|n| format!("{n}e-{power}").parse().ok());
-    let [Some(x), Some(y), Some(z), Some(diameter)] = parsed else { return None };
-    Some([x, y, z, diameter])
+fn decimal(whole: &[u64]) -> Option<Vec<f64>> {
+    let power = 4 + whole.last()?.ilog10();
+    whole.iter().map(|n| format!("{n}e-{power}").parse().ok()).collect()
 }
 
 #[cfg(test)]

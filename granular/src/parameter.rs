@@ -1,24 +1,10 @@
 //! Checks of parameters, with errors that state the value found and the values allowed.
 
 pub use domain::ParameterError;
+pub(crate) use domain::{refused, require};
 
 use domain::Number;
 use std::fmt::{Display, Formatter, Result as FormatResult};
-
-/// Error that states the value found and the values allowed.
-pub(crate) fn refused(key: &'static str, found: impl Display, allowed: impl Display) -> ParameterError {
-    ParameterError::new(key, format!("is {found}; it needs {allowed}"))
-}
-
-/// Returns `Ok` if `holds`; otherwise an error with the key, the value found and the values allowed.
-pub(crate) fn require(
-    holds: bool,
-    key: &'static str,
-    found: impl Display,
-    allowed: impl Display,
-) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(refused(key, found, allowed)) }
-}
 
 /// The components of a vector, as an error shows them.
 pub(crate) struct Components<const N: usize>(pub(crate) [f64; N]);

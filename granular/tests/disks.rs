@@ -78,7 +78,7 @@ fn drag_relaxes_as_stokes_says() {
     let start = [(10.0, 30.0, wx, vy, radius), (50.0, 3.0, -0.27, 0.0, 3.5)];
     let mut disks = Disks::flowing(parameters, &placed(&start)).unwrap();
     disks.advance(60);
-    let (t, disk) = (disks.time(), disks.snapshot().disks[0]);
+    let (t, disk) = (disks.clock().time(), disks.snapshot().disks[0]);
     let left = (-drag * t).exp();
     let expected_vy = vy * left;
     let expected_wx = (wx - rate * vy * t) * left;
@@ -100,7 +100,7 @@ fn drag_pulls_toward_the_parabola() {
     let start = [(10.0, 15.0, 0.0, 0.0, 1.0), (20.0, 59.0, 0.0, 0.0, 1.0)];
     let mut disks = Disks::flowing(parameters, &placed(&start)).unwrap();
     disks.advance(300);
-    let t = disks.time();
+    let t = disks.clock().time();
     let relaxed = 1.0 - (-6.0 * std::f64::consts::PI * 0.05 * t).exp();
     for (disk, speed) in disks.snapshot().disks.iter().zip([0.375, 4.0 * 0.5 * 59.0 / 3600.0]) {
         assert!((disk.velocity.x / (speed * relaxed) - 1.0).abs() < 1e-6);

@@ -20,7 +20,7 @@ fn going_on_from_a_store_is_going_on() {
     let _ = (resumed.snapshot(), resumed.store());
     resumed.advance(1100);
     let ((one, a), (other, b)) = (through.store(), resumed.store());
-    assert!(through.steps() == 2277 && one == other);
+    assert!(through.clock().step() == 2277 && one == other);
     assert_eq!(a, b);
     assert_eq!(Progress::from_numbers(&a.to_numbers()[1..]), None);
     assert_eq!(Progress::from_numbers(&a.to_numbers()), Some(a));
@@ -135,9 +135,13 @@ fn lattice_steps_keep_the_way_of_every_disk() {
             turned |= (disks.cell().strain() - before).abs() > 0.5;
             for (row, start) in start.iter().enumerate() {
                 let [x, y] = way(&disks, row);
-                let far = start[0] + rate * (start[1] - 0.5 * height) * disks.time();
+                let far = start[0] + rate * (start[1] - 0.5 * height) * disks.clock().time();
                 // Round-off of positions up to 1e3.
-                assert!((x - far).abs() < 1e-9 && (y - start[1]).abs() < 1e-9, "disk {row} at {}", disks.time());
+                assert!(
+                    (x - far).abs() < 1e-9 && (y - start[1]).abs() < 1e-9,
+                    "disk {row} at {}",
+                    disks.clock().time()
+                );
             }
         }
         assert!(turned, "the lattice was turned back");

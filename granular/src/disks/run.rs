@@ -14,7 +14,6 @@ use statistics::{State as Stored, Store};
 /// A run of sheared disks. Its steps are those of the stage with flow; a random start is prepared before step 0.
 pub struct DiskRun {
     disks: Disks,
-    clock: Clock,
     profile: AveragedProfile,
     length: RunLength,
     comm: Comm,
@@ -85,8 +84,7 @@ impl DiskRun {
 
     fn of(disks: Disks, length: RunLength, profile: AveragedProfile, comm: &Comm) -> Self {
         debug_assert!(disks.stage() == Stage::Flow, "states are kept in the flow");
-        let clock = Clock::at(disks.steps(), disks.model().parameters().time_step);
-        Self { disks, clock, profile, length, comm: comm.clone() }
+        Self { disks, profile, length, comm: comm.clone() }
     }
 }
 
@@ -142,7 +140,7 @@ impl Simulation for DiskRun {
     }
 
     fn clock(&self) -> &Clock {
-        &self.clock
+        self.disks.clock()
     }
 
     fn plan(&mut self) -> String {
@@ -150,10 +148,8 @@ impl Simulation for DiskRun {
     }
 
     fn advance(&mut self, last: u64) -> Result<(), SimulationError> {
-        self.disks.advance(self.disks.moment().min(last - self.clock.step()));
-        self.disks.check().map_err(SimulationError::new)?;
-        self.clock = Clock::at(self.disks.steps(), self.clock.dt());
-        Ok(())
+        self.disks.advance(self.disks.moment().min(last - self.clock().step()));
+        self.disks.check().map_err(SimulationError::new)
     }
 
     fn frame(&self) -> Frame {
@@ -168,9 +164,9 @@ impl Simulation for DiskRun {
     /// Averages are over the time since the previous row. The profile is sampled at each row.
     fn observe(&mut self) -> Vec<Vec<f64>> {
         self.profile.add(&self.disks.snapshot());
-        let record = self.disks.record();
+        let row = self.present_row();
         self.disks.restart_tally();
-        record.map(|value| vec![value]).to_vec()
+        row
     }
 
     fn present_row(&mut self) -> Vec<Vec<f64>> {
@@ -180,7 +176,7 @@ impl Simulation for DiskRun {
     fn state(&mut self) -> State {
         let (particles, progress) = self.disks.store();
         State {
-            step: self.clock.step(),
+            step: self.clock().step(),
             strain: self.disks.cell().strain(),
             plan: self.plan(),
             particles,

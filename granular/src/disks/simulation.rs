@@ -8,6 +8,7 @@ use super::{Measurement, Model, Stage, Tally};
 use crate::parameter::{ParameterError, refused, require};
 use domain::{Number, Particles, PeriodicBox, Random};
 use glam::DVec2;
+use simulation::Clock;
 
 /// A system of disks in motion.
 #[derive(Debug, Clone)]
@@ -15,7 +16,7 @@ pub struct Disks {
     pub(super) model: Model,
     pub(super) stage: Stage,
     pub(super) law: Law,
-    pub(super) step: u64,
+    pub(super) clock: Clock,
     pub(super) state: DiskState,
     pub(super) list: List,
     pub(super) tally: Tally,
@@ -72,7 +73,7 @@ impl Disks {
         let allowed = format!(
             "to be shorter, an integrator that is stable (\"gear-four\"), or a start without deep overlaps: disks flew \
              off at step {}",
-            self.step
+            self.clock.step()
         );
         require(!self.escaped, key, Number(self.law.dt), allowed)
     }
@@ -94,15 +95,16 @@ impl Disks {
     /// The same disks at the same step, with the positions and velocities of a store, as if they had just begun to
     /// move: counts start afresh.
     pub fn rearranged(&self, particles: &Particles) -> Result<Self, ParameterError> {
-        check_positions(&self.model, self.law.strain(self.step), particles)?;
-        Self::given(&self.model, particles, self.stage, self.step)
+        check_positions(&self.model, self.law.strain(self.clock.step()), particles)?;
+        Self::given(&self.model, particles, self.stage, self.clock.step())
     }
 
     /// Starts a stage, or continues it after some steps, from positions and velocities.
     fn begin(model: Model, stage: Stage, step: u64, mut state: DiskState) -> Self {
         let law = model.law(stage);
         let list = List::build(&mut state, &model, &law, step, None);
-        let mut disks = Self { model, stage, law, step, state, list, tally: Tally::default(), escaped: false };
+        let (clock, tally) = (Clock::at(step, law.dt), Tally::default());
+        let mut disks = Self { model, stage, law, clock, state, list, tally, escaped: false };
         let contact = disks.list.add_contact_forces(&mut disks.state, &law, step, true);
         let motion = disks.state.advance(&law, PassTask::Measure, 0, true);
         disks.state.start(&law, |radius| disks.model.mass(radius));
@@ -132,22 +134,23 @@ impl Disks {
             return;
         }
         let [length, height] = self.model.parameters().edges;
-        let (first, farthest) = (self.step + 1, 0.25 * length.min(height).powi(2));
+        let (first, farthest) = (self.clock.step() + 1, 0.25 * length.min(height).powi(2));
         let mut drift =
             self.state.advance(&self.law, PassTask::Predict, first - self.list.built_at_step, false).drift_squared;
         for left in (0..steps).rev() {
-            self.step += 1;
+            self.clock.tick();
+            let step = self.clock.step();
             if drift > farthest {
                 self.escaped = true;
                 return;
             }
-            if self.list.is_stale(&self.law, self.step, drift.sqrt()) {
-                self.list = List::build(&mut self.state, &self.model, &self.law, self.step, Some(&self.list));
+            if self.list.is_stale(&self.law, step, drift.sqrt()) {
+                self.list = List::build(&mut self.state, &self.model, &self.law, step, Some(&self.list));
             }
-            let measure = self.step.is_multiple_of(self.model.parameters().measure_every);
-            let contact = self.list.add_contact_forces(&mut self.state, &self.law, self.step, measure);
+            let measure = step.is_multiple_of(self.model.parameters().measure_every);
+            let contact = self.list.add_contact_forces(&mut self.state, &self.law, step, measure);
             let task = if left > 0 { PassTask::Both } else { PassTask::Correct };
-            let motion = self.state.advance(&self.law, task, self.step + 1 - self.list.built_at_step, measure);
+            let motion = self.state.advance(&self.law, task, step + 1 - self.list.built_at_step, measure);
             drift = motion.drift_squared;
             self.tally.collisions += contact.encounters;
             if measure {
@@ -159,7 +162,7 @@ impl Disks {
 
     fn measurement(&self, motion: &super::sums::MotionSums, contact: &super::sums::ContactSums) -> Measurement {
         let [length, height] = self.model.parameters().edges;
-        Measurement::of(self.time(), length * height, self.state.len(), motion, contact)
+        Measurement::of(self.clock.time(), length * height, self.state.len(), motion, contact)
     }
 
     /// Restarts the tally at its latest measurement.
@@ -169,7 +172,7 @@ impl Disks {
 
     /// Number of lattice periods by which the strain was reduced since the list was built.
     pub(super) fn lattice_shifts_since_list(&self) -> i32 {
-        self.law.lattice_shifts(&self.model, self.list.built_at_step..self.step)
+        self.law.lattice_shifts(&self.model, self.list.built_at_step..self.clock.step())
     }
 
     /// The model.
@@ -182,29 +185,24 @@ impl Disks {
         self.stage
     }
 
-    /// Steps completed in the present stage.
-    pub fn steps(&self) -> u64 {
-        self.step
+    /// Steps and time since the present stage began.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
     }
 
     /// Steps left in the present stage, if it has an end.
     pub fn left(&self) -> Option<u64> {
-        self.law.steps.map(|steps| steps.saturating_sub(self.step))
-    }
-
-    /// Time since the present stage began.
-    pub fn time(&self) -> f64 {
-        self.law.dt * self.step as f64
+        self.law.steps.map(|steps| steps.saturating_sub(self.clock.step()))
     }
 
     /// Shear rate times that time.
     pub fn strain(&self) -> f64 {
-        self.model.parameters().flow.rate(self.model.parameters().edges[1]) * self.time()
+        self.model.parameters().flow.rate(self.model.parameters().edges[1]) * self.clock.time()
     }
 
     /// The lattice of images at the present time.
     pub fn cell(&self) -> PeriodicBox {
-        self.model.cell(self.law.strain(self.step))
+        self.model.cell(self.law.strain(self.clock.step()))
     }
 
     /// Sums over time since the stage began or the tally was restarted.

@@ -7,6 +7,7 @@ use super::{Disks, Model, Progress};
 use crate::parameter::{Components, ParameterError, refused, require};
 use domain::{Number, Particles, PeriodicBox, Vector};
 use glam::DVec2;
+use simulation::Clock;
 
 /// Columns apart from velocity: `dt^k x^(k) / k!` for k = 2, 3, 4; and the data that determine the neighbour
 /// list, as the time step has them, before wrapping: row, position, velocity, position when the list was
@@ -35,8 +36,8 @@ impl Disks {
         particles.column(GEAR, 6).values = motions.iter().flat_map(gear).collect();
         let list = order.iter().zip(&motions).flat_map(|(&row, motion)| list_row(row, motion));
         particles.column(LIST, 9).values = list.collect();
-        let touching = self.list.touching(self.step).collect();
-        let (stage, step, list_built, tally) = (self.stage, self.step, self.list.built_at_step, self.tally);
+        let touching = self.list.touching(self.clock.step()).collect();
+        let (stage, step, list_built, tally) = (self.stage, self.clock.step(), self.list.built_at_step, self.tally);
         (particles, Progress { stage, step, list_built, tally, touching })
     }
 
@@ -54,8 +55,8 @@ impl Disks {
         let mut state = DiskState::stored(particles, model, &model.cell(law.strain(progress.list_built)), law.dt)?;
         state.set_response(&law, model);
         let list = List::rebuild(&state, model, &law, progress);
-        let (model, stage, step) = (model.clone(), progress.stage, progress.step);
-        Ok(Self { model, stage, law, step, state, list, tally: progress.tally, escaped: false })
+        let (model, stage, clock) = (model.clone(), progress.stage, Clock::at(progress.step, law.dt));
+        Ok(Self { model, stage, law, clock, state, list, tally: progress.tally, escaped: false })
     }
 }
 

@@ -239,18 +239,14 @@ impl Model {
 
     /// Mass of a free top wall.
     pub(super) fn top_wall_mass(&self) -> Option<f64> {
-        match self.parameters.top {
-            Top::Free { mass_per_area, .. } if self.walled => Some(mass_per_area * self.area(Side::Top)),
-            _ => None,
-        }
+        let Top::Free { mass_per_area, .. } = self.parameters.top else { return None };
+        self.walled.then(|| mass_per_area * self.area(Side::Top))
     }
 
     /// Downward acceleration of a free top wall due to its load.
     pub(super) fn top_wall_acceleration(&self) -> f64 {
-        match self.parameters.top {
-            Top::Free { pressure, mass_per_area } if self.walled => pressure / mass_per_area,
-            _ => 0.0,
-        }
+        let Top::Free { pressure, mass_per_area } = self.parameters.top else { return 0.0 };
+        if self.walled { pressure / mass_per_area } else { 0.0 }
     }
 
     /// Typical upper bound on the difference between two neighbours' accelerations: gravity and

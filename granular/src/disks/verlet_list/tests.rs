@@ -6,7 +6,7 @@ use crate::disks::{Disks, Flow, Model, Parameters, Sizes};
 /// Overlapping pairs as (id, id, overlap), by brute force.
 fn all_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
     let seen = disks.snapshot();
-    let cell = disks.model().cell(disks.law.strain(disks.step));
+    let cell = disks.model().cell(disks.law.strain(disks.clock.step()));
     let mut all = Vec::new();
     for (i, a) in seen.disks.iter().enumerate() {
         for b in &seen.disks[..i] {
@@ -25,7 +25,7 @@ fn all_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
 /// Overlapping pairs from the list.
 fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
     let (state, mut list) = (&disks.state, disks.list.clone());
-    list.move_images(&disks.law, disks.step);
+    list.move_images(&disks.law, disks.clock.step());
     let mut all = Vec::new();
     for batch in list.batches() {
         for pair in &batch.pairs {
@@ -46,7 +46,7 @@ fn compare(parameters: Parameters, steps: u64, times: usize) {
     for _ in 0..times {
         disks.advance(steps);
         let (listed, all) = (listed_overlaps(&disks), all_overlaps(&disks));
-        assert!(!all.is_empty() && listed.len() == all.len(), "step {}", disks.step);
+        assert!(!all.is_empty() && listed.len() == all.len(), "step {}", disks.clock.step());
         for (l, a) in listed.iter().zip(&all) {
             assert!((l.0, l.1) == (a.0, a.1) && (l.2 - a.2).abs() < 1e-11);
         }
@@ -78,8 +78,8 @@ fn a_new_list_remembers_who_touched() {
         let touched = disks.list.batches().flat_map(|b| &b.touched);
         touched.filter(|&&last| last == step as u32).count()
     };
-    let before = marked(&disks, disks.step);
-    let list = List::build(&mut disks.state, &disks.model, &disks.law, disks.step + 1, Some(&disks.list));
+    let before = marked(&disks, disks.clock.step());
+    let list = List::build(&mut disks.state, &disks.model, &disks.law, disks.clock.step() + 1, Some(&disks.list));
     disks.list = list;
-    assert!(before > 50 && marked(&disks, disks.step) == before);
+    assert!(before > 50 && marked(&disks, disks.clock.step()) == before);
 }

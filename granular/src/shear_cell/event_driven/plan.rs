@@ -93,25 +93,19 @@ impl EventDriven {
         for axis in 0..3 {
             let (x, v) = (grain.position[axis], grain.velocity[axis]);
             let a = if self.accelerated { self.accelerations[i][axis] } else { 0.0 };
-            let edge = self.cells.edges[axis];
+            let (edge, count) = (self.cells.edges[axis], self.cells.counts[axis]);
             let low = home[axis] as f64 * edge;
-            let walled = self.cells.walled[axis];
             let (radius, growth) = (0.5 * self.diameter(), 0.5 * self.size.growth);
-            let down = if walled && home[axis] == 0 {
-                time_to_plane(x - radius, growth - v, -a)
-            } else {
-                time_to_plane(x - low, -v, -a)
-            };
-            let up = if walled && home[axis] + 1 == self.cells.counts[axis] {
-                if axis == 1 && self.top_wall.is_free() {
+            for up in [false, true] {
+                let (v, a) = if up { (v, a) } else { (-v, -a) };
+                let is_outermost = home[axis] == if up { count - 1 } else { 0 };
+                let time = if !is_outermost || !self.cells.walled[axis] {
+                    time_to_plane(if up { low + edge - x } else { x - low }, v, a)
+                } else if up && axis == 1 && self.top_wall.is_free() {
                     f64::INFINITY
                 } else {
-                    time_to_plane(edge * self.cells.counts[axis] as f64 - radius - x, growth + v, a)
-                }
-            } else {
-                time_to_plane(low + edge - x, v, a)
-            };
-            for (time, up) in [(down, false), (up, true)] {
+                    time_to_plane(if up { edge * count as f64 - radius - x } else { x - radius }, growth + v, a)
+                };
                 if time < first {
                     (first, by) = (time, Exit::Face { axis: axis as u8, up });
                 }
