@@ -20,7 +20,7 @@ pub struct WallTally {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct Tally {
-    /// Sums for each wall, in the order of [`Side::ALL`].
+    /// Sums for each wall, in the order of [`super::Side::ALL`].
     pub walls: [WallTally; 4],
     /// Momentum transferred to the grains by gravity and the curved path.
     pub body_impulse: Vector,
