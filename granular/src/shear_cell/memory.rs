@@ -2,7 +2,7 @@
 
 use super::event_driven;
 use super::measure::profile_bytes;
-use super::{CollisionDetection, GrainMotion, Grains, Model, Sampling};
+use super::{CollisionDetection, GrainMotion, Model, Sampling};
 use domain::{Bytes, GROWING, Pairs, Particles, Vector};
 
 /// Values of a grain in the particle store: velocity and spin.
@@ -13,38 +13,25 @@ impl Sampling {
     /// temporarily packing, a step or a checkpoint.
     pub fn bytes(&self, model: &Model, count: usize, collisions: CollisionDetection) -> Bytes {
         let count = count as f64;
-        let grains = Grains::bytes(count);
+        let grains = Bytes::list::<(Vector, GrainMotion)>(count);
+        let event_driven = event_driven::bytes(model, count);
         let engine = match collisions {
-            CollisionDetection::EventDriven => event_driven::bytes(model, count),
-            CollisionDetection::TimeStepped { .. } => stepped(count),
+            CollisionDetection::EventDriven => event_driven,
+            CollisionDetection::TimeStepped { .. } => {
+                // Half a dozen per grain when dense.
+                let pairs = 6.0 * count;
+                let search = Pairs::bytes(count, count, 2.0 * pairs / count).freed();
+                grains.then(Bytes::list::<(u32, u32, Vector)>(GROWING * pairs)).then(search)
+            }
         };
+        // An engine in which the grains grow, and one in which they have grown. The start takes less.
+        let packing = grains.then(event_driven).then(grains).then(event_driven).freed();
         let measured = Bytes::keep(profile_bytes(self.layers, self.pixels));
         // Measurements: the current ones, those of the last restart, and copies for a checkpoint.
         let kept = engine.then(grains).then(measured).then(measured);
         let stored = Particles::bytes(count, STORED);
         let checkpoint = grains.then(Bytes::keep(GROWING * stored.kept)).then(stored).then(measured).then(measured);
         let renewal = grains.then(grains).then(engine);
-        packing(model, count).or(kept.then(checkpoint.freed().or(renewal.freed())))
+        packing.or(kept.then(checkpoint.freed().or(renewal.freed())))
     }
-}
-
-impl Grains {
-    /// Bytes of `count` grains.
-    fn bytes(count: f64) -> Bytes {
-        Bytes::list::<(Vector, GrainMotion)>(count)
-    }
-}
-
-/// Time-stepped engine: positions, velocities and spins, and the pairs, of which there are half a
-/// dozen per grain when dense.
-fn stepped(count: f64) -> Bytes {
-    let pairs = 6.0 * count;
-    let search = Pairs::bytes(count, count, 2.0 * pairs / count).freed();
-    Bytes::list::<[Vector; 3]>(count).then(Bytes::list::<(u32, u32, Vector)>(GROWING * pairs)).then(search)
-}
-
-/// Packing: an engine in which the grains grow, and one in which they have grown. The start takes less.
-fn packing(model: &Model, count: f64) -> Bytes {
-    let engine = event_driven::bytes(model, count);
-    Grains::bytes(count).then(engine).then(Grains::bytes(count)).then(engine).freed()
 }

@@ -94,8 +94,8 @@ impl Parameters {
         }
     }
 
-    /// Keys and values of the quantities, of which the first five are positive, each with the power of ten up to which
-    /// its size is sensible.
+    /// Keys and values of the quantities, of which the first five are positive and four after the next not negative, each
+    /// with the power of ten up to which its size is sensible.
     fn quantities(&self) -> [(&'static str, f64, i32); 13] {
         let (pressure, mass_per_area) = match self.top {
             Top::Free { pressure, mass_per_area } => (pressure, mass_per_area),
@@ -140,11 +140,8 @@ impl Model {
         }
         require(p.length > 3.0 * p.diameter, "cell.length", Number(p.length), "more than three diameters")?;
         restitution("grains.restitution", p.grain_contact.restitution)?;
-        not_negative("grains.friction", p.grain_contact.friction)?;
         restitution("walls.restitution", p.wall_contact.restitution)?;
-        not_negative("walls.friction", p.wall_contact.friction)?;
-        not_negative("cell.speed", p.speed)?;
-        not_negative("cell.gravity", p.gravity)?;
+        quantities[6..10].iter().try_for_each(|&(key, value, _)| not_negative(key, value))?;
         if let Some(around) = p.circumference {
             let wide = around.is_finite() && around > PI * p.width;
             let allowed = "more than pi times the width: the inner wall has a radius";

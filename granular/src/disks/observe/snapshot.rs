@@ -1,7 +1,7 @@
 //! Snapshots of all disks.
 
 use crate::disks::Disks;
-use crate::disks::state::Body;
+use crate::disks::state::{Body, Identity};
 use glam::DVec2;
 
 /// One disk.
@@ -40,18 +40,10 @@ impl Disks {
         let (law, model) = (&self.law, &self.model);
         let state = self.wrapped();
         let disk = |row: usize| {
-            let (identity, body) = (&state.identities[row], &state.bodies[row]);
-            let Body { position, velocity } = *body;
-            Disk {
-                id: identity.id,
-                position,
-                velocity,
-                excess: velocity - DVec2::new(law.profile.speed(position.y), 0.0),
-                radius: identity.radius,
-                mass: model.mass(identity.radius),
-                species: identity.species,
-                is_large: identity.is_large,
-            }
+            let Identity { id, species, radius, is_large, .. } = state.identities[row];
+            let Body { position, velocity } = state.bodies[row];
+            let excess = velocity - DVec2::new(law.profile.speed(position.y), 0.0);
+            Disk { id, position, velocity, excess, radius, mass: model.mass(radius), species, is_large }
         };
         let mut disks: Vec<Disk> = (0..state.len()).map(disk).collect();
         disks.sort_by_key(|d| d.id);

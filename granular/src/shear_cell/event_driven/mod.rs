@@ -25,7 +25,7 @@ use bytemuck::Zeroable as _;
 use cells::{GrainCells, NEAR, NearGrains};
 pub(super) use contact_time::GrowingDiameter;
 use contact_time::RelativeFlight;
-use domain::{Number, Vector};
+use domain::{Bytes, Number, Vector};
 use flights::Flights;
 use grain::{Exit, Grain, NextEvent, Rotation};
 use queue::Queue;
@@ -70,11 +70,9 @@ pub struct EventDriven {
 }
 
 /// Predicted memory of the engine with `count` grains: about one cell per grain, and a tree of times as the queue.
-pub fn bytes(model: &Model, count: f64) -> domain::Bytes {
-    let grains = domain::Bytes::list::<(usize, Grain, Vector, Rotation, NextEvent)>(count);
-    grains
-        .then(domain::Bytes::list::<f64>(8.0 / 7.0 * count))
-        .then(domain::Bytes::keep(GrainCells::bytes(model, count)))
+pub fn bytes(model: &Model, count: f64) -> Bytes {
+    let (queue, cells) = (Bytes::list::<f64>(8.0 / 7.0 * count), Bytes::keep(GrainCells::bytes(model, count)));
+    Bytes::list::<(usize, Grain, Vector, Rotation, NextEvent)>(count).then(queue).then(cells)
 }
 
 /// Numbers of events.
