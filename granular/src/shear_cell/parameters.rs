@@ -94,8 +94,8 @@ impl Parameters {
         }
     }
 
-    /// Keys and values of the quantities, of which the first five are positive and four after the next not negative, each
-    /// with the power of ten up to which its size is sensible.
+    /// Keys and values of the quantities, each with the power of ten up to which its size is sensible. The first five
+    /// are positive, and the four after the circumference not negative.
     fn quantities(&self) -> [(&'static str, f64, i32); 13] {
         let (pressure, mass_per_area) = match self.top {
             Top::Free { pressure, mass_per_area } => (pressure, mass_per_area),
