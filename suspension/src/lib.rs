@@ -43,6 +43,7 @@ mod sampling;
 mod scalars;
 mod start;
 mod suspension;
+mod swimmers;
 
 pub use columns::{ANGULAR_VELOCITY, BODY, ORIENTATION, STRESSLET, VELOCITY};
 pub use error::step::StepError;
@@ -69,10 +70,10 @@ pub use lubrication::{Elasticity, PairKind};
 pub use model::box_axes::UserAxes;
 pub use model::radii::Radii;
 pub use model::{
-    Adaptive, Attraction, Axis, Bodies, BodyOrientation, Bonds, BrownianScheme, Centres, Contacts, Extension, Flow,
-    Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Orientation, Parameters,
-    Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start, StatisticsParameters,
-    Trapped, Traps,
+    ActiveDipole, Adaptive, Attraction, Axis, Bodies, BodyOrientation, Bonds, BrownianScheme, Centres, Contacts,
+    Extension, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Orientation,
+    Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start,
+    StatisticsParameters, Swimming, Trapped, Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;

@@ -93,7 +93,13 @@ fn rotate(particles: &mut Particles, more: &[Vector]) {
     }
 }
 
-/// The orientations.
+/// The orientations as they are; empty without.
+pub fn known(particles: &Particles) -> &[Quaternion] {
+    let column = particles.columns.iter().find(|column| column.name == ORIENTATION);
+    column.map(|column| bytemuck::cast_slice(&column.values)).unwrap_or_default()
+}
+
+/// The orientations, to be changed.
 pub fn orientations(particles: &mut Particles) -> &mut [Quaternion] {
     bytemuck::cast_slice_mut(&mut particles.column(ORIENTATION, ORIENTATION_NUMBERS).values)
 }

@@ -15,6 +15,7 @@ use crate::integrators::adams_bashforth::{self, AdamsBashforth};
 use crate::integrators::brownian::{self, BrownianStep, ThermalNoise};
 use crate::integrators::{adaptive, implicit};
 use crate::model::{Integrator, Model};
+use crate::neighbourhood::NearParticles;
 use crate::scalars;
 use crate::start::{bodies, given_positions, orientations, placement};
 use domain::parallel::{of_rows, stage};
@@ -222,6 +223,11 @@ impl Suspension {
         self.dynamics.partition()
     }
 
+    /// Particles within a distance of each of this rank's particles. Collective.
+    pub(crate) fn near(&self, distance: f64) -> NearParticles {
+        self.dynamics.forces().lists().near(&self.particles, self.dynamics.domain(), distance)
+    }
+
     /// Description of the numerical method.
     pub fn plan(&mut self) -> String {
         self.dynamics.plan()
@@ -302,12 +308,11 @@ fn fixed_step(
     method: AdamsBashforth,
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
-    let mut outcome = Outcome::default();
     let steps = dynamics.steps_before(clock);
     dynamics.remember(particles, steps);
-    adams_bashforth::advance(particles, clock.dt(), steps, method, |particles, fraction| {
-        outcome = dynamics.evaluate(particles, &StageTime::in_step(clock, fraction, steps))?;
-        Ok::<(), StepError>(())
+    adams_bashforth::advance(particles, clock.dt(), steps, method, &mut |particles, fraction| {
+        dynamics.evaluate(particles, &StageTime::in_step(clock, fraction, steps)).map(drop)
     })?;
-    Ok(outcome)
+    dynamics.reorient(particles, clock);
+    dynamics.evaluate(particles, &StageTime::in_step(clock, 1.0, steps))
 }

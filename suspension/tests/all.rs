@@ -24,6 +24,7 @@ mod settling;
 mod stress;
 mod support;
 mod surface_forces;
+mod swimming;
 mod tethers;
 mod turned;
 mod walls;

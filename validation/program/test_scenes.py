@@ -31,6 +31,7 @@ SMALLER = {
     "brownian-shear": {"time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "colloid-sediment": {"species[0].count": 20, "time.duration": 0.2, "statistics.every": 1, "statistics.from": 0.0},
     "orientations": {"species[0].count": 10, "time.duration": 0.5, "statistics.every": 1},
+    "squirmers": {"box.edges": "[11.0, 11.0, 11.0]", "time.duration": 0.5},
     "bodies": {"species[0].count": 5, "bodies[0].count": 4, "bodies[1].count": 3, "time.duration": 0.2},
     "rollers": {"bodies[0].count": 4, "time.duration": 0.05},
     "rods": {"box.edges": "[20.0, 20.0, 20.0]", "bodies[0].volume_fraction": 0.02, "time.strain": 0.02},

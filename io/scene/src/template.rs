@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All templates.
-pub static TEMPLATES: [Template; 28] = [
+pub static TEMPLATES: [Template; 29] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
@@ -39,6 +39,7 @@ pub static TEMPLATES: [Template; 28] = [
     template!("brownian-shear", "The same in a shear flow"),
     template!("colloid-sediment", "Colloids that settle on a bottom and diffuse above it"),
     template!("orientations", "Aligned spheres that lose their order by Brownian rotation"),
+    template!("squirmers", "Squirmers that start in random directions, at 10% by volume"),
     template!("bodies", "Rods, tetrahedra and spheres that settle together"),
     template!("rods", "Rods in a shear flow, at 10% by volume"),
     template!("rollers", "Spheres that are turned at a given rate and roll along a bottom"),

@@ -16,6 +16,9 @@ pub mod stage_time;
 mod stiffness_adaptation;
 pub mod stress;
 mod stress_controlled;
+mod swimming;
+#[cfg(test)]
+mod tests;
 mod tethered;
 pub mod velocity_field;
 
@@ -35,6 +38,7 @@ use crate::forces::{Forces, SharedRanges};
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
+use crate::swimmers::Swimmers;
 use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::Motion;
@@ -50,6 +54,7 @@ pub struct Dynamics {
     partition: Partition,
     moving: PeriodicCell,
     forces: Forces,
+    swimmers: Option<Swimmers>,
     is_implicit: bool,
     hydrodynamics: CoupledSolver,
     lubrication: Option<LubricationRange>,
@@ -101,6 +106,7 @@ impl Dynamics {
             lubrication: range,
             warm_start: WarmStart::new(model.is_coupled()),
             forces,
+            swimmers: Swimmers::of(model),
             is_implicit,
             rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,
             viscosity: model.viscosity,
@@ -298,8 +304,9 @@ impl Dynamics {
         let (contacts, tethers) = (&resistances.contacts[..], &resistances.tethers);
         let springs = moment.implicit.map(|_| Springs { resistance: &resistance, contacts, tethers });
         let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
-        let (springs, bodies) = (springs.as_ref(), self.bodies(particles));
-        let acting = SolveInput { springs, bodies: bodies.as_ref(), ambient, constant_flux, ..input };
+        let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
+        let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
+        let acting = SolveInput { springs, bodies, squirming, ambient, constant_flux, ..input };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {
@@ -341,7 +348,8 @@ impl Dynamics {
         let _stage = stage("record of the solution");
         self.note_carried(particles, VELOCITY, &solved.motion.velocities);
         if self.rigid {
-            let turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
+            let mut turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
+            self.add_own_rotation(particles, &mut turned);
             overwrite(particles.vectors(ANGULAR_VELOCITY), &turned);
             let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
             overwrite(&mut particles.column(STRESSLET, 5).values, stresslets);

@@ -9,13 +9,15 @@ use domain::{Comm, Particles, Tensor, Traceless};
 use rayon::prelude::*;
 
 /// Stress of the particles of one species, averaged over the box, by contribution. With `S_n` the far-field stresslet
-/// of a particle, `L_n` the stresslet added by lubrication, `C_n` the force on a sphere at the arm `s_n` that keeps its
-/// body rigid, `F_ij` the repulsion on particle `i` due to `j`, and `V` the volume of the box (Batchelor, J. Fluid
-/// Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111, 1988),
+/// of a particle, `G_n` the part of it that a swimmer has alone, `L_n` the stresslet added by lubrication, `C_n` the
+/// force on a sphere at the arm `s_n` that keeps its body rigid, `F_ij` the repulsion on particle `i` due to `j`, and
+/// `V` the volume of the box (Batchelor, J. Fluid Mech. 41, 545, 1970; Brady & Bossis, Annu. Rev. Fluid Mech. 20, 111,
+/// 1988),
 ///
 /// ```text
-/// stresslet  = sum_n S_n / V
+/// stresslet  = sum_n (S_n - G_n) / V
 /// lubrication = sum_n L_n / V
+/// active     = sum_n G_n / V
 /// constraint = -sum_n sym(s_n C_n) / V
 /// repulsion  = -sum_n sum_j (x_n - x_j) F_nj / (2 V)
 /// ```
@@ -29,9 +31,9 @@ use rayon::prelude::*;
 /// Stresslets are traceless: only the non-hydrodynamic part of the particle pressure is defined. External forces such
 /// as weight do not contribute.
 ///
-/// Contributions have names: [`Self::STRESSLET`], [`Self::LUBRICATION`], [`Self::CONSTRAINT`], those of the model's
-/// forces (`repulsion`, `attraction`, `contact`, `bond`), [`Self::BROWNIAN`], and those of the user's forces
-/// (`applied`, and the names of registered ones).
+/// Contributions have names: [`Self::STRESSLET`], [`Self::LUBRICATION`], [`Self::ACTIVE`], [`Self::CONSTRAINT`],
+/// those of the model's forces (`repulsion`, `attraction`, `contact`, `bond`), [`Self::BROWNIAN`], and those of the
+/// user's forces (`applied`, and the names of registered ones).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParticleStress {
     parts: Vec<StressPart>,
@@ -70,6 +72,9 @@ impl ParticleStress {
     pub const STRESSLET: &str = "stresslet";
     /// Name of lubrication.
     pub const LUBRICATION: &str = "lubrication";
+    /// Name of the stresslets of swimmers by their activity, see [`crate::Swimming`], which the far-field stresslets
+    /// are without.
+    pub const ACTIVE: &str = "active";
     /// Name of the contribution of the forces that keep bodies rigid.
     pub const CONSTRAINT: &str = "constraint";
     /// Name of the mean of the stresslets caused by random motions, if it is separated from these.
@@ -101,15 +106,17 @@ impl ParticleStress {
     }
 
     /// The stresses of `species` species in a box of a volume, for particles whose columns hold their stresslets, with
-    /// the first moments of the forces of the model and of the user. Collective.
+    /// the first moments of the forces of the model and of the user, and the active part of the stresslets if there are
+    /// swimmers. Collective.
     pub fn by_species(
         particles: &Particles,
         moments: [Vec<NamedMoments>; 2],
+        active: Option<&[Traceless]>,
         species: usize,
         volume: f64,
         comm: &Comm,
     ) -> Vec<Self> {
-        let summands = summands(particles, moments);
+        let summands = summands(particles, moments, active);
         // Contributions in parallel: sums over particles have an order.
         let of_part = |(_, summands): &(StressName, Summands)| {
             let mut sums = vec![Tensor::ZERO; species];
@@ -130,22 +137,28 @@ impl ParticleStress {
 }
 
 /// Contributions of this rank's particles with their names, in the order of a stress.
-fn summands(particles: &Particles, moments: [Vec<NamedMoments>; 2]) -> Vec<(StressName, Summands<'_>)> {
+fn summands<'a>(
+    particles: &'a Particles,
+    moments: [Vec<NamedMoments>; 2],
+    active: Option<&'a [Traceless]>,
+) -> Vec<(StressName, Summands<'a>)> {
     let values = |name: &str| particles.columns.iter().find(|c| c.name == name).map(|c| c.values.as_slice());
     let column = |name: &str| values(name).map(cast_slice);
     let whole: &[Traceless] = column(STRESSLET).unwrap_or_default();
     let far: &[Traceless] = column(STRESSLET_FAR).unwrap_or(whole);
     let by_heat: &[Traceless] = column(BROWNIAN).unwrap_or_default();
     let far_known = &far[..far.len().min(whole.len())];
+    let passive = active.map_or(Summands::Stresslets(far_known), |active| Summands::Rest(far_known, active));
     let fluid = [
-        (StressName::symmetric(ParticleStress::STRESSLET), Summands::Stresslets(far_known)),
+        (StressName::symmetric(ParticleStress::STRESSLET), passive),
         (StressName::symmetric(ParticleStress::LUBRICATION), Summands::Rest(whole, far)),
     ];
+    let active = active.map(|active| (StressName::symmetric(ParticleStress::ACTIVE), Summands::Stresslets(active)));
     let constraint = values(CONSTRAINT_MOMENT).map(|moments| {
         (StressName::symmetric(ParticleStress::CONSTRAINT), Summands::Moments(cast_slice(moments).to_vec()))
     });
     let brownian = (StressName::symmetric(ParticleStress::BROWNIAN), Summands::Stresslets(by_heat));
     let of_force = |NamedMoments { name, of_particles }| (name, Summands::Moments(of_particles));
     let [of_model, of_user] = moments.map(|moments| moments.into_iter().map(of_force));
-    fluid.into_iter().chain(constraint).chain(of_model).chain([brownian]).chain(of_user).collect()
+    fluid.into_iter().chain(active).chain(constraint).chain(of_model).chain([brownian]).chain(of_user).collect()
 }

@@ -1,16 +1,20 @@
-//! Steady forces and torques of the species, and weight.
+//! Steady forces and torques of the species, weight, and its torque on bottom-heavy spheres.
 
 use super::acting::Configuration;
 use super::force::Force;
 use crate::model::{Model, Species};
+use crate::rotation;
 use domain::parallel::{change, mapped, of_rows};
-use domain::{Particles, Vector};
+use domain::{Particles, Vector, sphere};
 use fcm::Loads;
 
-/// Steady forces and torques of the species, and their weight.
+/// Steady forces and torques of the species, their weight, and its torque on bottom-heavy spheres: the rate at which
+/// they reorient (`Swimming::gyrotactic_time`) times the rotational drag, times `p x k` with the axis `p` and `k`
+/// against gravity.
 pub struct ExternalForces {
     species: Vec<Species>,
     gravity: Vector,
+    viscosity: f64,
 }
 
 impl Force for ExternalForces {
@@ -36,7 +40,7 @@ fn add(loads: &mut Vec<Vector>, more: Vec<Vector>) {
 impl ExternalForces {
     /// The forces of a model.
     pub fn of(model: &Model) -> Self {
-        Self { species: model.species.clone(), gravity: model.gravity }
+        Self { species: model.species.clone(), gravity: model.gravity, viscosity: model.viscosity }
     }
 
     /// Sums over this rank's particles of the x and y components of forces, and of the first moments along z of the x
@@ -63,9 +67,25 @@ impl ExternalForces {
     }
 
     fn torques(&self, particles: &Particles) -> Vec<Vector> {
+        let is_gyrotactic = self.species.iter().any(|s| s.reorientation_rate().is_some());
+        if is_gyrotactic {
+            return self.torques_on_axes(particles);
+        }
         if self.species.iter().all(|s| s.torque == Vector::ZERO) {
             return Vec::new();
         }
         mapped(&particles.species, |&s| self.species[s as usize].torque)
+    }
+
+    /// Steady torques plus those of gravity on bottom-heavy spheres.
+    fn torques_on_axes(&self, particles: &Particles) -> Vec<Vector> {
+        let (orientations, up) = (rotation::known(particles), -self.gravity.normalize_or_zero());
+        let torque = |row: usize| {
+            let species = &self.species[particles.species[row] as usize];
+            let drag = sphere::rotational_drag(self.viscosity, particles.radii[row]);
+            let gyrotactic = |rate: f64| drag * rate * orientations[row].axis().cross(up);
+            species.torque + species.reorientation_rate().map_or(Vector::ZERO, gyrotactic)
+        };
+        of_rows(particles.len(), torque)
     }
 }

@@ -3,7 +3,7 @@
 use crate::forces::surface;
 use crate::forecast::warnings::diffusive_step;
 use crate::model::radii::Radii;
-use crate::model::{Integrator, Model};
+use crate::model::{Integrator, Model, Species, Swimming};
 use domain::Number;
 
 /// Largest Brownian displacement in a step of an isolated sphere along one axis, over the range of the repulsion.
@@ -15,7 +15,10 @@ const LONGEST_SHEAR: f64 = 0.5;
 
 /// All warnings of this kind, one sentence each.
 pub fn cautions(model: &Model, radii: &Radii) -> Vec<String> {
-    [noise(model, radii), shear(model, radii), forces(model, radii)].into_iter().flatten().collect()
+    [noise(model, radii), shear(model, radii), forces(model, radii), swimming(model), reorientation(model)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Whether steps have a fixed length.
@@ -101,11 +104,54 @@ fn forces(model: &Model, radii: &Radii) -> Option<String> {
     })
 }
 
+/// Largest distance that a swimmer alone may swim in a fixed step, over its radius.
+const LONGEST_STROKE: f64 = 0.1;
+
+/// Warns of fixed steps in which swimmers swim too far to turn away from each other.
+fn swimming(model: &Model) -> Option<String> {
+    let swimming = model.species.iter().filter_map(|species| Some((species, species.swimming.as_ref()?)));
+    let travel = |(species, swimming): (&Species, &Swimming)| swimming.speed * model.time_step / species.radius;
+    let (species, far) = swimming.map(|one| (one.0, travel(one))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (is_fixed(model) && far > LONGEST_STROKE * 1.001).then(|| {
+        format!(
+            "time.step = {} lets a swimmer of species \"{}\" swim {:.3} of its radius in a step: spheres may meet \
+             before they turn; take {:.2} or less",
+            Number(model.time_step),
+            species.name,
+            Number(far),
+            Number(model.time_step * LONGEST_STROKE / far),
+        )
+    })
+}
+
+/// Largest number of radians, or of reorientations, in a step.
+const LONGEST_TURN: f64 = 0.2;
+
+/// Warns of steps in which swimmers turn too far by themselves.
+fn reorientation(model: &Model) -> Option<String> {
+    let swimming = || model.species.iter().filter_map(|species| Some((species, species.swimming.as_ref()?)));
+    let rates = [
+        ("rotational_diffusion", swimming().map(|(_, s)| 2.0 * s.rotational_diffusion).fold(0.0, f64::max)),
+        ("tumbling_rate", swimming().map(|(_, s)| s.tumbling_rate).fold(0.0, f64::max)),
+        ("gyrotactic_time", swimming().filter_map(|(species, _)| species.reorientation_rate()).fold(0.0, f64::max)),
+    ];
+    let (key, rate) = rates.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (rate * model.time_step > LONGEST_TURN * 1.001).then(|| {
+        format!(
+            "time.step = {} is long for species.swimming.{key}, by which directions change within {:.3}; take {:.2} or \
+             less",
+            Number(model.time_step),
+            Number(1.0 / rate),
+            Number(LONGEST_TURN / rate),
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use crate::forecast::warnings::cautions;
     use crate::model::radii::Radii;
-    use crate::model::{Flow, Integrator, Model, Parameters, Repulsion, Species};
+    use crate::model::{Flow, Integrator, Model, Orientation, Parameters, Repulsion, Species, Swimming};
     use domain::{PeriodicBox, Vector};
     use std::f64::consts::PI;
 
@@ -145,6 +191,24 @@ mod tests {
         for (integrator, length, warned) in [(fixed, 0.021, false), (fixed, 0.019, true), (implicit, 0.019, false)] {
             let all = said(Parameters { flow, integrator, repulsion: Some(screened(length)), ..usual(0.01) });
             assert_eq!(all.iter().any(|s| s.contains("neighbours by 0.01 against each other")), warned, "{all:?}");
+        }
+    }
+
+    #[test]
+    fn swimmers_that_go_or_turn_far_are_warned_of() {
+        let swimming = |swimming: Swimming| {
+            let oriented = Species { orientation: Some(Orientation::Random), ..Species::new("one", 1.0, 2) };
+            said(Parameters { species: vec![Species { swimming: Some(swimming), ..oriented }], ..usual(0.1) })
+        };
+        for (speed, warned) in [(0.99, false), (1.1, true)] {
+            let all = swimming(Swimming::new(speed));
+            assert_eq!(all.iter().any(|s| s.contains("swim 0.11 of its radius")), warned, "{all:?}");
+        }
+        for (rate, warned) in [(1.9, false), (2.1, true)] {
+            let tumbling = swimming(Swimming { tumbling_rate: rate, ..Swimming::new(0.0) });
+            assert_eq!(tumbling.iter().any(|s| s.contains("tumbling_rate")), warned, "{tumbling:?}");
+            let diffusing = swimming(Swimming { rotational_diffusion: 0.5 * rate, ..Swimming::new(0.0) });
+            assert_eq!(diffusing.iter().any(|s| s.contains("rotational_diffusion")), warned, "{diffusing:?}");
         }
     }
 

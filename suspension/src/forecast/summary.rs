@@ -7,7 +7,7 @@ use crate::flow::open_cell::follows;
 use crate::forecast::network::with_network;
 use crate::forecast::warnings::{cautions, diffusive_step};
 use crate::model::radii::Radii;
-use crate::model::{Bodies, Contacts, Flow, Model};
+use crate::model::{Bodies, Contacts, Flow, Model, Species, Swimming};
 use crate::start::memory;
 use crate::start::plan::problem_in;
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
@@ -152,7 +152,7 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
         .line("particles", format_args!("{}{filled}{place}", radii.count()))
         .value("particles", radii.count())
         .value("volume_fraction", fraction);
-    with_bodies(outline.value("smallest_gap", gap.map(|gap| gap.length)), model)
+    with_swimmers(with_bodies(outline.value("smallest_gap", gap.map(|gap| gap.length)), model), model)
 }
 
 /// Adds the rigid bodies, if there are some.
@@ -163,6 +163,46 @@ fn with_bodies(outline: Outline, model: &Model) -> Outline {
     let each = |kind: &Bodies| format!("{} \"{}\" of {} spheres", kind.count, kind.name, kind.spheres.len());
     let text = model.bodies.iter().map(each).collect::<Vec<_>>().join(", ");
     outline.line("bodies", text).value("bodies", model.bodies.iter().map(|kind| kind.count).sum::<u64>())
+}
+
+/// Adds the species that swim, with their speed and the time in which one alone swims its radius.
+fn with_swimmers(outline: Outline, model: &Model) -> Outline {
+    let swimming = model.species.iter().filter_map(|species| Some((species, species.swimming.as_ref()?)));
+    let values: Vec<Value> =
+        swimming.clone().map(|(species, swimming)| swimming_values(model, species, swimming)).collect();
+    let lines = swimming.map(|(species, swimming)| swimming_line(model, species, swimming));
+    let outline = lines
+        .enumerate()
+        .fold(outline, |outline, (number, text)| outline.line(if number == 0 { "swimmers" } else { "" }, text));
+    if values.is_empty() { outline } else { outline.value("swimmers", values) }
+}
+
+/// A species of swimmers as named values.
+fn swimming_values(model: &Model, species: &Species, swimming: &Swimming) -> Value {
+    let second = swimming.second_mode(species.radius, model.viscosity);
+    json!({
+        "species": species.name,
+        "speed": swimming.speed,
+        "first_mode": swimming.first_mode(),
+        "second_mode": second,
+        "time_per_radius": (swimming.speed > 0.0).then(|| species.radius / swimming.speed),
+    })
+}
+
+/// A species of swimmers in a line.
+fn swimming_line(model: &Model, species: &Species, swimming: &Swimming) -> String {
+    let (first, second) = (swimming.first_mode(), swimming.second_mode(species.radius, model.viscosity));
+    let name = &species.name;
+    if first == 0.0 {
+        return format!("\"{name}\" with B2 = {:.4}, alone at rest", Number(second));
+    }
+    format!(
+        "\"{name}\" at the speed {:.4} with beta {:.4}: a time of {:.4} for a radius, {:.4} of a radius in a step",
+        Number(swimming.speed),
+        Number(second / first),
+        Number(species.radius / swimming.speed),
+        Number(swimming.speed * model.time_step / species.radius)
+    )
 }
 
 /// Adds the cost of the boundaries, relative to a periodic box with the same edges.

@@ -84,30 +84,29 @@ impl AdamsBashforth {
     }
 }
 
-/// Takes one step of length `dt`, after `steps` previous steps.
+/// Moves the particles by one step of length `dt`, after `steps` previous steps; the caller then evaluates the
+/// velocities at its end.
 ///
 /// `evaluate` moves the particles to their home ranks and fills in the column [`VELOCITY`] for a fraction of the step;
 /// it may change the order of the particles, wrap them, and shift all [`VELOCITY_COLUMNS`] by the same velocity. The
-/// column must hold the present velocities when this is called, and holds those at the end of the step afterwards. If
-/// velocities of previous steps are missing, for example after a change of positions, the present ones are used in
-/// their place.
+/// column must hold the present velocities when this is called. If velocities of previous steps are missing, for
+/// example after a change of positions, the present ones are used in their place.
 pub fn advance<E>(
     particles: &mut Particles,
     dt: f64,
     steps: u64,
     method: AdamsBashforth,
-    mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
+    evaluate: &mut impl FnMut(&mut Particles, f64) -> Result<(), E>,
 ) -> Result<(), E> {
     let is_known = particles.columns.iter().any(|column| column.name == PAST[0]);
     if steps > 0 && !is_known {
         (0..method.past()).for_each(|_| remember(particles, method.past()));
     }
     if steps < method.past() as u64 {
-        runge_kutta(particles, dt, method.past(), &mut evaluate)?;
-    } else {
-        method.advance(particles, dt);
+        return runge_kutta(particles, dt, method.past(), evaluate);
     }
-    evaluate(particles, 1.0)
+    method.advance(particles, dt);
+    Ok(())
 }
 
 fn runge_kutta<E>(
@@ -148,6 +147,17 @@ mod tests {
     use domain::Vector;
     use simulation::Clock;
 
+    /// Takes a step with the evaluation at its end.
+    fn take<E>(
+        particles: &mut Particles,
+        clock: &Clock,
+        method: AdamsBashforth,
+        mut evaluate: impl FnMut(&mut Particles, f64) -> Result<(), E>,
+    ) -> Result<(), E> {
+        advance(particles, clock.dt(), clock.step(), method, &mut evaluate)?;
+        evaluate(particles, 1.0)
+    }
+
     /// A particle on a circle whose angular velocity changes in time: `x' = (1 + t) e_z x x`.
     fn circle(particles: &mut Particles, time: f64) {
         let velocities: Vec<Vector> = particles.positions.iter().map(|x| (1.0 + time) * Vector::Z.cross(*x)).collect();
@@ -165,7 +175,7 @@ mod tests {
                 circle(particles, clock.time_at(fraction));
                 Ok::<(), ()>(())
             };
-            advance(&mut particles, clock.dt(), clock.step(), method, go).unwrap();
+            take(&mut particles, &clock, method, go).unwrap();
             clock.tick();
         }
         let angle = 2.0_f64 + 2.0;
@@ -195,7 +205,7 @@ mod tests {
         decay(&mut particles, 0.0).unwrap();
         let mut clock = Clock::at(0, dt);
         for _ in 0..4000 {
-            advance(&mut particles, clock.dt(), clock.step(), method, decay).unwrap();
+            take(&mut particles, &clock, method, decay).unwrap();
             clock.tick();
         }
         particles.positions[0].length()
@@ -220,7 +230,7 @@ mod tests {
             let mut clock = Clock::at(0, dt);
             for _ in 0..3 {
                 let time = clock;
-                advance(&mut particles, clock.dt(), clock.step(), AdamsBashforth::Four, |p, f| {
+                take(&mut particles, &clock, AdamsBashforth::Four, |p, f| {
                     circle(p, time.time_at(f));
                     Ok::<(), ()>(())
                 })
@@ -235,7 +245,7 @@ mod tests {
         let mut particles = Particles::default();
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
-        advance(&mut particles, 0.1, 0, AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
+        take(&mut particles, &Clock::at(0, 0.1), AdamsBashforth::Four, |_, _| Ok::<(), ()>(())).unwrap();
         assert!(particles.columns.iter().all(|c| !STAGES.contains(&c.name.as_str())), "no stage outlives its step");
     }
 
@@ -245,6 +255,6 @@ mod tests {
         particles.push(0, Vector::X, 1.0, 0);
         circle(&mut particles, 0.0);
         let method = AdamsBashforth::Four;
-        assert_eq!(advance(&mut particles, 0.1, 5, method, |_, _| Err("no")), Err("no"));
+        assert_eq!(take(&mut particles, &Clock::at(5, 0.1), method, |_, _| Err("no")), Err("no"));
     }
 }

@@ -71,6 +71,9 @@ pub fn advance(
         let (known, times) = smooth(&ages);
         motion::end_smooth(particles, &USED[..known], &times[..known], step);
         remember(particles, PAST_VELOCITIES);
+        if end >= 1.0 {
+            dynamics.reorient(particles, clock);
+        }
         let moment =
             StageTime { clock: *clock, fraction: end, ages: ages.clone(), since_last_solution: step, implicit: None };
         outcome = dynamics.evaluate(particles, &moment)?;

@@ -80,6 +80,7 @@ pub fn advance(
     BrownianStep { noise_source, scheme, is_seen }: BrownianStep,
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
+    dynamics.reorient(particles, clock);
     let noise = noise_source.of_step(clock);
     match scheme {
         BrownianScheme::Midpoint => midpoint(particles, clock, noise, dynamics),

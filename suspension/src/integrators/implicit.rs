@@ -66,6 +66,7 @@ pub fn advance(
     control: &Adaptive,
     dynamics: &mut Dynamics,
 ) -> Result<Outcome, StepError> {
+    dynamics.reorient(particles, clock);
     let (mut fraction, mut outcome) = (0.0, Outcome::default());
     while fraction < 1.0 {
         (fraction, outcome) = Substep { particles, control, clock, fraction }.take(dynamics)?;

@@ -100,11 +100,12 @@ mod tests {
         precess(&mut particles, 0.0);
         let mut clock = Clock::at(0, 4.0 / steps as f64);
         for _ in 0..steps {
-            let at = |particles: &mut Particles, fraction| {
+            let mut at = |particles: &mut Particles, fraction| {
                 precess(particles, clock.time_at(fraction));
                 Ok::<(), ()>(())
             };
-            advance(&mut particles, clock.dt(), clock.step(), method, at).unwrap();
+            advance(&mut particles, clock.dt(), clock.step(), method, &mut at).unwrap();
+            at(&mut particles, 1.0).unwrap();
             clock.tick();
         }
         assert!(particles.columns.iter().all(|column| column.name != ROTATION), "no rotation outlives its step");
@@ -136,8 +137,8 @@ mod tests {
         let turn = std::f64::consts::TAU / A.length();
         let mut clock = Clock::at(0, turn / 7.0);
         for _ in 0..7 * 1000 {
-            let still = |_: &mut Particles, _| Ok::<(), ()>(());
-            advance(&mut particles, clock.dt(), clock.step(), AdamsBashforth::Four, still).unwrap();
+            let mut still = |_: &mut Particles, _| Ok::<(), ()>(());
+            advance(&mut particles, clock.dt(), clock.step(), AdamsBashforth::Four, &mut still).unwrap();
             clock.tick();
         }
         assert!(orientations(&mut particles)[0].log().length() < 1e-10);

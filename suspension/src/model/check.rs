@@ -3,7 +3,7 @@
 use super::species::check_species;
 use super::{
     Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, ShearRates, Species, bodies,
-    bonds, displacement, traps,
+    bonds, displacement, swimming, traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -34,6 +34,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     p.contacts.as_ref().map_or(Ok(()), |contacts| contacts.check(p))?;
     bonds::check(p)?;
     traps::check(p)?;
+    swimming::check(p)?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
     displacement::check(p)?;
     p.integrator.check(p.contacts.is_some())

@@ -19,6 +19,7 @@ impl Parameters {
 pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     let most = MOST_LENGTHS * p.cell.edges().max_element();
     for (index, species) in p.species.iter().enumerate() {
+        check_swimming(p, index, most)?;
         let travel = p.displacement_per_step(species);
         // Also refuses NaN.
         if travel <= most {
@@ -40,4 +41,23 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
         return Err(ParameterError::new("time.step", message));
     }
     Ok(())
+}
+
+/// Refuses speeds with which swimmers would pass through the box many times in one step.
+fn check_swimming(p: &Parameters, index: usize, most: f64) -> Result<(), ParameterError> {
+    let Some(swimming) = p.species[index].swimming.as_ref() else { return Ok(()) };
+    let travel = swimming.speed * p.time_step;
+    if travel <= most {
+        return Ok(());
+    }
+    let message = format!(
+        "is {}, too large for time.step = {}: in a step a swimmer would swim {:.2}, with a longest edge of the box of \
+         {:.3}; take {:.2} or much less, or a shorter step",
+        Number(swimming.speed),
+        Number(p.time_step),
+        Number(travel),
+        Number(p.cell.edges().max_element()),
+        Number(most / p.time_step)
+    );
+    Err(ParameterError::new(format!("species[{index}].swimming.speed"), message))
 }

@@ -18,6 +18,7 @@ mod reduced_copy;
 mod sizes;
 mod species;
 mod statistics;
+mod swimming;
 mod traps;
 mod turned;
 
@@ -43,6 +44,7 @@ use solver::BackgroundFlow;
 pub use species::{Lattice, MAX_FRACTION, MAX_SPHERES, Species, Start};
 pub use statistics::{Axis, StatisticsParameters};
 use std::ops::Deref;
+pub use swimming::{ActiveDipole, Swimming};
 pub use traps::{Centres, Trapped, Traps};
 
 /// Parameters of a suspension. The keys in the messages of [`Model::new`] are those of a scene.

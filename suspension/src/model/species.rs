@@ -1,6 +1,6 @@
 //! Species and initial positions of the spheres.
 
-use super::{Orientation, Parameters};
+use super::{Orientation, Parameters, Swimming};
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector, sphere};
 use hydrodynamics::lengths::check_radius;
 
@@ -27,6 +27,8 @@ pub struct Species {
     pub torque: Vector,
     /// Orientations at the start; `None` for spheres without orientations.
     pub orientation: Option<Orientation>,
+    /// Swimming along the axes of the orientations; `None` for passive spheres.
+    pub swimming: Option<Swimming>,
 }
 
 /// Initial positions of the spheres.
@@ -62,7 +64,7 @@ pub enum Lattice {
 }
 
 impl Species {
-    /// `count` spheres of a radius without loads and orientations.
+    /// `count` spheres of a radius without loads, orientations and swimming.
     pub fn new(name: &str, radius: f64, count: u64) -> Self {
         let (force, torque) = (Vector::ZERO, Vector::ZERO);
         Self {
@@ -73,6 +75,7 @@ impl Species {
             force,
             torque,
             orientation: None,
+            swimming: None,
         }
     }
 
@@ -104,6 +107,7 @@ impl Species {
         ParameterError::require_finite(&key("density_difference"), self.density_difference)?;
         ParameterError::require_finite_vector(&key("force"), axes.vector(self.force))?;
         ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque))?;
+        self.swimming.as_ref().map_or(Ok(()), |swimming| swimming.check(index, p))?;
         self.orientation.map_or(Ok(()), |orientation| orientation.check(index, p))
     }
 }

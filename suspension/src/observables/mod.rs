@@ -8,6 +8,7 @@ pub mod observable;
 pub mod orientations;
 pub mod rheology;
 mod series_warnings;
+mod swimmers;
 mod velocities;
 
 use crate::evaluation::overlap_monitor::Remedies;
@@ -204,6 +205,7 @@ fn of_model(model: &Model) -> Vec<Box<dyn Observable>> {
     }
     list.extend(orientations::orientations(model));
     list.extend(given_motions::driving_loads(model));
+    list.extend(swimmers::swimmers(model));
     list.extend(numbers(&STEP));
     if model.cell.boundaries() == Boundaries::Periodic {
         list.extend(numbers(&DIVERGENCE));

@@ -2,6 +2,7 @@
 
 use crate::evaluation::stress::ParticleStress;
 use crate::observables::heights::Heights;
+use crate::observables::swimmers::Clusters;
 use crate::observables::velocities::VelocityMoments;
 use crate::suspension::{StepReport, Suspension};
 use domain::Tensor;
@@ -26,6 +27,7 @@ pub struct ObservedState<'a> {
     stress: Option<Vec<ParticleStress>>,
     velocities: Option<VelocityMoments>,
     heights: Option<Heights>,
+    clusters: Option<Clusters>,
     contacts: OnceCell<Option<[f64; 5]>>,
 }
 
@@ -39,6 +41,7 @@ impl<'a> ObservedState<'a> {
             stress: None,
             velocities: None,
             heights: None,
+            clusters: None,
             contacts: OnceCell::new(),
         }
     }
@@ -76,6 +79,11 @@ impl<'a> ObservedState<'a> {
     /// Mean and variance of the velocities of each species.
     pub(super) fn velocities(&mut self) -> &VelocityMoments {
         self.velocities.get_or_insert_with(|| VelocityMoments::of(self.suspension, self.species))
+    }
+
+    /// Spheres that are close to each other.
+    pub(super) fn clusters(&mut self) -> Clusters {
+        *self.clusters.get_or_insert_with(|| Clusters::of(self.suspension))
     }
 
     /// Distribution of the spheres along z.

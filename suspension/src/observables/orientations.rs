@@ -1,10 +1,10 @@
 //! Mean direction and order of the axes of spheres with orientations.
 
 use super::observable::{Observable, measure};
-use crate::columns::ORIENTATION;
 use crate::model::Model;
+use crate::rotation;
 use crate::suspension::Suspension;
-use domain::{Comm, Particles, Quaternion, Vector};
+use domain::{Comm, Particles, Vector};
 use lubrication::eigenvalues;
 use simulation::Quantity;
 
@@ -27,10 +27,8 @@ pub struct AxisOrder {
 
 /// The order of the axes of each species; NaN for species without orientations. Collective.
 pub fn orders(particles: &Particles, species: usize, comm: &Comm) -> Vec<AxisOrder> {
-    let column = particles.columns.iter().find(|column| column.name == ORIENTATION);
-    let orientations: &[Quaternion] = column.map(|c| bytemuck::cast_slice(&c.values)).unwrap_or_default();
     let mut sums = vec![[0.0; 10]; species];
-    for (orientation, &kind) in orientations.iter().zip(&particles.species).filter(|(q, _)| q.is_some()) {
+    for (orientation, &kind) in rotation::known(particles).iter().zip(&particles.species).filter(|(q, _)| q.is_some()) {
         let p = orientation.axis();
         let terms = [1.0, p.x, p.y, p.z, p.x * p.x, p.x * p.y, p.x * p.z, p.y * p.y, p.y * p.z, p.z * p.z];
         sums[kind as usize].iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
@@ -71,7 +69,8 @@ pub fn orientations(model: &Model) -> Option<Box<dyn Observable>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::ORIENTATION_NUMBERS;
+    use crate::columns::{ORIENTATION, ORIENTATION_NUMBERS};
+    use domain::Quaternion;
 
     /// Orders of spheres whose axes are along these vectors, and of one sphere without orientation, on a number of
     /// ranks.

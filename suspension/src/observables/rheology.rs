@@ -162,6 +162,7 @@ pub fn parts(model: &Model, [of_model, of_user]: &[Vec<StressName>; 2]) -> Vec<S
     let first = [
         of_fluid(is_rigid, ParticleStress::STRESSLET),
         of_fluid(model.hydrodynamics.lubrication, ParticleStress::LUBRICATION),
+        of_fluid(model.has_slip(), ParticleStress::ACTIVE),
         of_fluid(!model.bodies.is_empty(), ParticleStress::CONSTRAINT),
     ];
     let brownian = of_fluid(is_brownian, ParticleStress::BROWNIAN);

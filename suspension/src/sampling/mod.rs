@@ -358,15 +358,16 @@ fn in_lattice<'a>(cell: &PeriodicBox, edges: Vector, particles: &'a Particles) -
     particles.positions.iter().map(|&position| cell.lattice_coordinates(position) * over).collect()
 }
 
-/// Estimated speed of the spheres relative to the flow: the largest due to a force, the repulsion of a pair, or the
-/// shear across a sphere.
+/// Estimated speed of the spheres relative to the flow: the largest due to a force, the repulsion of a pair, the
+/// shear across a sphere, or swimming.
 fn speed(model: &Model) -> f64 {
     let rate = model.flow.as_shear(model.shear_rates().largest());
     let of = |s: &Species| {
         let repulsion = model.repulsion.map_or(0.0, |r| r.strength * s.radius.powi(r.radius_power.into()));
         let force = s.force_on(s.radius, model.gravity).abs().max_element().max(repulsion);
         let torque = s.torque.abs().max_element() / s.radius;
-        (force.max(torque) / (model.viscosity * s.radius)).max(rate * s.radius)
+        let swimming = s.swimming.as_ref().map_or(0.0, |swimming| swimming.speed);
+        (force.max(torque) / (model.viscosity * s.radius)).max(rate * s.radius).max(swimming)
     };
     model.species.iter().map(of).fold(0.0, f64::max)
 }

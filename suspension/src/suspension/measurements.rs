@@ -40,7 +40,8 @@ impl Suspension {
     /// Stress of the particles of each species. Collective.
     pub fn stress(&self, species: usize) -> Vec<ParticleStress> {
         let (volume, moments) = (self.cell().volume(), self.moments());
-        ParticleStress::by_species(&self.particles, moments, species, volume, &self.comm)
+        let active = self.dynamics.active_stresslets(&self.particles);
+        ParticleStress::by_species(&self.particles, moments, active.as_deref(), species, volume, &self.comm)
     }
 
     /// Contribution of each particle to the first moments of all forces between spheres, and to the moments of walls.

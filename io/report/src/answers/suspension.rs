@@ -19,7 +19,7 @@ pub(super) struct RecordedSuspension<'a> {
 
 impl RecordedSuspension<'_> {
     /// The columns of the series that quantities are made of.
-    pub(super) const COLUMNS: [&'static str; 21] = [
+    pub(super) const COLUMNS: [&'static str; 24] = [
         "relative_viscosity",
         "first_normal_stress_difference",
         "second_normal_stress_difference",
@@ -41,6 +41,9 @@ impl RecordedSuspension<'_> {
         "orientation",
         "driving_force",
         "driving_torque",
+        "swimming",
+        "close_neighbours",
+        "largest_cluster",
     ];
 
     /// The quantities that a suspension of this kind is run for, the first ones first.
@@ -55,6 +58,7 @@ impl RecordedSuspension<'_> {
             self.structure(),
             self.orientations(),
             self.driving_loads(),
+            self.swimmers(),
         ];
         lists.into_iter().flatten().collect()
     }
@@ -270,6 +274,19 @@ impl RecordedSuspension<'_> {
                 .collect::<Vec<_>>()
         };
         driven.flat_map(of_kind).collect()
+    }
+
+    /// Mean speed of each species that swims along its axes, also over that of one alone, and clusters.
+    fn swimmers(&self) -> Vec<Course> {
+        let swimming =
+            self.model.species.iter().filter_map(|species| Some((&species.name, species.swimming.as_ref()?)));
+        let speed = |(row, (name, swimming)): (usize, (&String, &suspension::Swimming))| {
+            let course = Course::new("swimming_speed", VELOCITY, self.component("swimming", row, 0)?).of_species(name);
+            Some(course.beside(swimming.speed).also_over("reduced_swimming_speed", swimming.speed))
+        };
+        let cluster = |name| Some(Course::new(name, "", self.number(name)?).beside(1.0));
+        let clusters = ["close_neighbours", "largest_cluster"].into_iter().filter_map(cluster);
+        swimming.enumerate().filter_map(speed).chain(clusters).collect()
     }
 
     /// The steady force on a sphere of each species, in the axes of the user.

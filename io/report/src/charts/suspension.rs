@@ -5,7 +5,7 @@ use crate::about::About;
 use crate::chart::Chart;
 use files::{Observables, Observed};
 
-/// Charts of motion, stress, gaps, segregation, and solver iterations.
+/// Charts of motion, stress, gaps, segregation, order, swimming, and solver iterations.
 pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
     let Some(means) = series.get("mean_velocity") else { return Vec::new() };
     let stresses = [
@@ -29,6 +29,12 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
         numbers(series, "Smallest gap between surfaces", "gap", &[("smallest_gap", "")])
             .map(|chart| chart.with_level(0.0)),
         numbers(series, "Segregation of the species", "intensity, 0 if mixed", &[("segregation", "")]),
+        series
+            .get("orientation")
+            .map(|orders| by_species(series, orders, 3, ["Polar order", "length of the mean axis"])),
+        series
+            .get("swimming")
+            .map(|speeds| by_species(series, speeds, 0, ["Swimming speed", "mean velocity along the axis"])),
         numbers(
             series,
             "Work of a step",
@@ -41,10 +47,14 @@ pub(super) fn charts(about: &About, series: &Observables) -> Vec<Chart> {
 
 /// Mean velocity of each species along the force.
 fn mean_velocity(series: &Observables, means: &Observed, axis: usize, name: char) -> Chart {
-    let title = format!("Mean velocity along {name}");
-    let mut chart = Chart::new(&title, ("time", "time"), ("mean velocity", &means.unit)).with_level(0.0);
-    for (row, species) in means.rows.iter().enumerate() {
-        chart.add(species, series.over_time(means.column(row, axis)), Vec::new());
+    by_species(series, means, axis, [&format!("Mean velocity along {name}"), "mean velocity"])
+}
+
+/// A column of a quantity of each species.
+fn by_species(series: &Observables, table: &Observed, column: usize, [title, label]: [&str; 2]) -> Chart {
+    let mut chart = Chart::new(title, ("time", "time"), (label, &table.unit)).with_level(0.0);
+    for (row, species) in table.rows.iter().enumerate() {
+        chart.add(species, series.over_time(table.column(row, column)), Vec::new());
     }
     chart
 }

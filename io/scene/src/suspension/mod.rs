@@ -8,6 +8,7 @@ mod flow;
 mod names;
 mod raw;
 mod species;
+mod swimming;
 mod tethers;
 
 use crate::StartSource;

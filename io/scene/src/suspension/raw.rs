@@ -11,6 +11,7 @@ mod bodies;
 mod distribution;
 mod hydrodynamics;
 mod interactions;
+mod swimming;
 
 pub(super) use bodies::{BodiesSection, BodyOrientationName, BodyShapeName, BodySphereSection, Free};
 pub(super) use distribution::{DistributionKind, DistributionSection};
@@ -18,6 +19,7 @@ pub(super) use hydrodynamics::HydrodynamicsSection;
 pub(super) use interactions::{
     AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, RepulsionSection, TrapsSection,
 };
+pub(super) use swimming::SwimmingSection;
 
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -117,10 +119,12 @@ pub(super) struct SpeciesSection {
     /// Constant torque on each sphere.
     #[serde(default)]
     pub(super) torque: [f64; 3],
-    /// Orientations of the spheres at the start, which rotate with them; none by default.
+    /// Orientations of the spheres at the start, which rotate with them; none by default, "random" for swimmers.
     pub(super) orientation: Option<InitialOrientation>,
     /// Direction of the axes of the spheres at the start, for orientation = "aligned".
     pub(super) orientation_axis: Option<[f64; 3]>,
+    /// Swimming along the axes of the orientations; passive spheres without it.
+    pub(super) swimming: Option<SwimmingSection>,
 }
 
 /// Orientations at the start: all equally likely, along an axis, or those of the file with the positions.

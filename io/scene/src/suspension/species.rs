@@ -1,6 +1,7 @@
 //! Species of a scene.
 
 use super::super::checks::{few_enough, positive};
+use super::swimming::swimming;
 use super::{KeyError, names, raw};
 use domain::{Number, Vector, sphere};
 use suspension::{MAX_FRACTION, Orientation, SizeClass, SizeDistribution, Species};
@@ -25,7 +26,8 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
         let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force instead";
         return Err(KeyError::new(format!("species[{index}].density_difference"), message));
     }
-    let orientation = orientation(one, index)?;
+    let swimming = swimming(one, index)?;
+    let orientation = orientation(one, index)?.or_else(|| swimming.as_ref().map(|_| Orientation::Random));
     let classes = classes(one, index)?;
     let total = count(raw, index, volume, &classes)?;
     let name = one.name.clone().unwrap_or_else(|| format!("{}", index + 1));
@@ -37,6 +39,7 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
         force: Vector::from_array(one.force),
         torque: Vector::from_array(one.torque),
         orientation,
+        swimming: swimming.clone(),
     };
     let all: Vec<Species> = classes.iter().enumerate().map(species).collect();
     if one.distribution.is_some() && all.iter().any(|class| class.count == Some(0)) {
