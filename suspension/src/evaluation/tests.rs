@@ -2,6 +2,7 @@ use super::*;
 use crate::model::{Parameters, Species, Start};
 use domain::Comm;
 use domain::PeriodicBox;
+use fcm::SolveError;
 use std::error::Error;
 
 /// A failed solve is explained by an overlap, or by another reason.
