@@ -157,8 +157,9 @@ impl<T: Real> SpectralGrid<T> {
         };
         let loads: Vec<Load<T>> = of_rows(2 * classes.len(), load);
         let classes = of_rows(loads.len(), |row| 2 * classes[row / 2] + (row % 2) as u32);
-        let both = |stencil: &Stencil| [0, 1].map(|part| Stencil { row: 2 * stencil.row + part, ..*stencil });
-        let stencils: Vec<Stencil> = self.stencils.iter().flat_map(both).collect();
+        let placed = &self.stencils;
+        let stencil = |k: usize| Stencil { row: 2 * placed[k / 2].row + (k % 2) as u32, ..placed[k / 2] };
+        let stencils = of_rows(2 * placed.len(), stencil);
         let spread = Spread { stencils: &stencils, classes: &classes, loads: &loads, period: self.plan.grid[2] };
         kernels.with([true, false], SpreadTask { spread, field: &mut self.field });
     }
