@@ -226,10 +226,10 @@ def main():
         print(*rows[-1], flush=True)
         failed += [f"{name}, ratio {ratio:g}: {value:.1e}" for name, value in checks.items() if value > LIMITS[name]]
     lines = [
-        "Loads of two spheres at rest by the slip of squirmers (`fcm-solve two-sphere --slip`). Forces along the line of centres",
-        "are compared with a solution by the stream function at gaps of 0.0001 to 2 of the first radius, all loads with multipoles",
-        "about both centres at gaps of 0.3 to 2 of the second: largest differences over the load of a sphere alone. Slopes in the logarithm of the",
-        "gap near contact are compared with lubrication theory: largest relative differences.",
+        "Loads of two spheres at rest by the slip of squirmers (`fcm-solve two-sphere --slip`). Forces along the line of",
+        "centres are compared with a solution by the stream function at gaps of 0.0001 to 2 of the first radius, all loads with",
+        "multipoles about both centres at gaps of 0.3 to 2 of the second: largest differences over the load of a sphere alone.",
+        "Slopes in the logarithm of the gap near contact are compared with lubrication theory: largest relative differences.",
         "",
         *table(["a₂/a₁", "stream function", "multipoles", "logarithm at contact"], rows),
     ]
