@@ -1,7 +1,7 @@
 //! Preconditioned conjugate gradients, with the unknowns distributed over ranks.
 
 use domain::parallel::change;
-use domain::{Comm, Interrupt, Traceless};
+use domain::{Comm, Interrupt, Traceless, Vector};
 
 /// Vectors of a linear space, of which each rank holds its own part.
 pub trait Linear: Clone {
@@ -211,6 +211,16 @@ fn step_and_measure<S: System>(
 }
 
 impl Linear for Vec<Traceless> {
+    fn add(&mut self, factor: f64, other: &Self) {
+        change(self, other, |a, &b| *a += b * factor);
+    }
+
+    fn scale_add(&mut self, factor: f64, other: &Self) {
+        change(self, other, |a, &b| *a = b + *a * factor);
+    }
+}
+
+impl Linear for Vec<Vector> {
     fn add(&mut self, factor: f64, other: &Self) {
         change(self, other, |a, &b| *a += b * factor);
     }

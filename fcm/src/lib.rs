@@ -47,9 +47,11 @@
 //!
 //! The modules, each of which imports those before it: `grid` spreads and interpolates; `pairs` has the pair
 //! corrections; `plan` the problem, its plan and the identity of plans; `walls` the images in walls; `mobility` the
-//! map itself, by one of the back ends in `mobility/far_field`; `rigid` the solve for stresslets.
+//! map itself, by one of the back ends in `mobility/far_field`; `rigid` the solve for stresslets; `dipoles` the fields
+//! of magnetic or electric moments, by the grids and pairs of the others.
 
 mod conjugate_gradients;
+mod dipoles;
 mod envelope;
 mod grid;
 mod mobility;
@@ -61,6 +63,7 @@ mod walls;
 pub use conjugate_gradients::{
     InnerProducts, Iterate, IterationOutcome, Limits, Linear, Step, System, conjugate_gradients,
 };
+pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution};
 pub use envelope::{Envelope, Quadrupole};
 pub use grid::stencil::Support;
 pub use mobility::loads::{Loads, Motion, Output};

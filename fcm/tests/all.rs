@@ -3,6 +3,7 @@
 mod at_walls;
 mod common;
 mod dense;
+mod dipoles;
 mod errors;
 mod flow;
 mod flow_at_walls;

@@ -20,7 +20,7 @@ impl Scaled<'_> {
     pub fn apply(&mut self, loads: &Loads) -> Motion {
         let motion = match self.mobility.plan().multipoles {
             Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Output::All),
-            Multipoles::Monopole => {
+            Multipoles::Monopole | Multipoles::Moments => {
                 let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
                 self.mobility.apply(&forces, Output::Velocities)
             }

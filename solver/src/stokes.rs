@@ -34,6 +34,7 @@ pub struct Stokes<T> {
     tilted: Option<TiltedTables<T>>,
     channel: Option<Channel<T>>,
     open: Option<OpenSpace<T>>,
+    is_longitudinal: bool,
 }
 
 /// Multiplier `m(k) = plane(k1, k2) axis(k3) exp(-width^2 k^2) (1 + widening k^2)^2` of the wavevector `k` of the
@@ -105,7 +106,15 @@ impl<T: Real> Stokes<T> {
             tilted,
             channel: None,
             open: None,
+            is_longitudinal: false,
         }
+    }
+
+    /// The field `-grad phi` of a magnetisation `f`, with `lap phi = div f`, instead of the velocity of a force
+    /// density: `u_hat = -k (k . f_hat) m(k) / (mu k^2)`, in a periodic box. The mean field, `k = 0`, is zero.
+    #[must_use]
+    pub fn longitudinal(self) -> Self {
+        Self { is_longitudinal: true, ..self }
     }
 
     /// Bytes of the tables, without those of walls and open space.
@@ -155,20 +164,31 @@ impl<T: Real> Stokes<T> {
             unsafe { open.multiply(place, components) };
             return;
         }
+        if self.is_longitudinal {
+            self.multiply_periodic::<true>(place, components);
+        } else {
+            self.multiply_periodic::<false>(place, components);
+        }
+    }
+
+    /// [`Self::multiply`] without open faces; the kernels read and write the columns.
+    fn multiply_periodic<const LONGITUDINAL: bool>(&self, place: [usize; 2], components: [*mut T; 3]) {
         match &self.tilted {
-            None => T::dispatch(MultiplyOrthogonal { operator: self, place, components }),
-            Some(tilted) => T::dispatch(tilted::MultiplyTilted { operator: self, tilted, place, components }),
+            None => T::dispatch(MultiplyOrthogonal::<T, LONGITUDINAL> { operator: self, place, components }),
+            Some(tilted) => {
+                T::dispatch(tilted::MultiplyTilted::<T, LONGITUDINAL> { operator: self, tilted, place, components });
+            }
         }
     }
 }
 
-struct MultiplyOrthogonal<'a, T> {
+struct MultiplyOrthogonal<'a, T, const LONGITUDINAL: bool> {
     operator: &'a Stokes<T>,
     place: [usize; 2],
     components: [*mut T; 3],
 }
 
-impl<T: Real> VectorKernel<T> for MultiplyOrthogonal<'_, T> {
+impl<T: Real, const LONGITUDINAL: bool> VectorKernel<T> for MultiplyOrthogonal<'_, T, LONGITUDINAL> {
     type Output = ();
 
     #[inline(always)]
@@ -189,26 +209,32 @@ impl<T: Real> VectorKernel<T> for MultiplyOrthogonal<'_, T> {
             let inverse = part::<T, V>(inverse, in_plane);
             let level = square.mul_add(widening, one);
             let factor = plane.mul(V::splat(axis[0])).mul(inverse).mul(level).mul(level);
-            project(self.components, [k1, k2, zero], [inverse, factor], 0);
+            project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero], [inverse, factor], 0);
             for m3 in 1..nz / 2 {
                 let k3 = V::splat(k3[m3]);
                 let square = k3.mul_add(k3, square);
                 let (inverse, level) = (one.div(square), square.mul_add(widening, one));
                 let factor = plane.mul(V::splat(axis[m3])).mul(inverse).mul(level).mul(level);
-                project(self.components, [k1, k2, k3], [inverse, factor], m3);
-                project(self.components, [k1, k2, zero.sub(k3)], [inverse, factor], nz - m3);
+                project::<T, V, LONGITUDINAL>(self.components, [k1, k2, k3], [inverse, factor], m3);
+                project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero.sub(k3)], [inverse, factor], nz - m3);
             }
-            project(self.components, [k1, k2, zero], [zero, zero], nz / 2);
+            project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero], [zero, zero], nz / 2);
         }
     }
 }
 
-/// `f <- factor (f - k (k.f) / k^2)` for one element of the columns, given `1/k^2` and the factor.
+/// `f <- factor (f - k (k.f) / k^2)`, or its longitudinal counterpart `f <- -factor k (k.f)`, for one element of the
+/// columns, given `1/k^2` and the factor.
 ///
 /// # Safety
 /// The columns have that element.
 #[inline(always)]
-unsafe fn project<T: Real, V: SimdVector<T>>(components: [*mut T; 3], k: [V; 3], [inverse, factor]: [V; 2], m3: usize) {
+unsafe fn project<T: Real, V: SimdVector<T>, const LONGITUDINAL: bool>(
+    components: [*mut T; 3],
+    k: [V; 3],
+    [inverse, factor]: [V; 2],
+    m3: usize,
+) {
     for part in [0, T::LANES] {
         let [x, y, z] = components;
         // SAFETY: guaranteed by the caller.
@@ -217,10 +243,16 @@ unsafe fn project<T: Real, V: SimdVector<T>>(components: [*mut T; 3], k: [V; 3],
             let place = [x.add(at), y.add(at), z.add(at)];
             (place, [V::load(place[0]), V::load(place[1]), V::load(place[2])])
         };
-        let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0]))).mul(inverse);
+        let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0])));
+        let along = along.mul(if LONGITUDINAL { factor } else { inverse });
         for c in 0..3 {
+            let projected = if LONGITUDINAL {
+                along.mul_sub_from(k[c], V::splat(T::default()))
+            } else {
+                along.mul_sub_from(k[c], f[c]).mul(factor)
+            };
             // SAFETY: guaranteed by the caller.
-            unsafe { along.mul_sub_from(k[c], f[c]).mul(factor).store(place[c]) };
+            unsafe { projected.store(place[c]) };
         }
     }
 }

@@ -70,10 +70,10 @@ pub use lubrication::{Elasticity, PairKind};
 pub use model::box_axes::UserAxes;
 pub use model::radii::Radii;
 pub use model::{
-    ActiveDipole, Adaptive, Attraction, Axis, Bodies, BodyOrientation, Bonds, BrownianScheme, Centres, Contacts,
-    Extension, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model, MultipoleOrder, Orientation,
-    Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution, Species, Start,
-    StatisticsParameters, Swimming, Trapped, Traps,
+    ActiveDipole, Adaptive, AppliedField, Attraction, Axis, Bodies, BodyOrientation, Bonds, BrownianScheme, Centres,
+    Contacts, Extension, FieldVariation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model,
+    MultipoleOrder, Orientation, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution,
+    Species, SphereMoment, Start, StatisticsParameters, Swimming, Trapped, Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;

@@ -7,6 +7,7 @@ mod bounded_mobility;
 mod brownian;
 mod constant_flux;
 mod contacts;
+mod dipoles;
 mod extension;
 mod fields;
 mod given_motions;

@@ -35,6 +35,7 @@ SMALLER = {
     "bodies": {"species[0].count": 5, "bodies[0].count": 4, "bodies[1].count": 3, "time.duration": 0.2},
     "rollers": {"bodies[0].count": 4, "time.duration": 0.05},
     "rods": {"box.edges": "[20.0, 20.0, 20.0]", "bodies[0].volume_fraction": 0.02, "time.strain": 0.02},
+    "magnetic-chains": {"box.edges": "[12.0, 12.0, 12.0]", "species[0].count": 20, "time.duration": 0.5},
     "granular-disks": {"time.strain": 1.0},
     "disk-sweep": {"time.strain": 1.0},
     "poiseuille-disks": {"time.strain": 1.0},

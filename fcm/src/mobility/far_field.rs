@@ -15,7 +15,7 @@ use crate::plan::sample_points::SamplePoints;
 use dense::DenseFarField;
 use device::DeviceFarField;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
-use grid::GridFarField;
+pub(crate) use grid::GridFarField;
 
 /// Far field of the particles of a rank, by one method on one device.
 ///

@@ -59,7 +59,7 @@ impl Motion {
     /// The motion without what a plan of these multipoles has not: with monopoles, velocities alone.
     pub(crate) fn of(self, multipoles: Multipoles) -> Self {
         match multipoles {
-            Multipoles::Monopole => Self { velocities: self.velocities, ..Self::default() },
+            Multipoles::Monopole | Multipoles::Moments => Self { velocities: self.velocities, ..Self::default() },
             Multipoles::Dipole => self,
         }
     }

@@ -130,7 +130,7 @@ impl<'a> Footprint<'a> {
         let owned = self.expected.owned();
         let velocities = Bytes::list::<Vector>(owned);
         match self.plan.multipoles {
-            Multipoles::Monopole => velocities,
+            Multipoles::Monopole | Multipoles::Moments => velocities,
             Multipoles::Dipole => velocities.then(Bytes::list::<(Vector, Traceless)>(owned)),
         }
     }

@@ -48,6 +48,9 @@ pub(crate) trait DynPairCorrection {
         gradients: bool,
         motions: &mut [(Vector, Tensor)],
     );
+
+    /// Adds the parts of pairs of [`crate::DipoleField::first_moments`]; nothing for other loads than moments.
+    fn add_first_moments(&self, _present: &LoadedParticles, _neighbours: &Neighbours, _sums: &mut [Tensor]) {}
 }
 
 /// Pair correction of particles of given radii.

@@ -17,6 +17,12 @@ pub(crate) struct PairFunctions {
     dipoles: EnvelopeDifference,
 }
 
+/// Functions of the squared distance that can be tabulated: those of [`PairValues`], or fewer and zeros.
+pub(crate) trait TabulatedFunctions {
+    /// Derivatives of the functions by `r^2` of the given order at `r^2 = square`.
+    fn derivative(&self, square: f64, order: usize) -> PairValues;
+}
+
 impl PairFunctions {
     /// Functions between envelopes `i` and `j`.
     pub fn new(i: Envelope, j: Envelope, common: Common) -> Self {
@@ -36,7 +42,14 @@ impl PairFunctions {
         Self { forces: velocity, force_dipole: velocity, dipole_force: gradient, dipoles: gradient }
     }
 
-    /// Derivatives of the functions by `r^2` of the given order at `r^2 = square`: `d f_n / d(r^2) = f_(n+1)/2`.
+    /// Functions at `r^2 = square`.
+    pub fn exact(&self, square: f64) -> PairValues {
+        self.derivative(square, 0)
+    }
+}
+
+impl TabulatedFunctions for PairFunctions {
+    /// `d f_n / d(r^2) = f_(n+1)/2`.
     fn derivative(&self, square: f64, order: usize) -> PairValues {
         let [forces, mixed, other, dipoles] =
             [&self.forces, &self.force_dipole, &self.dipole_force, &self.dipoles].map(|d| d.evaluate(square));
@@ -44,11 +57,6 @@ impl PairFunctions {
         let [a, b, c, d] = [1, 2, 3, 4].map(|n| n + order);
         [forces[a], forces[b], mixed[b], mixed[c], other[b], other[c], dipoles[b], dipoles[c], dipoles[d]]
             .map(|f| f * half)
-    }
-
-    /// Functions at `r^2 = square`.
-    pub fn exact(&self, square: f64) -> PairValues {
-        self.derivative(square, 0)
     }
 }
 
@@ -74,7 +82,7 @@ struct Interval<T> {
 impl<T: Real> PairTable<T> {
     /// Tabulates up to a cutoff, with an error below `tolerance` of each function's value at distance 0 between
     /// points; `None` if that takes too many intervals, as for a cutoff of hundreds of radii.
-    pub fn new(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
+    pub fn new(functions: &impl TabulatedFunctions, cutoff: f64, tolerance: f64) -> Option<Self> {
         let count = Self::intervals(functions, cutoff, tolerance)?;
         let width = cutoff * cutoff / count as f64;
         let interval = |i: usize| {
@@ -91,8 +99,8 @@ impl<T: Real> PairTable<T> {
     }
 
     /// Number of intervals of the table of [`Self::new`], if it makes one.
-    pub fn intervals(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<usize> {
-        let first = functions.exact(0.0);
+    pub fn intervals(functions: &impl TabulatedFunctions, cutoff: f64, tolerance: f64) -> Option<usize> {
+        let first = functions.derivative(0.0, 0);
         let bound = functions.derivative(0.0, DEGREE + 1);
         let factorial = 720.0;
         // Half-width of an interval from the first neglected term, which is largest at r = 0.
@@ -116,7 +124,7 @@ impl<T: Real> PairTable<T> {
     }
 
     /// Bytes of the table of [`Self::new`], if it makes one.
-    pub fn bytes(functions: &PairFunctions, cutoff: f64, tolerance: f64) -> Option<f64> {
+    pub fn bytes(functions: &impl TabulatedFunctions, cutoff: f64, tolerance: f64) -> Option<f64> {
         Self::intervals(functions, cutoff, tolerance).map(|count| (count * size_of::<Interval<T>>()) as f64)
     }
 

@@ -57,7 +57,7 @@ impl Brackets {
 pub fn direct_grid_error(terms: Multipoles, resolution: f64) -> f64 {
     let decay = (-(PI * resolution).powi(2)).exp();
     match terms {
-        Multipoles::Dipole => 8.5 * decay,
+        Multipoles::Dipole | Multipoles::Moments => 8.5 * decay,
         Multipoles::Monopole => 0.28 / (resolution * resolution) * decay,
     }
 }
@@ -66,7 +66,7 @@ pub fn direct_grid_error(terms: Multipoles, resolution: f64) -> f64 {
 pub fn split_grid_error(terms: Multipoles, resolution: f64, brackets: Brackets) -> f64 {
     let decay = (-(PI * resolution).powi(2)).exp() * brackets.at(PI * resolution).powi(2);
     match terms {
-        Multipoles::Dipole => 1.3 * decay,
+        Multipoles::Dipole | Multipoles::Moments => 1.3 * decay,
         Multipoles::Monopole => 0.1 / (resolution * resolution) * decay,
     }
 }
@@ -85,7 +85,7 @@ pub fn window_error(terms: Multipoles, points: usize, resolution: f64, brackets:
     let folded = (resolution * brackets.stretch).powi(2);
     let rest = brackets.own * 4.0 * PI * PI * folded;
     match terms {
-        Multipoles::Dipole => 165.0 * folded * (1.0 + rest) * (-0.92 * window).exp(),
+        Multipoles::Dipole | Multipoles::Moments => 165.0 * folded * (1.0 + rest) * (-0.92 * window).exp(),
         Multipoles::Monopole => {
             // Up to about the highest wavenumber that matters.
             let common = 1.0 + brackets.common * (0.5 * points as f64 / resolution).powi(2);
@@ -100,7 +100,9 @@ pub fn cutoff_error(terms: Multipoles, cutoff: f64, brackets: Brackets) -> f64 {
     let square = 0.25 * cutoff * cutoff;
     let beyond = |distance: f64| (cutoff - distance).max(0.0).powi(2);
     let size = match terms {
-        Multipoles::Dipole => (0.75 + 2.0 * beyond(5.8)) * (1.0 + brackets.own * square).powf(1.5),
+        Multipoles::Dipole | Multipoles::Moments => {
+            (0.75 + 2.0 * beyond(5.8)) * (1.0 + brackets.own * square).powf(1.5)
+        }
         Multipoles::Monopole => {
             let other = (2.0 * (brackets.common + brackets.own)).min(1.0);
             (0.15 + 0.4 * beyond(5.0)) * (other * (2.0 - other)).powi(2)

@@ -231,11 +231,25 @@ impl Plan {
     }
 
     /// Function that the split method spreads in place of the envelopes. If all radii are equal, dipoles need no
-    /// bracket on the grid.
+    /// bracket on the grid. Moments need none in any case: the potential of the difference of two Gaussians decays like
+    /// a Gaussian.
     pub(crate) fn common(&self) -> Option<Common> {
         let Split { width, .. } = self.split?;
+        if self.multipoles == Multipoles::Moments {
+            return Some(Common { width, increment: 0.0 });
+        }
         let narrowest = |&radius: &f64| self.multipoles.narrowest(Envelope::of_sphere(radius));
         Some(Common::new(width, self.radii.iter().map(narrowest)))
+    }
+
+    /// Envelopes of the spheres of each radius on the grid; for moments it has the common Gaussian alone.
+    pub(crate) fn grid_envelopes(&self) -> Vec<Envelope> {
+        match (self.multipoles, self.split) {
+            (Multipoles::Moments, Some(Split { width, .. })) => {
+                vec![Envelope { monopole: width, dipole: width }; self.radii.len()]
+            }
+            _ => self.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect(),
+        }
     }
 
     /// Window that the split method uses on the grid.

@@ -1,6 +1,6 @@
 //! Candidate plans of a problem.
 
-use crate::envelope::{Common, Envelope};
+use crate::envelope::Envelope;
 use crate::grid::gaussian::STEP;
 use crate::grid::stencil::Support;
 use crate::grid::window::KaiserBessel;
@@ -122,17 +122,13 @@ impl Problem {
     }
 
     fn direct(&self) -> Vec<PlanCandidate> {
-        if !self.allows(Method::Direct) || self.boundaries != Boundaries::Periodic || self.is_tilted() {
+        let is_possible = self.multipoles != Multipoles::Moments && !self.is_tilted();
+        if !is_possible || !self.allows(Method::Direct) || self.boundaries != Boundaries::Periodic {
             return Vec::new();
         }
         let (method, width) = (Method::Direct, self.own_width(self.smallest_radius()));
         let all = Accuracy::direct(self.multipoles, self.tolerance * self.tolerance_share()).into_iter();
         all.map(|accuracy| PlanCandidate { method, accuracy, width }).collect()
-    }
-
-    /// Width of a sphere's narrowest envelope.
-    fn own_width(&self, radius: f64) -> f64 {
-        self.multipoles.narrowest(Envelope::of_sphere(radius))
     }
 
     /// Common Gaussians worth trying: those for each efficient number of points along the longest edge, up to large
@@ -181,14 +177,6 @@ impl Problem {
         let all = Accuracy::split(self.multipoles, self.tolerance * self.tolerance_share(), brackets).into_iter();
         let method = Method::Split;
         all.map(|accuracy| PlanCandidate { method, accuracy, width: spacing * accuracy.resolution }).collect()
-    }
-
-    /// Brackets of a common Gaussian, on a grid along whose axes spheres extend farther by `stretch`.
-    fn brackets(&self, width: f64, stretch: f64) -> Brackets {
-        let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
-        let common = Common::new(width, [least, most].into_iter());
-        let (square, typical) = (width * width, 0.25 * (most * most - least * least));
-        Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch }
     }
 
     /// Grid that a candidate needs; none if it has more points than the largest supported grid.

@@ -1,6 +1,7 @@
 //! Problem to plan for: box, particles, loads, and choices that the user fixed.
 
-use crate::envelope::Envelope;
+use crate::envelope::{Common, Envelope};
+use crate::plan::accuracy::Brackets;
 use crate::plan::costs::Costs;
 use crate::plan::device::ComputeDevice;
 use crate::plan::method::Method;
@@ -23,13 +24,15 @@ pub enum Multipoles {
     Monopole,
     /// Forces, torques and stresslets.
     Dipole,
+    /// Magnetic or electric moments, with the field of a potential in place of the flow: [`crate::DipoleField`].
+    Moments,
 }
 
 impl Multipoles {
     /// Components of the loads, and of the motions, of a sphere.
     pub(crate) fn components(self) -> usize {
         match self {
-            Self::Monopole => 3,
+            Self::Monopole | Self::Moments => 3,
             Self::Dipole => 11,
         }
     }
@@ -38,7 +41,7 @@ impl Multipoles {
     pub(crate) fn narrowest(self, envelope: Envelope) -> f64 {
         match self {
             Self::Monopole => envelope.monopole,
-            Self::Dipole => envelope.dipole,
+            Self::Dipole | Self::Moments => envelope.dipole,
         }
     }
 }
@@ -111,6 +114,22 @@ impl Problem {
         };
         let combinations = (-2..=2).flat_map(|j| (0..=2).map(move |k| (j, k)));
         combinations.map(|(j, k)| length(j, k)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Width of a sphere's narrowest envelope.
+    pub(crate) fn own_width(&self, radius: f64) -> f64 {
+        self.multipoles.narrowest(Envelope::of_sphere(radius))
+    }
+
+    /// Brackets of a common Gaussian, on a grid along whose axes spheres extend farther by `stretch`.
+    pub(crate) fn brackets(&self, width: f64, stretch: f64) -> Brackets {
+        if self.multipoles == Multipoles::Moments {
+            return Brackets { common: 0.0, own: 0.0, stretch };
+        }
+        let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
+        let common = Common::new(width, [least, most].into_iter());
+        let (square, typical) = (width * width, 0.25 * (most * most - least * least));
+        Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch }
     }
 
     /// [`Self::largest_tilts`] of a static box.

@@ -131,7 +131,7 @@ impl StressletSolver {
     ) -> Result<Solved, SolveError> {
         self.mobility.follow(cell, particles);
         let solved = match self.mobility.plan().multipoles {
-            Multipoles::Monopole => self.free(input.loads, input.ambient),
+            Multipoles::Monopole | Multipoles::Moments => self.free(input.loads, input.ambient),
             Multipoles::Dipole => self.rigid(&particles.radii, input)?,
         };
         let finite = all_rows(particles.len(), |row| solved.motion.velocities[row].is_finite());

@@ -97,7 +97,7 @@ impl ConstantFlux {
         let mut moved = Loads { stresslets: Vec::new(), ..self.resisted.clone() };
         let wanted = match mobility.plan().multipoles {
             Multipoles::Dipole => Output::All,
-            Multipoles::Monopole => {
+            Multipoles::Monopole | Multipoles::Moments => {
                 moved.torques.clear();
                 Output::Velocities
             }

@@ -43,6 +43,7 @@ pub static TEMPLATES: [Template; 29] = [
     template!("bodies", "Rods, tetrahedra and spheres that settle together"),
     template!("rods", "Rods in a shear flow, at 10% by volume"),
     template!("rollers", "Spheres that are turned at a given rate and roll along a bottom"),
+    template!("magnetic-chains", "Paramagnetic spheres that line up in chains along a field"),
     template!("family", "Three volume fractions with two seeds each: a viscosity with its error from many runs"),
     template!("granular-disks", "Disks that collide in a sheared liquid, with every key explained"),
     template!("disk-sweep", "Several seeds and viscosities of such disks"),

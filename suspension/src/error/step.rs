@@ -65,6 +65,14 @@ pub enum StepError {
         /// Cause.
         source: SolveError,
     },
+    /// Magnetic or electric moments that were not found.
+    #[error("step {step}: {source}")]
+    Moments {
+        /// Number of steps taken before.
+        step: u64,
+        /// Reason.
+        source: Failure,
+    },
     /// User-defined loads that failed or are invalid.
     #[error("step {step}: a force of one's own: {source}")]
     Applied {

@@ -105,7 +105,7 @@ impl Dynamics {
             hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
             lubrication: range,
             warm_start: WarmStart::new(model.is_coupled()),
-            forces,
+            forces: forces.with_fields(&setup.problem, setup.partition.comm())?,
             swimmers: Swimmers::of(model),
             is_implicit,
             rigid: model.hydrodynamics.multipoles == MultipoleOrder::Dipole,

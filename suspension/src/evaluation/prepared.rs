@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::model::radii::Radii;
 use crate::neighbourhood::smallest_gap;
 use domain::{Comm, DomainView, Failure, Particles, Partition, PeriodicBox};
-use fcm::Plan;
+use fcm::{Plan, Problem};
 
 /// Radii of a scene's particles, and the plan of the far field.
 pub struct Planned {
@@ -27,6 +27,8 @@ pub struct Setup {
     pub radii: Radii,
     /// Plan of the far field.
     pub plan: Plan,
+    /// The problem that it solves.
+    pub problem: Problem,
     /// Partition of space among ranks.
     pub partition: Partition,
     /// The box and the background flow.

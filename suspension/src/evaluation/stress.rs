@@ -32,7 +32,8 @@ use rayon::prelude::*;
 /// as weight do not contribute.
 ///
 /// Contributions have names: [`Self::STRESSLET`], [`Self::LUBRICATION`], [`Self::ACTIVE`], [`Self::CONSTRAINT`],
-/// those of the model's forces (`repulsion`, `attraction`, `contact`, `bond`), [`Self::BROWNIAN`], and those of the
+/// those of the model's forces (`repulsion`, `attraction`, `contact`, `bond`, `magnetic`, `electric`),
+/// [`Self::BROWNIAN`], and those of the
 /// user's forces (`applied`, and the names of registered ones).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ParticleStress {

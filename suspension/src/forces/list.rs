@@ -2,6 +2,7 @@
 
 use super::acting::{Acting, Configuration, Instant, Prediction, SolvedMotion};
 use super::contacts::{Contacts, StiffnessAdaptation};
+use super::dipoles::DipoleForces;
 use super::external::ExternalForces;
 use super::force::{Force, StressName};
 use super::surface::SurfaceForces;
@@ -11,8 +12,8 @@ use crate::error::step::StepError;
 use crate::model::Model;
 use crate::model::radii::Radii;
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
-use domain::{Bytes, DomainView, ExpectedCounts, Particles, Partition, Tensor};
-use fcm::Loads;
+use domain::{Bytes, Comm, DomainView, ExpectedCounts, Particles, Partition, Tensor};
+use fcm::{Loads, PlanError, Problem};
 use lubrication::BarrierError;
 use std::rc::Rc;
 
@@ -31,6 +32,8 @@ pub struct Forces {
     pub bonds: Option<Bonds>,
     /// Traps.
     pub traps: Option<Traps>,
+    /// Forces on magnetic and electric moments.
+    dipoles: Vec<DipoleForces>,
     /// Further forces of the model.
     others: Vec<Box<dyn Force>>,
     /// Functions of the user.
@@ -67,6 +70,7 @@ impl Forces {
             contacts: Contacts::of(model),
             bonds: Bonds::of(model),
             traps: Traps::of(model),
+            dipoles: DipoleForces::of(model),
             others: Vec::new(),
             applied: AppliedForces::new(model.user_axes()),
             registered: Vec::new(),
@@ -85,6 +89,13 @@ impl Forces {
         self.bonds.iter_mut().for_each(|bonds| bonds.start(particles, comm));
         self.search(radii.largest(), partition);
         self
+    }
+
+    /// These forces with the fields of moments of the particles of a problem.
+    pub fn with_fields(mut self, problem: &Problem, comm: &Comm) -> Result<Self, PlanError> {
+        let dipoles = self.dipoles.into_iter().map(|dipoles| dipoles.start(problem, comm));
+        self.dipoles = dipoles.collect::<Result<_, _>>()?;
+        Ok(self)
     }
 
     /// These forces with lists that others share.
@@ -123,7 +134,8 @@ impl Forces {
         let contacts = self.contacts.iter().map(|contacts| contacts as &dyn Force);
         let bonds = self.bonds.iter().map(|bonds| bonds as &dyn Force);
         let traps = self.traps.iter().map(|traps| traps as &dyn Force);
-        fixed.chain(contacts).chain(bonds).chain(traps).chain(self.others.iter().map(|force| &**force))
+        let dipoles = self.dipoles.iter().map(|dipoles| dipoles as &dyn Force);
+        fixed.chain(contacts).chain(bonds).chain(traps).chain(dipoles).chain(self.others.iter().map(|force| &**force))
     }
 
     /// Forces of the user.
@@ -141,6 +153,7 @@ impl Forces {
         all.extend(self.contacts.iter_mut().map(|contacts| contacts as &mut dyn Force));
         all.extend(self.bonds.iter_mut().map(|bonds| bonds as &mut dyn Force));
         all.extend(self.traps.iter_mut().map(|traps| traps as &mut dyn Force));
+        all.extend(self.dipoles.iter_mut().map(|dipoles| dipoles as &mut dyn Force));
         all.extend(self.others.iter_mut().map(|force| &mut **force as &mut dyn Force));
         all.push(&mut self.applied);
         all.extend(self.registered.iter_mut().map(|force| &mut **force as &mut dyn Force));

@@ -2,6 +2,7 @@
 
 pub mod acting;
 pub mod contacts;
+pub mod dipoles;
 mod external;
 pub mod force;
 mod list;

@@ -7,9 +7,9 @@ use crate::flow::open_cell::follows;
 use crate::forecast::network::with_network;
 use crate::forecast::warnings::{cautions, diffusive_step};
 use crate::model::radii::Radii;
-use crate::model::{Bodies, Contacts, Flow, Model, Species, Swimming};
+use crate::model::{Bodies, Contacts, Flow, Model, MomentKind, Species, Swimming};
 use crate::start::memory;
-use crate::start::plan::problem_in;
+use crate::start::plan::{dipole_plans, problem_in};
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
 use fcm::{CardMemory, ComputeDevice, Plan, Precision, Problem, Split};
 use hydrodynamics::memory::Ranks;
@@ -75,7 +75,7 @@ pub fn outline(
             .line("diffusion", format_args!("{:.3} of the smallest sphere's a^2/D0 in a step", Number(step)))
             .value("diffusive_step", step),
     };
-    let outline = with_flux(with_stiffness(outline, model), model);
+    let outline = with_fields(with_flux(with_stiffness(outline, model), model), model, &planned.radii);
     let memory = MemoryForecast::of(model, &planned, asked);
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
@@ -137,6 +137,15 @@ fn with_flux(outline: Outline, model: &Model) -> Outline {
             ),
         )
         .value("pressure_gradient_of_fluid", alone)
+}
+
+/// Adds the plans of the fields of magnetic and electric moments.
+fn with_fields(outline: Outline, model: &Model, radii: &Radii) -> Outline {
+    let kinds = MomentKind::ALL.into_iter().filter(|kind| kind.field(model).is_some());
+    kinds.zip(dipole_plans(model, radii)).fold(outline, |outline, (kind, plan)| {
+        let text = format!("{}; about {:.2e} s for a field", plan.in_short_for(model.turn), plan.predicted_seconds);
+        outline.line(kind.name(), text).value(kind.name(), plan_values(&plan, model.turn))
+    })
 }
 
 /// Adds the particles, and their smallest gap if there is memory to place them (infinite for a single sphere).

@@ -3,7 +3,7 @@
 use super::species::check_species;
 use super::{
     Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, ShearRates, Species, bodies,
-    bonds, displacement, swimming, traps,
+    bonds, dipoles, displacement, swimming, traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -35,6 +35,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     bonds::check(p)?;
     traps::check(p)?;
     swimming::check(p)?;
+    dipoles::check(p)?;
     p.statistics.as_ref().map_or(Ok(()), |statistics| statistics.check(&p.cell))?;
     displacement::check(p)?;
     p.integrator.check(p.contacts.is_some())

@@ -7,6 +7,7 @@ pub mod box_axes;
 mod check;
 mod contacts;
 mod cubic_field;
+mod dipoles;
 mod displacement;
 mod extension;
 mod hydrodynamics;
@@ -31,6 +32,8 @@ pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
 pub use contacts::Contacts;
 pub(crate) use cubic_field::CubicField;
+pub(crate) use dipoles::MomentKind;
+pub use dipoles::{AppliedField, FieldVariation, SphereMoment};
 use domain::{AxisRotation, Boundaries, ParameterError, PeriodicBox, Tensor, Vector};
 pub use extension::Extension;
 #[cfg(test)]
@@ -83,6 +86,10 @@ pub struct Parameters {
     pub bonds: Vec<Bonds>,
     /// Harmonic traps.
     pub traps: Vec<Traps>,
+    /// Magnetic field in which spheres with magnetic moments are.
+    pub magnetic: Option<AppliedField>,
+    /// Electric field in which spheres with electric moments are.
+    pub electric: Option<AppliedField>,
     /// Parameters of the hydrodynamic interactions.
     pub hydrodynamics: Hydrodynamics,
     /// Time step.
@@ -121,6 +128,8 @@ impl Parameters {
             contacts: None,
             bonds: Vec::new(),
             traps: Vec::new(),
+            magnetic: None,
+            electric: None,
             hydrodynamics: Hydrodynamics::default(),
             time_step,
             steps,

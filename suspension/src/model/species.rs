@@ -1,6 +1,6 @@
 //! Species and initial positions of the spheres.
 
-use super::{Orientation, Parameters, Swimming};
+use super::{Orientation, Parameters, SphereMoment, Swimming};
 use domain::{Boundaries, Number, ParameterError, PeriodicBox, Vector, sphere};
 use hydrodynamics::lengths::check_radius;
 
@@ -29,6 +29,10 @@ pub struct Species {
     pub orientation: Option<Orientation>,
     /// Swimming along the axes of the orientations; `None` for passive spheres.
     pub swimming: Option<Swimming>,
+    /// Magnetic moment.
+    pub magnetic: SphereMoment,
+    /// Electric moment.
+    pub electric: SphereMoment,
 }
 
 /// Initial positions of the spheres.
@@ -76,6 +80,8 @@ impl Species {
             torque,
             orientation: None,
             swimming: None,
+            magnetic: SphereMoment::NONE,
+            electric: SphereMoment::NONE,
         }
     }
 

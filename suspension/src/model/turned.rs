@@ -1,6 +1,6 @@
 //! Suspensions in boxes whose special axis is not the user's z axis.
 
-use super::{Axis, BodyOrientation, Centres, Orientation, Parameters, Start};
+use super::{Axis, BodyOrientation, Centres, FieldVariation, Orientation, Parameters, Start};
 use domain::{AxisRotation, Vector};
 
 impl Parameters {
@@ -19,6 +19,12 @@ impl Parameters {
         for species in &mut self.species {
             (species.force, species.torque) = (axes.vector_in(species.force), axes.vector_in(species.torque));
             if let Some(Orientation::Aligned(axis)) = &mut species.orientation {
+                *axis = axes.vector_in(*axis);
+            }
+        }
+        for field in self.magnetic.iter_mut().chain(&mut self.electric) {
+            field.amplitude = axes.vector_in(field.amplitude);
+            if let FieldVariation::Rotating { axis, .. } = &mut field.variation {
                 *axis = axes.vector_in(*axis);
             }
         }

@@ -4,6 +4,7 @@ pub mod averages;
 pub mod clouds;
 mod given_motions;
 pub mod heights;
+mod moments;
 pub mod observable;
 pub mod orientations;
 pub mod rheology;
@@ -206,6 +207,7 @@ fn of_model(model: &Model) -> Vec<Box<dyn Observable>> {
     list.extend(orientations::orientations(model));
     list.extend(given_motions::driving_loads(model));
     list.extend(swimmers::swimmers(model));
+    list.extend(moments::moments(model));
     list.extend(numbers(&STEP));
     if model.cell.boundaries() == Boundaries::Periodic {
         list.extend(numbers(&DIVERGENCE));

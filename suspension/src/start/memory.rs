@@ -19,7 +19,7 @@ use crate::model::{BrownianScheme, Integrator, Model, MultipoleOrder, Species, S
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use crate::sampling;
 use crate::scalars::STRESS_CONTROL_NUMBERS;
-use crate::start::plan::largest_strain;
+use crate::start::plan::{dipole_plans, largest_strain};
 use domain::{
     Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Particles, Place, Process, Traceless, Vector,
     packing_bytes, readable_bytes,
@@ -56,7 +56,8 @@ pub fn need(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks, rank: usize
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, &place, ranks.threads, &expected);
     let (threads, rank_of) = (ranks.threads, (rank, ranks.count));
-    let share = Share { model, far, expected: &expected, threads, rank_of };
+    let dipoles = &dipole_plans(model, radii);
+    let share = Share { model, far, expected: &expected, threads, rank_of, dipoles };
     of_peak(share.peak(), &share.far, rank, ranks.count)
 }
 
@@ -131,6 +132,8 @@ struct Share<'a> {
     threads: usize,
     /// The rank and the number of ranks.
     rank_of: (usize, usize),
+    /// Plans of the fields of moments.
+    dipoles: &'a [Plan],
 }
 
 /// Lanczos vectors of random motions.
@@ -177,7 +180,18 @@ impl Share<'_> {
         let far = self.far.mobility();
         // If the grid follows the spheres, the old grid exists until the new one is complete.
         let again = if open_cell::follows(self.model.cell.boundaries()) { far.freed() } else { Bytes::default() };
-        far.then(again).then(tables)
+        far.then(again).then(tables).then(self.dipoles())
+    }
+
+    /// Fields of moments with their particles arranged, and an evaluation.
+    fn dipoles(&self) -> Bytes {
+        let of_plan = |plan: &Plan| {
+            let place = self.far.place_of(plan);
+            let field = Footprint::new(plan, &place, self.threads, self.expected);
+            let moved = Particles::bytes(self.expected.owned(), 16);
+            field.mobility().then(moved.then(field.evaluation()).freed())
+        };
+        self.dipoles.iter().fold(Bytes::default(), |sum, plan| sum.then(of_plan(plan)))
     }
 
     fn range(&self) -> Option<LubricationRange> {

@@ -1,9 +1,9 @@
 //! Plan of the far field of a scene.
 
 use crate::model::radii::Radii;
-use crate::model::{Flow, Model, MultipoleOrder, Start};
+use crate::model::{Flow, Model, MomentKind, MultipoleOrder, Start};
 use domain::{PeriodicBox, Vector};
-use fcm::{Costs, Fixed, Loading, Plan, PlanError, Problem};
+use fcm::{Costs, DipoleField, Fixed, Loading, Plan, PlanError, Problem};
 
 /// The plan for a scene with particles of these radii. It is made for one rank with one thread, so that the same scene
 /// is computed in the same way, with the same results, on any number of them.
@@ -51,6 +51,13 @@ pub fn problem_in(cell: &PeriodicBox, model: &Model, radii: &Radii) -> Problem {
         network: model.hydrodynamics.network,
         fixed: fixed(model),
     }
+}
+
+/// Plans of the fields of moments of a scene, as far as there are any.
+pub fn dipole_plans(model: &Model, radii: &Radii) -> Vec<Plan> {
+    let problem = problem(model, radii);
+    let fields = MomentKind::ALL.into_iter().filter_map(|kind| kind.field(model));
+    fields.filter_map(|field| DipoleField::plan(&field.problem(&problem)).ok()).collect()
 }
 
 /// Loading of a scene: that of a flow, if there is one; otherwise forces that are uniform for each species. Spheres

@@ -14,7 +14,7 @@ use crate::model::{Flow, Model};
 use crate::start::memory;
 use crate::start::orientations;
 use crate::start::placement;
-use crate::start::plan::{plan, plan_in};
+use crate::start::plan::{plan, plan_in, problem_in};
 use domain::{Boundaries, Comm, DomainView, Failure, GivenPositions, Particles, PeriodicBox};
 use fcm::PlanError;
 use hydrodynamics::lengths::check_lubricated;
@@ -130,7 +130,8 @@ impl Setup {
         }
         particles.wrap(moving.cell());
         particles.migrate(&partition, moving.cell());
-        Ok(Self { particles, radii, plan, partition, moving, farthest: None, replan: Planned::within })
+        let problem = problem_in(&cell, model, &radii);
+        Ok(Self { particles, radii, plan, problem, partition, moving, farthest: None, replan: Planned::within })
     }
 }
 

@@ -3,6 +3,7 @@
 mod attraction;
 mod bodies;
 mod cell;
+mod dipoles;
 mod duration;
 mod flow;
 mod names;
@@ -81,6 +82,8 @@ impl SuspensionScene {
             contacts: raw.contacts.as_ref().map(contacts),
             bonds: tethers::bonds(&raw.bonds),
             traps,
+            magnetic: raw.magnetic.map(dipoles::magnetic).transpose()?,
+            electric: raw.electric.map(dipoles::electric).transpose()?,
             hydrodynamics: hydrodynamics(&raw.hydrodynamics),
             time_step: time.step,
             steps: time.steps,

@@ -17,7 +17,8 @@ pub(super) use bodies::{BodiesSection, BodyOrientationName, BodyShapeName, BodyS
 pub(super) use distribution::{DistributionKind, DistributionSection};
 pub(super) use hydrodynamics::HydrodynamicsSection;
 pub(super) use interactions::{
-    AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, RepulsionSection, TrapsSection,
+    AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, ElectricSection, MagneticSection,
+    RepulsionSection, TrapsSection,
 };
 pub(super) use swimming::SwimmingSection;
 
@@ -62,6 +63,10 @@ pub(crate) struct SuspensionSections {
     /// Harmonic traps; none without such sections.
     #[serde(default)]
     pub(super) traps: Vec<TrapsSection>,
+    /// A magnetic field, in which spheres have magnetic moments; none without this section.
+    pub(super) magnetic: Option<MagneticSection>,
+    /// An electric field, in which spheres have electric moments; none without this section.
+    pub(super) electric: Option<ElectricSection>,
     /// Evaluation of the hydrodynamics.
     #[serde(default)]
     pub(super) hydrodynamics: HydrodynamicsSection,
@@ -125,6 +130,15 @@ pub(super) struct SpeciesSection {
     pub(super) orientation_axis: Option<[f64; 3]>,
     /// Swimming along the axes of the orientations; passive spheres without it.
     pub(super) swimming: Option<SwimmingSection>,
+    /// Permanent magnetic moment along the axis of each sphere, which needs an orientation; 0 by default.
+    pub(super) magnetic_moment: Option<f64>,
+    /// Magnetic susceptibility of the material of the spheres in that of the fluid; 0 by default.
+    pub(super) magnetic_susceptibility: Option<f64>,
+    /// Permanent electric moment, a charge times a length, along the axis of each sphere, which needs an orientation; 0
+    /// by default.
+    pub(super) electric_moment: Option<f64>,
+    /// Permittivity of the spheres, in the units of that of the fluid; that of the fluid by default.
+    pub(super) permittivity: Option<f64>,
 }
 
 /// Orientations at the start: all equally likely, along an axis, or those of the file with the positions.

@@ -2,7 +2,7 @@
 
 use super::super::checks::{few_enough, positive};
 use super::swimming::swimming;
-use super::{KeyError, names, raw};
+use super::{KeyError, dipoles, names, raw};
 use domain::{Number, Vector, sphere};
 use suspension::{MAX_FRACTION, Orientation, SizeClass, SizeDistribution, Species};
 
@@ -28,6 +28,7 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
     }
     let swimming = swimming(one, index)?;
     let orientation = orientation(one, index)?.or_else(|| swimming.as_ref().map(|_| Orientation::Random));
+    let electric = dipoles::electric_moment(one, index, raw.electric)?;
     let classes = classes(one, index)?;
     let total = count(raw, index, volume, &classes)?;
     let name = one.name.clone().unwrap_or_else(|| format!("{}", index + 1));
@@ -40,6 +41,8 @@ fn of_section(raw: &raw::SuspensionSections, index: usize, volume: f64) -> Resul
         torque: Vector::from_array(one.torque),
         orientation,
         swimming: swimming.clone(),
+        magnetic: dipoles::magnetic_moment(one),
+        electric,
     };
     let all: Vec<Species> = classes.iter().enumerate().map(species).collect();
     if one.distribution.is_some() && all.iter().any(|class| class.count == Some(0)) {

@@ -2,6 +2,8 @@
 
 mod flow;
 mod fluctuations;
+mod moment_stress;
+mod moments;
 mod operator;
 mod quadrupoles;
 mod spectral_grid;
@@ -11,11 +13,12 @@ use crate::mobility::far_field::{FarField, FlowAtPoints, NoiseRequest};
 use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
 use crate::mobility::noise::DrawDiagnostics;
 use crate::mobility::work::{Stopwatch, Work};
+use crate::pairs::moment_correction::MomentCorrection;
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorrection};
 use crate::pairs::radial_functions::Envelopes;
 use crate::pairs::table::PairFunctions;
 use crate::plan::Plan;
-use crate::plan::problem::Precision;
+use crate::plan::problem::{Multipoles, Precision};
 use crate::walls::wall_images::WallImages;
 use domain::parallel::{all_rows, mapped, of_rows, stage};
 use domain::{
@@ -130,6 +133,35 @@ impl GridFarField {
         }
         (forces, dipoles)
     }
+
+    /// Velocities and gradients that loads cause, in internal units. Collective.
+    fn motions(&mut self, loads: &Loads, output: Output) -> Vec<(Vector, Tensor)> {
+        self.work.evaluations += 1;
+        let (mut clock, mut stage) = (Stopwatch::start(), stage("exchange"));
+        let kinds = self.kinds_of(loads);
+        let (forces, dipoles) = self.present(loads, kinds);
+        clock.stop(&mut self.work.seconds.exchange);
+        let arrangement = &self.arrangement;
+        let grid_loads = arrangement.grid_loads(&forces, &dipoles);
+        let mut motions = self.grid.motions(&grid_loads, output, &mut self.work);
+        clock.restart();
+        arrangement.collect(&mut motions);
+        clock.stop(&mut self.work.seconds.exchange);
+        if let Some(near) = &self.near {
+            let gradients = output != Output::Velocities || !dipoles.is_empty();
+            let loaded = arrangement.loaded(&forces, &dipoles);
+            let neighbours = self.verlet_list.neighbours();
+            stage.next("pair corrections");
+            near.add(&loaded, neighbours, gradients, &mut motions);
+            if let Some(images) = &self.wall_images {
+                stage.next("images in walls");
+                images.add(&loaded, gradients, &mut motions);
+            }
+            self.work.neighbours += neighbours.count() as u64;
+            clock.stop(&mut self.work.seconds.near);
+        }
+        motions
+    }
 }
 
 impl FarField for GridFarField {
@@ -175,31 +207,8 @@ impl FarField for GridFarField {
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
-        self.work.evaluations += 1;
-        let (mut clock, mut stage) = (Stopwatch::start(), stage("exchange"));
-        let kinds = self.kinds_of(loads);
-        let (forces, dipoles) = self.present(loads, kinds);
-        clock.stop(&mut self.work.seconds.exchange);
-        let arrangement = &self.arrangement;
-        let grid_loads = arrangement.grid_loads(&forces, &dipoles);
-        let mut motions = self.grid.motions(&grid_loads, output, &mut self.work);
-        clock.restart();
-        arrangement.collect(&mut motions);
-        clock.stop(&mut self.work.seconds.exchange);
-        if let Some(near) = &self.near {
-            let gradients = output != Output::Velocities || !dipoles.is_empty();
-            let loaded = arrangement.loaded(&forces, &dipoles);
-            let neighbours = self.verlet_list.neighbours();
-            stage.next("pair corrections");
-            near.add(&loaded, neighbours, gradients, &mut motions);
-            if let Some(images) = &self.wall_images {
-                stage.next("images in walls");
-                images.add(&loaded, gradients, &mut motions);
-            }
-            self.work.neighbours += neighbours.count() as u64;
-            clock.stop(&mut self.work.seconds.near);
-        }
-        stage.next("exchange");
+        let motions = self.motions(loads, output);
+        let _stage = stage("exchange");
         motion(&motions, output, &self.units)
     }
 
@@ -246,6 +255,9 @@ fn near<T: Real>(
 ) -> Option<Box<dyn DynPairCorrection>> {
     let common = plan.common()?;
     let all = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
+    if plan.multipoles == Multipoles::Moments {
+        return Some(Box::new(MomentCorrection::new(all, common.width, plan.cutoff(), plan.table_tolerance())));
+    }
     let (envelopes, tolerance) = (Envelopes { all, common, functions }, plan.table_tolerance());
     Some(Box::new(PairCorrection::<T>::new(envelopes, plan.cutoff(), plan.viscosity, tolerance)))
 }

@@ -4,6 +4,7 @@ use crate::envelope::Common;
 use crate::grid::window::KaiserBessel;
 use crate::plan::Plan;
 use crate::plan::method::Method;
+use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
 use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
 
@@ -51,6 +52,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     }
     let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
     match plan.boundaries {
+        Boundaries::Periodic if plan.multipoles == Multipoles::Moments => operator.longitudinal(),
         Boundaries::Periodic => operator,
         _ => operator.with_channel(channel(plan, grid, partition, window, common)),
     }

@@ -52,6 +52,10 @@ pub(crate) trait GridPart {
     /// grid: the contributions of this rank's share of the grid.
     fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)>;
 
+    /// Part of [`crate::DipoleField::first_moments`] on the grid, for the moments of the particles present: the sum
+    /// over this rank's modes.
+    fn moment_stress(&mut self, loads: &GridLoads, work: &mut Work) -> Tensor;
+
     /// Velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
 
@@ -62,12 +66,12 @@ pub(crate) trait GridPart {
 /// Grid of one precision. Vectors and tensors on the grid have components along the box's axes, see
 /// [`PeriodicBox`]; loads and motions have Cartesian components in space.
 pub(crate) struct SpectralGrid<T: Real> {
-    plan: Plan,
+    pub(super) plan: Plan,
     partition: Partition,
-    grid: Grid,
-    transform: Transform<T>,
+    pub(super) grid: Grid,
+    pub(super) transform: Transform<T>,
     operator: Stokes<T>,
-    field: Field<T, Physical>,
+    pub(super) field: Field<T, Physical>,
     /// Divergence of the last velocity field, which computing it overwrites.
     divergence: Option<f64>,
     kernels: SpreadingKernels<T>,
@@ -146,7 +150,7 @@ impl<T: Real> SpectralGrid<T> {
 
     /// Spreads degenerate quadrupoles: each by two forces with envelopes of their own.
     fn spread_quadrupoles(&mut self, classes: &[u32], quadrupoles: &[Vector]) {
-        let spheres = envelopes(&self.plan);
+        let spheres = self.plan.grid_envelopes();
         let sources: Vec<Envelope> = spheres.iter().flat_map(|sphere| sphere.quadrupole().envelopes()).collect();
         let kernels = self.kernels.with_envelopes(&self.plan, &self.grid, &sources);
         let axes = self.grid.cell().axes();
@@ -237,13 +241,9 @@ impl<T: Real> WithKernel<T> for InterpolationTask<'_, T> {
     }
 }
 
-fn envelopes(plan: &Plan) -> Vec<Envelope> {
-    plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect()
-}
-
 impl<T: Real> SpreadingKernels<T> {
     fn new(plan: &Plan, grid: &Grid) -> Self {
-        Self::for_envelopes(plan, grid, &envelopes(plan))
+        Self::for_envelopes(plan, grid, &plan.grid_envelopes())
     }
 
     /// Spreading kernels of the plan's spheres, or of other envelopes that share its common Gaussian.
@@ -307,7 +307,7 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         if cell != self.grid.cell() {
             self.grid = self.grid.in_cell(*cell);
             self.operator = operator(&self.plan, &self.grid, &self.partition);
-            self.kernels = self.kernels.with_envelopes(&self.plan, &self.grid, &envelopes(&self.plan));
+            self.kernels = self.kernels.with_envelopes(&self.plan, &self.grid, &self.plan.grid_envelopes());
         }
         self.stencils = sorted_stencils(&self.grid, self.kernels.extent(&self.plan), positions);
     }
@@ -354,6 +354,11 @@ impl<T: Real> GridPart for SpectralGrid<T> {
             .into_iter()
             .map(|motion| motion.0)
             .collect()
+    }
+
+    fn moment_stress(&mut self, loads: &GridLoads, work: &mut Work) -> Tensor {
+        self.spread(loads, work);
+        self.first_moments_by_modes()
     }
 
     fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)> {

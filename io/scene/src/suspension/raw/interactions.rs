@@ -101,6 +101,36 @@ pub(in crate::suspension) struct TrapsSection {
     pub(in crate::suspension) stiffness: f64,
 }
 
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct MagneticSection {
+    /// Applied field: the average of the magnetic field strength over the box, at time zero.
+    pub(in crate::suspension) field: [f64; 3],
+    /// Angular frequency with which it alternates, as the cosine, or with a rotation axis rotates; constant by default.
+    pub(in crate::suspension) frequency: Option<f64>,
+    /// Axis about which the field rotates.
+    pub(in crate::suspension) rotation_axis: Option<[f64; 3]>,
+    /// Permeability of the vacuum in the units of the scene, 1.25663706e-6 in SI units; 1 by default.
+    pub(in crate::suspension) permeability: Option<f64>,
+    /// Relative error of the field of the moments; that of the hydrodynamics by default.
+    pub(in crate::suspension) tolerance: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct ElectricSection {
+    /// Applied field: the average of the electric field over the box, at time zero.
+    pub(in crate::suspension) field: [f64; 3],
+    /// Angular frequency with which it alternates, as the cosine, or with a rotation axis rotates; constant by default.
+    pub(in crate::suspension) frequency: Option<f64>,
+    /// Axis about which the field rotates.
+    pub(in crate::suspension) rotation_axis: Option<[f64; 3]>,
+    /// Permittivity of the fluid; 1 by default.
+    pub(in crate::suspension) permittivity: Option<f64>,
+    /// Relative error of the field of the moments; that of the hydrodynamics by default.
+    pub(in crate::suspension) tolerance: Option<f64>,
+}
+
 /// A stiffness, or "auto".
 pub(in crate::suspension) type StiffnessKey = NumberOr<Auto>;
 

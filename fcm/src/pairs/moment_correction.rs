@@ -1,0 +1,142 @@
+//! Pair correction of moments: the difference between the fields of the envelopes and of the common wide Gaussians.
+//!
+//! With `x` from the source to the target and `psi_n = (1/r d/dr)^n psi` of [`PotentialDifference`], the field of a
+//! moment `m` and its gradient are
+//!
+//! ```text
+//! H_a      = d_a d_b psi m_b = psi_1 m_a + psi_2 x_a (x.m)
+//! d_c H_a  = psi_2 (x_c m_a + x_a m_c + delta_ac x.m) + psi_3 x_a x_c (x.m)
+//! ```
+
+use crate::envelope::Envelope;
+use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles};
+use crate::pairs::pair_functions::PotentialDifference;
+use crate::pairs::radial_functions::MOST_TABULATED;
+use crate::pairs::table::{PairTable, PairValues, TabulatedFunctions};
+use domain::parallel::change_rows;
+use domain::{Neighbours, Tensor, Vector};
+
+/// Pair correction of the moments of particles of given radii.
+pub(crate) struct MomentCorrection {
+    cutoff: f64,
+    width: f64,
+    envelopes: Vec<Envelope>,
+    /// By pair of classes; none if they would cost more than they save.
+    tables: Option<Vec<PairTable<f64>>>,
+}
+
+/// Field of a moment at a distance, and its gradient, whose column `c` is the derivative along `c`.
+struct PairField {
+    field: Vector,
+    gradient: Tensor,
+}
+
+impl TabulatedFunctions for PotentialDifference {
+    /// `psi_1`, `psi_2` and `psi_3`, and `d psi_n / d(r^2) = psi_(n+1)/2`.
+    fn derivative(&self, square: f64, order: usize) -> PairValues {
+        let (psi, half) = (self.evaluate(square), 0.5_f64.powi(order as i32));
+        let mut values = [0.0; 9];
+        for n in 0..3 {
+            values[n] = psi[n + 1 + order] * half;
+        }
+        values
+    }
+}
+
+impl MomentCorrection {
+    /// For particles with these envelopes and a common Gaussian of this width. Pairs farther apart than the cutoff are
+    /// left out; tables are exact to `tolerance`.
+    pub fn new(envelopes: Vec<Envelope>, width: f64, cutoff: f64, tolerance: f64) -> Self {
+        let difference = |i: &Envelope, j: &Envelope| PotentialDifference::new([i.dipole, j.dipole], width);
+        let table = |difference: PotentialDifference| PairTable::new(&difference, cutoff, tolerance);
+        let pairs = envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| difference(i, j)));
+        let tables = if envelopes.len() > MOST_TABULATED { None } else { pairs.map(table).collect() };
+        Self { cutoff, width, envelopes, tables }
+    }
+
+    /// `psi_1`, `psi_2` and `psi_3` of a pair of classes.
+    fn functions(&self, [i, j]: [u32; 2], square: f64) -> [f64; 3] {
+        let [i, j] = [i as usize, j as usize];
+        let [first, second, third, ..] = match &self.tables {
+            Some(tables) => tables[i * self.envelopes.len() + j].evaluate(square),
+            None => {
+                let widths = [self.envelopes[i].dipole, self.envelopes[j].dipole];
+                PotentialDifference::new(widths, self.width).derivative(square, 0)
+            }
+        };
+        [first, second, third]
+    }
+
+    /// Calls `visit` with the separation from each neighbour of a particle, and the field of the neighbour's moment.
+    fn for_each_neighbour(
+        &self,
+        present: &LoadedParticles,
+        neighbours: &Neighbours,
+        row: usize,
+        mut visit: impl FnMut(Vector, PairField),
+    ) {
+        for neighbour in neighbours.of(row).iter() {
+            let j = neighbour.row as usize;
+            let mut x = present.positions[row] - present.positions[j];
+            if neighbour.steps != [0; 3] {
+                x -= present.cell.lattice(neighbour.steps.map(i32::from));
+            }
+            let functions = self.functions([present.classes[row], present.classes[j]], x.length_squared());
+            visit(x, field(functions, x, present.forces[j]));
+        }
+    }
+}
+
+fn field([psi1, psi2, psi3]: [f64; 3], x: Vector, moment: Vector) -> PairField {
+    let along = x.dot(moment);
+    let column = |c: usize| {
+        let mut column = (moment * x[c] + x * moment[c]) * psi2 + x * (psi3 * x[c] * along);
+        column[c] += psi2 * along;
+        column
+    };
+    PairField {
+        field: moment * psi1 + x * (psi2 * along),
+        gradient: Tensor::from_cols(column(0), column(1), column(2)),
+    }
+}
+
+impl DynPairCorrection for MomentCorrection {
+    fn cutoff(&self) -> f64 {
+        self.cutoff
+    }
+
+    fn add(
+        &self,
+        present: &LoadedParticles,
+        neighbours: &Neighbours,
+        gradients: bool,
+        motions: &mut [(Vector, Tensor)],
+    ) {
+        if present.forces.is_empty() {
+            return;
+        }
+        change_rows(motions, |row, motion| {
+            let class = present.classes[row];
+            motion.0 += present.forces[row] * self.functions([class; 2], 0.0)[0];
+            self.for_each_neighbour(present, neighbours, row, |_, PairField { field, gradient }| {
+                motion.0 += field;
+                if gradients {
+                    motion.1 += gradient;
+                }
+            });
+        });
+    }
+
+    fn add_first_moments(&self, present: &LoadedParticles, neighbours: &Neighbours, sums: &mut [Tensor]) {
+        if present.forces.is_empty() {
+            return;
+        }
+        change_rows(sums, |row, sum| {
+            let moment = present.forces[row];
+            self.for_each_neighbour(present, neighbours, row, |x, PairField { gradient, .. }| {
+                let half = gradient * moment * -0.5;
+                *sum += Tensor::from_cols(half * x.x, half * x.y, half * x.z);
+            });
+        });
+    }
+}

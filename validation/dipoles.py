@@ -1,0 +1,280 @@
+"""Magnetic dipoles: cubic lattices, forces and torques of pairs, near contact, a doublet in a rotating field, and costs."""
+
+import csv
+import math
+import sys
+
+import numpy as np
+from support.page import table, write_section
+from support.program import results
+
+TOLERANCE = 1e-4
+# Errors of forces and torques at a distance, relative to point dipoles: images in the box contribute as (r/L)^5.
+TOLERATED = 2e-3
+# Error of the critical frequency: the doublet is nearly rigid.
+CRITICAL = 0.02
+
+
+def series(scene):
+    """The time series of a run, by the names of its columns."""
+    with results(scene) as out, open(out / "observables.csv") as file:
+        rows = list(csv.reader(file))
+    return {name: np.array([float(row[k]) for row in rows[1:]]) for k, name in enumerate(rows[0])}
+
+
+def scene(edge, species, positions, field="", keys="", steps=1, step=1e-6, hydrodynamics=""):
+    places = ", ".join(str([float(x) for x in place]) for place in positions)
+    return f"""box.edges = [{edge}, {edge}, {edge}]
+fluid.viscosity = 1.0
+particles = {{ initial = "positions", positions = [{places}] }}
+hydrodynamics = {{ tolerance = {TOLERANCE}{hydrodynamics} }}
+time = {{ step = {step}, steps = {steps} }}
+output = {{ trajectory_every = 0, checkpoint_every = 0, observables_every = 1 }}
+{field}
+{keys}
+""" + "".join(f"[[species]]\nname = \"{name}\"\nradius = 1.0\ncount = {count}\n{more}\n" for name, count, more in species)
+
+
+def lattices():
+    rows, good = [], True
+    for fraction in (0.05, 0.15, 0.3):
+        edge = (4 / 3 * math.pi / fraction) ** (1 / 3)
+        sites = [np.array([i, j, k]) * edge + 0.3 for i in range(2) for j in range(2) for k in range(2)]
+        for chi in (-0.5, 1.0, 10.0, 1000.0):
+            species = [("one", 8, f"magnetic_susceptibility = {chi}")]
+            found = series(scene(2 * edge, species, sites, "magnetic = { field = [0.0, 0.0, 1.0] }"))
+            mu = 1 + found["magnetic_moment_z[one]"][0] / edge**3
+            beta = chi / (chi + 3)
+            exact = (1 + 2 * fraction * beta) / (1 - fraction * beta)
+            # The envelopes of neighbours overlap.
+            overlap = 6 * 3 * fraction * math.exp(-(edge**2) / (4 * 0.4547**2))
+            rows.append([f"{fraction}", f"{chi:g}", f"{mu:.6f}", f"{exact:.6f}", f"{mu / exact - 1:+.1e}"])
+            print(*rows[-1], flush=True)
+            good &= abs(mu / exact - 1) < TOLERANCE + overlap
+    lines = [
+        "Spheres at the sites of a simple cubic lattice: effective permeability \\\\(1 + \\bar M / H_0\\\\), and",
+        "\\\\((1 + 2\\phi\\beta) / (1 - \\phi\\beta)\\\\), exact for dipoles in cubic lattices.",
+        "",
+        *table(["volume fraction", "susceptibility", "permeability", "exact", "error"], rows),
+    ]
+    return "### Cubic lattices", lines, good
+
+
+def pair(distance, field, moments, pulls=None):
+    """Velocities along x and angular velocities about y of two spheres a distance apart along x, under a field or pulls."""
+    edge = 60.0
+    middle = np.full(3, edge / 2)
+    places = [middle, middle + [distance, 0, 0]]
+    species = [(name, 1, more) for name, more in zip(("one", "other"), pulls or moments)]
+    found = series(scene(edge, species, places, field, hydrodynamics=", lubrication = false"))
+    velocity = [found[f"velocity_x[{name}]"][0] for name in ("one", "other")]
+    return velocity[1] - velocity[0]
+
+
+def forces():
+    rows, good = [], True
+    for distance in (3.0, 5.0, 8.0):
+        for name, axis, factor in (("in line", [1.0, 0.0, 0.0], -2.0), ("side by side", [0.0, 0.0, 1.0], 1.0)):
+            moment = f'orientation = "aligned"\norientation_axis = {axis}\nmagnetic_moment = 5.0'
+            field = "magnetic = { field = [0.0, 0.0, 0.0], permeability = 2.0 }"
+            moved = pair(distance, field, [moment, moment])
+            unit = pair(distance, "", None, ["force = [-1.0, 0.0, 0.0]", "force = [1.0, 0.0, 0.0]"])
+            force, exact = moved / unit, factor * 3 * 2.0 * 25.0 / (4 * math.pi * distance**4)
+            rows.append([f"{distance:g}", name, f"{force:.5f}", f"{exact:.5f}", f"{force / exact - 1:+.1e}"])
+            print(*rows[-1], flush=True)
+            # Gaussian envelopes overlap at three radii.
+            good &= abs(force / exact - 1) < (0.02 if distance < 4 else TOLERATED)
+    lines = [
+        "Two permanent moments of 5 at a distance, with \\\\(\\mu_0 = 2\\\\): the force, from the velocity over that by unit forces,",
+        "and that of points, \\\\(-3 \\mu_0 m^2 / 2\\pi r^4\\\\) in line and minus half of it side by side.",
+        "",
+        *table(["distance", "moments", "force", "points", "error"], rows),
+    ]
+    return "### Forces of pairs", lines, good
+
+
+def torque(distance):
+    """Angular velocity of the first of two spheres apart along x, its moment along z, the other's along x."""
+    edge = 60.0
+    middle = np.full(3, edge / 2)
+    oriented = 'orientation = "aligned"\norientation_axis = {}\nmagnetic_moment = 5.0'
+    species = [("one", 1, oriented.format([0.0, 0.0, 1.0])), ("other", 1, oriented.format([1.0, 0.0, 0.0]))]
+    step = 1e-3
+    field = "magnetic = { field = [0.0, 0.0, 0.0], permeability = 2.0 }"
+    found = series(scene(edge, species, [middle, middle + [distance, 0, 0]], field, step=step, steps=1))
+    # The axis turns from z by the angle w t about y.
+    return found["orientation_x[one]"][1] / step
+
+
+def torques():
+    rows, good = [], True
+    for distance in (3.0, 5.0, 8.0):
+        # H = 2 m x / (4 pi r^3) at the first sphere: T = mu_0 m z cross H = mu_0 m H y; it turns at T / (8 pi mu a^3).
+        exact = 2.0 * 5.0 * 2 * 5.0 / (4 * math.pi * distance**3)
+        found = torque(distance) * 8 * math.pi
+        rows.append([f"{distance:g}", f"{found:.5f}", f"{exact:.5f}", f"{found / exact - 1:+.1e}"])
+        print(*rows[-1], flush=True)
+        good &= abs(found / exact - 1) < 2 / distance**3 + TOLERATED
+    lines = [
+        "A moment across the line of centres in the field of another along it: the torque, \\\\(8\\pi\\mu a^3\\\\) times the angular",
+        "velocity, and that of points, \\\\(\\mu_0 m^2 / 2\\pi r^3\\\\). The flow of the forces and of the other sphere's rotation adds",
+        "to the angular velocity.",
+        "",
+        *table(["distance", "torque", "points", "error"], rows),
+    ]
+    return "### Torques of pairs", lines, good
+
+
+def multipole_moment(beta_of, distance, order, highest=120):
+    """Moment over 4 pi H of one of two equal spheres of radius 1, from all multipoles up to `highest`: field along the line
+    of centres for order 0, across for order 1."""
+    degrees = np.arange(1, highest + 1)
+    system, right = np.eye(highest), np.zeros(highest)
+    sign = -1 if order == 0 else 1
+    for n in degrees:
+        for l in degrees:
+            size = math.lgamma(l + n + 1) - math.lgamma(l - order + 1) - math.lgamma(n + order + 1)
+            size -= (l + n + 1) * math.log(distance)
+            system[n - 1, l - 1] += sign * beta_of(n) * math.exp(size)
+    right[0] = beta_of(1)
+    return np.linalg.solve(system, right)[0]
+
+
+def exact_force(chi, distance, order):
+    """Force over mu_0 H^2 a^2 between two spheres in a field, positive if they repel each other: 4 pi dA/dr."""
+    step = 1e-4 * (distance - 2)
+    response = lambda l: l * chi / (l * (chi + 2) + 1)
+    after, before = (multipole_moment(response, distance + sign * step, order) for sign in (1, -1))
+    return 4 * math.pi * (after - before) / (2 * step)
+
+
+def contact():
+    rows, good = [], True
+    for chi in (0.3, 1.0, 3.0, 10.0, 100.0):
+        row = [f"{chi:g}"]
+        for axis, order in (([1.0, 0.0, 0.0], 0), ([0.0, 0.0, 1.0], 1)):
+            for gap in (2.0, 0.5, 0.1, 0.01):
+                moment = f"magnetic_susceptibility = {chi}"
+                moved = pair(2 + gap, f"magnetic = {{ field = {axis} }}", [moment, moment])
+                unit = pair(2 + gap, "", None, ["force = [-1.0, 0.0, 0.0]", "force = [1.0, 0.0, 0.0]"])
+                ratio = moved / unit / exact_force(chi, 2 + gap, order)
+                row.append(f"{ratio:.2f}")
+                if gap == 2.0 and chi < 5:
+                    good &= abs(ratio - 1) < 0.06
+        rows.append(row)
+        print(*row, flush=True)
+    lines = [
+        "Two susceptible spheres in a field: the force over the exact one, by a solution with 120 multipoles of each sphere.",
+        "",
+        *table(
+            ["susceptibility", *(f"{name}, gap {gap}" for name in ("in line", "side by side") for gap in ("2", "0.5", "0.1", "0.01"))],
+            rows,
+        ),
+    ]
+    return "### Near contact", lines, good
+
+
+def rotating(ratio, distance=2.05, chi=1.0, field=1.0):
+    """Mean angular velocity of a bonded doublet over the critical one, for a field at `ratio` times the critical frequency."""
+    edge, beta, x = 40.0, chi / (chi + 3), distance**-3
+    middle = np.full(3, edge / 2)
+    places = [middle - [distance / 2, 0, 0], middle + [distance / 2, 0, 0]]
+    bond = f"bonds = [{{ pairs = [[0, 1]], stiffness = 2000.0, length = {distance} }}]"
+    pulls = ["force = [0.0, -1.0, 0.0]", "force = [0.0, 1.0, 0.0]"]
+    species = [(name, 1, more) for name, more in zip(("one", "other"), pulls)]
+    unit = series(scene(edge, species, places))
+    # Angular velocity over torque: that of the couple of two unit forces, the distance.
+    mobility = (unit["velocity_y[other]"][0] - unit["velocity_y[one]"][0]) / distance / distance
+    largest = 4 * math.pi * beta * field**2 * (1 / (1 - 2 * beta * x) - 1 / (1 + beta * x))
+    critical = largest * mobility
+    frequency = ratio * critical
+    periods, steps = 12, 1200
+    species = [("one", 2, f"magnetic_susceptibility = {chi}")]
+    text = scene(
+        edge,
+        species,
+        places,
+        f"magnetic = {{ field = [{field}, 0.0, 0.0], frequency = {frequency}, rotation_axis = [0.0, 0.0, 1.0] }}",
+        bond,
+        steps=steps,
+        step=periods * 2 * math.pi / frequency / steps,
+    ).replace("trajectory_every = 0", "trajectory_every = 5").replace("time = {", 'time = { integrator = "implicit",')
+    import h5py
+
+    with results(text) as out, h5py.File(out / "trajectory.h5") as file:
+        group = file["particles/all"]
+        times, x = group["position/time"][:], group["position/value"][:]
+    apart = x[:, 1] - x[:, 0]
+    apart -= edge * np.round(apart / edge)
+    angle = np.unwrap(np.arctan2(apart[:, 1], apart[:, 0]))
+    if ratio < 1:
+        return (angle[-1] - angle[len(angle) // 2]) / (times[-1] - times[len(times) // 2]) / critical, critical
+    # Whole periods of the slip of the doublet behind the field.
+    slip = frequency * times - angle
+    whole = math.pi * np.floor((slip[-1] - slip[0]) / math.pi)
+    end = np.interp(slip[0] + whole, slip, times)
+    return (frequency - whole / (end - times[0])) / critical, critical
+
+
+def doublets():
+    rows, good = [], True
+    for ratio in (0.5, 0.9, 1.1, 1.5, 3.0):
+        found, critical = rotating(ratio)
+        exact = ratio if ratio < 1 else ratio - math.sqrt(ratio**2 - 1)
+        rows.append([f"{ratio:g}", f"{found:.4f}", f"{exact:.4f}"])
+        print(*rows[-1], flush=True)
+        good &= abs(found - exact) < CRITICAL
+    lines = [
+        "Two susceptible spheres (\\\\(\\chi = 1\\\\)) bonded at a distance \\\\(r = 2.05 a\\\\) in a rotating field. With the angle",
+        "\\\\(\\theta\\\\) between the doublet and the field, the torque is \\\\(T \\sin 2\\theta\\\\) with",
+        "\\\\(T = 4\\pi a^3 \\mu_0 \\beta H_0^2 [1/(1 - 2\\beta (a/r)^3) - 1/(1 + \\beta (a/r)^3)]\\\\): moments along and across the",
+        "doublet are \\\\(4\\pi a^3 \\beta H_0\\\\) times these. Up to the critical frequency, \\\\(T\\\\) over the rotational resistance of the",
+        "doublet, it follows the field; beyond it, it slips at the mean angular velocity",
+        "\\\\(\\omega - (\\omega^2 - \\omega_c^2)^{1/2}\\\\). The resistance is that under two opposite forces in the same box.",
+        "",
+        *table(["frequency over the critical one", "angular velocity over it", "exact"], rows),
+    ]
+    return "### A doublet in a rotating field", lines, good
+
+
+def cost():
+    rows = []
+    kinds = [
+        ("none", ""),
+        ("permanent moments", 'orientation = "random"\nmagnetic_moment = 5.0'),
+        ("induced moments", "magnetic_susceptibility = 3.0"),
+    ]
+    for name, keys in kinds:
+        field = "magnetic = { field = [0.0, 0.0, 1.0], frequency = 1.0, rotation_axis = [1.0, 0.0, 0.0] }" if keys else ""
+        text = f"""seed = 1
+box.edges = [44.0, 44.0, 44.0]
+fluid.viscosity = 1.0
+repulsion = {{ strength = 20.0 }}
+flow = {{ kind = "shear", rate = 1.0 }}
+particles = {{ initial = "random", minimum_gap = 0.05 }}
+hydrodynamics = {{ tolerance = 1e-3 }}
+time = {{ step = 0.02, steps = 12 }}
+output = {{ trajectory_every = 0, checkpoint_every = 0 }}
+{field}
+species = [{{ radius = 1.0, volume_fraction = 0.15{"".join(", " + key for key in keys.split(chr(10)) if key)} }}]
+"""
+        found = series(text.replace('output = {', 'output = { observables_every = 12,'))
+        rows.append([name, f"{1e3 * found['seconds_per_step'][-1]:.0f}"])
+        print(*rows[-1], flush=True)
+    base = float(rows[0][1])
+    rows = [[name, ms, f"{float(ms) / base - 1:+.2f}"] for name, ms in rows]
+    lines = [
+        "Milliseconds of a step of spheres at 15% in shear, at a tolerance of 1e-3, on one core, and the part that moments in a field",
+        "that rotates by 0.02 in a step add to one without:",
+        "",
+        *table(["moments", "milliseconds", "added"], rows),
+    ]
+    return "### Cost", lines, True
+
+
+if __name__ == "__main__":
+    parts = [lattices, forces, torques, contact, doublets, cost]
+    found = [part() for part in parts]
+    write_section("dipoles.md", "dipoles", "Validation", [line for title, lines, _ in found for line in (title, "", *lines, "")])
+    failed = [title for title, _, good in found if not good]
+    sys.exit(f"out of tolerance: {', '.join(failed)}" if failed else 0)
