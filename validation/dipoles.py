@@ -67,7 +67,7 @@ def pair(distance, field, moments, pulls=None):
     places = [middle, middle + [distance, 0, 0]]
     species = [(name, 1, more) for name, more in zip(("one", "other"), pulls or moments)]
     found = series(scene(edge, species, places, field, hydrodynamics=", lubrication = false"))
-    velocity = [found[f"velocity_x[{name}]"][0] for name in ("one", "other")]
+    velocity = [found[f"mean_velocity_x[{name}]"][0] for name in ("one", "other")]
     return velocity[1] - velocity[0]
 
 
@@ -176,7 +176,11 @@ def contact():
 
 def rotating(ratio, distance=2.05, chi=1.0, field=1.0):
     """Mean angular velocity of a bonded doublet over the critical one, for a field at `ratio` times the critical frequency."""
-    edge, beta, x = 40.0, chi / (chi + 3), distance**-3
+    edge, response, x = 40.0, 4 * math.pi * chi / (chi + 3), distance / (2 * 0.45473)
+    # Fields of a moment at the other sphere, along and across the doublet, both averaged over Gaussians.
+    bell = 2 / math.sqrt(math.pi) * x * math.exp(-(x**2))
+    across = -(math.erf(x) - bell) / (4 * math.pi * distance**3)
+    along = -2 * across - 2 * x**2 * bell / (4 * math.pi * distance**3)
     middle = np.full(3, edge / 2)
     places = [middle - [distance / 2, 0, 0], middle + [distance / 2, 0, 0]]
     bond = f"bonds = [{{ pairs = [[0, 1]], stiffness = 2000.0, length = {distance} }}]"
@@ -184,8 +188,8 @@ def rotating(ratio, distance=2.05, chi=1.0, field=1.0):
     species = [(name, 1, more) for name, more in zip(("one", "other"), pulls)]
     unit = series(scene(edge, species, places))
     # Angular velocity over torque: that of the couple of two unit forces, the distance.
-    mobility = (unit["velocity_y[other]"][0] - unit["velocity_y[one]"][0]) / distance / distance
-    largest = 4 * math.pi * beta * field**2 * (1 / (1 - 2 * beta * x) - 1 / (1 + beta * x))
+    mobility = (unit["mean_velocity_y[other]"][0] - unit["mean_velocity_y[one]"][0]) / distance / distance
+    largest = response * field**2 * (1 / (1 - response * along) - 1 / (1 - response * across))
     critical = largest * mobility
     frequency = ratio * critical
     periods, steps = 12, 1200
@@ -227,8 +231,9 @@ def doublets():
     lines = [
         "Two susceptible spheres (\\\\(\\chi = 1\\\\)) bonded at a distance \\\\(r = 2.05 a\\\\) in a rotating field. With the angle",
         "\\\\(\\theta\\\\) between the doublet and the field, the torque is \\\\(T \\sin 2\\theta\\\\) with",
-        "\\\\(T = 4\\pi a^3 \\mu_0 \\beta H_0^2 [1/(1 - 2\\beta (a/r)^3) - 1/(1 + \\beta (a/r)^3)]\\\\): moments along and across the",
-        "doublet are \\\\(4\\pi a^3 \\beta H_0\\\\) times these. Up to the critical frequency, \\\\(T\\\\) over the rotational resistance of the",
+        "\\\\(T = 4\\pi a^3 \\mu_0 \\beta H_0^2 [1/(1 - 2\\beta (a/r)^3) - 1/(1 + \\beta (a/r)^3)]\\\\) for points: moments along and across",
+        "the doublet are \\\\(4\\pi a^3 \\beta H_0\\\\) times these. The fields here are those of the envelopes, which near contact are",
+        "smaller by some per cent. Up to the critical frequency, \\\\(T\\\\) over the rotational resistance of the",
         "doublet, it follows the field; beyond it, it slips at the mean angular velocity",
         "\\\\(\\omega - (\\omega^2 - \\omega_c^2)^{1/2}\\\\). The resistance is that under two opposite forces in the same box.",
         "",

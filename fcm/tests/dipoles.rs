@@ -1,6 +1,6 @@
 //! Fields of magnetic or electric moments.
 
-use crate::common::{Moments, Suspension, error, vectors};
+use crate::common::{MagnetisedSpheres, Suspension, error, vectors};
 use domain::{Comm, DomainView, Particles, Partition, PeriodicBox, Tensor, Vector};
 use fcm::{DipoleField, DipoleProblem, DipoleSolution, Plan};
 use std::f64::consts::PI;
@@ -15,12 +15,12 @@ fn boxes(edge: f64) -> [PeriodicBox; 3] {
     ]
 }
 
-fn store(moments: &Moments) -> Particles {
+fn store(moments: &MagnetisedSpheres) -> Particles {
     let count = moments.radii.len();
     Particles::numbered(moments.positions.clone(), moments.radii.clone(), vec![0; count])
 }
 
-fn plan(cell: &PeriodicBox, moments: &Moments, tolerance: f64) -> Plan {
+fn plan(cell: &PeriodicBox, moments: &MagnetisedSpheres, tolerance: f64) -> Plan {
     let (positions, radii) = (moments.positions.clone(), moments.radii.clone());
     let suspension = Suspension { cell: *cell, viscosity: 3.0, positions, radii };
     DipoleField::plan(&suspension.problem(tolerance)).unwrap()
@@ -31,7 +31,7 @@ fn plan(cell: &PeriodicBox, moments: &Moments, tolerance: f64) -> Plan {
 fn on_ranks(
     ranks: usize,
     cell: &PeriodicBox,
-    moments: &Moments,
+    moments: &MagnetisedSpheres,
     plan: &Plan,
     problem: &DipoleProblem,
 ) -> (DipoleSolution, Vec<Tensor>) {
@@ -74,7 +74,7 @@ fn on_ranks(
 }
 
 /// Permanent moments alone, on one rank.
-fn permanent(cell: &PeriodicBox, moments: &Moments, tolerance: f64) -> (DipoleSolution, Vec<Tensor>) {
+fn permanent(cell: &PeriodicBox, moments: &MagnetisedSpheres, tolerance: f64) -> (DipoleSolution, Vec<Tensor>) {
     let none = vec![0.0; moments.radii.len()];
     let problem =
         DipoleProblem { field: Vector::ZERO, permanent: &moments.moments, polarisabilities: &none, guess: &[] };
@@ -83,7 +83,7 @@ fn permanent(cell: &PeriodicBox, moments: &Moments, tolerance: f64) -> (DipoleSo
 
 /// Errors of fields and gradients, relative to fields `m / (4 pi a^3)` within the spheres and to those over the radii;
 /// and of the sum of the first moments, relative to the energy.
-fn errors(cell: &PeriodicBox, moments: &Moments, tolerance: f64) -> [f64; 2] {
+fn errors(cell: &PeriodicBox, moments: &MagnetisedSpheres, tolerance: f64) -> [f64; 2] {
     let ((found, _), exact) = (permanent(cell, moments, tolerance), moments.fields());
     let own = |row: usize, power: i32| moments.moments[row].length() / (4.0 * PI * moments.radii[row].powi(power));
     let norm = |values: Vec<f64>| values.iter().map(|value| value * value).sum::<f64>().sqrt();
@@ -97,7 +97,7 @@ fn errors(cell: &PeriodicBox, moments: &Moments, tolerance: f64) -> [f64; 2] {
 fn fields_are_those_of_sums_over_wavevectors() {
     for cell in boxes(9.0) {
         for ratio in [1.0, 2.0] {
-            let moments = Moments::random(12, ratio, &cell, 7);
+            let moments = MagnetisedSpheres::random(12, ratio, &cell, 7);
             for tolerance in [1e-2, 1e-4, 1e-6, 1e-8] {
                 let found = errors(&cell, &moments, tolerance);
                 println!("{ratio} {tolerance:e}: {:.1e} {:.1e}", found[0] / tolerance, found[1] / tolerance);
@@ -114,7 +114,7 @@ fn fields_are_those_of_sums_over_wavevectors() {
 fn a_single_sphere_has_the_field_of_a_uniformly_magnetised_one() {
     let cell = PeriodicBox::new(Vector::splat(40.0)).unwrap();
     let moment = Vector::new(0.3, -1.0, 2.0);
-    let one = Moments {
+    let one = MagnetisedSpheres {
         lattice: cell.lattice_vectors(),
         positions: vec![Vector::new(3.1, 20.0, 7.7)],
         radii: vec![1.5],
@@ -130,7 +130,7 @@ fn a_single_sphere_has_the_field_of_a_uniformly_magnetised_one() {
 #[test]
 fn first_moments_are_derivatives_of_the_energy() {
     for cell in boxes(8.0) {
-        let moments = Moments::random(6, 1.3, &cell, 3);
+        let moments = MagnetisedSpheres::random(6, 1.3, &cell, 3);
         let (_, tensors) = permanent(&cell, &moments, 1e-8);
         let sum = tensors.iter().fold(Tensor::ZERO, |sum, tensor| sum + *tensor);
         let (step, energy) = (1e-3, moments.energy());
@@ -151,7 +151,7 @@ fn first_moments_are_derivatives_of_the_energy() {
 #[test]
 fn forces_and_torques_are_derivatives_of_the_energy() {
     let cell = boxes(8.0)[2];
-    let moments = Moments::random(5, 1.4, &cell, 5);
+    let moments = MagnetisedSpheres::random(5, 1.4, &cell, 5);
     let (found, tensors) = permanent(&cell, &moments, 1e-8);
     let (step, energy) = (1e-3, moments.energy());
     for row in 0..5 {
@@ -190,8 +190,12 @@ fn induced_moments_in_a_cubic_lattice_are_those_of_maxwell_garnett() {
     let cell = PeriodicBox::new(Vector::splat(2.0 * edge)).unwrap();
     let site = |i: usize| Vector::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64);
     let positions: Vec<Vector> = (0..8).map(|i| site(i) * edge + Vector::new(0.2, 1.1, 0.7)).collect();
-    let lattice =
-        Moments { lattice: cell.lattice_vectors(), positions, radii: vec![radius; 8], moments: vec![Vector::ZERO; 8] };
+    let lattice = MagnetisedSpheres {
+        lattice: cell.lattice_vectors(),
+        positions,
+        radii: vec![radius; 8],
+        moments: vec![Vector::ZERO; 8],
+    };
     let field = Vector::new(0.5, -1.0, 2.0);
     for chi in [-0.9, 0.5, 10.0, 1e4] {
         let beta = chi / (chi + 3.0);
@@ -210,16 +214,16 @@ fn induced_moments_in_a_cubic_lattice_are_those_of_maxwell_garnett() {
 #[test]
 fn induced_moments_are_along_the_field() {
     for cell in boxes(9.0) {
-        let moments = Moments::random(10, 1.5, &cell, 11);
-        let chi = |row: usize| if row % 3 == 0 { 0.0 } else { 5.0 + row as f64 };
+        let moments = MagnetisedSpheres::random(10, 1.5, &cell, 11);
+        let chi = |row: usize| if row.is_multiple_of(3) { 0.0 } else { 5.0 + row as f64 };
         let alphas: Vec<f64> = (0..10).map(|r| chi(r) * 4.0 / 3.0 * PI * moments.radii[r].powi(3)).collect();
         let permanent: Vec<Vector> =
-            (0..10).map(|r| if r % 2 == 0 { moments.moments[r] } else { Vector::ZERO }).collect();
+            (0..10).map(|r: usize| if r.is_multiple_of(2) { moments.moments[r] } else { Vector::ZERO }).collect();
         let field = Vector::new(1.0, 0.3, -0.4);
         let tolerance = 1e-5;
         let problem = DipoleProblem { field, permanent: &permanent, polarisabilities: &alphas, guess: &[] };
         let (found, _) = on_ranks(1, &cell, &moments, &plan(&cell, &moments, tolerance), &problem);
-        let fields = Moments { moments: found.moments.clone(), ..moments.clone() }.fields();
+        let fields = MagnetisedSpheres { moments: found.moments.clone(), ..moments.clone() }.fields();
         let by_field: Vec<Vector> = (0..10).map(|r| permanent[r] + (field + fields[r].0) * alphas[r]).collect();
         assert!(error(&vectors(&found.moments), &vectors(&by_field)) < 5.0 * tolerance);
         assert!(found.iterations > 2);
@@ -229,7 +233,7 @@ fn induced_moments_are_along_the_field() {
 #[test]
 fn ranks_threads_and_units_do_not_matter() {
     for cell in boxes(9.0) {
-        let moments = Moments::random(14, 1.5, &cell, 2);
+        let moments = MagnetisedSpheres::random(14, 1.5, &cell, 2);
         let alphas: Vec<f64> = moments.radii.iter().map(|a| 20.0 * a.powi(3)).collect();
         let permanent = &moments.moments;
         let field = Vector::new(1.0, 0.3, -0.4);
@@ -242,13 +246,13 @@ fn ranks_threads_and_units_do_not_matter() {
             assert_eq!(found.iterations, alone.iterations);
             assert!(error(&vectors(&found.moments), &vectors(&alone.moments)) < 1e-12);
             assert!(error(&vectors(&found.fields), &vectors(&alone.fields)) < 1e-11);
-            let entries = |list: &[Tensor]| list.iter().flat_map(|t| t.to_cols_array()).collect::<Vec<_>>();
+            let entries = |list: &[Tensor]| list.iter().flat_map(Tensor::to_cols_array).collect::<Vec<_>>();
             assert!(error(&entries(&found.gradients), &entries(&alone.gradients)) < 1e-11);
             assert!(error(&sum(&others), &sum(&tensors)) < 1e-10);
         }
         // Lengths in units of a quarter, fields in units of 1/8.
         let (length, unit) = (4.0, 8.0);
-        let scaled = Moments {
+        let scaled = MagnetisedSpheres {
             positions: moments.positions.iter().map(|x| *x * length).collect(),
             radii: moments.radii.iter().map(|a| a * length).collect(),
             ..moments.clone()
@@ -273,7 +277,7 @@ fn ranks_threads_and_units_do_not_matter() {
 #[test]
 fn the_field_is_symmetric_and_positive() {
     let cell = boxes(8.0)[1];
-    let moments = Moments::random(6, 2.0, &cell, 4);
+    let moments = MagnetisedSpheres::random(6, 2.0, &cell, 4);
     let particles = store(&moments);
     let plan = plan(&cell, &moments, 1e-7);
     let partition = Partition::new(&Comm::alone(), [4, 4]);

@@ -59,7 +59,7 @@ impl Squirming {
     pub fn check(plan: &Plan) -> Result<(), SquirmingRefused> {
         match plan.multipoles {
             _ if plan.boundaries.walls() > 0 => Err(SquirmingRefused::Walls),
-            Multipoles::Monopole => Err(SquirmingRefused::Monopoles),
+            Multipoles::Monopole | Multipoles::Moments => Err(SquirmingRefused::Monopoles),
             Multipoles::Dipole => Ok(()),
         }
     }

@@ -25,10 +25,30 @@ pub(crate) struct MomentCorrection {
     tables: Option<Vec<PairTable<f64>>>,
 }
 
-/// Field of a moment at a distance, and its gradient, whose column `c` is the derivative along `c`.
-struct PairField {
-    field: Vector,
-    gradient: Tensor,
+/// A moment at a distance `x` from a target, and `psi_1`, `psi_2` and `psi_3` there.
+struct NearMoment {
+    x: Vector,
+    moment: Vector,
+    psi: [f64; 3],
+}
+
+impl NearMoment {
+    fn field(&self) -> Vector {
+        let Self { x, moment, psi: [psi1, psi2, _] } = *self;
+        moment * psi1 + x * (psi2 * x.dot(moment))
+    }
+
+    /// Gradient of the field; column `c` is the derivative along `c`.
+    fn gradient(&self) -> Tensor {
+        let Self { x, moment, psi: [_, psi2, psi3] } = *self;
+        let along = x.dot(moment);
+        let column = |c: usize| {
+            let mut column = (moment * x[c] + x * moment[c]) * psi2 + x * (psi3 * x[c] * along);
+            column[c] += psi2 * along;
+            column
+        };
+        Tensor::from_cols(column(0), column(1), column(2))
+    }
 }
 
 impl TabulatedFunctions for PotentialDifference {
@@ -57,23 +77,22 @@ impl MomentCorrection {
     /// `psi_1`, `psi_2` and `psi_3` of a pair of classes.
     fn functions(&self, [i, j]: [u32; 2], square: f64) -> [f64; 3] {
         let [i, j] = [i as usize, j as usize];
-        let [first, second, third, ..] = match &self.tables {
-            Some(tables) => tables[i * self.envelopes.len() + j].evaluate(square),
-            None => {
-                let widths = [self.envelopes[i].dipole, self.envelopes[j].dipole];
-                PotentialDifference::new(widths, self.width).derivative(square, 0)
-            }
+        let exact = || {
+            let widths = [self.envelopes[i].dipole, self.envelopes[j].dipole];
+            PotentialDifference::new(widths, self.width).derivative(square, 0)
         };
+        let tabulated = |tables: &Vec<PairTable<f64>>| tables[i * self.envelopes.len() + j].evaluate(square);
+        let [first, second, third, ..] = self.tables.as_ref().map_or_else(exact, tabulated);
         [first, second, third]
     }
 
-    /// Calls `visit` with the separation from each neighbour of a particle, and the field of the neighbour's moment.
+    /// Calls `visit` with the moment of each neighbour of a particle.
     fn for_each_neighbour(
         &self,
         present: &LoadedParticles,
         neighbours: &Neighbours,
         row: usize,
-        mut visit: impl FnMut(Vector, PairField),
+        mut visit: impl FnMut(NearMoment),
     ) {
         for neighbour in neighbours.of(row).iter() {
             let j = neighbour.row as usize;
@@ -81,22 +100,9 @@ impl MomentCorrection {
             if neighbour.steps != [0; 3] {
                 x -= present.cell.lattice(neighbour.steps.map(i32::from));
             }
-            let functions = self.functions([present.classes[row], present.classes[j]], x.length_squared());
-            visit(x, field(functions, x, present.forces[j]));
+            let psi = self.functions([present.classes[row], present.classes[j]], x.length_squared());
+            visit(NearMoment { x, moment: present.forces[j], psi });
         }
-    }
-}
-
-fn field([psi1, psi2, psi3]: [f64; 3], x: Vector, moment: Vector) -> PairField {
-    let along = x.dot(moment);
-    let column = |c: usize| {
-        let mut column = (moment * x[c] + x * moment[c]) * psi2 + x * (psi3 * x[c] * along);
-        column[c] += psi2 * along;
-        column
-    };
-    PairField {
-        field: moment * psi1 + x * (psi2 * along),
-        gradient: Tensor::from_cols(column(0), column(1), column(2)),
     }
 }
 
@@ -118,10 +124,10 @@ impl DynPairCorrection for MomentCorrection {
         change_rows(motions, |row, motion| {
             let class = present.classes[row];
             motion.0 += present.forces[row] * self.functions([class; 2], 0.0)[0];
-            self.for_each_neighbour(present, neighbours, row, |_, PairField { field, gradient }| {
-                motion.0 += field;
+            self.for_each_neighbour(present, neighbours, row, |near| {
+                motion.0 += near.field();
                 if gradients {
-                    motion.1 += gradient;
+                    motion.1 += near.gradient();
                 }
             });
         });
@@ -133,8 +139,8 @@ impl DynPairCorrection for MomentCorrection {
         }
         change_rows(sums, |row, sum| {
             let moment = present.forces[row];
-            self.for_each_neighbour(present, neighbours, row, |x, PairField { gradient, .. }| {
-                let half = gradient * moment * -0.5;
+            self.for_each_neighbour(present, neighbours, row, |near| {
+                let (x, half) = (near.x, near.gradient() * moment * -0.5);
                 *sum += Tensor::from_cols(half * x.x, half * x.y, half * x.z);
             });
         });

@@ -13,7 +13,7 @@ mod suspension;
 mod wavevectors;
 
 pub use measure::{at_surfaces, difference, error, errors, tensors, vectors, worst};
-pub use moments::Moments;
+pub use moments::MagnetisedSpheres;
 pub use ranks::on_ranks;
 pub use reference::Reference;
 pub use solve::{rigid_errors, solved};

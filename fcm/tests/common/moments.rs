@@ -8,17 +8,17 @@ const EXPONENT: f64 = 34.0;
 
 /// Spheres with moments in a lattice.
 #[derive(Debug, Clone)]
-pub struct Moments {
+pub struct MagnetisedSpheres {
     pub lattice: [Vector; 3],
     pub positions: Vec<Vector>,
     pub radii: Vec<f64>,
     pub moments: Vec<Vector>,
 }
 
-impl Moments {
+impl MagnetisedSpheres {
     /// `count` spheres of radii 1 and `ratio` alternately, at random positions with random moments of the size `a^3`.
     pub fn random(count: usize, ratio: f64, cell: &PeriodicBox, seed: u64) -> Self {
-        let radii: Vec<f64> = (0..count).map(|i| if i % 2 == 0 { 1.0 } else { ratio }).collect();
+        let radii: Vec<f64> = (0..count).map(|i| if i.is_multiple_of(2) { 1.0 } else { ratio }).collect();
         let positions = random_packing(cell, &radii, 0.0, seed).unwrap();
         let mut random = Random::new(seed, 0xD1);
         let moments = radii.iter().map(|a| (random.point() - Vector::splat(0.5)) * (2.0 * a.powi(3))).collect();

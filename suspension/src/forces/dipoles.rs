@@ -32,6 +32,14 @@ pub fn induced_column(kind: MomentKind) -> &'static str {
     }
 }
 
+/// Scalar with the applied field to which the induced moments belong.
+fn field_scalar(kind: MomentKind) -> &'static str {
+    match kind {
+        MomentKind::Magnetic => "magnetic field of moments",
+        MomentKind::Electric => "electric field of moments",
+    }
+}
+
 /// Permanent moments of this rank's particles, given those of the species.
 pub fn permanent(particles: &Particles, species: &[SphereMoment]) -> Vec<Vector> {
     let column = particles.columns.iter().find(|column| column.name == ORIENTATION);
@@ -71,18 +79,30 @@ impl DipoleForces {
 
     /// Moments and fields at present positions. Collective.
     fn solve(&self, at: &Configuration) -> Result<DipoleSolution, Failure> {
-        let (particles, species) = (at.particles, &self.species);
+        let (particles, species, applied) = (at.particles, &self.species, self.applied.at(at.time));
         let of_row = |row: usize| species[particles.species[row] as usize].polarisability(particles.radii[row]);
         let problem = DipoleProblem {
-            field: self.applied.at(at.time),
+            field: applied,
             permanent: &permanent(particles, species),
             polarisabilities: &of_rows(particles.len(), of_row),
-            guess: induced(particles, self.kind),
+            guess: &self.guess(particles, applied),
         };
         let field = self.field.as_ref().expect("forces are started before they act");
         let solved = field.borrow_mut().solve(at.domain, particles, &problem);
         let message = |error: DipoleError| format!("{}: {error}", self.kind.name());
         solved.map_err(|error| Failure { rank: 0, ranks: at.domain.comm().size(), message: message(error) })
+    }
+
+    /// Induced moments that the iteration starts from: those of the last evaluation, changed with the applied field as
+    /// those of single spheres.
+    fn guess(&self, particles: &Particles, applied: Vector) -> Vec<Vector> {
+        let (known, species) = (induced(particles, self.kind), &self.species);
+        let before = particles.scalars.numbers(field_scalar(self.kind)).map_or(Vector::ZERO, Vector::from_array);
+        let of_row = |row: usize| {
+            let response = species[particles.species[row] as usize].response(particles.radii[row]);
+            known.get(row).copied().unwrap_or_default() + (applied - before) * response
+        };
+        of_rows(particles.len(), of_row)
     }
 
     fn add(&self, solution: &DipoleSolution, loads: &mut Loads) {
@@ -112,6 +132,7 @@ impl Force for DipoleForces {
         let solution = self.solve(&at.configuration())?;
         if self.has_induced() {
             at.particles.vectors(induced_column(self.kind)).copy_from_slice(&solution.induced);
+            at.particles.scalars.set(field_scalar(self.kind), &self.applied.at(at.time).to_array());
         }
         self.add(&solution, &mut acting.loads);
         Ok(())

@@ -55,6 +55,11 @@ impl SphereMoment {
     pub fn polarisability(&self, radius: f64) -> f64 {
         self.susceptibility * sphere::volume(radius)
     }
+
+    /// Ratio of the induced moment of a sphere alone to the applied field, `4 pi a^3 chi / (chi + 3)`.
+    pub fn response(&self, radius: f64) -> f64 {
+        3.0 * self.polarisability(radius) / (self.susceptibility + 3.0)
+    }
 }
 
 /// Kind of moments.

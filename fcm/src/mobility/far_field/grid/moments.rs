@@ -34,7 +34,7 @@ impl GridFarField {
             near.add_first_moments(&loaded, self.verlet_list.neighbours(), &mut tensors);
         }
         let unit = self.units.force.powi(2) / self.units.length.powi(3);
-        change_rows(&mut tensors, |_, tensor| *tensor = *tensor * unit);
+        change_rows(&mut tensors, |_, tensor| *tensor *= unit);
         tensors
     }
 }
