@@ -1,5 +1,6 @@
 //! Prediction of the peak memory of each rank of a run, from the model and the plan.
 
+mod dipoles;
 #[cfg(test)]
 mod tests;
 
@@ -181,17 +182,6 @@ impl Share<'_> {
         // If the grid follows the spheres, the old grid exists until the new one is complete.
         let again = if open_cell::follows(self.model.cell.boundaries()) { far.freed() } else { Bytes::default() };
         far.then(again).then(tables).then(self.dipoles())
-    }
-
-    /// Fields of moments with their particles arranged, and an evaluation.
-    fn dipoles(&self) -> Bytes {
-        let of_plan = |plan: &Plan| {
-            let place = self.far.place_of(plan);
-            let field = Footprint::new(plan, &place, self.threads, self.expected);
-            let moved = Particles::bytes(self.expected.owned(), 16);
-            field.mobility().then(moved.then(field.evaluation()).freed())
-        };
-        self.dipoles.iter().fold(Bytes::default(), |sum, plan| sum.then(of_plan(plan)))
     }
 
     fn range(&self) -> Option<LubricationRange> {
