@@ -1,4 +1,4 @@
-"""Magnetic dipoles: cubic lattices, forces and torques of pairs, near contact, a doublet in a rotating field, and costs."""
+"""Magnetic dipoles: cubic lattices, forces and torques of pairs, near contact, and a doublet in a rotating field."""
 
 import csv
 import math
@@ -242,43 +242,8 @@ def doublets():
     return "### A doublet in a rotating field", lines, good
 
 
-def cost():
-    rows = []
-    kinds = [
-        ("none", ""),
-        ("permanent moments", 'orientation = "random"\nmagnetic_moment = 5.0'),
-        ("induced moments", "magnetic_susceptibility = 3.0"),
-    ]
-    for name, keys in kinds:
-        field = "magnetic = { field = [0.0, 0.0, 1.0], frequency = 1.0, rotation_axis = [1.0, 0.0, 0.0] }" if keys else ""
-        text = f"""seed = 1
-box.edges = [44.0, 44.0, 44.0]
-fluid.viscosity = 1.0
-repulsion = {{ strength = 20.0 }}
-flow = {{ kind = "shear", rate = 1.0 }}
-particles = {{ initial = "random", minimum_gap = 0.05 }}
-hydrodynamics = {{ tolerance = 1e-3 }}
-time = {{ step = 0.02, steps = 12 }}
-output = {{ trajectory_every = 0, checkpoint_every = 0 }}
-{field}
-species = [{{ radius = 1.0, volume_fraction = 0.15{"".join(", " + key for key in keys.split(chr(10)) if key)} }}]
-"""
-        found = series(text.replace('output = {', 'output = { observables_every = 12,'))
-        rows.append([name, f"{1e3 * found['seconds_per_step'][-1]:.0f}"])
-        print(*rows[-1], flush=True)
-    base = float(rows[0][1])
-    rows = [[name, ms, f"{float(ms) / base - 1:+.2f}"] for name, ms in rows]
-    lines = [
-        "Milliseconds of a step of spheres at 15% in shear, at a tolerance of 1e-3, on one core, and the part that moments in a field",
-        "that rotates by 0.02 in a step add to one without:",
-        "",
-        *table(["moments", "milliseconds", "added"], rows),
-    ]
-    return "### Cost", lines, True
-
-
 if __name__ == "__main__":
-    parts = [lattices, forces, torques, contact, doublets, cost]
+    parts = [lattices, forces, torques, contact, doublets]
     found = [part() for part in parts]
     write_section("dipoles.md", "dipoles", "Validation", [line for title, lines, _ in found for line in (title, "", *lines, "")])
     failed = [title for title, _, good in found if not good]
