@@ -34,7 +34,7 @@ const USUAL: [f64; 12] = [0.1, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0, 0.01, 1e-3, 1
 const WHOLE: [i64; 16] =
     [0, 1, 2, 3, 5, 7, 64, -1, i64::MAX, i64::MIN, 1 << 31, (1 << 32) - 1, 1 << 32, 1 << 53, 1_000_000, 255];
 
-const WORDS: [&str; 39] = [
+const WORDS: [&str; 44] = [
     "",
     " ",
     "a",
@@ -74,6 +74,11 @@ const WORDS: [&str; 39] = [
     "shear-cell-continuum",
     "suspension",
     "sphere",
+    "aligned",
+    "doublet",
+    "rod",
+    "shell",
+    "aggregate",
 ];
 
 /// A number: extreme, plausible, or of any magnitude.

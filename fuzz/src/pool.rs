@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::Value;
 
 /// Scenes of every kind; together they have all keys.
-pub const SCENES: [(&str, &str); 10] = [
+pub const SCENES: [(&str, &str); 11] = [
     ("suspension", include_str!("../scenes/suspension.toml")),
     ("plain", include_str!("../scenes/plain.toml")),
     ("direct", include_str!("../scenes/direct.toml")),
@@ -19,6 +19,7 @@ pub const SCENES: [(&str, &str); 10] = [
     ("cell", include_str!("../scenes/cell.toml")),
     ("stepped-cell", include_str!("../scenes/stepped-cell.toml")),
     ("continuum", include_str!("../scenes/continuum.toml")),
+    ("bodies", include_str!("../scenes/bodies.toml")),
 ];
 
 /// Cases of `mobility`.
