@@ -169,7 +169,10 @@ fn with_bodies(outline: Outline, model: &Model) -> Outline {
     if model.bodies.is_empty() {
         return outline;
     }
-    let each = |kind: &Bodies| format!("{} \"{}\" of {} spheres", kind.count, kind.name, kind.spheres.len());
+    let each = |kind: &Bodies| match kind.spheres.len() {
+        1 => format!("{} \"{}\" of one sphere", kind.count, kind.name),
+        spheres => format!("{} \"{}\" of {spheres} spheres", kind.count, kind.name),
+    };
     let text = model.bodies.iter().map(each).collect::<Vec<_>>().join(", ");
     outline.line("bodies", text).value("bodies", model.bodies.iter().map(|kind| kind.count).sum::<u64>())
 }
