@@ -119,11 +119,11 @@ impl<'a> Footprint<'a> {
             Precision::Double => Bytes::list::<(Load<f64>, [f64; pair_correction::RECORD])>(present),
         };
         let travels = Bytes::list::<Tensor>(2.0 * (present - owned));
-        let interpolated = Bytes::list::<Found>(present).freed();
-        let brought_home = Bytes::list::<Found>(present).then(Bytes::list::<Tensor>(present)).freed();
-        let near = Bytes::list::<Found>(present).then(in_precision).freed();
-        let all = in_precision.freed().or(interpolated).or(brought_home.then(travels.freed()).freed()).or(near);
-        loads.then(all).then(self.motion()).freed().then(self.motion())
+        let found = Bytes::list::<Found>(present);
+        let brought_home = found.then(Bytes::list::<Tensor>(present)).freed();
+        let near = if self.plan.cutoff() > 0.0 { found.then(in_precision) } else { found };
+        let all = in_precision.freed().or(brought_home.then(travels.freed()).freed()).or(near.freed());
+        loads.then(all).freed().or(found.then(self.motion()).freed()).then(self.motion())
     }
 
     fn motion(&self) -> Bytes {
