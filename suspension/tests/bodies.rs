@@ -66,6 +66,7 @@ fn deformation(cell: &PeriodicBox, particles: &Particles) -> f64 {
 
 /// Spheres of a body keep their distances to round-off by all integrators, also across the faces of the sheared box.
 #[test]
+#[ignore = "heavy"]
 fn bodies_stay_rigid() {
     for keys in INTEGRATORS {
         let driven = ["time.steps=60", "flow={kind=\"poiseuille\",pressure_gradient=0.1}", WALLS];
@@ -96,6 +97,7 @@ fn a_resumed_run_has_the_same_bits() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_and_threads_agree() {
     for keys in INTEGRATORS {
         let model = model_of(FEW, &[keys, &["time.steps=3"]].concat());

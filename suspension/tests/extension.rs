@@ -193,6 +193,7 @@ fn ranks_agree() {
 
 /// Resumed at every step, also at changes of the box's vectors or of the rate.
 #[test]
+#[ignore = "heavy"]
 fn a_resumed_run_has_the_same_bits() {
     let with_heat = PASSING.replace("viscosity = 1.0", "viscosity = 1.0\nfluid.thermal_energy = 0.1");
     let brownian = (with_heat.replace("ADVANCE", r#"integrator = "brownian""#), None);

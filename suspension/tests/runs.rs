@@ -37,6 +37,7 @@ fn model(overrides: &[&str]) -> Model {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_agree() {
     let model = model(&[]);
     let alone = run(&model, 1);
