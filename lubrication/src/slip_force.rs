@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use domain::{Tensor, Traceless, Vector};
 
+use crate::arithmetic::Arithmetic;
 use crate::pair_force::{PairForce, PairForceError, PairGap};
 use crate::slip_table::SlipTable;
 use crate::sphere_motion::SphereLoads;
@@ -50,8 +51,9 @@ impl SlipForce {
     }
 
     /// Loads of the first of two spheres on the fluid by the slip of both, with `separation` from the first centre to
-    /// the second and the range of `force`; `None` beyond the cutoff.
-    pub fn loads(
+    /// the second and the range of `force`, with numbers of any width; `None` beyond the cutoff.
+    #[inline(always)]
+    pub fn loads<X: Arithmetic>(
         &self,
         force: &PairForce,
         separation: Vector,
@@ -61,7 +63,7 @@ impl SlipForce {
         let distance = separation.length();
         let PairGap { over_small, small, factor } = force.pair_gap(distance, species)?;
         let radii = species.map(|s| force.radii()[s as usize]);
-        let values = self.tables[species[0] as usize * self.species + species[1] as usize].at(over_small);
+        let values = self.tables[species[0] as usize * self.species + species[1] as usize].at::<X>(over_small);
         // The table has the smaller sphere first.
         let (own, axis) = if radii[0] <= radii[1] { (0, separation / distance) } else { (1, -separation / distance) };
         let modes = SlipModes { axis, values: &values, own };
@@ -134,7 +136,7 @@ mod tests {
         let turned_tensor = |t: Traceless| Traceless::part_of(&(turn * t.tensor() * turn.transpose()));
         for species in [[0, 0], [0, 1], [1, 0], [1, 1]] {
             let x = Vector::new(1.0, -1.4, 0.6).normalize() * (force.radii()[species[0] as usize] + 1.75);
-            let by = |x: Vector, slips: &[SurfaceSlip; 2]| slip.loads(&force, x, species, slips).unwrap();
+            let by = |x: Vector, slips: &[SurfaceSlip; 2]| slip.loads::<f64>(&force, x, species, slips).unwrap();
             let (straight, all) = (by(x, &slips()), slips());
             let other = all.map(|s| SurfaceSlip { first: turned(s.first), second: turned_tensor(s.second) });
             let found = by(turned(x), &other);
@@ -155,8 +157,8 @@ mod tests {
         let mirrored = |v: Vector| Vector::new(v.x, v.y, -v.z);
         let tensor = |t: Traceless| Traceless([t.0[0], t.0[1], -t.0[2], t.0[3], -t.0[4]]);
         let mirror = |s: SurfaceSlip| SurfaceSlip { first: mirrored(s.first), second: tensor(s.second) };
-        let first = slip.loads(&force, x, [0, 0], &[a, b]).unwrap();
-        let second = slip.loads(&force, -x, [0, 0], &[mirror(a), mirror(b)]).unwrap();
+        let first = slip.loads::<f64>(&force, x, [0, 0], &[a, b]).unwrap();
+        let second = slip.loads::<f64>(&force, -x, [0, 0], &[mirror(a), mirror(b)]).unwrap();
         assert!((second.force - mirrored(first.force)).length() < 1e-12);
         assert!((second.torque + mirrored(first.torque)).length() < 1e-12);
         let rest = second.moment - tensor(first.moment);

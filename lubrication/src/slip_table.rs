@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use crate::arithmetic::Arithmetic;
 use crate::chebyshev::Powers;
 use crate::factor_table::{FARTHEST, NODES, mean_of, of_gaps, piece_of, relative};
 use crate::far_field;
@@ -15,11 +16,14 @@ pub struct SlipTable {
     pieces: Vec<SlipPiece>,
 }
 
+/// Number of values in a table: a multiple of six of the widest vectors.
+const LANES: usize = SLIP_VALUES.next_multiple_of(48);
+
 /// Table between two gaps, with their geometric mean.
 #[derive(Debug)]
 struct SlipPiece {
     mean: f64,
-    powers: Powers<SLIP_VALUES, NODES>,
+    powers: Powers<LANES, NODES>,
 }
 
 /// Table of one ratio, computed by the first thread that needs it while others wait.
@@ -40,18 +44,19 @@ impl SlipTable {
         let radii = [1.0, exact.ratio()];
         let difference = |gap: f64| {
             let (all, known) = (exact.at(gap), far_field::slip(radii, radii[0] + radii[1] + gap));
-            std::array::from_fn(|i| all[i] - known[i])
+            std::array::from_fn(|i| if i < SLIP_VALUES { all[i] - known[i] } else { 0.0 })
         };
         let piece = |k: usize| SlipPiece { mean: mean_of(k), powers: of_gaps(mean_of(k), difference) };
         Self { pieces: (0..=piece_of(FARTHEST * exact.ratio())).map(piece).collect() }
     }
 
-    /// Values at a gap between the closest and the farthest.
-    pub fn at(&self, gap: f64) -> SlipValues {
+    /// Values at a gap between the closest and the farthest, with numbers of any width.
+    #[inline(always)]
+    pub fn at<X: Arithmetic>(&self, gap: f64) -> SlipValues {
         let piece = &self.pieces[piece_of(gap).min(self.pieces.len() - 1)];
-        let mut values = [0.0; SLIP_VALUES];
-        piece.powers.write::<f64, 4>(relative(gap, piece.mean), &mut values);
-        values
+        let mut lanes = [0.0; LANES];
+        piece.powers.write::<X, 6>(relative(gap, piece.mean), &mut lanes);
+        *lanes.first_chunk().expect("a lane for each value")
     }
 }
 
@@ -66,7 +71,7 @@ mod tests {
         let exact = TwoSphereSlip::with_ratio(1.5).unwrap();
         for gap in (0..40).map(|k| 1.3e-6 * 1.47_f64.powi(k)) {
             let known = far_field::slip([1.0, 1.5], 2.5 + gap);
-            for (k, (found, all)) in table.at(gap).iter().zip(exact.at(gap)).enumerate() {
+            for (k, (found, all)) in table.at::<f64>(gap).iter().zip(exact.at(gap)).enumerate() {
                 assert!((found - all + known[k]).abs() < 1e-6, "value {k} at {gap}");
             }
         }
