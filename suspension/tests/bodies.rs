@@ -1,12 +1,12 @@
 //! Rigid bodies in runs.
 
-use crate::support::ended::ended;
+use crate::support::ended::{ranks_agree, run};
 use crate::support::model_of;
 use crate::support::resumed::resumes_with_the_same_bits;
 use domain::{Comm, Particles, PeriodicBox, Quaternion, Vector};
 use simulation::{Rearrangement, Simulation};
 use std::f64::consts::PI;
-use suspension::{ANGULAR_VELOCITY, BODY, Model, ORIENTATION, ParticleStress, Suspension, SuspensionRun, VELOCITY};
+use suspension::{ANGULAR_VELOCITY, BODY, ORIENTATION, ParticleStress, Suspension, SuspensionRun, VELOCITY};
 
 /// Bodies and spheres near each other, which rotate about changing axes.
 const FEW: &str = r#"
@@ -32,7 +32,8 @@ positions = [[11.5, 11.8, 9.0]]
 force = [3.0, 0.0, -9.0]
 "#;
 
-const INTEGRATORS: [&[&str]; 5] = [
+/// Keys of all integrators, the Brownian one first.
+pub const INTEGRATORS: [&[&str]; 5] = [
     &["fluid.thermal_energy=0.05", "hydrodynamics.lubrication=true"],
     &["time.order=4"],
     &["time.order=2", "hydrodynamics.lubrication=true"],
@@ -42,10 +43,6 @@ const INTEGRATORS: [&[&str]; 5] = [
 
 /// A box with walls, in which the bodies are away from them.
 const WALLS: &str = "box={edges=[12.0,12.0,12.0],boundaries=[\"periodic\",\"periodic\",\"walls\"]}";
-
-fn run(model: &Model, ranks: usize) -> Particles {
-    ended(model, ranks, |suspension| suspension.gathered(None))
-}
 
 fn orientations(particles: &Particles) -> Vec<Quaternion> {
     particles.rows::<4>(ORIENTATION).expect("orientations").iter().map(|q| Quaternion::from_array(*q)).collect()
@@ -101,13 +98,7 @@ fn a_resumed_run_has_the_same_bits() {
 fn ranks_and_threads_agree() {
     for keys in INTEGRATORS {
         let model = model_of(FEW, &[keys, &["time.steps=3"]].concat());
-        let alone = run(&model, 1);
-        for ranks in [2, 3, 7] {
-            let other = run(&model, ranks);
-            let apart = alone.positions.iter().zip(&other.positions).map(|(a, b)| (*a - *b).length());
-            let apart = apart.fold(0.0, f64::max);
-            assert!(apart < 1e-7, "{keys:?} on {ranks} ranks: {apart:e}");
-        }
+        let alone = ranks_agree(&model, 1e-7, &format!("{keys:?}"));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         assert_eq!(pool.install(|| run(&model, 1)), alone, "{keys:?}");
     }

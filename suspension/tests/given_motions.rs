@@ -1,9 +1,10 @@
 //! Bodies whose motions are given.
 
-use crate::support::ended::ended;
+use crate::bodies::INTEGRATORS;
+use crate::support::ended::{ranks_agree, run};
 use crate::support::model_of;
 use crate::support::resumed::resumes_with_the_same_bits;
-use domain::{Comm, Particles, Quaternion, Vector};
+use domain::{Comm, Quaternion, Vector};
 use simulation::Simulation;
 use std::f64::consts::PI;
 use suspension::{ANGULAR_VELOCITY, Model, ORIENTATION, SuspensionRun, VELOCITY};
@@ -51,12 +52,10 @@ orientation_axis = [1.0, 1.0, 0.3]
 angular_velocity = [0.3, 0.0, 0.4]
 "#;
 
-const INTEGRATORS: [&[&str]; 4] = [
-    &["time.order=4"],
-    &["time.order=2", "hydrodynamics.lubrication=true"],
-    &["time.integrator=\"adaptive\"", "hydrodynamics.lubrication=true"],
-    &["time.integrator=\"implicit\"", "hydrodynamics.lubrication=true", "contacts={friction=0.5}"],
-];
+/// Integrators with which motions can be given: all but the Brownian one.
+fn integrators() -> impl Iterator<Item = &'static [&'static str]> {
+    INTEGRATORS.into_iter().skip(1)
+}
 
 /// The mean driving force and torque of the first kind with a given motion, at the start of a run.
 fn driving_loads(model: &Model) -> [Vector; 2] {
@@ -95,7 +94,7 @@ fn the_driving_load_is_the_one_that_causes_the_motion() {
     let flow = "flow={kind=\"poiseuille\",pressure_gradient=0.5}";
     let keys = [walls, flow, "bodies[0].orientation_axis=[1.0,0.4,0.2]", "hydrodynamics.iteration_tolerance=1e-9"];
     let free = model_of(PAIR, &[&keys[..], &["bodies[0].force=[2.0,1.0,-3.0]"]].concat());
-    let mut moved = ended(&free, 1, |suspension| suspension.gathered(None));
+    let mut moved = run(&free, 1);
     let velocity = 0.5 * moved.vectors(VELOCITY).iter().sum::<Vector>();
     let turning = moved.vectors(ANGULAR_VELOCITY)[0];
     let given = [
@@ -114,11 +113,11 @@ fn the_driving_load_is_the_one_that_causes_the_motion() {
 #[test]
 fn given_motions_are_kept_by_all_integrators() {
     let walls = "box={edges=[9.0,9.0,9.0],boundaries=[\"periodic\",\"periodic\",\"walls\"]}";
-    for keys in INTEGRATORS {
+    for keys in integrators() {
         for flow in ["flow={kind=\"poiseuille\",pressure_gradient=0.5}", "flow={kind=\"shear\",rate=0.7}"] {
             let given = ["bodies[0].velocity=[0.0,0.0,0.0]", "bodies[0].angular_velocity=[0.0,0.6,0.8]"];
             let model = model_of(PAIR, &[keys, &given, &["time.steps=12", walls, flow]].concat());
-            let end = ended(&model, 1, |suspension| suspension.gathered(None));
+            let end = run(&model, 1);
             let centre = 0.5 * (end.positions[0] + end.positions[1]);
             assert!((centre - Vector::splat(4.0)).length() < 1e-12, "{keys:?}, {flow}: {centre}");
             let start = Quaternion::between(Vector::Z, Vector::X);
@@ -130,29 +129,18 @@ fn given_motions_are_kept_by_all_integrators() {
     }
 }
 
-fn run(model: &Model, ranks: usize) -> Particles {
-    ended(model, ranks, |suspension| suspension.gathered(None))
-}
-
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    for keys in INTEGRATORS {
+    for keys in integrators() {
         let model = model_of(FEW, &[keys, &["time.steps=4", "statistics={every=1}"]].concat());
         resumes_with_the_same_bits(&model, &format!("{keys:?}"));
     }
 }
 
 #[test]
-fn ranks_agree() {
-    for keys in INTEGRATORS {
-        let model = model_of(FEW, keys);
-        let alone = run(&model, 1);
-        for ranks in [2, 3, 7] {
-            let other = run(&model, ranks);
-            let apart = alone.positions.iter().zip(&other.positions).map(|(a, b)| (*a - *b).length());
-            let apart = apart.fold(0.0, f64::max);
-            assert!(apart < 1e-7, "{keys:?} on {ranks} ranks: {apart:e}");
-        }
+fn given_motions_are_the_same_on_any_ranks() {
+    for keys in integrators() {
+        ranks_agree(&model_of(FEW, keys), 1e-7, &format!("{keys:?}"));
     }
 }
 

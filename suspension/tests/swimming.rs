@@ -1,6 +1,6 @@
 //! Swimmers.
 
-use crate::support::ended::ended;
+use crate::support::ended::{ended, run};
 use crate::support::model_of;
 use crate::support::resumed::resumes_with_the_same_bits;
 use domain::{Comm, Particles, Quaternion, Vector, sphere};
@@ -40,10 +40,6 @@ fn orientations(particles: &Particles) -> Vec<Quaternion> {
 /// Angle between two orientations.
 fn turned(a: Quaternion, b: Quaternion) -> f64 {
     (a * b.inverse()).log().length()
-}
-
-fn run(model: &Model, ranks: usize) -> Particles {
-    ended(model, ranks, |suspension| suspension.gathered(None))
 }
 
 /// The angle `t` of a bottom-heavy sphere from the direction against gravity obeys `tan(t/2) = tan(t0/2) exp(-t/(2B))`,

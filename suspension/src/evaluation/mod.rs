@@ -17,8 +17,6 @@ mod stiffness_adaptation;
 pub mod stress;
 mod stress_controlled;
 mod swimming;
-#[cfg(test)]
-mod tests;
 mod tethered;
 pub mod velocity_field;
 

@@ -18,8 +18,9 @@ impl GridFarField {
     /// Contributions of this rank's spheres to [`crate::DipoleField::first_moments`]: the part of the grid is divided
     /// equally among all spheres. Collective.
     pub(crate) fn first_moments(&mut self, moments: &[Vector]) -> Vec<Tensor> {
-        let kinds = self.kinds_of(&Loads { forces: moments.to_vec(), ..Loads::default() });
-        let (present, _) = self.present(&Loads { forces: moments.to_vec(), ..Loads::default() }, kinds);
+        let loads = Loads { forces: moments.to_vec(), ..Loads::default() };
+        let kinds = self.kinds_of(&loads);
+        let (present, _) = self.present(&loads, kinds);
         let grid_loads = self.arrangement.grid_loads(&present, &[]);
         let of_grid = self.grid.moment_stress(&grid_loads, &mut self.work);
         let owned = self.arrangement.halo.owned();
