@@ -20,8 +20,8 @@ pub fn run(model: &Model, ranks: usize) -> Particles {
     ended(model, ranks, |suspension| suspension.gathered(None))
 }
 
-/// Checks that runs on 2, 3 and 7 ranks end with the positions of one on 1 rank, to `allowed`, and returns the particles
-/// of the latter; `name` identifies the model in messages.
+/// Checks that runs on 2, 3 and 7 ranks end with the positions of one on 1 rank, to `allowed`, and returns the
+/// particles of the latter; `name` identifies the model in messages.
 pub fn ranks_agree(model: &Model, allowed: f64, name: &str) -> Particles {
     let alone = run(model, 1);
     for ranks in [2, 3, 7] {
