@@ -20,8 +20,8 @@ HEAVY = True
 SETS = small_run.SETS | {"time.steps": 2000, "output.checkpoint_every": 100000}
 # A step that takes minutes: thousands of substeps, required near contact, each with tens of evaluations.
 LONG = {
-    "box.edges": "[9.0, 9.0, 9.0]",
-    "species[0].count": 40,
+    "box.edges": "[36.0, 36.0, 36.0]",
+    "species[0].count": 2560,
     "hydrodynamics.lubrication": "true",
     "hydrodynamics.tolerance": 1e-3,
     "time.integrator": "adaptive",
