@@ -5,6 +5,7 @@ is applied to this program, with its own counts of messages and bytes on up to 6
 `--measure counts` and `--measure work` count and time anew; otherwise those of validation/data/scale-measured.json are used."""
 
 import argparse
+import dataclasses
 
 import numpy as np
 from scaling import measured, pages, published
@@ -29,8 +30,12 @@ def main():
     print(*lines, sep="\n")
     if wrong := check(fitted, exponent):
         raise SystemExit(f"failed: the model is not within a factor of {published.FACTOR} of {wrong}")
-    lines += pages.projection(measured.load(), exponent)
+    stored = measured.load()
+    lines += pages.projection(stored, exponent)
     print(*lines, sep="\n")
+    counted, planned = pages.calls_of(stored)[False], pages.planned_calls()
+    if not np.allclose(dataclasses.astuple(planned), dataclasses.astuple(counted), rtol=pages.DIFFERENCE):
+        raise SystemExit(f"failed: plans for a network take {planned}, and {counted} are counted")
     write_section("scale.md", "scale", "Counts and projections", lines, command="scripts/validate scale")
 
 

@@ -2,6 +2,8 @@
 
 import functools
 import math
+import pathlib
+import re
 import textwrap
 
 from support.page import table
@@ -11,6 +13,9 @@ from scaling.network import LATENCY, Node
 from scaling.projection import Calls, Design, Job, Model, Slice, efficiency, images
 from scaling.work import sixteen_cores
 
+PLANNER = pathlib.Path(__file__).resolve().parents[2] / "fcm" / "src" / "plan" / "network.rs"
+# Largest relative difference of the planner's calls from those counted.
+DIFFERENCE = 0.1
 NODES = [Node("40 cores, 12.5 GB/s", 40, 2, 12.5e9, 150e9), Node("128 cores, 25 GB/s", 128, 8, 25e9, 350e9)]
 # Spheres and cores of the projection, and those of weak scaling.
 JOBS = [(10**7, 1024), (10**9, 4096), (10**9, 16384), (10**9, 65536)]
@@ -85,6 +90,12 @@ def calls_of(stored):
     return found
 
 
+def planned_calls():
+    """Calls of an evaluation in plans for a network."""
+    constants = dict(re.findall(r"^const (\w+): f64 = ([\d.]+);", PLANNER.read_text(), re.M))
+    return Calls(*(float(constants[name]) for name in ("SUMS", "EXCHANGES", "IMAGE")), transforms=1.0)
+
+
 def counted(stored):
     """Messages and bytes of a rank as counted."""
     sent = [[ranks, f"{of['bytes_sent'] / 1e6:.2f}", f"{of['messages_sent']:,}"] for ranks, of in stored["counts"]["evaluation"].items()]
@@ -96,6 +107,7 @@ def counted(stored):
     step = stored["counts"]["step"]["16"]
     trees = step["sums_messages"][1] / 4
     resumed = [of["sums_calls"][1] for of in stored["counts"]["resumed"].values()]
+    of, planned = calls_of(stored)[False], planned_calls()
     header = ["", "ranks", "messages of sums", "of halos", "of transpositions", "kB of sums", "of halos", "of transpositions"]
     return [
         "### Messages and bytes of a rank",
@@ -116,6 +128,11 @@ def counted(stored):
         *prose(f"""A step with lubrication makes {trees:.0f} collective calls: {trees * 6:,.0f} messages of a rank on 64 ranks, and
             {trees * 10:,.0f} on 1,024. Those of halos depend on the ranks within reach alone. A run resumed makes
             {resumed[0]:.0f} collective calls before its first step on 8 ranks, {resumed[1]:.0f} on 16."""),
+        "",
+        *prose(f"""An evaluation has {of.sums:g} messages of sums for each level of the tree, {of.halos:g} messages to each rank within
+            reach, and {of.image_bytes:.0f} bytes for each image. Plans for a [network](parallel.md#plans-for-a-network) take
+            {planned.sums:g}, {planned.halos:g} and {planned.image_bytes:g}; `scripts/validate scale` fails if one differs by more
+            than {DIFFERENCE:.0%}."""),
     ]
 
 

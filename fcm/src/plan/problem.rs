@@ -97,6 +97,8 @@ pub enum Loading {
     Varied,
     /// A background flow, in which motions relative to it may be small against its rate of strain.
     Flow,
+    /// Degenerate quadrupoles of swimmers, in a background flow or not, whose errors exceed those of forces.
+    Swimming,
     /// Weights or other equal forces, whose motion is hindered in dense suspensions.
     Uniform,
     /// Equal forces on particles that may form a lattice, where errors add up.

@@ -62,6 +62,10 @@ const WIDE_FACTOR: f64 = 2.5;
 /// Factor by which the tolerance of the iteration is tightened with lubrication between few spheres.
 const FEW_FACTOR: f64 = 2.0;
 
+/// Factor by which errors of few swimmers exceed those of spheres under forces: with a quadrupole, the difference of
+/// two Gaussians, a sphere at a point of the grid has up to four times the error of a force.
+const SWIMMING_FACTOR: f64 = 4.0;
+
 /// A quantity by volume fraction: log-linear between entries, constant beyond them.
 type FractionTable = [(f64, f64)];
 
@@ -105,16 +109,22 @@ impl Problem {
     /// Factor by which errors, relative to the answer, exceed those of dilute and moderately dense suspensions.
     pub(crate) fn error_amplification(&self) -> f64 {
         let fraction = self.volume_fraction();
-        let is_eased = self.lubricated && matches!(self.loading, Loading::Varied | Loading::Flow);
+        let is_eased = self.lubricated && !self.is_uniform();
         let disordered = at(if is_eased { DENSE_LUBRICATED } else { DENSE }, fraction);
         let of_lattice = if self.rigid { LATTICE } else { LATTICE_GIVEN };
-        if self.is_lattice() { disordered.max(at(of_lattice, fraction)) } else { disordered }
+        let swimming = if self.loading == Loading::Swimming && self.is_few() { SWIMMING_FACTOR } else { 1.0 };
+        swimming * if self.is_lattice() { disordered.max(at(of_lattice, fraction)) } else { disordered }
+    }
+
+    /// Whether equal forces act on the spheres.
+    fn is_uniform(&self) -> bool {
+        matches!(self.loading, Loading::Uniform | Loading::UniformOnLattice)
     }
 
     /// Whether equal forces may act on a lattice, or on so few spheres that their periodic images form one.
     fn is_lattice(&self) -> bool {
         match self.loading {
-            Loading::Varied | Loading::Flow => false,
+            Loading::Varied | Loading::Flow | Loading::Swimming => false,
             Loading::Uniform => self.particles() <= FEW,
             Loading::UniformOnLattice => true,
         }
@@ -158,7 +168,7 @@ impl Problem {
     pub(crate) fn wavenumber_split_tolerance(&self) -> f64 {
         let share = match (self.rigid, self.loading) {
             (false, _) => GIVEN_CUT_SHARE,
-            (true, Loading::Varied) => RIGID_SHARE,
+            (true, Loading::Varied | Loading::Swimming) => RIGID_SHARE,
             (true, Loading::Uniform) => WEIGHT_SHARE,
             (true, Loading::Flow) => self.share_in_flow(),
             (true, Loading::UniformOnLattice) => LATTICE_SHARE,

@@ -64,8 +64,10 @@ pub fn dipole_plans(model: &Model, radii: &Radii) -> Vec<Plan> {
 /// that do not start at random may form a lattice.
 fn loading(model: &Model) -> Loading {
     let is_forced = model.species.iter().any(|s| s.force_on(s.radius, model.gravity) != Vector::ZERO);
+    let is_flowing = !matches!(model.flow, Flow::None);
     match model.start {
-        _ if !matches!(model.flow, Flow::None) => Loading::Flow,
+        _ if model.has_swimmers() && (is_flowing || !is_forced) => Loading::Swimming,
+        _ if is_flowing => Loading::Flow,
         _ if !is_forced => Loading::Varied,
         Start::Random { .. } | Start::Cloud { .. } => Loading::Uniform,
         Start::Lattice(_) | Start::Positions(_) | Start::Given => Loading::UniformOnLattice,
