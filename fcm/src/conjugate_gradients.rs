@@ -74,6 +74,56 @@ pub trait System {
     }
 }
 
+/// What the iteration asks of a system: a [`System`], or one that does all of a step where its vectors are.
+pub trait SteppedSystem {
+    /// Type of the unknowns.
+    type Unknowns: Linear;
+
+    /// Type of the residual.
+    type Residual;
+
+    /// See [`System::curvature`].
+    fn curvature(&mut self, direction: &Self::Unknowns) -> (Self::Residual, f64);
+
+    /// See [`System::on_step`].
+    fn on_step(&mut self, length: f64);
+
+    /// See [`System::refine_preconditioner`].
+    fn refine_preconditioner(&mut self) -> bool;
+
+    /// See [`System::step_and_measure`].
+    fn step_and_measure(
+        &mut self,
+        at: Iterate<Self::Unknowns, Self::Residual>,
+        step: Option<Step<Self::Unknowns, Self::Residual>>,
+    ) -> InnerProducts;
+}
+
+impl<S: System> SteppedSystem for S {
+    type Unknowns = S::Unknowns;
+    type Residual = S::Residual;
+
+    fn curvature(&mut self, direction: &S::Unknowns) -> (S::Residual, f64) {
+        System::curvature(self, direction)
+    }
+
+    fn on_step(&mut self, length: f64) {
+        System::on_step(self, length);
+    }
+
+    fn refine_preconditioner(&mut self) -> bool {
+        System::refine_preconditioner(self)
+    }
+
+    fn step_and_measure(
+        &mut self,
+        at: Iterate<S::Unknowns, S::Residual>,
+        step: Option<Step<S::Unknowns, S::Residual>>,
+    ) -> InnerProducts {
+        System::step_and_measure(self, at, step)
+    }
+}
+
 /// Unknowns, residual and preconditioned residual of the iteration, which change in place.
 pub struct Iterate<'a, X, R> {
     /// `x`
@@ -158,7 +208,7 @@ pub struct Limits<'a> {
 /// is small against `x`, both as the system measures them (by default in the energy norm of the preconditioner). It
 /// ends without convergence when `r . P^-1 r` is negative and the preconditioner can't be made more exact, or when
 /// any rank is asked to stop.
-pub fn conjugate_gradients<S: System>(
+pub fn conjugate_gradients<S: SteppedSystem>(
     comm: &Comm,
     system: &mut S,
     mut iterate: Iterate<S::Unknowns, S::Residual>,
@@ -189,7 +239,7 @@ pub fn conjugate_gradients<S: System>(
 
 /// [`System::step_and_measure`], with the preconditioner made more exact until `r . z` is positive. Returns the sums
 /// over all ranks, and whether any rank is asked to stop. Collective.
-fn step_and_measure<S: System>(
+fn step_and_measure<S: SteppedSystem>(
     comm: &Comm,
     system: &mut S,
     mut iterate: Iterate<S::Unknowns, S::Residual>,

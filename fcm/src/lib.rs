@@ -65,7 +65,11 @@ pub use conjugate_gradients::{
 };
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution};
 pub use envelope::{Envelope, Quadrupole};
+pub use gpu::PairRows;
 pub use grid::stencil::Support;
+pub use mobility::coupled::{
+    CoupledFarField, CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, NearResistance,
+};
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::{DrawDiagnostics, LanczosLimits, Stream, square_root_times};
@@ -76,7 +80,7 @@ pub use mobility::{Flow, Mobility};
 pub use plan::accuracy;
 pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};
 pub use plan::costs::Costs;
-pub use plan::device::{CardMemory, ComputeDevice};
+pub use plan::device::{CardMemory, ComputeDevice, NearPairCounts};
 pub use plan::method::{Method, Split};
 pub use plan::network::{Network, Traffic};
 pub use plan::plan_identity::PlanIdentity;

@@ -1,7 +1,8 @@
-// Kernels of the far field by the split method. Each takes all arguments as a Task.
+// Kernels of the far field by the split method, and of the solve with near pairs. Each takes all arguments as a Task.
 #ifndef SHARED
 #define SHARED(type, name, count) __shared__ type name[count]
 #endif
+#include "coupled.h"
 #include "pairs.h"
 #include "solve.h"
 #include "spread.h"
@@ -29,11 +30,20 @@
     KERNEL(pair_motions_##suffix, pair_motions<T>)        \
     KERNEL(combine_##suffix, combine<T>)                  \
     KERNEL(weigh_##suffix, weigh<T>)                      \
-    KERNEL(sum_products_##suffix, sum_products<T>)
+    KERNEL(sum_products_##suffix, sum_products<T>)        \
+    KERNEL(row_loads_##suffix, row_loads<T>)              \
+    KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
+    KERNEL(coupled_image_##suffix, coupled_image<T>)
 
 KERNEL(scatter_particles, scatter)
 KERNEL(scan_blocks, sum_blocks)
 KERNEL(scan_add, add_totals)
 KERNEL(sum_up, add_sums)
+KERNEL(step_pairs, step_rows)
+KERNEL(remainder_pairs, remainder_of_rows)
+KERNEL(step_all, step_coupled)
+KERNEL(measure_all, measure_coupled)
+KERNEL(start_all, start_coupled)
+KERNEL(gather_all, gather_result)
 KERNELS(float, f32)
 KERNELS(double, f64)

@@ -7,7 +7,7 @@ struct Task {
     // Particles in the order of the host: lattice coordinates, classes of radius, loads. A load may be absent.
     const void *positions;
     const int *classes;
-    const void *forces, *torques, *stresslets;
+    void *forces, *torques, *stresslets;
     // Particles in the order of bins: their rows in the order of the host, coordinates, classes, and loads as a force
     // and a dipole.
     int *keys, *unsorted, *rows, *bin_starts, *bin_cursors;
@@ -34,6 +34,18 @@ struct Task {
     void *list_y;
     const void *list_weights;
     double *list_sums;
+    // Sums of all blocks.
+    double *totals;
+    // Near pairs by rows: where the pairs of a row begin, their other spheres, and nine lists of their numbers; of each
+    // row its own resistance and the block that preconditions it; resistances of single spheres by class of radius.
+    const int *row_starts, *row_others;
+    const void *row_numbers;
+    const double *row_own, *row_inverses, *resistances;
+    // Vectors of the solve with near pairs; those of stiff pairs alone; known loads or motions of the fluid.
+    double *unknowns, *residual, *preconditioned;
+    const double *direction;
+    double *image, *stiff_loads, *stiff_residual;
+    const double *ambient;
 
     double edges[3];
     double inverse_spacing[3];
@@ -45,7 +57,11 @@ struct Task {
     // Multiplier of the solve: factor, square of the Gaussian's width, coefficient of k^2 in the bracket.
     double solve_factor, gaussian, widening;
     double x_factor, y_factor;
+    // Rate of strain of the background, and the sign of an image.
+    double background[5], image_sign;
     long long list_size;
+    // Number of pairs of all rows.
+    long long row_entries;
 
     int particles, class_count;
     int grid[3], bins[3], tiles[3];
@@ -56,4 +72,6 @@ struct Task {
     // Threads of a particle in the interpolation.
     int lanes;
     int is_rotated, scan_count;
+    // Whether loads of pairs are added to an image, and those of single spheres to loads.
+    int adds_rows, adds_single;
 };

@@ -41,6 +41,12 @@ static __device__ void store_sum(double own, double *sum)
     if (thread == 0) *sum = sums[0];
 }
 
+// Contraction of two symmetric matrices without a trace.
+static __device__ double contracted(const double *x, const double *y)
+{
+    return x[0] * y[0] + x[3] * y[3] + (x[0] + x[3]) * (y[0] + y[3]) + 2 * (x[1] * y[1] + x[2] * y[2] + x[4] * y[4]);
+}
+
 // Products of the matrices of each particle, over the weights of their classes if there are any, summed up by blocks.
 template <typename T> __device__ void sum_products(const Task &task)
 {
@@ -50,16 +56,17 @@ template <typename T> __device__ void sum_products(const Task &task)
         double x[COMPONENTS], y[COMPONENTS];
         for (int i = 0; i < COMPONENTS; i++) x[i] = ((const T *)task.list_x)[COMPONENTS * row + i];
         for (int i = 0; i < COMPONENTS; i++) y[i] = ((const T *)task.list_y)[COMPONENTS * row + i];
-        own = x[0] * y[0] + x[3] * y[3] + (x[0] + x[3]) * (y[0] + y[3]) + 2 * (x[1] * y[1] + x[2] * y[2] + x[4] * y[4]);
+        own = contracted(x, y);
         if (task.list_weights) own /= (double)((const T *)task.list_weights)[task.classes[row]];
     }
     store_sum(own, task.list_sums + blockIdx.x);
 }
 
-// Sum of the sums of all blocks, by one block; it replaces the first.
+// Sums of the sums of all blocks, one after the other, by a block each.
 static __device__ void add_sums(const Task &task)
 {
+    const double *sums = task.list_sums + blockIdx.x * task.list_size;
     double own = 0;
-    for (long long block = threadIdx.x; block < task.list_size; block += SUM_THREADS) own += task.list_sums[block];
-    store_sum(own, task.list_sums);
+    for (long long block = threadIdx.x; block < task.list_size; block += SUM_THREADS) own += sums[block];
+    store_sum(own, task.totals + blockIdx.x);
 }

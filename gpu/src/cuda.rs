@@ -5,10 +5,10 @@ use crate::task::{DeviceAddress, KernelTask};
 use cudarc::cufft::sys::{cufftHandle, cufftType};
 use cudarc::cufft::{CudaFft, result as cufft};
 use cudarc::driver::result::device;
-use cudarc::driver::sys::CUdevice_attribute;
+use cudarc::driver::sys::{CUdevice_attribute, CUgraphInstantiate_flags, CUstreamCaptureMode};
 use cudarc::driver::{
-    CudaContext, CudaFunction, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError, LaunchConfig,
-    PushKernelArg,
+    CudaContext, CudaFunction, CudaGraph, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError,
+    LaunchConfig, PushKernelArg,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -30,6 +30,7 @@ pub struct Cuda {
     functions: HashMap<String, CudaFunction>,
     memory: HashMap<DeviceAddress, CudaSlice<u8>>,
     transforms: Vec<(TransformKind, CudaFft)>,
+    recording: Option<CudaGraph>,
 }
 
 /// Values on which a plan of a transform depends.
@@ -110,7 +111,8 @@ impl Cuda {
         let context = CudaContext::new(0).map_err(failed)?;
         let module = context.load_module(PTX.into()).map_err(failed)?;
         let stream = context.new_stream().map_err(failed)?;
-        Ok(Self { context, stream, module, functions: HashMap::new(), memory: HashMap::new(), transforms: Vec::new() })
+        let (functions, memory) = (HashMap::new(), HashMap::new());
+        Ok(Self { context, stream, module, functions, memory, transforms: Vec::new(), recording: None })
     }
 
     fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
@@ -214,6 +216,21 @@ impl Device for Cuda {
             }
         };
         done.map_err(|error| DeviceError(format!("cuFFT: {error:?}")))
+    }
+
+    fn begin_recording(&mut self) -> Result<bool, DeviceError> {
+        self.recording = None;
+        Ok(self.stream.begin_capture(CUstreamCaptureMode::CU_STREAM_CAPTURE_MODE_THREAD_LOCAL).is_ok())
+    }
+
+    fn end_recording(&mut self) -> Result<bool, DeviceError> {
+        self.recording = self.stream.end_capture(CUgraphInstantiate_flags(0)).ok().flatten();
+        Ok(self.recording.is_some())
+    }
+
+    fn replay(&mut self) -> Result<(), DeviceError> {
+        let none = || DeviceError("the GPU has no recording to replay".to_owned());
+        self.recording.as_ref().ok_or_else(none)?.launch().map_err(failed)
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {

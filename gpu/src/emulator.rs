@@ -18,6 +18,16 @@ pub struct Emulator {
     from: BufReader<ChildStdout>,
     /// Bytes of each piece of memory.
     memory: HashMap<DeviceAddress, usize>,
+    /// Commands of the recording that has begun, and those of the last that has ended.
+    begun: Option<Vec<Recorded>>,
+    recording: Vec<Recorded>,
+}
+
+/// A command of a recording.
+#[derive(Debug, Clone)]
+enum Recorded {
+    Launch { kernel: String, blocks: usize, threads: usize, task: Box<KernelTask> },
+    Transform(TransformTask),
 }
 
 /// Bytes of the memory that an emulator serves.
@@ -70,7 +80,8 @@ impl Emulator {
         let (Some(to), Some(from)) = (child.stdin.take(), child.stdout.take()) else {
             return Err(DeviceError("the emulator has no pipes".to_owned()));
         };
-        Ok(Self { child, to: BufWriter::new(to), from: BufReader::new(from), memory: HashMap::new() })
+        let (to, from, memory) = (BufWriter::new(to), BufReader::new(from), HashMap::new());
+        Ok(Self { child, to, from, memory, begun: None, recording: Vec::new() })
     }
 
     fn send(&mut self, order: Order, words: &[usize]) -> Result<(), DeviceError> {
@@ -157,6 +168,11 @@ impl Device for Emulator {
     }
 
     fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {
+        if let Some(recorded) = &mut self.begun {
+            let (kernel, task) = (launch.kernel.to_owned(), Box::new(*task));
+            recorded.push(Recorded::Launch { kernel, blocks: launch.blocks, threads: launch.threads, task });
+            return Ok(());
+        }
         self.send(Order::Launch, &[launch.kernel.len()])?;
         self.send_bytes(launch.kernel.as_bytes())?;
         let words = [launch.blocks, launch.threads, size_of::<KernelTask>()].map(|word| word as u64);
@@ -166,11 +182,37 @@ impl Device for Emulator {
     }
 
     fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
+        if let Some(recorded) = &mut self.begun {
+            recorded.push(Recorded::Transform(*task));
+            return Ok(());
+        }
         let [x, y, z] = task.points;
         let flags = [usize::from(task.is_forward), usize::from(task.is_single)];
         let words = [flags[0], flags[1], x, y, z, task.field as usize, task.spectrum as usize];
         self.send(Order::Transform, &words)?;
         self.receive_word().map(drop)
+    }
+
+    fn begin_recording(&mut self) -> Result<bool, DeviceError> {
+        self.begun = Some(Vec::new());
+        Ok(true)
+    }
+
+    fn end_recording(&mut self) -> Result<bool, DeviceError> {
+        self.recording = self.begun.take().unwrap_or_default();
+        Ok(true)
+    }
+
+    fn replay(&mut self) -> Result<(), DeviceError> {
+        for command in self.recording.clone() {
+            match command {
+                Recorded::Transform(task) => self.transform(&task)?,
+                Recorded::Launch { kernel, blocks, threads, task } => {
+                    self.launch(&KernelLaunch { kernel: &kernel, blocks, threads }, &task)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {

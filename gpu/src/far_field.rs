@@ -2,6 +2,9 @@
 
 use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
+use crate::lists::DeviceList;
+use crate::near::{NearBuffers, NearRows};
+use crate::repeated::Repeated;
 use crate::tables::{LatticeShape, NumberFormat, SplitTables};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
@@ -75,12 +78,14 @@ pub(crate) struct Buffers {
     scans: [Buffer; 4],
     neighbour_starts: Buffer,
     neighbours: Buffer,
-    loads: [Buffer; 3],
+    pub(crate) loads: [Buffer; 3],
     records: Buffer,
     grid: [Buffer; 2],
-    motions: [Buffer; 3],
-    /// Sums of blocks, of the vectors of an iteration.
-    pub(crate) sums: Buffer,
+    pub(crate) motions: [Buffer; 3],
+    /// Sums of blocks, of the vectors of an iteration and of one within it, and the sums of all blocks.
+    pub(crate) sums: [Buffer; 2],
+    pub(crate) totals: Buffer,
+    pub(crate) near: NearBuffers,
 }
 
 /// Far field of particles by the split method on a device.
@@ -89,8 +94,34 @@ pub struct SplitFarField {
     pub(crate) tables: SplitTables,
     pub(crate) task: KernelTask,
     pub(crate) buffers: Buffers,
+    pub(crate) near: NearRows,
+    pub(crate) repeated: Repeated,
+    /// Lists that were released.
+    pub(crate) spare: Vec<DeviceList>,
     neighbours: usize,
     seconds: StageSeconds,
+}
+
+/// Parts of an evaluation, in their order.
+#[derive(Clone, Copy)]
+enum Stage {
+    Spread,
+    Transform,
+    Interpolate,
+    Near,
+}
+
+impl Stage {
+    const ALL: [Self; 4] = [Self::Spread, Self::Transform, Self::Interpolate, Self::Near];
+
+    fn of(self, seconds: &mut StageSeconds) -> &mut f64 {
+        match self {
+            Self::Spread => &mut seconds.spread,
+            Self::Transform => &mut seconds.transform,
+            Self::Interpolate => &mut seconds.interpolate,
+            Self::Near => &mut seconds.near,
+        }
+    }
 }
 
 impl SplitFarField {
@@ -131,7 +162,9 @@ impl SplitFarField {
         let [field, spectrum] = &mut buffers.grid;
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
-        Ok(Self { device, tables, task, buffers, neighbours: 0, seconds: StageSeconds::default() })
+        let (near, repeated, spare) = (NearRows::default(), Repeated::default(), Vec::new());
+        let (neighbours, seconds) = (0, StageSeconds::default());
+        Ok(Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds })
     }
 
     /// Seconds spent so far.
@@ -179,8 +212,11 @@ impl SplitFarField {
     /// them, and finds their neighbours.
     pub fn arrange(&mut self, fractions: &[f64], classes: &[u32]) -> Result<(), DeviceError> {
         let clock = Instant::now();
-        let count = classes.len();
-        self.task.particles = count as i32;
+        if self.task.particles as usize != classes.len() {
+            self.release_spare();
+        }
+        self.task.particles = classes.len() as i32;
+        self.repeated = Repeated::default();
         self.place(fractions, classes)?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
@@ -285,33 +321,52 @@ impl SplitFarField {
         Ok(motion)
     }
 
-    /// Runs the kernels of an evaluation on the loads and motions of the task.
-    pub(crate) fn evaluate(&mut self, orders: &Orders) -> Result<(), DeviceError> {
+    /// Runs the kernels of an evaluation on the loads and motions of the task, and measures the time of each stage.
+    fn evaluate(&mut self, orders: &Orders) -> Result<(), DeviceError> {
+        self.reserve_records()?;
+        for stage in Stage::ALL {
+            let clock = Instant::now();
+            self.run(stage, orders)?;
+            self.device.finish()?;
+            *stage.of(&mut self.seconds) += clock.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// The same without waiting for any of them.
+    pub(crate) fn evaluate_in_order(&mut self, orders: &Orders) -> Result<(), DeviceError> {
+        self.reserve_records()?;
+        Stage::ALL.into_iter().try_for_each(|stage| self.run(stage, orders))
+    }
+
+    fn reserve_records(&mut self) -> Result<(), DeviceError> {
         let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
         self.task.records = self.buffers.records.reserve(self.device.as_mut(), bytes)?;
-        let (suffix, clock) = (self.tables.numbers.suffix(), Instant::now());
-        self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
-        let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
-        self.launch(&format!("spread_{}_{suffix}", orders.spread), tiles, TILE_THREADS)?;
-        self.device.finish()?;
-        self.seconds.spread += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        self.transform(true)?;
-        self.launch(&format!("solve_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
-        self.transform(false)?;
-        self.device.finish()?;
-        self.seconds.transform += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
-        self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)?;
-        self.device.finish()?;
-        self.seconds.interpolate += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
-        let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
-        self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)?;
-        self.device.finish()?;
-        self.seconds.near += clock.elapsed().as_secs_f64();
         Ok(())
+    }
+
+    fn run(&mut self, stage: Stage, orders: &Orders) -> Result<(), DeviceError> {
+        let suffix = self.tables.numbers.suffix();
+        match stage {
+            Stage::Spread => {
+                self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
+                let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
+                self.launch(&format!("spread_{}_{suffix}", orders.spread), tiles, TILE_THREADS)
+            }
+            Stage::Transform => {
+                self.transform(true)?;
+                self.launch(&format!("solve_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+                self.transform(false)
+            }
+            Stage::Interpolate => {
+                let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
+                self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)
+            }
+            Stage::Near => {
+                let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
+                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)
+            }
+        }
     }
 
     fn transform(&mut self, is_forward: bool) -> Result<(), DeviceError> {
@@ -347,14 +402,19 @@ impl SplitFarField {
     /// Values of each particle at an address; none at 0.
     fn values(&mut self, address: u64, each: usize) -> Result<Vec<f64>, DeviceError> {
         let count = if address == 0 { 0 } else { each * self.task.particles as usize };
-        self.download(address, count)
+        self.download(address, count, self.tables.numbers)
     }
 
-    pub(crate) fn download(&mut self, address: u64, count: usize) -> Result<Vec<f64>, DeviceError> {
-        let mut bytes = vec![0; count * self.tables.numbers.size()];
+    pub(crate) fn download(
+        &mut self,
+        address: u64,
+        count: usize,
+        numbers: NumberFormat,
+    ) -> Result<Vec<f64>, DeviceError> {
+        let mut bytes = vec![0; count * numbers.size()];
         if count > 0 {
             self.device.download(address, &mut bytes)?;
         }
-        Ok(self.tables.numbers.values_of(&bytes))
+        Ok(numbers.values_of(&bytes))
     }
 }

@@ -2,24 +2,33 @@
 //!
 //! [`Cuda`] runs the kernels of `gpu/kernels` on a card, by libraries that are opened when a scene asks for it;
 //! [`Emulator`] runs the same kernels on the host, for tests. [`SplitFarField`] has the order of an evaluation, and
-//! vectors of an iteration. It knows arrays and tables, but neither plans nor units: those are the concern of the crate
+//! the vectors of an iteration, with near pairs or without. It knows arrays and tables, but neither plans nor units: those are the concern of the crate
 //! `fcm`.
 
 mod buffers;
+mod counted;
+mod coupled;
 mod cuda;
 mod device;
 mod emulator;
 mod far_field;
 mod lists;
 mod memory;
+mod near;
+mod repeated;
 mod tables;
 mod task;
 
+pub use counted::{Counted, DeviceCounts, SharedCounts};
+pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, UNKNOWNS};
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
 pub use lists::{DeviceList, MotionLists};
-pub use memory::{EvaluationBytes, EvaluationSize};
+pub use memory::{EvaluationBytes, EvaluationSize, NearSize};
+pub use near::{
+    DeviceStep, NearInput, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, ProductSums, RowVectors, TRIANGLE,
+};
 pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
 pub use task::KernelTask;

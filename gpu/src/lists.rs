@@ -2,39 +2,72 @@
 
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{Orders, SplitFarField};
+use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 
 /// Threads of a block, as in `gpu/kernels/vectors.h`.
-const SUM_THREADS: usize = 256;
+pub(crate) const SUM_THREADS: usize = 256;
+
+/// Largest number of sums at a time.
+const MOST_SUMS: usize = 4;
 
 /// Values in the memory of a device.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub struct DeviceList {
-    address: DeviceAddress,
+    pub(crate) address: DeviceAddress,
     count: usize,
+    numbers: NumberFormat,
+}
+
+impl DeviceList {
+    /// Values from one on.
+    #[must_use]
+    pub fn part(&self, first: usize, count: usize) -> Self {
+        Self { address: self.address + (first * self.numbers.size()) as u64, count, ..*self }
+    }
+
+    /// Number of values.
+    pub fn count(&self) -> usize {
+        self.count
+    }
 }
 
 /// Lists of velocities, angular velocities and rates of strain.
 pub type MotionLists = [DeviceList; 3];
 
 impl SplitFarField {
-    /// A list of this many values, which are undefined.
+    /// A list of this many values in the precision of the grid, which are undefined.
     pub fn list(&mut self, count: usize) -> Result<DeviceList, DeviceError> {
-        let address = self.device.allocate(count * self.tables.numbers.size())?;
-        Ok(DeviceList { address, count })
+        self.list_in(self.tables.numbers, count)
     }
 
-    /// A list of these values.
-    pub fn list_of(&mut self, values: &[f64]) -> Result<DeviceList, DeviceError> {
-        let list = self.list(values.len())?;
-        let bytes = self.tables.numbers.bytes_of(values.iter().copied());
-        self.device.upload(list.address, &bytes)?;
-        Ok(list)
+    /// A list of this many values in `f64`, which are undefined.
+    pub fn wide_list(&mut self, count: usize) -> Result<DeviceList, DeviceError> {
+        self.list_in(NumberFormat::Double, count)
+    }
+
+    /// A list like another, of undefined values.
+    pub fn list_like(&mut self, list: &DeviceList) -> Result<DeviceList, DeviceError> {
+        self.list_in(list.numbers, list.count)
+    }
+
+    fn list_in(&mut self, numbers: NumberFormat, count: usize) -> Result<DeviceList, DeviceError> {
+        let is_like = |list: &DeviceList| list.count == count && list.numbers == numbers;
+        if let Some(place) = self.spare.iter().position(is_like) {
+            return Ok(self.spare.swap_remove(place));
+        }
+        let address = self.device.allocate(count * numbers.size())?;
+        Ok(DeviceList { address, count, numbers })
+    }
+
+    /// Copies values to the start of a list.
+    pub fn fill(&mut self, list: &DeviceList, values: &[f64]) -> Result<(), DeviceError> {
+        self.device.upload(list.address, &list.numbers.bytes_of(values.iter().copied()))
     }
 
     /// The values of a list.
     pub fn values_of(&mut self, list: &DeviceList) -> Result<Vec<f64>, DeviceError> {
-        self.download(list.address, list.count)
+        self.download(list.address, list.count, list.numbers)
     }
 
     /// Lists for the motions of all particles.
@@ -43,9 +76,16 @@ impl SplitFarField {
         Ok([self.list(3 * count)?, self.list(3 * count)?, self.list(5 * count)?])
     }
 
-    /// Releases the memory of a list.
+    /// Releases a list. Its memory is kept for another of as many values.
     pub fn release(&mut self, list: &DeviceList) {
-        self.device.release(list.address);
+        self.spare.push(*list);
+    }
+
+    /// Releases the memory of lists that were released.
+    pub(crate) fn release_spare(&mut self) {
+        for list in std::mem::take(&mut self.spare) {
+            self.device.release(list.address);
+        }
     }
 
     /// `y = x_factor x + y_factor y`, where a `y` that is not used may be undefined.
@@ -53,14 +93,14 @@ impl SplitFarField {
         let [x_factor, y_factor] = factors;
         let (list_x, list_y, list_size) = (x.address, y.address, y.count as i64);
         let task = KernelTask { list_x, list_y, x_factor, y_factor, list_size, ..self.task };
-        self.launch_on("combine", y.count.div_ceil(SUM_THREADS), &task)
+        self.launch_vectors(&format!("combine_{}", y.numbers.suffix()), y.count.div_ceil(SUM_THREADS), &task)
     }
 
     /// `y = x` times the weight of each particle's class.
     pub fn weigh(&mut self, weights: &DeviceList, x: &DeviceList, y: &DeviceList) -> Result<(), DeviceError> {
         let (list_x, list_y, list_weights) = (x.address, y.address, weights.address);
         let task = KernelTask { list_x, list_y, list_weights, ..self.task };
-        self.launch_on("weigh", self.blocks(), &task)
+        self.launch_vectors(&format!("weigh_{}", self.tables.numbers.suffix()), self.blocks(), &task)
     }
 
     /// Sum of the products of the matrices of each particle, over the weights of their classes if there are any.
@@ -74,15 +114,47 @@ impl SplitFarField {
         if blocks == 0 {
             return Ok(0.0);
         }
-        let list_sums = self.buffers.sums.reserve(self.device.as_mut(), size_of::<f64>() * blocks)?;
+        let list_sums = self.reserve_sums(0, blocks)?;
         let list_weights = weights.map_or(0, |list| list.address);
         let task = KernelTask { list_x: x.address, list_y: y.address, list_weights, list_sums, ..self.task };
-        self.launch_on("sum_products", blocks, &task)?;
-        let task = KernelTask { list_size: blocks as i64, ..task };
-        self.device.launch(&KernelLaunch { kernel: "sum_up", blocks: 1, threads: SUM_THREADS }, &task)?;
-        let mut sum = [0.0_f64];
-        self.device.download(list_sums, bytemuck::cast_slice_mut(&mut sum))?;
-        Ok(sum[0])
+        self.launch_vectors(&format!("sum_products_{}", self.tables.numbers.suffix()), blocks, &task)?;
+        let [sum] = self.sum_up(list_sums, blocks)?;
+        Ok(sum)
+    }
+
+    /// Place for this many sums of blocks, in one of two lists.
+    pub(crate) fn reserve_sums(&mut self, list: usize, count: usize) -> Result<DeviceAddress, DeviceError> {
+        self.buffers.sums[list].reserve(self.device.as_mut(), size_of::<f64>() * count)
+    }
+
+    /// Sums of some lists of the sums of blocks, one after the other.
+    pub(crate) fn sum_up<const N: usize>(
+        &mut self,
+        list_sums: DeviceAddress,
+        blocks: usize,
+    ) -> Result<[f64; N], DeviceError> {
+        self.launch_sums(list_sums, blocks, N)?;
+        self.totals()
+    }
+
+    /// Adds up the sums of blocks.
+    pub(crate) fn launch_sums(
+        &mut self,
+        list_sums: DeviceAddress,
+        blocks: usize,
+        lists: usize,
+    ) -> Result<(), DeviceError> {
+        let totals = self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)?;
+        let task = KernelTask { list_sums, totals, list_size: blocks as i64, ..self.task };
+        self.launch_vectors("sum_up", lists, &task)
+    }
+
+    /// The last sums.
+    pub(crate) fn totals<const N: usize>(&mut self) -> Result<[f64; N], DeviceError> {
+        let totals = self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)?;
+        let mut sums = [0.0_f64; N];
+        self.device.download(totals, bytemuck::cast_slice_mut(&mut sums))?;
+        Ok(sums)
     }
 
     /// Motions that stresslets cause, without a copy to the host.
@@ -96,19 +168,20 @@ impl SplitFarField {
         let [velocities, turns, strains] = motion;
         (self.task.velocities, self.task.angular_velocities) = (velocities.address, turns.address);
         self.task.strain_rates = strains.address;
-        self.evaluate(orders)
+        let addresses = [stresslets.address, velocities.address, turns.address, strains.address];
+        let orders = *orders;
+        self.repeat(&addresses, |field| field.evaluate_in_order(&orders))
     }
 
-    fn blocks(&self) -> usize {
+    pub(crate) fn blocks(&self) -> usize {
         (self.task.particles as usize).div_ceil(SUM_THREADS)
     }
 
-    /// Runs a kernel of this precision, unless there is nothing to do.
-    fn launch_on(&mut self, kernel: &str, blocks: usize, task: &KernelTask) -> Result<(), DeviceError> {
+    /// Runs a kernel of vectors, unless there is nothing to do.
+    pub(crate) fn launch_vectors(&mut self, kernel: &str, blocks: usize, task: &KernelTask) -> Result<(), DeviceError> {
         if blocks == 0 {
             return Ok(());
         }
-        let kernel = &format!("{kernel}_{}", self.tables.numbers.suffix());
         self.device.launch(&KernelLaunch { kernel, blocks, threads: SUM_THREADS }, task)
     }
 }

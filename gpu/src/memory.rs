@@ -1,5 +1,7 @@
 //! Memory that an evaluation takes of a device.
 
+use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
+use crate::near::{OWN_NUMBERS, PAIR_NUMBERS, TRIANGLE};
 use crate::tables::NumberFormat;
 
 /// Numbers on which the memory of an evaluation depends.
@@ -17,6 +19,33 @@ pub struct EvaluationSize {
     pub neighbours: f64,
     /// Number of intervals of all tables of pair functions.
     pub intervals: f64,
+}
+
+/// Numbers on which the memory of a solve with near pairs depends, besides that of evaluations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearSize {
+    /// Precision of the grid.
+    pub numbers: NumberFormat,
+    /// Number of particles.
+    pub particles: f64,
+    /// Number of stiff pairs of all particles, each of which counts for both of its particles.
+    pub stiff: f64,
+    /// The same of soft pairs.
+    pub soft: f64,
+}
+
+impl NearSize {
+    /// Bytes of the pairs and of the vectors of the iteration.
+    pub fn bytes(&self) -> f64 {
+        let pair = |value: usize| (PAIR_NUMBERS * value + 4) as f64;
+        let pairs = self.stiff * pair(size_of::<f64>()) + self.soft * pair(self.numbers.size());
+        // Of both kinds of pairs: where rows begin, and own resistances; preconditioner.
+        let rows = 2 * (4 + 8 * OWN_NUMBERS) + 8 * TRIANGLE;
+        // Unknowns, preconditioned residual and direction; residual and image of the direction; motions or loads of the
+        // preconditioner; stresslets of the start and ambient motions; the result.
+        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 7 * 6 + 5 + 11 + RESULTS);
+        pairs + (rows + vectors) as f64 * self.particles
+    }
 }
 
 /// Bytes on a device.

@@ -6,7 +6,7 @@ use crate::pairs::matrix::lanes::LANES;
 use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup};
 use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Process, Traceless, Vector, VerletList};
-use fcm::{Footprint, Precision};
+use fcm::{CardMemory, Footprint, NearPairCounts, PlanError, Precision};
 use lubrication::{LubricationRange, PairForce};
 
 /// Parallel layout: number of ranks and of threads per rank.
@@ -59,6 +59,24 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
     lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
 }
 
+/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one; none if the plan is for
+/// the host.
+pub fn card(
+    far: &Footprint,
+    expected: &ExpectedCounts,
+    range: Option<LubricationRange>,
+) -> Result<Option<CardMemory>, PlanError> {
+    far.card(range.map(|range| pair_counts(expected, range)))
+}
+
+/// Mean numbers of near pairs of a particle.
+fn pair_counts(expected: &ExpectedCounts, range: LubricationRange) -> NearPairCounts {
+    let cutoff = range.cutoff();
+    let all = expected.neighbours((2.0 + cutoff) * expected.largest_radius());
+    let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
+    NearPairCounts { stiff, soft: all - stiff }
+}
+
 /// Neighbour lists, and the near pairs of a rank's particles.
 fn near_pairs(expected: &ExpectedCounts, range: LubricationRange, precision: Precision) -> (Bytes, Bytes) {
     let cutoff = range.cutoff();
@@ -66,8 +84,7 @@ fn near_pairs(expected: &ExpectedCounts, range: LubricationRange, precision: Pre
     let (owned, present) = (expected.owned(), expected.present(reach));
     let numbers = [reach, reach * VerletList::REACH].map(|reach| expected.neighbours(reach));
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
-    let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
-    let soft = numbers[0] - stiff;
+    let NearPairCounts { stiff, soft } = pair_counts(expected, range);
     let rows = Bytes::list::<([DiagonalBlock<f64>; 2], [u32; 2], SixVector, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
     let [stiff, soft] = [stiff, soft].map(|pairs| groups(pairs) * owned);

@@ -5,6 +5,7 @@ mod device;
 mod grid;
 
 use crate::conjugate_gradients::{IterationOutcome, Limits};
+use crate::mobility::coupled::CoupledFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, Stream};
 use crate::mobility::work::Work;
@@ -47,6 +48,11 @@ pub(crate) trait FarField {
 
     /// The back end itself, if it solves for the stresslets of rigid spheres too.
     fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
+        None
+    }
+
+    /// The back end itself, if it solves together with near pairs.
+    fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         None
     }
 
@@ -112,6 +118,11 @@ pub(crate) trait FlowAtPoints {
     /// Velocities relative to the background flow at the points of the `k`-th plane of a raster across z, row by row
     /// along x; on all ranks. Collective.
     fn plane(&mut self, raster: &SamplePoints, k: usize) -> Vec<Vector>;
+}
+
+/// The far field of a plan on a device.
+pub(crate) fn on_device(device: Box<dyn gpu::Device>, plan: &Plan, partition: &Partition) -> Box<dyn FarField> {
+    Box::new(DeviceFarField::on(device, plan, partition))
 }
 
 /// The far field that a plan chose, on ranks that share its grid by `partition`.

@@ -5,7 +5,7 @@ use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
 use crate::pairs::pair_correction::{self, PairCorrection};
 use crate::pairs::table::{PairFunctions, PairTable};
-use crate::plan::device::{CardMemory, ComputeDevice};
+use crate::plan::device::{CardMemory, ComputeDevice, NearPairCounts};
 use crate::plan::method::{GridlessBytes, RankParticles};
 use crate::plan::problem::{Multipoles, Precision};
 use crate::plan::{Plan, PlanError};
@@ -51,14 +51,15 @@ impl<'a> Footprint<'a> {
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
     }
 
-    /// Memory that evaluations take of a card, if the plan is for one.
-    pub fn card(&self) -> Result<Option<CardMemory>, PlanError> {
+    /// Memory that a solve takes of a card, with near pairs if there are any, if the plan is for one.
+    pub fn card(&self, near: Option<NearPairCounts>) -> Result<Option<CardMemory>, PlanError> {
         let neighbours = self.expected.neighbours(self.plan.cutoff());
         match self.plan.device {
             ComputeDevice::Cpu => Ok(None),
             ComputeDevice::Gpu => {
                 let size = self.plan.size_on_card(self.expected.total(), neighbours);
-                CardMemory::of_first(size.bytes().total()).map(Some)
+                let near = near.map_or(0.0, |pairs| self.plan.near_bytes(self.expected.total(), pairs));
+                CardMemory::of_first(size.bytes().total() + near).map(Some)
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Mobility: the linear map from loads to motions.
 
+pub(crate) mod coupled;
 mod far_field;
 pub(crate) mod loads;
 pub(crate) mod memory;
@@ -7,7 +8,9 @@ pub(crate) mod noise;
 pub(crate) mod rank_one;
 pub(crate) mod work;
 
+use crate::mobility::coupled::CoupledFarField;
 use crate::plan::Plan;
+use crate::plan::problem::Multipoles;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
 use domain::{Particles, Partition, PeriodicBox, Vector};
@@ -50,6 +53,12 @@ impl Mobility {
     /// Sets up the mobility of a plan, on ranks that share the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
         let (far, partition) = (of_plan(plan, partition), partition.clone());
+        Self { plan: plan.clone(), partition, far, wall_drift: None, constraint: None }
+    }
+
+    /// The same with a device that evaluates the far field of a plan for it, such as an emulator.
+    pub fn on(device: Box<dyn gpu::Device>, plan: &Plan, partition: &Partition) -> Self {
+        let (far, partition) = (far_field::on_device(device, plan, partition), partition.clone());
         Self { plan: plan.clone(), partition, far, wall_drift: None, constraint: None }
     }
 
@@ -105,6 +114,13 @@ impl Mobility {
     /// [`FarField::rigid`], unless the motions have a flow of [`Self::constrain`].
     pub(crate) fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
         if self.constraint.is_some() { None } else { self.far.rigid() }
+    }
+
+    /// The far field, if it solves together with near pairs for spheres with stresslets, and the motions have no flow of
+    /// [`Self::constrain`].
+    pub fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
+        let is_rigid = self.plan.multipoles == Multipoles::Dipole && self.constraint.is_none();
+        if is_rigid { self.far.coupled() } else { None }
     }
 
     /// Random motions of the arranged particles with these ids, whose covariance is the mobility itself: velocities,

@@ -8,7 +8,7 @@ use crate::plan::method::Method;
 use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, readable_bytes};
-use gpu::{DeviceInfo, EvaluationSize, NumberFormat};
+use gpu::{DeviceInfo, EvaluationSize, NearSize, NumberFormat};
 
 /// Largest number of radii of which a device has tables for all pairs.
 const MOST_RADII: usize = 32;
@@ -46,6 +46,15 @@ impl ComputeDevice {
     }
 }
 
+/// Mean numbers of near pairs of a particle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearPairCounts {
+    /// Stiff pairs.
+    pub stiff: f64,
+    /// Soft pairs.
+    pub soft: f64,
+}
+
 /// Memory that evaluations take of a card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardMemory {
@@ -69,13 +78,13 @@ impl CardMemory {
         }
         let [needed, free, total] = [self.bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
         let name = &self.card.name;
-        Err(refused(&format!("the far field takes {needed} of the card, and {name} has {free} free of {total}")))
+        Err(refused(&format!("the solve takes {needed} of the card, and {name} has {free} free of {total}")))
     }
 
     /// Card and memory in words.
     pub fn describe(&self) -> String {
         let [needed, free, total] = [self.bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
-        format!("{}, {free} free of {total}; the far field takes about {needed}", self.card.name)
+        format!("{}, {free} free of {total}; the solve takes about {needed}", self.card.name)
     }
 }
 
@@ -136,14 +145,23 @@ impl Plan {
         pairs.map(|pair| PairTable::<f64>::intervals(&pair, own.cutoff(), own.table_tolerance())).sum()
     }
 
-    /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.
-    pub(crate) fn size_on_card(&self, particles: f64, neighbours: f64) -> EvaluationSize {
-        let numbers = match self.precision {
+    fn numbers(&self) -> NumberFormat {
+        match self.precision {
             Precision::Single => NumberFormat::Single,
             Precision::Double => NumberFormat::Double,
-        };
+        }
+    }
+
+    /// Bytes of a solve with near pairs on a card, besides those of evaluations.
+    pub(crate) fn near_bytes(&self, particles: f64, pairs: NearPairCounts) -> f64 {
+        let [stiff, soft] = [pairs.stiff, pairs.soft].map(|of_one| particles * of_one);
+        NearSize { numbers: self.numbers(), particles, stiff, soft }.bytes()
+    }
+
+    /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.
+    pub(crate) fn size_on_card(&self, particles: f64, neighbours: f64) -> EvaluationSize {
         EvaluationSize {
-            numbers,
+            numbers: self.numbers(),
             grid: self.grid,
             particles,
             classes: self.radii.len() as f64,

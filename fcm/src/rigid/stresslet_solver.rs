@@ -84,7 +84,7 @@ impl StressletSolver {
     }
 
     /// The solver of a mobility.
-    pub(crate) fn of(mobility: Mobility, comm: &Comm) -> Self {
+    pub fn of(mobility: Mobility, comm: &Comm) -> Self {
         Self { mobility, comm: comm.clone(), interrupt: Interrupt::NEVER }
     }
 

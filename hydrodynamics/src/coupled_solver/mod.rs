@@ -1,7 +1,9 @@
 //! Rigid spheres with lubrication: coupled solve of the far field and the near field.
 
 mod constant_flux;
+mod lubricated_solve;
 mod near_pairs;
+mod on_device;
 mod perturbed_solve;
 mod swimming;
 
@@ -9,29 +11,25 @@ pub use perturbed_solve::DisplacedSpheres;
 
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
-use crate::body_projection::BodyProjection;
 use crate::noise;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::search::{NearField, NearLists, NearPairs, Pairs};
-use crate::preconditioner::Preconditioner;
+use crate::pairs::search::{NearField, NearLists};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{Guess, Solution, SolveInput};
-use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStart, Unknowns, single};
+use crate::system::single;
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
-use domain::parallel::{all_rows, change, mapped, stage};
-use domain::{Comm, DomainView, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Units};
-use fcm::{
-    DrawDiagnostics, Iterate, IterationOutcome, Limits, Linear, Loads, Mobility, Motion, Multipoles, Plan, RigidInput,
-    SolveError, Stream, conjugate_gradients,
-};
+use domain::parallel::{change, mapped, stage};
+use domain::{DomainView, Interrupt, Particles, Partition, PeriodicBox, Units};
+use fcm::{DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver};
+use lubricated_solve::LubricatedSolve;
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
 
 /// Motions of spheres as of [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have the
 /// same digits in any units.
 pub struct CoupledSolver {
-    far: fcm::StressletSolver,
+    far: StressletSolver,
     /// Near field, in units of length and viscosity that scale the particles and the fluid to about 1.
     near: Option<NearField>,
     units: Units,
@@ -63,6 +61,16 @@ const END: f64 = 0.2;
 impl CoupledSolver {
     /// Sets up the far field of `plan` and the short-range interactions. Must not be called from a rayon task.
     pub fn new(plan: &Plan, partition: &Partition, short_range: ShortRange) -> Result<Self, PairForceError> {
+        Self::of(StressletSolver::new(plan, partition), partition, short_range)
+    }
+
+    /// The same with a far field, on ranks that share its grid by `partition`.
+    pub fn of(
+        mut far: StressletSolver,
+        partition: &Partition,
+        short_range: ShortRange,
+    ) -> Result<Self, PairForceError> {
+        let plan = &far.mobility().plan().clone();
         let extreme = |radius: Option<&f64>| radius.copied().unwrap_or(1.0);
         let units = Units::of(plan.viscosity, [extreme(plan.radii.first()), extreme(plan.radii.last())]);
         let (radii, viscosity) = (in_units(&plan.radii, units.length), plan.viscosity / units.viscosity);
@@ -77,8 +85,7 @@ impl CoupledSolver {
             let lists = NearLists::new(reach, partition);
             NearField { lubrication, at_walls, lists, precision: plan.precision, radii }
         });
-        let (far, partition) = (fcm::StressletSolver::new(plan, partition), partition.clone());
-        Ok(Self { far, near, units, preconditioned: true, partition })
+        Ok(Self { far, near, units, preconditioned: true, partition: partition.clone() })
     }
 
     /// Switches the preconditioner of the solve with lubrication on (the default) or off, for comparison.
@@ -102,7 +109,7 @@ impl CoupledSolver {
     /// Continues with another plan for the same radii and fluid, and with the partition of its grid.
     pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
         let interrupt = self.far.interrupt().clone();
-        self.far = fcm::StressletSolver::new(plan, partition);
+        self.far = StressletSolver::new(plan, partition);
         self.far.listen(interrupt);
         if let Some(near) = &mut self.near {
             near.lists = NearLists::new(near.lists.reach(), partition);
@@ -263,121 +270,12 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
     })
 }
 
-/// [`CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
-struct LubricatedSolve<'a> {
-    comm: &'a Comm,
-    interrupt: &'a Interrupt,
-    near: &'a NearPairs,
-    bodies: Option<&'a RigidBodies>,
-    is_preconditioned: bool,
-    particles: &'a Particles,
-    /// Strain rate of the background flow.
-    strain_rate: StrainRate,
-}
-
-impl LubricatedSolve<'_> {
-    fn run(&self, mobility: Scaled, loads: &Loads, ambient: &Motion, guess: &Guess) -> Result<Solution, SolveError> {
-        let (comm, near, radii) = (self.comm, self.near, &self.particles.radii[..]);
-        let plan = mobility.mobility.plan().clone();
-        let viscosity = plan.viscosity / mobility.units.viscosity;
-        let limits =
-            Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt: self.interrupt };
-        let spheres = SingleSpheres::new(viscosity, radii);
-        let mut matrix = self.preconditioner(&spheres.motion);
-        let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
-        known.add(1.0, near.ambient_loads());
-        let is_rigid = plan.multipoles == Multipoles::Dipole;
-        let count = radii.len();
-        let motions = SixVectors::new(count, &guess.velocities, &guess.angular_velocities);
-        let moments = moments(guess, if is_rigid { count } else { 0 });
-        let mut x = match &mut matrix {
-            None => unknowns(near, &motions, moments),
-            Some(matrix) => {
-                // The motions of all near pairs, from the guess of those that other spheres induce.
-                let induced = SixVectors::new(count, &guess.induced_velocities, &guess.induced_angular_velocities);
-                let mut loads = known.clone();
-                loads.add_resisted(1.0, &spheres.motion, &induced);
-                let [motions, resisted] = matrix.solve_with_all(motions, &loads, START * limits.tolerance);
-                Unknowns::of(&motions, &resisted, moments)
-            }
-        };
-        let start = SystemStart { loads: &known, ambient, unknowns: &x };
-        let mut system = CoupledSystem::new(mobility, near, matrix, &spheres, start);
-        let mut residual = system.residual(&x, self.strain_rate.at_zero);
-        let mut correction = Unknowns::default();
-        let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
-        let outcome = conjugate_gradients(comm, &mut system, iterate, limits);
-        ended(&outcome, limits)?;
-        let (motion, x) =
-            system.finish(FinalIterate { x, residual: &residual, correction }, END * limits.tolerance, comm);
-        if comm.any(!all_rows(count, |row| motion.velocities[row].is_finite())) {
-            return Err(SolveError::NotFinite);
-        }
-        let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
-        let constraint_loads = self.constraint_loads(&x, &motions);
-        known.add(1.0, &x.loads());
-        let far = system::far_loads(&known, &x.moments);
-        let mut stresslets = near.stresslets(&motions);
-        stresslets.truncate(far.stresslets.len());
-        change(&mut stresslets, &far.stresslets, |near, &far| *near = far + *near);
-        let induced = induced(&spheres.motion, &motion, &far);
-        let (curvature, IterationOutcome { iterations, residual, .. }) = (0.0, outcome);
-        Ok(Solution { motion, stresslets, far, constraint_loads, induced, curvature, iterations, residual })
-    }
-
-    /// The preconditioner for single-sphere resistances; bodies always need it. Collective.
-    fn preconditioner<'b>(&'b self, single: &'b [SixVector]) -> Option<Preconditioner<'b>> {
-        if !self.is_preconditioned && self.bodies.is_none() {
-            return None;
-        }
-        let projection = |bodies: &'b RigidBodies| {
-            BodyProjection::new(bodies, self.near, single, bodies.members().offsets(self.particles, self.strain_rate))
-        };
-        let matrix = Preconditioner::new(self.comm, self.near, single, ROUGH);
-        Some(matrix.with_bodies(self.bodies.map(projection)))
-    }
-
-    /// Loads that keep bodies rigid: those of the unknowns minus the lubrication of the motions. Collective.
-    fn constraint_loads(&self, x: &Unknowns, motions: &SixVectors) -> Loads {
-        let Some(bodies) = self.bodies else { return Loads::default() };
-        let mut loads = x.loads();
-        loads.add(1.0, &self.near.times(&[Pairs::Stiff, Pairs::Soft], motions));
-        bodies.members().keep_members(&mut loads);
-        Loads { forces: loads.linear(), torques: loads.angular(), stresslets: Vec::new() }
-    }
-}
-
-/// The error of a solve that failed.
-fn ended(outcome: &IterationOutcome, limits: Limits) -> Result<(), SolveError> {
-    let IterationOutcome { iterations, residual, converged, interrupted } = *outcome;
-    if interrupted {
-        return Err(Interrupted.into());
-    }
-    if !residual.is_finite() {
-        return Err(SolveError::NotFinite);
-    }
-    let tolerance = limits.tolerance;
-    if converged { Ok(()) } else { Err(SolveError::NotConverged { iterations, residual, tolerance }) }
-}
-
 /// Motions minus those of single spheres under their own loads.
 fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
     let motions = SixVectors::new(single.len(), &motion.velocities, &motion.angular_velocities);
     let induced =
         motions.minus_single_sphere_motions(single, &SixVectors::new(single.len(), &loads.forces, &loads.torques));
     Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
-}
-
-/// First moments of a guess for `count` spheres.
-fn moments(guess: &Guess, count: usize) -> Vec<Traceless> {
-    let mut moments = mapped(&guess.stresslets_far, |&s| -s);
-    moments.resize(count, Traceless::ZERO);
-    moments
-}
-
-/// Unknowns that correspond to motions of the particles. Collective.
-fn unknowns(near: &NearPairs, motions: &SixVectors, moments: Vec<Traceless>) -> Unknowns {
-    Unknowns::of(motions, &near.times(&[Pairs::Stiff, Pairs::Soft], motions), moments)
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! Change of a solution under a small displacement of the spheres, for finite-difference drift.
 
 use crate::ambient::StrainRate;
-use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH, ended, unknowns};
+use crate::coupled_solver::lubricated_solve::{ended, unknowns};
+use crate::coupled_solver::{CoupledSolver, MOST_ITERATIONS, ROUGH};
 use crate::pairs::search::{Connections, NearPairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};

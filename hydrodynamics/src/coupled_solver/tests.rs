@@ -2,6 +2,7 @@
 
 mod bodies;
 mod constant_flux;
+mod on_device;
 mod springs;
 mod squirming;
 mod system;
@@ -10,11 +11,12 @@ mod walls;
 
 use super::*;
 use crate::ambient::StrainRate;
-use crate::pairs::search::Connections;
+use crate::pairs::search::{Connections, NearPairs};
+use crate::six_vector::SixVectors;
 use crate::solution::NO_AMBIENT;
 use crate::springs::Springs;
 use crate::squirming::Squirming;
-use domain::{Vector, random_packing};
+use domain::{Comm, Traceless, Vector, random_packing};
 use fcm::{Costs, Fixed, Loading, Multipoles, Output, Precision, Problem};
 use lubrication::{PairMotion, SlipForce};
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Memory of single evaluations of the mobility.
 
-use crate::memory::{Ranks, of_peak, solve_bytes, table_bytes};
+use crate::memory::{self, Ranks, of_peak, solve_bytes, table_bytes};
 use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles, Place};
 use fcm::{Footprint, Plan, PlanError};
 use lubrication::LubricationRange;
@@ -34,7 +34,9 @@ impl SingleEvaluation<'_> {
     fn check_card(&self, comm: &Comm) -> Result<(), PlanError> {
         self.plan.device.check_ranks(comm.size())?;
         let place = Place::of(1, 0, [self.plan.grid[1], self.plan.grid[2]]);
-        let card = Footprint::new(self.plan, &place, 1, &self.expected(&place)).card()?;
+        let expected = self.expected(&place);
+        let far = Footprint::new(self.plan, &place, 1, &expected);
+        let card = memory::card(&far, &expected, self.lubrication)?;
         card.map_or(Ok(()), |card| card.check())
     }
 

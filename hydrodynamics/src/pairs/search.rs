@@ -18,7 +18,7 @@ use domain::parallel::{MeasuredLoop, change, copied, equal, mapped, of_rows, sta
 use domain::{
     DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
 };
-use fcm::Precision;
+use fcm::{PairRows, Precision};
 use lubrication::{SurfaceSlip, WallForce};
 use rayon::prelude::*;
 use std::rc::Rc;
@@ -267,6 +267,16 @@ impl NearPairs {
     /// Resistance matrix of stiff pairs, walls and traps.
     pub fn stiff(&self) -> &PairMatrix<f64> {
         &self.stiff
+    }
+
+    /// Rows of stiff and of soft pairs, for a device.
+    ///
+    /// # Panics
+    /// On several ranks, whose pairs have ghosts.
+    pub fn rows(&self) -> [PairRows; 2] {
+        let count = self.moments.len();
+        assert_eq!(self.around.positions.len(), count, "a device serves one rank");
+        [self.stiff.rows(count), self.soft.rows(count)]
     }
 
     /// Stiff pairs as parts of the resistance of bodies.

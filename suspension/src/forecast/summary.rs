@@ -79,7 +79,7 @@ pub fn outline(
     let memory = MemoryForecast::of(model, &planned, asked);
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
-    let outline = with_card(memory.add_to(outline), memory::card(&planned.radii, &planned.plan)?);
+    let outline = with_card(memory.add_to(outline), memory::card(model, &planned.radii, &planned.plan)?);
     let outline = with_cost(outline, &planned.plan, model.turn, &others);
     let outline = with_network(outline, model, &planned, asked);
     let outline = beside_periodic(outline, model, &cell, &planned, asked.ranks);

@@ -46,9 +46,12 @@ pub fn needs(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks) -> Vec<Mem
 }
 
 /// Memory that a run takes of a card, if its plan is for one.
-pub fn card(radii: &Radii, plan: &Plan) -> Result<Option<CardMemory>, PlanError> {
+pub fn card(model: &Model, radii: &Radii, plan: &Plan) -> Result<Option<CardMemory>, PlanError> {
     let place = Place::of(1, 0, [plan.grid[1], plan.grid[2]]);
-    Footprint::new(plan, &place, 1, &ExpectedCounts::new(plan.edges, radii.kinds(), &place)).card()
+    let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
+    let far = Footprint::new(plan, &place, 1, &expected);
+    let share = Share { model, far, expected: &expected, threads: 1, rank_of: (0, 1), dipoles: &[] };
+    hydrodynamics::memory::card(&share.far, &expected, share.near_field())
 }
 
 /// Peak memory of one rank of a run.

@@ -152,15 +152,15 @@ impl Planned {
         Radii::of_model(model).map(|radii| Self::new(model, radii)).transpose()
     }
 
-    fn check_device(&self, comm: &Comm) -> Result<(), PlanError> {
+    fn check_device(&self, model: &Model, comm: &Comm) -> Result<(), PlanError> {
         self.plan.device.check_ranks(comm.size())?;
-        memory::card(&self.radii, &self.plan)?.map_or(Ok(()), |card| card.check())
+        memory::card(model, &self.radii, &self.plan)?.map_or(Ok(()), |card| card.check())
     }
 
     /// Refuses a run for which the present ranks or their device do not have the memory, or whose device serves fewer
     /// ranks. Collective.
     pub fn check_memory(&self, model: &Model, comm: &Comm) -> Result<(), Failure> {
-        comm.agree(self.check_device(comm))?;
+        comm.agree(self.check_device(model, comm))?;
         let ranks = Ranks { count: comm.size(), threads: rayon::current_num_threads() };
         let need = memory::need(model, &self.radii, &self.plan, ranks, comm.rank());
         let advice = || memory::advice(model, &self.radii);

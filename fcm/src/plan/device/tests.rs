@@ -89,8 +89,8 @@ fn evaluations_that_do_not_fit_are_refused() {
         bytes,
     };
     assert_eq!(memory(1.2e9).check(), Ok(()));
-    assert_eq!(memory(1.2e9).describe(), "NVIDIA H200, 148 GB free of 150 GB; the far field takes about 1.20 GB");
+    assert_eq!(memory(1.2e9).describe(), "NVIDIA H200, 148 GB free of 150 GB; the solve takes about 1.20 GB");
     let refusal = memory(200e9).check().unwrap_err().to_string();
-    let reason = "the far field takes 200 GB of the card, and NVIDIA H200 has 148 GB free of 150 GB";
+    let reason = "the solve takes 200 GB of the card, and NVIDIA H200 has 148 GB free of 150 GB";
     assert!(refusal.starts_with(&format!("hydrodynamics.device is \"gpu\", but {reason}; ")), "{refusal}");
 }

@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::ambient::StrainRate;
-use crate::system::{MotionsWithLoads, Residual, resisted};
-use fcm::System;
+use crate::pairs::search::Pairs;
+use crate::preconditioner::Preconditioner;
+use crate::system::{CoupledSystem, MotionsWithLoads, Residual, SingleSpheres, SystemStart, Unknowns, resisted};
+use fcm::{Linear, System};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Traceless tensors that are orthonormal under contraction.

@@ -31,6 +31,14 @@ impl DiagonalBlock<f64> {
         self.coupling.iter_mut().zip(other.coupling).for_each(|(sum, value)| *sum += value);
     }
 
+    /// Numbers of a block.
+    pub const OWN_NUMBERS: usize = 15;
+
+    /// Force, torque and coupling, one after the other.
+    pub fn own_numbers(&self) -> [f64; Self::OWN_NUMBERS] {
+        std::array::from_fn(|k| self.numbers()[k])
+    }
+
     #[inline(always)]
     fn numbers(&self) -> [f64; NUMBERS] {
         let mut numbers = [0.0; NUMBERS];

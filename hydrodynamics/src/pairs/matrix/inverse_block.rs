@@ -14,6 +14,11 @@ impl Block {
     /// Stored numbers: a whole SIMD vector can be read from the start of the last row.
     pub const NUMBERS: usize = 5 * 6 + LANES;
 
+    /// The matrix row by row.
+    pub fn numbers(&self) -> [f64; 36] {
+        std::array::from_fn(|k| self.0[k])
+    }
+
     /// Product of the matrix and a six-vector.
     #[cfg(test)]
     pub fn times(&self, vector: &SixVector) -> SixVector {

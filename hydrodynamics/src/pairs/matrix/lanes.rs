@@ -91,6 +91,9 @@ pub trait StoredLanes: bytemuck::Zeroable + Copy + Send + Sync {
     /// Loads stored numbers into lanes.
     fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> SimdLanes<V>;
 
+    /// The stored number.
+    fn wide(self) -> f64;
+
     /// Stores lanes, rounding if necessary.
     fn store<V: SimdVector<f64>>(lanes: SimdLanes<V>, to: &mut [Self; LANES]);
 }
@@ -99,6 +102,10 @@ impl StoredLanes for f64 {
     #[inline(always)]
     fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> SimdLanes<V> {
         SimdLanes::read(stored)
+    }
+
+    fn wide(self) -> f64 {
+        self
     }
 
     #[inline(always)]
@@ -111,6 +118,10 @@ impl StoredLanes for f32 {
     #[inline(always)]
     fn lanes<V: SimdVector<f64>>(stored: &[Self; LANES]) -> SimdLanes<V> {
         SimdLanes::read(&stored.map(f64::from))
+    }
+
+    fn wide(self) -> f64 {
+        f64::from(self)
     }
 
     #[inline(always)]

@@ -8,6 +8,7 @@ use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
 use domain::parallel::MeasuredLoop;
+use fcm::PairRows;
 use lubrication::Arithmetic;
 use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
@@ -137,7 +138,7 @@ impl<T: StoredLanes> MatrixPart<T> {
     }
 
     /// Slices with the ranges of their groups.
-    fn slices(&self) -> impl Iterator<Item = (&Slice, std::ops::Range<usize>)> {
+    pub(super) fn slices(&self) -> impl Iterator<Item = (&Slice, std::ops::Range<usize>)> {
         let starts = std::iter::once(0).chain(self.slices.iter().map(|slice| slice.end));
         self.slices.iter().zip(starts).map(|(slice, start)| (slice, start..slice.end))
     }
@@ -176,6 +177,9 @@ pub trait Resistance: Sync {
     /// Whether there are no pairs.
     fn is_empty(&self) -> bool;
 
+    /// Rows of `count` particles, for a device.
+    fn rows(&self, count: usize) -> PairRows;
+
     /// Adds the loads due to the motions of particles and ghosts, for the rows of a block.
     fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]);
 
@@ -186,6 +190,10 @@ pub trait Resistance: Sync {
 impl<T: StoredLanes> Resistance for PairMatrix<T> {
     fn is_empty(&self) -> bool {
         self.parts.iter().all(|part| part.groups.is_empty())
+    }
+
+    fn rows(&self, count: usize) -> PairRows {
+        Self::rows(self, count)
     }
 
     fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]) {

@@ -4,23 +4,28 @@
 //! Noise is drawn on the host, by the same plan, and the flow of degenerate quadrupoles, which a solve needs once, is
 //! evaluated there.
 
+mod coupled;
 mod rigid;
 mod tables;
 #[cfg(test)]
 mod tests;
+mod vectors;
 
+use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
 use crate::mobility::far_field::grid::GridFarField;
 use crate::mobility::far_field::{FarField, NoiseRequest, RigidFarField, RigidProblem, RigidSolution};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::DrawDiagnostics;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
+use domain::parallel::equal;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
-use gpu::{Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, SplitFarField};
-use rigid::{ResidentProblem, ResidentSolution, SharedField};
+use gpu::{Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, SplitFarField};
+use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
 use tables::PlanTables;
+use vectors::SharedField;
 
 /// Far field of a plan on a device, in internal units as those of [`GridFarField`].
 pub(crate) struct DeviceFarField {
@@ -157,6 +162,12 @@ impl FarField for DeviceFarField {
         self.note_seconds();
     }
 
+    fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
+        let Particles { positions, radii, .. } = &self.particles;
+        let is_like = self.arranged.is_some() && self.cell == *cell && positions.len() == particles.len();
+        is_like && equal(positions, &particles.positions) && equal(radii, &particles.radii)
+    }
+
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         self.units = self.units.with_force(loads.largest(self.units.length));
         let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
@@ -179,6 +190,10 @@ impl FarField for DeviceFarField {
     }
 
     fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
+        Some(self)
+    }
+
+    fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         Some(self)
     }
 
@@ -220,4 +235,30 @@ impl RigidFarField for DeviceFarField {
         let stresslets = stresslets.as_chunks().0.iter().map(|&s| Traceless(s) * self.units.torque()).collect();
         RigidSolution { motion: self.motion(&motion), stresslets, outcome }
     }
+}
+
+impl CoupledFarField for DeviceFarField {
+    fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution {
+        let (own, given) = (self.units.with_force(largest_load(problem)), problem.units);
+        self.units = own;
+        let factors = LoadFactors {
+            force: 1.0 / own.force,
+            torque: given.torque() / own.torque(),
+            velocity: own.velocity() / given.velocity(),
+            rate: own.rate() / given.rate(),
+        };
+        let solution = coupled::solve(&self.split, problem, factors, &self.tables.orders([true; 2], [true; 2]));
+        self.note_evaluations(1 + solution.outcome.iterations as u64);
+        solution
+    }
+}
+
+/// Largest load of a problem: one that is given, or by which single spheres resist ambient motions and strain.
+fn largest_load(problem: &CoupledProblem) -> f64 {
+    let largest = |list: &mut dyn Iterator<Item = f64>| list.map(f64::abs).fold(0.0, f64::max);
+    let CoupledProblem { loads, start, near, ambient, background, .. } = problem;
+    let resistance = largest(&mut near.single.iter().flatten().copied());
+    let moved = largest(&mut ambient.iter().chain(background).copied());
+    let given = loads.iter().chain(&start.loads).chain(&start.moments).copied();
+    largest(&mut given.chain([resistance * moved]))
 }

@@ -1,67 +1,10 @@
 //! Solve for the stresslets of rigid spheres on a device: all vectors of the iteration stay there.
 
 use super::succeeded;
-use crate::conjugate_gradients::{Iterate, IterationOutcome, Limits, Linear, System, conjugate_gradients};
+use super::vectors::{ResidentVector, SharedField};
+use crate::conjugate_gradients::{Iterate, IterationOutcome, Limits, System, conjugate_gradients};
 use domain::Comm;
-use gpu::{DeviceList, DeviceLoads, DeviceMotion, MotionLists, Orders, SplitFarField};
-use std::cell::RefCell;
-use std::rc::Rc;
-
-/// A far field that vectors share, in whose memory they are.
-pub(super) type SharedField = Rc<RefCell<SplitFarField>>;
-
-/// A vector in the memory of a device.
-struct ResidentVector {
-    field: SharedField,
-    list: DeviceList,
-    count: usize,
-}
-
-impl ResidentVector {
-    /// Values that are undefined.
-    fn new(field: &SharedField, count: usize) -> Self {
-        let list = succeeded(field.borrow_mut().list(count));
-        Self { field: field.clone(), list, count }
-    }
-
-    fn of(field: &SharedField, values: &[f64]) -> Self {
-        let list = succeeded(field.borrow_mut().list_of(values));
-        Self { field: field.clone(), list, count: values.len() }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        succeeded(self.field.borrow_mut().values_of(&self.list))
-    }
-
-    /// `self = x_factor x + y_factor self`.
-    fn combine(&mut self, factors: [f64; 2], x: &Self) {
-        succeeded(self.field.borrow_mut().combine(factors, &x.list, &self.list));
-    }
-}
-
-impl Drop for ResidentVector {
-    fn drop(&mut self) {
-        self.field.borrow_mut().release(&self.list);
-    }
-}
-
-impl Clone for ResidentVector {
-    fn clone(&self) -> Self {
-        let mut copy = Self::new(&self.field, self.count);
-        copy.combine([1.0, 0.0], self);
-        copy
-    }
-}
-
-impl Linear for ResidentVector {
-    fn add(&mut self, factor: f64, other: &Self) {
-        self.combine([factor, 1.0], other);
-    }
-
-    fn scale_add(&mut self, factor: f64, other: &Self) {
-        self.combine([1.0, factor], other);
-    }
-}
+use gpu::{DeviceLoads, DeviceMotion, MotionLists, Orders};
 
 /// Problem of rigid spheres in the units of the device.
 pub(super) struct ResidentProblem<'a> {
@@ -147,7 +90,7 @@ impl System for ResidentStrain<'_> {
         let mut field = self.field.borrow_mut();
         succeeded(field.apply_stresslets(&direction.list, &self.step, self.orders));
         drop(field);
-        let image = ResidentVector::new(&self.field, direction.count);
+        let image = ResidentVector::new(&self.field, direction.count());
         succeeded(self.field.borrow_mut().combine([-1.0, 0.0], &self.step[2], &image.list));
         image
     }
@@ -159,7 +102,7 @@ impl System for ResidentStrain<'_> {
     }
 
     fn precondition(&mut self, residual: &ResidentVector) -> ResidentVector {
-        let z = ResidentVector::new(&self.field, residual.count);
+        let z = ResidentVector::new(&self.field, residual.count());
         succeeded(self.field.borrow_mut().weigh(&self.resistances.list, &residual.list, &z.list));
         z
     }

@@ -1,0 +1,89 @@
+//! Solve of the far field together with near pairs, where the far field is evaluated.
+
+use crate::conjugate_gradients::{IterationOutcome, Limits};
+use domain::{Comm, Units};
+use gpu::PairRows;
+
+/// A far field that solves for motions and stresslets of rigid spheres together with the resistance of near pairs.
+pub trait CoupledFarField {
+    /// Solves a problem for the arranged particles, which have stresslets.
+    fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution;
+}
+
+/// Resistance of near pairs. Stiff pairs are in the preconditioner; soft pairs are weak.
+pub struct NearResistance {
+    /// Stiff pairs.
+    pub stiff: PairRows,
+    /// Soft pairs.
+    pub soft: PairRows,
+    /// Lower triangles of the inverses of the diagonal blocks of `M_0^-1 + R_s`, 21 numbers a particle, row by row: the
+    /// resistance of single spheres and of stiff pairs.
+    pub inverses: Vec<f64>,
+    /// Resistances of single spheres to translation, rotation and strain, by radius of the plan.
+    pub single: Vec<[f64; 3]>,
+}
+
+/// Start of the iteration, as numbers of one particle after the other.
+pub struct CoupledStart {
+    /// Velocities and angular velocities from which the near field is solved.
+    pub motions: Vec<f64>,
+    /// Forces and torques of that solve.
+    pub loads: Vec<f64>,
+    /// Minus the stresslets.
+    pub moments: Vec<f64>,
+}
+
+/// Relative errors, in the norms of the resistances of single spheres.
+#[derive(Debug, Clone, Copy)]
+pub struct CoupledTolerances {
+    /// Of the near field at the start.
+    pub start: f64,
+    /// Of the preconditioner in the iteration.
+    pub preconditioner: f64,
+    /// Of the near field at the end.
+    pub end: f64,
+}
+
+/// The system of near pairs and far field
+///
+/// ```text
+/// [ I + B^T M_UF B   B^T M_UD ] [g]   [ -B^T (M_UF F + U_a)       ]
+/// [ M_EF B           M_ED     ] [D] = [ -E_inf - E_a - M_EF F     ]
+/// ```
+///
+/// with the mobility `M`, the resistance `R = B B^T` of near pairs, known loads `F` and ambient motions `U_a`, `E_a`.
+pub struct CoupledProblem<'a> {
+    /// Units of length and viscosity of all numbers; the unit of force is 1.
+    pub units: Units,
+    /// Near pairs.
+    pub near: NearResistance,
+    /// Forces and torques, six numbers a particle.
+    pub loads: &'a [f64],
+    /// Ambient velocities and angular velocities of all particles, six numbers each, then their rates of strain, five
+    /// each; empty if there are none.
+    pub ambient: Vec<f64>,
+    /// Rate of strain of the background: xx, xy, xz, yy and yz.
+    pub background: [f64; 5],
+    /// Start of the iteration.
+    pub start: CoupledStart,
+    /// Ranks, of which there is one.
+    pub comm: &'a Comm,
+    /// Limits of the iteration.
+    pub limits: Limits<'a>,
+    /// Errors of the near field.
+    pub tolerances: CoupledTolerances,
+}
+
+/// Solution of such a problem, as numbers of one particle after the other.
+pub struct CoupledSolution {
+    /// Velocities and angular velocities.
+    pub motions: Vec<f64>,
+    /// Loads of near pairs on the far field.
+    pub loads: Vec<f64>,
+    /// Minus the stresslets.
+    pub moments: Vec<f64>,
+    /// Rates of strain besides that of the background.
+    pub strain_rates: Vec<f64>,
+    /// Result of the iteration.
+    pub outcome: IterationOutcome,
+}

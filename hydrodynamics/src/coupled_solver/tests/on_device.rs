@@ -1,0 +1,198 @@
+//! The solve by the kernels of a card, which an emulator runs on the host, against that of the host.
+
+use super::*;
+use domain::Random;
+use fcm::{Method, Mobility, StressletSolver};
+use gpu::{Counted, Device, DeviceCounts, Emulator, NearSize, NumberFormat};
+
+/// Spheres of two sizes in a sheared box, one pair of them near contact.
+struct Suspension {
+    cell: PeriodicBox,
+    particles: Particles,
+    plan: Plan,
+}
+
+impl Suspension {
+    fn new(precision: Precision, iteration: f64) -> Self {
+        let radii: Vec<f64> = (0..16).map(|i| if i % 4 == 3 { 1.6 } else { 1.0 }).collect();
+        let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a * a * a).sum();
+        let (edge, strain) = ((volume / 0.3).cbrt(), 0.3);
+        let cell = PeriodicBox::sheared(Vector::splat(edge), strain).unwrap();
+        let mut positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
+        let line = cell.nearest_image(positions[1] - positions[0]).normalize();
+        positions[1] = positions[0] + line * (2.0 + 1e-3);
+        let mut particles = placed(&positions, &radii);
+        particles.wrap(&cell);
+        let given = problem(edge, &[1.0, 1.6], 1e-3, iteration);
+        let fixed = Fixed { precision: Some(precision), method: Some(Method::Split), ..given.fixed };
+        let plan = Plan::choose(&Problem { largest_strain: strain, fixed, ..given }).unwrap();
+        Self { cell, particles, plan }
+    }
+
+    fn partition(&self) -> Partition {
+        Partition::new(&Comm::alone(), [self.plan.grid[1], self.plan.grid[2]])
+    }
+
+    fn on_host(&self) -> CoupledSolver {
+        CoupledSolver::new(&self.plan, &self.partition(), lubricated_at(Some(LubricationRange::default()))).unwrap()
+    }
+
+    fn on(&self, device: Box<dyn Device>) -> CoupledSolver {
+        let far = StressletSolver::of(Mobility::on(device, &self.plan, &self.partition()), &Comm::alone());
+        CoupledSolver::of(far, &self.partition(), lubricated_at(Some(LubricationRange::default()))).unwrap()
+    }
+
+    /// Solutions in shear, then of settling spheres with random torques in ambient motions, from the first as a guess.
+    fn solutions(&self, mut solver: CoupledSolver) -> [Solution; 2] {
+        let mut numbers = Random::new(7, 0);
+        let mut vector = || Vector::from_array(std::array::from_fn(|_| numbers.uniform() - 0.5));
+        let none = Loads::default();
+        let shear = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
+        let first = solver.solve(&self.cell, &self.particles, &shear, &Guess::default()).unwrap();
+        let radii = &self.particles.radii;
+        let loads = Loads {
+            forces: radii.iter().map(|a| Vector::new(0.0, 0.0, -a.powi(3))).collect(),
+            torques: radii.iter().map(|_| vector()).collect(),
+            stresslets: Vec::new(),
+        };
+        let ambient = Motion {
+            velocities: radii.iter().map(|_| vector() * 0.1).collect(),
+            angular_velocities: radii.iter().map(|_| vector() * 0.1).collect(),
+            strain_rates: radii.iter().map(|_| Traceless([0.02, vector().x, 0.0, 0.1, vector().y])).collect(),
+        };
+        let settling = SolveInput { ambient: &ambient, ..acting(&loads, Traceless::ZERO) };
+        let guess = Guess { stresslets_far: first.far.stresslets.clone(), ..Guess::induced_by(&first.motion) };
+        [first, solver.solve(&self.cell, &self.particles, &settling, &guess).unwrap()]
+    }
+}
+
+fn emulator(seed: u64) -> Box<dyn Device> {
+    let options = std::env::var("EMULATOR_FLAGS").unwrap_or_default();
+    let options: Vec<&str> = options.split_whitespace().collect();
+    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
+    Box::new(Emulator::start(&Emulator::compile(&folder, &options).unwrap(), seed).unwrap())
+}
+
+/// Numbers of a solution by kind: motions, loads on the far field, and whole stresslets.
+fn columns(solution: &Solution) -> [Vec<f64>; 6] {
+    let vectors = |list: &[Vector]| list.iter().flat_map(Vector::to_array).collect();
+    let tensors = |list: &[Traceless]| list.iter().flat_map(|tensor| tensor.0).collect();
+    let Solution { motion, far, stresslets, .. } = solution;
+    [
+        vectors(&motion.velocities),
+        vectors(&motion.angular_velocities),
+        vectors(&far.forces),
+        vectors(&far.torques),
+        tensors(&far.stresslets),
+        tensors(stresslets),
+    ]
+}
+
+/// Root of the mean square of a difference over that of the values.
+fn relative(found: &[f64], exact: &[f64]) -> f64 {
+    assert!(found.len() == exact.len() && !exact.is_empty());
+    let square = |values: &mut dyn Iterator<Item = f64>| values.map(|value| value * value).sum::<f64>();
+    let difference = square(&mut found.iter().zip(exact).map(|(found, exact)| found - exact));
+    (difference / square(&mut exact.iter().copied())).sqrt()
+}
+
+/// Both solutions to the tolerance of the solve, in as many iterations: round-off changes the last steps.
+#[test]
+fn solutions_are_those_of_the_host() {
+    for (precision, iteration) in [(Precision::Double, 1e-6), (Precision::Single, 1e-4)] {
+        let suspension = Suspension::new(precision, iteration);
+        let exact = suspension.solutions(suspension.on_host());
+        let found = suspension.solutions(suspension.on(emulator(11)));
+        for (found, exact) in found.iter().zip(&exact) {
+            assert!(found.iterations > 3 && found.iterations.abs_diff(exact.iterations) <= 2, "{}", found.iterations);
+            for (kind, (found, exact)) in columns(found).iter().zip(&columns(exact)).enumerate() {
+                let difference = relative(found, exact);
+                assert!(difference < 3.0 * iteration, "{precision:?}, kind {kind}: {difference:e}");
+            }
+        }
+    }
+}
+
+/// Shuffled threads and blocks.
+#[test]
+fn any_order_of_threads_gives_the_same_bits() {
+    let suspension = Suspension::new(Precision::Single, 1e-2);
+    let [first, second] = [1, 2].map(|seed| suspension.solutions(suspension.on(emulator(seed))));
+    assert_eq!(first, second);
+}
+
+/// Solutions in shear to two tolerances, with what the device has done for each.
+fn counted(iteration: f64) -> (Solution, DeviceCounts) {
+    let suspension = Suspension::new(Precision::Single, iteration);
+    let (device, counts) = Counted::new(emulator(5));
+    let mut solver = suspension.on(Box::new(device));
+    let none = Loads::default();
+    let shear = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
+    let solution = solver.solve(&suspension.cell, &suspension.particles, &shear, &Guess::default()).unwrap();
+    let counts = counts.borrow().clone();
+    (solution, counts)
+}
+
+/// More iterations copy nothing to the device and a few sums to the host, and each evaluation after the second is one
+/// command.
+#[test]
+fn iterations_stay_on_the_device() {
+    let [(rough, few), (fine, many)] = [1e-2, 1e-4].map(counted);
+    assert!(fine.iterations > rough.iterations + 3, "{} {}", rough.iterations, fine.iterations);
+    assert_eq!(few.uploads, many.uploads);
+    let [copies, bytes] = std::array::from_fn(|k| many.downloads[k] - few.downloads[k]);
+    assert!(copies > 0 && bytes <= 4 * 8 * copies, "{copies} copies of {bytes} bytes");
+    for (solution, counts) in [(&rough, &few), (&fine, &many)] {
+        assert_eq!(counts.replays, solution.iterations as u64 - 1);
+        assert_eq!(counts.runs["solve_f32"], solution.iterations as u64 + 1);
+        assert_eq!(counts.runs["coupled_image_f32"], solution.iterations as u64 + 1);
+    }
+}
+
+/// The forecast of `check` for the near field, beside what a solve allocates after an evaluation.
+#[test]
+fn memory_is_as_predicted() {
+    let suspension = Suspension::new(Precision::Single, 1e-2);
+    let Suspension { cell, particles, .. } = &suspension;
+    let (device, counts) = Counted::new(emulator(5));
+    let mut solver = suspension.on(Box::new(device));
+    let loads = Loads {
+        forces: vec![Vector::X; particles.len()],
+        torques: vec![Vector::X; particles.len()],
+        stresslets: vec![Traceless::ZERO; particles.len()],
+    };
+    solver.mobility().follow(cell, particles);
+    solver.mobility().apply(&loads, Output::All);
+    let before = counts.borrow().memory[1];
+    let ambient = Motion { strain_rates: vec![Traceless::ZERO; particles.len()], ..Motion::default() };
+    let input = SolveInput { ambient: &ambient, ..acting(&loads, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
+    solver.solve(cell, particles, &input, &Guess::default()).unwrap();
+    let found = (counts.borrow().memory[1] - before) as f64;
+    let own = crate::units::particles(particles, &solver.units);
+    let [stiff, soft] = solver.near_pairs(cell, &own, &input).rows().map(|rows| rows.others.len() as f64);
+    assert!(stiff > 0.0 && soft > 0.0);
+    let size = NearSize { numbers: NumberFormat::Single, particles: particles.len() as f64, stiff, soft };
+    // Sums of blocks and the resistances of single spheres are left out.
+    assert!((size.bytes()..size.bytes() + 500.0).contains(&found), "{found} bytes, {} expected", size.bytes());
+}
+
+/// Springs and traps are in the matrix that the device gets.
+#[test]
+fn springs_and_traps_are_in_the_rows() {
+    let suspension = Suspension::new(Precision::Double, 1e-6);
+    let Suspension { cell, particles, .. } = &suspension;
+    let resistance = |distance: f64, _: lubrication::PairKind| 3.0 * (3.0 - distance).max(0.0);
+    let traps = particles.ids.iter().map(|id| 0.1 * (1 + id % 3) as f64).collect();
+    let tethers = crate::springs::TetherResistance { bonds: Vec::new(), traps };
+    let springs = Springs { resistance: &resistance, contacts: &[], tethers: &tethers };
+    let none = Loads::default();
+    let input = SolveInput { springs: Some(&springs), ..acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
+    let free = acting(&none, input.strain_rate.at_zero);
+    let solved = |mut solver: CoupledSolver, input| solver.solve(cell, particles, input, &Guess::default()).unwrap();
+    let [found, exact] = [suspension.on(emulator(4)), suspension.on_host()].map(|solver| solved(solver, &input));
+    let without = solved(suspension.on_host(), &free);
+    assert!(relative(&columns(&without)[0], &columns(&exact)[0]) > 1e-2);
+    for (found, exact) in columns(&found).iter().zip(&columns(&exact)) {
+        assert!(relative(found, exact) < 3e-6, "{:e}", relative(found, exact));
+    }
+}
