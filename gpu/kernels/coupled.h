@@ -15,7 +15,8 @@ template <typename N> struct ResidualOf {
 template <typename N> __device__ UnknownsOf<N> unknowns_of(const Task &task, N *list, int row)
 {
     long long part = (long long)SIX * task.particles, at = (long long)SIX * row;
-    return {list + at, list + part + at, list + 2 * part + at, list + 3 * part + at, list + 4 * part + COMPONENTS * row};
+    N *moments = list + 4 * part + COMPONENTS * row;
+    return {list + at, list + part + at, list + 2 * part + at, list + 3 * part + at, moments};
 }
 
 template <typename N> __device__ ResidualOf<N> residual_of(const Task &task, N *list, int row)
@@ -50,7 +51,7 @@ template <typename T> __device__ void coupled_loads(const Task &task)
 }
 
 // Image of a direction from the motions of the far field, velocities times a factor and gradients times another, and
-// its products with the direction. With the motions of the ambient fluid and of the background it is minus the residual.
+// its products with the direction. With ambient motions and those of the background it is minus the residual.
 template <typename T> __device__ void coupled_image(const Task &task)
 {
     int row = thread_index();
@@ -168,7 +169,8 @@ static __device__ void gather_result(const Task &task)
     ResidualOf<double> r = residual_of(task, task.residual, row);
     long long motions = (long long)SIX * task.particles;
     double *motion = task.image + SIX * row, *load = motion + motions;
-    double *moment = task.image + 2 * motions + COMPONENTS * row, *strain = moment + COMPONENTS * (long long)task.particles;
+    double *moment = task.image + 2 * motions + COMPONENTS * row;
+    double *strain = moment + (long long)COMPONENTS * task.particles;
     for (int k = 0; k < SIX; k++) {
         motion[k] = -x.stiff[k];
         load[k] = x.stiff_loads[k] + x.soft_loads[k];

@@ -3,7 +3,8 @@
 use crate::device::DeviceError;
 use crate::far_field::{Orders, SplitFarField};
 use crate::lists::DeviceList;
-use crate::near::{DeviceStep, PairSet, ProductSums};
+use crate::near::{DeviceStep, ProductSums};
+use crate::pair_rows::PairSet;
 use crate::task::KernelTask;
 
 /// Numbers of a particle in the unknowns: minus its motion in the loads of stiff pairs, these loads, the same of soft

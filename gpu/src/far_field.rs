@@ -1,9 +1,9 @@
-//! Order of an evaluation: kernels of the split method on a device.
+//! Particles, tables and lists of the split method on a device.
 
 use crate::buffers::Buffer;
-use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
+use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
-use crate::near::{NearBuffers, NearRows};
+use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::Repeated;
 use crate::tables::{LatticeShape, NumberFormat, SplitTables};
 use crate::task::{DeviceAddress, KernelTask};
@@ -12,11 +12,8 @@ use std::time::Instant;
 /// Points of a bin and of a tile along an axis; threads of blocks; as in `gpu/kernels`.
 const BIN: usize = 4;
 const TILE: usize = 8;
-const TILE_THREADS: usize = 64;
 const SCAN: usize = 256;
-const PARTICLE_THREADS: usize = 128;
-const PAIR_LANES: usize = 8;
-const MODE_THREADS: usize = 256;
+pub(crate) const PARTICLE_THREADS: usize = 128;
 
 /// Loads in the order of the particles, three or five numbers each; an empty list stands for none.
 #[derive(Debug, Clone, Copy, Default)]
@@ -79,7 +76,7 @@ pub(crate) struct Buffers {
     neighbour_starts: Buffer,
     neighbours: Buffer,
     pub(crate) loads: [Buffer; 3],
-    records: Buffer,
+    pub(crate) records: Buffer,
     grid: [Buffer; 2],
     pub(crate) motions: [Buffer; 3],
     /// Sums of blocks, of the vectors of an iteration and of one within it, and the sums of all blocks.
@@ -99,29 +96,7 @@ pub struct SplitFarField {
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
     neighbours: usize,
-    seconds: StageSeconds,
-}
-
-/// Parts of an evaluation, in their order.
-#[derive(Clone, Copy)]
-enum Stage {
-    Spread,
-    Transform,
-    Interpolate,
-    Near,
-}
-
-impl Stage {
-    const ALL: [Self; 4] = [Self::Spread, Self::Transform, Self::Interpolate, Self::Near];
-
-    fn of(self, seconds: &mut StageSeconds) -> &mut f64 {
-        match self {
-            Self::Spread => &mut seconds.spread,
-            Self::Transform => &mut seconds.transform,
-            Self::Interpolate => &mut seconds.interpolate,
-            Self::Near => &mut seconds.near,
-        }
-    }
+    pub(crate) seconds: StageSeconds,
 }
 
 impl SplitFarField {
@@ -293,16 +268,16 @@ impl SplitFarField {
     }
 
     /// Blocks that have some threads for each particle.
-    fn particle_blocks(&self, each: usize, threads: usize) -> usize {
+    pub(crate) fn particle_blocks(&self, each: usize, threads: usize) -> usize {
         (self.task.particles as usize * each).div_ceil(threads)
     }
 
-    fn run_over_particles(&mut self, kernel: &str, threads: usize) -> Result<(), DeviceError> {
+    pub(crate) fn run_over_particles(&mut self, kernel: &str, threads: usize) -> Result<(), DeviceError> {
         let name = format!("{kernel}_{}", self.tables.numbers.suffix());
         self.launch(&name, self.particle_blocks(1, threads), threads)
     }
 
-    fn launch(&mut self, kernel: &str, blocks: usize, threads: usize) -> Result<(), DeviceError> {
+    pub(crate) fn launch(&mut self, kernel: &str, blocks: usize, threads: usize) -> Result<(), DeviceError> {
         if blocks == 0 {
             return Ok(());
         }
@@ -319,60 +294,6 @@ impl SplitFarField {
         let motion = self.copy_motion()?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         Ok(motion)
-    }
-
-    /// Runs the kernels of an evaluation on the loads and motions of the task, and measures the time of each stage.
-    fn evaluate(&mut self, orders: &Orders) -> Result<(), DeviceError> {
-        self.reserve_records()?;
-        for stage in Stage::ALL {
-            let clock = Instant::now();
-            self.run(stage, orders)?;
-            self.device.finish()?;
-            *stage.of(&mut self.seconds) += clock.elapsed().as_secs_f64();
-        }
-        Ok(())
-    }
-
-    /// The same without waiting for any of them.
-    pub(crate) fn evaluate_in_order(&mut self, orders: &Orders) -> Result<(), DeviceError> {
-        self.reserve_records()?;
-        Stage::ALL.into_iter().try_for_each(|stage| self.run(stage, orders))
-    }
-
-    fn reserve_records(&mut self) -> Result<(), DeviceError> {
-        let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
-        self.task.records = self.buffers.records.reserve(self.device.as_mut(), bytes)?;
-        Ok(())
-    }
-
-    fn run(&mut self, stage: Stage, orders: &Orders) -> Result<(), DeviceError> {
-        let suffix = self.tables.numbers.suffix();
-        match stage {
-            Stage::Spread => {
-                self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
-                let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
-                self.launch(&format!("spread_{}_{suffix}", orders.spread), tiles, TILE_THREADS)
-            }
-            Stage::Transform => {
-                self.transform(true)?;
-                self.launch(&format!("solve_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
-                self.transform(false)
-            }
-            Stage::Interpolate => {
-                let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
-                self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)
-            }
-            Stage::Near => {
-                let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
-                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)
-            }
-        }
-    }
-
-    fn transform(&mut self, is_forward: bool) -> Result<(), DeviceError> {
-        let is_single = self.tables.numbers == NumberFormat::Single;
-        let KernelTask { field, spectrum, .. } = self.task;
-        self.device.transform(&TransformTask { is_forward, is_single, points: self.tables.grid, field, spectrum })
     }
 
     fn copy_loads(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<(), DeviceError> {

@@ -1,9 +1,9 @@
 //! The far field on a GPU: kernels, devices that run them, and an evaluation of the split method from tables.
 //!
 //! [`Cuda`] runs the kernels of `gpu/kernels` on a card, by libraries that are opened when a scene asks for it;
-//! [`Emulator`] runs the same kernels on the host, for tests. [`SplitFarField`] has the order of an evaluation, and
-//! the vectors of an iteration, with near pairs or without. It knows arrays and tables, but neither plans nor units: those are the concern of the crate
-//! `fcm`.
+//! [`Emulator`] runs the same kernels on the host, for tests; [`Counted`] counts what a device does.
+//! [`SplitFarField`] has the order of an evaluation, and the vectors of an iteration with near pairs or without. It
+//! knows arrays and tables, but neither plans nor units: those are the concern of the crate `fcm`.
 
 mod buffers;
 mod counted;
@@ -11,13 +11,16 @@ mod coupled;
 mod cuda;
 mod device;
 mod emulator;
+mod evaluation;
 mod far_field;
 mod lists;
 mod memory;
 mod near;
+mod pair_rows;
 mod repeated;
 mod tables;
 mod task;
+mod vectors;
 
 pub use counted::{Counted, DeviceCounts, SharedCounts};
 pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, UNKNOWNS};
@@ -27,8 +30,7 @@ pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize};
-pub use near::{
-    DeviceStep, NearInput, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, ProductSums, RowVectors, TRIANGLE,
-};
+pub use near::{DeviceStep, ProductSums, RowVectors};
+pub use pair_rows::{NearInput, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, TRIANGLE};
 pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
 pub use task::KernelTask;

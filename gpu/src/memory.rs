@@ -1,7 +1,7 @@
 //! Memory that an evaluation takes of a device.
 
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
-use crate::near::{OWN_NUMBERS, PAIR_NUMBERS, TRIANGLE};
+use crate::pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, TRIANGLE};
 use crate::tables::NumberFormat;
 
 /// Numbers on which the memory of an evaluation depends.

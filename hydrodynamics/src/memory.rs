@@ -59,8 +59,8 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
     lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
 }
 
-/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one; none if the plan is for
-/// the host.
+/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one; none if the plan is
+/// for the host.
 pub fn card(
     far: &Footprint,
     expected: &ExpectedCounts,

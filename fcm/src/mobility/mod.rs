@@ -116,8 +116,8 @@ impl Mobility {
         if self.constraint.is_some() { None } else { self.far.rigid() }
     }
 
-    /// The far field, if it solves together with near pairs for spheres with stresslets, and the motions have no flow of
-    /// [`Self::constrain`].
+    /// The far field, if it solves together with near pairs for spheres with stresslets, and the motions have no flow
+    /// of [`Self::constrain`].
     pub fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         let is_rigid = self.plan.multipoles == Multipoles::Dipole && self.constraint.is_none();
         if is_rigid { self.far.coupled() } else { None }

@@ -48,10 +48,10 @@ pub fn needs(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks) -> Vec<Mem
 /// Memory that a run takes of a card, if its plan is for one.
 pub fn card(model: &Model, radii: &Radii, plan: &Plan) -> Result<Option<CardMemory>, PlanError> {
     let place = Place::of(1, 0, [plan.grid[1], plan.grid[2]]);
-    let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
-    let far = Footprint::new(plan, &place, 1, &expected);
-    let share = Share { model, far, expected: &expected, threads: 1, rank_of: (0, 1), dipoles: &[] };
-    hydrodynamics::memory::card(&share.far, &expected, share.near_field())
+    let expected = &ExpectedCounts::new(plan.edges, radii.kinds(), &place);
+    let far = Footprint::new(plan, &place, 1, expected);
+    let share = Share { model, far, expected, threads: 1, rank_of: (0, 1), dipoles: &[] };
+    hydrodynamics::memory::card(&share.far, expected, share.near_field())
 }
 
 /// Peak memory of one rank of a run.
@@ -59,8 +59,7 @@ pub fn need(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks, rank: usize
     let place = Place::of(ranks.count, rank, [plan.grid[1], plan.grid[2]]);
     let expected = ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, &place, ranks.threads, &expected);
-    let (threads, rank_of) = (ranks.threads, (rank, ranks.count));
-    let dipoles = &dipole_plans(model, radii);
+    let (threads, rank_of, dipoles) = (ranks.threads, (rank, ranks.count), &dipole_plans(model, radii)[..]);
     let share = Share { model, far, expected: &expected, threads, rank_of, dipoles };
     of_peak(share.peak(), &share.far, rank, ranks.count)
 }

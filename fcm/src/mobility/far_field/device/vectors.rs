@@ -9,13 +9,13 @@ use std::rc::Rc;
 /// A far field that vectors share, in whose memory they are.
 pub(super) type SharedField = Rc<RefCell<SplitFarField>>;
 
-/// Memory of a vector, which is released with the last of those that share it.
-struct Memory {
+/// ResidentMemory of a vector, which is released with the last of those that share it.
+struct ResidentMemory {
     field: SharedField,
     list: DeviceList,
 }
 
-impl Drop for Memory {
+impl Drop for ResidentMemory {
     fn drop(&mut self) {
         self.field.borrow_mut().release(&self.list);
     }
@@ -23,7 +23,7 @@ impl Drop for Memory {
 
 /// A vector in the memory of a device. A clone has memory of its own.
 pub(super) struct ResidentVector {
-    memory: Rc<Memory>,
+    memory: Rc<ResidentMemory>,
     /// Place of its values.
     pub list: DeviceList,
 }
@@ -52,7 +52,7 @@ impl ResidentVector {
     }
 
     fn at(field: &SharedField, list: DeviceList) -> Self {
-        Self { memory: Rc::new(Memory { field: field.clone(), list }), list }
+        Self { memory: Rc::new(ResidentMemory { field: field.clone(), list }), list }
     }
 
     fn filled(self, values: &[f64]) -> Self {

@@ -10,7 +10,7 @@ use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, Linear, Step, SteppedSystem, conjugate_gradients};
 use crate::mobility::coupled::{CoupledProblem, CoupledSolution};
 use gpu::{CoupledVectors, KnownInput, LoadFactors, NearInput, Orders, RESIDUALS, UNKNOWNS};
-use preconditioner::{LoadedMotions, PairLoads, ResidentPreconditioner, named, placed};
+use preconditioner::{LoadedMotions, ResidentLoads, ResidentPreconditioner, named, placed};
 
 /// Numbers of a motion or load, and of a stresslet.
 const SIX: usize = 6;
@@ -21,7 +21,7 @@ struct ResidentSystem<'a> {
     field: SharedField,
     matrix: ResidentPreconditioner,
     /// Loads of single spheres in the residual of stiff pairs.
-    stiff: PairLoads,
+    stiff: ResidentLoads,
     image: ResidentVector,
     factors: LoadFactors,
     orders: &'a Orders,
@@ -43,7 +43,7 @@ pub(super) fn solve(
     let mut system = ResidentSystem {
         field: field.clone(),
         matrix: ResidentPreconditioner::new(field, problem.comm, SIX * count, problem.tolerances.preconditioner),
-        stiff: PairLoads {
+        stiff: ResidentLoads {
             given: ResidentVector::wide_of(field, &problem.start.loads),
             residual: ResidentVector::wide(field, SIX * count),
         },

@@ -25,7 +25,7 @@ pub(super) struct ResidentPreconditioner {
 }
 
 /// Right-hand side of a solve.
-pub(super) struct PairLoads {
+pub(super) struct ResidentLoads {
     /// Given loads, and those that are left.
     pub given: ResidentVector,
     pub residual: ResidentVector,
@@ -55,7 +55,7 @@ impl ResidentPreconditioner {
     }
 
     /// Solves with stiff and soft pairs, to an error of `tolerance`, from motions that are given.
-    pub fn solve_with_all(&mut self, loads: &mut PairLoads, to: &mut LoadedMotions, tolerance: f64) {
+    pub fn solve_with_all(&mut self, loads: &mut ResidentLoads, to: &mut LoadedMotions, tolerance: f64) {
         self.pairs = PairSet::All;
         let (motions, image) = (&to.motions.list, &self.image.list);
         let mut field = self.field.borrow_mut();
@@ -67,19 +67,19 @@ impl ResidentPreconditioner {
     }
 
     /// Solves from motions whose residual is given.
-    pub fn solve(&mut self, loads: &mut PairLoads, to: &mut LoadedMotions) {
+    pub fn solve(&mut self, loads: &mut ResidentLoads, to: &mut LoadedMotions) {
         self.solve_from(loads, to, self.tolerance);
     }
 
     /// Continues an earlier solve.
-    pub fn continue_solve(&mut self, loads: &mut PairLoads, to: &mut LoadedMotions) {
-        let PairLoads { given, residual } = loads;
+    pub fn continue_solve(&mut self, loads: &mut ResidentLoads, to: &mut LoadedMotions) {
+        let ResidentLoads { given, residual } = loads;
         let parts = [&given.list, &to.loads.list];
         succeeded(self.field.borrow_mut().remainder(parts, Some(&to.motions.list), &residual.list));
         self.solve(loads, to);
     }
 
-    fn solve_from(&mut self, loads: &mut PairLoads, to: &mut LoadedMotions, tolerance: f64) {
+    fn solve_from(&mut self, loads: &mut ResidentLoads, to: &mut LoadedMotions, tolerance: f64) {
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
         let (comm, mut z) = (self.comm.clone(), self.z.shared());
         let iterate = Iterate { x: &mut to.motions, residual: &mut loads.residual, z: &mut z };

@@ -1,0 +1,135 @@
+//! Order of an evaluation: kernels of the split method on a device.
+
+use crate::device::{DeviceError, TransformTask};
+use crate::far_field::{Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
+use crate::repeated::Repeated;
+use crate::tables::NumberFormat;
+use crate::task::KernelTask;
+use std::time::Instant;
+
+/// Threads of blocks and of a particle, as in `gpu/kernels`.
+const TILE_THREADS: usize = 64;
+const PAIR_LANES: usize = 8;
+const MODE_THREADS: usize = 256;
+
+/// Parts of an evaluation, in their order.
+#[derive(Clone, Copy)]
+enum EvaluationStage {
+    Spread,
+    Transform,
+    Interpolate,
+    Near,
+}
+
+impl EvaluationStage {
+    const ALL: [Self; 4] = [Self::Spread, Self::Transform, Self::Interpolate, Self::Near];
+
+    fn of(self, seconds: &mut StageSeconds) -> &mut f64 {
+        match self {
+            Self::Spread => &mut seconds.spread,
+            Self::Transform => &mut seconds.transform,
+            Self::Interpolate => &mut seconds.interpolate,
+            Self::Near => &mut seconds.near,
+        }
+    }
+}
+
+impl SplitFarField {
+    /// Runs the kernels of an evaluation on the loads and motions of the task, and measures the time of each stage.
+    pub(crate) fn evaluate(&mut self, orders: &Orders) -> Result<(), DeviceError> {
+        self.reserve_records()?;
+        for stage in EvaluationStage::ALL {
+            let clock = Instant::now();
+            self.run(stage, orders)?;
+            self.device.finish()?;
+            *stage.of(&mut self.seconds) += clock.elapsed().as_secs_f64();
+        }
+        Ok(())
+    }
+
+    /// The same without waiting for any of them.
+    pub(crate) fn evaluate_in_order(&mut self, orders: &Orders) -> Result<(), DeviceError> {
+        self.reserve_records()?;
+        EvaluationStage::ALL.into_iter().try_for_each(|stage| self.run(stage, orders))
+    }
+
+    fn reserve_records(&mut self) -> Result<(), DeviceError> {
+        let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
+        self.task.records = self.buffers.records.reserve(self.device.as_mut(), bytes)?;
+        Ok(())
+    }
+
+    fn run(&mut self, stage: EvaluationStage, orders: &Orders) -> Result<(), DeviceError> {
+        let suffix = self.tables.numbers.suffix();
+        match stage {
+            EvaluationStage::Spread => {
+                self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
+                let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
+                self.launch(&format!("spread_{}_{suffix}", orders.spread), tiles, TILE_THREADS)
+            }
+            EvaluationStage::Transform => {
+                self.transform(true)?;
+                self.launch(&format!("solve_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+                self.transform(false)
+            }
+            EvaluationStage::Interpolate => {
+                let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
+                self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)
+            }
+            EvaluationStage::Near => {
+                let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
+                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)
+            }
+        }
+    }
+
+    fn transform(&mut self, is_forward: bool) -> Result<(), DeviceError> {
+        let is_single = self.tables.numbers == NumberFormat::Single;
+        let KernelTask { field, spectrum, .. } = self.task;
+        self.device.transform(&TransformTask { is_forward, is_single, points: self.tables.grid, field, spectrum })
+    }
+}
+
+impl SplitFarField {
+    /// Runs commands that belong to addresses, by which they are known: as they are at first, then from a recording.
+    pub(crate) fn repeat(
+        &mut self,
+        addresses: &[u64],
+        commands: impl Fn(&mut Self) -> Result<(), DeviceError>,
+    ) -> Result<(), DeviceError> {
+        let known = std::mem::take(&mut self.repeated);
+        self.repeated = match known {
+            Repeated::Recorded(of) if of == addresses => {
+                self.device.replay()?;
+                Repeated::Recorded(of)
+            }
+            Repeated::Tried(of) if of == addresses => {
+                if self.record(&commands)? {
+                    self.device.replay()?;
+                    Repeated::Recorded(of)
+                } else {
+                    commands(self)?;
+                    Repeated::Plain(of)
+                }
+            }
+            Repeated::Plain(of) if of == addresses => {
+                commands(self)?;
+                Repeated::Plain(of)
+            }
+            _ => {
+                commands(self)?;
+                Repeated::Tried(addresses.to_vec())
+            }
+        };
+        Ok(())
+    }
+
+    /// Records commands. Returns whether the device has kept them.
+    fn record(&mut self, commands: &impl Fn(&mut Self) -> Result<(), DeviceError>) -> Result<bool, DeviceError> {
+        if !self.device.begin_recording()? {
+            return Ok(false);
+        }
+        let is_recorded = commands(self).is_ok();
+        Ok(self.device.end_recording()? && is_recorded)
+    }
+}

@@ -1,0 +1,164 @@
+//! Vectors of an iteration in the memory of a device.
+
+use crate::device::{DeviceError, KernelLaunch};
+use crate::far_field::{Orders, SplitFarField};
+use crate::lists::{DeviceList, MotionLists};
+use crate::tables::NumberFormat;
+use crate::task::{DeviceAddress, KernelTask};
+
+/// Threads of a block, as in `gpu/kernels/vectors.h`.
+pub(crate) const SUM_THREADS: usize = 256;
+
+/// Largest number of sums at a time.
+const MOST_SUMS: usize = 4;
+
+impl SplitFarField {
+    /// A list of this many values in the precision of the grid, which are undefined.
+    pub fn list(&mut self, count: usize) -> Result<DeviceList, DeviceError> {
+        self.list_in(self.tables.numbers, count)
+    }
+
+    /// A list of this many values in `f64`, which are undefined.
+    pub fn wide_list(&mut self, count: usize) -> Result<DeviceList, DeviceError> {
+        self.list_in(NumberFormat::Double, count)
+    }
+
+    /// A list like another, of undefined values.
+    pub fn list_like(&mut self, list: &DeviceList) -> Result<DeviceList, DeviceError> {
+        self.list_in(list.numbers, list.count)
+    }
+
+    fn list_in(&mut self, numbers: NumberFormat, count: usize) -> Result<DeviceList, DeviceError> {
+        let is_like = |list: &DeviceList| list.count == count && list.numbers == numbers;
+        if let Some(place) = self.spare.iter().position(is_like) {
+            return Ok(self.spare.swap_remove(place));
+        }
+        let address = self.device.allocate(count * numbers.size())?;
+        Ok(DeviceList { address, count, numbers })
+    }
+
+    /// Copies values to the start of a list.
+    pub fn fill(&mut self, list: &DeviceList, values: &[f64]) -> Result<(), DeviceError> {
+        self.device.upload(list.address, &list.numbers.bytes_of(values.iter().copied()))
+    }
+
+    /// The values of a list.
+    pub fn values_of(&mut self, list: &DeviceList) -> Result<Vec<f64>, DeviceError> {
+        self.download(list.address, list.count, list.numbers)
+    }
+
+    /// Lists for the motions of all particles.
+    pub fn motion_lists(&mut self) -> Result<MotionLists, DeviceError> {
+        let count = self.task.particles as usize;
+        Ok([self.list(3 * count)?, self.list(3 * count)?, self.list(5 * count)?])
+    }
+
+    /// Releases a list. Its memory is kept for another of as many values.
+    pub fn release(&mut self, list: &DeviceList) {
+        self.spare.push(*list);
+    }
+
+    /// Releases the memory of lists that were released.
+    pub(crate) fn release_spare(&mut self) {
+        for list in std::mem::take(&mut self.spare) {
+            self.device.release(list.address);
+        }
+    }
+
+    /// `y = x_factor x + y_factor y`, where a `y` that is not used may be undefined.
+    pub fn combine(&mut self, factors: [f64; 2], x: &DeviceList, y: &DeviceList) -> Result<(), DeviceError> {
+        let [x_factor, y_factor] = factors;
+        let (list_x, list_y, list_size) = (x.address, y.address, y.count as i64);
+        let task = KernelTask { list_x, list_y, x_factor, y_factor, list_size, ..self.task };
+        self.launch_vectors(&format!("combine_{}", y.numbers.suffix()), y.count.div_ceil(SUM_THREADS), &task)
+    }
+
+    /// `y = x` times the weight of each particle's class.
+    pub fn weigh(&mut self, weights: &DeviceList, x: &DeviceList, y: &DeviceList) -> Result<(), DeviceError> {
+        let (list_x, list_y, list_weights) = (x.address, y.address, weights.address);
+        let task = KernelTask { list_x, list_y, list_weights, ..self.task };
+        self.launch_vectors(&format!("weigh_{}", self.tables.numbers.suffix()), self.blocks(), &task)
+    }
+
+    /// Sum of the products of the matrices of each particle, over the weights of their classes if there are any.
+    pub fn contract(
+        &mut self,
+        x: &DeviceList,
+        y: &DeviceList,
+        weights: Option<&DeviceList>,
+    ) -> Result<f64, DeviceError> {
+        let blocks = self.blocks();
+        if blocks == 0 {
+            return Ok(0.0);
+        }
+        let list_sums = self.reserve_sums(0, blocks)?;
+        let list_weights = weights.map_or(0, |list| list.address);
+        let task = KernelTask { list_x: x.address, list_y: y.address, list_weights, list_sums, ..self.task };
+        self.launch_vectors(&format!("sum_products_{}", self.tables.numbers.suffix()), blocks, &task)?;
+        let [sum] = self.sum_up(list_sums, blocks)?;
+        Ok(sum)
+    }
+
+    /// Place for this many sums of blocks, in one of two lists.
+    pub(crate) fn reserve_sums(&mut self, list: usize, count: usize) -> Result<DeviceAddress, DeviceError> {
+        self.buffers.sums[list].reserve(self.device.as_mut(), size_of::<f64>() * count)
+    }
+
+    /// Sums of some lists of the sums of blocks, one after the other.
+    pub(crate) fn sum_up<const N: usize>(
+        &mut self,
+        list_sums: DeviceAddress,
+        blocks: usize,
+    ) -> Result<[f64; N], DeviceError> {
+        self.launch_sums(list_sums, blocks, N)?;
+        self.totals()
+    }
+
+    /// Adds up the sums of blocks.
+    pub(crate) fn launch_sums(
+        &mut self,
+        list_sums: DeviceAddress,
+        blocks: usize,
+        lists: usize,
+    ) -> Result<(), DeviceError> {
+        let totals = self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)?;
+        let task = KernelTask { list_sums, totals, list_size: blocks as i64, ..self.task };
+        self.launch_vectors("sum_up", lists, &task)
+    }
+
+    /// The last sums.
+    pub(crate) fn totals<const N: usize>(&mut self) -> Result<[f64; N], DeviceError> {
+        let totals = self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)?;
+        let mut sums = [0.0_f64; N];
+        self.device.download(totals, bytemuck::cast_slice_mut(&mut sums))?;
+        Ok(sums)
+    }
+
+    /// Motions that stresslets cause, without a copy to the host.
+    pub fn apply_stresslets(
+        &mut self,
+        stresslets: &DeviceList,
+        motion: &MotionLists,
+        orders: &Orders,
+    ) -> Result<(), DeviceError> {
+        (self.task.forces, self.task.torques, self.task.stresslets) = (0, 0, stresslets.address);
+        let [velocities, turns, strains] = motion;
+        (self.task.velocities, self.task.angular_velocities) = (velocities.address, turns.address);
+        self.task.strain_rates = strains.address;
+        let addresses = [stresslets.address, velocities.address, turns.address, strains.address];
+        let orders = *orders;
+        self.repeat(&addresses, |field| field.evaluate_in_order(&orders))
+    }
+
+    pub(crate) fn blocks(&self) -> usize {
+        (self.task.particles as usize).div_ceil(SUM_THREADS)
+    }
+
+    /// Runs a kernel of vectors, unless there is nothing to do.
+    pub(crate) fn launch_vectors(&mut self, kernel: &str, blocks: usize, task: &KernelTask) -> Result<(), DeviceError> {
+        if blocks == 0 {
+            return Ok(());
+        }
+        self.device.launch(&KernelLaunch { kernel, blocks, threads: SUM_THREADS }, task)
+    }
+}
