@@ -59,10 +59,12 @@ static __device__ double own_load(const Task &task, int row, int component)
 }
 
 // Loads of near pairs in a direction, by eight threads a row, and sums by blocks of their products with the direction.
-// The loads are added to an image or replace it, with those of single spheres if they are asked for.
+// The loads are added to an image or replace it, with those of single spheres if they are asked for. In an iteration
+// that has ended nothing changes.
 template <typename S> __device__ void row_loads(const Task &task)
 {
     SHARED(double, partial, SIX *SUM_THREADS);
+    if (task.state && task.state->is_active == 0) return;
     int thread = (int)threadIdx.x, lane = thread % ROW_LANES, first = thread - lane;
     int row = (int)(blockIdx.x * (SUM_THREADS / ROW_LANES)) + thread / ROW_LANES;
     bool is_there = row < task.particles;
@@ -99,17 +101,18 @@ static __device__ void store_products(const Task &task, const Products &own)
     store_sum(own.size, to + 3 * task.list_size);
 }
 
-// A step along a direction, if there is one, and the residual preconditioned by blocks.
+// A step of an iteration along a direction, if there is one, and the residual preconditioned by blocks.
 static __device__ void step_rows(const Task &task)
 {
+    if (task.direction && task.state->is_active == 0) return;
     int row = thread_index();
     Products sums = {0, 0, 0, 0};
     if (row < task.particles) {
         double *x = task.unknowns + SIX * row, *r = task.residual + SIX * row, *z = task.preconditioned + SIX * row;
         const double *block = task.row_inverses + TRIANGLE * row;
         for (int k = 0; task.direction && k < SIX; k++) {
-            x[k] += task.x_factor * task.direction[SIX * row + k];
-            r[k] -= task.x_factor * task.image[SIX * row + k];
+            x[k] += task.state->length * task.direction[SIX * row + k];
+            r[k] -= task.state->length * task.image[SIX * row + k];
             sums.former += r[k] * z[k];
         }
         for (int k = 0; k < SIX; k++) {
@@ -125,6 +128,49 @@ static __device__ void step_rows(const Task &task)
         }
     }
     store_products(task, sums);
+}
+
+// Sum of the sums of all blocks in a list, by one block.
+static __device__ void add_list(const Task &task, int list)
+{
+    const double *sums = task.list_sums + list * task.list_size;
+    double own = 0;
+    for (long long block = threadIdx.x; block < task.list_size; block += SUM_THREADS) own += sums[block];
+    store_sum(own, task.totals + list);
+}
+
+// Length of the next step, from the product of a direction and its image, by one block.
+static __device__ void set_length(const Task &task)
+{
+    if (task.state->is_active == 0) return;
+    add_list(task, 0);
+    if (threadIdx.x > 0) return;
+    task.state->length = task.state->product / task.totals[0];
+    task.state->steps += 1;
+}
+
+// Part of the last direction in the next, and whether the iteration goes on, from the sums after a step, or without a
+// direction at the start; by one block.
+static __device__ void set_turn(const Task &task)
+{
+    if (task.direction && task.state->is_active == 0) return;
+    for (int list = 0; list < 4; list++) add_list(task, list);
+    if (threadIdx.x > 0) return;
+    PairState &state = *task.state;
+    Products now = {task.totals[0], task.totals[1], task.totals[2], task.totals[3]};
+    state.turn = task.direction ? (now.product - now.former) / state.product : 0;
+    state.product = now.product;
+    bool is_small = fabs(now.error) <= state.square * now.size || now.error == 0;
+    state.is_active = !is_small && now.product > 0 && now.product <= 1.7976931348623157e308;
+}
+
+// Next direction of an iteration; the first may be undefined.
+static __device__ void turn_direction(const Task &task)
+{
+    long long at = (long long)blockIdx.x * blockDim.x + threadIdx.x;
+    if (at >= (long long)SIX * task.particles) return;
+    double turn = task.state->turn, z = task.preconditioned[at];
+    task.image[at] = turn == 0 ? z : z + turn * task.image[at];
 }
 
 // `image = residual - preconditioned - Z unknowns` with the resistance Z of single spheres; unknowns may be absent.

@@ -1,6 +1,13 @@
 // Arguments of all kernels.
 #pragma once
 
+// State of an iteration of conjugate gradients: product of residual and preconditioned residual, length of a step, part of
+// the last direction in the next, the square of the tolerance, and the number of steps. It is active until the error is
+// within the tolerance, or no step can reduce it.
+struct PairState {
+    double product, length, turn, square, steps, is_active;
+};
+
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, positions unsigned integers of the same size.
 struct Task {
@@ -46,6 +53,8 @@ struct Task {
     const double *direction;
     double *image, *stiff_loads, *stiff_residual;
     const double *ambient;
+    // State of an iteration that goes on by itself.
+    PairState *state;
 
     double edges[3];
     double inverse_spacing[3];

@@ -31,9 +31,9 @@ pub struct Counted {
     device: Box<dyn Device>,
     counts: SharedCounts,
     sizes: HashMap<DeviceAddress, u64>,
-    /// Kernels of the recording that has begun, and of the last.
+    /// Kernels of the recording that has begun, and of others by number.
     begun: Option<Vec<String>>,
-    recording: Vec<String>,
+    recordings: HashMap<usize, Vec<String>>,
 }
 
 impl Counted {
@@ -41,7 +41,7 @@ impl Counted {
     pub fn new(device: Box<dyn Device>) -> (Self, SharedCounts) {
         let counts = SharedCounts::default();
         let (shared, sizes) = (Rc::clone(&counts), HashMap::new());
-        (Self { device, counts, sizes, begun: None, recording: Vec::new() }, shared)
+        (Self { device, counts, sizes, begun: None, recordings: HashMap::new() }, shared)
     }
 
     fn note(&mut self, name: &str) {
@@ -106,19 +106,19 @@ impl Device for Counted {
         Ok(begins)
     }
 
-    fn end_recording(&mut self) -> Result<bool, DeviceError> {
-        self.recording = self.begun.take().unwrap_or_default();
-        self.device.end_recording()
+    fn end_recording(&mut self, number: usize) -> Result<bool, DeviceError> {
+        self.recordings.insert(number, self.begun.take().unwrap_or_default());
+        self.device.end_recording(number)
     }
 
-    fn replay(&mut self) -> Result<(), DeviceError> {
+    fn replay(&mut self, number: usize) -> Result<(), DeviceError> {
         let counts = &mut *self.counts.borrow_mut();
         counts.launches += 1;
         counts.replays += 1;
-        for name in &self.recording {
+        for name in &self.recordings[&number] {
             *counts.runs.entry(name.clone()).or_default() += 1;
         }
-        self.device.replay()
+        self.device.replay(number)
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {

@@ -5,6 +5,7 @@ use crate::far_field::{Orders, SplitFarField};
 use crate::lists::DeviceList;
 use crate::near::{DeviceStep, ProductSums};
 use crate::pair_rows::PairSet;
+use crate::repeated::EVALUATION;
 use crate::task::KernelTask;
 
 /// Numbers of a particle in the unknowns: minus its motion in the loads of stiff pairs, these loads, the same of soft
@@ -70,7 +71,7 @@ impl SplitFarField {
         task.angular_velocities = turns.reserve(on, 3 * count * value)?;
         task.strain_rates = strains.reserve(on, 5 * count * value)?;
         task.background = background;
-        *repeated = crate::repeated::Repeated::default();
+        *repeated = Default::default();
         Ok(())
     }
 
@@ -123,7 +124,7 @@ impl SplitFarField {
         }
         let addresses = [direction.address, image.address];
         let (factors, orders) = (*factors, *orders);
-        self.repeat(&addresses, |field| field.apply_coupled(addresses, &factors, &orders))?;
+        self.repeat(EVALUATION, &addresses, |field| field.apply_coupled(addresses, &factors, &orders))?;
         let [product] = self.totals()?;
         Ok(product)
     }

@@ -30,7 +30,7 @@ pub struct Cuda {
     functions: HashMap<String, CudaFunction>,
     memory: HashMap<DeviceAddress, CudaSlice<u8>>,
     transforms: Vec<(TransformKind, CudaFft)>,
-    recording: Option<CudaGraph>,
+    recordings: HashMap<usize, CudaGraph>,
 }
 
 /// Values on which a plan of a transform depends.
@@ -112,7 +112,7 @@ impl Cuda {
         let module = context.load_module(PTX.into()).map_err(failed)?;
         let stream = context.new_stream().map_err(failed)?;
         let (functions, memory) = (HashMap::new(), HashMap::new());
-        Ok(Self { context, stream, module, functions, memory, transforms: Vec::new(), recording: None })
+        Ok(Self { context, stream, module, functions, memory, transforms: Vec::new(), recordings: HashMap::new() })
     }
 
     fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
@@ -219,18 +219,20 @@ impl Device for Cuda {
     }
 
     fn begin_recording(&mut self) -> Result<bool, DeviceError> {
-        self.recording = None;
         Ok(self.stream.begin_capture(CUstreamCaptureMode::CU_STREAM_CAPTURE_MODE_THREAD_LOCAL).is_ok())
     }
 
-    fn end_recording(&mut self) -> Result<bool, DeviceError> {
-        self.recording = self.stream.end_capture(CUgraphInstantiate_flags(0)).ok().flatten();
-        Ok(self.recording.is_some())
+    fn end_recording(&mut self, number: usize) -> Result<bool, DeviceError> {
+        self.recordings.remove(&number);
+        let graph = self.stream.end_capture(CUgraphInstantiate_flags(0)).ok().flatten();
+        let is_kept = graph.is_some();
+        self.recordings.extend(graph.map(|graph| (number, graph)));
+        Ok(is_kept)
     }
 
-    fn replay(&mut self) -> Result<(), DeviceError> {
+    fn replay(&mut self, number: usize) -> Result<(), DeviceError> {
         let none = || DeviceError("the GPU has no recording to replay".to_owned());
-        self.recording.as_ref().ok_or_else(none)?.launch().map_err(failed)
+        self.recordings.get(&number).ok_or_else(none)?.launch().map_err(failed)
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {

@@ -71,15 +71,15 @@ pub trait Device {
     /// Transforms a field.
     fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError>;
 
-    /// Begins a recording, which replaces the last: kernels and transforms up to its end are kept, and not run. There
-    /// are no other commands. Returns whether the device can record.
+    /// Begins a recording: kernels and transforms up to its end are kept, and not run. There are no other commands.
+    /// Returns whether the device can record.
     fn begin_recording(&mut self) -> Result<bool, DeviceError>;
 
-    /// Ends a recording. Returns whether the device could keep it.
-    fn end_recording(&mut self) -> Result<bool, DeviceError>;
+    /// Ends a recording, which replaces that with the same number. Returns whether the device could keep it.
+    fn end_recording(&mut self, number: usize) -> Result<bool, DeviceError>;
 
-    /// Runs the commands of the last recording.
-    fn replay(&mut self) -> Result<(), DeviceError>;
+    /// Runs the commands of a recording.
+    fn replay(&mut self, number: usize) -> Result<(), DeviceError>;
 
     /// Waits for all commands.
     fn finish(&mut self) -> Result<(), DeviceError>;

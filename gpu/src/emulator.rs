@@ -18,9 +18,9 @@ pub struct Emulator {
     from: BufReader<ChildStdout>,
     /// Bytes of each piece of memory.
     memory: HashMap<DeviceAddress, usize>,
-    /// Commands of the recording that has begun, and those of the last that has ended.
+    /// Commands of the recording that has begun, and those of others by number.
     begun: Option<Vec<Recorded>>,
-    recording: Vec<Recorded>,
+    recordings: HashMap<usize, Vec<Recorded>>,
 }
 
 /// A command of a recording.
@@ -81,7 +81,7 @@ impl Emulator {
             return Err(DeviceError("the emulator has no pipes".to_owned()));
         };
         let (to, from, memory) = (BufWriter::new(to), BufReader::new(from), HashMap::new());
-        Ok(Self { child, to, from, memory, begun: None, recording: Vec::new() })
+        Ok(Self { child, to, from, memory, begun: None, recordings: HashMap::new() })
     }
 
     fn send(&mut self, order: Order, words: &[usize]) -> Result<(), DeviceError> {
@@ -198,13 +198,13 @@ impl Device for Emulator {
         Ok(true)
     }
 
-    fn end_recording(&mut self) -> Result<bool, DeviceError> {
-        self.recording = self.begun.take().unwrap_or_default();
+    fn end_recording(&mut self, number: usize) -> Result<bool, DeviceError> {
+        self.recordings.insert(number, self.begun.take().unwrap_or_default());
         Ok(true)
     }
 
-    fn replay(&mut self) -> Result<(), DeviceError> {
-        for command in self.recording.clone() {
+    fn replay(&mut self, number: usize) -> Result<(), DeviceError> {
+        for command in self.recordings[&number].clone() {
             match command {
                 Recorded::Transform(task) => self.transform(&task)?,
                 Recorded::Launch { kernel, blocks, threads, task } => {

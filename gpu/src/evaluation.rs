@@ -91,21 +91,23 @@ impl SplitFarField {
 }
 
 impl SplitFarField {
-    /// Runs commands that belong to addresses, by which they are known: as they are at first, then from a recording.
+    /// Runs commands that belong to addresses, by which they are known: as they are at first, then from a recording with
+    /// this number.
     pub(crate) fn repeat(
         &mut self,
+        number: usize,
         addresses: &[u64],
         commands: impl Fn(&mut Self) -> Result<(), DeviceError>,
     ) -> Result<(), DeviceError> {
-        let known = std::mem::take(&mut self.repeated);
-        self.repeated = match known {
+        let known = std::mem::take(&mut self.repeated[number]);
+        self.repeated[number] = match known {
             Repeated::Recorded(of) if of == addresses => {
-                self.device.replay()?;
+                self.device.replay(number)?;
                 Repeated::Recorded(of)
             }
             Repeated::Tried(of) if of == addresses => {
-                if self.record(&commands)? {
-                    self.device.replay()?;
+                if self.record(number, &commands)? {
+                    self.device.replay(number)?;
                     Repeated::Recorded(of)
                 } else {
                     commands(self)?;
@@ -125,11 +127,15 @@ impl SplitFarField {
     }
 
     /// Records commands. Returns whether the device has kept them.
-    fn record(&mut self, commands: &impl Fn(&mut Self) -> Result<(), DeviceError>) -> Result<bool, DeviceError> {
+    fn record(
+        &mut self,
+        number: usize,
+        commands: &impl Fn(&mut Self) -> Result<(), DeviceError>,
+    ) -> Result<bool, DeviceError> {
         if !self.device.begin_recording()? {
             return Ok(false);
         }
         let is_recorded = commands(self).is_ok();
-        Ok(self.device.end_recording()? && is_recorded)
+        Ok(self.device.end_recording(number)? && is_recorded)
     }
 }

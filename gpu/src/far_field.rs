@@ -82,6 +82,8 @@ pub(crate) struct Buffers {
     /// Sums of blocks, of the vectors of an iteration and of one within it, and the sums of all blocks.
     pub(crate) sums: [Buffer; 2],
     pub(crate) totals: Buffer,
+    /// State of an iteration for near pairs.
+    pub(crate) state: Buffer,
     pub(crate) near: NearBuffers,
 }
 
@@ -92,7 +94,7 @@ pub struct SplitFarField {
     pub(crate) task: KernelTask,
     pub(crate) buffers: Buffers,
     pub(crate) near: NearRows,
-    pub(crate) repeated: Repeated,
+    pub(crate) repeated: [Repeated; 2],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
     neighbours: usize,
@@ -137,7 +139,7 @@ impl SplitFarField {
         let [field, spectrum] = &mut buffers.grid;
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
-        let (near, repeated, spare) = (NearRows::default(), Repeated::default(), Vec::new());
+        let (near, repeated, spare) = (NearRows::default(), <[Repeated; 2]>::default(), Vec::new());
         let (neighbours, seconds) = (0, StageSeconds::default());
         Ok(Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds })
     }
@@ -191,7 +193,7 @@ impl SplitFarField {
             self.release_spare();
         }
         self.task.particles = classes.len() as i32;
-        self.repeated = Repeated::default();
+        self.repeated = Default::default();
         self.place(fractions, classes)?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         let clock = Instant::now();

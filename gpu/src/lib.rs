@@ -30,7 +30,7 @@ pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize};
-pub use near::{DeviceStep, ProductSums, RowVectors};
+pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
 pub use pair_rows::{NearInput, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, TRIANGLE};
 pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
 pub use task::KernelTask;

@@ -4,14 +4,18 @@ use crate::device::DeviceError;
 use crate::far_field::SplitFarField;
 use crate::lists::DeviceList;
 use crate::pair_rows::{NearInput, NearRows, PairSet, RowAddresses};
+use crate::repeated::PAIR_STEPS;
 use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 use crate::vectors::SUM_THREADS;
 
+/// Steps of an iteration for near pairs after which the host looks at its state.
+const STEPS_AT_A_TIME: usize = 6;
+
 /// Threads of a row, as in `gpu/kernels/near.h`.
 const ROW_LANES: usize = 8;
 
-/// A vector of six numbers of each particle, its residual, and that preconditioned.
+/// Vectors of an iteration, six numbers of each particle.
 #[derive(Debug, Clone, Copy)]
 pub struct RowVectors {
     /// `x`
@@ -20,6 +24,19 @@ pub struct RowVectors {
     pub residual: DeviceList,
     /// `z`
     pub preconditioned: DeviceList,
+    /// `p`
+    pub direction: DeviceList,
+    /// `A p`
+    pub image: DeviceList,
+}
+
+/// Limits of an iteration for near pairs.
+#[derive(Debug, Clone, Copy)]
+pub struct PairLimits {
+    /// Relative error.
+    pub tolerance: f64,
+    /// Number of steps, up to a few more.
+    pub steps: usize,
 }
 
 /// A step of an iteration: `x += length p` and `r -= length A p`.
@@ -62,18 +79,20 @@ impl SplitFarField {
     }
 
     /// Loads of near pairs in some motions, six numbers a particle; the sums of blocks of their products with the
-    /// motions are left for [`Self::sum_up`]. With `single`, the loads of single spheres are added.
+    /// motions are left at the address that is returned. With `single`, the loads of single spheres are added. In an
+    /// iteration that has ended, by its state, nothing changes.
     fn launch_rows(
         &mut self,
         pairs: PairSet,
         single: bool,
         [motions, loads]: [&DeviceList; 2],
+        state: DeviceAddress,
     ) -> Result<DeviceAddress, DeviceError> {
         let blocks = self.row_blocks();
         let list_sums = self.reserve_sums(1, blocks)?;
         let NearRows { stiff, soft } = self.near;
         let sets = [(PairSet::Stiff, stiff), (PairSet::Soft, soft)];
-        let mut task = KernelTask { direction: motions.address, image: loads.address, list_sums, ..self.task };
+        let mut task = KernelTask { direction: motions.address, image: loads.address, list_sums, state, ..self.task };
         task.adds_single = i32::from(single);
         for (_, rows) in sets.into_iter().filter(|(set, _)| pairs == PairSet::All || pairs == *set) {
             let RowAddresses { starts, others, numbers, own, pairs, format } = rows;
@@ -87,27 +106,61 @@ impl SplitFarField {
 
     /// Loads of near pairs in some motions, six numbers a particle each.
     pub fn pair_loads(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<(), DeviceError> {
-        self.launch_rows(pairs, false, lists).map(drop)
+        self.launch_rows(pairs, false, lists, 0).map(drop)
     }
 
-    /// Loads of near pairs and of single spheres in some motions, and their product with the motions.
-    pub fn resisted(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<f64, DeviceError> {
-        let list_sums = self.launch_rows(pairs, true, lists)?;
-        let [product] = self.sum_up(list_sums, self.row_blocks())?;
-        Ok(product)
+    /// Loads of near pairs and of single spheres in some motions.
+    pub fn resisted(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<(), DeviceError> {
+        self.launch_rows(pairs, true, lists, 0).map(drop)
     }
 
-    /// Takes a step, if there is one, and preconditions the residual by blocks. The error is that of the motions of
-    /// single spheres under the residual; sizes are those of motions, both weighted by the resistances.
-    pub fn step_pairs(&mut self, at: &RowVectors, step: Option<&DeviceStep>) -> Result<ProductSums, DeviceError> {
+    /// Solves for motions of spheres that interact by near pairs alone, from some motions with a known residual, by
+    /// conjugate gradients that are preconditioned by blocks. The error is that of the motions of single spheres under
+    /// the residual, relative to the size of the motions, both weighted by the resistances. Steps run without the host,
+    /// which looks from time to time whether the iteration has ended.
+    pub fn solve_pairs(&mut self, pairs: PairSet, at: &RowVectors, limits: PairLimits) -> Result<(), DeviceError> {
+        if self.blocks() == 0 {
+            return Ok(());
+        }
+        let mut state = [0.0, 0.0, 0.0, limits.tolerance * limits.tolerance, 0.0, 1.0];
+        let place = self.buffers.state.fill(self.device.as_mut(), bytemuck::cast_slice(&state))?;
+        self.finish_step(place, at, 0)?;
+        let addresses = [at.unknowns, at.residual, at.preconditioned, at.direction, at.image].map(|list| list.address);
+        let of_solve = [&addresses[..], &[pairs as u64]].concat();
+        loop {
+            self.device.download(place, bytemuck::cast_slice_mut(&mut state))?;
+            let [.., steps, is_active] = state;
+            if is_active == 0.0 || steps >= limits.steps as f64 {
+                return Ok(());
+            }
+            let at = *at;
+            self.repeat(PAIR_STEPS, &of_solve, |field| {
+                (0..STEPS_AT_A_TIME).try_for_each(|_| field.step_pairs(place, pairs, &at))
+            })?;
+        }
+    }
+
+    /// A step of the iteration.
+    fn step_pairs(&mut self, state: DeviceAddress, pairs: PairSet, at: &RowVectors) -> Result<(), DeviceError> {
+        let list_sums = self.launch_rows(pairs, true, [&at.direction, &at.image], state)?;
+        let (list_size, totals) = (self.row_blocks() as i64, self.place_of_totals()?);
+        let task = KernelTask { state, list_sums, list_size, totals, ..self.task };
+        self.launch_vectors("length_pairs", 1, &task)?;
+        self.finish_step(state, at, at.direction.address)
+    }
+
+    /// A step along a direction whose length is known, if there is one, and the next direction.
+    fn finish_step(&mut self, state: DeviceAddress, at: &RowVectors, direction: u64) -> Result<(), DeviceError> {
         let blocks = self.blocks();
-        let list_sums = self.reserve_sums(1, 4 * blocks)?;
-        let (unknowns, residual) = (at.unknowns.address, at.residual.address);
-        let preconditioned = at.preconditioned.address;
-        let list_size = blocks as i64;
-        let task = KernelTask { unknowns, residual, preconditioned, list_sums, list_size, ..self.task };
-        self.launch_vectors("step_pairs", blocks, &task.with_step(step))?;
-        self.sum_up(list_sums, blocks)
+        let (list_sums, totals) = (self.reserve_sums(1, 4 * blocks)?, self.place_of_totals()?);
+        let (unknowns, residual, image) = (at.unknowns.address, at.residual.address, at.image.address);
+        let (preconditioned, list_size) = (at.preconditioned.address, blocks as i64);
+        let task = KernelTask { unknowns, residual, preconditioned, direction, image, ..self.task };
+        let task = KernelTask { state, list_sums, totals, list_size, ..task };
+        self.launch_vectors("step_pairs", blocks, &task)?;
+        self.launch_vectors("turn_pairs", 1, &task)?;
+        let task = KernelTask { image: at.direction.address, ..task };
+        self.launch_vectors("next_pairs", at.direction.count().div_ceil(SUM_THREADS), &task)
     }
 
     /// `to = loads - part`, minus the loads of single spheres in motions if there are any.

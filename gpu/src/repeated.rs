@@ -1,5 +1,9 @@
 //! Commands that are the same each time, run from a recording.
 
+/// Numbers of the recordings: of an evaluation, and of steps of an iteration for near pairs.
+pub(crate) const EVALUATION: usize = 0;
+pub(crate) const PAIR_STEPS: usize = 1;
+
 /// Commands that run again and again with the same arguments.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) enum Repeated {

@@ -59,6 +59,7 @@ pub struct KernelTask {
     pub(crate) stiff_loads: DeviceAddress,
     pub(crate) stiff_residual: DeviceAddress,
     pub(crate) ambient: DeviceAddress,
+    pub(crate) state: DeviceAddress,
     pub(crate) edges: [f64; 3],
     pub(crate) inverse_spacing: [f64; 3],
     pub(crate) strain: f64,

@@ -3,6 +3,7 @@
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{Orders, SplitFarField};
 use crate::lists::{DeviceList, MotionLists};
+use crate::repeated::EVALUATION;
 use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 
@@ -114,6 +115,11 @@ impl SplitFarField {
         self.totals()
     }
 
+    /// Place of the sums of all blocks.
+    pub(crate) fn place_of_totals(&mut self) -> Result<DeviceAddress, DeviceError> {
+        self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)
+    }
+
     /// Adds up the sums of blocks.
     pub(crate) fn launch_sums(
         &mut self,
@@ -121,14 +127,14 @@ impl SplitFarField {
         blocks: usize,
         lists: usize,
     ) -> Result<(), DeviceError> {
-        let totals = self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)?;
+        let totals = self.place_of_totals()?;
         let task = KernelTask { list_sums, totals, list_size: blocks as i64, ..self.task };
         self.launch_vectors("sum_up", lists, &task)
     }
 
     /// The last sums.
     pub(crate) fn totals<const N: usize>(&mut self) -> Result<[f64; N], DeviceError> {
-        let totals = self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)?;
+        let totals = self.place_of_totals()?;
         let mut sums = [0.0_f64; N];
         self.device.download(totals, bytemuck::cast_slice_mut(&mut sums))?;
         Ok(sums)
@@ -147,7 +153,7 @@ impl SplitFarField {
         self.task.strain_rates = strains.address;
         let addresses = [stresslets.address, velocities.address, turns.address, strains.address];
         let orders = *orders;
-        self.repeat(&addresses, |field| field.evaluate_in_order(&orders))
+        self.repeat(EVALUATION, &addresses, |field| field.evaluate_in_order(&orders))
     }
 
     pub(crate) fn blocks(&self) -> usize {

@@ -133,17 +133,19 @@ fn counted(iteration: f64) -> (Solution, DeviceCounts) {
     (solution, counts)
 }
 
-/// More iterations copy nothing to the device and a few sums to the host, and each evaluation after the second is one
-/// command.
+/// More iterations copy a few numbers between the host and the device at a time, and most of what they do is recorded.
 #[test]
 fn iterations_stay_on_the_device() {
     let [(rough, few), (fine, many)] = [1e-2, 1e-4].map(counted);
     assert!(fine.iterations > rough.iterations + 3, "{} {}", rough.iterations, fine.iterations);
-    assert_eq!(few.uploads, many.uploads);
-    let [copies, bytes] = std::array::from_fn(|k| many.downloads[k] - few.downloads[k]);
-    assert!(copies > 0 && bytes <= 4 * 8 * copies, "{copies} copies of {bytes} bytes");
+    for (few, many) in [(few.uploads, many.uploads), (few.downloads, many.downloads)] {
+        let [copies, bytes] = std::array::from_fn(|k| many[k] - few[k]);
+        assert!(copies > 0 && bytes <= 6 * 8 * copies, "{copies} copies of {bytes} bytes");
+    }
     for (solution, counts) in [(&rough, &few), (&fine, &many)] {
-        assert_eq!(counts.replays, solution.iterations as u64 - 1);
+        assert!(counts.replays > 2 * solution.iterations as u64, "{}", counts.replays);
+        let runs: u64 = counts.runs.values().sum();
+        assert!(3 * counts.launches < runs, "{} commands for {runs}", counts.launches);
         assert_eq!(counts.runs["solve_f32"], solution.iterations as u64 + 1);
         assert_eq!(counts.runs["coupled_image_f32"], solution.iterations as u64 + 1);
     }

@@ -9,8 +9,8 @@ use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, Linear, Step, SteppedSystem, conjugate_gradients};
 use crate::mobility::coupled::{CoupledProblem, CoupledSolution};
-use gpu::{CoupledVectors, KnownInput, LoadFactors, NearInput, Orders, RESIDUALS, UNKNOWNS};
-use preconditioner::{LoadedMotions, ResidentLoads, ResidentPreconditioner, named, placed};
+use gpu::{CoupledVectors, DeviceStep, KnownInput, LoadFactors, NearInput, Orders, ProductSums, RESIDUALS, UNKNOWNS};
+use preconditioner::{LoadedMotions, ResidentLoads, ResidentPreconditioner};
 
 /// Numbers of a motion or load, and of a stresslet.
 const SIX: usize = 6;
@@ -42,7 +42,7 @@ pub(super) fn solve(
     succeeded(field.borrow_mut().begin_coupled(problem.background));
     let mut system = ResidentSystem {
         field: field.clone(),
-        matrix: ResidentPreconditioner::new(field, problem.comm, SIX * count, problem.tolerances.preconditioner),
+        matrix: ResidentPreconditioner::new(field, SIX * count, problem.tolerances.preconditioner),
         stiff: ResidentLoads {
             given: ResidentVector::wide_of(field, &problem.start.loads),
             residual: ResidentVector::wide(field, SIX * count),
@@ -65,13 +65,23 @@ pub(super) fn solve(
     CoupledSolution { motions, loads, moments, strain_rates, outcome }
 }
 
+/// Inner products by name.
+fn named([product, former, error, size]: ProductSums) -> InnerProducts {
+    InnerProducts { product, former, error, size }
+}
+
+/// A step by its places.
+fn placed(step: &Step<ResidentVector, ResidentVector>) -> DeviceStep {
+    DeviceStep { length: step.length, direction: step.direction.list, image: step.image.list }
+}
+
 impl ResidentSystem<'_> {
     /// Unknowns from which the iteration starts: the motions that near pairs have under the loads of the start.
-    fn start(&mut self, problem: &CoupledProblem) -> ResidentVector {
+    fn start(&self, problem: &CoupledProblem) -> ResidentVector {
         let numbers = SIX * self.count;
         let motions = ResidentVector::wide_of(&self.field, &problem.start.motions);
-        let mut moved = LoadedMotions { motions, loads: ResidentVector::wide(&self.field, numbers) };
-        self.matrix.solve_with_all(&mut self.stiff, &mut moved, problem.tolerances.start);
+        let moved = LoadedMotions { motions, loads: ResidentVector::wide(&self.field, numbers) };
+        self.matrix.solve_with_all(&self.stiff, &moved, problem.tolerances.start);
         let x = ResidentVector::wide(&self.field, UNKNOWNS * self.count);
         x.part(4 * numbers, FIVE * self.count)
             .combine([1.0, 0.0], &ResidentVector::wide_of(&self.field, &problem.start.moments));
@@ -121,8 +131,7 @@ impl ResidentSystem<'_> {
     ) -> Vec<f64> {
         let [of_x, of_z] = [&*x, z].map(|vector| self.measured([vector, residual, z]).size);
         if self.matrix.tighten_to(tolerance * (of_x / of_z).sqrt()) {
-            let mut of_stiff = self.of_stiff(z);
-            self.matrix.continue_solve(&mut self.stiff, &mut of_stiff);
+            self.matrix.continue_solve(&self.stiff, &self.of_stiff(z));
         }
         x.add(1.0, z);
         let at = self.vectors([x, residual, z]);
@@ -153,8 +162,7 @@ impl SteppedSystem for ResidentSystem<'_> {
     ) -> InnerProducts {
         let at = self.vectors([x, residual, z]);
         succeeded(self.field.borrow_mut().step_coupled(&at, step.as_ref().map(placed).as_ref()));
-        let mut of_stiff = self.of_stiff(z);
-        self.matrix.solve(&mut self.stiff, &mut of_stiff);
+        self.matrix.solve(&self.stiff, &self.of_stiff(z));
         self.measured([x, residual, z])
     }
 }
