@@ -1,9 +1,9 @@
 // Arguments of all kernels.
 #pragma once
 
-// State of an iteration of conjugate gradients: product of residual and preconditioned residual, length of a step, part of
-// the last direction in the next, the square of the tolerance, and the number of steps. It is active until the error is
-// within the tolerance, or no step can reduce it.
+// State of an iteration of conjugate gradients: product of residual and preconditioned residual, length of a step, part
+// of the last direction in the next, the square of the tolerance, and the number of steps. It is active until the error
+// is within the tolerance, or no step can reduce it.
 struct PairState {
     double product, length, turn, square, steps, is_active;
 };

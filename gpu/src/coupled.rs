@@ -87,7 +87,7 @@ impl SplitFarField {
         unknowns: &DeviceList,
     ) -> Result<(), DeviceError> {
         let (direction, image, unknowns) = (motions.address, loads.address, unknowns.address);
-        self.launch_particles("start_all", &KernelTask { direction, image, unknowns, ..self.task })
+        self.launch_particles("start_all", &KernelTask { unknowns, direction, image, ..self.task })
     }
 
     /// Residual of unknowns, with known loads and motions.
@@ -144,7 +144,7 @@ impl SplitFarField {
         let (x_factor, y_factor) = (factors.velocity, factors.rate);
         let blocks = self.blocks();
         let list_sums = self.reserve_sums(0, 4 * blocks)?;
-        let task = KernelTask { direction, image, x_factor, y_factor, list_sums, ..self.task };
+        let task = KernelTask { list_sums, direction, image, x_factor, y_factor, ..self.task };
         let task = KernelTask { image_sign: 1.0, background: [0.0; 5], ..task };
         self.launch_particles(&format!("coupled_image_{suffix}"), &task)?;
         self.launch_sums(list_sums, blocks, 1)

@@ -91,8 +91,8 @@ impl SplitFarField {
 }
 
 impl SplitFarField {
-    /// Runs commands that belong to addresses, by which they are known: as they are at first, then from a recording with
-    /// this number.
+    /// Runs commands that belong to addresses, by which they are known: as they are at first, then from a recording
+    /// with this number.
     pub(crate) fn repeat(
         &mut self,
         number: usize,

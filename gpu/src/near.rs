@@ -144,7 +144,7 @@ impl SplitFarField {
     fn step_pairs(&mut self, state: DeviceAddress, pairs: PairSet, at: &RowVectors) -> Result<(), DeviceError> {
         let list_sums = self.launch_rows(pairs, true, [&at.direction, &at.image], state)?;
         let (list_size, totals) = (self.row_blocks() as i64, self.place_of_totals()?);
-        let task = KernelTask { state, list_sums, list_size, totals, ..self.task };
+        let task = KernelTask { list_sums, totals, state, list_size, ..self.task };
         self.launch_vectors("length_pairs", 1, &task)?;
         self.finish_step(state, at, at.direction.address)
     }
@@ -156,7 +156,7 @@ impl SplitFarField {
         let (unknowns, residual, image) = (at.unknowns.address, at.residual.address, at.image.address);
         let (preconditioned, list_size) = (at.preconditioned.address, blocks as i64);
         let task = KernelTask { unknowns, residual, preconditioned, direction, image, ..self.task };
-        let task = KernelTask { state, list_sums, totals, list_size, ..task };
+        let task = KernelTask { list_sums, totals, state, list_size, ..task };
         self.launch_vectors("step_pairs", blocks, &task)?;
         self.launch_vectors("turn_pairs", 1, &task)?;
         let task = KernelTask { image: at.direction.address, ..task };
@@ -172,7 +172,7 @@ impl SplitFarField {
     ) -> Result<(), DeviceError> {
         let (residual, preconditioned, image) = (loads.address, part.address, to.address);
         let unknowns = motions.map_or(0, |list| list.address);
-        let task = KernelTask { residual, preconditioned, image, unknowns, ..self.task };
+        let task = KernelTask { unknowns, residual, preconditioned, image, ..self.task };
         self.launch_vectors("remainder_pairs", to.count().div_ceil(SUM_THREADS), &task)
     }
 }

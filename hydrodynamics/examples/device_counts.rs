@@ -82,7 +82,7 @@ fn since(before: &DeviceCounts, after: &DeviceCounts) -> DeviceCounts {
 fn print(counts: &DeviceCounts) {
     let each = |bytes: u64| (bytes as f64 / SPHERES as f64).round();
     println!("  commands from the host                 {:>6}", counts.launches);
-    println!("  of these, recordings of an evaluation  {:>6}", counts.replays);
+    println!("  of these, replays of recordings        {:>6}", counts.replays);
     for (group, names) in GROUPS {
         let runs = counts.runs.iter().filter(|(kernel, _)| names.iter().any(|name| kernel.starts_with(name)));
         println!("  runs: {group:31}  {:>6}", runs.map(|(_, count)| count).sum::<u64>());

@@ -289,11 +289,10 @@ impl Share<'_> {
     fn evaluation(&self) -> Bytes {
         let owned = self.expected.owned();
         let forces = self.forces().map_or_else(Bytes::default, |forces| forces.bytes(self.expected));
-        let loads = forces.then(Bytes::list::<[Vector; 2]>(owned));
         let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
         // Slip modes and what the solve makes of them.
         let slip = Bytes::list::<[f64; 16]>(if self.model.has_slip() { owned } else { 0.0 });
-        let loads = loads.then(slip);
+        let loads = forces.then(Bytes::list::<[Vector; 2]>(owned)).then(slip);
         let solve = match self.near_field() {
             Some(range) => solve_bytes(&self.far, self.expected, range).or(self.far.solve()),
             None => self.far.solve(),
