@@ -9,7 +9,7 @@ use std::rc::Rc;
 /// A far field that vectors share, in whose memory they are.
 pub(super) type SharedField = Rc<RefCell<SplitFarField>>;
 
-/// ResidentMemory of a vector, which is released with the last of those that share it.
+/// Memory of a vector, which is released with the last of those that share it.
 struct ResidentMemory {
     field: SharedField,
     list: DeviceList,
