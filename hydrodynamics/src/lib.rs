@@ -26,5 +26,5 @@ pub use mobility::memory::SingleEvaluation;
 pub use mobility::overlaps::Overlaps;
 pub use mobility::{Drift, Mobility, MobilityError, MobilityParameters, Motions};
 pub use solution::{Guess, NO_AMBIENT, Solution, SolveInput, StoredSolution};
-pub use springs::{BondSprings, ContactSprings, Springs, TetherResistance};
+pub use springs::{BondSprings, ContactSprings, PairSprings, Springs, TetherResistance};
 pub use squirming::{Squirming, SquirmingRefused};

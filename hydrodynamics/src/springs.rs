@@ -29,7 +29,7 @@ pub struct ContactSprings {
     pub rolling: f64,
 }
 
-/// Implicit resistance of a bond to the separation of the centres.
+/// Implicit resistance of a bond: to the separation of the centres, and that of a beam to bending and twisting.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BondSprings {
     /// Id of the other particle.
@@ -38,6 +38,25 @@ pub struct BondSprings {
     pub within: f64,
     /// Force over velocity.
     pub resistance: f64,
+    /// Torque on a sphere over its angular velocity across the line of centres, with everything else at rest.
+    pub bending: f64,
+    /// Torque over the difference of the angular velocities along the line of centres.
+    pub twisting: f64,
+}
+
+/// Implicit resistances of a pair, as those of [`ContactSprings`] and [`BondSprings`] together.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct PairSprings {
+    /// Resistance along the line of centres.
+    pub along: f64,
+    /// Resistance to slip.
+    pub slip: f64,
+    /// Resistance to rolling.
+    pub rolling: f64,
+    /// Resistance to bending.
+    pub bending: f64,
+    /// Resistance to twisting.
+    pub twisting: f64,
 }
 
 /// Implicit resistances of bonds and traps for a rank's particles, force over velocity; empty without them.
@@ -64,10 +83,14 @@ impl ContactSprings {
 }
 
 impl Springs<'_> {
-    /// Resistances of a particle, by its row, and another, by its id: along the line of centres, to slip, and to
-    /// rolling.
-    pub fn between(&self, row: usize, other: u64, distance: f64, radii: [f64; 2]) -> [f64; 3] {
-        self.of(row, other, distance, radii.into())
+    /// Resistances of a particle, by its row, and another, by its id.
+    pub fn between(&self, row: usize, other: u64, distance: f64, radii: [f64; 2]) -> PairSprings {
+        let [along, slip, rolling] = self.of(row, other, distance, radii.into());
+        let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
+        let bond = bonds.find(|bond| bond.other == other && distance < bond.within);
+        let [stretching, bending, twisting] =
+            bond.map_or([0.0; 3], |bond| [bond.resistance, bond.bending, bond.twisting]);
+        PairSprings { along: along + stretching, slip, rolling, bending, twisting }
     }
 
     /// Resistances of a particle and a wall: along the normal, to slip, and to rolling.
@@ -75,16 +98,11 @@ impl Springs<'_> {
         self.of(row, ContactSprings::wall(wall), distance, PairKind::Wall(radius))
     }
 
+    /// Resistances without bonds: along the line of centres, to slip, and to rolling.
     fn of(&self, row: usize, other: u64, distance: f64, between: PairKind) -> [f64; 3] {
         let contact = self.contacts.get(row).and_then(|all| all.iter().find(|contact| contact.other == other));
         let [normal, tangential, rolling] = contact.map_or([0.0; 3], |c| [c.normal, c.tangential, c.rolling]);
-        [(self.resistance)(distance, between) + normal + self.bond(row, other, distance), tangential, rolling]
-    }
-
-    /// Resistance of a bond along the line of centres.
-    fn bond(&self, row: usize, other: u64, distance: f64) -> f64 {
-        let mut bonds = self.tethers.bonds.get(row).into_iter().flatten();
-        bonds.find(|bond| bond.other == other && distance < bond.within).map_or(0.0, |bond| bond.resistance)
+        [(self.resistance)(distance, between) + normal, tangential, rolling]
     }
 
     /// Resistance of the trap of a particle, if it has one.

@@ -47,6 +47,8 @@ pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
     let bond = |bond: &BondSprings| BondSprings {
         within: bond.within / units.length,
         resistance: bond.resistance * units.velocity(),
+        bending: bond.bending * (units.rate() / units.torque()),
+        twisting: bond.twisting * (units.rate() / units.torque()),
         ..*bond
     };
     TetherResistance {

@@ -41,6 +41,11 @@ pub const VELOCITY_COLUMNS: [&str; 8] = [VELOCITY, PAST[0], PAST[1], PAST[2], ST
 pub const BONDS: &str = "bonds";
 pub const BOND_NUMBERS: usize = 3;
 
+/// Column of the ends of a particle's bonds that resist bending, in the slots of [`BONDS`]: the quaternions of the
+/// beam's axes at the particle and at the other one, each in the axes of its sphere. It exists with such bonds alone.
+pub const BEAM_ENDS: &str = "beam ends";
+pub const BEAM_END_NUMBERS: usize = 8;
+
 pub use hydrodynamics::brownian::BROWNIAN;
 
 /// Orientations as quaternions `w, x, y, z` ([`domain::Quaternion`]), zeros for spheres of species without; and the

@@ -54,6 +54,7 @@ pub use fcm::{Loads, Motion};
 pub use forces::acting::{Acting, Configuration, Instant, Prediction, ResistanceFunction, Resistances, SolvedMotion};
 pub use forces::force::{Force, StressName};
 pub use forces::pairwise::{PairLaw, PairwiseForce};
+pub use forces::tethers::BondTotals;
 pub use forecast::Forecast;
 pub use forecast::calibrate_repulsion::{LeastRepulsionError, least_repulsion};
 pub use forecast::cost_growth::cost_growth;
@@ -70,10 +71,11 @@ pub use lubrication::{Elasticity, PairKind};
 pub use model::box_axes::UserAxes;
 pub use model::radii::Radii;
 pub use model::{
-    ActiveDipole, Adaptive, AppliedField, Attraction, Axis, Bodies, BodyOrientation, Bonds, BrownianScheme, Centres,
-    Contacts, Extension, FieldVariation, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION, MAX_SPHERES, Model,
-    MultipoleOrder, Orientation, Parameters, Protocol, RateChange, Repulsion, ShearRates, SizeClass, SizeDistribution,
-    Species, SphereMoment, Start, StatisticsParameters, Swimming, Trapped, Traps,
+    ActiveDipole, Adaptive, AppliedField, Attraction, Axis, Beam, Bodies, BodyOrientation, Bonds, BrownianScheme,
+    Centres, Contacts, Extension, FieldVariation, Filaments, Flow, Hydrodynamics, Integrator, Lattice, MAX_FRACTION,
+    MAX_SPHERES, Model, MultipoleOrder, Orientation, Parameters, Protocol, RateChange, Repulsion, RestShape,
+    ShearRates, SizeClass, SizeDistribution, Species, SphereMoment, Start, StatisticsParameters, Swimming, Trapped,
+    Traps,
 };
 pub use neighbourhood::{NeighbourLists, PairsWithHalo, SeparatedPair};
 pub use observables::NameTaken;

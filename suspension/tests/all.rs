@@ -10,6 +10,7 @@ mod contacts;
 mod dipoles;
 mod extension;
 mod fields;
+mod filaments;
 mod given_motions;
 mod implicit_steps;
 mod lattices;

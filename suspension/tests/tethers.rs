@@ -3,7 +3,7 @@
 use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Comm, Particles, Vector};
-use suspension::{Model, Suspension};
+use suspension::{BondTotals, Model, Suspension};
 
 /// A sphere in a trap, initially displaced from the centre.
 const TRAPPED: &str = r#"
@@ -122,12 +122,12 @@ fn a_pulled_pair_rests_on_its_bond() {
             let places = unwrapped(suspension);
             (
                 places[1] - places[0],
-                suspension.bond_numbers().unwrap(),
+                suspension.bond_totals().unwrap(),
                 suspension.stress(2),
                 suspension.contact_forces(),
             )
         });
-        let (apart, [energy, broken], stress, forces) = found;
+        let (apart, BondTotals { stretching: energy, broken, .. }, stress, forces) = found;
         let stiffness = model.bonds[0].stiffness;
         let pull = stiffness * (apart.x + 12.0 - rest);
         assert!((pull - 3.0).abs() < 1e-3 && broken == 0.0, "{keys:?}: pulls with {pull}");
@@ -185,14 +185,14 @@ fn bonds_break_once_and_for_all() {
         whole.step().unwrap();
         resumed.step().unwrap();
         assert_eq!(whole.gathered(None), resumed.gathered(None), "after step {step}");
-        broken.push(whole.bond_numbers().unwrap()[1]);
+        broken.push(whole.bond_totals().unwrap().broken);
     }
     assert!(broken.is_sorted() && broken[60] >= 1.0, "{broken:?}");
     let whole_bonds = whole.contact_forces().unwrap().list;
     assert!((whole_bonds.len() as f64 + broken[60] - 2.0).abs() < 1e-12, "{whole_bonds:?}");
     assert!(whole_bonds.iter().all(|bond| bond.normal > -2.0));
     for ranks in [2, 7] {
-        let others = ended(&model, ranks, |suspension| suspension.bond_numbers().unwrap()[1]);
+        let others = ended(&model, ranks, |suspension| suspension.bond_totals().unwrap().broken);
         assert!((others - broken[60]).abs() < 1e-12, "{ranks} ranks: {others}");
     }
 }
@@ -238,7 +238,7 @@ fn bonds_and_traps_hold_in_extension() {
     let stretched =
         [(1, 0, 4.86_f64), (1, 2, 5.47)].map(|(i, j, square)| (found[i] - found[j]).length() - square.sqrt());
     let expected = 30.0 * stretched.iter().map(|by| by * by).sum::<f64>();
-    let energy = whole.bond_numbers().unwrap()[0];
+    let energy = whole.bond_totals().unwrap().stretching;
     assert!(energy > 1.0 && (energy - expected).abs() < 1e-9, "{energy}, not {expected}");
     let error = farthest(&found, &places(&model, 3));
     assert!(error < 1e-5, "{error}");

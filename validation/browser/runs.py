@@ -48,6 +48,9 @@ SCENES = {
 }
 
 
+# Spheres with axes.
+ORIENTED = {"swimming": ("squirmers", {"box.edges": "[14.0, 14.0, 14.0]", "time.duration": 0.2, "output.trajectory_every": 2})}
+
 # A box much longer than wide, with few spheres.
 LONG = {"chain": ("chain", {"time.duration": 0.2})}
 
@@ -55,7 +58,7 @@ LONG = {"chain": ("chain", {"time.duration": 0.2})}
 @functools.cache
 def report(name):
     """The page about a run."""
-    scene, sets = (SCENES | LONG)[name]
+    scene, sets = (SCENES | ORIENTED | LONG)[name]
     out = pathlib.Path(PLACE.name) / name
     words = [word for key, value in sets.items() for word in ("--set", f"{key}={value}")]
     run(["run", ROOT / "scenes" / f"{scene}.toml", "--out", out, *words])

@@ -120,6 +120,24 @@ class Reports(unittest.TestCase):
         self.assertEqual(changed(whole, self.seen()), 0)
         self.assertEqual(self.browser.complaints(), [])
 
+    def test_axes_are_caps_of_oriented_spheres(self):
+        box = "document.getElementById('show-axes')"
+        self.open("settling")
+        self.assertFalse(self.value(f"{box} !== null"))
+        self.open("swimming")
+        plain = self.seen()
+        self.value(f"{box}.click()")
+        capped = self.seen()
+        # Caps are dark and gray.
+        dark = [np.mean((picture.max(axis=-1) < 0.3) & ~coloured(picture)) for picture in (plain, capped)]
+        self.assertGreater(dark[1], dark[0] + 0.005)
+        self.browser.press("End")
+        self.assertGreater(changed(capped, self.seen()), 0.005)
+        self.browser.press("Home")
+        self.value(f"{box}.click()")
+        self.assertEqual(changed(plain, self.seen()), 0)
+        self.assertEqual(self.browser.complaints(), [])
+
     def test_keys_step_and_play(self):
         self.open("settling")
         frame = "document.getElementById('frame').valueAsNumber"

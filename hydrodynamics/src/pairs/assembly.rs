@@ -8,7 +8,7 @@ use crate::pairs::matrix::packed_rows::{NearPair, PackedKind, PackedPairs, STIFF
 use crate::pairs::matrix::row_sums::RowSums;
 use crate::pairs::matrix::sparse::{MatrixPart, ROWS, Slice};
 use crate::six_vector::SixVector;
-use crate::springs::Springs;
+use crate::springs::{PairSprings, Springs};
 use domain::parallel::MeasuredLoop;
 use domain::{Neighbour, Neighbours, PeriodicBox, Traceless, Vector};
 use lubrication::SPHERE_ROW;
@@ -54,8 +54,8 @@ pub struct Assembly<'a, T> {
 /// Pairs of one kind, stiff or soft, in the order of the rows of a block.
 struct PairList {
     pairs: Vec<NearPair>,
-    /// Spring resistances of each pair, if there are springs: along the line of centres, to slip, and to rolling.
-    springs: Vec<[f64; 3]>,
+    /// Spring resistances of each pair, if there are springs.
+    springs: Vec<PairSprings>,
     /// End of each row in `pairs`.
     ends: Vec<usize>,
 }
@@ -120,8 +120,9 @@ impl<T: StoredLanes> Assembly<'_, T> {
         let within_body = bodies.and_then(|bodies| bodies.share([row, other], separation, sizes));
         let gap = gap.filter(|_| within_body != Some(0.0));
         let between = |springs: &Springs| springs.between(row, ids[other], distance, pair.map(|s| radii[s as usize]));
-        let resisted = springs.map(|springs| if within_body.is_some() { [0.0; 3] } else { between(springs) });
-        let spring = resisted.map_or(0.0, |[along, ..]| along);
+        let resisted =
+            springs.map(|springs| if within_body.is_some() { PairSprings::default() } else { between(springs) });
+        let spring = resisted.map_or(0.0, |springs| springs.along);
         if gap.is_none() && spring == 0.0 {
             return;
         }

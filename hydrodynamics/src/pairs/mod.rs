@@ -1,6 +1,7 @@
 //! Lubrication, contacts and springs of near pairs as one sparse symmetric resistance.
 
 pub mod assembly;
+pub mod beams;
 pub mod contacts;
 pub mod lubrication;
 pub mod matrix;

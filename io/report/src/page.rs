@@ -38,7 +38,8 @@ const STAGE: &str = r#"<section id="player">
 </section>
 "#;
 /// HTML of the checkbox that shrinks the spheres, so that the lines between their centres are visible.
-const CHOICE: &str = "<label><input id=\"show-chains\" type=\"checkbox\"> contact forces</label>\n";
+const CHAINS: &str = "<label><input id=\"show-chains\" type=\"checkbox\"> contact forces</label>\n";
+const AXES: &str = "<label><input id=\"show-axes\" type=\"checkbox\"> axes</label>\n";
 const HINT: &str = "Drag to turn, with the right button to move, wheel to zoom; space plays, arrows step.";
 
 impl Page<'_> {
@@ -83,7 +84,10 @@ impl Page<'_> {
             )
         });
         let has_chains = self.playback.is_some_and(|(playback, _)| playback.has_chains());
-        let stage = STAGE.replace("{CHOICE}", if has_chains { CHOICE } else { "" });
+        let has_axes = self.playback.is_some_and(|(playback, _)| playback.has_axes());
+        let choices =
+            [(has_axes, AXES), (has_chains, CHAINS)].map(|(is_there, choice)| if is_there { choice } else { "" });
+        let stage = STAGE.replace("{CHOICE}", &choices.concat());
         format!("{stage}<p class=\"hint\">{part}{HINT}</p>\n")
     }
 }

@@ -36,6 +36,7 @@ use crate::forces::{Forces, SharedRanges};
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
+use crate::rotation;
 use crate::swimmers::Swimmers;
 use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
@@ -239,10 +240,15 @@ impl Dynamics {
         PreviousSolutions { guess, motion }: &PreviousSolutions,
         moment: &StageTime,
     ) -> Result<Outcome, StepError> {
-        let expected = moment.implicit.map(|time| (time, self.relative(particles, EXPECTED)));
+        let expected =
+            moment.implicit.map(|time| (time, self.relative(particles, EXPECTED), self.relative_rotation(particles)));
         let strain_rate = self.moving.predicted_strain_rate_change();
-        let prediction =
-            expected.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
+        let prediction = expected.as_ref().map(|(time, velocities, angular_velocities)| Prediction {
+            time: *time,
+            velocities,
+            angular_velocities,
+            strain_rate,
+        });
         let near = self.forces.near(particles, self.domain());
         let acting = self.acting(particles, near.as_ref(), moment, prediction.as_ref(), motion)?;
         drop(near);
@@ -328,6 +334,15 @@ impl Dynamics {
         let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
         change_rows(&mut velocities, |row, v| *v -= moving.carried_velocity_of(positions[row], radii[row]));
         velocities
+    }
+
+    /// Predicted angular velocities relative to the background flow, and without those of swimmers by themselves; empty
+    /// without orientations.
+    fn relative_rotation(&self, particles: &mut Particles) -> Vec<Vector> {
+        let Some([expected]) = rotation::angular(particles, [EXPECTED]) else { return Vec::new() };
+        let mut own = self.with_rotation_of_flow(particles, &vec![Vector::ZERO; particles.len()]);
+        self.add_own_rotation(particles, &mut own);
+        particles.vectors(expected).iter().zip(own).map(|(&expected, own)| expected - own).collect()
     }
 
     /// Adds `times` the flow relative to which velocities are given while particles move.

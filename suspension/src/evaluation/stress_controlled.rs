@@ -6,7 +6,8 @@ use crate::columns::{STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
 use crate::forces::acting::{Configuration, Prediction};
-use domain::{Particles, Traceless};
+use crate::rotation;
+use domain::{Particles, Traceless, Vector};
 
 impl Dynamics {
     /// Solves for the shear rate at which the stress has its given value, and for the motions at that rate. Collective.
@@ -34,14 +35,17 @@ impl Dynamics {
     /// Shear stress of the whole suspension, with implicit forces at their predicted values. Collective.
     fn stress_at(&self, particles: &mut Particles, moment: &StageTime) -> f64 {
         let beyond = moment.implicit.map(|time| {
-            let expected = particles.vectors(EXPECTED).to_vec();
-            (
-                time,
-                particles.vectors(VELOCITY).iter().zip(expected).map(|(&v, expected)| v - expected).collect::<Vec<_>>(),
-            )
+            let velocities = difference(particles, [VELOCITY, EXPECTED]);
+            let turned = rotation::angular(particles, [VELOCITY, EXPECTED]);
+            (time, velocities, turned.map_or_else(Vec::new, |columns| difference(particles, columns)))
         });
         let strain_rate = self.moving.predicted_strain_rate_change() * -1.0;
-        let beyond = beyond.as_ref().map(|(time, velocities)| Prediction { time: *time, velocities, strain_rate });
+        let beyond = beyond.as_ref().map(|(time, velocities, angular_velocities)| Prediction {
+            time: *time,
+            velocities,
+            angular_velocities,
+            strain_rate,
+        });
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
         let (domain, time) = (self.domain(), moment.clock.time_at(moment.fraction));
@@ -73,4 +77,10 @@ impl Dynamics {
             driven.end(share);
         }
     }
+}
+
+/// The first column of vectors minus the second.
+fn difference(particles: &mut Particles, [first, second]: [&str; 2]) -> Vec<Vector> {
+    let second = particles.vectors(second).to_vec();
+    particles.vectors(first).iter().zip(second).map(|(&first, second)| first - second).collect()
 }

@@ -3,6 +3,7 @@
 use super::Dynamics;
 use crate::error::step::StepError;
 use crate::forces::contacts::{self, FORCE_NUMBERS};
+use crate::forces::tethers::BondTotals;
 use domain::{DomainView, Particles};
 
 impl Dynamics {
@@ -12,9 +13,10 @@ impl Dynamics {
         forces.end_step(particles, DomainView { cell: moving.cell(), partition }, step)
     }
 
-    /// Elastic energy of the bonds and number of broken bonds; `None` without bonds. Collective.
-    pub fn bond_numbers(&self, particles: &Particles) -> Option<[f64; 2]> {
-        self.forces.bonds.as_ref().map(|bonds| bonds.energy_and_broken(particles, self.domain()))
+    /// Energies of stretching, bending and twisting of the bonds, and number of broken bonds; `None` without bonds.
+    /// Collective.
+    pub fn bond_totals(&self, particles: &Particles) -> Option<BondTotals> {
+        self.forces.bonds.as_ref().map(|bonds| bonds.totals(particles, self.domain()))
     }
 
     /// Energy of the trapped spheres; `None` without traps. Collective.

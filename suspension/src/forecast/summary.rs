@@ -161,20 +161,22 @@ fn with_particles(outline: Outline, model: &Model, radii: &Radii, gap: Option<&G
         .line("particles", format_args!("{}{filled}{place}", radii.count()))
         .value("particles", radii.count())
         .value("volume_fraction", fraction);
-    with_swimmers(with_bodies(outline.value("smallest_gap", gap.map(|gap| gap.length)), model), model)
+    let outline = with_groups(outline.value("smallest_gap", gap.map(|gap| gap.length)), "bodies", &model.bodies);
+    let rods: Vec<_> = model.filaments.iter().map(|filaments| filaments.rods.clone()).collect();
+    with_swimmers(with_groups(outline, "filaments", &rods), model)
 }
 
-/// Adds the rigid bodies, if there are some.
-fn with_bodies(outline: Outline, model: &Model) -> Outline {
-    if model.bodies.is_empty() {
+/// Adds the rigid bodies or filaments, if there are some.
+fn with_groups(outline: Outline, name: &'static str, kinds: &[Bodies]) -> Outline {
+    if kinds.is_empty() {
         return outline;
     }
     let each = |kind: &Bodies| match kind.spheres.len() {
         1 => format!("{} \"{}\" of one sphere", kind.count, kind.name),
         spheres => format!("{} \"{}\" of {spheres} spheres", kind.count, kind.name),
     };
-    let text = model.bodies.iter().map(each).collect::<Vec<_>>().join(", ");
-    outline.line("bodies", text).value("bodies", model.bodies.iter().map(|kind| kind.count).sum::<u64>())
+    let text = kinds.iter().map(each).collect::<Vec<_>>().join(", ");
+    outline.line(name, text).value(name, kinds.iter().map(|kind| kind.count).sum::<u64>())
 }
 
 /// Adds the species that swim, with their speed and the time in which one alone swims its radius.

@@ -1,12 +1,11 @@
 //! Warnings of `check` and `run` before a run.
 
-use crate::columns::BOND_NUMBERS;
 use crate::forces::Forces;
 use crate::forecast::stable_step;
 use crate::forecast::step_lengths;
 use crate::integrators::adams_bashforth::AdamsBashforth;
 use crate::model::radii::Radii;
-use crate::model::{Flow, Integrator, Model};
+use crate::model::{Bonds, Flow, Integrator, Model};
 use crate::start::plan::problem;
 use domain::{Boundaries, Number, sphere};
 use fcm::Plan;
@@ -73,8 +72,9 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
         most(&mut model.traps.iter().map(|traps| traps.stiffness)),
     ];
     // Both ends of each bond move: twice the rate of one sphere.
-    let ends = 2.0 * (model.bond_numbers() / BOND_NUMBERS) as f64;
+    let ends = 2.0 * model.most_bonds() as f64;
     let rate = (trap + ends * bond) / sphere::drag(model.viscosity, radii.smallest());
+    let rate = rate.max(bending_rate(model, radii));
     (rate * model.time_step > limit * 1.001).then(|| {
         format!(
             "time.step = {} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {:.3}; take \
@@ -97,6 +97,20 @@ fn straight_box(model: &Model) -> Option<String> {
     (rate != 0.0 && model.cell.boundaries() == Boundaries::Periodic).then(|| message.to_owned())
 }
 
+/// Fastest rate at which bonds that resist bending relax: that of the shear of a beam between isolated spheres, or of
+/// its twist, times the number of bonds of a sphere. 0 without such bonds.
+fn bending_rate(model: &Model, radii: &Radii) -> f64 {
+    let radius = radii.smallest();
+    let moving = 1.0 / sphere::drag(model.viscosity, radius);
+    let turning = 1.0 / sphere::rotational_drag(model.viscosity, radius);
+    let of_one = |bonds: &Bonds| {
+        let (Some(beam), length) = (bonds.beam, bonds.length.unwrap_or(2.0 * radius)) else { return 0.0 };
+        let bent = 6.0 * beam.bending / length * (4.0 * moving / (length * length) + turning);
+        bent.max(2.0 * beam.twisting / length * turning)
+    };
+    model.most_bonds() as f64 * model.bonds.iter().map(of_one).fold(0.0, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,7 +129,13 @@ mod tests {
     fn steps_too_long_for_bonds_are_warned_of() {
         use crate::model::Bonds;
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
-        let bonds = vec![Bonds { pairs: vec![[0, 1]], length: Some(2.0), stiffness: 3.0 * PI, breaking_force: None }];
+        let bonds = vec![Bonds {
+            pairs: vec![[0, 1]],
+            length: Some(2.0),
+            stiffness: 3.0 * PI,
+            breaking_force: None,
+            beam: None,
+        }];
         for (step, warned) in [(0.29, false), (0.31, true)] {
             let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], step, 1);
             let model = Model::new(Parameters { bonds: bonds.clone(), ..usual }).unwrap();

@@ -89,7 +89,7 @@ impl Bodies {
 
     /// Species of the spheres. Each sphere bears a share of the force in proportion to its volume, so that the force
     /// acts at the centre, and the same share of the torque.
-    fn species(&self) -> Vec<Species> {
+    pub(super) fn species(&self) -> Vec<Species> {
         let radii = self.radii();
         let of_radius = |(index, &radius): (usize, &f64)| {
             let name = if radii.len() == 1 { self.name.clone() } else { format!("{} {}", self.name, index + 1) };
@@ -105,8 +105,9 @@ impl Bodies {
         radii.iter().enumerate().map(of_radius).collect()
     }
 
-    fn check(&self, index: usize, p: &Parameters) -> Result<(), ParameterError> {
-        let fault = |name: &str, message: String| Err(ParameterError::new(format!("bodies[{index}]{name}"), message));
+    /// Checks those of a section, as `bodies[0]`.
+    pub(super) fn check(&self, section: &str, p: &Parameters) -> Result<(), ParameterError> {
+        let fault = |name: &str, message: String| Err(ParameterError::new(format!("{section}{name}"), message));
         if self.count == 0 {
             return fault(".count", "is 0; take one body at least, or leave them out".to_owned());
         }
@@ -130,31 +131,31 @@ impl Bodies {
         }
         let axes = p.user_axes();
         for (row, &place) in self.positions.iter().flatten().enumerate() {
-            let key = format!("bodies[{index}].positions[{row}]");
+            let key = format!("{section}.positions[{row}]");
             ParameterError::require_finite_vector(&key, axes.place(place))?;
         }
         if let Some(places) = self.positions.as_ref().filter(|places| places.len() as u64 != self.count) {
             return fault(".positions", format!("has {} positions, but there are {} bodies", places.len(), self.count));
         }
-        self.check_orientation(index, p)?;
-        let key = |name: &str| format!("bodies[{index}].{name}");
+        self.check_orientation(section, p)?;
+        let key = |name: &str| format!("{section}.{name}");
         ParameterError::require_finite(&key("density_difference"), self.density_difference)?;
         ParameterError::require_finite_vector(&key("force"), axes.vector(self.force))?;
         ParameterError::require_finite_vector(&key("torque"), axes.vector(self.torque))?;
-        self.check_motion(index, p)
+        self.check_motion(section, p)
     }
 
-    fn check_motion(&self, index: usize, p: &Parameters) -> Result<(), ParameterError> {
+    fn check_motion(&self, section: &str, p: &Parameters) -> Result<(), ParameterError> {
         let back = p.turn.inverse();
         let GivenMotion { velocity, angular_velocity } = self.motion;
         for (name, given) in [("velocity", velocity), ("angular_velocity", angular_velocity)] {
             for (axis, component) in back.components(given).into_iter().enumerate() {
-                let key = format!("bodies[{index}].{name}[{axis}]");
+                let key = format!("{section}.{name}[{axis}]");
                 ParameterError::require_finite(&key, component.unwrap_or(0.0))?;
             }
         }
         let name = if velocity == [None; 3] { "angular_velocity" } else { "velocity" };
-        let refused = |message: &str| Err(ParameterError::new(format!("bodies[{index}].{name}"), message));
+        let refused = |message: &str| Err(ParameterError::new(format!("{section}.{name}"), message));
         if p.thermal_energy.is_some() && !self.motion.is_none() {
             return refused("can't be with fluid.thermal_energy yet; leave Brownian motion out");
         }
@@ -167,11 +168,11 @@ impl Bodies {
         Ok(())
     }
 
-    fn check_orientation(&self, index: usize, p: &Parameters) -> Result<(), ParameterError> {
+    fn check_orientation(&self, section: &str, p: &Parameters) -> Result<(), ParameterError> {
         match &self.orientation {
             BodyOrientation::Random => Ok(()),
             BodyOrientation::Aligned(axis) => {
-                let (key, axis) = (format!("bodies[{index}].orientation_axis"), p.user_axes().vector(*axis));
+                let (key, axis) = (format!("{section}.orientation_axis"), p.user_axes().vector(*axis));
                 ParameterError::require_finite_vector(&key, axis)?;
                 if axis.normalize_or_zero() == Vector::ZERO {
                     let message = "has no direction; one of its numbers needs to be other than 0";
@@ -180,7 +181,7 @@ impl Bodies {
                 Ok(())
             }
             BodyOrientation::Each(list) => {
-                let key = format!("bodies[{index}].orientations");
+                let key = format!("{section}.orientations");
                 if list.len() as u64 != self.count {
                     let message = format!("has {} orientations, but there are {} bodies", list.len(), self.count);
                     return Err(ParameterError::new(key, message));
@@ -211,21 +212,27 @@ impl Parameters {
         (0..self.bodies.len()).filter(|&kind| !self.bodies[kind].motion.is_none())
     }
 
-    /// Number of species of spheres that belong to no body. They are the first ones.
-    pub(crate) fn free_species(&self) -> usize {
-        self.species.len() - self.bodies.iter().map(|kind| kind.radii().len()).sum::<usize>()
+    /// Kinds of groups of spheres that are placed together: bodies, or filaments, which are straight at the start.
+    pub(crate) fn placed_together(&self) -> Vec<&Bodies> {
+        self.bodies.iter().chain(self.filaments.iter().map(|filaments| &filaments.rods)).collect()
     }
 
-    /// The species of each sphere of a kind of bodies.
+    /// Number of species of spheres that belong to no body or filament. They are the first ones.
+    pub(crate) fn free_species(&self) -> usize {
+        self.species.len() - self.placed_together().iter().map(|kind| kind.radii().len()).sum::<usize>()
+    }
+
+    /// The species of each sphere of a kind of bodies or filaments, by its index in [`Self::placed_together`].
     pub(crate) fn species_of_body(&self, kind: usize) -> Vec<u32> {
-        let before = self.bodies[..kind].iter().map(|kind| kind.radii().len()).sum::<usize>();
-        let (first, radii) = (self.free_species() + before, self.bodies[kind].radii());
+        let kinds = self.placed_together();
+        let before = kinds[..kind].iter().map(|kind| kind.radii().len()).sum::<usize>();
+        let (first, radii) = (self.free_species() + before, kinds[kind].radii());
         let is_its = |one: &BodySphere, radius: &f64| one.radius.total_cmp(radius).is_eq();
         let place = |one| radii.iter().position(|radius| is_its(one, radius)).expect("one of the radii");
-        self.bodies[kind].spheres.iter().map(|one| (first + place(one)) as u32).collect()
+        kinds[kind].spheres.iter().map(|one| (first + place(one)) as u32).collect()
     }
 
-    /// Number of spheres that belong to no body. Their ids come first, and those of bodies follow, body by body.
+    /// Number of spheres that belong to no body or filament. Their ids come first, and those of bodies follow, body by body.
     pub(crate) fn free_spheres(&self) -> u64 {
         self.species[..self.free_species()].iter().map(|species| species.count.unwrap_or(0)).sum()
     }
@@ -257,7 +264,7 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
         return Ok(());
     }
     check_methods(p)?;
-    p.bodies.iter().enumerate().try_for_each(|(index, bodies)| bodies.check(index, p))
+    p.bodies.iter().enumerate().try_for_each(|(index, bodies)| bodies.check(&format!("bodies[{index}]"), p))
 }
 
 /// Refuses what bodies can't be together with.

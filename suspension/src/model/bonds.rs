@@ -1,9 +1,9 @@
 //! Bonds between listed spheres.
 
-use super::{Parameters, Species};
+use super::{Beam, Parameters, Species, beam};
 use domain::{Number, ParameterError};
 
-/// Bonds of one kind, each a spring along the line of centres of two spheres.
+/// Bonds of one kind, each a spring along the line of centres of two spheres, which may resist bending as well.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bonds {
     /// Ids of the bonded spheres, counted from 0 in the order of the species or of the list of positions.
@@ -14,6 +14,8 @@ pub struct Bonds {
     pub stiffness: f64,
     /// Tension above which a bond breaks at the end of a step; `None` for bonds that never break.
     pub breaking_force: Option<f64>,
+    /// Resistance to bending and twisting; `None` for spheres that rotate freely.
+    pub beam: Option<Beam>,
 }
 
 impl Bonds {
@@ -22,6 +24,7 @@ impl Bonds {
         if let Some(force) = self.breaking_force {
             ParameterError::require_positive(&format!("{key}.breaking_force"), force)?;
         }
+        self.beam.map_or(Ok(()), |beam| beam.check(key))?;
         if let Some(length) = self.length {
             let key = format!("{key}.length");
             ParameterError::require_positive(&key, length)?;
@@ -48,7 +51,8 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
         bonds.check(&format!("bonds[{index}]"), p.shortest_vector())?;
     }
     check_pairs(&p.bonds)?;
-    counted(&p.species).map_or(Ok(()), |count| check_ids(&p.bonds, count))
+    counted(&p.species).map_or(Ok(()), |count| check_ids(&p.bonds, count))?;
+    beam::check_rotation(p)
 }
 
 /// Number of spheres, if the species give it.

@@ -3,7 +3,7 @@
 use super::species::check_species;
 use super::{
     Axis, Extension, Flow, Integrator, MultipoleOrder, Parameters, Protocol, Repulsion, ShearRates, Species, bodies,
-    bonds, dipoles, displacement, swimming, traps,
+    bonds, dipoles, displacement, filaments, swimming, traps,
 };
 use domain::{Boundaries, Number, ParameterError};
 use fcm::Method;
@@ -19,6 +19,7 @@ pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let p = parameters;
     ParameterError::require_positive("time.step", p.time_step)?;
     bodies::check(p)?;
+    filaments::check(p)?;
     check_species(p, p.shortest_vector())?;
     ParameterError::require_positive("fluid.viscosity", p.viscosity)?;
     check_heat(p)?;

@@ -1,6 +1,7 @@
 //! Parameters of a suspension, and the model: parameters that have been checked.
 
 mod attraction;
+mod beam;
 mod bodies;
 mod bonds;
 pub mod box_axes;
@@ -10,6 +11,7 @@ mod cubic_field;
 mod dipoles;
 mod displacement;
 mod extension;
+mod filaments;
 mod hydrodynamics;
 mod integrator;
 mod orientation;
@@ -23,10 +25,12 @@ mod swimming;
 mod traps;
 mod turned;
 
-use crate::columns::BOND_NUMBERS;
+use crate::columns::{BEAM_END_NUMBERS, BOND_NUMBERS};
 use crate::model::box_axes::UserAxes;
 use ::hydrodynamics::Poiseuille;
 pub use attraction::Attraction;
+pub(crate) use beam::without_orientation;
+pub use beam::{Beam, RestShape};
 pub use bodies::{Bodies, BodyOrientation};
 pub use bonds::Bonds;
 pub(crate) use bonds::check_ids;
@@ -38,6 +42,7 @@ use domain::{AxisRotation, Boundaries, ParameterError, PeriodicBox, Tensor, Vect
 pub use extension::Extension;
 #[cfg(test)]
 pub(crate) use extension::Extremes;
+pub use filaments::Filaments;
 pub use hydrodynamics::{Hydrodynamics, MultipoleOrder};
 pub use integrator::{Adaptive, BrownianScheme, Integrator};
 pub use orientation::Orientation;
@@ -70,6 +75,8 @@ pub struct Parameters {
     pub species: Vec<Species>,
     /// Rigid bodies, which [`Parameters::with_bodies`] adds together with the species of their spheres.
     pub bodies: Vec<Bodies>,
+    /// Filaments, which [`Parameters::with_filaments`] adds together with the species of their spheres and their bonds.
+    pub filaments: Vec<Filaments>,
     /// Initial positions.
     pub start: Start,
     /// Background flow.
@@ -119,6 +126,7 @@ impl Parameters {
             gravity: Vector::ZERO,
             species,
             bodies: Vec::new(),
+            filaments: Vec::new(),
             start: Start::Random { minimum_gap: 0.0 },
             flow: Flow::None,
             last_strain: None,
@@ -293,9 +301,19 @@ impl Model {
 
     /// Width of the column of bonds: room for the largest number of bonds that any sphere has.
     pub(crate) fn bond_numbers(&self) -> usize {
+        BOND_NUMBERS * self.most_bonds()
+    }
+
+    /// Width of the column of the ends of beams; 0 without bonds that resist bending.
+    pub(crate) fn beam_end_numbers(&self) -> usize {
+        if self.has_beams() { BEAM_END_NUMBERS * self.most_bonds() } else { 0 }
+    }
+
+    /// Largest number of bonds that any sphere has.
+    pub(crate) fn most_bonds(&self) -> usize {
         let mut ids: Vec<u64> = self.bonds.iter().flat_map(|bonds| bonds.pairs.as_flattened()).copied().collect();
         ids.sort_unstable();
-        BOND_NUMBERS * ids.chunk_by(|a, b| a == b).map(<[u64]>::len).max().unwrap_or(0)
+        ids.chunk_by(|a, b| a == b).map(<[u64]>::len).max().unwrap_or(0)
     }
 
     /// Axis with the largest component of the steady forces, summed over the species; `None` without forces.

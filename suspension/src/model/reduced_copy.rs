@@ -8,7 +8,7 @@ const FEWEST_RADII: f64 = 8.0;
 
 impl Model {
     /// The same suspension with at most about `most` spheres: in a box of the same shape, at random positions, without
-    /// bonds or traps. `None` if the caller provides the positions, if there are rigid bodies, or if there is no valid
+    /// bonds or traps. `None` if the caller provides the positions, if there are rigid bodies or filaments, or if there is no valid
     /// copy.
     #[must_use]
     pub fn with_at_most(&self, most: f64) -> Option<Self> {
@@ -22,7 +22,7 @@ impl Model {
         if scale >= 1.0 {
             return Some(self.clone());
         }
-        if !self.bodies.is_empty() {
+        if !self.placed_together().is_empty() {
             return None;
         }
         let mut parameters = self.0.clone();

@@ -28,7 +28,8 @@ impl Parameters {
                 *axis = axes.vector_in(*axis);
             }
         }
-        for bodies in &mut self.bodies {
+        let filaments = self.filaments.iter_mut().map(|filaments| &mut filaments.rods);
+        for bodies in self.bodies.iter_mut().chain(filaments) {
             (bodies.force, bodies.torque) = (axes.vector_in(bodies.force), axes.vector_in(bodies.torque));
             let motion = &mut bodies.motion;
             motion.velocity = turn.components(motion.velocity);
@@ -41,7 +42,9 @@ impl Parameters {
         if let Start::Positions(places) = &mut self.start {
             inside(places);
         }
-        self.bodies.iter_mut().filter_map(|bodies| bodies.positions.as_mut()).for_each(|places| inside(places));
+        let filaments = self.filaments.iter_mut().map(|filaments| &mut filaments.rods);
+        let groups = self.bodies.iter_mut().chain(filaments);
+        groups.filter_map(|bodies| bodies.positions.as_mut()).for_each(|places| inside(places));
         for traps in &mut self.traps {
             match &mut traps.centres {
                 Centres::AtStart => {}

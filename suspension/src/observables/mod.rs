@@ -76,8 +76,14 @@ const CROWDED: [NumberRow; 3] = [
 
 /// Quantities of bonds.
 const BONDS: [NumberRow; 2] = [
-    ("bond_energy", "force*length", |present| present.suspension().bond_numbers().map_or(f64::NAN, |n| n[0])),
-    ("broken_bonds", "", |present| present.suspension().bond_numbers().map_or(f64::NAN, |n| n[1])),
+    ("bond_energy", "force*length", |present| present.suspension().bond_totals().map_or(f64::NAN, |t| t.stretching)),
+    ("broken_bonds", "", |present| present.suspension().bond_totals().map_or(f64::NAN, |t| t.broken)),
+];
+
+/// Energies of bonds that resist bending.
+const BEAMS: [NumberRow; 2] = [
+    ("bending_energy", "force*length", |present| present.suspension().bond_totals().map_or(f64::NAN, |t| t.bending)),
+    ("twisting_energy", "force*length", |present| present.suspension().bond_totals().map_or(f64::NAN, |t| t.twisting)),
 ];
 
 /// Energy of traps.
@@ -200,6 +206,7 @@ fn of_model(model: &Model) -> Vec<Box<dyn Observable>> {
     }
     if !model.bonds.is_empty() {
         list.extend(numbers(&BONDS));
+        list.extend(model.has_beams().then(|| numbers(&BEAMS)).into_iter().flatten());
     }
     if !model.traps.is_empty() {
         list.extend(numbers(&TRAPS));

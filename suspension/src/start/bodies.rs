@@ -1,9 +1,9 @@
-//! Rigid bodies at the start of a run.
+//! Rigid bodies and filaments at the start of a run.
 
 use crate::bodies;
 use crate::columns::{ARM, BODY};
 use crate::error::PlacingError;
-use crate::model::{BodyOrientation, Model, Start};
+use crate::model::{Bodies, BodyOrientation, Model, Start};
 use crate::rotation::orientations;
 use domain::{BodySphere, Number, Occupied, Particles, Quaternion, Random, Vector, sphere};
 use std::cmp::Reverse;
@@ -14,26 +14,29 @@ const STREAM: u64 = 0x626f_6469_6573_0000;
 /// Random positions, and orientations if they are random, that are tried for a body or a sphere.
 const TRIES: u64 = 20_000;
 
-/// All particles of a model with bodies, in the order of their ids: the spheres that belong to no body, species by
-/// species, and then the bodies, kind by kind.
+/// All particles of a model with bodies or filaments, in the order of their ids: the spheres that belong to none,
+/// species by species, and then the bodies, kind by kind. Spheres of a filament have the orientation of the rod as which
+/// it starts.
 pub fn particles(model: &Model) -> Result<Particles, PlacingError> {
     let objects = BodyPlacement::new(model).placed()?;
     let mut particles = Particles::default();
-    let (mut bodies, mut arms, mut turns) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut owners, mut arms, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     let mut next_body = 0.0;
     for object in objects {
         let body = if object.is_body { next_body } else { -1.0 };
         next_body += f64::from(u8::from(object.is_body));
         for (member, &species) in object.members.iter().zip(&object.species) {
             let place = object.centre + object.orientation.rotate(member.position);
-            particles.push(bodies.len() as u64, place, member.radius, species);
-            bodies.push(body);
+            particles.push(owners.len() as u64, place, member.radius, species);
+            owners.push(body);
             arms.push(member.position);
             turns.push(if object.is_body { object.orientation } else { Quaternion::NONE });
         }
     }
-    particles.column(BODY, 1).values = bodies;
-    particles.vectors(ARM).copy_from_slice(&arms);
+    if !model.bodies.is_empty() {
+        particles.column(BODY, 1).values = owners;
+        particles.vectors(ARM).copy_from_slice(&arms);
+    }
     orientations(&mut particles).copy_from_slice(&turns);
     Ok(particles)
 }
@@ -88,7 +91,7 @@ impl<'a> BodyPlacement<'a> {
     fn new(model: &'a Model) -> Self {
         let mut placing = Self { model, objects: Vec::new() };
         placing.add_free_spheres();
-        (0..model.bodies.len()).for_each(|kind| placing.add_bodies(kind));
+        model.placed_together().into_iter().enumerate().for_each(|(kind, bodies)| placing.add_bodies(kind, bodies));
         placing
     }
 
@@ -114,8 +117,8 @@ impl<'a> BodyPlacement<'a> {
         }
     }
 
-    fn add_bodies(&mut self, kind: usize) {
-        let (bodies, axes) = (&self.model.bodies[kind], self.model.user_axes());
+    fn add_bodies(&mut self, kind: usize, bodies: &'a Bodies) {
+        let axes = self.model.user_axes();
         let species = self.model.species_of_body(kind);
         for number in 0..bodies.count as usize {
             let given = bodies.positions.as_ref().map(|places| places[number]);
@@ -195,7 +198,7 @@ impl<'a> BodyPlacement<'a> {
     fn no_room(&self, name: &str, placed: usize, fraction: f64) -> PlacingError {
         let (all, fraction) = (self.objects.len(), Number(fraction));
         PlacingError::NoRoom(format!(
-            "found no room for \"{name}\" in {TRIES} random places: {placed} of {all} bodies and spheres are placed, \
+            "found no room for \"{name}\" in {TRIES} random places: {placed} of {all} bodies, filaments and spheres are placed, \
              which fill {fraction:.3} of the box; take fewer of them, a larger box, or give positions"
         ))
     }
@@ -204,7 +207,7 @@ impl<'a> BodyPlacement<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Bodies, Parameters, Species};
+    use crate::model::{Parameters, Species};
     use domain::{BodyShape, Boundaries, EqualSpheres, PeriodicBox};
 
     fn rods(count: u64) -> Bodies {
@@ -251,6 +254,6 @@ mod tests {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
         let error = particles(&model(cell, 200)).unwrap_err().to_string();
         assert!(error.contains("\"rods\"") || error.contains("\"free\""), "{error}");
-        assert!(error.contains("of 212 bodies and spheres are placed"), "{error}");
+        assert!(error.contains("of 212 bodies, filaments and spheres are placed"), "{error}");
     }
 }

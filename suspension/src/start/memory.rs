@@ -155,7 +155,7 @@ impl Share<'_> {
     fn start(&self) -> Bytes {
         let placed = match self.model.start {
             Start::Random { minimum_gap }
-                if self.model.bodies.is_empty() && filled(self.model, minimum_gap) <= DENSE =>
+                if self.model.placed_together().is_empty() && filled(self.model, minimum_gap) <= DENSE =>
             {
                 self.shared_placing(minimum_gap)
             }

@@ -12,14 +12,14 @@ use std::ops::Range;
 
 /// Particles of a model at the start, each on any rank, with a partition if the scene gives their numbers. The ranks
 /// make equal parts of a lattice and of random positions at low volume fractions; of others, which the first rank makes
-/// or has from elsewhere, each rank gets its part at once. With bodies the first rank has all. Collective.
+/// or has from elsewhere, each rank gets its part at once. With bodies or filaments the first rank has all. Collective.
 pub fn particles(
     model: &Model,
     placed: Option<GivenPositions>,
     partition: Option<&Partition>,
     comm: &Comm,
 ) -> Result<Particles, Failure> {
-    if !model.bodies.is_empty() {
+    if !model.placed_together().is_empty() {
         return comm.agree(if comm.is_first() { bodies::particles(model) } else { Ok(Particles::default()) });
     }
     let shared = partition.map(|partition| shared(model, partition)).transpose();

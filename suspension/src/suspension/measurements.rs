@@ -4,6 +4,7 @@ use super::Suspension;
 use crate::evaluation::stress::ParticleStress;
 use crate::forces::contacts::{ContactStatistics, contact_force};
 use crate::forces::force::StressName;
+use crate::forces::tethers::BondTotals;
 use crate::forces::{NamedMoments, user};
 use domain::Tensor;
 use simulation::ContactForces;
@@ -88,9 +89,9 @@ impl Suspension {
         self.dynamics.contact_stiffness().map(|stiffness| (stiffness, stays))
     }
 
-    /// Elastic energy of the bonds and number of broken bonds; `None` without bonds. Collective.
-    pub fn bond_numbers(&self) -> Option<[f64; 2]> {
-        self.dynamics.bond_numbers(&self.particles)
+    /// Energies of the bonds and number of broken ones; `None` without bonds. Collective.
+    pub fn bond_totals(&self) -> Option<BondTotals> {
+        self.dynamics.bond_totals(&self.particles)
     }
 
     /// Energy of the trapped spheres; `None` without traps. Collective.

@@ -1,10 +1,12 @@
 //! Pairs of several rows, packed into SIMD lanes.
 
+use crate::pairs::beams::BeamResistances;
 use crate::pairs::contacts::ContactResistances;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::{LANES, SimdLanes, StoredLanes, transpose};
 use crate::pairs::matrix::row_sums::RowSums;
 use crate::pairs::matrix::sparse::{GroupOfPairs, LaneGroup, MomentGroup};
+use crate::springs::PairSprings;
 use domain::{Traceless, Vector};
 use lubrication::{Arithmetic, Coefficients, RECORD, SPHERE_ROW, SphereRow};
 use simd::SimdVector as Width;
@@ -31,9 +33,14 @@ pub struct SizedPair<'a> {
 
 /// Source of the resistance coefficients of pairs, with `N` numbers per pair.
 pub trait PackedKind<const N: usize> {
-    /// Writes the numbers of a pair of spheres with two radii. `spring` has the spring resistances along the line of
-    /// centres, to slip, and to rolling.
-    fn write<V: Width<f64>>(&mut self, lane: usize, pair: SizedPair, spring: Option<&[f64; 3]>, numbers: &mut [f64; N]);
+    /// Writes the numbers of a pair of spheres with two radii. `spring` has its spring resistances.
+    fn write<V: Width<f64>>(
+        &mut self,
+        lane: usize,
+        pair: SizedPair,
+        spring: Option<&PairSprings>,
+        numbers: &mut [f64; N],
+    );
 
     /// Resistance coefficients of the rows' spheres, one pair per lane, from these numbers.
     fn sides<V: Width<f64>>(&self, numbers: &[[f64; LANES]; N]) -> SphereRow<SimdLanes<V>>;
@@ -71,7 +78,7 @@ impl<K: PackedKind<N>, const N: usize> PackedPairs<K, N> {
     /// Sets the pair of a lane, for spheres with two radii, in a flow whose strain rate varies with z at the rate
     /// `slope`.
     #[inline(always)]
-    pub fn set<V: Width<f64>>(&mut self, lane: usize, sized: SizedPair, spring: Option<&[f64; 3]>, slope: [f64; 2]) {
+    pub fn set<V: Width<f64>>(&mut self, lane: usize, sized: SizedPair, spring: Option<&PairSprings>, slope: [f64; 2]) {
         self.kind.write::<V>(lane, sized, spring, &mut self.records[lane]);
         let SizedPair { pair, radii } = sized;
         self.others[lane] = pair.other;
@@ -132,12 +139,21 @@ pub struct Stiff<'a> {
     touching: ContactResistances,
     /// Whether any of the pairs is in contact.
     touch: bool,
+    beams: BeamResistances,
+    /// Whether any of the pairs is a beam.
+    bend: bool,
 }
 
 impl<'a> Stiff<'a> {
     #[inline(always)]
     pub fn new(lubrication: Option<&'a PairLubrication>) -> Self {
-        Self { lubrication, touching: ContactResistances::default(), touch: false }
+        Self {
+            lubrication,
+            touching: ContactResistances::default(),
+            touch: false,
+            beams: BeamResistances::default(),
+            bend: false,
+        }
     }
 }
 
@@ -147,7 +163,7 @@ impl PackedKind<STIFF> for Stiff<'_> {
         &mut self,
         lane: usize,
         SizedPair { pair, radii }: SizedPair,
-        spring: Option<&[f64; 3]>,
+        spring: Option<&PairSprings>,
         numbers: &mut [f64; STIFF],
     ) {
         if let Some(lubrication) = self.lubrication.filter(|_| pair.is_lubricated) {
@@ -155,10 +171,12 @@ impl PackedKind<STIFF> for Stiff<'_> {
             lubrication.force.record::<SimdLanes<V>>(pair.distance, pair.species, record);
         }
         numbers[IS_LARGER] = f64::from(u8::from(radii[0] > radii[1]));
-        if let Some(&[along, slip, rolling]) = spring {
+        if let Some(&PairSprings { along, slip, rolling, bending, twisting }) = spring {
             numbers[SPRING] = along;
             self.touching.set(lane, [slip, rolling], pair.distance, radii);
             self.touch |= slip + rolling > 0.0;
+            self.beams.set(lane, [bending, twisting], pair.distance);
+            self.bend |= bending + twisting > 0.0;
         }
     }
 
@@ -177,6 +195,9 @@ impl PackedKind<STIFF> for Stiff<'_> {
         if self.touch {
             self.touching.add_to(&mut coefficients);
         }
+        if self.bend {
+            self.beams.add_to(&mut coefficients);
+        }
         SphereRow::of(&coefficients, SimdLanes::read(&numbers[IS_LARGER]))
     }
 }
@@ -190,7 +211,7 @@ impl PackedKind<SPHERE_ROW> for Soft<'_> {
         &mut self,
         _lane: usize,
         SizedPair { pair, .. }: SizedPair,
-        _spring: Option<&[f64; 3]>,
+        _spring: Option<&PairSprings>,
         numbers: &mut [f64; SPHERE_ROW],
     ) {
         if let Some(lubrication) = self.0 {

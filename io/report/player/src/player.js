@@ -17,6 +17,7 @@ export class Player {
     this.button.addEventListener("click", () => this.toggle());
     this.choice.addEventListener("change", () => this.colour());
     find("reset").addEventListener("click", () => view.reset());
+    find("show-axes")?.addEventListener("change", (event) => view.showAxes(event.target.checked));
     find("show-chains")?.addEventListener("change", (event) => view.showChains(event.target.checked));
     document.addEventListener("keydown", (event) => this.key(event));
     this.frame = 0;

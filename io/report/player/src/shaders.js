@@ -5,7 +5,10 @@ export const vertex = `
 uniform mat3 edges;
 uniform highp usampler2D places;
 uniform highp sampler2D radii;
+uniform highp isampler2D axes;
+uniform float capped;
 uniform float share;
+varying vec3 axis;
 varying vec3 centre;
 varying vec3 point;
 varying float size;
@@ -22,6 +25,7 @@ void main() {
   vec2 corner = corners[gl_VertexID % 6];
   size = share * texelFetch(radii, listed, 0).r;
   index = place.w;
+  axis = capped * (modelViewMatrix * vec4(vec3(texelFetch(axes, listed, 0).xyz) / 127.0, 0.0)).xyz;
   centre = (modelViewMatrix * vec4(edges * ((place.xyz + 0.5) / 65536.0), 1.0)).xyz;
   vec3 away = isOrthographic ? vec3(0.0, 0.0, -1.0) : normalize(centre);
   vec3 right = normalize(cross(away, vec3(0.0, 1.0, 0.0)));
@@ -38,6 +42,7 @@ export const fragment = `
 uniform mat4 projectionMatrix;
 uniform sampler2D palette;
 uniform vec2 haze;
+varying vec3 axis;
 varying vec3 centre;
 varying vec3 point;
 varying float size;
@@ -57,7 +62,10 @@ void main() {
   float facing = -dot(normal, ray);
   float bright = (0.5 + 0.55 * max(dot(normal, light), 0.0)) * smoothstep(-0.35, 0.45, facing);
   float gleam = 0.22 * pow(max(dot(reflect(-light, normal), -ray), 0.0), 24.0);
-  vec3 colour = texture2D(palette, vec2((index + 0.5) / 256.0, 0.5)).rgb * bright + gleam;
+  vec3 own = texture2D(palette, vec2((index + 0.5) / 256.0, 0.5)).rgb;
+  // A dark cap where the axis leaves the sphere; without an axis there is none.
+  float cap = smoothstep(0.76, 0.8, dot(normal, axis));
+  vec3 colour = mix(own, vec3(0.1), cap) * bright + gleam;
   float pale = 0.5 * smoothstep(haze.x, haze.y, -hit.z);
   gl_FragColor = vec4(mix(colour, vec3(1.0), pale), min(covered, 1.0));
   vec4 clip = projectionMatrix * vec4(hit, 1.0);

@@ -39,10 +39,14 @@ export class Spheres {
     radii.set(run.radii);
     this.places = listed(new Uint16Array(4 * room), run.count, THREE.RGBAIntegerFormat, THREE.UnsignedShortType);
     this.places.internalFormat = "RGBA16UI";
+    this.axes = listed(new Int8Array(4 * room), run.count, THREE.RGBAIntegerFormat, THREE.ByteType);
+    this.axes.internalFormat = "RGBA8I";
     this.palettes = { kinds: colours(true), scale: colours(false) };
     this.uniforms = {
       edges: { value: new THREE.Matrix3() },
       places: { value: this.places },
+      axes: { value: this.axes },
+      capped: { value: 0 },
       radii: { value: listed(radii, run.count, THREE.RedFormat, THREE.FloatType) },
       share: { value: 1 },
       palette: { value: this.palettes.kinds },
@@ -68,9 +72,25 @@ export class Spheres {
       data[4 * i + 3] = colouring.values[ofColour + i];
     }
     this.places.needsUpdate = true;
+    if (this.run.axes) this.turn(first);
     this.uniforms.palette.value = colouring.names ? this.palettes.kinds : this.palettes.scale;
     // The lattice vectors are the columns.
     this.uniforms.edges.value.fromArray(edges[frame]);
+  }
+
+  /** Turns the axes to those in the list from a place on. */
+  turn(first) {
+    const { count, axes } = this.run;
+    const data = this.axes.image.data;
+    for (let i = 0; i < count; i++) {
+      for (let axis = 0; axis < 3; axis++) data[4 * i + axis] = axes[first + 3 * i + axis];
+    }
+    this.axes.needsUpdate = true;
+  }
+
+  /** Draws them with caps at their axes, or without. */
+  cap(isCapped) {
+    this.uniforms.capped.value = Number(isCapped);
   }
 
   /** Draws them with a share of their radii. */

@@ -127,6 +127,12 @@ export class View {
     this.draw();
   }
 
+  /** Shows the axes of spheres, or not. */
+  showAxes(isShown) {
+    this.spheres.cap(isShown);
+    this.draw();
+  }
+
   /** Draws soon: once, however much changes until then. */
   draw() {
     if (this.isDue) return;

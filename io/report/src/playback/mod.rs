@@ -1,11 +1,13 @@
 //! The frames of a trajectory for the player of a page, in a compact form.
 
+mod axes;
 mod chains;
 mod chosen;
 mod colouring;
 #[cfg(test)]
 mod tests;
 
+use axes::Axes;
 use base64::prelude::{BASE64_STANDARD, Engine};
 use chains::Chains;
 use chosen::chosen;
@@ -26,6 +28,7 @@ pub(super) struct Playback {
     positions: Vec<u8>,
     radii: Vec<f32>,
     colourings: Vec<Colouring>,
+    axes: Axes,
     chains: Chains,
     is_flat: bool,
     periodic: [bool; 3],
@@ -42,7 +45,8 @@ impl Playback {
     /// Reads as many equally spaced frames as a page can hold. `colours` has the data for colouring particles.
     pub(super) fn of(recorded: &TrajectoryReader, contacts: &RecordedContacts, colours: &Colours) -> Self {
         let count = recorded.species().len();
-        let meant = chosen(recorded.times().len(), count);
+        let is_oriented = recorded.snapshot(0).is_ok_and(|first| axes::are_in(&first.frame.particles));
+        let meant = chosen(recorded.times().len(), count, if is_oriented { axes::EACH } else { 0 });
         let mut playback = Self {
             recorded: recorded.times().len(),
             damage: Vec::new(),
@@ -50,6 +54,7 @@ impl Playback {
             positions: Vec::new(),
             radii: Vec::new(),
             colourings: Vec::new(),
+            axes: Axes::default(),
             chains: Chains::default(),
             is_flat: true,
             periodic: [false; 3],
@@ -83,6 +88,7 @@ impl Playback {
         }
         self.is_flat &= particles.positions.iter().all(|position| position.z == 0.0);
         self.positions.extend(particles.positions.iter().flat_map(|&position| in_box(cell, position)));
+        self.axes.see(particles);
         self.frames.push(ShownFrame { step: *step, time: *time, cell: *cell });
     }
 
@@ -103,6 +109,11 @@ impl Playback {
         !self.chains.is_empty()
     }
 
+    /// Whether there are axes to show.
+    pub(super) fn has_axes(&self) -> bool {
+        !self.axes.is_empty()
+    }
+
     /// Number of frames that are shown.
     pub(super) fn shown(&self) -> usize {
         self.frames.len()
@@ -119,6 +130,7 @@ impl Playback {
             "steps": self.frames.iter().map(|frame| frame.step).collect::<Vec<_>>(),
             "edges": edges.collect::<Vec<_>>(),
             "colourings": self.colourings.iter().map(Colouring::described).collect::<Vec<_>>(),
+            "oriented": self.has_axes(),
             "chains": self.chains.described(),
         });
         let radii: Vec<u8> = self.radii.iter().flat_map(|radius| radius.to_le_bytes()).collect();
@@ -129,7 +141,7 @@ impl Playback {
         let of_colours = self.colourings.iter().enumerate();
         let of_colours =
             of_colours.map(|(k, colouring)| (format!("colouring-{k}"), BASE64_STANDARD.encode(&colouring.values)));
-        (description, lists.into_iter().chain(of_colours).chain(self.chains.lists()).collect())
+        (description, lists.into_iter().chain(of_colours).chain(self.axes.list()).chain(self.chains.lists()).collect())
     }
 }
 

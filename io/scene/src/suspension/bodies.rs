@@ -13,9 +13,12 @@ const MOST_SPHERES: f64 = 10_000.0;
 /// Bodies of a scene with these other species, in a box of a volume.
 pub(super) fn bodies(raw: &raw::SuspensionSections, species: &[Species], volume: f64) -> Result<Vec<Bodies>, KeyError> {
     let mut all: Vec<Bodies> = Vec::new();
-    for index in 0..raw.bodies.len() {
-        let section = BodiesReader { raw, one: &raw.bodies[index], index };
-        let kind = section.bodies(volume)?;
+    for (index, one) in raw.bodies.iter().enumerate() {
+        let section = BodiesReader { raw, one, section: format!("bodies[{index}]") };
+        let mut kind = section.bodies(volume)?;
+        if kind.name.is_empty() {
+            kind.name = format!("body {}", index + 1);
+        }
         let taken = species.iter().map(|one| &one.name).chain(all.iter().map(|kind| &kind.name));
         if taken.clone().any(|name| *name == kind.name) {
             return section.fault("name", format!("is \"{}\", which another name is already; take another", kind.name));
@@ -25,32 +28,32 @@ pub(super) fn bodies(raw: &raw::SuspensionSections, species: &[Species], volume:
     Ok(all)
 }
 
-/// A section and its index.
-struct BodiesReader<'a> {
-    raw: &'a raw::SuspensionSections,
-    one: &'a raw::BodiesSection,
-    index: usize,
+/// A section and its key.
+pub(super) struct BodiesReader<'a> {
+    pub raw: &'a raw::SuspensionSections,
+    pub one: &'a raw::BodiesSection,
+    pub section: String,
 }
 
 impl BodiesReader<'_> {
     fn key(&self, name: &str) -> String {
-        format!("bodies[{}].{name}", self.index)
+        format!("{}.{name}", self.section)
     }
 
-    fn fault<T>(&self, name: &str, message: impl Into<String>) -> Result<T, KeyError> {
+    pub(super) fn fault<T>(&self, name: &str, message: impl Into<String>) -> Result<T, KeyError> {
         Err(KeyError::new(self.key(name), message))
     }
 
-    fn bodies(&self, volume: f64) -> Result<Bodies, KeyError> {
+    pub(super) fn bodies(&self, volume: f64) -> Result<Bodies, KeyError> {
         let one = self.one;
-        names::check(one.name.as_deref(), &format!("bodies[{}]", self.index))?;
+        names::check(one.name.as_deref(), &self.section)?;
         if one.density_difference.is_some() && self.raw.gravity.is_none() {
             let message = "is set, but there is no [gravity]; write [gravity] acceleration = [x, y, z], or a force";
             return self.fault("density_difference", message);
         }
         let spheres = self.spheres()?;
         let count = self.count(&spheres, volume)?;
-        let name = one.name.clone().unwrap_or_else(|| format!("body {}", self.index + 1));
+        let name = one.name.clone().unwrap_or_default();
         let places = one.positions.as_ref().map(|list| list.iter().map(|&place| place.into()).collect());
         Ok(Bodies {
             positions: places,

@@ -5,6 +5,7 @@ mod bodies;
 mod cell;
 mod dipoles;
 mod duration;
+mod filaments;
 mod flow;
 mod names;
 mod raw;
@@ -54,13 +55,15 @@ impl SuspensionScene {
         let usual_integrator = usual_integrator(&raw);
         let species = species::species(&raw, room(&raw, &cell))?;
         let bodies = bodies::bodies(&raw, &species, room(&raw, &cell))?;
+        let filaments = filaments::filaments(&raw, &species, room(&raw, &cell))?;
         let shears = cell.boundaries() == Boundaries::Periodic;
         let time_step = positive("time.step", raw.time.step)?;
         let (flow, protocol) = flow::flow(raw.flow.as_ref(), raw.fluid.viscosity, time_step, shears)?;
         let (time, last_strain) = duration::time(&raw.time, &flow, &protocol)?;
         check_contacts(&raw)?;
         let output = output(raw.output, time.steps);
-        let of_bodies = bodies.iter().map(|kind| (kind.count * kind.spheres.len() as u64) as f64).sum::<f64>();
+        let groups = bodies.iter().chain(filaments.iter().map(|filaments| &filaments.rods));
+        let of_bodies = groups.map(|kind| (kind.count * kind.spheres.len() as u64) as f64).sum::<f64>();
         output.check(time.steps, of_bodies + species.iter().map(|s| s.count.unwrap_or(0) as f64).sum::<f64>())?;
         let (start, source) = start(&raw.particles, folder)?;
         let gap_is_given = raw.particles.minimum_gap.is_some();
@@ -74,13 +77,14 @@ impl SuspensionScene {
             gravity: raw.gravity.as_ref().map_or(Vector::ZERO, |g| g.acceleration.into()),
             species,
             bodies: Vec::new(),
+            filaments: Vec::new(),
             start,
             flow,
             protocol,
             repulsion: raw.repulsion.as_ref().map(repulsion),
             attraction: raw.attraction.as_ref().map(attraction::attraction).transpose()?,
             contacts: raw.contacts.as_ref().map(contacts),
-            bonds: tethers::bonds(&raw.bonds),
+            bonds: tethers::bonds(&raw.bonds)?,
             traps,
             magnetic: raw.magnetic.map(dipoles::magnetic).transpose()?,
             electric: raw.electric.map(dipoles::electric).transpose()?,
@@ -93,6 +97,7 @@ impl SuspensionScene {
             fields: output.fields != Schedule::NEVER,
         }
         .with_bodies(bodies)
+        .with_filaments(filaments)
         .turned(turn);
         Ok(Self {
             title: raw.title.unwrap_or_default(),
@@ -109,7 +114,7 @@ impl SuspensionScene {
 /// Refuses output of contacts if there can be none.
 fn check_contacts(raw: &SuspensionSections) -> Result<(), KeyError> {
     match raw.output.contacts_every {
-        every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() => {
+        every if every > 0 && raw.contacts.is_none() && raw.bonds.is_empty() && raw.filaments.is_empty() => {
             let message =
                 format!("is {every}, but there is nothing to write: add [contacts] or [[bonds]], or leave it out");
             Err(KeyError::new("output.contacts_every", message))

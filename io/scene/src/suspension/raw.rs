@@ -17,8 +17,8 @@ pub(super) use bodies::{BodiesSection, BodyOrientationName, BodyShapeName, BodyS
 pub(super) use distribution::{DistributionKind, DistributionSection};
 pub(super) use hydrodynamics::HydrodynamicsSection;
 pub(super) use interactions::{
-    AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, ElectricSection, MagneticSection,
-    RepulsionSection, TrapsSection,
+    AttractionKind, AttractionSection, Auto, BondsSection, ContactsSection, ElectricSection, FilamentsSection,
+    MagneticSection, RepulsionSection, RestShapeName, TrapsSection,
 };
 pub(super) use swimming::SwimmingSection;
 
@@ -38,12 +38,15 @@ pub(crate) struct SuspensionSections {
     pub(super) cell: BoxSection,
     /// The fluid.
     pub(super) fluid: FluidSection,
-    /// Species of spheres; with bodies there may be none.
+    /// Species of spheres; with bodies or filaments there may be none.
     #[serde(default)]
     pub(super) species: Vec<SpeciesSection>,
     /// Rigid bodies made of spheres; none without such sections.
     #[serde(default)]
     pub(super) bodies: Vec<BodiesSection>,
+    /// Flexible filaments, chains of bonded spheres; none without such sections.
+    #[serde(default)]
+    pub(super) filaments: Vec<FilamentsSection>,
     /// Gravity.
     pub(super) gravity: Option<GravitySection>,
     /// Initial positions of the spheres.

@@ -4,16 +4,47 @@ use super::raw;
 use crate::document::excerpt;
 use crate::key_error::KeyError;
 use domain::Vector;
-use suspension::{Bonds, Centres, Species, Trapped, Traps};
+use suspension::{Beam, Bonds, Centres, RestShape, Species, Trapped, Traps};
 
-pub(super) fn bonds(raw: &[raw::BondsSection]) -> Vec<Bonds> {
-    let bonds = |raw: &raw::BondsSection| Bonds {
-        pairs: raw.pairs.clone(),
-        length: raw.length,
-        stiffness: raw.stiffness,
-        breaking_force: raw.breaking_force,
+pub(super) fn bonds(raw: &[raw::BondsSection]) -> Result<Vec<Bonds>, KeyError> {
+    let bonds = |(index, raw): (usize, &raw::BondsSection)| {
+        let section = format!("bonds[{index}]");
+        let beam = BeamKeys { bending: raw.bending_stiffness, twisting: raw.twisting_stiffness, rest: raw.rest_shape };
+        Ok(Bonds {
+            pairs: raw.pairs.clone(),
+            length: raw.length,
+            stiffness: raw.stiffness,
+            breaking_force: raw.breaking_force,
+            beam: beam.read(&section)?,
+        })
     };
-    raw.iter().map(bonds).collect()
+    raw.iter().enumerate().map(bonds).collect()
+}
+
+/// Keys of the resistance to bending in a section.
+pub(super) struct BeamKeys {
+    pub bending: Option<f64>,
+    pub twisting: Option<f64>,
+    pub rest: Option<raw::RestShapeName>,
+}
+
+impl BeamKeys {
+    /// The resistance to bending; `None` without. Refuses keys that need it.
+    pub(super) fn read(&self, section: &str) -> Result<Option<Beam>, KeyError> {
+        let rest = match self.rest {
+            None | Some(raw::RestShapeName::Start) => RestShape::Start,
+            Some(raw::RestShapeName::Straight) => RestShape::Straight,
+        };
+        let unused = [("twisting_stiffness", self.twisting.is_some()), ("rest_shape", self.rest.is_some())];
+        match (self.bending, unused.into_iter().find(|(_, is_set)| *is_set)) {
+            (Some(bending), _) => Ok(Some(Beam { bending, twisting: self.twisting.unwrap_or(0.0), rest })),
+            (None, None) => Ok(None),
+            (None, Some((name, _))) => {
+                let message = "goes with bending_stiffness; set that too, or leave it out";
+                Err(KeyError::new(format!("{section}.{name}"), message))
+            }
+        }
+    }
 }
 
 pub(super) fn traps(raw: &[raw::TrapsSection], species: &[Species]) -> Result<Vec<Traps>, KeyError> {

@@ -1,16 +1,18 @@
 //! Bonds between listed spheres.
 
-use crate::columns::{BOND_NUMBERS, BONDS};
+use super::beam::{BeamStiffness, BondLoad};
+use super::bond::{Bond, BondTotals, ExpectedMotion, Kind, OwnBeam, Tied};
+use crate::columns::{BEAM_END_NUMBERS, BEAM_ENDS, BOND_NUMBERS, BONDS};
 use crate::error::step::StepError;
 use crate::forces::acting::{Acting, Configuration, Instant, Prediction};
 use crate::forces::force::{Force, StressName};
 use crate::model::Model;
 use crate::neighbourhood::{LocalParticles, NeighbourLists};
-use domain::{Comm, DomainView, ExpectedCounts, Failure, Particles, PeriodicBox, Tensor, Vector};
+use crate::rotation;
+use domain::{Comm, DomainView, ExpectedCounts, Failure, Particles, PeriodicBox, Quaternion, Tensor, Vector};
 use fcm::Loads;
 use hydrodynamics::BondSprings;
-use simulation::{ContactForce, ContactState};
-use std::rc::Rc;
+use simulation::ContactForce;
 
 /// Bonds are implicit up to this multiple of the longest rest length; longer ones contribute their predicted force
 /// explicitly.
@@ -24,8 +26,10 @@ pub struct Bonds {
     kinds: Vec<Kind>,
     /// Longest rest length; 0 before [`Self::start`].
     longest: f64,
-    /// Width of the column [`BONDS`].
+    /// Width of the columns [`BONDS`] and [`BEAM_ENDS`].
     numbers: usize,
+    /// Whether some bonds resist bending.
+    have_beams: bool,
     /// Half of the shortest edge of the box: an image within this distance is the nearest.
     half: f64,
 }
@@ -76,90 +80,17 @@ impl Force for Bonds {
     }
 }
 
-/// Parameters of a kind of bonds.
-#[derive(Debug, Clone, Copy)]
-struct Kind {
-    stiffness: f64,
-    breaking_force: f64,
-}
-
-/// A bond as seen by one of its two particles; the other sees the same with the axis reversed, bit for bit.
-#[derive(Debug, Clone, Copy)]
-struct Bond {
-    /// Row of the particle, and row of the other among local particles and ghosts.
-    rows: [usize; 2],
-    other: u64,
-    /// Vector from the particle's centre to the other's nearest image.
-    separation: Vector,
-    slot: usize,
-    kind: Kind,
-    length: f64,
-}
-
-/// Unbroken bonds of a rank's particles, row by row.
-struct Tied {
-    present: Rc<LocalParticles>,
-    list: Vec<Bond>,
-}
-
-impl Bond {
-    fn distance(&self) -> f64 {
-        self.separation.length()
-    }
-
-    /// Tension; negative if the bond is compressed.
-    fn pull(&self) -> f64 {
-        self.kind.stiffness * (self.distance() - self.length)
-    }
-
-    /// Rate at which the centres separate.
-    fn separation_rate(&self, velocities: &[Vector], ahead: &Prediction) -> f64 {
-        let [own, other] = self.rows;
-        let relative = velocities[other] - velocities[own] + ahead.strain_rate.tensor() * self.separation;
-        self.separation.dot(relative) / self.distance()
-    }
-}
-
-impl Tied {
-    /// Forces of bonds with particles of higher id.
-    fn forces(&self, particles: &Particles) -> Vec<ContactForce> {
-        let force = |bond: &Bond| {
-            let own = bond.rows[0];
-            (particles.ids[own] < bond.other).then(|| ContactForce {
-                ids: [particles.ids[own], bond.other],
-                position: particles.positions[own],
-                separation: bond.separation,
-                normal: -bond.pull(),
-                tangential: Vector::ZERO,
-                state: ContactState::Bond,
-            })
-        };
-        self.list.iter().filter_map(force).collect()
-    }
-
-    /// Breaks the bonds whose tension is too large.
-    fn break_those(&self, particles: &mut Particles) {
-        let Some(column) = particles.columns.iter_mut().find(|column| column.name == BONDS) else { return };
-        for bond in self.list.iter().filter(|bond| bond.pull() > bond.kind.breaking_force) {
-            column.values[BOND_NUMBERS * bond.slot + 2] *= -1.0;
-        }
-    }
-
-    /// This rank's share of the elastic energy.
-    fn energy(&self) -> f64 {
-        self.list.iter().map(|bond| 0.25 * bond.kind.stiffness * (bond.distance() - bond.length).powi(2)).sum()
-    }
-}
-
 impl Bonds {
     /// The bonds of a model, before [`Self::start`].
     pub fn of(model: &Model) -> Option<Self> {
         let kind = |bonds: &crate::model::Bonds| Kind {
             stiffness: bonds.stiffness,
             breaking_force: bonds.breaking_force.unwrap_or(f64::INFINITY),
+            beam: bonds.beam.map(|beam| BeamStiffness { bending: beam.bending, twisting: beam.twisting }),
         };
         let (kinds, half) = (model.bonds.iter().map(kind).collect(), 0.5 * model.shortest_vector());
-        let bonds = Self { kinds, longest: 0.0, numbers: model.bond_numbers(), half };
+        let numbers = model.bond_numbers() + model.beam_end_numbers();
+        let bonds = Self { kinds, longest: 0.0, numbers, have_beams: model.has_beams(), half };
         (!model.bonds.is_empty()).then_some(bonds)
     }
 
@@ -170,12 +101,14 @@ impl Bonds {
         self.longest = longest[0];
     }
 
-    /// Elastic energy and number of broken bonds. Collective.
-    pub fn energy_and_broken(&self, particles: &Particles, domain: DomainView) -> [f64; 2] {
+    /// Energies of stretching, bending and twisting, and number of broken bonds. Collective.
+    pub fn totals(&self, particles: &Particles, domain: DomainView) -> BondTotals {
         let tied = self.find(particles, domain, &NeighbourLists::default()).expect(KNOWN);
-        let mut sums = [tied.energy(), broken(particles)];
+        let [stretching, bending, twisting] = tied.energies();
+        let mut sums = [stretching, bending, twisting, broken(particles)];
         domain.comm().sum(&mut sums);
-        sums
+        let [stretching, bending, twisting, broken] = sums;
+        BondTotals { stretching, bending, twisting, broken }
     }
 
     /// Forces of the unbroken bonds of this rank's particles with others of higher id. Collective.
@@ -196,7 +129,8 @@ impl Bonds {
             let present = lists.present(particles, domain, reach);
             let found = self.among(particles, &present, domain.cell);
             let is_missing = comm.any(found.is_none());
-            if let Some(list) = found.filter(|_| !is_missing) {
+            if let Some(mut list) = found.filter(|_| !is_missing) {
+                self.add_beams(&mut list, particles, &present);
                 let long = list.iter().find(|bond| bond.distance() >= self.half);
                 comm.agree(long.map_or(Ok(()), |bond| Err(self.too_long(bond, particles))))?;
                 return Ok(Tied { present, list });
@@ -244,52 +178,91 @@ impl Bonds {
                 slot,
                 kind: self.kinds[numbers[2] as usize - 1],
                 length: numbers[1],
+                beam: None,
             })
         };
         whole().map(bond).collect()
     }
 
-    /// Adds the known part of the tension. With `w` the rate at which the centres separate and `w*` its expected value,
-    /// the tension after a time `t` is `F(x*) + t k (w - w*)`.
-    fn add(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Prediction>) {
-        loads.forces.resize(tied.present.owned(), Vector::ZERO);
-        for (bond, pull) in tied.list.iter().zip(self.pulls(tied, ahead.map(|ahead| (ahead, -1.0)))) {
-            loads.forces[bond.rows[0]] += bond.separation * (pull / bond.distance());
+    /// Sets the beams of bonds that resist bending. Collective.
+    fn add_beams(&self, list: &mut [Bond], particles: &Particles, present: &LocalParticles) {
+        if !self.have_beams {
+            return;
+        }
+        let orientations = present.extended(rotation::known(particles));
+        let ends = particles.columns.iter().find(|column| column.name == BEAM_ENDS).map_or(&[][..], |c| &c.values);
+        let ends: &[[Quaternion; 2]] = bytemuck::cast_slice(ends.as_chunks::<BEAM_END_NUMBERS>().0);
+        for bond in list {
+            let oriented = bond.rows.map(|row| orientations[row]);
+            bond.beam = OwnBeam::of(bond, particles.ids[bond.rows[0]], oriented, ends[bond.slot]);
         }
     }
 
-    /// Tension of each bond, changed by `times` the implicit resistance times the expected rate of separation.
-    /// Collective.
-    fn pulls(&self, tied: &Tied, ahead: Option<(&Prediction, f64)>) -> Vec<f64> {
-        let Some((ahead, times)) = ahead else { return tied.list.iter().map(Bond::pull).collect() };
-        let velocities = tied.present.extended(ahead.velocities);
-        let of_one = |bond: &Bond| {
-            bond.pull() + times * self.resistance(bond, ahead.time) * bond.separation_rate(&velocities, ahead)
-        };
-        tied.list.iter().map(of_one).collect()
+    /// Adds the known part of the loads. With `w` the motions of the two spheres, for a tension the rate at which their
+    /// centres separate, `w*` the expected ones and `K` the stiffness, the loads after a time `t` are
+    /// `F(x*) + t K (w - w*)`.
+    fn add(&self, loads: &mut Loads, tied: &Tied, ahead: Option<&Prediction>) {
+        loads.forces.resize(tied.present.owned(), Vector::ZERO);
+        if self.have_beams {
+            loads.torques.resize(tied.present.owned(), Vector::ZERO);
+        }
+        let expected = ahead.map(|ahead| self.expected(tied, ahead));
+        for bond in &tied.list {
+            let (row, load) = (bond.rows[0], self.load(bond, expected.as_ref(), -1.0));
+            loads.forces[row] += load.force;
+            if self.have_beams {
+                loads.torques[row] += load.torque;
+            }
+        }
     }
 
-    fn resistance(&self, bond: &Bond, time: f64) -> f64 {
-        if bond.distance() <= self.implicit_reach() { time * bond.kind.stiffness } else { 0.0 }
+    /// Expected motions of particles and ghosts. Collective.
+    fn expected<'a>(&self, tied: &Tied, prediction: &'a Prediction<'a>) -> ExpectedMotion<'a> {
+        let velocities = tied.present.extended(prediction.velocities);
+        let angular_velocities =
+            if self.have_beams { tied.present.extended(prediction.angular_velocities) } else { [].as_slice().into() };
+        ExpectedMotion { velocities, angular_velocities, prediction }
+    }
+
+    /// Load of a bond on its particle, changed by `times` that of the implicit resistances in the expected motion.
+    fn load(&self, bond: &Bond, expected: Option<&ExpectedMotion>, times: f64) -> BondLoad {
+        match expected {
+            Some(expected) => bond.load_ahead(expected, self.is_implicit(bond), times),
+            None => bond.load(),
+        }
+    }
+
+    fn is_implicit(&self, bond: &Bond) -> bool {
+        bond.distance() <= self.implicit_reach()
     }
 
     /// Implicit resistances of the bonds, particle by particle.
     fn springs(&self, tied: &Tied, time: f64) -> Vec<Vec<BondSprings>> {
         let mut springs = vec![Vec::new(); tied.present.owned()];
         for bond in &tied.list {
-            let (within, resistance) = (self.half, self.resistance(bond, time));
-            springs[bond.rows[0]].push(BondSprings { other: bond.other, within, resistance });
+            let time = if self.is_implicit(bond) { time } else { 0.0 };
+            let [bending, twisting] = bond.beam_stiffness().map_or([0.0; 2], |beam| [beam.bending, beam.twisting]);
+            springs[bond.rows[0]].push(BondSprings {
+                other: bond.other,
+                within: self.half,
+                resistance: time * bond.kind.stiffness,
+                bending: 4.0 * time * bending,
+                twisting: time * twisting,
+            });
         }
         springs
     }
 
     /// First moments of the bonds: a pair at `x_i` and `x_j` with the force `F` on the first contributes
-    /// `-(x_i - x_j) F / 2` to each. Collective.
+    /// `-(x_i - x_j) F / 2` to each. The torques of beams cancel the antisymmetric parts. Collective.
     fn first_moments(&self, tied: &Tied, beyond: Option<&Prediction>) -> Vec<Tensor> {
         let mut moments = vec![Tensor::ZERO; tied.present.owned()];
-        for (bond, pull) in tied.list.iter().zip(self.pulls(tied, beyond.map(|ahead| (ahead, 1.0)))) {
-            let (r, force) = (bond.separation, bond.separation * (pull / bond.distance()));
-            moments[bond.rows[0]] += Tensor::from_cols(r * force.x, r * force.y, r * force.z) * 0.5;
+        let expected = beyond.map(|ahead| self.expected(tied, ahead));
+        for bond in &tied.list {
+            let (r, force) = (bond.separation, self.load(bond, expected.as_ref(), 1.0).force);
+            let moment = Tensor::from_cols(r * force.x, r * force.y, r * force.z) * 0.5;
+            let is_symmetric = bond.beam.is_none();
+            moments[bond.rows[0]] += if is_symmetric { moment } else { (moment + moment.transpose()) * 0.5 };
         }
         moments
     }

@@ -1,7 +1,8 @@
 //! Bonds and traps at the start of a run.
 
+use super::beam_ends;
 use super::traps::{TRAP_NUMBERS, TRAPS};
-use crate::columns::{BOND_NUMBERS, BONDS};
+use crate::columns::{BEAM_ENDS, BOND_NUMBERS, BONDS, ORIENTATION};
 use crate::model::{Centres, Model, check_ids};
 use domain::{DomainView, Failure, Number, Particles, PeriodicBox, Vector};
 
@@ -9,6 +10,7 @@ use domain::{DomainView, Failure, Number, Particles, PeriodicBox, Vector};
 struct Columns {
     ids: Vec<u64>,
     bonds: Vec<f64>,
+    beam_ends: Vec<f64>,
     traps: Vec<f64>,
 }
 
@@ -23,13 +25,15 @@ pub fn tie(
         return Ok(());
     }
     let comm = partition.comm();
-    let all = particles.gathered_with(partition, |_| false);
+    let all = particles.gathered_with(partition, |name| name == ORIENTATION);
     let columns = if comm.is_first() { of_all(&all, model, cell) } else { Ok(Columns::none()) };
     let mut columns = comm.agree(columns)?;
     comm.broadcast(&mut columns.ids);
-    for (name, values, width) in
-        [(BONDS, &mut columns.bonds, model.bond_numbers()), (TRAPS, &mut columns.traps, TRAP_NUMBERS)]
-    {
+    for (name, values, width) in [
+        (BONDS, &mut columns.bonds, model.bond_numbers()),
+        (BEAM_ENDS, &mut columns.beam_ends, model.beam_end_numbers()),
+        (TRAPS, &mut columns.traps, TRAP_NUMBERS),
+    ] {
         comm.broadcast(values);
         if values.is_empty() {
             continue;
@@ -51,6 +55,7 @@ pub fn tie(
 pub fn check(particles: &Particles, model: &Model) -> Result<(), String> {
     let wanted = [
         (BONDS, model.bond_numbers(), "bonds"),
+        (BEAM_ENDS, model.beam_end_numbers(), "bonds"),
         (TRAPS, if model.traps.is_empty() { 0 } else { TRAP_NUMBERS }, "traps"),
     ];
     for (name, width, key) in wanted {
@@ -64,7 +69,7 @@ pub fn check(particles: &Particles, model: &Model) -> Result<(), String> {
 
 impl Columns {
     fn none() -> Self {
-        Self { ids: Vec::new(), bonds: Vec::new(), traps: Vec::new() }
+        Self { ids: Vec::new(), bonds: Vec::new(), beam_ends: Vec::new(), traps: Vec::new() }
     }
 }
 
@@ -72,8 +77,9 @@ fn of_all(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Columns,
     let count = all.len() as u64;
     check_ids(&model.bonds, count).map_err(|e| e.to_string())?;
     let bonds = bonds(all, model, cell)?;
+    let beam_ends = beam_ends::of_all(all, &bonds, model, cell)?;
     let traps = if model.traps.is_empty() { Vec::new() } else { traps(all, model, cell)? };
-    Ok(Columns { ids: all.ids.clone(), bonds, traps })
+    Ok(Columns { ids: all.ids.clone(), bonds, beam_ends, traps })
 }
 
 fn bonds(all: &Particles, model: &Model, cell: &PeriodicBox) -> Result<Vec<f64>, String> {

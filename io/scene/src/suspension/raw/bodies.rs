@@ -4,7 +4,7 @@ use crate::document::{Alternative, NumberOr};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-#[derive(Deserialize, JsonSchema)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields)]
 pub(in crate::suspension) struct BodiesSection {
     /// Name in the results.

@@ -1,6 +1,6 @@
 //! Keys of forces between spheres, bonds and traps.
 
-use super::Elasticity;
+use super::{BodyOrientationName, Elasticity};
 use crate::document::{Alternative, NumberOr};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -82,6 +82,57 @@ pub(in crate::suspension) struct BondsSection {
     pub(in crate::suspension) length: Option<f64>,
     /// Force over the elongation from the rest length.
     pub(in crate::suspension) stiffness: f64,
+    /// Tension at which a bond breaks; by default it never breaks.
+    pub(in crate::suspension) breaking_force: Option<f64>,
+    /// Bending stiffness EI, a force times a squared length, of spheres with orientations; by default they rotate
+    /// freely.
+    pub(in crate::suspension) bending_stiffness: Option<f64>,
+    /// Twisting stiffness GJ, for bonds with a bending stiffness; 0 by default.
+    pub(in crate::suspension) twisting_stiffness: Option<f64>,
+    /// Shape without load of bonds with a bending stiffness: that at the start (default), or straight chains.
+    pub(in crate::suspension) rest_shape: Option<RestShapeName>,
+}
+
+/// Shape of bonded spheres without load.
+#[derive(Deserialize, JsonSchema, Clone, Copy)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::suspension) enum RestShapeName {
+    Start,
+    Straight,
+}
+
+#[derive(Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::suspension) struct FilamentsSection {
+    /// Name in the results.
+    pub(in crate::suspension) name: Option<String>,
+    /// Number of spheres of each filament.
+    pub(in crate::suspension) spheres: u64,
+    /// Radius of the spheres.
+    pub(in crate::suspension) radius: f64,
+    /// Gap between neighbouring spheres at the start and without load, negative for spheres that overlap; 0 by default.
+    pub(in crate::suspension) gap: Option<f64>,
+    /// Number of filaments; or positions, or `volume_fraction`.
+    pub(in crate::suspension) count: Option<u64>,
+    /// Volume of the spheres of the filaments over that of the box; or count, or positions.
+    pub(in crate::suspension) volume_fraction: Option<f64>,
+    /// Centres of the filaments at the start, when they are straight; random by default.
+    pub(in crate::suspension) positions: Option<Vec<[f64; 3]>>,
+    /// Directions of the filaments at the start: "random" (default), or "aligned".
+    pub(in crate::suspension) orientation: Option<BodyOrientationName>,
+    /// Direction of the filaments at the start, for orientation = "aligned".
+    pub(in crate::suspension) orientation_axis: Option<[f64; 3]>,
+    /// Density of the spheres minus that of the fluid.
+    pub(in crate::suspension) density_difference: Option<f64>,
+    /// Constant force on each filament, shared by its spheres, in addition to its weight.
+    #[serde(default)]
+    pub(in crate::suspension) force: [f64; 3],
+    /// Force over the elongation of a bond.
+    pub(in crate::suspension) stiffness: f64,
+    /// Bending stiffness EI, a force times a squared length; by default the spheres are jointed freely.
+    pub(in crate::suspension) bending_stiffness: Option<f64>,
+    /// Twisting stiffness GJ, for filaments with a bending stiffness; 0 by default.
+    pub(in crate::suspension) twisting_stiffness: Option<f64>,
     /// Tension at which a bond breaks; by default it never breaks.
     pub(in crate::suspension) breaking_force: Option<f64>,
 }
