@@ -2,6 +2,7 @@
 
 pub mod averages;
 pub mod clouds;
+mod filaments;
 mod given_motions;
 pub mod heights;
 mod moments;
@@ -211,6 +212,7 @@ fn of_model(model: &Model) -> Vec<Box<dyn Observable>> {
     if !model.traps.is_empty() {
         list.extend(numbers(&TRAPS));
     }
+    list.extend(filaments::filaments(model));
     list.extend(orientations::orientations(model));
     list.extend(given_motions::driving_loads(model));
     list.extend(swimmers::swimmers(model));

@@ -19,7 +19,7 @@ pub(super) struct RecordedSuspension<'a> {
 
 impl RecordedSuspension<'_> {
     /// The columns of the series that quantities are made of.
-    pub(super) const COLUMNS: [&'static str; 24] = [
+    pub(super) const COLUMNS: [&'static str; 26] = [
         "relative_viscosity",
         "first_normal_stress_difference",
         "second_normal_stress_difference",
@@ -38,6 +38,8 @@ impl RecordedSuspension<'_> {
         "contacts_per_particle",
         "segregation",
         "bond_energy",
+        "bending_energy",
+        "filaments",
         "orientation",
         "driving_force",
         "driving_torque",
@@ -228,14 +230,23 @@ impl RecordedSuspension<'_> {
         courses
     }
 
-    /// Contacts per sphere, segregation, and energy of bonds.
+    /// Contacts per sphere, segregation, energies of bonds, and the extent of filaments.
     fn structure(&self) -> Vec<Course> {
-        let columns =
-            [(("contacts_per_particle", ""), 1.0), (("segregation", ""), 1.0), (("bond_energy", "force*length"), 0.0)];
+        let columns = [
+            (("contacts_per_particle", ""), 1.0),
+            (("segregation", ""), 1.0),
+            (("bond_energy", "force*length"), 0.0),
+            (("bending_energy", "force*length"), 0.0),
+        ];
         let course = |(what, scale): ((&'static str, &'static str), f64)| {
             Some(Course::new(what.0, what.1, self.number(what.0)?).beside(scale))
         };
-        columns.into_iter().filter_map(course).collect()
+        let extent = |(row, filaments): (usize, &suspension::Filaments)| {
+            let course = Course::new("end_to_end_distance", "", self.component("filaments", row, 0)?);
+            Some(course.of_species(&filaments.rods.name).beside(1.0))
+        };
+        let extents = self.model.filaments.iter().enumerate().filter_map(extent);
+        columns.into_iter().filter_map(course).chain(extents).collect()
     }
 
     /// Polar and nematic order of the species with orientations.
