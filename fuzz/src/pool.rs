@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::Value;
 
 /// Scenes of every kind; together they have all keys.
-pub const SCENES: [(&str, &str); 13] = [
+pub const SCENES: [(&str, &str); 14] = [
     ("suspension", include_str!("../scenes/suspension.toml")),
     ("plain", include_str!("../scenes/plain.toml")),
     ("direct", include_str!("../scenes/direct.toml")),
@@ -20,6 +20,7 @@ pub const SCENES: [(&str, &str); 13] = [
     ("stepped-cell", include_str!("../scenes/stepped-cell.toml")),
     ("continuum", include_str!("../scenes/continuum.toml")),
     ("bodies", include_str!("../scenes/bodies.toml")),
+    ("filaments", include_str!("../scenes/filaments.toml")),
     ("squirmers", include_str!("../scenes/squirmers.toml")),
     ("fields", include_str!("../scenes/fields.toml")),
 ];

@@ -35,6 +35,7 @@ pub static TEMPLATES: [Template; 30] = [
     template!("sediment", "Rough spheres that settle on a bottom"),
     template!("cloud", "A cloud of spheres that settles in unbounded fluid"),
     template!("chain", "A tethered chain of bonded spheres in a shear flow of unbounded fluid"),
+    template!("filament", "Flexible filaments in a shear flow"),
     template!("colloid", "Charged colloids that diffuse, at 20% by volume"),
     template!("brownian-shear", "The same in a shear flow"),
     template!("colloid-sediment", "Colloids that settle on a bottom and diffuse above it"),

@@ -17,12 +17,16 @@ pub struct Beam {
 /// Shape of bonded spheres without load.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum RestShape {
-    /// That of the start, with its curvature.
+    /// The shape at the start, with its curvature.
     #[default]
     Start,
     /// A straight line along each chain, without twist at the start.
     Straight,
 }
+
+/// Refusal of a bending stiffness of spheres that do not rotate.
+pub(super) const MONOPOLES: &str = "is set, but spheres do not rotate with hydrodynamics.multipoles = \"monopole\"; \
+    take \"dipole\", or leave it out";
 
 impl Beam {
     pub(super) fn check(&self, key: &str) -> Result<(), ParameterError> {
@@ -47,9 +51,7 @@ pub(super) fn check_rotation(p: &Parameters) -> Result<(), ParameterError> {
     let Some(index) = p.bonds.iter().position(|bonds| bonds.beam.is_some()) else { return Ok(()) };
     let key = format!("bonds[{index}].bending_stiffness");
     if p.hydrodynamics.multipoles == MultipoleOrder::Monopole {
-        let message = "is set, but spheres do not rotate with hydrodynamics.multipoles = \"monopole\"; take \
-            \"dipole\", or leave it out";
-        return Err(ParameterError::new(key, message));
+        return Err(ParameterError::new(key, MONOPOLES));
     }
     for (index, bonds) in p.bonds.iter().enumerate().filter(|(_, bonds)| bonds.beam.is_some()) {
         check_oriented(p, bonds, &format!("bonds[{index}].bending_stiffness"))?;

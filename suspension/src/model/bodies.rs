@@ -232,7 +232,8 @@ impl Parameters {
         kinds[kind].spheres.iter().map(|one| (first + place(one)) as u32).collect()
     }
 
-    /// Number of spheres that belong to no body or filament. Their ids come first, and those of bodies follow, body by body.
+    /// Number of spheres that belong to no body or filament. Their ids come first, and those of bodies follow, body by
+    /// body.
     pub(crate) fn free_spheres(&self) -> u64 {
         self.species[..self.free_species()].iter().map(|species| species.count.unwrap_or(0)).sum()
     }

@@ -1,14 +1,14 @@
 //! Flexible filaments: chains of bonded spheres that start as straight rods.
 
-use super::{Beam, Bodies, Bonds, Parameters, RestShape, Start};
+use super::{Beam, Bodies, Bonds, MultipoleOrder, Parameters, RestShape, Species, Start, beam};
 use domain::{BodyShape, EqualSpheres, ParameterError, Vector};
 
 /// Filaments of one kind. Their spheres are particles of a species of their own, which [`Parameters::with_filaments`]
 /// adds together with their bonds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filaments {
-    /// Name, places, orientations and loads at the start, when each is a straight rod along the third of its axes; loads
-    /// are shared by the spheres. Motions and torques are not given.
+    /// Name, and places and orientations at the start, when each is a straight rod along the third of its axes; and
+    /// loads, which the spheres share. Motions and torques are not given.
     pub rods: Bodies,
     /// Spring constant of the bonds along them: force over extension.
     pub stiffness: f64,
@@ -53,6 +53,9 @@ impl Filaments {
         if let Some(force) = self.breaking_force {
             ParameterError::require_positive(&format!("{key}.breaking_force"), force)?;
         }
+        if self.beam.is_some() && p.hydrodynamics.multipoles == MultipoleOrder::Monopole {
+            return Err(ParameterError::new(format!("{key}.bending_stiffness"), beam::MONOPOLES));
+        }
         self.beam.map_or(Ok(()), |beam| beam.check(&key))
     }
 }
@@ -65,7 +68,8 @@ impl Parameters {
         let mut first: u64 = self.species.iter().filter_map(|species| species.count).sum();
         for one in &filaments {
             self.bonds.push(one.bonds(first));
-            self.species.extend(one.rods.species());
+            let oriented = |species: Species| Species { orientation: one.beam.and(species.orientation), ..species };
+            self.species.extend(one.rods.species().into_iter().map(oriented));
             first += one.rods.count * one.rods.spheres.len() as u64;
         }
         Self { filaments, ..self }
@@ -90,7 +94,7 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Model, Species};
+    use crate::model::Model;
     use domain::PeriodicBox;
 
     fn model(change: &dyn Fn(&mut Filaments)) -> Result<Model, String> {

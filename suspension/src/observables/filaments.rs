@@ -13,14 +13,14 @@ pub fn filaments(model: &Model) -> Option<Box<dyn Observable>> {
     }
     let names = model.filaments.iter().map(|one| one.rods.name.clone()).collect();
     let table = Some((names, vec!["end_to_end".to_owned()]));
-    let chains: Vec<Chains> = Chains::of(model);
+    let chains: Vec<FilamentEnds> = FilamentEnds::of(model);
     Some(measure(Quantity { name: "filaments".into(), unit: "", table }, move |present| {
         chains.iter().map(|chains| chains.mean_extent(present.suspension())).collect()
     }))
 }
 
 /// The filaments of one kind.
-struct Chains {
+struct FilamentEnds {
     /// Id of the first sphere.
     first: u64,
     spheres: u64,
@@ -29,7 +29,7 @@ struct Chains {
     length: f64,
 }
 
-impl Chains {
+impl FilamentEnds {
     fn of(model: &Model) -> Vec<Self> {
         let mut first = model.free_spheres();
         let chains = |one: &Filaments| {

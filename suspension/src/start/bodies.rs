@@ -15,8 +15,8 @@ const STREAM: u64 = 0x626f_6469_6573_0000;
 const TRIES: u64 = 20_000;
 
 /// All particles of a model with bodies or filaments, in the order of their ids: the spheres that belong to none,
-/// species by species, and then the bodies, kind by kind. Spheres of a filament have the orientation of the rod as which
-/// it starts.
+/// species by species, and then the bodies, kind by kind. Spheres of a filament have the orientation of the rod as
+/// which it starts.
 pub fn particles(model: &Model) -> Result<Particles, PlacingError> {
     let objects = BodyPlacement::new(model).placed()?;
     let mut particles = Particles::default();
@@ -37,7 +37,9 @@ pub fn particles(model: &Model) -> Result<Particles, PlacingError> {
         particles.column(BODY, 1).values = owners;
         particles.vectors(ARM).copy_from_slice(&arms);
     }
-    orientations(&mut particles).copy_from_slice(&turns);
+    if model.has_orientations() {
+        orientations(&mut particles).copy_from_slice(&turns);
+    }
     Ok(particles)
 }
 
@@ -198,8 +200,8 @@ impl<'a> BodyPlacement<'a> {
     fn no_room(&self, name: &str, placed: usize, fraction: f64) -> PlacingError {
         let (all, fraction) = (self.objects.len(), Number(fraction));
         PlacingError::NoRoom(format!(
-            "found no room for \"{name}\" in {TRIES} random places: {placed} of {all} bodies, filaments and spheres are placed, \
-             which fill {fraction:.3} of the box; take fewer of them, a larger box, or give positions"
+            "found no room for \"{name}\" in {TRIES} random places: {placed} of {all} bodies, filaments and spheres are \
+             placed, which fill {fraction:.3} of the box; take fewer of them, a larger box, or give positions"
         ))
     }
 }

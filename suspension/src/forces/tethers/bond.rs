@@ -11,7 +11,7 @@ use std::rc::Rc;
 
 /// Parameters of a kind of bonds.
 #[derive(Debug, Clone, Copy)]
-pub struct Kind {
+pub struct BondKind {
     pub stiffness: f64,
     pub breaking_force: f64,
     /// `EI` and `GJ`; `None` for bonds that do not resist bending.
@@ -27,7 +27,7 @@ pub struct Bond {
     /// Vector from the particle's centre to the other's nearest image.
     pub separation: Vector,
     pub slot: usize,
-    pub kind: Kind,
+    pub kind: BondKind,
     pub length: f64,
     pub beam: Option<OwnBeam>,
 }

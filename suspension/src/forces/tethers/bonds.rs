@@ -1,7 +1,7 @@
 //! Bonds between listed spheres.
 
 use super::beam::{BeamStiffness, BondLoad};
-use super::bond::{Bond, BondTotals, ExpectedMotion, Kind, OwnBeam, Tied};
+use super::bond::{Bond, BondKind, BondTotals, ExpectedMotion, OwnBeam, Tied};
 use crate::columns::{BEAM_END_NUMBERS, BEAM_ENDS, BOND_NUMBERS, BONDS};
 use crate::error::step::StepError;
 use crate::forces::acting::{Acting, Configuration, Instant, Prediction};
@@ -23,7 +23,7 @@ const KNOWN: &str = "bonds are shorter than half of the box between steps";
 
 /// The bonds of a suspension.
 pub struct Bonds {
-    kinds: Vec<Kind>,
+    kinds: Vec<BondKind>,
     /// Longest rest length; 0 before [`Self::start`].
     longest: f64,
     /// Width of the columns [`BONDS`] and [`BEAM_ENDS`].
@@ -83,7 +83,7 @@ impl Force for Bonds {
 impl Bonds {
     /// The bonds of a model, before [`Self::start`].
     pub fn of(model: &Model) -> Option<Self> {
-        let kind = |bonds: &crate::model::Bonds| Kind {
+        let kind = |bonds: &crate::model::Bonds| BondKind {
             stiffness: bonds.stiffness,
             breaking_force: bonds.breaking_force.unwrap_or(f64::INFINITY),
             beam: bonds.beam.map(|beam| BeamStiffness { bending: beam.bending, twisting: beam.twisting }),
