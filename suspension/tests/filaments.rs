@@ -176,6 +176,19 @@ fn ranks_agree_and_runs_resume() {
     resumes_with_the_same_bits(&thermal, "Brownian chain");
 }
 
+/// Chains without a direction at one of their spheres, and spheres without orientations, are refused at the start.
+#[test]
+fn what_has_no_shape_at_rest_is_refused() {
+    let said = |keys: &[&str], scene: &str| match Suspension::start(&model_of(scene, keys), &Comm::alone()) {
+        Ok(_) => String::new(),
+        Err(error) => error.to_string(),
+    };
+    let branched = said(&["bonds[0].pairs=[[0,3],[3,2],[2,4],[2,1]]"], LOADED);
+    assert!(branched.contains("sphere 2 has 3 such bonds"), "{branched}");
+    let folded = said(&["bonds[0].pairs=[[0,3],[0,2],[2,4],[4,1]]"], LOADED);
+    assert!(folded.contains("the chain is folded at sphere 0"), "{folded}");
+}
+
 /// A bond that breaks loses its moments with its tension.
 #[test]
 fn broken_bonds_bend_no_more() {

@@ -124,23 +124,28 @@ mod tests {
         cautions(&model, &Radii::of_model(&model).unwrap())
     }
 
-    /// A bond of two spheres relaxes at the rate `2 k / (6 pi mu a)`, at which order 4 is stable up to 0.3 per step.
+    /// A bond of two spheres relaxes at the rate `2 k / (6 pi mu a)`, at which order 4 is stable up to 0.3 per step; a
+                let is_warned = said.iter().any(|s| s.contains("relax within 1; take 0.3 or less, or"));
+                assert_eq!(is_warned, warned, "{said:?}");
     #[test]
     fn steps_too_long_for_bonds_are_warned_of() {
-        use crate::model::Bonds;
+        use crate::model::{Beam, Orientation, RestShape};
         let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
-        let bonds = vec![Bonds {
-            pairs: vec![[0, 1]],
-            length: Some(2.0),
-            stiffness: 3.0 * PI,
-            breaking_force: None,
-            beam: None,
-        }];
-        for (step, warned) in [(0.29, false), (0.31, true)] {
-            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 2)], step, 1);
-            let model = Model::new(Parameters { bonds: bonds.clone(), ..usual }).unwrap();
-            let said = cautions(&model, &Radii::of_model(&model).unwrap());
-            assert_eq!(said.iter().any(|s| s.contains("relax within 1; take 0.3 or less, or")), warned, "{said:?}");
+        let spring =
+            Bonds { pairs: vec![[0, 1]], length: Some(2.0), stiffness: 3.0 * PI, breaking_force: None, beam: None };
+        let beam = |bending: f64, twisting: f64| Bonds {
+            stiffness: 0.1,
+            beam: Some(Beam { bending, twisting, rest: RestShape::Start }),
+            ..spring.clone()
+        };
+        for bonds in [spring.clone(), beam(8.0 * PI / 7.0, 0.0), beam(0.1, 8.0 * PI)] {
+            for (step, warned) in [(0.29, false), (0.31, true)] {
+                let spheres = Species { orientation: Some(Orientation::Random), ..Species::new("one", 1.0, 2) };
+                let usual = Parameters::new(cell, 1.0, vec![spheres], step, 1);
+                let model = Model::new(Parameters { bonds: vec![bonds.clone()], ..usual }).unwrap();
+                let said = cautions(&model, &Radii::of_model(&model).unwrap());
+                assert_eq!(said.iter().any(|s| s.contains("relax within 1; take 0.3 or less, or")), warned, "{said:?}");
+            }
         }
     }
 

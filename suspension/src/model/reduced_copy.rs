@@ -8,8 +8,8 @@ const FEWEST_RADII: f64 = 8.0;
 
 impl Model {
     /// The same suspension with at most about `most` spheres: in a box of the same shape, at random positions, without
-    /// bonds or traps. `None` if the caller provides the positions, if there are rigid bodies or filaments, or if there is
-    /// no valid copy.
+    /// bonds or traps. `None` if the caller provides the positions, if there are rigid bodies or filaments, or if there
+    /// is no valid copy.
     #[must_use]
     pub fn with_at_most(&self, most: f64) -> Option<Self> {
         if self.start == Start::Given {

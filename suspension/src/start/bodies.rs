@@ -200,8 +200,8 @@ impl<'a> BodyPlacement<'a> {
     fn no_room(&self, name: &str, placed: usize, fraction: f64) -> PlacingError {
         let (all, fraction) = (self.objects.len(), Number(fraction));
         PlacingError::NoRoom(format!(
-            "found no room for \"{name}\" in {TRIES} random places: {placed} of {all} bodies, filaments and spheres are \
-             placed, which fill {fraction:.3} of the box; take fewer of them, a larger box, or give positions"
+            "found no room for \"{name}\" in {TRIES} random places: {placed} of {all} bodies, filaments and spheres \
+             are placed, which fill {fraction:.3} of the box; take fewer of them, a larger box, or give positions"
         ))
     }
 }
