@@ -124,8 +124,8 @@ mod tests {
         cautions(&model, &Radii::of_model(&model).unwrap())
     }
 
-    /// A bond of two spheres relaxes at the rate `2 k / (6 pi mu a)`, at which order 4 is stable up to 0.3 per step; a
-    /// beam between touching ones at the rates `3 EI (1/6 pi + 1/8 pi) / mu a^4` of shear and `GJ / 8 pi mu a^4` of twist.
+    /// A bond of two spheres relaxes at the rate `2 k / (6 pi mu a)`, at which order 4 is stable up to 0.3 per step;
+    /// a beam of touching ones at the rates `3 EI (1/6 pi + 1/8 pi) / mu a^4` in shear and `GJ / 8 pi mu a^4` in twist.
     #[test]
     fn steps_too_long_for_bonds_are_warned_of() {
         use crate::model::{Beam, Orientation, RestShape};
