@@ -19,7 +19,7 @@ macro_rules! template {
 }
 
 /// All templates.
-pub static TEMPLATES: [Template; 30] = [
+pub static TEMPLATES: [Template; 31] = [
     template!("suspension", "Spheres of two kinds, with every key explained"),
     template!("settling", "3,200 spheres that settle, at 12% by volume"),
     template!("silica-in-water", "Silica spheres that settle in water, in SI units"),
