@@ -36,7 +36,6 @@ use crate::forces::{Forces, SharedRanges};
 use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
-use crate::rotation;
 use crate::swimmers::Swimmers;
 use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
@@ -337,9 +336,12 @@ impl Dynamics {
     }
 
     /// Predicted angular velocities relative to the background flow, and without those of swimmers by themselves; empty
-    /// without orientations.
+    /// without bonds that resist bending.
     fn relative_rotation(&self, particles: &mut Particles) -> Vec<Vector> {
-        let Some([expected]) = rotation::angular(particles, [EXPECTED]) else { return Vec::new() };
+        if !self.forces.have_beams() {
+            return Vec::new();
+        }
+        let expected = columns::angular(EXPECTED);
         let mut own = self.with_rotation_of_flow(particles, &vec![Vector::ZERO; particles.len()]);
         self.add_own_rotation(particles, &mut own);
         particles.vectors(expected).iter().zip(own).map(|(&expected, own)| expected - own).collect()

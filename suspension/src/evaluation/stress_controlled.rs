@@ -1,12 +1,10 @@
 //! Evaluations under stress control.
 
 use super::{Dynamics, Outcome, PreviousSolutions, StageTime};
-use crate::columns::EXPECTED;
-use crate::columns::{STRESSLET, VELOCITY};
+use crate::columns::{self, EXPECTED, STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
 use crate::forces::acting::{Configuration, Prediction};
-use crate::rotation;
 use domain::{Particles, Traceless, Vector};
 
 impl Dynamics {
@@ -36,7 +34,7 @@ impl Dynamics {
     fn stress_at(&self, particles: &mut Particles, moment: &StageTime) -> f64 {
         let beyond = moment.implicit.map(|time| {
             let velocities = difference(particles, [VELOCITY, EXPECTED]);
-            let turned = rotation::angular(particles, [VELOCITY, EXPECTED]);
+            let turned = self.forces.have_beams().then(|| [VELOCITY, EXPECTED].map(columns::angular));
             (time, velocities, turned.map_or_else(Vec::new, |columns| difference(particles, columns)))
         });
         let strain_rate = self.moving.predicted_strain_rate_change() * -1.0;

@@ -59,7 +59,7 @@ pub struct Prediction<'a> {
     pub time: f64,
     /// Predicted velocities relative to the background flow.
     pub velocities: &'a [Vector],
-    /// Predicted angular velocities relative to the background flow; empty without orientations.
+    /// Predicted angular velocities relative to the background flow; empty without bonds that resist bending.
     pub angular_velocities: &'a [Vector],
     /// Strain rate of a linear flow that these velocities include.
     pub strain_rate: Traceless,

@@ -193,6 +193,11 @@ impl Forces {
         self.repulsion_range
     }
 
+    /// Whether some bonds resist bending, for which predictions need angular velocities.
+    pub fn have_beams(&self) -> bool {
+        self.bonds.as_ref().is_some_and(Bonds::have_beams)
+    }
+
     /// Whether a force follows the motions of solutions.
     pub fn follow_motion(&self) -> bool {
         self.all().any(Force::follows_motion)

@@ -94,6 +94,11 @@ impl Bonds {
         (!model.bonds.is_empty()).then_some(bonds)
     }
 
+    /// Whether some bonds resist bending.
+    pub fn have_beams(&self) -> bool {
+        self.have_beams
+    }
+
     /// Takes the rest lengths from the particles' column. Collective.
     pub fn start(&mut self, particles: &Particles, comm: &Comm) {
         let mut longest = [slots(particles).map(|(_, slot)| slot[1]).fold(0.0, f64::max)];
