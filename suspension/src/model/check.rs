@@ -18,8 +18,8 @@ const MAX_STRAIN: f64 = 1e9;
 pub fn check(parameters: &Parameters) -> Result<(), ParameterError> {
     let p = parameters;
     ParameterError::require_positive("time.step", p.time_step)?;
-    bodies::check(p)?;
     filaments::check(p)?;
+    bodies::check(p)?;
     check_species(p, p.shortest_vector())?;
     ParameterError::require_positive("fluid.viscosity", p.viscosity)?;
     check_heat(p)?;

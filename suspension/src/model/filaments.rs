@@ -82,7 +82,7 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
         return Ok(());
     }
     if !p.bodies.is_empty() {
-        return Err(ParameterError::new("filaments", "can't be with [[bodies]] yet; leave one of them out"));
+        return Err(ParameterError::new("filaments[0]", "can't be with [[bodies]] yet; leave one of them out"));
     }
     if !matches!(p.start, Start::Random { .. } | Start::Positions(_)) {
         let message = "can't be with [[filaments]], whose scenes start from \"random\" or \"positions\"";
