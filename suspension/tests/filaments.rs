@@ -138,8 +138,8 @@ fn implicit_and_explicit_steps_go_the_same_way() {
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.25), "{errors:?} {orders:?}");
 }
 
-/// A chain that is free in fluid at rest relaxes: its energy falls in each step, even of long ones, and straight chains
-/// end without bending. One whose rest shape is that of the start does not move at all.
+/// A chain that is free in fluid at rest relaxes: its energy falls in each step, even of long ones, to the errors of the
+/// steps, and straight chains end without bending. One whose rest shape is that of the start does not move at all.
 #[test]
 fn a_bent_chain_relaxes_to_its_shape_at_rest() {
     let bent = "particles.positions=[[-3.9,0.0,0.0],[3.95,1.1,0.0],[0.0,0.0,0.0],[-1.95,1.0,0.0],[1.95,0.9,0.4]]";
@@ -154,7 +154,7 @@ fn a_bent_chain_relaxes_to_its_shape_at_rest() {
         relaxing.step().unwrap();
         energies.push(energy(&relaxing));
     }
-    assert!(energies[0] > 10.0 && energies.windows(2).all(|two| two[1] < two[0] + 1e-12), "{energies:?}");
+    assert!(energies[0] > 10.0 && energies.windows(2).all(|two| two[1] < two[0] + 1e-6 * energies[0]), "{energies:?}");
     assert!(energies[30] < 1e-6 * energies[0], "{energies:?}");
     let curved = model_of(&unloaded, &[bent, "bonds[0].rest_shape=\"start\"", "time.steps=2"]);
     let mut resting = Suspension::start(&curved, &Comm::alone()).unwrap();
