@@ -138,7 +138,7 @@ fn implicit_and_explicit_steps_go_the_same_way() {
     assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.25), "{errors:?} {orders:?}");
 }
 
-/// A chain that is free in fluid at rest relaxes: its energy falls in each step, even of long ones, to the errors of the
+/// A chain that is free in fluid at rest relaxes: its energy falls in each step, even of long ones, up to the errors of
 /// steps, and straight chains end without bending. One whose rest shape is that of the start does not move at all.
 #[test]
 fn a_bent_chain_relaxes_to_its_shape_at_rest() {
