@@ -37,7 +37,8 @@ output = {{ trajectory_every = 0, checkpoint_every = 0, observables_every = 1 }}
 
 def lattices():
     rows, good = [], True
-    for fraction in (0.05, 0.15, 0.3):
+    # Farther apart than near pairs.
+    for fraction in (0.02, 0.04, 0.06):
         edge = (4 / 3 * math.pi / fraction) ** (1 / 3)
         sites = [np.array([i, j, k]) * edge + 0.3 for i in range(2) for j in range(2) for k in range(2)]
         for chi in (-0.5, 1.0, 10.0, 1000.0):
@@ -60,20 +61,23 @@ def lattices():
     return "### Cubic lattices", lines, good
 
 
-def pair(distance, field, moments, pulls=None):
-    """Velocities along x and angular velocities about y of two spheres a distance apart along x, under a field or pulls."""
+def pair(distance, field, moments, pulls=None, radius=1.0):
+    """Relative velocity along x of two spheres a distance apart along x, the second of a given radius, under a field or
+    pulls."""
     edge = 60.0
     middle = np.full(3, edge / 2)
     places = [middle, middle + [distance, 0, 0]]
     species = [(name, 1, more) for name, more in zip(("one", "other"), pulls or moments)]
-    found = series(scene(edge, species, places, field, hydrodynamics=", lubrication = false"))
+    text = scene(edge, species, places, field, hydrodynamics=", lubrication = false")
+    first, last = text.rsplit("radius = 1.0", 1)
+    found = series(f"{first}radius = {radius}{last}")
     velocity = [found[f"mean_velocity_x[{name}]"][0] for name in ("one", "other")]
     return velocity[1] - velocity[0]
 
 
 def forces():
     rows, good = [], True
-    for distance in (3.0, 5.0, 8.0):
+    for distance in (2.1, 3.0, 5.0, 8.0):
         for name, axis, factor in (("in line", [1.0, 0.0, 0.0], -2.0), ("side by side", [0.0, 0.0, 1.0], 1.0)):
             moment = f'orientation = "aligned"\norientation_axis = {axis}\nmagnetic_moment = 5.0'
             field = "magnetic = { field = [0.0, 0.0, 0.0], permeability = 2.0 }"
@@ -82,8 +86,8 @@ def forces():
             force, exact = moved / unit, factor * 3 * 2.0 * 25.0 / (4 * math.pi * distance**4)
             rows.append([f"{distance:g}", name, f"{force:.5f}", f"{exact:.5f}", f"{force / exact - 1:+.1e}"])
             print(*rows[-1], flush=True)
-            # Gaussian envelopes overlap at three radii.
-            good &= abs(force / exact - 1) < (0.02 if distance < 4 else TOLERATED)
+            # Gaussian envelopes overlap: the third derivative of erf(x)/x by the distance, x = r/(2 sigma'), at 2.1 radii.
+            good &= abs(force / exact - 1) < (0.31 if distance < 3 else 0.02 if distance < 4 else TOLERATED)
     lines = [
         "Two permanent moments of 5 at a distance, with \\\\(\\mu_0 = 2\\\\): the force, from the velocity over that by unit forces,",
         "and that of points, \\\\(-3 \\mu_0 m^2 / 2\\pi r^4\\\\) in line and minus half of it side by side.",
@@ -125,49 +129,59 @@ def torques():
     return "### Torques of pairs", lines, good
 
 
-def multipole_moment(beta_of, distance, order, highest=120):
-    """Moment over 4 pi H of one of two equal spheres of radius 1, from all multipoles up to `highest`: field along the line
-    of centres for order 0, across for order 1."""
+def multipole_moment(chi, distance, order, other=1.0, highest=120):
+    """Sum of the moments over 4 pi H of two spheres with the radii 1 and `other`, from all multipoles up to `highest` about
+    both centres: field along the line of centres for order 0, across for order 1."""
     degrees = np.arange(1, highest + 1)
-    system, right = np.eye(highest), np.zeros(highest)
-    sign = -1 if order == 0 else 1
-    for n in degrees:
-        for l in degrees:
-            size = math.lgamma(l + n + 1) - math.lgamma(l - order + 1) - math.lgamma(n + order + 1)
-            size -= (l + n + 1) * math.log(distance)
-            system[n - 1, l - 1] += sign * beta_of(n) * math.exp(size)
-    right[0] = beta_of(1)
-    return np.linalg.solve(system, right)[0]
+    lgamma = np.vectorize(math.lgamma)
+    l, n = np.meshgrid(degrees, degrees)
+    sizes = lgamma(l + n + 1) - lgamma(l - order + 1) - lgamma(n + order + 1)
+    system, right = np.eye(2 * highest), np.zeros(2 * highest)
+    radii = (1.0, other)
+    for i in (0, 1):
+        response = degrees * chi / (degrees * (chi + 2) + 1)
+        # Multipoles over the powers of their radii, which keeps them of one size.
+        scaled = sizes + n * np.log(radii[i] / distance) + (l + 1) * np.log(radii[1 - i] / distance)
+        block = response[:, None] * np.exp(scaled)
+        system[i * highest : (i + 1) * highest, (1 - i) * highest : (2 - i) * highest] = block if order else -block
+        right[i * highest] = response[0] * radii[i]
+    found = np.linalg.solve(system, right)
+    return sum(found[i * highest] * radii[i] ** 2 for i in (0, 1))
 
 
-def exact_force(chi, distance, order):
-    """Force over mu_0 H^2 a^2 between two spheres in a field, positive if they repel each other: 4 pi dA/dr."""
-    step = 1e-4 * (distance - 2)
-    response = lambda l: l * chi / (l * (chi + 2) + 1)
-    after, before = (multipole_moment(response, distance + sign * step, order) for sign in (1, -1))
-    return 4 * math.pi * (after - before) / (2 * step)
+def exact_force(chi, distance, order, other=1.0):
+    """Force over mu_0 H^2 a^2 between two spheres in a field, positive if they repel each other: 2 pi dA/dr."""
+    step = 1e-4 * (distance - 1 - other)
+    after, before = (multipole_moment(chi, distance + sign * step, order, other) for sign in (1, -1))
+    return 2 * math.pi * (after - before) / (2 * step)
 
 
 def contact():
     rows, good = [], True
-    for chi in (0.3, 1.0, 3.0, 10.0, 100.0):
-        row = [f"{chi:g}"]
+    for radius, chi in ((radius, chi) for radius in (1.0, 2.0) for chi in (0.3, 1.0, 10.0, 1e6)):
+        row = [f"1:{radius:g}", f"{chi:g}"]
         for axis, order in (([1.0, 0.0, 0.0], 0), ([0.0, 0.0, 1.0], 1)):
             for gap in (2.0, 0.5, 0.1, 0.01):
+                distance = 1 + radius + gap
                 moment = f"magnetic_susceptibility = {chi}"
-                moved = pair(2 + gap, f"magnetic = {{ field = {axis} }}", [moment, moment])
-                unit = pair(2 + gap, "", None, ["force = [-1.0, 0.0, 0.0]", "force = [1.0, 0.0, 0.0]"])
-                ratio = moved / unit / exact_force(chi, 2 + gap, order)
-                row.append(f"{ratio:.2f}")
-                if gap == 2.0 and chi < 5:
-                    good &= abs(ratio - 1) < 0.06
+                moved = pair(distance, f"magnetic = {{ field = {axis} }}", [moment, moment], radius=radius)
+                pulls = ["force = [-1.0, 0.0, 0.0]", "force = [1.0, 0.0, 0.0]"]
+                unit = pair(distance, "", None, pulls, radius)
+                ratio = moved / unit / exact_force(chi, distance, order, radius)
+                row.append(f"{ratio:.3f}")
+                good &= abs(ratio - 1) < (0.02 if gap > 1 else 5e-3)
         rows.append(row)
         print(*row, flush=True)
     lines = [
         "Two susceptible spheres in a field: the force over the exact one, by a solution with 120 multipoles of each sphere.",
+        "Gaps are over the first radius.",
         "",
         *table(
-            ["susceptibility", *(f"{name}, gap {gap}" for name in ("in line", "side by side") for gap in ("2", "0.5", "0.1", "0.01"))],
+            [
+                "radii",
+                "susceptibility",
+                *(f"{name}, gap {gap}" for name in ("in line", "side by side") for gap in ("2", "0.5", "0.1", "0.01")),
+            ],
             rows,
         ),
     ]
@@ -176,11 +190,7 @@ def contact():
 
 def rotating(ratio, distance=2.05, chi=1.0, field=1.0):
     """Mean angular velocity of a bonded doublet over the critical one, for a field at `ratio` times the critical frequency."""
-    edge, response, x = 40.0, 4 * math.pi * chi / (chi + 3), distance / (2 * 0.45473)
-    # Fields of a moment at the other sphere, along and across the doublet, both averaged over Gaussians.
-    bell = 2 / math.sqrt(math.pi) * x * math.exp(-(x**2))
-    across = -(math.erf(x) - bell) / (4 * math.pi * distance**3)
-    along = -2 * across - 2 * x**2 * bell / (4 * math.pi * distance**3)
+    edge = 40.0
     middle = np.full(3, edge / 2)
     places = [middle - [distance / 2, 0, 0], middle + [distance / 2, 0, 0]]
     bond = f"bonds = [{{ pairs = [[0, 1]], stiffness = 2000.0, length = {distance} }}]"
@@ -189,7 +199,8 @@ def rotating(ratio, distance=2.05, chi=1.0, field=1.0):
     unit = series(scene(edge, species, places))
     # Angular velocity over torque: that of the couple of two unit forces, the distance.
     mobility = (unit["mean_velocity_y[other]"][0] - unit["mean_velocity_y[one]"][0]) / distance / distance
-    largest = response * field**2 * (1 / (1 - response * along) - 1 / (1 - response * across))
+    along, across = (4 * math.pi * multipole_moment(chi, distance, order) for order in (0, 1))
+    largest = 0.5 * field**2 * (along - across)
     critical = largest * mobility
     frequency = ratio * critical
     periods, steps = 12, 1200
@@ -231,10 +242,9 @@ def doublets():
     lines = [
         "Two susceptible spheres (\\\\(\\chi = 1\\\\)) bonded at a distance \\\\(r = 2.05 a\\\\) in a rotating field. With the angle",
         "\\\\(\\theta\\\\) between the doublet and the field, the torque is \\\\(T \\sin 2\\theta\\\\) with",
-        "\\\\(T = 4\\pi a^3 \\mu_0 \\beta H_0^2 [1/(1 - 2\\beta (a/r)^3) - 1/(1 + \\beta (a/r)^3)]\\\\) for points: moments along and across",
-        "the doublet are \\\\(4\\pi a^3 \\beta H_0\\\\) times these. The fields here are those of the envelopes, which near contact are",
-        "smaller by some per cent. Up to the critical frequency, \\\\(T\\\\) over the rotational resistance of the",
-        "doublet, it follows the field; beyond it, it slips at the mean angular velocity",
+        "\\\\(T = \\mu_0 H_0 (m_\\parallel - m_\\perp) / 2\\\\), where the moments of both in fields along and across the doublet are those of",
+        "120 multipoles of each sphere. Up to the critical frequency, \\\\(T\\\\) over the rotational resistance of the doublet, it",
+        "follows the field; beyond it, it slips at the mean angular velocity",
         "\\\\(\\omega - (\\omega^2 - \\omega_c^2)^{1/2}\\\\). The resistance is that under two opposite forces in the same box.",
         "",
         *table(["frequency over the critical one", "angular velocity over it", "exact"], rows),

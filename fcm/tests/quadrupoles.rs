@@ -13,7 +13,7 @@ fn quadrupoles(suspension: &Suspension, seed: u64) -> Vec<Vector> {
 }
 
 fn by(suspension: &Suspension, plan: &Plan, quadrupoles: &[Vector]) -> Motion {
-    suspension.mobility(plan).quadrupole_motion(quadrupoles)
+    suspension.mobility(plan).apply_with_quadrupoles(&Loads::default(), quadrupoles)
 }
 
 fn fixed(method: Method) -> Fixed {
@@ -55,6 +55,22 @@ fn methods_agree_with_the_sum_over_wavevectors() {
         let exact = suspension.quadrupole_motion(&quadrupoles);
         for method in Method::ALL {
             let found = by(&suspension, &suspension.plan(1e-11, fixed(method)), &quadrupoles);
+            let error = worst(&found, &exact);
+            assert!(error < 1e-9, "{} in {:?}: {error:e}", method.name(), suspension.cell);
+        }
+    }
+}
+
+/// With loads besides, in one evaluation, motions are the sums over wavevectors of both.
+#[test]
+fn loads_and_quadrupoles_add_up() {
+    for suspension in suspensions() {
+        let (quadrupoles, loads) = (quadrupoles(&suspension, 6), suspension.loads(2));
+        let mut exact = suspension.motion(&loads);
+        exact.add(1.0, &suspension.quadrupole_motion(&quadrupoles));
+        for method in Method::ALL {
+            let plan = suspension.plan(1e-11, fixed(method));
+            let found = suspension.mobility(&plan).apply_with_quadrupoles(&loads, &quadrupoles);
             let error = worst(&found, &exact);
             assert!(error < 1e-9, "{} in {:?}: {error:e}", method.name(), suspension.cell);
         }
@@ -180,7 +196,7 @@ fn ranks_agree() {
         let answer = |partition: &Partition, particles: &_, loads: &Loads| {
             let mut mobility = Mobility::new(&plan, partition);
             mobility.arrange(&suspension.cell, particles);
-            (mobility.quadrupole_motion(&loads.forces), Vec::new())
+            (mobility.apply_with_quadrupoles(&Loads::default(), &loads.forces), Vec::new())
         };
         let (found, _) = on_ranks(&suspension, &plan, [2, 2], &loads, answer);
         let error = worst(&found, &alone);

@@ -171,6 +171,8 @@ impl SingleSpheres {
 pub struct SystemStart<'a> {
     pub loads: &'a SixVectors,
     pub ambient: &'a Motion,
+    /// Degenerate quadrupoles of squirmers, in the units of the mobility.
+    pub quadrupoles: Option<&'a [Vector]>,
     pub unknowns: &'a Unknowns,
 }
 
@@ -192,10 +194,14 @@ impl<'a> CoupledSystem<'a> {
         spheres: &'a SingleSpheres,
         start: SystemStart,
     ) -> Self {
-        let SystemStart { loads, ambient, unknowns } = start;
+        let SystemStart { loads, ambient, quadrupoles, unknowns } = start;
         let mut all = unknowns.loads();
         all.add(1.0, loads);
-        let mut motion = mobility.apply(&far_loads(&all, &unknowns.moments));
+        let all = far_loads(&all, &unknowns.moments);
+        let mut motion = match quadrupoles {
+            Some(quadrupoles) => mobility.apply_with_quadrupoles(&all, quadrupoles),
+            None => mobility.apply(&all),
+        };
         motion.add(1.0, ambient);
         let (single, strain_resistance) = (&spheres.motion[..], &spheres.strain[..]);
         Self { mobility, near, matrix, single, strain_resistance, motion, step: Motion::default() }

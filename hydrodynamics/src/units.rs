@@ -27,6 +27,13 @@ impl Scaled<'_> {
         };
         self::motion(&motion, &self.units)
     }
+
+    /// Motions due to loads and degenerate quadrupoles, as in [`Mobility::apply_with_quadrupoles`]; the quadrupoles are
+    /// in the units of the mobility.
+    pub fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
+        let loads = times(loads, self.units.torque());
+        motion(&self.mobility.apply_with_quadrupoles(&loads, quadrupoles), &self.units)
+    }
 }
 
 /// Spring resistances in scaled units, as a function of distance and surfaces.

@@ -39,6 +39,20 @@ impl<const LANES: usize, const NODES: usize> Chebyshev<LANES, NODES> {
         }
     }
 
+    /// Derivatives of the functions, on the same interval.
+    #[must_use]
+    pub fn derivative(&self) -> Self {
+        let mut coefficients = Box::new([[0.0; LANES]; NODES]);
+        for k in (1..NODES).rev() {
+            for lane in 0..LANES {
+                let beyond = coefficients.get(k + 1).map_or(0.0, |line| line[lane]);
+                coefficients[k - 1][lane] = beyond + 2.0 * k as f64 * self.coefficients[k][lane] / self.half;
+            }
+        }
+        coefficients[0].iter_mut().for_each(|c| *c *= 0.5);
+        Self { coefficients, ..*self }
+    }
+
     /// Values at `x`, by Clenshaw's recurrence.
     pub fn at(&self, x: f64) -> [f64; LANES] {
         let x = (x - self.middle) / self.half;
@@ -120,6 +134,20 @@ mod tests {
             // Round-off of 3^13 in the first; the first neglected term, 2.5^14/14!/2^13, in the second.
             assert!((found[0] - exact[0]).abs() < 1e-8);
             assert!((found[1] - exact[1]).abs() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_the_functions() {
+        let fit = Chebyshev::<2, 14>::through(
+            -2.0,
+            3.0,
+            &Chebyshev::<2, 14>::nodes(-2.0, 3.0).map(|x| [x.powi(5) - x, x.exp()]),
+        );
+        for x in [-2.0, -0.3, 1.7, 3.0] {
+            let (found, exact) = (fit.derivative().at(x), [5.0 * x.powi(4) - 1.0, x.exp()]);
+            // Of the exponential, the derivative of the first neglected term, which is 14 times larger.
+            assert!((found[0] - exact[0]).abs() < 1e-10 && (found[1] - exact[1]).abs() < 1e-6, "{found:?}");
         }
     }
 

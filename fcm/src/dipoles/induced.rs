@@ -3,12 +3,20 @@
 use super::{DipoleField, DipoleProblem};
 use crate::conjugate_gradients::{Iterate, IterationOutcome, Limits, System, conjugate_gradients};
 use crate::mobility::GridFarField;
-use domain::parallel::of_rows;
-use domain::{Interrupt, Vector};
+use domain::parallel::{change, of_rows};
+use domain::{Interrupt, Tensor, Vector};
 use std::f64::consts::PI;
 
 /// Largest number of iterations.
 const MOST_ITERATIONS: usize = 500;
+
+/// Result of the iteration.
+pub(super) struct InducedMoments {
+    pub moments: Vec<Vector>,
+    /// Fields by all moments and their gradients, averaged over the spheres, without the applied field.
+    pub fields: Vec<(Vector, Tensor)>,
+    pub outcome: IterationOutcome,
+}
 
 impl DipoleField {
     /// Induced moments `q` of arranged spheres with permanent moments `p` in the applied field `H_0`. The moment of a
@@ -19,26 +27,31 @@ impl DipoleField {
     /// ```
     ///
     /// With positive polarisabilities the matrix is positive definite. Negative ones are above `-4/3 pi a^3`, where
-    /// minus the matrix is. Collective.
-    pub(super) fn induced(&mut self, radii: &[f64], problem: &DipoleProblem) -> (Vec<Vector>, IterationOutcome) {
+    /// minus the matrix is. Fields follow the iteration, so that it takes one evaluation besides those of its steps;
+    /// the last correction of the moments, the preconditioned residual, is within the tolerance. Collective.
+    pub(super) fn induced(&mut self, radii: &[f64], problem: &DipoleProblem) -> InducedMoments {
         let comm = self.partition.comm().clone();
         let polarisabilities = problem.polarisabilities;
         let mut induced =
             of_rows(radii.len(), |row| if polarisabilities[row] == 0.0 { Vector::ZERO } else { problem.guess[row] });
+        let moments = of_rows(radii.len(), |row| problem.permanent[row] + induced[row]);
+        let fields = self.far.fields(&moments, true);
         if !comm.any(polarisabilities.iter().any(|alpha| *alpha != 0.0)) {
-            return (induced, IterationOutcome { iterations: 0, residual: 0.0, converged: true, interrupted: false });
+            let outcome = IterationOutcome { iterations: 0, residual: 0.0, converged: true, interrupted: false };
+            return InducedMoments { moments: induced, fields, outcome };
         }
         let is_negative = comm.any(polarisabilities.iter().any(|alpha| *alpha < 0.0));
         let spheres = Polarisable::new(radii, polarisabilities, if is_negative { -1.0 } else { 1.0 });
-        let moments = of_rows(radii.len(), |row| problem.permanent[row] + induced[row]);
-        let fields = self.far.fields(&moments, false);
         let mut residual = of_rows(radii.len(), |row| spheres.image(row, -induced[row], problem.field + fields[row].0));
         let mut z = Vec::new();
         let iterate = Iterate { x: &mut induced, residual: &mut residual, z: &mut z };
         let tolerance = self.plan.iteration_tolerance;
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
-        let outcome = conjugate_gradients(&comm, &mut Induction { far: &mut self.far, spheres }, iterate, limits);
-        (induced, outcome)
+        let mut system = Induction { far: &mut self.far, spheres, fields, step: Vec::new() };
+        let outcome = conjugate_gradients(&comm, &mut system, iterate, limits);
+        let fields = system.fields;
+        change(&mut induced, &z, |moment, &correction| *moment += correction);
+        InducedMoments { moments: induced, fields, outcome }
     }
 }
 
@@ -70,6 +83,10 @@ impl Polarisable {
 struct Induction<'a> {
     far: &'a mut GridFarField,
     spheres: Polarisable,
+    /// Fields by the moments of the iterate, and their gradients.
+    fields: Vec<(Vector, Tensor)>,
+    /// The same by those of the last direction.
+    step: Vec<(Vector, Tensor)>,
 }
 
 impl System for Induction<'_> {
@@ -81,11 +98,16 @@ impl System for Induction<'_> {
     }
 
     fn apply(&mut self, direction: &Vec<Vector>) -> Vec<Vector> {
-        let (fields, spheres) = (self.far.fields(direction, false), &self.spheres);
+        self.step = self.far.fields(direction, true);
+        let (fields, spheres) = (&self.step, &self.spheres);
         of_rows(fields.len(), |row| spheres.image(row, direction[row], -fields[row].0))
     }
 
-    fn on_step(&mut self, _length: f64) {}
+    fn on_step(&mut self, length: f64) {
+        change(&mut self.fields, &self.step, |sum, step| {
+            *sum = (sum.0 + step.0 * length, sum.1 + step.1 * length);
+        });
+    }
 
     fn precondition(&mut self, residual: &Vec<Vector>) -> Vec<Vector> {
         let scale = &self.spheres.scale;

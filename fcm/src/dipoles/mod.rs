@@ -9,6 +9,7 @@ use crate::plan::problem::{Fixed, Loading, Multipoles, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::parallel::{all_rows, of_rows};
 use domain::{Comm, DomainView, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
+use induced::InducedMoments;
 use redistribution::Elsewhere;
 
 /// Field of moments in a periodic box, averaged over the spheres (Climent, Maxey & Karniadakis, Langmuir 20, 507,
@@ -152,9 +153,8 @@ impl DipoleField {
 
     /// The same for particles that the grid's partition divides among the ranks.
     fn solve_here(&mut self, particles: &Particles, problem: &DipoleProblem) -> Result<DipoleSolution, DipoleError> {
-        let (induced, outcome) = self.induced(&particles.radii, problem);
+        let InducedMoments { moments: induced, fields: found, outcome } = self.induced(&particles.radii, problem);
         let moments = of_rows(induced.len(), |row| problem.permanent[row] + induced[row]);
-        let found = self.far.fields(&moments, true);
         let finite = all_rows(found.len(), |row| found[row].0.is_finite() && moments[row].is_finite());
         let IterationOutcome { iterations, residual, converged, .. } = outcome;
         if self.partition.comm().any(!finite || !residual.is_finite()) {

@@ -4,12 +4,13 @@ use bytemuck::Pod;
 use domain::parallel::{copied, of_rows};
 use domain::{DomainView, Particles, Partition, Vector};
 
-/// Particles with lists of vectors on the ranks of another partition.
+/// Particles with lists of vectors on the ranks of another partition. On a single rank they stay as they are.
 pub(super) struct Elsewhere<'a> {
     pub particles: Particles,
     home: DomainView<'a>,
     /// Ids where the particles came from.
     ids: Vec<u64>,
+    is_alone: bool,
 }
 
 /// Name of the column with the results.
@@ -27,8 +28,11 @@ impl<'a> Elsewhere<'a> {
         for (index, list) in lists.iter().enumerate() {
             particles.vectors(&name(index)).copy_from_slice(list);
         }
-        particles.migrate(partition, home.cell);
-        Self { particles, home, ids }
+        let is_alone = partition.comm().size() == 1;
+        if !is_alone {
+            particles.migrate(partition, home.cell);
+        }
+        Self { particles, home, ids, is_alone }
     }
 
     /// One of the lists, in the order of the particles here.
@@ -39,6 +43,9 @@ impl<'a> Elsewhere<'a> {
 
     /// Results for the particles here, in the order of the particles where they came from. Collective.
     pub fn back<T: Pod + Send + Sync>(&self, results: &[T]) -> Vec<T> {
+        if self.is_alone {
+            return copied(results);
+        }
         let width = size_of::<T>() / size_of::<f64>();
         let mut particles = self.particles.without_columns();
         particles.column(RESULT, width).values.copy_from_slice(bytemuck::cast_slice(results));

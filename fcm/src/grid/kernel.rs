@@ -41,18 +41,21 @@ pub(crate) struct SphereStencil<'a> {
     pub class: u32,
 }
 
-/// Force and dipole of one particle in the grid's precision: `dipole[c][j] = G_cj`.
+/// Force, dipole and degenerate quadrupole of one particle in the grid's precision: `dipole[c][j] = G_cj`. Kernels
+/// other than windows ignore the quadrupole.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Load<T> {
     pub force: [T; 3],
     pub dipole: [[T; 3]; 3],
+    pub quadrupole: [T; 3],
 }
 
 impl<T: Real> Load<T> {
-    pub fn new(force: Vector, dipole: &Tensor) -> Self {
-        let force = force.to_array().map(T::from_f64);
+    /// Load with a force and a quadrupole, and with a dipole.
+    pub fn new(vectors: [Vector; 2], dipole: &Tensor) -> Self {
+        let [force, quadrupole] = vectors.map(|vector| vector.to_array().map(T::from_f64));
         let dipole = std::array::from_fn(|c| std::array::from_fn(|j| T::from_f64(dipole.col(j)[c])));
-        Self { force, dipole }
+        Self { force, dipole, quadrupole }
     }
 }
 

@@ -39,8 +39,8 @@ pub(crate) trait FarField {
     /// none.
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion;
 
-    /// Motions that degenerate quadrupoles cause, one of each particle, in a box without walls.
-    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion;
+    /// Motions that loads and degenerate quadrupoles, one of each particle, cause in a box without walls.
+    fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion;
 
     /// Random motions whose covariance is the mobility: velocities, and with dipoles angular velocities and rates of
     /// strain.

@@ -99,16 +99,20 @@ impl Mobility {
         motion
     }
 
-    /// Motions that the degenerate quadrupoles `H` of the particles cause, relative to the fluid far away: velocities,
-    /// angular velocities and rates of strain by the force densities `H lap Delta'` of swimming spheres, as
-    /// [`crate::Quadrupole`] defines them. The list has an entry for each particle that the rank owns. A flow of
-    /// [`Self::constrain`] is not added. Collective.
+    /// Motions that loads and the degenerate quadrupoles `H` of the particles cause, relative to the fluid far away,
+    /// in one evaluation: velocities, angular velocities and rates of strain by the loads and by the force densities
+    /// `H lap Delta'` of swimming spheres, as [`crate::Quadrupole`] defines them. The list of quadrupoles has an entry
+    /// for each particle that the rank owns. A flow of [`Self::constrain`] is that of the loads. Collective.
     ///
     /// # Panics
     /// If the plan has walls.
-    pub fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
+    pub fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
         assert_eq!(self.plan.boundaries.walls(), 0, "quadrupoles have no images in walls");
-        self.far.quadrupole_motion(quadrupoles).of(self.plan.multipoles)
+        let mut motion = self.far.apply_with_quadrupoles(loads, quadrupoles).of(self.plan.multipoles);
+        if let Some(constraint) = &self.constraint {
+            constraint.add_to(&mut motion, loads, self.partition.comm());
+        }
+        motion
     }
 
     /// [`FarField::rigid`], unless the motions have a flow of [`Self::constrain`].

@@ -13,8 +13,11 @@ use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles};
 use crate::pairs::pair_functions::PotentialDifference;
 use crate::pairs::radial_functions::MOST_TABULATED;
 use crate::pairs::table::{PairTable, PairValues, TabulatedFunctions};
-use domain::parallel::change_rows;
-use domain::{Neighbours, Tensor, Vector};
+use domain::parallel::{MeasuredLoop, change_rows};
+use domain::{Neighbour, Neighbours, Tensor, Vector};
+use rayon::prelude::*;
+use simd::{SimdVector, VectorKernel};
+use solver::Real;
 
 /// Pair correction of the moments of particles of given radii.
 pub(crate) struct MomentCorrection {
@@ -33,21 +36,24 @@ struct NearMoment {
 }
 
 impl NearMoment {
+    #[inline(always)]
     fn field(&self) -> Vector {
         let Self { x, moment, psi: [psi1, psi2, _] } = *self;
         moment * psi1 + x * (psi2 * x.dot(moment))
     }
 
     /// Gradient of the field; column `c` is the derivative along `c`.
+    #[inline(always)]
     fn gradient(&self) -> Tensor {
         let Self { x, moment, psi: [_, psi2, psi3] } = *self;
         let along = x.dot(moment);
-        let column = |c: usize| {
-            let mut column = (moment * x[c] + x * moment[c]) * psi2 + x * (psi3 * x[c] * along);
-            column[c] += psi2 * along;
-            column
-        };
-        Tensor::from_cols(column(0), column(1), column(2))
+        let mut columns = [Vector::ZERO; 3];
+        for c in 0..3 {
+            columns[c] = (moment * x[c] + x * moment[c]) * psi2 + x * (psi3 * x[c] * along);
+            columns[c][c] += psi2 * along;
+        }
+        let [first, second, third] = columns;
+        Tensor::from_cols(first, second, third)
     }
 }
 
@@ -75,33 +81,62 @@ impl MomentCorrection {
     }
 
     /// `psi_1`, `psi_2` and `psi_3` of a pair of classes.
+    #[inline(always)]
     fn functions(&self, [i, j]: [u32; 2], square: f64) -> [f64; 3] {
         let [i, j] = [i as usize, j as usize];
-        let exact = || {
+        // A closure would be compiled for any processor, without its vectors.
+        let [first, second, third, ..] = if let Some(tables) = &self.tables {
+            tables[i * self.envelopes.len() + j].evaluate(square)
+        } else {
             let widths = [self.envelopes[i].dipole, self.envelopes[j].dipole];
             PotentialDifference::new(widths, self.width).derivative(square, 0)
         };
-        let tabulated = |tables: &Vec<PairTable<f64>>| tables[i * self.envelopes.len() + j].evaluate(square);
-        let [first, second, third, ..] = self.tables.as_ref().map_or_else(exact, tabulated);
         [first, second, third]
     }
 
-    /// Calls `visit` with the moment of each neighbour of a particle.
-    fn for_each_neighbour(
-        &self,
-        present: &LoadedParticles,
-        neighbours: &Neighbours,
-        row: usize,
-        mut visit: impl FnMut(NearMoment),
-    ) {
-        for neighbour in neighbours.of(row).iter() {
-            let j = neighbour.row as usize;
-            let mut x = present.positions[row] - present.positions[j];
-            if neighbour.steps != [0; 3] {
-                x -= present.cell.lattice(neighbour.steps.map(i32::from));
+    /// The moment of a neighbour of a particle.
+    #[inline(always)]
+    fn near_moment(&self, present: &LoadedParticles, row: usize, neighbour: Neighbour) -> NearMoment {
+        let j = neighbour.row as usize;
+        let mut x = present.positions[row] - present.positions[j];
+        if neighbour.steps != [0; 3] {
+            x -= present.cell.lattice(neighbour.steps.map(i32::from));
+        }
+        let psi = self.functions([present.classes[row], present.classes[j]], x.length_squared());
+        NearMoment { x, moment: present.forces[j], psi }
+    }
+}
+
+/// Particles whose lists one thread processes at a time.
+const BATCH: usize = 64;
+
+/// A batch of particles from row `first` on, whose fields are added to `motions`.
+struct MomentBatch<'a> {
+    near: &'a MomentCorrection,
+    present: &'a LoadedParticles<'a>,
+    neighbours: &'a Neighbours,
+    gradients: bool,
+    first: usize,
+    motions: &'a mut [(Vector, Tensor)],
+}
+
+impl VectorKernel<f64> for MomentBatch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: SimdVector<f64>>(self) {
+        let Self { near, present, neighbours, gradients, first, motions } = self;
+        for (offset, motion) in motions.iter_mut().enumerate() {
+            let row = first + offset;
+            let class = present.classes[row];
+            motion.0 += present.forces[row] * near.functions([class; 2], 0.0)[0];
+            for neighbour in neighbours.of(row).iter() {
+                let other = near.near_moment(present, row, neighbour);
+                motion.0 += other.field();
+                if gradients {
+                    motion.1 += other.gradient();
+                }
             }
-            let psi = self.functions([present.classes[row], present.classes[j]], x.length_squared());
-            visit(NearMoment { x, moment: present.forces[j], psi });
         }
     }
 }
@@ -121,15 +156,10 @@ impl DynPairCorrection for MomentCorrection {
         if present.forces.is_empty() {
             return;
         }
-        change_rows(motions, |row, motion| {
-            let class = present.classes[row];
-            motion.0 += present.forces[row] * self.functions([class; 2], 0.0)[0];
-            self.for_each_neighbour(present, neighbours, row, |near| {
-                motion.0 += near.field();
-                if gradients {
-                    motion.1 += near.gradient();
-                }
-            });
+        let bytes = 2 * size_of_val(motions) + size_of_val(present.forces) + 4 * neighbours.count();
+        motions.par_chunks_mut(BATCH).enumerate().moving(bytes).for_each(|(batch, motions)| {
+            let first = batch * BATCH;
+            f64::dispatch(MomentBatch { near: self, present, neighbours, gradients, first, motions });
         });
     }
 
@@ -139,10 +169,11 @@ impl DynPairCorrection for MomentCorrection {
         }
         change_rows(sums, |row, sum| {
             let moment = present.forces[row];
-            self.for_each_neighbour(present, neighbours, row, |near| {
+            for neighbour in neighbours.of(row).iter() {
+                let near = self.near_moment(present, row, neighbour);
                 let (x, half) = (near.x, near.gradient() * moment * -0.5);
                 *sum += Tensor::from_cols(half * x.x, half * x.y, half * x.z);
-            });
+            }
         });
     }
 }

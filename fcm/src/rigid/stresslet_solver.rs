@@ -7,7 +7,7 @@ use crate::mobility::{Mobility, RigidProblem, RigidSolution};
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
 use domain::parallel::{all_rows, change_rows, copied, mapped, of_rows};
-use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, sphere};
+use domain::{Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector, sphere};
 
 /// Failure of a solve, the same on all ranks.
 #[derive(Debug, Clone, thiserror::Error, PartialEq)]
@@ -61,6 +61,8 @@ pub struct RigidInput<'a> {
     pub background: Traceless,
     /// Stresslets that the iteration starts from, one per particle, or none.
     pub guess: &'a [Traceless],
+    /// Degenerate quadrupoles, one per particle, on all ranks or on none; only with dipoles.
+    pub quadrupoles: Option<&'a [Vector]>,
 }
 
 /// Solver for rigid spheres: forces and torques to motions, with the stresslets that keep the spheres rigid.
@@ -119,10 +121,11 @@ impl StressletSolver {
         background: Traceless,
         guess: &[Traceless],
     ) -> Result<Solved, SolveError> {
-        self.solve_in(cell, particles, &RigidInput { loads, ambient: &Motion::default(), background, guess })
+        let (ambient, quadrupoles) = (&Motion::default(), None);
+        self.solve_in(cell, particles, &RigidInput { loads, ambient, background, guess, quadrupoles })
     }
 
-    /// The same with additional ambient motions of the fluid.
+    /// The same with additional ambient motions of the fluid and degenerate quadrupoles.
     pub fn solve_in(
         &mut self,
         cell: &PeriodicBox,
@@ -146,13 +149,19 @@ impl StressletSolver {
     }
 
     fn rigid(&mut self, radii: &[f64], input: &RigidInput) -> Result<Solved, SolveError> {
-        if let Some(solved) = self.resident(radii.len(), input) {
+        if input.quadrupoles.is_none()
+            && let Some(solved) = self.resident(radii.len(), input)
+        {
             return solved;
         }
-        let &RigidInput { loads, ambient, background, guess } = input;
+        let &RigidInput { loads, ambient, background, guess, quadrupoles } = input;
         let (mut motion, mut resistances) = {
             let start = Loads { stresslets: guess.to_vec(), ..loads.clone() };
-            (self.mobility.apply(&start, Output::All), start.stresslets)
+            let motion = match quadrupoles {
+                Some(quadrupoles) => self.mobility.apply_with_quadrupoles(&start, quadrupoles),
+                None => self.mobility.apply(&start, Output::All),
+            };
+            (motion, start.stresslets)
         };
         motion.add(1.0, ambient);
         // The unknowns are D = -S, for which the system is positive definite.

@@ -11,7 +11,7 @@ use crate::solution::{Guess, Solution};
 use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStart, Unknowns};
 use crate::units::Scaled;
 use domain::parallel::{all_rows, change, mapped};
-use domain::{Comm, Interrupt, Interrupted, Particles, Traceless};
+use domain::{Comm, Interrupt, Interrupted, Particles, Traceless, Vector};
 use fcm::{Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, SolveError, conjugate_gradients};
 
 /// [`CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
@@ -21,6 +21,8 @@ pub(super) struct LubricatedSolve<'a> {
     pub near: &'a NearPairs,
     pub bodies: Option<&'a RigidBodies>,
     pub is_preconditioned: bool,
+    /// Degenerate quadrupoles of squirmers, in the units of the mobility.
+    pub quadrupoles: Option<&'a [Vector]>,
     pub particles: &'a Particles,
     /// Strain rate of the background flow.
     pub strain_rate: StrainRate,
@@ -111,8 +113,13 @@ impl LubricatedSolve<'_> {
                 Unknowns::of(&motions, &resisted, moments)
             }
         };
-        let mut system =
-            CoupledSystem::new(mobility, near, matrix, spheres, SystemStart { loads, ambient, unknowns: &x });
+        let mut system = CoupledSystem::new(
+            mobility,
+            near,
+            matrix,
+            spheres,
+            SystemStart { loads, ambient, quadrupoles: self.quadrupoles, unknowns: &x },
+        );
         let mut residual = system.residual(&x, self.strain_rate.at_zero);
         let mut correction = Unknowns::default();
         let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };

@@ -25,6 +25,7 @@ use fcm::{DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError
 use lubricated_solve::LubricatedSolve;
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
+use swimming::SlipInput;
 
 /// Motions of spheres as of [`fcm::StressletSolver`], optionally with lubrication between near pairs. Results have the
 /// same digits in any units.
@@ -143,8 +144,8 @@ impl CoupledSolver {
     ) -> Result<Solution, SolveError> {
         let _stage = stage("coupled solve");
         let SolveInput { loads, strain_rate, bodies, ambient, constant_flux, .. } = *acting;
-        let swimming = self.swimming(cell, particles, acting);
-        let ambient = swimming.as_ref().unwrap_or(ambient);
+        let swimming = self.swimming(particles, acting);
+        let (ambient, quadrupoles) = swimming.as_ref().map_or((ambient, None), SlipInput::parts);
         let sloping = sloping(strain_rate, particles, ambient);
         let ambient = sloping.as_ref().unwrap_or(ambient);
         let flux = constant_flux.then(|| self.flux(cell, particles, strain_rate));
@@ -169,6 +170,7 @@ impl CoupledSolver {
                     near: &near,
                     bodies: bodies.as_ref(),
                     is_preconditioned: self.preconditioned,
+                    quadrupoles,
                     particles: &own,
                     strain_rate,
                 };
@@ -183,7 +185,8 @@ impl CoupledSolver {
             }
         }
         let (background, guess) = (strain_rate.at_zero, &guess.stresslets_far);
-        let mut solved = self.solve_far(cell, particles, &RigidInput { loads, ambient, background, guess })?;
+        let mut solved =
+            self.solve_far(cell, particles, &RigidInput { loads, ambient, background, guess, quadrupoles })?;
         if let Some(flux) = &flux {
             flux.complete(&mut solved, self.partition.comm());
         }

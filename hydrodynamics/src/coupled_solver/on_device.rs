@@ -11,7 +11,7 @@ use fcm::{CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Moti
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, if it has one for free spheres.
     pub(super) fn on_device(&self, scaled: &mut Scaled, given: &GivenSolve) -> Option<Result<Found, SolveError>> {
-        if self.bodies.is_some() || !self.is_preconditioned {
+        if self.bodies.is_some() || self.quadrupoles.is_some() || !self.is_preconditioned {
             return None;
         }
         let units = scaled.units;

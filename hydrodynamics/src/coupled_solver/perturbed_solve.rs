@@ -131,7 +131,7 @@ impl CoupledSolver {
         let loads = units::times(loads, 1.0 / units.torque());
         let known = SixVectors::new(own.len(), &loads.forces, &loads.torques);
         let scaled = units::motion(ambient, &units);
-        let given = SystemStart { loads: &known, ambient: &scaled, unknowns: &start };
+        let given = SystemStart { loads: &known, ambient: &scaled, quadrupoles: None, unknowns: &start };
         let system = CoupledSystem::new(Scaled { mobility, units }, &near, matrix, &spheres, given);
         let residual = system.residual(&start, Traceless::ZERO);
         then(ResidualSystem { near: &near, system, residual, interrupt: &interrupt })

@@ -1,33 +1,39 @@
-//! Ambient motions by the slip of squirmers.
+//! Ambient motions and quadrupoles by the slip of squirmers.
 
 use crate::coupled_solver::CoupledSolver;
 use crate::solution::SolveInput;
-use domain::{Particles, PeriodicBox};
+use domain::{Particles, Vector};
 use fcm::Motion;
 
+/// Input of a solve by the slip of squirmers.
+pub(super) struct SlipInput {
+    /// Motions of the ambient fluid, and of squirmers alone besides those by quadrupoles.
+    ambient: Motion,
+    /// Degenerate quadrupoles of the rank's particles.
+    quadrupoles: Vec<Vector>,
+}
+
+impl SlipInput {
+    /// The ambient motions and the quadrupoles.
+    pub fn parts(&self) -> (&Motion, Option<&[Vector]>) {
+        (&self.ambient, Some(&self.quadrupoles))
+    }
+}
+
 impl CoupledSolver {
-    /// Ambient motions of an input and those by the slip of its squirmers: of the fluid by their degenerate
-    /// quadrupoles, and their own. `None` without squirmers. Arranges the particles in the mobility. Collective.
+    /// Ambient motions of an input with those by the slip of its squirmers, and their degenerate quadrupoles. `None`
+    /// without squirmers. Collective.
     ///
     /// # Panics
     /// If [`crate::Squirming::check`] refuses the plan.
-    pub(super) fn swimming(
-        &mut self,
-        cell: &PeriodicBox,
-        particles: &Particles,
-        acting: &SolveInput,
-    ) -> Option<Motion> {
+    pub(super) fn swimming(&mut self, particles: &Particles, acting: &SolveInput) -> Option<SlipInput> {
         let squirming = acting.squirming?;
         if !self.partition.comm().any(!squirming.is_empty()) {
             return None;
         }
-        let mobility = self.far.mobility();
-        mobility.constrain(None);
-        mobility.follow(cell, particles);
-        let quadrupoles = squirming.quadrupoles(mobility.plan().viscosity, &particles.radii);
-        let mut motion = mobility.quadrupole_motion(&quadrupoles);
-        motion.add(1.0, &squirming.own_motion(&particles.radii));
-        motion.add(1.0, acting.ambient);
-        Some(motion)
+        let mut ambient = squirming.own_motion(&particles.radii);
+        ambient.add(1.0, acting.ambient);
+        let viscosity = self.far.mobility().plan().viscosity;
+        Some(SlipInput { ambient, quadrupoles: squirming.quadrupoles(viscosity, &particles.radii) })
     }
 }

@@ -27,7 +27,7 @@ mod normal_polynomial;
 mod singular;
 pub(crate) mod slip;
 mod table;
-mod tridiagonal;
+pub(crate) mod tridiagonal;
 mod wall;
 
 pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, WallFunctions, named, named_mobility};

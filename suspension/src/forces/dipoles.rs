@@ -2,11 +2,12 @@
 
 use super::acting::{Acting, Configuration, Instant, Prediction};
 use super::force::{Force, StressName};
+use super::near_dipoles::{NearPolarisation, PolarisedPairs};
 use crate::columns::ORIENTATION;
 use crate::error::step::StepError;
 use crate::model::radii::Radii;
 use crate::model::{AppliedField, Model, MomentKind, SphereMoment};
-use domain::parallel::{change_rows, of_rows};
+use domain::parallel::{change, change_rows, of_rows};
 use domain::{Comm, ExpectedCounts, Failure, Particles, Quaternion, Tensor, Vector};
 use fcm::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Loads, PlanError, Problem};
 use std::cell::RefCell;
@@ -15,13 +16,27 @@ use std::cell::RefCell;
 const FEWEST_STEPS: f64 = 20.0;
 
 /// Forces `c (m . grad) H` and torques `c m x H` on spheres with moments `m` in a field `H`, with the constant `c` of
-/// the field.
+/// the field, and those of near pairs beyond dipoles.
 pub struct DipoleForces {
     kind: MomentKind,
     applied: AppliedField,
     species: Vec<SphereMoment>,
     /// Made by [`Self::start`].
     field: Option<RefCell<DipoleField>>,
+    near: NearPolarisation,
+}
+
+/// Weight of the latest value in the running mean of the share of the extrapolation in guesses.
+const NEWEST: f64 = 0.5;
+
+/// Induced moments of the last two evaluations and what they belong to, from which guesses are extrapolated.
+struct PastMoments {
+    /// Applied fields: the last one, and the one before.
+    fields: [Vector; 2],
+    /// Their times.
+    times: [f64; 2],
+    /// Part of the change from one evaluation to the next that a guess takes over.
+    share: f64,
 }
 
 /// Column of the induced moments, from which the next iteration starts.
@@ -32,11 +47,47 @@ pub fn induced_column(kind: MomentKind) -> &'static str {
     }
 }
 
-/// Scalar with the applied field to which the induced moments belong.
-fn field_scalar(kind: MomentKind) -> &'static str {
+/// Column of the induced moments of the evaluation before the last one.
+fn past_column(kind: MomentKind) -> &'static str {
+    match kind {
+        MomentKind::Magnetic => "past magnetic moment",
+        MomentKind::Electric => "past electric moment",
+    }
+}
+
+/// Column of the additional moments of near pairs.
+fn near_column(kind: MomentKind) -> &'static str {
+    match kind {
+        MomentKind::Magnetic => "magnetic moment near contact",
+        MomentKind::Electric => "electric moment near contact",
+    }
+}
+
+/// Scalar with [`PastMoments`].
+fn past_scalar(kind: MomentKind) -> &'static str {
     match kind {
         MomentKind::Magnetic => "magnetic field of moments",
         MomentKind::Electric => "electric field of moments",
+    }
+}
+
+impl PastMoments {
+    /// The past moments of a run; none before its first evaluation.
+    fn of(particles: &Particles, kind: MomentKind) -> Option<Self> {
+        let &[a, b, c, x, y, z, last, before, share] = particles.scalars.get(past_scalar(kind))? else { return None };
+        let fields = [Vector::new(a, b, c), Vector::new(x, y, z)];
+        Some(Self { fields, times: [last, before], share })
+    }
+
+    fn store(&self, particles: &mut Particles, kind: MomentKind) {
+        let Self { fields: [f, g], times: [last, before], share } = *self;
+        particles.scalars.set(past_scalar(kind), &[f.x, f.y, f.z, g.x, g.y, g.z, last, before, share]);
+    }
+
+    /// Time since the last evaluation over that between the last two, at most 2; 0 if there were not two.
+    fn ahead(&self, time: f64) -> f64 {
+        let [last, before] = self.times;
+        if last > before { ((time - last) / (last - before)).clamp(0.0, 2.0) } else { 0.0 }
     }
 }
 
@@ -51,9 +102,16 @@ pub fn permanent(particles: &Particles, species: &[SphereMoment]) -> Vec<Vector>
     of_rows(particles.len(), of_one)
 }
 
-/// Induced moments of the last evaluation; none before the first one and without susceptible spheres.
-pub fn induced(particles: &Particles, kind: MomentKind) -> &[Vector] {
-    let column = particles.columns.iter().find(|column| column.name == induced_column(kind));
+/// Induced moments of the last evaluation, with those of near pairs; zero before the first one.
+pub fn induced(particles: &Particles, kind: MomentKind) -> Vec<Vector> {
+    let [dipoles, near] = [induced_column, near_column].map(|name| vectors(particles, name(kind)));
+    let of = |list: &[Vector], row: usize| list.get(row).copied().unwrap_or_default();
+    of_rows(particles.len(), |row| of(dipoles, row) + of(near, row))
+}
+
+/// Values of a column; empty if there is none.
+fn vectors<'a>(particles: &'a Particles, name: &str) -> &'a [Vector] {
+    let column = particles.columns.iter().find(|column| column.name == name);
     column.map(|column| bytemuck::cast_slice(&column.values)).unwrap_or_default()
 }
 
@@ -61,8 +119,10 @@ impl DipoleForces {
     /// The forces of a model, of each kind of moments that it has.
     pub fn of(model: &Model) -> Vec<Self> {
         let of_kind = |kind: MomentKind| {
-            let species = model.species.iter().map(|species| kind.of(species)).collect();
-            kind.field(model).map(|applied| Self { kind, applied, species, field: None })
+            let species: Vec<_> = model.species.iter().map(|species| kind.of(species)).collect();
+            let radii: Vec<f64> = model.species.iter().map(|species| species.radius).collect();
+            let near = |species: &[SphereMoment]| NearPolarisation::new(species, &radii);
+            kind.field(model).map(|applied| Self { kind, applied, near: near(&species), species, field: None })
         };
         MomentKind::ALL.into_iter().filter_map(of_kind).collect()
     }
@@ -85,7 +145,7 @@ impl DipoleForces {
             field: applied,
             permanent: &permanent(particles, species),
             polarisabilities: &of_rows(particles.len(), of_row),
-            guess: &self.guess(particles, applied),
+            guess: &self.guess(particles, at.time)[0],
         };
         let field = self.field.as_ref().expect("forces are started before they act");
         let solved = field.borrow_mut().solve(at.domain, particles, &problem);
@@ -93,22 +153,71 @@ impl DipoleForces {
         solved.map_err(|error| Failure { rank: 0, ranks: at.domain.comm().size(), message: message(error) })
     }
 
-    /// Induced moments that the iteration starts from: those of the last evaluation, changed with the applied field as
-    /// those of single spheres.
-    fn guess(&self, particles: &Particles, applied: Vector) -> Vec<Vector> {
-        let (known, species) = (induced(particles, self.kind), &self.species);
-        let before = particles.scalars.numbers(field_scalar(self.kind)).map_or(Vector::ZERO, Vector::from_array);
-        let of_row = |row: usize| {
-            let response = species[particles.species[row] as usize].response(particles.radii[row]);
-            known.get(row).copied().unwrap_or_default() + (applied - before) * response
+    /// Induced moments that the iteration starts from, and the part of them that is extrapolated, before it is reduced
+    /// to its share. What single spheres have in the applied field follows it; the rest, which is due to the others,
+    /// continues its change between the last two evaluations.
+    fn guess(&self, particles: &Particles, time: f64) -> [Vec<Vector>; 2] {
+        let [last, before] = [induced_column, past_column].map(|name| vectors(particles, name(self.kind)));
+        let past = PastMoments::of(particles, self.kind).filter(|_| last.len() == particles.len());
+        let applied = self.applied.at(time);
+        let species = &self.species;
+        let response = |row: usize| species[particles.species[row] as usize].response(particles.radii[row]);
+        let Some(past) = past else {
+            let alone = of_rows(particles.len(), |row| applied * response(row));
+            return [alone, vec![Vector::ZERO; particles.len()]];
         };
-        of_rows(particles.len(), of_row)
+        let ahead = if before.len() == last.len() { past.ahead(time) } else { 0.0 };
+        let change = |row: usize| {
+            if ahead == 0.0 {
+                return Vector::ZERO;
+            }
+            (last[row] - before[row] - (past.fields[0] - past.fields[1]) * response(row)) * ahead
+        };
+        let changes = of_rows(particles.len(), change);
+        let guess = |row: usize| last[row] + (applied - past.fields[0]) * response(row) + changes[row] * past.share;
+        [of_rows(particles.len(), guess), changes]
     }
 
-    fn add(&self, solution: &DipoleSolution, loads: &mut Loads) {
+    /// Stores the induced moments of an evaluation, and the share of the extrapolation with which the guess would have
+    /// come closest to them. Collective.
+    fn remember(&self, at: &mut Instant, induced: &[Vector]) {
+        let (kind, time, applied) = (self.kind, at.time, self.applied.at(at.time));
+        let [guess, changes] = self.guess(at.particles, time);
+        let known = PastMoments::of(at.particles, kind);
+        let mut past = known.unwrap_or(PastMoments { fields: [applied; 2], times: [time; 2], share: 1.0 });
+        let mut sums = [0.0; 2];
+        for ((found, guess), change) in induced.iter().zip(&guess).zip(&changes) {
+            sums[0] += (*found - *guess).dot(*change);
+            sums[1] += change.length_squared();
+        }
+        at.domain.comm().sum(&mut sums);
+        if sums[1] > 0.0 {
+            let best = (past.share + sums[0] / sums[1]).clamp(0.0, 1.0);
+            past.share += NEWEST * (best - past.share);
+        }
+        if time > past.times[0] {
+            let last = vectors(at.particles, induced_column(kind)).to_vec();
+            at.particles.vectors(past_column(kind)).copy_from_slice(&last);
+            (past.times[1], past.fields[1]) = (past.times[0], past.fields[0]);
+        }
+        (past.times[0], past.fields[0]) = (time, applied);
+        past.store(at.particles, kind);
+        at.particles.vectors(induced_column(kind)).copy_from_slice(induced);
+    }
+
+    /// Near pairs in the applied field; `None` without polarisable spheres. Collective.
+    fn near_pairs<'a>(&self, at: &Configuration<'a>) -> Option<PolarisedPairs<'a>> {
+        self.near.reach()?;
+        at.near.map(|near| self.near.in_field(near, &at.particles.species, self.applied.at(at.time)))
+    }
+
+    fn add(&self, solution: &DipoleSolution, near: Option<&PolarisedPairs>, loads: &mut Loads) {
         let (count, constant) = (solution.moments.len(), self.applied.constant);
         loads.forces.resize(count, Vector::ZERO);
         change_rows(&mut loads.forces, |row, force| *force += solution.force(row) * constant);
+        if let Some(near) = near {
+            change(&mut loads.forces, &near.forces(), |force, &more| *force += more * constant);
+        }
         if self.species.iter().any(|moment| moment.permanent != 0.0) {
             loads.torques.resize(count, Vector::ZERO);
             change_rows(&mut loads.torques, |row, torque| *torque += solution.torque(row) * constant);
@@ -124,18 +233,27 @@ impl Force for DipoleForces {
     fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
         // Moments that are not found cause an error where they are asked for first, in an evaluation.
         if let Ok(solution) = self.solve(at) {
-            self.add(&solution, loads);
+            self.add(&solution, self.near_pairs(at).as_ref(), loads);
         }
     }
 
     fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
         let solution = self.solve(&at.configuration())?;
-        if self.has_induced() {
-            at.particles.vectors(induced_column(self.kind)).copy_from_slice(&solution.induced);
-            at.particles.scalars.set(field_scalar(self.kind), &self.applied.at(at.time).to_array());
+        let near = self.near_pairs(&at.configuration());
+        let moments = near.as_ref().map(PolarisedPairs::moments);
+        self.add(&solution, near.as_ref(), &mut acting.loads);
+        drop(near);
+        if let Some(moments) = moments {
+            at.particles.vectors(near_column(self.kind)).copy_from_slice(&moments);
         }
-        self.add(&solution, &mut acting.loads);
+        if self.has_induced() {
+            self.remember(at, &solution.induced);
+        }
         Ok(())
+    }
+
+    fn range(&self, _largest_radius: f64) -> Option<f64> {
+        self.near.reach()
     }
 
     fn stresses(&self) -> Vec<StressName> {
@@ -146,6 +264,9 @@ impl Force for DipoleForces {
         let Ok(solution) = self.solve(at) else { return Vec::new() };
         let field = self.field.as_ref().expect("forces are started before they act");
         let mut moments = field.borrow_mut().first_moments(at.domain, at.particles, &solution.moments);
+        if let Some(near) = self.near_pairs(at) {
+            change(&mut moments, &near.first_moments(), |moment, &more| *moment += more);
+        }
         let constant = self.applied.constant;
         change_rows(&mut moments, |row, moment| {
             *moment = (*moment + rotation(solution.torque(row)) * -0.5) * constant;
@@ -158,7 +279,7 @@ impl Force for DipoleForces {
     }
 
     fn numbers(&self, _expected: &ExpectedCounts) -> usize {
-        if self.has_induced() { 3 } else { 0 }
+        if self.has_induced() { 9 } else { 0 }
     }
 
     fn warnings(&self, model: &Model, _radii: &Radii) -> Vec<String> {

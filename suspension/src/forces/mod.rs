@@ -6,6 +6,7 @@ pub mod dipoles;
 mod external;
 pub mod force;
 mod list;
+mod near_dipoles;
 pub mod pairwise;
 pub mod surface;
 pub mod tethers;

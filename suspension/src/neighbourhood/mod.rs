@@ -90,6 +90,17 @@ impl PairsWithHalo {
         self.pairs.list().par_iter().with_min_len(BATCH).map(made).measured().collect()
     }
 
+    /// Applies a function to each pair and to the values of its two particles. Collective.
+    pub fn with_values<V: Pod + Sync, T: Send>(
+        &self,
+        values: &[V],
+        of_pair: impl Fn(SeparatedPair, [V; 2]) -> T + Sync,
+    ) -> Vec<T> {
+        let (present, local) = (self.present.extended(values), self.present.local());
+        let made = |pair: &Pair| of_pair(local.pair(pair), [pair.i, pair.j].map(|row| present[row as usize]));
+        self.pairs.list().par_iter().with_min_len(BATCH).map(made).measured().collect()
+    }
+
     /// The pairs, each on one rank.
     pub fn pairs(&self) -> impl Iterator<Item = SeparatedPair> + '_ {
         self.pairs.list().iter().map(|pair| self.present.local().pair(pair))

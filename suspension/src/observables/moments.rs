@@ -48,7 +48,7 @@ fn sums(present: &ObservedState, kind: MomentKind, species: &[SphereMoment]) -> 
     let (permanent, induced) = (permanent(particles, species), induced(particles, kind));
     let mut sums = vec![[0.0; 4]; species.len()];
     for (row, &index) in particles.species.iter().enumerate() {
-        let moment = permanent[row] + induced.get(row).copied().unwrap_or_default();
+        let moment = permanent[row] + induced[row];
         let terms = [moment.x, moment.y, moment.z, 1.0];
         sums[index as usize].iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
     }

@@ -15,6 +15,7 @@ use crate::grid::kernel::{Kernel, Load, NOT_IN_SLAB, Slab, SphereStencil, Stenci
 use crate::grid::stencil::Stencil;
 use crate::grid::totals::Totals;
 use crate::grid::window::WindowLattice;
+use crate::grid::window::coefficients::{WindowCoefficients, add, add_laplacian};
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use crate::grid::window::lattice::{SECOND, Slants, Smoothing, UPRIGHT};
 use simd::SimdVector as Lanes;
@@ -43,9 +44,6 @@ const PAIRS: usize = 10;
 const fn pair(first: usize, second: usize) -> usize {
     [0, 4, 7, 9][first] + second
 }
-
-/// Coefficients by the orders along x, y and z, and by component.
-type WindowCoefficients<T> = [[[[T; 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
 
 impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     /// Number of orders of derivatives, 0 included.
@@ -95,6 +93,9 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             add::<T, ORDER>(&mut all, [1, 0, 0], along[0], smoothing);
             add::<T, ORDER>(&mut all, [0, 1, 0], along[1], smoothing);
             add::<T, ORDER>(&mut all, [0, 0, 1], along[2], smoothing);
+        }
+        if ORDER > 1 && load.quadrupole != [T::default(); 3] {
+            add_laplacian(&mut all, [0, 0, 0], load.quadrupole, self.0.laplacian());
         }
         all
     }
@@ -307,30 +308,6 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             weighed.gradient[c] = [along, across - s * along, totals[9 + c] * z - r * across - f * along];
         }
         weighed
-    }
-}
-
-/// Adds a load's derivative to the coefficients, and those of its Laplacian, as far as the order goes.
-#[inline(always)]
-fn add<T: Real, const ORDER: usize>(
-    all: &mut WindowCoefficients<T>,
-    [n, m, l]: [usize; 3],
-    load: [T; 3],
-    smoothing: Smoothing<T>,
-) {
-    for c in 0..3 {
-        all[n][m][l][c] += load[c];
-    }
-    if n + m + l + 2 <= ORDER {
-        for second in 0..SECOND.len() {
-            if second >= UPRIGHT && !smoothing.is_tilted {
-                break;
-            }
-            let (factor, [dn, dm, dl]) = (smoothing.factors[second], SECOND[second]);
-            for c in 0..3 {
-                all[n + dn][m + dm][l + dl][c] += factor * load[c];
-            }
-        }
     }
 }
 

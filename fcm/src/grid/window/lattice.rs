@@ -32,6 +32,8 @@ pub(crate) struct WindowLattice<T> {
     /// Coefficients of `1 - (d - D)/2 lap` apart from the 1, by [`SECOND`], of the monopole and the dipole by class
     /// of radius.
     smoothing: Vec<[[T; SECOND.len()]; 2]>,
+    /// Coefficients of the Laplacian.
+    laplacian: [T; SECOND.len()],
 }
 
 /// The operator `1 - (d - D)/2 lap` of a source: its coefficients apart from the 1, by [`SECOND`], and whether the
@@ -74,10 +76,11 @@ impl<T: Real> WindowLattice<T> {
         ];
         let factors = |sigma: f64| laplacian.map(|factor| T::from_f64(-0.5 * common.rest(sigma) * factor));
         let smoothing = envelopes.iter().map(|e| [factors(e.monopole), factors(e.dipole)]).collect();
+        let laplacian = laplacian.map(T::from_f64);
         let (slants, is_tilted) = (Slants { s, r, f }, !grid.cell().is_orthogonal());
         let points = grid.points();
         let row_shift = grid.row_shift().rem_euclid(points[0] as i64) as usize;
-        Self { points, row_shift, window, pieces, inverse, slants, is_tilted, smoothing }
+        Self { points, row_shift, window, pieces, inverse, slants, is_tilted, smoothing, laplacian }
     }
 
     /// Highest order of derivatives that forces, dipoles or both need.
@@ -98,6 +101,12 @@ impl<T: Real> WindowLattice<T> {
         let ([x, y, z], Slants { s, r, f }) = (self.inverse, self.slants);
         let slants = Slants { s: T::from_f64(s), r: T::from_f64(r), f: T::from_f64(f) };
         ([T::from_f64(x), T::from_f64(y), T::from_f64(z)], slants)
+    }
+
+    /// The Laplacian itself.
+    #[inline(always)]
+    pub fn laplacian(&self) -> Smoothing<T> {
+        Smoothing { factors: self.laplacian, is_tilted: self.is_tilted }
     }
 
     /// Smoothing of a class's monopole (0) or dipole (1).

@@ -6,6 +6,7 @@
 //! transforms). Derivatives for dipoles and for the envelopes' own widths are those of the window. A stencil takes
 //! `6^3` points for an error of 1e-3, where the Gaussian itself takes a ball of 11 points across.
 
+mod coefficients;
 mod kaiser_bessel;
 mod kernel;
 mod lattice;

@@ -95,7 +95,7 @@ impl Setting {
             &self.near,
             matrix,
             &self.spheres,
-            SystemStart { loads: &nothing, ambient: &NO_AMBIENT, unknowns: &start },
+            SystemStart { loads: &nothing, ambient: &NO_AMBIENT, quadrupoles: None, unknowns: &start },
         )
     }
 }

@@ -189,8 +189,9 @@ impl FarField for DenseFarField {
         Self::motion(components, [self.units.velocity(), self.units.rate()], output)
     }
 
-    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
-        let Some(placed) = &self.placed else { return Motion::default() };
+    fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
+        let mut motion = self.apply(loads, Output::All);
+        let Some(placed) = &self.placed else { return motion };
         self.work.evaluations += 1;
         let mut clock = Stopwatch::start();
         let all = self.comm.all_gather(bytemuck::cast_slice::<Vector, f64>(quadrupoles));
@@ -202,7 +203,8 @@ impl FarField for DenseFarField {
         let shapes = Shapes::new(&self.scaled, &placed.cell, self.height());
         let components = quadrupoles::motions(&shapes, &placed.cell, &placed.spheres, &placed.own, &ordered);
         clock.stop(&mut self.work.seconds.near);
-        Self::motion(components, [self.units.velocity(), self.units.rate()], Output::All)
+        motion.add(1.0, &Self::motion(components, [self.units.velocity(), self.units.rate()], Output::All));
+        motion
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {

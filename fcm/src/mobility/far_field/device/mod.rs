@@ -197,8 +197,8 @@ impl FarField for DeviceFarField {
         Some(self)
     }
 
-    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
-        self.host().quadrupole_motion(quadrupoles)
+    fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
+        self.host().apply_with_quadrupoles(loads, quadrupoles)
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {

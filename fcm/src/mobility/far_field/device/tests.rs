@@ -291,7 +291,7 @@ fn stresslets_are_those_of_the_host() {
             ambient.angular_velocities.push(0.2 * *force);
             ambient.strain_rates.push(Traceless([force.x, 0.1, force.y, 0.0, force.z]));
         }
-        let input = RigidInput { loads: &loads, ambient: &ambient, background, guess: &guess };
+        let input = RigidInput { loads: &loads, ambient: &ambient, background, guess: &guess, quadrupoles: None };
         let mut host = StressletSolver::new(&plan, &alone(&plan));
         let exact = host.solve_in(&case.cell, &case.particles, &input).unwrap();
         let far: Box<dyn FarField> = Box::new(case.on_device(&plan, emulator(&[], seed)));

@@ -28,7 +28,7 @@ impl GridFarField {
     /// Flow of loads at points of the fluid, in a box that is not periodic along all axes.
     pub(super) fn flow_of(&mut self, loads: &Loads) -> GridFlow<'_> {
         self.work.evaluations += 1;
-        let kinds = self.kinds_of(loads);
+        let kinds = self.kinds_of(loads, &[]);
         let (mut forces, mut dipoles) = self.present(loads, kinds);
         self.grid.solve(&self.arrangement.grid_loads(&forces, &dipoles), &mut self.work);
         let owned = self.arrangement.halo.owned();

@@ -20,7 +20,7 @@ use crate::pairs::table::PairFunctions;
 use crate::plan::Plan;
 use crate::plan::problem::{Multipoles, Precision};
 use crate::walls::wall_images::WallImages;
-use domain::parallel::{all_rows, mapped, of_rows, stage};
+use domain::parallel::{all_rows, greatest, mapped, of_rows, stage};
 use domain::{
     Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
 };
@@ -101,14 +101,15 @@ impl GridFarField {
         [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
     }
 
-    /// Whether there are forces, torques and stresslets on any rank; sets the unit of force by the largest of them.
-    /// Collective.
-    fn kinds_of(&mut self, loads: &Loads) -> [bool; 3] {
+    /// Whether there are forces, torques and stresslets on any rank; sets the unit of force by the largest of them
+    /// and of degenerate quadrupoles. Collective.
+    fn kinds_of(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> [bool; 3] {
         // A rank without particles has empty lists, but takes part in the exchange.
         let [forced, twisted, strained] =
             [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
                 .map(|some| f64::from(u8::from(some)));
-        let mut all = [forced, twisted, strained, loads.largest(self.units.length)];
+        let of_quadrupoles = greatest(quadrupoles, |h| h.abs().max_element()) / self.units.length.powi(2);
+        let mut all = [forced, twisted, strained, loads.largest(self.units.length).max(of_quadrupoles)];
         self.partition.comm().max(&mut all);
         let [forced, twisted, strained, largest] = all;
         self.units = self.units.with_force(largest);
@@ -134,15 +135,17 @@ impl GridFarField {
         (forces, dipoles)
     }
 
-    /// Velocities and gradients that loads cause, in internal units. Collective.
-    fn motions(&mut self, loads: &Loads, output: Output) -> Vec<(Vector, Tensor)> {
+    /// Velocities and gradients that loads cause, and degenerate quadrupoles if there are any on any rank, in internal
+    /// units. Collective.
+    fn motions(&mut self, loads: &Loads, quadrupoles: Option<&[Vector]>, output: Output) -> Vec<(Vector, Tensor)> {
         self.work.evaluations += 1;
         let (mut clock, mut stage) = (Stopwatch::start(), stage("exchange"));
-        let kinds = self.kinds_of(loads);
+        let kinds = self.kinds_of(loads, quadrupoles.unwrap_or_default());
         let (forces, dipoles) = self.present(loads, kinds);
+        let quadrupoles = quadrupoles.map(|all| self.present_quadrupoles(all)).unwrap_or_default();
         clock.stop(&mut self.work.seconds.exchange);
         let arrangement = &self.arrangement;
-        let grid_loads = arrangement.grid_loads(&forces, &dipoles);
+        let grid_loads = GridLoads { quadrupoles: &quadrupoles, ..arrangement.grid_loads(&forces, &dipoles) };
         let mut motions = self.grid.motions(&grid_loads, output, &mut self.work);
         clock.restart();
         arrangement.collect(&mut motions);
@@ -153,6 +156,9 @@ impl GridFarField {
             let neighbours = self.verlet_list.neighbours();
             stage.next("pair corrections");
             near.add(&loaded, neighbours, gradients, &mut motions);
+            if let Some(near) = self.near_quadrupoles.as_ref().filter(|_| !quadrupoles.is_empty()) {
+                near.add(&arrangement.loaded(&quadrupoles, &[]), neighbours, gradients, &mut motions);
+            }
             if let Some(images) = &self.wall_images {
                 stage.next("images in walls");
                 images.add(&loaded, gradients, &mut motions);
@@ -207,13 +213,14 @@ impl FarField for GridFarField {
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
-        let motions = self.motions(loads, output);
+        let motions = self.motions(loads, None, output);
         let _stage = stage("exchange");
         motion(&motions, output, &self.units)
     }
 
-    fn quadrupole_motion(&mut self, quadrupoles: &[Vector]) -> Motion {
-        self.motion_by_quadrupoles(quadrupoles)
+    fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
+        let motions = self.motions(loads, Some(quadrupoles), Output::All);
+        motion(&motions, Output::All, &self.units)
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
@@ -265,7 +272,7 @@ fn near<T: Real>(
 impl ArrangedParticles {
     /// Loads of the particles present, for the grid.
     fn grid_loads<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> GridLoads<'a> {
-        GridLoads { classes: &self.classes, forces, dipoles }
+        GridLoads { classes: &self.classes, forces, dipoles, quadrupoles: &[] }
     }
 
     /// The particles present with their loads, for the near field.

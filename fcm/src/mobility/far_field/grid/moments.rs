@@ -9,7 +9,7 @@ impl GridFarField {
     /// Fields of moments at the spheres, and their gradients if requested, for a plan of moments. Collective.
     pub(crate) fn fields(&mut self, moments: &[Vector], gradients: bool) -> Vec<(Vector, Tensor)> {
         let loads = Loads { forces: moments.to_vec(), ..Loads::default() };
-        let fields = self.motions(&loads, if gradients { Output::All } else { Output::Velocities });
+        let fields = self.motions(&loads, None, if gradients { Output::All } else { Output::Velocities });
         let unit = self.units.force / self.units.length.powi(3);
         let of_gradient = unit / self.units.length;
         mapped(&fields, |&(field, gradient)| (field * unit, gradient * of_gradient))
@@ -19,7 +19,7 @@ impl GridFarField {
     /// equally among all spheres. Collective.
     pub(crate) fn first_moments(&mut self, moments: &[Vector]) -> Vec<Tensor> {
         let loads = Loads { forces: moments.to_vec(), ..Loads::default() };
-        let kinds = self.kinds_of(&loads);
+        let kinds = self.kinds_of(&loads, &[]);
         let (present, _) = self.present(&loads, kinds);
         let grid_loads = self.arrangement.grid_loads(&present, &[]);
         let of_grid = self.grid.moment_stress(&grid_loads, &mut self.work);

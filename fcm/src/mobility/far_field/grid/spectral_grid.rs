@@ -12,18 +12,21 @@ use crate::mobility::loads::Output;
 use crate::mobility::noise::Stream;
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
-use domain::parallel::{MeasuredLoop, of_rows, stage};
+use domain::parallel::{MeasuredLoop, change, of_rows, stage};
 use domain::{Boundaries, Partition, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use solver::{Field, Grid, Physical, Real, Stokes, Transform};
 use std::borrow::Cow;
 use std::marker::PhantomData;
 
-/// Loads of the particles present: one force and one dipole per particle, or an empty list of either.
+/// Loads of the particles present: one force, one dipole and one degenerate quadrupole per particle, or an empty list
+/// of either.
+#[derive(Clone, Copy)]
 pub(crate) struct GridLoads<'a> {
     pub classes: &'a [u32],
     pub forces: &'a [Vector],
     pub dipoles: &'a [Tensor],
+    pub quadrupoles: &'a [Vector],
 }
 
 /// Part on the grid, in the precision that the plan chose.
@@ -34,11 +37,6 @@ pub(crate) trait GridPart {
     /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
     /// grid.
     fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)>;
-
-    /// Velocities and velocity gradients by degenerate quadrupoles, one of each particle present: the contributions of
-    /// this rank's share of the grid.
-    fn quadrupole_motions(&mut self, classes: &[u32], quadrupoles: &[Vector], work: &mut Work)
-    -> Vec<(Vector, Tensor)>;
 
     /// Velocity field of the loads on the grid, without interpolation.
     fn solve(&mut self, loads: &GridLoads, work: &mut Work);
@@ -108,19 +106,23 @@ impl<T: Real> SpectralGrid<T> {
 
     fn spread(&mut self, loads: &GridLoads, work: &mut Work) {
         let (force, dipole) = (|r: usize| loads.forces.get(r), |r: usize| loads.dipoles.get(r));
+        let quadrupole = |r: usize| loads.quadrupoles.get(r).copied().unwrap_or_default();
         let (no_force, no_dipole) = (Vector::ZERO, Tensor::ZERO);
         let axes = self.grid.cell().axes();
         let load = |r: usize| {
             let (force, dipole) = (*force(r).unwrap_or(&no_force), dipole(r).unwrap_or(&no_dipole));
+            let vectors = [force, quadrupole(r)];
             axes.map_or_else(
-                || Load::new(force, dipole),
-                |axes| Load::new(axes.transpose() * force, &(axes.transpose() * *dipole * *axes)),
+                || Load::new(vectors, dipole),
+                |axes| Load::new(vectors.map(|v| axes.transpose() * v), &(axes.transpose() * *dipole * *axes)),
             )
         };
         let all: Vec<Load<T>> = (0..loads.classes.len()).into_par_iter().map(load).measured().collect();
         let is_loaded = |stencil: &Stencil| {
             let row = stencil.row as usize;
-            force(row).is_some_and(|f| *f != no_force) || dipole(row).is_some_and(|g| *g != no_dipole)
+            force(row).is_some_and(|f| *f != no_force)
+                || dipole(row).is_some_and(|g| *g != no_dipole)
+                || quadrupole(row) != no_force
         };
         let loaded = if self.stencils.par_iter().measured().all(is_loaded) {
             Cow::Borrowed(&self.stencils)
@@ -130,13 +132,13 @@ impl<T: Real> SpectralGrid<T> {
         work.particles_spread += loaded.len() as u64;
         work.dipole_spreads += u64::from(!loads.dipoles.is_empty());
         let spread = Spread { stencils: &loaded, classes: loads.classes, loads: &all, period: self.plan.grid[2] };
-        let terms = [!loads.forces.is_empty(), !loads.dipoles.is_empty()];
+        let terms = [!loads.forces.is_empty(), !loads.dipoles.is_empty(), !loads.quadrupoles.is_empty()];
         self.kernels.with(terms, SpreadTask { spread, field: &mut self.field });
     }
 
     fn interpolate(&self, classes: &[u32], output: Output) -> Vec<(Vector, Tensor)> {
         let to = Interpolation { stencils: &self.stencils, classes, volume: self.interpolated_volume() };
-        let terms = [output != Output::Gradients, output != Output::Velocities];
+        let terms = [output != Output::Gradients, output != Output::Velocities, false];
         let mut motions = self.kernels.with(terms, InterpolationTask { to, field: &self.field });
         if let Some(axes) = self.grid.cell().axes() {
             let out = |(velocity, gradient): &mut (Vector, Tensor)| {
@@ -148,7 +150,7 @@ impl<T: Real> SpectralGrid<T> {
         motions
     }
 
-    /// Spreads degenerate quadrupoles: each by two forces with envelopes of their own.
+    /// Spreads degenerate quadrupoles without windows: each by two forces with envelopes of their own.
     fn spread_quadrupoles(&mut self, classes: &[u32], quadrupoles: &[Vector]) {
         let spheres = self.plan.grid_envelopes();
         let sources: Vec<Envelope> = spheres.iter().flat_map(|sphere| sphere.quadrupole().envelopes()).collect();
@@ -157,7 +159,7 @@ impl<T: Real> SpectralGrid<T> {
         let load = |row: usize| {
             let force = quadrupoles[row / 2] * spheres[classes[row / 2] as usize].quadrupole().weight;
             let force = axes.map_or(force, |axes| axes.transpose() * force);
-            Load::new(if row.is_multiple_of(2) { force } else { -force }, &Tensor::ZERO)
+            Load::new([if row.is_multiple_of(2) { force } else { -force }, Vector::ZERO], &Tensor::ZERO)
         };
         let loads: Vec<Load<T>> = of_rows(2 * classes.len(), load);
         let classes = of_rows(loads.len(), |row| 2 * classes[row / 2] + (row % 2) as u32);
@@ -165,7 +167,7 @@ impl<T: Real> SpectralGrid<T> {
         let stencil = |k: usize| Stencil { row: 2 * placed[k / 2].row + (k % 2) as u32, ..placed[k / 2] };
         let stencils = of_rows(2 * placed.len(), stencil);
         let spread = Spread { stencils: &stencils, classes: &classes, loads: &loads, period: self.plan.grid[2] };
-        kernels.with([true, false], SpreadTask { spread, field: &mut self.field });
+        kernels.with([true, false, false], SpreadTask { spread, field: &mut self.field });
     }
 
     /// Velocity field of what is spread.
@@ -280,15 +282,16 @@ impl<T: Real> SpreadingKernels<T> {
         }
     }
 
-    /// Runs an operation with the kernel for the terms that are present: forces, dipoles, or both.
-    fn with<W: WithKernel<T>>(&self, [forces, dipoles]: [bool; 2], what: W) -> W::Output {
+    /// Runs an operation with the kernel for the terms that are present: forces, dipoles, and with windows degenerate
+    /// quadrupoles.
+    fn with<W: WithKernel<T>>(&self, [forces, dipoles, quadrupoles]: [bool; 3], what: W) -> W::Output {
         match self {
             Self::Gaussian(lattice) => match (forces, dipoles) {
                 (true, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, true>> }),
                 (false, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<false, true>> }),
                 (_, false) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, false>> }),
             },
-            Self::Window(lattice) => match lattice.order(forces, dipoles) {
+            Self::Window(lattice) => match lattice.order(forces, dipoles).max(if quadrupoles { 2 } else { 0 }) {
                 0 => what.run(&Windowed::<T, 0>(lattice)),
                 1 => what.run(&Windowed::<T, 1>(lattice)),
                 2 => what.run(&Windowed::<T, 2>(lattice)),
@@ -313,22 +316,18 @@ impl<T: Real> GridPart for SpectralGrid<T> {
     }
 
     fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
-        self.evaluate(loads, output, work)
-    }
-
-    fn quadrupole_motions(
-        &mut self,
-        classes: &[u32],
-        quadrupoles: &[Vector],
-        work: &mut Work,
-    ) -> Vec<(Vector, Tensor)> {
+        if loads.quadrupoles.is_empty() || matches!(self.kernels, SpreadingKernels::Window(_)) {
+            return self.evaluate(loads, output, work);
+        }
+        let mut motions = self.evaluate(&GridLoads { quadrupoles: &[], ..*loads }, output, work);
         let mut clock = Stopwatch::start();
-        self.spread_quadrupoles(classes, quadrupoles);
+        self.spread_quadrupoles(loads.classes, loads.quadrupoles);
         clock.stop(&mut work.seconds.spread);
         self.transform();
         clock.stop(&mut work.seconds.fft);
         work.transforms += 1;
-        let motions = self.interpolate(classes, Output::All);
+        let others = self.interpolate(loads.classes, output);
+        change(&mut motions, &others, |sum, other| *sum = (sum.0 + other.0, sum.1 + other.1));
         clock.stop(&mut work.seconds.interpolate);
         motions
     }
@@ -350,7 +349,7 @@ impl<T: Real> GridPart for SpectralGrid<T> {
             self.point_kernels.get_or_insert_with(|| SpreadingKernels::for_envelopes(plan, grid, &[Envelope::POINT]));
         let to = Interpolation { stencils: &stencils, classes: &vec![0; points.len()], volume };
         kernels
-            .with([true, false], InterpolationTask { to, field: &self.field })
+            .with([true, false, false], InterpolationTask { to, field: &self.field })
             .into_iter()
             .map(|motion| motion.0)
             .collect()

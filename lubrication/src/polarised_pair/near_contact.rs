@@ -1,0 +1,100 @@
+//! Table of the moments of near pairs that dipoles alone leave out.
+
+use super::{PairMoments, PolarisablePair, exact_moments, gaussian_moments};
+use crate::chebyshev::Chebyshev;
+use std::array::from_fn;
+
+/// Smallest gap of the table over the mean radius; below it moments go on along their tangent.
+const NEAREST: f64 = 1e-4;
+
+/// Distance of the centres over the sum of the radii up to which the difference is tabulated. There it is some 1e-5 of
+/// the moments.
+const REACH: f64 = 2.0;
+
+/// Factor by which consecutive intervals of gaps grow, and points in each.
+const GROWTH: f64 = 4.0;
+const NODES: usize = 8;
+
+/// Moments of a pair of spheres in a uniform field by the exact solution minus those by Gaussian dipoles, as functions
+/// of the distance. A linear function is subtracted so that values and slopes vanish at the reach.
+#[derive(Debug, Clone)]
+pub struct PolarisedPairTable {
+    /// Sum of the radii, and smallest gap.
+    sum: f64,
+    nearest: f64,
+    reach: f64,
+    pieces: Vec<DifferenceSeries>,
+    /// Values and slopes at the reach.
+    at_reach: [[f64; 4]; 2],
+}
+
+/// Series in the logarithm of the gap, and its derivative.
+#[derive(Debug, Clone)]
+struct DifferenceSeries {
+    values: Chebyshev<4, NODES>,
+    slopes: Chebyshev<4, NODES>,
+}
+
+/// Additional moments of a pair, and their derivatives with respect to the distance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PairPolarisation {
+    /// Moments over the field.
+    pub moments: PairMoments,
+    /// Derivatives.
+    pub slopes: PairMoments,
+}
+
+impl PolarisedPairTable {
+    /// Computes the table of two polarisable spheres; the susceptibilities are not zero.
+    pub fn new(pair: &PolarisablePair) -> Self {
+        let sum = pair.radii[0] + pair.radii[1];
+        let (nearest, reach) = (0.5 * NEAREST * sum, REACH * sum);
+        let count = ((reach - sum) / nearest).log(GROWTH).ceil() as usize;
+        let piece = |k: usize| {
+            let (from, to) = ((nearest * GROWTH.powi(k as i32)).ln(), (nearest * GROWTH.powi(k as i32 + 1)).ln());
+            let values = Chebyshev::through(
+                from,
+                to,
+                &Chebyshev::<4, NODES>::nodes(from, to).map(|log| {
+                    let distance = sum + log.exp();
+                    let PairMoments { along, across } =
+                        exact_moments(pair, distance).minus(&gaussian_moments(pair, distance));
+                    [along[0], along[1], across[0], across[1]]
+                }),
+            );
+            DifferenceSeries { slopes: values.derivative(), values }
+        };
+        let pieces = (0..count).map(piece).collect();
+        let table = Self { sum, nearest, reach, pieces, at_reach: [[0.0; 4]; 2] };
+        Self { at_reach: table.of_gap(reach - sum), ..table }
+    }
+
+    /// Distance of the centres up to which there is a difference.
+    pub fn reach(&self) -> f64 {
+        self.reach
+    }
+
+    /// The difference at a distance of the centres; `None` beyond the reach.
+    pub fn at(&self, distance: f64) -> Option<PairPolarisation> {
+        let beyond = distance - self.reach;
+        if beyond >= 0.0 {
+            return None;
+        }
+        let ([values, slopes], [last, last_slopes]) = (self.of_gap(distance - self.sum), self.at_reach);
+        let moments = |v: [f64; 4]| PairMoments { along: [v[0], v[1]], across: [v[2], v[3]] };
+        let values = from_fn(|k| values[k] - last[k] - last_slopes[k] * beyond);
+        let slopes = from_fn(|k| slopes[k] - last_slopes[k]);
+        Some(PairPolarisation { moments: moments(values), slopes: moments(slopes) })
+    }
+
+    /// Values and slopes of the series at a gap.
+    fn of_gap(&self, gap: f64) -> [[f64; 4]; 2] {
+        let inside = gap.max(self.nearest);
+        let log = inside.ln();
+        let piece = (((log - self.nearest.ln()) / GROWTH.ln()) as usize).min(self.pieces.len() - 1);
+        let DifferenceSeries { values, slopes } = &self.pieces[piece];
+        let slopes = slopes.at(log).map(|slope| slope / inside);
+        let values = values.at(log);
+        [from_fn(|k| values[k] + slopes[k] * (gap - inside)), slopes]
+    }
+}

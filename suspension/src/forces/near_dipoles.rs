@@ -1,0 +1,99 @@
+//! Forces of near polarisable spheres that dipoles alone leave out.
+
+use crate::model::SphereMoment;
+use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
+use domain::{Tensor, Vector};
+use lubrication::{PolarisablePair, PolarisedPairTable};
+
+/// Polarisation of near pairs by the exact solution for two spheres minus that by dipoles. With its polarisabilities
+/// `A` along the line of centres and `B` across it, the sums of those of both spheres, a pair adds to the energy, over
+/// the constant of the field,
+///
+/// ```text
+/// W = -1/2 [A(r) (n.H)^2 + B(r) (H^2 - (n.H)^2)]
+/// ```
+///
+/// in the applied field `H`, and its forces are the derivatives (as Bonnecaze & Brady, J. Chem. Phys. 96, 2183, 1992,
+/// correct dipoles for near contact). So two spheres alone have the exact forces.
+pub struct NearPolarisation {
+    /// Number of species.
+    species: usize,
+    /// By pair of species; none if one of them is not polarisable.
+    tables: Vec<Option<PolarisedPairTable>>,
+}
+
+/// Additional force and moments of a pair, over the constant of the field.
+#[derive(Debug, Clone, Copy, Default)]
+struct PolarisedPair {
+    separation: Vector,
+    /// Force on the first sphere.
+    force: Vector,
+    moments: [Vector; 2],
+}
+
+/// All near pairs in a field.
+pub struct PolarisedPairs<'a> {
+    near: &'a PairsWithHalo,
+    pairs: Vec<PolarisedPair>,
+}
+
+impl NearPolarisation {
+    /// For species with these moments and radii.
+    pub fn new(moments: &[SphereMoment], radii: &[f64]) -> Self {
+        let table = |i: usize, j: usize| {
+            let susceptibilities = [i, j].map(|s| moments[s].susceptibility);
+            let pair = PolarisablePair { radii: [radii[i], radii[j]], susceptibilities };
+            susceptibilities.iter().all(|chi| *chi != 0.0).then(|| PolarisedPairTable::new(&pair))
+        };
+        let species = moments.len();
+        let tables = (0..species * species).map(|pair| table(pair / species, pair % species)).collect();
+        Self { species, tables }
+    }
+
+    /// Largest distance of two centres at which it acts; `None` if no sphere is polarisable.
+    pub fn reach(&self) -> Option<f64> {
+        self.tables.iter().flatten().map(PolarisedPairTable::reach).reduce(f64::max)
+    }
+
+    /// The pairs in a field, for this rank's particles of these species. Collective.
+    pub fn in_field<'a>(&self, near: &'a PairsWithHalo, species: &[u32], field: Vector) -> PolarisedPairs<'a> {
+        let pairs = near.with_values(species, |pair, [i, j]| self.of_pair(pair, [i as usize, j as usize], field));
+        PolarisedPairs { near, pairs }
+    }
+
+    fn of_pair(&self, pair: SeparatedPair, [i, j]: [usize; 2], field: Vector) -> PolarisedPair {
+        let (separation, distance) = (pair.separation, pair.separation.length());
+        let found = self.tables[i * self.species + j].as_ref().and_then(|table| table.at(distance));
+        let Some(polarisation) = found else { return PolarisedPair::default() };
+        let (moments, slopes) = (polarisation.moments, polarisation.slopes);
+        let axis = separation / distance;
+        let along = axis.dot(field);
+        let across = field - axis * along;
+        let sum = |both: [f64; 2]| both[0] + both[1];
+        let pull = sum(slopes.along) * along * along + sum(slopes.across) * across.length_squared();
+        let turn = (sum(moments.along) - sum(moments.across)) * along / distance;
+        let moment = |sphere: usize| axis * (moments.along[sphere] * along) + across * moments.across[sphere];
+        PolarisedPair { separation, force: axis * (-0.5 * pull) - across * turn, moments: [moment(0), moment(1)] }
+    }
+}
+
+impl PolarisedPairs<'_> {
+    /// Forces on this rank's particles. Collective.
+    pub fn forces(&self) -> Vec<Vector> {
+        self.near.summed(self.pairs.iter().map(|pair| [pair.force, -pair.force]))
+    }
+
+    /// Additional moments of this rank's particles. Collective.
+    pub fn moments(&self) -> Vec<Vector> {
+        self.near.summed(self.pairs.iter().map(|pair| pair.moments))
+    }
+
+    /// First moments of the forces, half of a pair's for each particle. Collective.
+    pub fn first_moments(&self) -> Vec<Tensor> {
+        let of_pair = |PolarisedPair { separation, force, .. }: &PolarisedPair| {
+            let force = *force * 0.5;
+            [Tensor::from_cols(force * separation.x, force * separation.y, force * separation.z); 2]
+        };
+        self.near.summed(self.pairs.iter().map(of_pair))
+    }
+}
