@@ -1,7 +1,7 @@
 //! Cell lists: particles sorted into cells, for the neighbour search.
 
 use crate::neighbour::Images;
-use crate::parallel::{SortedRows, mapped};
+use crate::parallel::{FusedLoops, SortedRows, mapped};
 use crate::{PeriodicBox, Vector};
 use std::ops::Range;
 
@@ -106,9 +106,13 @@ impl Cells {
         let counts = counts.to_array().map(|c| c as usize);
         let places = mapped(positions, |&position| place(cell, counts, position) as u32);
         let sorted = SortedRows::by_key(&places, counts.iter().product());
-        let component = |axis: usize| mapped(sorted.rows(), |&row| positions[row as usize][axis]);
-        let positions = [component(0), component(1), component(2)];
-        Self { counts, sorted, positions, reach, images }
+        let mut components = [const { Vec::new() }; 3];
+        let mut loops = FusedLoops::default();
+        for (axis, component) in components.iter_mut().enumerate() {
+            loops.mapped(component, sorted.rows(), move |&row| positions[row as usize][axis]);
+        }
+        loops.run();
+        Self { counts, sorted, positions: components, reach, images }
     }
 
     /// Images to which entries refer.

@@ -14,7 +14,7 @@ pub(crate) struct Batch {
 }
 
 /// Cells that one thread searches in one batch.
-const BATCH: usize = 64;
+const BATCH: usize = 16;
 
 /// Full neighbour lists: the neighbours within a cutoff of each particle that this rank owns. Each pair is in the
 /// lists of both particles, so that lists can be processed independently.

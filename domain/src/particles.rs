@@ -1,6 +1,6 @@
 //! Particle store: one column per property, one row per particle, and the scalars of the state.
 
-use crate::parallel::{MeasuredLoop, change_rows, copied, sort, stage};
+use crate::parallel::{FusedLoops, MeasuredLoop, change_rows, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Scalars, Vector};
 use rayon::prelude::*;
@@ -52,14 +52,7 @@ pub struct Particles {
 }
 
 /// Particles that one thread processes at a time.
-const BATCH: usize = 1024;
-
-impl Column {
-    /// A copy, made by all threads.
-    fn copied(&self) -> Self {
-        Self { name: self.name.clone(), width: self.width, values: copied(&self.values) }
-    }
-}
+const BATCH: usize = 256;
 
 impl Particles {
     /// Number of particles that this rank owns.
@@ -99,6 +92,18 @@ impl Particles {
             self.columns.len() - 1
         });
         &mut self.columns[place]
+    }
+
+    /// The values of columns of these names and widths, all different, created with zeros if there are none yet.
+    pub fn columns_of<const N: usize>(&mut self, names: [&str; N], widths: [usize; N]) -> [&mut Vec<f64>; N] {
+        names.iter().zip(widths).for_each(|(name, width)| _ = self.column(name, width));
+        let mut found = [const { None }; N];
+        for column in &mut self.columns {
+            if let Some(k) = names.iter().position(|name| *name == column.name) {
+                found[k] = Some(&mut column.values);
+            }
+        }
+        found.map(|values| values.expect("columns of different names"))
     }
 
     /// Rows of the column of this name with `N` numbers per particle, if there is one.
@@ -166,14 +171,19 @@ impl Particles {
     /// Reorders the particles by a list of rows; rows that are not in the list are dropped.
     pub fn arrange(&mut self, order: &[usize]) {
         let picked = Selection(order);
-        let Self { ids, positions, steps, radii, species, columns, scalars: _ } = self;
-        *ids = picked.of(ids, 1);
-        *positions = picked.of(positions, 1);
-        *steps = picked.of(steps, 1);
-        *radii = picked.of(radii, 1);
-        *species = picked.of(species, 1);
+        let Self { ids, positions, steps, radii, species, columns, scalars } = self;
+        let mut arranged = Self::default();
+        let mut loops = FusedLoops::default();
+        loops.mapped(&mut arranged.ids, order, |&row| ids[row]);
+        loops.mapped(&mut arranged.positions, order, |&row| positions[row]);
+        loops.mapped(&mut arranged.steps, order, |&row| steps[row]);
+        loops.mapped(&mut arranged.radii, order, |&row| radii[row]);
+        loops.mapped(&mut arranged.species, order, |&row| species[row]);
+        loops.run();
         // In parallel over the columns, as each takes hardly longer than the wake-up of a thread.
         columns.par_iter_mut().measured().for_each(|column| column.values = picked.of(&column.values, column.width));
+        (arranged.columns, arranged.scalars) = (std::mem::take(columns), std::mem::take(scalars));
+        *self = arranged;
     }
 
     /// The given rows, in that order, as a new store.
@@ -214,15 +224,19 @@ impl Particles {
     /// The same particles with only the columns whose names are wanted.
     #[must_use]
     pub fn with_columns(&self, wanted: impl Fn(&str) -> bool) -> Self {
-        Self {
-            ids: copied(&self.ids),
-            positions: copied(&self.positions),
-            steps: copied(&self.steps),
-            radii: copied(&self.radii),
-            species: copied(&self.species),
-            columns: self.columns.iter().filter(|column| wanted(&column.name)).map(Column::copied).collect(),
-            scalars: self.scalars.clone(),
-        }
+        let kept: Vec<&Column> = self.columns.iter().filter(|column| wanted(&column.name)).collect();
+        let empty = |column: &&Column| Column { name: column.name.clone(), width: column.width, values: Vec::new() };
+        let columns = kept.iter().map(empty).collect();
+        let mut copy = Self { columns, scalars: self.scalars.clone(), ..Self::default() };
+        let mut loops = FusedLoops::default();
+        loops.copied(&mut copy.ids, &self.ids);
+        loops.copied(&mut copy.positions, &self.positions);
+        loops.copied(&mut copy.steps, &self.steps);
+        loops.copied(&mut copy.radii, &self.radii);
+        loops.copied(&mut copy.species, &self.species);
+        copy.columns.iter_mut().zip(kept).for_each(|(made, column)| loops.copied(&mut made.values, &column.values));
+        loops.run();
+        copy
     }
 
     /// All particles on the first rank, in the order of their ids; none on the others. Collective.

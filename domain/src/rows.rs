@@ -21,7 +21,7 @@ pub(crate) trait RowMove {
 pub(crate) struct Selection<'a>(pub &'a [usize]);
 
 /// Rows that one thread moves at a time.
-const BATCH: usize = 1024;
+const BATCH: usize = 256;
 
 impl RowMove for Selection<'_> {
     fn of<T: RowValue>(&self, values: &[T], width: usize) -> Vec<T> {

@@ -57,7 +57,7 @@ const SKIN: f64 = 0.1;
 pub(crate) const SPARSEST: usize = 8;
 
 /// Particles whose lists one thread processes at a time.
-const BATCH: usize = 1024;
+const BATCH: usize = 256;
 
 impl VerletList {
     /// Range of the lists over the cutoff.

@@ -34,6 +34,12 @@ pub trait System {
         (image, curvature)
     }
 
+    /// Turns a direction into `z + factor p`, of which it returns [`Self::curvature`]. It can be done in one pass.
+    fn turn(&mut self, direction: &mut Self::Unknowns, factor: f64, z: &Self::Unknowns) -> (Self::Residual, f64) {
+        direction.scale_add(factor, z);
+        self.curvature(direction)
+    }
+
     /// Called with each step `x += length p` along the last direction, to update other linear functions of `x`.
     fn on_step(&mut self, length: f64);
 
@@ -85,6 +91,12 @@ pub trait SteppedSystem {
     /// See [`System::curvature`].
     fn curvature(&mut self, direction: &Self::Unknowns) -> (Self::Residual, f64);
 
+    /// See [`System::turn`].
+    fn turn(&mut self, direction: &mut Self::Unknowns, factor: f64, z: &Self::Unknowns) -> (Self::Residual, f64) {
+        direction.scale_add(factor, z);
+        self.curvature(direction)
+    }
+
     /// See [`System::on_step`].
     fn on_step(&mut self, length: f64);
 
@@ -105,6 +117,10 @@ impl<S: System> SteppedSystem for S {
 
     fn curvature(&mut self, direction: &S::Unknowns) -> (S::Residual, f64) {
         System::curvature(self, direction)
+    }
+
+    fn turn(&mut self, direction: &mut S::Unknowns, factor: f64, z: &S::Unknowns) -> (S::Residual, f64) {
+        System::turn(self, direction, factor, z)
     }
 
     fn on_step(&mut self, length: f64) {
@@ -216,20 +232,27 @@ pub fn conjugate_gradients<S: SteppedSystem>(
 ) -> IterationOutcome {
     let small = |at: &InnerProducts| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
     let (mut at, mut asked) = step_and_measure(comm, system, iterate.reborrow(), None, limits.interrupt);
-    let mut direction = iterate.z.clone();
+    let ends = |at: &InnerProducts, iterations: usize, asked: bool| {
+        small(at) || iterations >= limits.iterations || !at.product.is_finite() || at.product <= 0.0 || asked
+    };
     let mut iterations = 0;
-    while !small(&at) && iterations < limits.iterations && at.product.is_finite() && at.product > 0.0 && !asked {
-        let (image, curvature) = system.curvature(&direction);
-        iterations += 1;
-        let mut curvature = [curvature];
-        comm.sum(&mut curvature);
-        // The residual is orthogonal to the former direction, so this step reaches the minimum along the new one.
-        let length = at.product / curvature[0];
-        system.on_step(length);
-        let before = at.product;
-        let step = Step { length, direction: &direction, image };
-        (at, asked) = step_and_measure(comm, system, iterate.reborrow(), Some(step), limits.interrupt);
-        direction.scale_add((at.product - at.former) / before, iterate.z);
+    if !ends(&at, iterations, asked) {
+        let mut direction = iterate.z.clone();
+        let (mut image, mut curvature) = system.curvature(&direction);
+        loop {
+            iterations += 1;
+            let mut sum = [curvature];
+            comm.sum(&mut sum);
+            // The residual is orthogonal to the former direction, so this step reaches the minimum along the new one.
+            let (length, before) = (at.product / sum[0], at.product);
+            system.on_step(length);
+            let step = Step { length, direction: &direction, image };
+            (at, asked) = step_and_measure(comm, system, iterate.reborrow(), Some(step), limits.interrupt);
+            if ends(&at, iterations, asked) {
+                break;
+            }
+            (image, curvature) = system.turn(&mut direction, (at.product - at.former) / before, iterate.z);
+        }
     }
     // NaN stays NaN, whatever it is divided by.
     let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };

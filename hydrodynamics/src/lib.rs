@@ -18,6 +18,7 @@ mod springs;
 mod squirming;
 mod system;
 mod units;
+mod unknowns;
 
 pub use ambient::{FlowRefused, Poiseuille, StrainRate};
 pub use bodies::{GivenMotion, RigidBodies};

@@ -2,9 +2,11 @@
 
 use crate::body_projection::BodyProjection;
 use crate::pairs::matrix::inverse_block::{Block, Products};
+use crate::pairs::matrix::sparse::Padded;
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::six_vector::{SixVector, SixVectors, dot};
-use domain::parallel::{MeasuredLoop, stage};
+use crate::unknowns::MotionsWithLoads;
+use domain::parallel::{FusedLoops, MeasuredLoop, mapped, mapped_mut, of_rows, stage};
 use domain::{Comm, Interrupt};
 use fcm::{InnerProducts, Iterate, Limits, Linear, Step, System, conjugate_gradients};
 use rayon::prelude::*;
@@ -28,6 +30,31 @@ pub struct Preconditioner<'a> {
     bodies: Option<BodyProjection<'a>>,
     /// Relative error of a solve, in the norm of the single-sphere resistances.
     tolerance: f64,
+}
+
+/// Loads of a solve, and the motions from which it starts with the residual; the last list is overwritten.
+#[derive(Default)]
+pub struct InnerSolve {
+    loads: SixVectors,
+    motions: SixVectors,
+    residual: SixVectors,
+    z: SixVectors,
+}
+
+impl InnerSolve {
+    /// Begins with particles at rest under a load each, as some of several loops.
+    pub fn begin_in<'a>(
+        &'a mut self,
+        loops: &mut FusedLoops<'a>,
+        count: usize,
+        load: impl Fn(usize) -> SixVector + Copy + Sync + 'a,
+    ) {
+        let at_rest = |_| SixVector::default();
+        loops.of_rows(&mut self.loads.0, count, load);
+        loops.of_rows(&mut self.motions.0, count, at_rest);
+        loops.of_rows(&mut self.residual.0, count, load);
+        loops.of_rows(&mut self.z.0, count, at_rest);
+    }
 }
 
 /// Smallest error of a tightened solve, and the factor by which the error is reduced each time.
@@ -67,57 +94,57 @@ impl<'a> Preconditioner<'a> {
         }
     }
 
-    /// Approximate motions under the given loads, and the pair loads in these motions. Collective.
-    pub fn solve(&mut self, loads: &SixVectors) -> [SixVectors; 2] {
+    /// Approximate motions under the loads of a solve that has begun, and the pair loads in these motions. Collective.
+    pub fn solve(&mut self, start: InnerSolve) -> MotionsWithLoads {
         let limits = self.limits();
-        self.solve_from(SixVectors::zero(loads.0.len()), loads, loads.clone(), limits)
+        self.solve_from(start, limits)
     }
 
-    /// [`Self::solve`], continued from an earlier solution. Collective.
-    pub fn continue_solve(&mut self, [motions, resisted]: [SixVectors; 2], loads: &SixVectors) -> [SixVectors; 2] {
-        let residual = self.remainder(loads, &resisted, &motions);
-        let limits = self.limits();
-        self.solve_from(motions, loads, residual, limits)
+    /// [`Self::solve`] under a load on each particle, continued from an earlier solution. Collective.
+    pub fn continue_solve(
+        &mut self,
+        found: MotionsWithLoads,
+        load: impl Fn(usize) -> SixVector + Copy + Sync,
+    ) -> MotionsWithLoads {
+        let MotionsWithLoads { motions, loads: resisted } = found;
+        let (count, single, limits) = (motions.0.len(), self.single, self.limits());
+        let mut start = InnerSolve { motions, ..InnerSolve::default() };
+        let InnerSolve { loads, motions, residual, z } = &mut start;
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut loads.0, count, load);
+        loops.of_rows(&mut residual.0, count, |row| load(row) - resisted.0[row] - single[row] * motions.0[row]);
+        loops.of_rows(&mut z.0, count, |_| SixVector::default());
+        loops.run();
+        self.solve_from(start, limits)
     }
 
     /// Motions under the given loads with stiff and soft pairs, to an error of `tolerance`, and the pair loads in these
     /// motions. Starts from `motions`. Collective.
-    pub fn solve_with_all(&mut self, mut motions: SixVectors, loads: &SixVectors, tolerance: f64) -> [SixVectors; 2] {
+    pub fn solve_with_all(&mut self, mut motions: SixVectors, loads: SixVectors, tolerance: f64) -> MotionsWithLoads {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
         self.make_rigid(&mut motions);
-        let mut residual = loads.clone();
-        residual.add(-1.0, &self.apply(&motions));
-        let limits = Limits { tolerance, ..self.limits() };
-        let solved = self.solve_from(motions, loads, residual, limits);
+        let (count, image) = (motions.0.len(), self.apply(&motions));
+        let mut start = InnerSolve { loads, motions, ..InnerSolve::default() };
+        let InnerSolve { loads, residual, z, .. } = &mut start;
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut residual.0, count, |row| loads.0[row] - image.0[row]);
+        loops.of_rows(&mut z.0, count, |_| SixVector::default());
+        loops.run();
+        let solved = self.solve_from(start, Limits { tolerance, ..self.limits() });
         self.pairs = &[Pairs::Stiff];
         solved
     }
 
-    /// [`Self::solve`] from motions with a known residual.
-    fn solve_from(
-        &mut self,
-        mut motions: SixVectors,
-        loads: &SixVectors,
-        mut residual: SixVectors,
-        limits: Limits,
-    ) -> [SixVectors; 2] {
+    /// Solves to a tolerance.
+    fn solve_from(&mut self, start: InnerSolve, limits: Limits) -> MotionsWithLoads {
         let _stage = stage("preconditioner");
-        let comm = self.comm.clone();
+        let (comm, single) = (self.comm.clone(), self.single);
+        let InnerSolve { loads, mut motions, mut residual, mut z } = start;
         self.project(&mut residual);
-        let mut z = SixVectors::zero(loads.0.len());
         conjugate_gradients(&comm, self, Iterate { x: &mut motions, residual: &mut residual, z: &mut z }, limits);
-        let resisted = self.remainder(loads, &residual, &motions);
-        [motions, resisted]
-    }
-
-    /// Loads minus a part of them and minus the single-sphere resistance to motions.
-    fn remainder(&self, loads: &SixVectors, part: &SixVectors, motions: &SixVectors) -> SixVectors {
-        let less = |((load, part), (single, motion)): ((&SixVector, &SixVector), (&SixVector, &SixVector))| {
-            SixVector(std::array::from_fn(|k| load.0[k] - part.0[k] - single.0[k] * motion.0[k]))
-        };
-        let of_single = self.single.par_iter().zip(&motions.0);
-        let loads = loads.0.par_iter().with_min_len(BATCH).zip(&part.0);
-        SixVectors(loads.zip(of_single).map(less).measured().collect())
+        let part = |row: usize| loads.0[row] - residual.0[row] - single[row] * motions.0[row];
+        let loads = SixVectors(of_rows(motions.0.len(), part));
+        MotionsWithLoads { motions, loads }
     }
 
     fn limits(&self) -> Limits<'static> {
@@ -154,19 +181,15 @@ impl System for Preconditioner<'_> {
     }
 
     fn curvature(&mut self, direction: &SixVectors) -> (SixVectors, f64) {
-        let (mut image, curvature) = self.near.times_and(self.pairs, direction, |first, loads| {
-            let of_rows = loads.iter_mut().zip(&self.single[first..]).zip(&direction.0[first..]);
-            let mut sums = [0.0; 6];
-            for ((load, single), motion) in of_rows {
-                for k in 0..6 {
-                    load.0[k] += single.0[k] * motion.0[k];
-                    sums[k] += load.0[k] * motion.0[k];
-                }
-            }
-            sums.iter().sum()
+        self.curvature_of(direction, mapped(&direction.0, Padded::of))
+    }
+
+    fn turn(&mut self, direction: &mut SixVectors, factor: f64, z: &SixVectors) -> (SixVectors, f64) {
+        let present = mapped_mut(&mut direction.0, |row, motion| {
+            (0..6).for_each(|k| motion.0[k] = z.0[row].0[k] + factor * motion.0[k]);
+            Padded::of(&*motion)
         });
-        self.project(&mut image);
-        (image, curvature)
+        self.curvature_of(direction, present)
     }
 
     fn on_step(&mut self, _: f64) {}
@@ -212,6 +235,23 @@ impl System for Preconditioner<'_> {
 }
 
 impl Preconditioner<'_> {
+    /// [`System::curvature`] of motions that are given twice.
+    fn curvature_of(&self, direction: &SixVectors, present: Vec<Padded>) -> (SixVectors, f64) {
+        let (mut image, curvature) = self.near.times_present(self.pairs, present, |first, loads| {
+            let of_rows = loads.iter_mut().zip(&self.single[first..]).zip(&direction.0[first..]);
+            let mut sums = [0.0; 6];
+            for ((load, single), motion) in of_rows {
+                for k in 0..6 {
+                    load.0[k] += single.0[k] * motion.0[k];
+                    sums[k] += load.0[k] * motion.0[k];
+                }
+            }
+            sums.iter().sum()
+        });
+        self.project(&mut image);
+        (image, curvature)
+    }
+
     /// [`System::step_and_measure`] with rigid bodies.
     fn step_of_bodies(
         &mut self,

@@ -2,10 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
-use domain::parallel::{MeasuredLoop, copied, mapped, of_rows};
+use domain::parallel::{FusedLoops, change, copied, mapped, of_rows};
 use fcm::Linear;
-use rayon::prelude::*;
-use std::ops::{AddAssign, Neg};
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Range, Sub};
 
 /// Velocity and angular velocity of a particle, or the force and the torque on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
@@ -16,6 +15,17 @@ impl SixVector {
     /// A six-vector from its two vectors.
     pub fn new(linear: Vector, angular: Vector) -> Self {
         Self([linear.x, linear.y, linear.z, angular.x, angular.y, angular.z])
+    }
+
+    /// The six-vector of a row of two lists, of which an empty one stands for zeros.
+    pub fn of_row(row: usize, linear: &[Vector], angular: &[Vector]) -> Self {
+        let at = |list: &[Vector]| list.get(row).copied().unwrap_or_default();
+        Self::new(at(linear), at(angular))
+    }
+
+    /// This six-vector with its two vectors in other units.
+    pub fn times(self, linear: f64, angular: f64) -> Self {
+        Self::new(self.linear() * linear, self.angular() * angular)
     }
 
     /// Velocity, or force.
@@ -32,6 +42,36 @@ impl SixVector {
 impl AddAssign for SixVector {
     fn add_assign(&mut self, other: Self) {
         self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a += b);
+    }
+}
+
+impl Add for SixVector {
+    type Output = Self;
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl Sub for SixVector {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] - other.0[k]))
+    }
+}
+
+/// Component by component, such as a motion times single-sphere resistances.
+impl Mul for SixVector {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] * other.0[k]))
+    }
+}
+
+impl Div for SixVector {
+    type Output = Self;
+    fn div(self, other: Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k] / other.0[k]))
     }
 }
 
@@ -55,9 +95,7 @@ impl Clone for SixVectors {
 impl SixVectors {
     /// Six-vectors from lists of vectors; an empty list stands for zeros.
     pub fn new(count: usize, linear: &[Vector], angular: &[Vector]) -> Self {
-        let at = |list: &[Vector], i: usize| list.get(i).copied().unwrap_or_default();
-        let vector = |i: usize| SixVector::new(at(linear, i), at(angular, i));
-        Self(of_rows(count, vector))
+        Self(of_rows(count, |row| SixVector::of_row(row, linear, angular)))
     }
 
     /// Velocities, or forces.
@@ -71,56 +109,43 @@ impl SixVectors {
     }
 }
 
-/// Number of six-vectors that one thread processes at a time; the sums of these batches are added in their order.
-const BATCH: usize = 1024;
-
 impl SixVectors {
     /// `count` zero six-vectors.
     pub fn zero(count: usize) -> Self {
         Self(of_rows(count, |_| SixVector::default()))
     }
 
-    /// Bytes of a number of lists of this length.
-    fn bytes(&self, lists: usize) -> usize {
-        lists * size_of_val(&self.0[..])
-    }
-
     /// This rank's part of the inner product.
     pub fn dot(&self, other: &Self) -> f64 {
-        let products = self.0.par_chunks(BATCH).zip(other.0.par_chunks(BATCH)).map(|(a, b)| dot(a, b));
-        let sums: Vec<f64> = products.moving(self.bytes(2)).collect();
-        sums.iter().sum()
+        let (mut product, mut loops) = (0.0, FusedLoops::default());
+        self.dot_in(&mut loops, other, &mut product);
+        loops.run();
+        product
+    }
+
+    /// [`Self::dot`] as one of several loops.
+    pub fn dot_in<'a>(&'a self, loops: &mut FusedLoops<'a>, other: &'a Self, product: &'a mut f64) {
+        loops.sum(product, self.0.len(), |rows: Range<usize>| dot(&self.0[rows.clone()], &other.0[rows]));
     }
 
     /// The negative of all six-vectors.
     pub fn negative(&self) -> Self {
-        Self(self.0.par_iter().with_min_len(BATCH).map(|&vector| -vector).moving(self.bytes(2)).collect())
+        Self(mapped(&self.0, |&vector| -vector))
     }
 
     /// Loads of single spheres with the given resistances in these motions.
     pub fn resisted(&self, single: &[SixVector]) -> Self {
-        let resist =
-            |(motion, single): (&SixVector, &SixVector)| SixVector(std::array::from_fn(|k| single.0[k] * motion.0[k]));
-        Self(self.0.par_iter().with_min_len(BATCH).zip(single).map(resist).moving(self.bytes(3)).collect())
+        Self(of_rows(self.0.len(), |row| single[row] * self.0[row]))
     }
 
-    /// Adds `factor` times the loads of single spheres with the given resistances in motions.
-    pub fn add_resisted(&mut self, factor: f64, single: &[SixVector], motions: &Self) {
-        let add = |((load, single), motion): ((&mut SixVector, &SixVector), &SixVector)| {
-            (0..6).for_each(|k| load.0[k] += factor * single.0[k] * motion.0[k]);
-        };
-        let bytes = self.bytes(4);
-        self.0.par_iter_mut().with_min_len(BATCH).zip(single).zip(&motions.0).moving(bytes).for_each(add);
+    /// Their components, one after the other.
+    pub fn components(&self) -> &[f64] {
+        bytemuck::cast_slice(&self.0)
     }
-}
 
-impl SixVectors {
-    /// These motions minus those of single spheres with the given resistances under loads.
-    pub fn minus_single_sphere_motions(&self, single: &[SixVector], loads: &Self) -> Self {
-        let less = |((motion, single), load): ((&SixVector, &SixVector), &SixVector)| {
-            SixVector(std::array::from_fn(|k| motion.0[k] - load.0[k] / single.0[k]))
-        };
-        Self(self.0.par_iter().with_min_len(BATCH).zip(single).zip(&loads.0).map(less).moving(self.bytes(4)).collect())
+    /// Their components, to be changed.
+    pub fn components_mut(&mut self) -> &mut [f64] {
+        bytemuck::cast_slice_mut(&mut self.0)
     }
 }
 
@@ -136,20 +161,10 @@ pub fn dot(vectors: &[SixVector], others: &[SixVector]) -> f64 {
 
 impl Linear for SixVectors {
     fn add(&mut self, factor: f64, other: &Self) {
-        self.changed(other, |a, b| *a += factor * b);
+        change(self.components_mut(), other.components(), |a, b| *a += factor * b);
     }
 
     fn scale_add(&mut self, factor: f64, other: &Self) {
-        self.changed(other, |a, b| *a = b + factor * *a);
-    }
-}
-
-impl SixVectors {
-    fn changed(&mut self, other: &Self, change: impl Fn(&mut f64, f64) + Sync) {
-        let bytes = self.bytes(3);
-        self.0.par_chunks_mut(BATCH).zip(other.0.par_chunks(BATCH)).moving(bytes).for_each(|(a, b)| {
-            let (a, b): (&mut [f64], &[f64]) = (bytemuck::cast_slice_mut(a), bytemuck::cast_slice(b));
-            a.iter_mut().zip(b).for_each(|(a, b)| change(a, *b));
-        });
+        change(self.components_mut(), other.components(), |a, b| *a = b + factor * *a);
     }
 }

@@ -34,7 +34,7 @@ impl<'a> SolveInput<'a> {
 }
 
 /// Solution for the motions of the spheres.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Solution {
     /// Motions relative to the background flow.
     pub motion: Motion,

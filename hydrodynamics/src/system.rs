@@ -1,104 +1,14 @@
 //! Coupled linear system of lubrication forces and stresslets.
 
+use crate::pairs::matrix::sparse::Padded;
 use crate::pairs::search::{NearPairs, Pairs};
-use crate::preconditioner::Preconditioner;
+use crate::preconditioner::{InnerSolve, Preconditioner};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::units::Scaled;
-use domain::parallel::{MeasuredLoop, copied, mapped, of_rows};
+use crate::unknowns::{MotionsWithLoads, Residual, Unknowns, add_and_dot, resisted};
+use domain::parallel::FusedLoops;
 use domain::{Comm, Traceless, Vector, sphere};
-use fcm::{Linear, Loads, Motion, System};
-use rayon::prelude::*;
-
-/// Motions of a rank's particles, and the loads of a set of near pairs in these motions.
-#[derive(Debug, Clone, Default)]
-pub struct MotionsWithLoads {
-    /// `y`
-    pub motions: SixVectors,
-    /// `R y`
-    pub loads: SixVectors,
-}
-
-/// Unknowns of the system: minus the motions in the loads of stiff pairs and of soft pairs, and the first moments
-/// `D = -S`. Only the sum of the pair loads of the solution and of its start matters; it may be kept in either.
-#[derive(Debug, Default)]
-pub struct Unknowns {
-    /// `y_s`
-    pub stiff: MotionsWithLoads,
-    /// `y_f`
-    pub soft: MotionsWithLoads,
-    /// `D`
-    pub moments: Vec<Traceless>,
-}
-
-/// Residual: mismatch between the motions of the particles and of the fluid, and strain rates within the particles.
-#[derive(Debug, Clone)]
-pub struct Residual {
-    pub stiff: SixVectors,
-    pub soft: SixVectors,
-    pub strain_rates: Vec<Traceless>,
-}
-
-impl Clone for Unknowns {
-    fn clone(&self) -> Self {
-        Self { stiff: self.stiff.clone(), soft: self.soft.clone(), moments: copied(&self.moments) }
-    }
-}
-
-impl Linear for MotionsWithLoads {
-    fn add(&mut self, factor: f64, other: &Self) {
-        self.motions.add(factor, &other.motions);
-        self.loads.add(factor, &other.loads);
-    }
-
-    fn scale_add(&mut self, factor: f64, other: &Self) {
-        self.motions.scale_add(factor, &other.motions);
-        self.loads.scale_add(factor, &other.loads);
-    }
-}
-
-impl Linear for Unknowns {
-    fn add(&mut self, factor: f64, other: &Self) {
-        self.stiff.add(factor, &other.stiff);
-        self.soft.add(factor, &other.soft);
-        self.moments.add(factor, &other.moments);
-    }
-
-    fn scale_add(&mut self, factor: f64, other: &Self) {
-        self.stiff.scale_add(factor, &other.stiff);
-        self.soft.scale_add(factor, &other.soft);
-        self.moments.scale_add(factor, &other.moments);
-    }
-}
-
-impl Linear for Residual {
-    fn add(&mut self, factor: f64, other: &Self) {
-        self.stiff.add(factor, &other.stiff);
-        self.soft.add(factor, &other.soft);
-        self.strain_rates.add(factor, &other.strain_rates);
-    }
-
-    fn scale_add(&mut self, factor: f64, other: &Self) {
-        self.stiff.scale_add(factor, &other.stiff);
-        self.soft.scale_add(factor, &other.soft);
-        self.strain_rates.scale_add(factor, &other.strain_rates);
-    }
-}
-
-impl Unknowns {
-    /// The unknowns for motions and the loads of all near pairs in these motions.
-    pub fn of(motions: &SixVectors, resisted: &SixVectors, moments: Vec<Traceless>) -> Self {
-        let (against, loads) = (motions.negative(), SixVectors::zero(motions.0.len()));
-        let soft = MotionsWithLoads { motions: against.clone(), loads };
-        Self { stiff: MotionsWithLoads { motions: against, loads: resisted.negative() }, soft, moments }
-    }
-
-    /// Lubrication loads on the far field.
-    pub fn loads(&self) -> SixVectors {
-        let mut loads = self.stiff.loads.clone();
-        loads.add(1.0, &self.soft.loads);
-        loads
-    }
-}
+use fcm::{InnerProducts, Iterate, Motion, Step, System};
 
 /// The coupled system. With `M` the mobility of the method, `R = B B^T` the resistance of near pairs to motions `U`
 /// relative to the ambient flow, and `F` the known loads, the far field is that of the forces `F - R U` and of the
@@ -143,14 +53,13 @@ pub struct CoupledSystem<'a> {
     near: &'a NearPairs,
     /// Preconditioner of the stiff pairs, if there is one.
     pub(super) matrix: Option<Preconditioner<'a>>,
-    /// Resistances of single spheres to motion and to strain.
-    single: &'a [SixVector],
-    strain_resistance: &'a [f64],
-    motion: Motion,
-    step: Motion,
+    spheres: &'a SingleSpheres,
+    /// Strain rates of the particles in the flow of the present unknowns.
+    strain_rates: Vec<Traceless>,
 }
 
 /// Resistances of single spheres.
+#[derive(Default)]
 pub struct SingleSpheres {
     /// To motion.
     pub motion: Vec<SixVector>,
@@ -161,18 +70,53 @@ pub struct SingleSpheres {
 impl SingleSpheres {
     /// For spheres of these radii.
     pub fn new(viscosity: f64, radii: &[f64]) -> Self {
-        let strain = |&radius: &f64| sphere::strain_resistance(viscosity, radius);
-        Self { motion: mapped(radii, |&radius| single(viscosity, radius)), strain: mapped(radii, strain) }
+        let (mut spheres, mut loops) = (Self::default(), FusedLoops::default());
+        spheres.make_in(&mut loops, viscosity, radii);
+        loops.run();
+        spheres
+    }
+
+    /// Makes them for spheres of these radii, as two of several loops.
+    pub fn make_in<'a>(&'a mut self, loops: &mut FusedLoops<'a>, viscosity: f64, radii: &'a [f64]) {
+        loops.mapped(&mut self.motion, radii, move |&radius| single(viscosity, radius));
+        loops.mapped(&mut self.strain, radii, move |&radius| sphere::strain_resistance(viscosity, radius));
+    }
+
+    /// [`CoupledSystem::error`] as two of several loops, whose sum it is.
+    fn error_in<'a>(&'a self, loops: &mut FusedLoops<'a>, z: &'a Unknowns, [load, strain]: [&'a mut f64; 2]) {
+        let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);
+        let squared = move |i: usize, k: usize| (stiff[i].0[k].powi(2) + soft[i].0[k].powi(2)) / self.motion[i].0[k];
+        let of_sphere = move |i: usize| (0..6).map(|k| squared(i, k)).sum::<f64>();
+        loops.sum(load, stiff.len(), move |rows| rows.map(of_sphere).sum());
+        self.strained_in(loops, z, strain);
+    }
+
+    /// [`CoupledSystem::size`] as two of several loops, whose sum it is.
+    fn size_in<'a>(&'a self, loops: &mut FusedLoops<'a>, x: &'a Unknowns, [motion, strain]: [&'a mut f64; 2]) {
+        let motions = &x.stiff.motions.0;
+        let squared = move |i: usize, k: usize| self.motion[i].0[k] * motions[i].0[k].powi(2);
+        let of_sphere = move |i: usize| (0..6).map(|k| squared(i, k)).sum::<f64>();
+        loops.sum(motion, motions.len(), move |rows| rows.map(of_sphere).sum());
+        self.strained_in(loops, x, strain);
+    }
+
+    /// Strain rates under moments, contracted with the moments, as one of several loops.
+    fn strained_in<'a>(&'a self, loops: &mut FusedLoops<'a>, x: &'a Unknowns, sum: &'a mut f64) {
+        let of_sphere = move |i: usize| x.moments[i].contract(x.moments[i]) / self.strain[i];
+        loops.sum(sum, x.moments.len(), move |rows| rows.map(of_sphere).sum());
     }
 }
 
-/// Known loads and ambient motions of a system, and the unknowns from which the iteration starts.
+/// Known loads and motions of a system, and the unknowns from which the iteration starts.
 #[derive(Clone, Copy)]
 pub struct SystemStart<'a> {
     pub loads: &'a SixVectors,
+    /// Ambient motions.
     pub ambient: &'a Motion,
     /// Degenerate quadrupoles of squirmers, in the units of the mobility.
     pub quadrupoles: Option<&'a [Vector]>,
+    /// Strain rate of the background flow.
+    pub strain_rate: Traceless,
     pub unknowns: &'a Unknowns,
 }
 
@@ -184,59 +128,79 @@ pub struct FinalIterate<'a> {
     pub correction: Unknowns,
 }
 
+/// Result of a system: motions of the particles with the lubrication loads on the far field, first moments, and strain
+/// rates in the far field.
+pub struct SystemSolution {
+    pub motions: SixVectors,
+    pub loads: SixVectors,
+    pub moments: Vec<Traceless>,
+    pub strain_rates: Vec<Traceless>,
+}
+
 impl<'a> CoupledSystem<'a> {
     /// The system for particles that are arranged in the mobility, with the resistances of single spheres to motion and
-    /// to strain. Computes the motion at the start. Collective.
+    /// to strain, and its residual at the start. Collective.
     pub fn new(
         mut mobility: Scaled<'a>,
         near: &'a NearPairs,
         matrix: Option<Preconditioner<'a>>,
         spheres: &'a SingleSpheres,
         start: SystemStart,
-    ) -> Self {
-        let SystemStart { loads, ambient, quadrupoles, unknowns } = start;
-        let mut all = unknowns.loads();
-        all.add(1.0, loads);
-        let all = far_loads(&all, &unknowns.moments);
-        let mut motion = match quadrupoles {
-            Some(quadrupoles) => mobility.apply_with_quadrupoles(&all, quadrupoles),
-            None => mobility.apply(&all),
-        };
-        motion.add(1.0, ambient);
-        let (single, strain_resistance) = (&spheres.motion[..], &spheres.strain[..]);
-        Self { mobility, near, matrix, single, strain_resistance, motion, step: Motion::default() }
+    ) -> (Self, Residual) {
+        let SystemStart { loads, ambient, quadrupoles, strain_rate, unknowns } = start;
+        let load = |row: usize| unknowns.load(row) + loads.0[row];
+        let motion = mobility.apply(loads.0.len(), load, &unknowns.moments, quadrupoles);
+        let motion = mobility.far_motion(&motion).with(ambient);
+        let (mut residual, mut strain_rates) = (Residual::default(), Vec::new());
+        let (stiff, soft) = (&unknowns.stiff.motions.0, &unknowns.soft.motions.0);
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut residual.stiff.0, stiff.len(), |row| -(motion.rigid(row) + stiff[row]));
+        loops.of_rows(&mut residual.soft.0, soft.len(), |row| -(motion.rigid(row) + soft[row]));
+        let strain = |row: usize| (motion.strain_rate(row) + strain_rate) * -1.0;
+        loops.of_rows(&mut residual.strain_rates, motion.strained(), strain);
+        loops.of_rows(&mut strain_rates, motion.strained(), |row| motion.strain_rate(row));
+        loops.run();
+        (Self { mobility, near, matrix, spheres, strain_rates }, residual)
     }
 
-    /// Residual of the start, in a background flow with the strain rate `ambient`.
-    pub fn residual(&self, start: &Unknowns, ambient: Traceless) -> Residual {
-        let sums = image(&start.stiff.motions, &start.soft.motions, &self.motion);
-        let strain_rates = mapped(&sums.strain_rates, |&e| (e + ambient) * -1.0);
-        Residual { stiff: sums.stiff.negative(), soft: sums.soft.negative(), strain_rates }
-    }
-
-    /// Motions of the particles and the final unknowns, after a last correction, the preconditioned residual, without
-    /// another far-field evaluation. The correction is refined to an error of `tolerance` in the near field.
+    /// Motions of the particles and the loads on the far field, after a last correction, the preconditioned residual,
+    /// without another far-field evaluation. The correction is refined to an error of `tolerance` in the near field.
     /// Lubrication is exactly that of the returned motions, so that errors of the forces do not make near pairs
     /// collide. Collective.
-    pub fn finish(mut self, last: FinalIterate, tolerance: f64, comm: &Comm) -> (Motion, Unknowns) {
-        let FinalIterate { mut x, residual, mut correction } = last;
-        let mut sizes = [self.size(&x), self.size(&correction)];
+    pub fn finish(mut self, last: FinalIterate, tolerance: f64, comm: &Comm) -> SystemSolution {
+        let FinalIterate { x, residual, mut correction } = last;
+        let mut sizes = self.sizes([&x, &correction]);
         comm.sum(&mut sizes);
         let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
         if let Some(matrix) = &mut self.matrix
             && matrix.tighten_to(needed)
         {
-            let MotionsWithLoads { motions, loads } = correction.stiff;
-            let [motions, loads] = matrix.continue_solve([motions, loads], &residual.stiff.resisted(self.single));
-            correction.stiff = MotionsWithLoads { motions, loads };
+            let (single, residual) = (&self.spheres.motion, &residual.stiff.0);
+            correction.stiff = matrix.continue_solve(correction.stiff, |row| single[row] * residual[row]);
         }
-        x.add(1.0, &correction);
-        let mut rigid = x.stiff.motions.negative();
+        let (mut motions, mut loads, mut moments) = (SixVectors::default(), SixVectors::default(), Vec::new());
+        let ([x, z], count) = ([&x, &correction], x.stiff.motions.0.len());
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut motions.0, count, |row| -(x.stiff.motions.0[row] + z.stiff.motions.0[row]));
+        let sum = |row: usize, of: fn(&Unknowns) -> &MotionsWithLoads| of(x).loads.0[row] + of(z).loads.0[row];
+        loops.of_rows(&mut loads.0, count, move |row| sum(row, |x| &x.stiff) + sum(row, |x| &x.soft));
+        loops.of_rows(&mut moments, x.moments.len(), |row| x.moments[row] + z.moments[row]);
+        loops.run();
         if let Some(matrix) = &self.matrix {
-            matrix.make_rigid(&mut rigid);
+            matrix.make_rigid(&mut motions);
         }
-        let (velocities, angular_velocities) = (rigid.linear(), rigid.angular());
-        (Motion { velocities, angular_velocities, strain_rates: self.motion.strain_rates }, x)
+        SystemSolution { motions, loads, moments, strain_rates: self.strain_rates }
+    }
+
+    /// This rank's parts of the squares of the sizes of unknowns.
+    fn sizes(&self, unknowns: [&Unknowns; 2]) -> [f64; 2] {
+        let mut sums = [[0.0; 2]; 2];
+        let mut loops = FusedLoops::default();
+        for (x, sums) in unknowns.into_iter().zip(&mut sums) {
+            self.spheres.size_in(&mut loops, x, sums.each_mut());
+        }
+        loops.run();
+        sums.map(|[motion, strain]| motion + strain)
     }
 }
 
@@ -246,40 +210,50 @@ pub fn single(viscosity: f64, radius: f64) -> SixVector {
     SixVector::new(Vector::splat(force), Vector::splat(torque))
 }
 
-/// Left-hand side of the system, from the unknown motions and the far-field motion that the unknown loads cause.
-fn image(stiff: &SixVectors, soft: &SixVectors, motion: &Motion) -> Residual {
-    let plus = |motions: &SixVectors| {
-        let mut sum = SixVectors::new(motions.0.len(), &motion.velocities, &motion.angular_velocities);
-        sum.add(1.0, motions);
-        sum
-    };
-    Residual { stiff: plus(stiff), soft: plus(soft), strain_rates: copied(&motion.strain_rates) }
-}
-
 impl System for CoupledSystem<'_> {
     type Unknowns = Unknowns;
     type Residual = Residual;
 
     fn product(&self, residual: &Residual, x: &Unknowns) -> f64 {
-        let strained = sum(x.moments.len(), |k| residual.strain_rates[k].contract(x.moments[k]));
-        residual.stiff.dot(&x.stiff.loads) + residual.soft.dot(&x.soft.loads) + strained
+        let mut sums = [0.0; 3];
+        let mut loops = FusedLoops::default();
+        residual.product_in(&mut loops, x, sums.each_mut());
+        loops.run();
+        sums.iter().sum()
     }
 
     fn apply(&mut self, direction: &Unknowns) -> Residual {
-        self.step = self.mobility.apply(&far_loads(&direction.loads(), &direction.moments));
-        image(&direction.stiff.motions, &direction.soft.motions, &self.step)
+        let (stiff, soft) = (&direction.stiff.motions.0, &direction.soft.motions.0);
+        let motion = self.mobility.apply(stiff.len(), |row| direction.load(row), &direction.moments, None);
+        let (motion, mut image) = (self.mobility.far_motion(&motion), Residual::default());
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut image.stiff.0, stiff.len(), |row| motion.rigid(row) + stiff[row]);
+        loops.of_rows(&mut image.soft.0, soft.len(), |row| motion.rigid(row) + soft[row]);
+        loops.of_rows(&mut image.strain_rates, motion.strained(), |row| motion.strain_rate(row));
+        loops.run();
+        image
     }
 
-    fn on_step(&mut self, length: f64) {
-        self.motion.add(length, &self.step);
-    }
+    fn on_step(&mut self, _: f64) {}
 
     fn precondition(&mut self, residual: &Residual) -> Unknowns {
-        let stiff = self.of_stiff(&residual.stiff);
-        let soft = resisted(self.near, Pairs::Soft, &residual.soft);
-        let rates = &residual.strain_rates;
-        let moments = of_rows(rates.len(), |row| rates[row] * self.strain_resistance[row]);
-        Unknowns { stiff, soft, moments }
+        let (rates, strain) = (&residual.strain_rates, &self.spheres.strain);
+        let (mut soft, mut moments, mut present) = (SixVectors::default(), Vec::new(), Vec::new());
+        let (mut start, single) = (InnerSolve::default(), &self.spheres.motion);
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut moments, rates.len(), |row| rates[row] * strain[row]);
+        loops.copied(&mut soft.0, &residual.soft.0);
+        loops.mapped(&mut present, &residual.soft.0, Padded::of);
+        if self.matrix.is_some() {
+            start.begin_in(&mut loops, single.len(), |row| single[row] * residual.stiff.0[row]);
+        }
+        loops.run();
+        let stiff = match &mut self.matrix {
+            Some(matrix) => matrix.solve(start),
+            None => resisted(self.near, Pairs::Stiff, &residual.stiff),
+        };
+        let (loads, _) = self.near.times_present(&[Pairs::Soft], present, |_, _| 0.0);
+        Unknowns { stiff, soft: MotionsWithLoads { motions: soft, loads }, moments }
     }
 
     fn refine_preconditioner(&mut self) -> bool {
@@ -292,49 +266,58 @@ impl System for CoupledSystem<'_> {
     /// count separately: their sum may vanish in some directions of a symmetric arrangement, since each step leaves a
     /// residual orthogonal to the last direction. Separately they vanish only at the solution.
     fn error(&self, _: &Residual, z: &Unknowns) -> f64 {
-        let (stiff, soft) = (&z.stiff.loads.0, &z.soft.loads.0);
-        let squared = |i: usize, k: usize| (stiff[i].0[k].powi(2) + soft[i].0[k].powi(2)) / self.single[i].0[k];
-        sum(stiff.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(z)
+        let mut sums = [0.0; 2];
+        let mut loops = FusedLoops::default();
+        self.spheres.error_in(&mut loops, z, sums.each_mut());
+        loops.run();
+        sums.iter().sum()
     }
 
     /// Squared norm of motions and moments, weighted by the resistances of single spheres.
     fn size(&self, x: &Unknowns) -> f64 {
-        let squared = |i: usize, k: usize| self.single[i].0[k] * x.stiff.motions.0[i].0[k].powi(2);
-        sum(x.stiff.motions.0.len(), |i| (0..6).map(|k| squared(i, k)).sum()) + self.strained(x)
+        let [size, _] = self.sizes([x, &Unknowns::default()]);
+        size
+    }
+
+    fn step_and_measure(
+        &mut self,
+        at: Iterate<Unknowns, Residual>,
+        step: Option<Step<Unknowns, Residual>>,
+    ) -> InnerProducts {
+        let Iterate { x, residual, z } = at;
+        let former = step.map_or(0.0, |step| self.take_step(Iterate { x, residual, z }, &step));
+        *z = self.precondition(residual);
+        let (mut product, mut error, mut size) = ([0.0; 3], [0.0; 2], [0.0; 2]);
+        let mut loops = FusedLoops::default();
+        residual.product_in(&mut loops, z, product.each_mut());
+        self.spheres.error_in(&mut loops, z, error.each_mut());
+        self.spheres.size_in(&mut loops, x, size.each_mut());
+        loops.run();
+        InnerProducts { product: product.iter().sum(), former, error: error.iter().sum(), size: size.iter().sum() }
     }
 }
 
 impl CoupledSystem<'_> {
-    /// Preconditioned residual of the stiff pairs.
-    fn of_stiff(&mut self, residual: &SixVectors) -> MotionsWithLoads {
-        let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, residual) };
-        let [motions, loads] = matrix.solve(&residual.resisted(self.single));
-        MotionsWithLoads { motions, loads }
+    /// Takes a step. Returns this rank's part of the product of the new residual and the former preconditioned one.
+    fn take_step(&mut self, at: Iterate<Unknowns, Residual>, step: &Step<Unknowns, Residual>) -> f64 {
+        let Iterate { x, residual, z } = at;
+        let (&Step { length, direction, ref image }, mut sums) = (step, [0.0; 3]);
+        let ([of_stiff, of_soft, of_strain], z) = (sums.each_mut(), &*z);
+        let Residual { stiff, soft, strain_rates } = residual;
+        let mut loops = FusedLoops::default();
+        x.change_in(&mut loops, direction, move |a, b| *a += length * b);
+        loops.change_and_sum(&mut stiff.0, of_stiff, move |first, rows| {
+            add_and_dot(rows, -length, &image.stiff.0[first..], &z.stiff.loads.0[first..])
+        });
+        loops.change_and_sum(&mut soft.0, of_soft, move |first, rows| {
+            add_and_dot(rows, -length, &image.soft.0[first..], &z.soft.loads.0[first..])
+        });
+        loops.change_and_sum(strain_rates, of_strain, move |first, rows| {
+            rows.iter_mut().zip(&image.strain_rates[first..]).for_each(|(rate, &by)| *rate += by * -length);
+            rows.iter().zip(&z.moments[first..]).map(|(rate, &moment)| rate.contract(moment)).sum()
+        });
+        loops.change(&mut self.strain_rates, &image.strain_rates, move |rate, &by| *rate += by * length);
+        loops.run();
+        sums.iter().sum()
     }
-
-    /// Strain rate of single spheres under moments, contracted with the moments.
-    fn strained(&self, x: &Unknowns) -> f64 {
-        sum(x.moments.len(), |i| x.moments[i].contract(x.moments[i]) / self.strain_resistance[i])
-    }
-}
-
-/// Number of particles whose terms one thread sums.
-const BATCH: usize = 1024;
-
-/// Sum of `count` terms, the same on any number of threads.
-fn sum(count: usize, term: impl Fn(usize) -> f64 + Sync) -> f64 {
-    let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).map(&term).sum();
-    let sums: Vec<f64> = (0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
-    sums.iter().sum()
-}
-
-/// Motions with the loads of a set of near pairs. Collective.
-pub fn resisted(near: &NearPairs, pairs: Pairs, motions: &SixVectors) -> MotionsWithLoads {
-    MotionsWithLoads { loads: near.times(&[pairs], motions), motions: motions.clone() }
-}
-
-/// Loads on the far field: forces, torques, and stresslets `-D`.
-pub fn far_loads(loads: &SixVectors, moments: &[Traceless]) -> Loads {
-    let stresslets = mapped(moments, |&d| -d);
-    Loads { forces: loads.linear(), torques: loads.angular(), stresslets }
 }

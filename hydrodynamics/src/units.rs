@@ -1,10 +1,11 @@
 //! Scaling of the lubrication problem to units in which radii and viscosity are about 1. Without it, the square roots
 //! of both in the amplitudes of the modes would lose their last digit when powers of two change the units.
 
-use crate::solution::{Guess, Solution, StoredSolution};
+use crate::six_vector::SixVector;
+use crate::solution::{NO_AMBIENT, StoredSolution};
 use crate::springs::{BondSprings, TetherResistance};
 use crate::springs::{ContactSprings, Springs};
-use domain::parallel::{copied, mapped};
+use domain::parallel::{FusedLoops, mapped};
 use domain::{Particles, Traceless, Units, Vector};
 use fcm::{Loads, Mobility, Motion, Multipoles, Output};
 use lubrication::PairKind;
@@ -16,23 +17,74 @@ pub struct Scaled<'a> {
 }
 
 impl Scaled<'_> {
-    /// Motions due to loads, as in [`Mobility::apply`].
-    pub fn apply(&mut self, loads: &Loads) -> Motion {
-        let motion = match self.mobility.plan().multipoles {
-            Multipoles::Dipole => self.mobility.apply(&times(loads, self.units.torque()), Output::All),
-            Multipoles::Monopole | Multipoles::Moments => {
-                let forces = Loads { forces: loads.forces.clone(), ..Loads::default() };
-                self.mobility.apply(&forces, Output::Velocities)
-            }
-        };
-        self::motion(&motion, &self.units)
+    /// Motions, in the units of the mobility, due to a load on each of `count` particles and to stresslets that are
+    /// minus the first moments, as in [`Mobility::apply`], and to degenerate quadrupoles in these units.
+    pub fn apply(
+        &mut self,
+        count: usize,
+        load: impl Fn(usize) -> SixVector + Sync,
+        moments: &[Traceless],
+        quadrupoles: Option<&[Vector]>,
+    ) -> Motion {
+        let is_rigid = self.mobility.plan().multipoles == Multipoles::Dipole;
+        let (mut loads, torque, load) = (Loads::default(), self.units.torque(), &load);
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut loads.forces, count, move |row| load(row).linear());
+        if is_rigid {
+            loops.of_rows(&mut loads.torques, count, move |row| load(row).angular() * torque);
+            loops.mapped(&mut loads.stresslets, moments, move |&d| -d * torque);
+        }
+        loops.run();
+        match quadrupoles {
+            Some(quadrupoles) => self.mobility.apply_with_quadrupoles(&loads, quadrupoles),
+            None => self.mobility.apply(&loads, if is_rigid { Output::All } else { Output::Velocities }),
+        }
     }
 
-    /// Motions due to loads and degenerate quadrupoles, as in [`Mobility::apply_with_quadrupoles`]; the quadrupoles are
-    /// in the units of the mobility.
-    pub fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
-        let loads = times(loads, self.units.torque());
-        motion(&self.mobility.apply_with_quadrupoles(&loads, quadrupoles), &self.units)
+    /// A motion in the units of the mobility.
+    pub fn far_motion<'a>(&self, motion: &'a Motion) -> FarMotion<'a> {
+        let [velocity, rate] = [self.units.velocity(), self.units.rate()].map(|unit| 1.0 / unit);
+        FarMotion { motion, ambient: &NO_AMBIENT, velocity, rate }
+    }
+}
+
+/// Motions of particles in scaled units: those of the far field in other units, and scaled ambient motions.
+#[derive(Clone, Copy)]
+pub struct FarMotion<'a> {
+    motion: &'a Motion,
+    ambient: &'a Motion,
+    /// Factors of velocities and of rates.
+    velocity: f64,
+    rate: f64,
+}
+
+impl<'a> FarMotion<'a> {
+    /// Together with ambient motions in scaled units; empty lists stand for none.
+    pub fn with(self, ambient: &'a Motion) -> Self {
+        Self { ambient, ..self }
+    }
+
+    /// Number of strain rates.
+    pub fn strained(&self) -> usize {
+        self.motion.strain_rates.len()
+    }
+
+    /// Velocity and angular velocity of a particle.
+    pub fn rigid(&self, row: usize) -> SixVector {
+        let sum = |motions: [&[Vector]; 2], factor: f64| {
+            let [far, ambient] = motions.map(|list| list.get(row).copied());
+            let far = far.map(|far| far * factor);
+            far.map(|far| ambient.map_or(far, |ambient| far + ambient)).unwrap_or_default()
+        };
+        let (far, ambient) = (self.motion, self.ambient);
+        let angular = sum([&far.angular_velocities, &ambient.angular_velocities], self.rate);
+        SixVector::new(sum([&far.velocities, &ambient.velocities], self.velocity), angular)
+    }
+
+    /// Strain rate of a particle.
+    pub fn strain_rate(&self, row: usize) -> Traceless {
+        let far = self.motion.strain_rates[row] * self.rate;
+        self.ambient.strain_rates.get(row).map_or(far, |&ambient| far + ambient)
     }
 }
 
@@ -67,50 +119,26 @@ pub fn tethers(springs: &Springs, units: &Units) -> TetherResistance {
 /// Particles in scaled units, without their columns.
 pub fn particles(given: &Particles, units: &Units) -> Particles {
     let over = 1.0 / units.length;
-    Particles {
-        ids: copied(&given.ids),
-        positions: mapped(&given.positions, |&x| x * over),
-        steps: copied(&given.steps),
-        radii: mapped(&given.radii, |&a| a * over),
-        species: copied(&given.species),
-        columns: Vec::new(),
-        scalars: given.scalars.clone(),
-    }
-}
-
-/// The initial guess in scaled units.
-pub fn guess(given: &Guess, units: &Units) -> Guess {
-    let times = |list: &[Vector], unit: f64| mapped(list, |&v| v * (1.0 / unit));
-    Guess {
-        stresslets_far: tensors_times(&given.stresslets_far, 1.0 / units.torque()),
-        induced_velocities: times(&given.induced_velocities, units.velocity()),
-        induced_angular_velocities: times(&given.induced_angular_velocities, units.rate()),
-        velocities: times(&given.velocities, units.velocity()),
-        angular_velocities: times(&given.angular_velocities, units.rate()),
-    }
-}
-
-/// A solution in the original units.
-pub fn solution(found: &Solution, units: &Units) -> Solution {
-    Solution {
-        motion: motion_back(&found.motion, units),
-        stresslets: tensors_times(&found.stresslets, units.torque()),
-        far: times(&found.far, units.torque()),
-        constraint_loads: times(&found.constraint_loads, units.torque()),
-        induced: motion_back(&found.induced, units),
-        curvature: found.curvature * units.rate() / units.length,
-        iterations: found.iterations,
-        residual: found.residual,
-    }
+    let mut scaled = Particles { scalars: given.scalars.clone(), ..Particles::default() };
+    let mut loops = FusedLoops::default();
+    loops.copied(&mut scaled.ids, &given.ids);
+    loops.mapped(&mut scaled.positions, &given.positions, move |&x| x * over);
+    loops.copied(&mut scaled.steps, &given.steps);
+    loops.mapped(&mut scaled.radii, &given.radii, move |&a| a * over);
+    loops.copied(&mut scaled.species, &given.species);
+    loops.run();
+    scaled
 }
 
 /// Loads with torques and stresslets in another unit; the unit of forces is unchanged.
 pub fn times(loads: &Loads, torque: f64) -> Loads {
-    Loads {
-        forces: copied(&loads.forces),
-        torques: mapped(&loads.torques, |&t| t * torque),
-        stresslets: tensors_times(&loads.stresslets, torque),
-    }
+    let mut made = Loads::default();
+    let mut loops = FusedLoops::default();
+    loops.copied(&mut made.forces, &loads.forces);
+    loops.mapped(&mut made.torques, &loads.torques, move |&t| t * torque);
+    loops.mapped(&mut made.stresslets, &loads.stresslets, move |&s| s * torque);
+    loops.run();
+    made
 }
 
 /// Motions in scaled units.
@@ -128,19 +156,21 @@ pub fn found(given: &StoredSolution, units: &Units) -> StoredSolution {
     let torque = 1.0 / units.torque();
     StoredSolution {
         motion: motion(&given.motion, units),
-        stresslets_far: tensors_times(&given.stresslets_far, torque),
-        stresslets: tensors_times(&given.stresslets, torque),
+        stresslets_far: mapped(&given.stresslets_far, |&s| s * torque),
+        stresslets: mapped(&given.stresslets, |&s| s * torque),
     }
 }
 
 fn motion_times(motion: &Motion, velocity: f64, rate: f64) -> Motion {
-    Motion {
-        velocities: mapped(&motion.velocities, |&v| v * velocity),
-        angular_velocities: mapped(&motion.angular_velocities, |&w| w * rate),
-        strain_rates: tensors_times(&motion.strain_rates, rate),
-    }
+    let (mut made, mut loops) = (Motion::default(), FusedLoops::default());
+    motion_in(&mut loops, &mut made, motion, [velocity, rate]);
+    loops.run();
+    made
 }
 
-fn tensors_times(list: &[Traceless], factor: f64) -> Vec<Traceless> {
-    mapped(list, |&t| t * factor)
+/// Makes a motion whose velocities and rates are multiplied, as three of several loops.
+pub fn motion_in<'a>(loops: &mut FusedLoops<'a>, made: &'a mut Motion, motion: &'a Motion, [velocity, rate]: [f64; 2]) {
+    loops.mapped(&mut made.velocities, &motion.velocities, move |&v| v * velocity);
+    loops.mapped(&mut made.angular_velocities, &motion.angular_velocities, move |&w| w * rate);
+    loops.mapped(&mut made.strain_rates, &motion.strain_rates, move |&e| e * rate);
 }

@@ -1,15 +1,13 @@
 //! Lists that are made, compared and joined by all threads. Each is the one that a serial loop makes.
 
 use super::MeasuredLoop;
+use super::fused::rows_of_part;
 use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
 /// Rows that one thread processes at a time, at least, if a row takes tens of nanoseconds.
-const BATCH: usize = 1024;
-
-/// The same if a row takes hardly longer than to copy it: shorter lists are not worth the wake-up of a thread.
-const COPIED_TOGETHER: usize = 4096;
+const BATCH: usize = 256;
 
 /// Parallel loop over a number of rows.
 pub fn rows(count: usize) -> impl IndexedParallelIterator<Item = usize> {
@@ -33,13 +31,50 @@ pub fn of_rows<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) 
 #[track_caller]
 pub fn mapped<T: Sync, U: Send>(list: &[T], value: impl Fn(&T) -> U + Sync + Send) -> Vec<U> {
     let mut values = Vec::with_capacity(list.len());
-    let parts = values.spare_capacity_mut()[..list.len()].par_chunks_mut(COPIED_TOGETHER);
-    parts.zip(list.par_chunks(COPIED_TOGETHER)).measured().for_each(|(part, elements)| {
+    let rows = rows_of_part::<U>(list.len());
+    let parts = values.spare_capacity_mut()[..list.len()].par_chunks_mut(rows);
+    parts.zip(list.par_chunks(rows)).measured().for_each(|(part, elements)| {
         part.iter_mut().zip(elements).for_each(|(place, element)| _ = place.write(value(element)));
     });
     // SAFETY: all parts have been written, and together they are as long as the list.
     unsafe { values.set_len(list.len()) };
     values
+}
+
+/// A value for each element of a list, which the function may change, given its row.
+#[track_caller]
+pub fn mapped_mut<T: Send, U: Send>(list: &mut [T], value: impl Fn(usize, &mut T) -> U + Sync) -> Vec<U> {
+    let (count, rows) = (list.len(), rows_of_part::<U>(list.len()));
+    let mut values = Vec::with_capacity(count);
+    let parts = values.spare_capacity_mut()[..count].par_chunks_mut(rows).zip(list.par_chunks_mut(rows)).enumerate();
+    parts.measured().for_each(|(k, (part, elements))| {
+        let places = part.iter_mut().zip(elements).zip(k * rows..);
+        places.for_each(|((place, element), row)| _ = place.write(value(row, element)));
+    });
+    // SAFETY: all parts have been written, and together they are as long as the list.
+    unsafe { values.set_len(count) };
+    values
+}
+
+/// A list made in blocks of rows, each of default values before a function changes it, given its first row. Also
+/// returns the values of the function, block by block.
+#[track_caller]
+pub fn in_blocks<T: Copy + Default + Send, U: Send>(
+    count: usize,
+    rows: usize,
+    make: impl Fn(usize, &mut [T]) -> U + Sync,
+) -> (Vec<T>, Vec<U>) {
+    let mut list = Vec::with_capacity(count);
+    let blocks = list.spare_capacity_mut()[..count].par_chunks_mut(rows).enumerate();
+    let of_block = |(k, places): (usize, &mut [MaybeUninit<T>])| {
+        places.fill(MaybeUninit::new(T::default()));
+        // SAFETY: all elements have been written.
+        make(k * rows, unsafe { &mut *(std::ptr::from_mut(places) as *mut [T]) })
+    };
+    let values = blocks.map(of_block).measured().collect();
+    // SAFETY: all blocks have been written, and together they are `count` elements.
+    unsafe { list.set_len(count) };
+    (list, values)
 }
 
 /// A copy of a list.
@@ -51,8 +86,8 @@ pub fn copied<T: Copy + Send + Sync>(list: &[T]) -> Vec<T> {
 /// Changes each element of a list by that of another one. The longer list is cut off.
 #[track_caller]
 pub fn change<T: Send, U: Sync>(list: &mut [T], others: &[U], change: impl Fn(&mut T, &U) + Sync) {
-    let parts = list.par_chunks_mut(COPIED_TOGETHER).zip(others.par_chunks(COPIED_TOGETHER));
-    parts.measured().for_each(|(list, others)| {
+    let rows = rows_of_part::<T>(list.len());
+    list.par_chunks_mut(rows).zip(others.par_chunks(rows)).measured().for_each(|(list, others)| {
         list.iter_mut().zip(others).for_each(|(value, other)| change(value, other));
     });
 }
@@ -60,8 +95,9 @@ pub fn change<T: Send, U: Sync>(list: &mut [T], others: &[U], change: impl Fn(&m
 /// Changes each element of a list by a function of its row.
 #[track_caller]
 pub fn change_rows<T: Send>(list: &mut [T], change: impl Fn(usize, &mut T) + Sync) {
-    list.par_chunks_mut(COPIED_TOGETHER).enumerate().measured().for_each(|(k, list)| {
-        list.iter_mut().zip(k * COPIED_TOGETHER..).for_each(|(value, row)| change(row, value));
+    let rows = rows_of_part::<T>(list.len());
+    list.par_chunks_mut(rows).enumerate().measured().for_each(|(k, list)| {
+        list.iter_mut().zip(k * rows..).for_each(|(value, row)| change(row, value));
     });
 }
 
@@ -85,14 +121,15 @@ pub fn all_rows(count: usize, holds: impl Fn(usize) -> bool + Sync + Send) -> bo
 /// Whether two lists are the same.
 #[track_caller]
 pub fn equal<T: PartialEq + Sync>(list: &[T], other: &[T]) -> bool {
-    let parts = list.par_chunks(COPIED_TOGETHER).zip(other.par_chunks(COPIED_TOGETHER));
+    let rows = rows_of_part::<T>(list.len());
+    let parts = list.par_chunks(rows).zip(other.par_chunks(rows));
     list.len() == other.len() && parts.measured().all(|(list, other)| list == other)
 }
 
 /// Greatest value of a function over a list, at least 0; NaN is ignored.
 #[track_caller]
 pub fn greatest<T: Sync>(list: &[T], value: impl Fn(&T) -> f64 + Sync + Send) -> f64 {
-    list.par_iter().with_min_len(COPIED_TOGETHER).map(value).measured().reduce(|| 0.0, f64::max)
+    list.par_iter().with_min_len(rows_of_part::<T>(list.len())).map(value).measured().reduce(|| 0.0, f64::max)
 }
 
 /// Least value of a function of all rows; infinite without rows, and NaN is ignored.
@@ -172,7 +209,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(12))]
         #[test]
         fn lists_are_those_of_a_loop(
-            numbers in proptest::collection::vec(any::<u32>(), 0..3 * COPIED_TOGETHER), tile in 1_usize..2000,
+            numbers in proptest::collection::vec(any::<u32>(), 0..12_000), tile in 1_usize..2000,
         ) {
             let expected: Vec<u64> = numbers.iter().map(|&number| u64::from(number) * 7).collect();
             let tiles: Vec<Vec<u32>> = numbers.chunks(tile).map(<[u32]>::to_vec).chain([Vec::new()]).collect();
@@ -186,6 +223,16 @@ mod tests {
                 overwrite(&mut changed, &mapped(&numbers, |&number| u64::from(number)));
                 change_rows(&mut changed, |row, value| *value += 6 * u64::from(numbers[row]));
                 assert!(equal(&changed, &expected));
+                let mut counted = numbers.clone();
+                let before = mapped_mut(&mut counted, |row, value| std::mem::replace(value, row as u32));
+                assert!(before == numbers && counted.iter().zip(0..).all(|(&row, expected)| row == expected));
+                let (doubled, blocks) = in_blocks(numbers.len(), tile, |first, block: &mut [u64]| {
+                    block.iter_mut().zip(&numbers[first..]).for_each(|(sum, &number)| *sum += 7 * u64::from(number));
+                    (first, block.len())
+                });
+                let firsts = (0..numbers.len()).step_by(tile);
+                let ranges: Vec<_> = firsts.map(|first| (first, tile.min(numbers.len() - first))).collect();
+                assert!(doubled == expected && blocks == ranges);
                 assert!(concat(tiles.clone()) == numbers && copied(&numbers) == numbers);
                 let smallest = least(numbers.len(), |row| -f64::from(numbers[row]));
                 assert_eq!(smallest.to_bits(), least_of(&numbers).to_bits());
@@ -194,7 +241,7 @@ mod tests {
         }
 
         #[test]
-        fn lists_differ_if_one_element_does(count in 1_usize..3 * COPIED_TOGETHER, place in any::<usize>()) {
+        fn lists_differ_if_one_element_does(count in 1_usize..12_000, place in any::<usize>()) {
             let list = vec![1.5; count];
             let mut other = list.clone();
             assert!(equal(&list, &other) && !equal(&list, &other[1..]));
@@ -203,7 +250,7 @@ mod tests {
         }
 
         #[test]
-        fn scattered_elements_are_where_they_were_set(count in 1_usize..3 * COPIED_TOGETHER, step in 1_usize..9) {
+        fn scattered_elements_are_where_they_were_set(count in 1_usize..12_000, step in 1_usize..9) {
             // Every element once: multiples of a number without a common factor.
             let step = if count % (2 * step + 1) == 0 { 1 } else { 2 * step + 1 };
             prop_assume!((2..=step).all(|d| step % d != 0 || count % d != 0));

@@ -5,18 +5,21 @@
 //! one load of an atomic more than without, and a stage another. Results have the same bits in either case.
 //!
 //! Lists that grow with particles, points or pairs are made, copied, compared and joined by the functions of this
-//! module ([`mapped`], [`concat()`], [`SortedRows`] and others), with the same result on any number of threads.
+//! module ([`mapped`], [`concat()`], [`SortedRows`] and others), with the same result on any number of threads; several
+//! lists are made in one loop by [`FusedLoops`].
 
+mod fused;
 mod iterator;
 mod lists;
 mod profile;
 mod recorder;
 mod sorted_rows;
 
+pub use fused::FusedLoops;
 pub use iterator::{Measured, MeasuredLoop};
 pub use lists::{
-    ScatteredWrites, all_rows, change, change_rows, concat, copied, equal, greatest, least, mapped, of_rows, overwrite,
-    rows, split,
+    ScatteredWrites, all_rows, change, change_rows, concat, copied, equal, greatest, in_blocks, least, mapped,
+    mapped_mut, of_rows, overwrite, rows, split,
 };
 pub use profile::{LoopProfile, Machine, ParallelProfile, SerialPiece, StageProfile};
 pub use recorder::{MeasuredStage, TaskClock, measure, parts, sort, stage, wall_clock};

@@ -92,6 +92,11 @@ impl LoopProfile {
         (self.work / threads as f64).max(self.largest).max(in_memory) + wake_up
     }
 
+    /// Estimated seconds on a number of threads beyond an even division of the work.
+    pub fn excess_on(&self, threads: usize, machine: &Machine) -> f64 {
+        self.seconds_on(threads, machine) - self.work / threads as f64
+    }
+
     /// Largest task over the mean of its run, at least 1.
     pub fn imbalance(&self) -> f64 {
         if self.mean > 0.0 { self.largest / self.mean } else { 1.0 }

@@ -12,11 +12,12 @@ pub struct SortedRows {
     rows: Vec<u32>,
 }
 
-/// Most ranges of keys, each of which one thread sorts.
+/// Most ranges of keys, each of which one thread sorts, and rows of a range in the mean, at least.
 const RANGES: usize = 256;
+const IN_RANGE: usize = 64;
 
 /// Rows that one thread counts at a time, at least, and most such tiles.
-const TILE: usize = 4096;
+const TILE: usize = 512;
 const TILES: usize = 128;
 
 /// A row with its key.
@@ -42,7 +43,7 @@ impl SortedRows {
     #[track_caller]
     pub fn by_key(keys: &[u32], count: usize) -> Self {
         check_row_numbers(keys.len());
-        let parts = if keys.len() > TILE { RANGES } else { 1 };
+        let parts = (keys.len() / IN_RANGE).clamp(1, RANGES);
         let bits = count.div_ceil(parts).next_power_of_two().trailing_zeros();
         let ranges = count.div_ceil(1 << bits);
         let (keyed, ends) = if ranges > 1 { by_range(keys, bits, ranges) } else { in_order(keys) };

@@ -55,10 +55,11 @@ pub(crate) fn sorted_stencils(grid: &Grid, extent: [usize; 3], positions: &[Vect
         let first = [wrapped(0, x - row_shift * y), wrapped(1, y), wrapped(2, z)];
         Stencil { row: row as u32, first, offset }
     };
-    let unsorted = of_rows(positions.len(), stencil);
     let blocks = GridBlocks::of(grid.points());
-    let keys = mapped(&unsorted, |stencil| blocks.index_of(stencil.first.map(|p| p as usize)) as u32);
-    mapped(SortedRows::by_key(&keys, blocks.count()).rows(), |&row| unsorted[row as usize])
+    // Stencils are computed twice, which takes less time than to read them in another order.
+    let key = |row: usize| blocks.index_of(stencil(row).first.map(|p| p as usize)) as u32;
+    let keys = of_rows(positions.len(), key);
+    mapped(SortedRows::by_key(&keys, blocks.count()).rows(), |&row| stencil(row as usize))
 }
 
 /// Order of the grid's blocks in which neighbours in the list are neighbours in memory: columns of blocks along z,

@@ -1,7 +1,7 @@
 //! Loads on the particles and their motions.
 
 use crate::plan::problem::Multipoles;
-use domain::parallel::{change, greatest};
+use domain::parallel::FusedLoops;
 use domain::{Tensor, Traceless, Vector};
 
 /// Loads that the particles apply to the fluid, one entry per particle; an empty list stands for zeros and costs
@@ -19,9 +19,13 @@ pub struct Loads {
 impl Loads {
     /// Largest component of these loads, with torques and stresslets divided by a length; NaN is ignored.
     pub(crate) fn largest(&self, length: f64) -> f64 {
-        let largest = |list: &[Vector]| greatest(list, |vector| vector.abs().max_element());
-        let stresslets = greatest(&self.stresslets, |s| s.0.into_iter().map(f64::abs).fold(0.0, f64::max));
-        largest(&self.forces).max(largest(&self.torques).max(stresslets) / length)
+        let [mut forces, mut torques, mut stresslets] = [0.0; 3];
+        let mut loops = FusedLoops::default();
+        loops.greatest(&mut forces, &self.forces, |force| force.abs().max_element());
+        loops.greatest(&mut torques, &self.torques, |torque| torque.abs().max_element());
+        loops.greatest(&mut stresslets, &self.stresslets, |s| s.0.into_iter().map(f64::abs).fold(0.0, f64::max));
+        loops.run();
+        forces.max(torques.max(stresslets) / length)
     }
 }
 
@@ -50,10 +54,11 @@ pub struct Motion {
 impl Motion {
     /// Adds `factor` times another motion of the same particles.
     pub fn add(&mut self, factor: f64, other: &Self) {
-        let add = |to: &mut [Vector], by: &[Vector]| change(to, by, |v, &w| *v += w * factor);
-        add(&mut self.velocities, &other.velocities);
-        add(&mut self.angular_velocities, &other.angular_velocities);
-        change(&mut self.strain_rates, &other.strain_rates, |e, &d| *e += d * factor);
+        let mut loops = FusedLoops::default();
+        loops.change(&mut self.velocities, &other.velocities, move |v, &w| *v += w * factor);
+        loops.change(&mut self.angular_velocities, &other.angular_velocities, move |v, &w| *v += w * factor);
+        loops.change(&mut self.strain_rates, &other.strain_rates, move |e, &d| *e += d * factor);
+        loops.run();
     }
 
     /// The motion without what a plan of these multipoles has not: with monopoles, velocities alone.

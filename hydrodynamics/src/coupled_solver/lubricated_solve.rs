@@ -1,138 +1,174 @@
-//! Solve with near pairs or rigid bodies.
+//! Coupled solve with near pairs or rigid bodies.
 
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
 use crate::body_projection::BodyProjection;
-use crate::coupled_solver::{END, MOST_ITERATIONS, ROUGH, START, induced};
+use crate::coupled_solver::{END, MOST_ITERATIONS, ROUGH, START};
 use crate::pairs::search::{NearPairs, Pairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{Guess, Solution};
-use crate::system::{self, CoupledSystem, FinalIterate, SingleSpheres, SystemStart, Unknowns};
-use crate::units::Scaled;
-use domain::parallel::{all_rows, change, mapped};
-use domain::{Comm, Interrupt, Interrupted, Particles, Traceless, Vector};
-use fcm::{Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, SolveError, conjugate_gradients};
+use crate::system::{CoupledSystem, FinalIterate, SingleSpheres, SystemSolution, SystemStart, single};
+use crate::units::{self, Scaled};
+use crate::unknowns::Unknowns;
+use domain::parallel::{FusedLoops, all_rows};
+use domain::{Comm, Interrupt, Interrupted, Particles, Traceless, Units, Vector};
+use fcm::{
+    Iterate, IterationOutcome, Limits, Linear, Loads, Motion, Multipoles, Plan, SolveError, conjugate_gradients,
+};
 
-/// [`CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
+/// [`crate::CoupledSolver::solve`] with near pairs or rigid bodies, in scaled units.
 pub(super) struct LubricatedSolve<'a> {
-    pub comm: &'a Comm,
-    pub interrupt: &'a Interrupt,
-    pub near: &'a NearPairs,
-    pub bodies: Option<&'a RigidBodies>,
-    pub is_preconditioned: bool,
+    pub(super) comm: &'a Comm,
+    pub(super) interrupt: &'a Interrupt,
+    pub(super) near: &'a NearPairs,
+    pub(super) bodies: Option<&'a RigidBodies>,
+    pub(super) is_preconditioned: bool,
     /// Degenerate quadrupoles of squirmers, in the units of the mobility.
-    pub quadrupoles: Option<&'a [Vector]>,
-    pub particles: &'a Particles,
+    pub(super) quadrupoles: Option<&'a [Vector]>,
+    pub(super) particles: &'a Particles,
     /// Strain rate of the background flow.
-    pub strain_rate: StrainRate,
+    pub(super) strain_rate: StrainRate,
 }
 
-/// Input of a solve for free spheres and bodies, in scaled units.
-#[derive(Clone, Copy)]
-pub(super) struct GivenSolve<'a> {
-    /// Known loads, with those of near pairs in the ambient flow.
-    pub loads: &'a SixVectors,
-    pub ambient: &'a Motion,
-    pub guess: &'a Guess,
-    pub spheres: &'a SingleSpheres,
-    pub limits: Limits<'a>,
+/// Loads on the particles, ambient motions and the guess of a solution, in the original units.
+pub(super) struct SolveCase<'a> {
+    pub(super) loads: &'a Loads,
+    pub(super) ambient: &'a Motion,
+    pub(super) guess: &'a Guess,
 }
 
-/// Solution without what follows from it.
+/// Single-sphere resistances, known loads, ambient motions and a guess, in scaled units.
+#[derive(Default)]
+pub(super) struct ScaledInput {
+    pub(super) spheres: SingleSpheres,
+    /// Given loads and those of near pairs in the ambient flow.
+    pub(super) known: SixVectors,
+    pub(super) ambient: Motion,
+    /// Guess of the motions, and of the first moments.
+    pub(super) motions: SixVectors,
+    pub(super) moments: Vec<Traceless>,
+    /// Known loads, and those that move single spheres as the loads of all others do in the guess, for the
+    /// preconditioner.
+    pub(super) moving: SixVectors,
+}
+
+/// Solution of the system, and the end of the iteration.
 pub(super) struct Found {
-    pub motion: Motion,
-    /// Loads of near pairs on the far field, with those by which bodies are rigid.
-    pub loads: SixVectors,
-    /// Minus the stresslets of the far field.
-    pub moments: Vec<Traceless>,
-    pub outcome: IterationOutcome,
-}
-
-impl GivenSolve<'_> {
-    /// Loads under which near pairs alone move at the start as other spheres are guessed to move them.
-    pub fn start_loads(&self) -> SixVectors {
-        let Guess { induced_velocities, induced_angular_velocities, .. } = self.guess;
-        let mut loads = self.loads.clone();
-        let induced = SixVectors::new(loads.0.len(), induced_velocities, induced_angular_velocities);
-        loads.add_resisted(1.0, &self.spheres.motion, &induced);
-        loads
-    }
+    pub(super) solved: SystemSolution,
+    pub(super) outcome: IterationOutcome,
 }
 
 impl LubricatedSolve<'_> {
-    pub(super) fn run(
-        &self,
-        mut mobility: Scaled,
-        loads: &Loads,
-        ambient: &Motion,
-        guess: &Guess,
-    ) -> Result<Solution, SolveError> {
-        let (near, radii) = (self.near, &self.particles.radii[..]);
-        let plan = mobility.mobility.plan();
-        let viscosity = plan.viscosity / mobility.units.viscosity;
+    /// Solves for the motions of the particles. Collective; an error is an error on all ranks.
+    pub(super) fn run(&self, mut mobility: Scaled, given: &SolveCase) -> Result<Solution, SolveError> {
+        let (units, plan) = (mobility.units, mobility.mobility.plan().clone());
         let limits =
             Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt: self.interrupt };
-        let spheres = SingleSpheres::new(viscosity, radii);
-        let mut known = SixVectors::new(radii.len(), &loads.forces, &loads.torques);
-        known.add(1.0, near.ambient_loads());
-        let given = GivenSolve { loads: &known, ambient, guess, spheres: &spheres, limits };
-        let found = match self.on_device(&mut mobility, &given) {
+        let mut input = self.scaled(given, &plan, &units);
+        let found = match self.on_device(&mut mobility, &input, limits) {
             Some(found) => found?,
-            None => self.on_host(mobility, &given)?,
+            None => self.on_host(mobility, &mut input, limits)?,
         };
-        let Found { motion, loads: by_pairs, moments, outcome } = found;
-        if self.comm.any(!all_rows(radii.len(), |row| motion.velocities[row].is_finite())) {
+        let Found { solved, outcome: IterationOutcome { iterations, residual, .. } } = found;
+        if self.comm.any(!all_rows(solved.motions.0.len(), |row| solved.motions.0[row].linear().is_finite())) {
             return Err(SolveError::NotFinite);
         }
-        let motions = SixVectors::new(radii.len(), &motion.velocities, &motion.angular_velocities);
-        let constraint_loads = self.constraint_loads(&by_pairs, &motions);
-        known.add(1.0, &by_pairs);
-        let far = system::far_loads(&known, &moments);
-        let mut stresslets = near.stresslets(&motions);
-        stresslets.truncate(far.stresslets.len());
-        change(&mut stresslets, &far.stresslets, |near, &far| *near = far + *near);
-        let induced = induced(&spheres.motion, &motion, &far);
-        let (curvature, IterationOutcome { iterations, residual, .. }) = (0.0, outcome);
-        Ok(Solution { motion, stresslets, far, constraint_loads, induced, curvature, iterations, residual })
+        let constraint_loads = units::times(&self.constraint_loads(&solved), units.torque());
+        let solution = Solution { constraint_loads, iterations, residual, ..Solution::default() };
+        Ok(self.completed(solution, &solved, &input, &units))
     }
 
-    /// The solve by the host. Collective.
-    fn on_host(&self, mobility: Scaled, given: &GivenSolve) -> Result<Found, SolveError> {
-        let &GivenSolve { loads, ambient, guess, spheres, limits } = given;
-        let (comm, near, count) = (self.comm, self.near, loads.0.len());
-        let is_rigid = mobility.mobility.plan().multipoles == Multipoles::Dipole;
-        let motions = SixVectors::new(count, &guess.velocities, &guess.angular_velocities);
-        let moments = moments(guess, if is_rigid { count } else { 0 });
+    /// The solve by the host, which uses up the guess. Collective.
+    fn on_host(&self, mobility: Scaled, input: &mut ScaledInput, limits: Limits) -> Result<Found, SolveError> {
+        let ScaledInput { spheres, known, ambient, motions, moments, moving } = input;
+        let (motions, moments) = (std::mem::take(motions), std::mem::take(moments));
         let mut matrix = self.preconditioner(&spheres.motion);
         let mut x = match &mut matrix {
-            None => unknowns(near, &motions, moments),
+            None => unknowns(self.near, &motions, moments),
             Some(matrix) => {
-                let [motions, resisted] =
-                    matrix.solve_with_all(motions, &given.start_loads(), START * limits.tolerance);
-                Unknowns::of(&motions, &resisted, moments)
+                // The motions of all near pairs, from the guess of those that other spheres induce.
+                let found = matrix.solve_with_all(motions, std::mem::take(moving), START * limits.tolerance);
+                Unknowns::of(&found.motions, &found.loads, moments)
             }
         };
-        let mut system = CoupledSystem::new(
-            mobility,
-            near,
-            matrix,
-            spheres,
-            SystemStart { loads, ambient, quadrupoles: self.quadrupoles, unknowns: &x },
-        );
-        let mut residual = system.residual(&x, self.strain_rate.at_zero);
+        let (quadrupoles, strain_rate) = (self.quadrupoles, self.strain_rate.at_zero);
+        let start = SystemStart { loads: known, ambient, quadrupoles, strain_rate, unknowns: &x };
+        let (mut system, mut residual) = CoupledSystem::new(mobility, self.near, matrix, spheres, start);
         let mut correction = Unknowns::default();
         let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
-        let outcome = conjugate_gradients(comm, &mut system, iterate, limits);
+        let outcome = conjugate_gradients(self.comm, &mut system, iterate, limits);
         ended(&outcome, limits)?;
         let last = FinalIterate { x, residual: &residual, correction };
-        let (motion, x) = system.finish(last, END * limits.tolerance, comm);
-        Ok(Found { motion, loads: x.loads(), moments: x.moments, outcome })
+        Ok(Found { solved: system.finish(last, END * limits.tolerance, self.comm), outcome })
     }
 
-    /// The preconditioner for single-sphere resistances; bodies always need it. Collective.
+    /// The input in scaled units. The loads that move spheres as in the guess are for the preconditioner alone.
+    fn scaled(&self, given: &SolveCase, plan: &Plan, units: &Units) -> ScaledInput {
+        let &SolveCase { loads, ambient, guess } = given;
+        let (radii, viscosity) = (&self.particles.radii[..], plan.viscosity / units.viscosity);
+        let [torque, velocity, rate] = [units.torque(), units.velocity(), units.rate()].map(|unit| 1.0 / unit);
+        let in_flow = &self.near.ambient_loads().0[..];
+        let count = radii.len();
+        let strained = if plan.multipoles == Multipoles::Dipole { count } else { 0 };
+        let moved = |row: usize, of: [&[Vector]; 2]| SixVector::of_row(row, of[0], of[1]).times(velocity, rate);
+        let induced = [&guess.induced_velocities[..], &guess.induced_angular_velocities];
+        let known =
+            |row: usize| SixVector::of_row(row, &loads.forces, &loads.torques).times(1.0, torque) + in_flow[row];
+        let moving = |row: usize| known(row) + single(viscosity, radii[row]) * moved(row, induced);
+        let moment = |row: usize| guess.stresslets_far.get(row).map_or(Traceless::ZERO, |&s| -(s * torque));
+        let mut made = ScaledInput::default();
+        let mut loops = FusedLoops::default();
+        made.spheres.make_in(&mut loops, viscosity, radii);
+        loops.of_rows(&mut made.known.0, count, known);
+        loops.of_rows(&mut made.motions.0, count, |row| moved(row, [&guess.velocities, &guess.angular_velocities]));
+        loops.of_rows(&mut made.moments, strained, moment);
+        if self.has_preconditioner() {
+            loops.of_rows(&mut made.moving.0, count, moving);
+        }
+        units::motion_in(&mut loops, &mut made.ambient, ambient, [velocity, rate]);
+        loops.run();
+        made
+    }
+
+    /// The solution of a system with known loads, in the original units. Collective.
+    fn completed(
+        &self,
+        mut solution: Solution,
+        solved: &SystemSolution,
+        input: &ScaledInput,
+        units: &Units,
+    ) -> Solution {
+        let SystemSolution { motions, loads, moments, strain_rates } = solved;
+        let ScaledInput { spheres, known, .. } = input;
+        let (by_motions, in_strain) = (self.near.moments_by(motions), self.near.ambient_moments());
+        let (count, [torque, velocity, rate]) = (motions.0.len(), [units.torque(), units.velocity(), units.rate()]);
+        let load = |row: usize| known.0[row] + loads.0[row];
+        let induced = |row: usize| motions.0[row] - load(row) / spheres.motion[row];
+        let stresslet = |row: usize| -moments[row] + (in_strain[row] - by_motions[row]);
+        let Solution { motion, stresslets, far, induced: induced_motion, .. } = &mut solution;
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut motion.velocities, count, |row| motions.0[row].linear() * velocity);
+        loops.of_rows(&mut motion.angular_velocities, count, |row| motions.0[row].angular() * rate);
+        loops.mapped(&mut motion.strain_rates, strain_rates, |&e| e * rate);
+        loops.of_rows(stresslets, moments.len(), |row| stresslet(row) * torque);
+        loops.of_rows(&mut far.forces, count, |row| load(row).linear());
+        loops.of_rows(&mut far.torques, count, |row| load(row).angular() * torque);
+        loops.mapped(&mut far.stresslets, moments, |&d| -d * torque);
+        loops.of_rows(&mut induced_motion.velocities, count, |row| induced(row).linear() * velocity);
+        loops.of_rows(&mut induced_motion.angular_velocities, count, |row| induced(row).angular() * rate);
+        loops.run();
+        solution
+    }
+
+    /// Whether the solve has a preconditioner; bodies always need it.
+    fn has_preconditioner(&self) -> bool {
+        self.is_preconditioned || self.bodies.is_some()
+    }
+
+    /// The preconditioner for single-sphere resistances, if there is one. Collective.
     fn preconditioner<'b>(&'b self, single: &'b [SixVector]) -> Option<Preconditioner<'b>> {
-        if !self.is_preconditioned && self.bodies.is_none() {
+        if !self.has_preconditioner() {
             return None;
         }
         let projection = |bodies: &'b RigidBodies| {
@@ -143,10 +179,10 @@ impl LubricatedSolve<'_> {
     }
 
     /// Loads that keep bodies rigid: those of the solution minus the lubrication of the motions. Collective.
-    fn constraint_loads(&self, by_pairs: &SixVectors, motions: &SixVectors) -> Loads {
+    fn constraint_loads(&self, solved: &SystemSolution) -> Loads {
         let Some(bodies) = self.bodies else { return Loads::default() };
-        let mut loads = by_pairs.clone();
-        loads.add(1.0, &self.near.times(&[Pairs::Stiff, Pairs::Soft], motions));
+        let mut loads = self.near.times(&[Pairs::Stiff, Pairs::Soft], &solved.motions);
+        loads.add(1.0, &solved.loads);
         bodies.members().keep_members(&mut loads);
         Loads { forces: loads.linear(), torques: loads.angular(), stresslets: Vec::new() }
     }
@@ -163,13 +199,6 @@ pub(super) fn ended(outcome: &IterationOutcome, limits: Limits) -> Result<(), So
     }
     let tolerance = limits.tolerance;
     if converged { Ok(()) } else { Err(SolveError::NotConverged { iterations, residual, tolerance }) }
-}
-
-/// First moments of a guess for `count` spheres.
-pub(super) fn moments(guess: &Guess, count: usize) -> Vec<Traceless> {
-    let mut moments = mapped(&guess.stresslets_far, |&s| -s);
-    moments.resize(count, Traceless::ZERO);
-    moments
 }
 
 /// Unknowns that correspond to motions of the particles. Collective.

@@ -14,15 +14,15 @@ use crate::bodies::RigidBodies;
 use crate::noise;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::search::{NearField, NearLists};
-use crate::six_vector::{SixVector, SixVectors};
+use crate::six_vector::SixVector;
 use crate::solution::{Guess, Solution, SolveInput};
 use crate::system::single;
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
-use domain::parallel::{change, mapped, stage};
+use domain::parallel::{FusedLoops, change, mapped, stage};
 use domain::{DomainView, Interrupt, Particles, Partition, PeriodicBox, Units};
 use fcm::{DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver};
-use lubricated_solve::LubricatedSolve;
+use lubricated_solve::{LubricatedSolve, SolveCase};
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
 use swimming::SlipInput;
@@ -174,10 +174,7 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let (loads, guess) = (units::times(loads, 1.0 / units.torque()), units::guess(guess, &units));
-                let ambient = units::motion(ambient, &units);
-                let found = solve.run(Scaled { mobility, units }, &loads, &ambient, &guess)?;
-                let mut solved = units::solution(&found, &units);
+                let mut solved = solve.run(Scaled { mobility, units }, &SolveCase { loads, ambient, guess })?;
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());
                 }
@@ -203,9 +200,8 @@ impl CoupledSolver {
         let solved = self.far.solve_in(cell, particles, input)?;
         let fcm::Solved { motion, stresslets, iterations, residual } = solved;
         let far = Loads { stresslets: stresslets.clone(), ..input.loads.clone() };
-        let plan = self.far.mobility().plan();
-        let single = mapped(&particles.radii, |&a| single(plan.viscosity, a));
-        let induced = induced(&single, &motion, &far);
+        let viscosity = self.far.mobility().plan().viscosity;
+        let induced = induced(viscosity, &particles.radii, &motion, &far);
         let constraint_loads = Loads::default();
         Ok(Solution { motion, stresslets, far, constraint_loads, induced, curvature: 0.0, iterations, residual })
     }
@@ -274,11 +270,16 @@ fn sloping(strain_rate: StrainRate, particles: &Particles, ambient: &Motion) -> 
 }
 
 /// Motions minus those of single spheres under their own loads.
-fn induced(single: &[SixVector], motion: &Motion, loads: &Loads) -> Motion {
-    let motions = SixVectors::new(single.len(), &motion.velocities, &motion.angular_velocities);
-    let induced =
-        motions.minus_single_sphere_motions(single, &SixVectors::new(single.len(), &loads.forces, &loads.torques));
-    Motion { velocities: induced.linear(), angular_velocities: induced.angular(), strain_rates: Vec::new() }
+fn induced(viscosity: f64, radii: &[f64], motion: &Motion, loads: &Loads) -> Motion {
+    let of_row = |row: usize| {
+        let load = SixVector::of_row(row, &loads.forces, &loads.torques);
+        SixVector::of_row(row, &motion.velocities, &motion.angular_velocities) - load / single(viscosity, radii[row])
+    };
+    let (mut induced, mut loops) = (Motion::default(), FusedLoops::default());
+    loops.of_rows(&mut induced.velocities, radii.len(), |row| of_row(row).linear());
+    loops.of_rows(&mut induced.angular_velocities, radii.len(), |row| of_row(row).angular());
+    loops.run();
+    induced
 }
 
 #[cfg(test)]

@@ -1,16 +1,23 @@
 //! Solve with near pairs where the far field is evaluated.
 
-use crate::coupled_solver::lubricated_solve::{Found, GivenSolve, LubricatedSolve, ended, moments};
+use crate::coupled_solver::lubricated_solve::{Found, LubricatedSolve, ScaledInput, ended};
 use crate::coupled_solver::{END, ROUGH, START};
 use crate::six_vector::{SixVector, SixVectors};
-use crate::system::SingleSpheres;
+use crate::system::{SingleSpheres, SystemSolution};
 use crate::units::Scaled;
 use domain::Traceless;
-use fcm::{CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Motion, NearResistance, SolveError};
+use fcm::{
+    CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Limits, Motion, NearResistance, SolveError,
+};
 
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, if it has one for free spheres.
-    pub(super) fn on_device(&self, scaled: &mut Scaled, given: &GivenSolve) -> Option<Result<Found, SolveError>> {
+    pub(super) fn on_device(
+        &self,
+        scaled: &mut Scaled,
+        input: &ScaledInput,
+        limits: Limits,
+    ) -> Option<Result<Found, SolveError>> {
         if self.bodies.is_some() || self.quadrupoles.is_some() || !self.is_preconditioned {
             return None;
         }
@@ -18,19 +25,17 @@ impl LubricatedSolve<'_> {
         let viscosity = scaled.mobility.plan().viscosity / units.viscosity;
         let radii: Vec<f64> = scaled.mobility.plan().radii.iter().map(|radius| radius / units.length).collect();
         let far = scaled.mobility.coupled()?;
-        let &GivenSolve { loads, ambient, guess, spheres, limits } = given;
-        let count = loads.0.len();
-        let motions = SixVectors::new(count, &guess.velocities, &guess.angular_velocities);
+        let ScaledInput { spheres, known, ambient, motions, moments, moving } = input;
         let start = CoupledStart {
-            motions: numbers(&motions).to_vec(),
-            loads: numbers(&given.start_loads()).to_vec(),
-            moments: moments(guess, count).iter().flat_map(|moment| moment.0).collect(),
+            motions: numbers(motions).to_vec(),
+            loads: numbers(moving).to_vec(),
+            moments: moments.iter().flat_map(|moment| moment.0).collect(),
         };
         let solution = far.solve(&CoupledProblem {
             units,
             near: self.resistance(spheres, &SingleSpheres::new(viscosity, &radii)),
-            loads: numbers(loads),
-            ambient: columns(ambient, count),
+            loads: numbers(known),
+            ambient: columns(ambient, known.0.len()),
             background: self.strain_rate.at_zero.0,
             start,
             comm: self.comm,
@@ -78,15 +83,11 @@ fn columns(motion: &Motion, count: usize) -> Vec<f64> {
 fn found(solution: &CoupledSolution) -> Found {
     let six = |list: &[f64]| SixVectors(list.as_chunks().0.iter().map(|&vector| SixVector(vector)).collect());
     let tensors = |list: &[f64]| list.as_chunks().0.iter().map(|&tensor| Traceless(tensor)).collect::<Vec<_>>();
-    let motions = six(&solution.motions);
-    Found {
-        motion: Motion {
-            velocities: motions.linear(),
-            angular_velocities: motions.angular(),
-            strain_rates: tensors(&solution.strain_rates),
-        },
+    let solved = SystemSolution {
+        motions: six(&solution.motions),
         loads: six(&solution.loads),
         moments: tensors(&solution.moments),
-        outcome: solution.outcome,
-    }
+        strain_rates: tensors(&solution.strain_rates),
+    };
+    Found { solved, outcome: solution.outcome }
 }

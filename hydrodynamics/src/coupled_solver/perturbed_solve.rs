@@ -7,8 +7,9 @@ use crate::pairs::search::{Connections, NearPairs};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{NO_AMBIENT, Solution, StoredSolution};
-use crate::system::{CoupledSystem, FinalIterate, Residual, SingleSpheres, SystemStart, Unknowns};
+use crate::system::{CoupledSystem, FinalIterate, SingleSpheres, SystemStart};
 use crate::units::{self, Scaled};
+use crate::unknowns::{Residual, Unknowns};
 use domain::{DomainView, Interrupt, Particles, PeriodicBox, Traceless, Units};
 use fcm::{Iterate, Limits, Loads, Motion, SolveError, conjugate_gradients};
 
@@ -90,12 +91,12 @@ impl CoupledSolver {
             let mut correction = Unknowns::default();
             let iterate = Iterate { x: &mut change, residual: &mut residual, z: &mut correction };
             ended(&conjugate_gradients(&comm, &mut system, iterate, limits), limits)?;
-            let (motion, change) =
-                system.finish(FinalIterate { x: change, residual: &residual, correction }, tolerance, &comm);
-            let mut motion = units::motion_back(&motion, &units);
-            motion.strain_rates.clear();
+            let solved = system.finish(FinalIterate { x: change, residual: &residual, correction }, tolerance, &comm);
+            let (velocities, angular_velocities) = (solved.motions.linear(), solved.motions.angular());
+            let changed = Motion { velocities, angular_velocities, strain_rates: Vec::new() };
+            let mut motion = units::motion_back(&changed, &units);
             motion.add(1.0, &found.motion);
-            let far = found.stresslets_far.iter().zip(change.moments).map(|(&s, d)| s - d * units.torque());
+            let far = found.stresslets_far.iter().zip(solved.moments).map(|(&s, d)| s - d * units.torque());
             let there = StoredSolution { motion, stresslets_far: far.collect(), stresslets: Vec::new() };
             Ok(StoredSolution { stresslets: whole(near, &there, &units), ..there })
         })
@@ -131,9 +132,14 @@ impl CoupledSolver {
         let loads = units::times(loads, 1.0 / units.torque());
         let known = SixVectors::new(own.len(), &loads.forces, &loads.torques);
         let scaled = units::motion(ambient, &units);
-        let given = SystemStart { loads: &known, ambient: &scaled, quadrupoles: None, unknowns: &start };
-        let system = CoupledSystem::new(Scaled { mobility, units }, &near, matrix, &spheres, given);
-        let residual = system.residual(&start, Traceless::ZERO);
+        let given = SystemStart {
+            loads: &known,
+            ambient: &scaled,
+            quadrupoles: None,
+            strain_rate: Traceless::ZERO,
+            unknowns: &start,
+        };
+        let (system, residual) = CoupledSystem::new(Scaled { mobility, units }, &near, matrix, &spheres, given);
         then(ResidualSystem { near: &near, system, residual, interrupt: &interrupt })
     }
 }

@@ -14,13 +14,12 @@ use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use crate::squirming::Squirming;
-use domain::parallel::{MeasuredLoop, change, copied, equal, mapped, of_rows, stage};
+use domain::parallel::{FusedLoops, all_rows, change, in_blocks, mapped, of_rows, stage};
 use domain::{
     DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
 };
 use fcm::{PairRows, Precision};
 use lubrication::{SurfaceSlip, WallForce};
-use rayon::prelude::*;
 use std::rc::Rc;
 
 /// Short-range interactions and the neighbour lists for them.
@@ -94,7 +93,11 @@ impl Present {
         reach: f64,
     ) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
-        let (mut positions, mut ids) = (copied(&particles.positions), copied(&particles.ids));
+        let (mut positions, mut ids) = (Vec::new(), Vec::new());
+        let mut loops = FusedLoops::default();
+        loops.copied(&mut positions, &particles.positions);
+        loops.copied(&mut ids, &particles.ids);
+        loops.run();
         halo.extend(&mut positions);
         halo.extend(&mut ids);
         halo.extend(&mut species);
@@ -104,8 +107,10 @@ impl Present {
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
     fn is_of(&self, particles: &Particles, species: &[u32], cell: &PeriodicBox) -> bool {
         let owned = particles.len();
-        let is_like = self.halo.owned() == owned && self.cell == *cell && equal(&self.ids[..owned], &particles.ids);
-        is_like && equal(&self.species[..owned], species) && equal(&self.positions[..owned], &particles.positions)
+        let Self { positions, ids, species: known, .. } = self;
+        let now = (&particles.positions, &particles.ids);
+        let is_same = |row: usize| positions[row] == now.0[row] && ids[row] == now.1[row] && known[row] == species[row];
+        self.halo.owned() == owned && self.cell == *cell && all_rows(owned, is_same)
     }
 }
 
@@ -197,7 +202,11 @@ impl NearPairs {
             neighbours,
             strain_rate,
         };
-        let (mut loads, mut moments) = (SixVectors::zero(owned), of_rows(owned, |_| Traceless::ZERO));
+        let (mut loads, mut moments) = (SixVectors::default(), Vec::new());
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut loads.0, owned, |_| SixVector::default());
+        loops.of_rows(&mut moments, owned, |_| Traceless::ZERO);
+        loops.run();
         let Resisting { mut stiff, soft } = match field.precision {
             Precision::Single => Resisting::of(Assembly::<f32>::of_all(&arrangement, &mut loads.0, &mut moments)),
             Precision::Double => Resisting::of(Assembly::<f64>::of_all(&arrangement, &mut loads.0, &mut moments)),
@@ -286,31 +295,29 @@ impl NearPairs {
 
     /// Loads of a selection of pairs in the motions of this rank's particles. Collective.
     pub fn times(&self, pairs: &[Pairs], motions: &SixVectors) -> SixVectors {
-        self.times_and(pairs, motions, |_, _| 0.0).0
+        self.times_present(pairs, mapped(&motions.0, Padded::of), |_, _| 0.0).0
     }
 
-    /// [`Self::times`] followed by a function that changes the loads of a block of rows, given its first row. Also
-    /// returns the sum of the function's values, the same on any number of threads. Collective.
-    pub fn times_and(
+    /// [`Self::times`] for padded motions, followed by a function that changes the loads of a block of rows, given its
+    /// first row. Also returns the sum of the function's values, the same on any number of threads. Collective.
+    pub fn times_present(
         &self,
         pairs: &[Pairs],
-        motions: &SixVectors,
+        mut present: Vec<Padded>,
         change: impl Fn(usize, &mut [SixVector]) -> f64 + Sync,
     ) -> (SixVectors, f64) {
-        let present = self.present(motions);
-        let mut loads = SixVectors::zero(motions.0.len());
+        self.around.halo.extend(&mut present);
         let (stiff, soft) = (&self.stiff, &self.soft);
-        let of_part = |(part, loads): (usize, &mut [SixVector])| {
+        let (loads, sums) = in_blocks(self.moments.len(), ROWS, |first, loads| {
             for which in pairs {
                 match which {
-                    Pairs::Stiff => stiff.add_loads(part, &present, loads),
-                    Pairs::Soft => soft.add_loads(part, &present, loads),
+                    Pairs::Stiff => stiff.add_loads(first / ROWS, &present, loads),
+                    Pairs::Soft => soft.add_loads(first / ROWS, &present, loads),
                 }
             }
-            change(part * ROWS, loads)
-        };
-        let sums: Vec<f64> = loads.0.par_chunks_mut(ROWS).enumerate().map(of_part).measured().collect();
-        (loads, sums.iter().sum())
+            change(first, loads)
+        });
+        (SixVectors(loads), sums.iter().sum())
     }
 
     /// Lubrication loads in the ambient flow on particles at rest relative to it.
@@ -326,19 +333,28 @@ impl NearPairs {
     /// Near-field stresslets of motions relative to the ambient flow, to be added to those of the far field.
     /// Collective.
     pub fn stresslets(&self, motions: &SixVectors) -> Vec<Traceless> {
-        let present = self.present(motions);
-        let mut by_motions = of_rows(self.moments.len(), |_| Traceless::ZERO);
-        self.stiff.add_moments(&present, &mut by_motions);
-        self.soft.add_moments(&present, &mut by_motions);
-        self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
+        let mut by_motions = self.moments_by(motions);
         change(&mut by_motions, &self.moments, |by_motion, &by_strain| *by_motion = by_strain - *by_motion);
         by_motions
     }
 
-    fn present(&self, motions: &SixVectors) -> Vec<Padded> {
-        let mut present = mapped(&motions.0, |motion| Padded::from(motion));
+    /// First moments by motions of the particles, the negative of [`Self::stresslets`] without the ambient strain.
+    /// Collective.
+    pub fn moments_by(&self, motions: &SixVectors) -> Vec<Traceless> {
+        let mut present = mapped(&motions.0, Padded::of);
         self.around.halo.extend(&mut present);
-        present
+        let (stiff, soft) = (&self.stiff, &self.soft);
+        let (mut by_motions, _) = in_blocks(self.moments.len(), ROWS, |first, moments| {
+            stiff.add_moments(first / ROWS, &present, moments);
+            soft.add_moments(first / ROWS, &present, moments);
+        });
+        self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
+        by_motions
+    }
+
+    /// First moments in the ambient flow on particles at rest relative to it.
+    pub fn ambient_moments(&self) -> &[Traceless] {
+        &self.moments
     }
 }
 

@@ -7,6 +7,7 @@ use crate::error::step::StepError;
 use crate::evaluation::overlap_monitor::{OverlapCounts, OverlapMonitor};
 use crate::neighbourhood::PairsWithHalo;
 use crate::rotation;
+use domain::parallel::of_rows;
 use domain::{DomainView, Interrupted, Particles, Traceless, Vector};
 use fcm::{Loads, Motion, Stream};
 use hydrodynamics::brownian::{self, FiniteDifference, ambient, set_ambient};
@@ -48,7 +49,8 @@ impl Dynamics {
 
     /// Angular velocities plus those of the background flow at the particles.
     pub(super) fn with_rotation_of_flow(&self, particles: &Particles, own: &[Vector]) -> Vec<Vector> {
-        particles.positions.iter().zip(own).map(|(&x, &own)| own + self.moving.angular_velocity_at(x)).collect()
+        let (positions, moving) = (&particles.positions, &self.moving);
+        of_rows(own.len(), |row| own[row] + moving.angular_velocity_at(positions[row]))
     }
 
     /// Stores angular velocities plus those of the background flow as the first past ones, for orientations.

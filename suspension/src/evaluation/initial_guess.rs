@@ -4,8 +4,8 @@ use crate::columns::STRESSLET;
 use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
 use crate::scalars::BLEND;
-use domain::parallel::{MeasuredLoop, change, change_rows, copied, of_rows, overwrite, stage};
-use domain::{Comm, Particles};
+use domain::parallel::{FusedLoops, MeasuredLoop, copied, stage};
+use domain::{Comm, Particles, Traceless, Vector};
 use fcm::{Loads, Motion};
 use hydrodynamics::{Guess, Solution};
 use rayon::prelude::*;
@@ -70,12 +70,28 @@ impl WarmStart {
     pub fn remember(&self, particles: &mut Particles, steps: u64) {
         let is_known = particles.columns.iter().any(|column| column.name == past(self.stresslet(), 1));
         let times = if steps > 0 && !is_known { PAST } else { 1 };
-        for (name, width) in (0..times).flat_map(|_| self.columns()) {
-            let mut newest = copied(&particles.column(name, width).values);
-            for k in 1..=PAST {
-                std::mem::swap(&mut particles.column(&past(name, k), width).values, &mut newest);
+        for _ in 0..times {
+            for ((name, width), mut newest) in self.columns().into_iter().zip(self.present_values(particles)) {
+                for k in 1..=PAST {
+                    std::mem::swap(&mut particles.column(&past(name, k), width).values, &mut newest);
+                }
             }
         }
+    }
+
+    /// Copies of the present values of all columns of the history.
+    fn present_values(&self, particles: &mut Particles) -> Vec<Vec<f64>> {
+        let columns = self.columns();
+        for &(name, width) in &columns {
+            particles.column(name, width);
+        }
+        let mut copies = vec![Vec::new(); columns.len()];
+        let mut loops = FusedLoops::default();
+        for (copy, (name, _)) in copies.iter_mut().zip(columns) {
+            loops.copied(copy, values(particles, name));
+        }
+        loops.run();
+        copies
     }
 
     /// Removes all solutions except the last one.
@@ -101,16 +117,20 @@ impl WarmStart {
         if !self.coupled {
             return;
         }
-        overwrite(&mut particles.column(STRESSLET_FAR, 5).values, bytemuck::cast_slice(&solved.far.stresslets));
-        for (name, far) in [(FORCE, &solved.far.forces), (TORQUE, &solved.far.torques)] {
+        let names = [STRESSLET_FAR, FORCE, TORQUE, INDUCED[0], INDUCED[1], MOTION[0], MOTION[1]];
+        let [stresslets, forces, torques, motions @ ..] = particles.columns_of(names, [5, 3, 3, 3, 3, 3, 3]);
+        let Solution { far, induced, motion, .. } = solved;
+        let moved = [induced, motion].map(|motion| [&motion.velocities, &motion.angular_velocities]);
+        let mut loops = FusedLoops::default();
+        loops.copied(stresslets, bytemuck::cast_slice(&far.stresslets));
+        for (column, far) in [(forces, &far.forces), (torques, &far.torques)] {
             let known = |row: usize| far.get(row).copied().unwrap_or_default();
-            change_rows(particles.vectors(name), |row, value| *value = known(row));
+            loops.change_rows(bytemuck::cast_slice_mut(column), move |row, value: &mut Vector| *value = known(row));
         }
-        for (names, motion) in [(INDUCED, &solved.induced), (MOTION, &solved.motion)] {
-            for (name, list) in names.iter().zip([&motion.velocities, &motion.angular_velocities]) {
-                change(particles.vectors(name), list, |value, &known| *value = known);
-            }
+        for (column, list) in motions.into_iter().zip(moved.as_flattened()) {
+            loops.change(bytemuck::cast_slice_mut(column), list, |value: &mut Vector, &known| *value = known);
         }
+        loops.run();
     }
 
     /// Loads on the fluid in the last solution. Without coupled forces these are the given `loads`, and the stresslets.
@@ -141,13 +161,29 @@ impl WarmStart {
         let names = self.columns();
         let curvature = Self::blend(particles, names.len());
         particles.scalars.set(BLEND, &curvature);
-        let lists = names.iter().enumerate().map(|(k, &(name, width))| {
-            let share = curvature.get(k).copied().unwrap_or_default();
-            let mixed = |[line, parabola]: [f64; 2]| line + share * (parabola - line);
-            let past = Past::of(particles, name, width, ages, ahead);
-            of_rows(past.len(), |i| mixed(past.extrapolated(i)))
-        });
-        Self::guessed(lists)
+        let past = Past::of_columns(particles, &names, ages, ahead);
+        let mixed = |k: usize, i: usize| {
+            let [line, parabola] = past[k].extrapolated(i);
+            line + curvature[k] * (parabola - line)
+        };
+        let mut guess = Guess::default();
+        let (stresslets, motions) = Self::lists_of(&mut guess);
+        let mut loops = FusedLoops::default();
+        let stresslet = |row: usize| Traceless(std::array::from_fn(|axis| mixed(0, 5 * row + axis)));
+        loops.of_rows(stresslets, past[0].len() / 5, stresslet);
+        for (k, list) in (1..names.len()).zip(motions) {
+            let vector = move |row: usize| Vector::from_array([0, 1, 2].map(|axis| mixed(k, 3 * row + axis)));
+            loops.of_rows(list, past[k].len() / 3, vector);
+        }
+        loops.run();
+        guess
+    }
+
+    /// Stresslets and motions of a guess, in the order of their columns.
+    fn lists_of(guess: &mut Guess) -> (&mut Vec<Traceless>, [&mut Vec<Vector>; 4]) {
+        let Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities } =
+            guess;
+        (stresslets_far, [induced_velocities, induced_angular_velocities, velocities, angular_velocities])
     }
 
     /// Weights of the parabola, one for each of a number of columns; zeros before the first are known.
@@ -157,15 +193,18 @@ impl WarmStart {
 
     /// The last solution, as a guess.
     pub fn found(&self, particles: &mut Particles) -> Guess {
-        Self::guessed(self.columns().into_iter().map(|(name, width)| copied(&particles.column(name, width).values)))
-    }
-
-    /// A guess from the values of all columns, in their order.
-    fn guessed(mut lists: impl Iterator<Item = Vec<f64>>) -> Guess {
-        let stresslets_far = lists.next().map(|list| copied(bytemuck::cast_slice(&list))).unwrap_or_default();
-        let [induced_velocities, induced_angular_velocities, velocities, angular_velocities] =
-            [(); 4].map(|()| lists.next().map(|list| copied(bytemuck::cast_slice(&list))).unwrap_or_default());
-        Guess { stresslets_far, induced_velocities, induced_angular_velocities, velocities, angular_velocities }
+        let (mut guess, names) = (Guess::default(), self.columns());
+        for &(name, width) in &names {
+            particles.column(name, width);
+        }
+        let (stresslets, motions) = Self::lists_of(&mut guess);
+        let mut loops = FusedLoops::default();
+        loops.copied(stresslets, bytemuck::cast_slice(values(particles, names[0].0)));
+        for ((name, _), list) in names[1..].iter().zip(motions) {
+            loops.copied(list, bytemuck::cast_slice(values(particles, name)));
+        }
+        loops.run();
+        guess
     }
 
     /// Motions relative to the background flow in the last solution.
@@ -183,24 +222,24 @@ impl WarmStart {
         if comm.any(!is_known && !particles.is_empty()) || ages.len() < PAST {
             return;
         }
-        let mut sums = vec![[0.0; 2]; names.len()];
-        for (sums, &(name, width)) in sums.iter_mut().zip(&names) {
-            let past = Past::of(particles, name, width, ages, ahead);
-            let of_batch = |batch: usize| {
-                let mut sums = [0.0; 2];
-                for i in batch * BATCH..past.len().min((batch + 1) * BATCH) {
-                    let [line, parabola] = past.extrapolated(i);
-                    let curved = parabola - line;
-                    sums[0] += (past.found[i] - line) * curved;
-                    sums[1] += curved * curved;
-                }
-                sums
-            };
-            let of_batches: Vec<_> = (0..past.len().div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect();
-            for [along, square] in of_batches {
-                sums[0] += along;
-                sums[1] += square;
+        let past = Past::of_columns(particles, &names, ages, ahead);
+        let batches = |k: usize| (0..past[k].len().div_ceil(BATCH)).map(move |batch| [k, batch]);
+        let batches: Vec<[usize; 2]> = (0..past.len()).flat_map(batches).collect();
+        let of_batch = |&[k, batch]: &[usize; 2]| {
+            let (past, mut sums) = (&past[k], [0.0; 2]);
+            for i in batch * BATCH..past.len().min((batch + 1) * BATCH) {
+                let [line, parabola] = past.extrapolated(i);
+                let curved = parabola - line;
+                sums[0] += (past.found[i] - line) * curved;
+                sums[1] += curved * curved;
             }
+            sums
+        };
+        let of_batches: Vec<_> = batches.par_iter().map(of_batch).measured().collect();
+        let mut sums = vec![[0.0; 2]; names.len()];
+        for (&[k, _], [along, square]) in batches.iter().zip(of_batches) {
+            sums[k][0] += along;
+            sums[k][1] += square;
         }
         comm.sum(sums.as_flattened_mut());
         let mut shares = Self::blend(particles, names.len());
@@ -221,18 +260,25 @@ struct Past<'a> {
 }
 
 impl<'a> Past<'a> {
-    /// Past values of a column, to be extrapolated to the time `ahead` after the last of them.
-    fn of(particles: &'a mut Particles, name: &str, width: usize, ages: &[f64], ahead: f64) -> Self {
+    /// Past values of columns with their widths, to be extrapolated to the time `ahead` after the last of them.
+    fn of_columns(particles: &'a mut Particles, names: &[(&str, usize)], ages: &[f64], ahead: f64) -> Vec<Self> {
         let times: Vec<f64> = ages.iter().take(PAST).map(|age| -age).collect();
         let weights = [1, 2].map(|degree| {
             let mut weights = [0.0; PAST];
             weights[..times.len()].copy_from_slice(&extrapolation::fitted(&times, degree, ahead));
             weights
         });
-        (1..=times.len()).for_each(|k| _ = particles.column(&past(name, k), width));
+        for &(name, width) in names {
+            (1..=times.len()).for_each(|k| _ = particles.column(&past(name, k), width));
+        }
         // Values without weight are arbitrary.
-        let column = |k: usize| values(particles, &past(name, 1 + if k < times.len() { k } else { 0 }));
-        Self { found: values(particles, name), values: std::array::from_fn(column), weights }
+        let column = |name: &str, k: usize| values(particles, &past(name, 1 + if k < times.len() { k } else { 0 }));
+        let of = |&(name, _): &(&str, usize)| Self {
+            found: values(particles, name),
+            values: std::array::from_fn(|k| column(name, k)),
+            weights,
+        };
+        names.iter().map(of).collect()
     }
 
     /// Number of values.
@@ -259,8 +305,6 @@ fn past(name: &str, k: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use domain::{Traceless, Vector};
-    use fcm::Motion;
     use std::f64::consts::PI;
 
     /// Error of the next guess for one particle with a given stresslet as a function of time, after a number of steps

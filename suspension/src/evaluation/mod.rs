@@ -37,7 +37,7 @@ use crate::model::box_axes::UserAxes;
 use crate::model::{Integrator, Model, MultipoleOrder};
 use crate::neighbourhood::PairsWithHalo;
 use crate::swimmers::Swimmers;
-use domain::parallel::{change, change_rows, copied, mapped, of_rows, overwrite, stage};
+use domain::parallel::{FusedLoops, change_rows, copied, of_rows, stage};
 use domain::{DomainView, Interrupt, Interrupted, Particles, Partition, Vector};
 use fcm::Motion;
 use following::Following;
@@ -351,8 +351,11 @@ impl Dynamics {
     fn add_background(&self, particles: &mut Particles, times: f64) {
         if self.moving.advects() {
             let flow = self.flow();
-            let reference = mapped(&particles.positions, |&x| flow.velocity(x) * times);
-            change(particles.vectors(VELOCITY), &reference, |v, &reference| *v += reference);
+            let mut velocities = std::mem::take(&mut particles.column(VELOCITY, 3).values);
+            let positions = &particles.positions;
+            let vectors: &mut [Vector] = bytemuck::cast_slice_mut(&mut velocities);
+            change_rows(vectors, |row, v| *v += flow.velocity(positions[row]) * times);
+            particles.column(VELOCITY, 3).values = velocities;
             bodies::add_at_centres(particles, |x| flow.velocity(x) * times);
         }
     }
@@ -365,9 +368,11 @@ impl Dynamics {
         if self.rigid {
             let mut turned = self.with_rotation_of_flow(particles, &solved.motion.angular_velocities);
             self.add_own_rotation(particles, &mut turned);
-            overwrite(particles.vectors(ANGULAR_VELOCITY), &turned);
-            let stresslets: &[f64] = bytemuck::cast_slice(&solved.stresslets);
-            overwrite(&mut particles.column(STRESSLET, 5).values, stresslets);
+            let [angular_velocities, stresslets] = particles.columns_of([ANGULAR_VELOCITY, STRESSLET], [3, 5]);
+            let mut loops = FusedLoops::default();
+            loops.copied(angular_velocities, bytemuck::cast_slice(&turned));
+            loops.copied(stresslets, bytemuck::cast_slice(&solved.stresslets));
+            loops.run();
             self.record_bodies(particles, solved);
             self.warm_start.record(particles, solved);
         }
@@ -377,7 +382,7 @@ impl Dynamics {
     fn note_carried(&self, particles: &mut Particles, column: &str, velocities: &[Vector]) {
         let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
         let carried = |row: usize| velocities[row] + moving.carried_velocity_of(positions[row], radii[row]);
-        let carried = of_rows(velocities.len(), carried);
-        overwrite(particles.vectors(column), &carried);
+        let carried = of_rows(velocities.len(), |row| carried(row).to_array());
+        particles.column(column, 3).values = carried.into_flattened();
     }
 }

@@ -136,7 +136,7 @@ fn runge_kutta<E>(
 /// Makes the present velocities the latest past ones and keeps `past` of them.
 pub fn remember(particles: &mut Particles, past: usize) {
     for k in (1..past).rev() {
-        motion::copy(particles, PAST[k - 1], PAST[k]);
+        motion::exchange(particles, PAST[k - 1], PAST[k]);
     }
     motion::copy(particles, VELOCITY, PAST[0]);
 }

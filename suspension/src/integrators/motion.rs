@@ -1,7 +1,7 @@
 //! The motion of particles in a step: the one place where integrators change positions and orientations.
 
 use crate::{bodies, rotation};
-use domain::parallel::{change, mapped, overwrite};
+use domain::parallel::{change, of_rows, overwrite};
 use domain::{Particles, Vector};
 
 /// Moves the particles by the sum of `weights[k]` times the velocities in column `k`, and rotates their orientations,
@@ -52,6 +52,15 @@ fn accompanying<const N: usize>(particles: &Particles, columns: [&str; N]) -> [O
     [rotation::angular(particles, columns), bodies::centres(particles, columns)]
 }
 
+/// Exchanges two columns of velocities, and the columns that [`copy`] copies.
+pub fn exchange(particles: &mut Particles, one: &str, other: &str) {
+    let others = accompanying(particles, [one, other]);
+    for [one, other] in std::iter::once([one, other]).chain(others.into_iter().flatten()) {
+        let [one, other] = particles.columns_of([one, other], [3; 2]);
+        std::mem::swap(one, other);
+    }
+}
+
 fn copy_column(particles: &mut Particles, from: &str, to: &str) {
     let values = std::mem::take(&mut particles.column(from, 3).values);
     overwrite(&mut particles.column(to, 3).values, &values);
@@ -68,9 +77,12 @@ pub fn combine(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2],
 }
 
 fn store_sum(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], to: &str) {
-    let mut sums = mapped(particles.vectors(columns[0]), |&first| first * weights[0]);
-    change(&mut sums, particles.vectors(columns[1]), |sum, &second| *sum += second * weights[1]);
-    overwrite(particles.vectors(to), &sums);
+    for name in columns {
+        particles.vectors(name);
+    }
+    let [first, second] = columns.map(|name| particles.rows::<3>(name).expect("a column of vectors"));
+    let sum = |row: usize| [0, 1, 2].map(|axis| first[row][axis] * weights[0] + second[row][axis] * weights[1]);
+    particles.column(to, 3).values = of_rows(particles.len(), sum).into_flattened();
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::SeparatedPair;
 use crate::bodies;
 use bytemuck::Pod;
-use domain::parallel::{copied, equal};
+use domain::parallel::{FusedLoops, all_rows};
 use domain::{DomainView, Halo, Neighbours, Pair, Particles, PeriodicBox, Vector};
 use std::borrow::Cow;
 
@@ -41,8 +41,12 @@ impl LocalParticles {
     /// The particles, with ghosts within a distance of this rank's part of the box. Collective.
     pub fn new(particles: &Particles, DomainView { cell, partition }: DomainView, distance: f64) -> Self {
         let halo = Halo::plan(partition, cell, &particles.positions, [distance; 2]);
-        let (mut positions, mut radii, mut ids) =
-            (copied(&particles.positions), copied(&particles.radii), copied(&particles.ids));
+        let (mut positions, mut radii, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+        let mut loops = FusedLoops::default();
+        loops.copied(&mut positions, &particles.positions);
+        loops.copied(&mut radii, &particles.radii);
+        loops.copied(&mut ids, &particles.ids);
+        loops.run();
         halo.extend(&mut positions);
         halo.extend(&mut radii);
         halo.extend(&mut ids);
@@ -53,8 +57,9 @@ impl LocalParticles {
     /// Whether the particles of this rank are still the same, at the same positions in the same box.
     pub(super) fn is_of(&self, particles: &Particles, cell: &PeriodicBox) -> bool {
         let (owned, LocalPositions { cell: known, positions, radii }) = (self.owned(), &self.local);
-        let is_same = owned == particles.len() && known == cell && equal(&self.ids[..owned], &particles.ids);
-        is_same && equal(&radii[..owned], &particles.radii) && equal(&positions[..owned], &particles.positions)
+        let (ids, now) = (&self.ids, (&particles.ids, &particles.positions, &particles.radii));
+        let is_same = |row: usize| (ids[row], positions[row], radii[row]) == (now.0[row], now.1[row], now.2[row]);
+        owned == particles.len() && known == cell && all_rows(owned, is_same)
     }
 
     /// Whether there are rigid bodies.

@@ -7,10 +7,9 @@ use crate::pairs::matrix::within_bodies::StoredPair;
 use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
-use domain::parallel::MeasuredLoop;
+use domain::parallel::in_blocks;
 use fcm::PairRows;
 use lubrication::Arithmetic;
-use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
 
@@ -163,12 +162,11 @@ impl<T: StoredLanes> PairMatrix<T> {
 
     /// Inverses of the diagonal blocks plus the single-sphere resistances.
     pub fn inverses(&self, single: &[SixVector]) -> Vec<Block> {
-        let mut inverses = vec![Block::default(); single.len()];
-        let parts = self.parts.par_iter().zip(single.par_chunks(ROWS)).zip(inverses.par_chunks_mut(ROWS));
-        parts
-            .measured()
-            .for_each(|((part, single), blocks)| f64::dispatch(Inverses { own: &part.own, single, blocks }));
-        inverses
+        let inverses = in_blocks(single.len(), ROWS, |first, blocks| {
+            let (own, single) = (&self.parts[first / ROWS].own, &single[first..first + blocks.len()]);
+            f64::dispatch(Inverses { own, single, blocks });
+        });
+        inverses.0
     }
 }
 
@@ -183,8 +181,8 @@ pub trait Resistance: Sync {
     /// Adds the loads due to the motions of particles and ghosts, for the rows of a block.
     fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]);
 
-    /// Adds the first moments due to the motions of particles and ghosts, for all of a rank's particles.
-    fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]);
+    /// Adds the first moments due to the motions of particles and ghosts, for the rows of a block.
+    fn add_moments(&self, part: usize, present: &[Padded], moments: &mut [Traceless]);
 }
 
 impl<T: StoredLanes> Resistance for PairMatrix<T> {
@@ -202,10 +200,10 @@ impl<T: StoredLanes> Resistance for PairMatrix<T> {
         }
     }
 
-    fn add_moments(&self, present: &[Padded], moments: &mut [Traceless]) {
-        moments.par_chunks_mut(ROWS).zip(&self.parts).enumerate().measured().for_each(|(k, (moments, part))| {
-            f64::dispatch(MomentRows { part, first: k * ROWS, present, sums: moments });
-        });
+    fn add_moments(&self, part: usize, present: &[Padded], moments: &mut [Traceless]) {
+        if let Some(rows) = self.parts.get(part) {
+            f64::dispatch(MomentRows { part: rows, first: part * ROWS, present, sums: moments });
+        }
     }
 }
 
@@ -214,8 +212,9 @@ impl<T: StoredLanes> Resistance for PairMatrix<T> {
 #[repr(C, align(64))]
 pub struct Padded([f64; LANES]);
 
-impl From<&SixVector> for Padded {
-    fn from(vector: &SixVector) -> Self {
+impl Padded {
+    /// A motion with zeros behind it.
+    pub fn of(vector: &SixVector) -> Self {
         let [ux, uy, uz, ox, oy, oz] = vector.0;
         Self([ux, uy, uz, ox, oy, oz, 0.0, 0.0])
     }

@@ -20,7 +20,7 @@ use crate::pairs::table::PairFunctions;
 use crate::plan::Plan;
 use crate::plan::problem::{Multipoles, Precision};
 use crate::walls::wall_images::WallImages;
-use domain::parallel::{all_rows, greatest, mapped, of_rows, stage};
+use domain::parallel::{FusedLoops, all_rows, greatest, stage};
 use domain::{
     Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
 };
@@ -119,18 +119,20 @@ impl GridFarField {
     /// Forces and dipoles of all particles present, in internal units.
     fn present(&self, loads: &Loads, [forced, twisted, strained]: [bool; 3]) -> (Vec<Vector>, Vec<Tensor>) {
         let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
-        let mut forces = Vec::new();
+        let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
+        let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
+        let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
+        let (mut forces, mut dipoles, halo) = (Vec::new(), Vec::new(), &self.arrangement.halo);
+        let (owned, has_dipoles) = (halo.owned(), twisted || strained);
+        let mut loops = FusedLoops::default();
+        loops.mapped(&mut forces, &loads.forces, move |&force| force * of_force);
+        loops.of_rows(&mut dipoles, if has_dipoles { owned } else { 0 }, dipole);
+        loops.run();
         if forced {
-            forces = mapped(&loads.forces, |&force| force * of_force);
-            self.arrangement.halo.extend(&mut forces);
+            halo.extend(&mut forces);
         }
-        let mut dipoles = Vec::new();
-        if twisted || strained {
-            let torque = |i: usize| loads.torques.get(i).copied().unwrap_or_default();
-            let stresslet = |i: usize| loads.stresslets.get(i).copied().unwrap_or_default();
-            let dipole = |i: usize| dipole(stresslet(i), torque(i)) * of_dipole;
-            dipoles = of_rows(self.arrangement.halo.owned(), dipole);
-            self.arrangement.halo.extend(&mut dipoles);
+        if has_dipoles {
+            halo.extend(&mut dipoles);
         }
         (forces, dipoles)
     }
@@ -175,12 +177,15 @@ impl FarField for GridFarField {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("arrangement"));
         let inverse = 1.0 / self.units.length;
         let (cell, plan) = (&cell.scaled(inverse), &self.plan);
-        let mut present = mapped(&particles.positions, |&position| position * inverse);
+        let (mut present, mut classes) = (Vec::new(), Vec::new());
+        let mut loops = FusedLoops::default();
+        loops.mapped(&mut present, &particles.positions, move |&position| position * inverse);
+        loops.mapped(&mut classes, &particles.radii, |&radius| plan.class_of(radius));
+        loops.run();
         let owned = present.len();
         let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
         let reach = self.reach(cell).map(|stencil| stencil.max(cutoff));
         let halo = Halo::plan(&self.partition, cell, &present, reach);
-        let mut classes = mapped(&particles.radii, |&radius| plan.class_of(radius));
         halo.extend(&mut present);
         halo.extend(&mut classes);
         clock.stop(&mut self.work.seconds.exchange);
@@ -298,13 +303,14 @@ impl ArrangedParticles {
 /// The motions that were requested, in the plan's units.
 fn motion(motions: &[(Vector, Tensor)], output: Output, units: &Units) -> Motion {
     let (velocity, rate) = (units.velocity(), units.rate());
-    let mut motion = Motion::default();
+    let (mut motion, mut loops) = (Motion::default(), FusedLoops::default());
     if output != Output::Gradients {
-        motion.velocities = mapped(motions, |m| m.0 * velocity);
+        loops.mapped(&mut motion.velocities, motions, move |m| m.0 * velocity);
     }
     if output != Output::Velocities {
-        motion.angular_velocities = mapped(motions, |m| angular_velocity(&m.1) * rate);
-        motion.strain_rates = mapped(motions, |m| Traceless::part_of(&m.1) * rate);
+        loops.mapped(&mut motion.angular_velocities, motions, move |m| angular_velocity(&m.1) * rate);
+        loops.mapped(&mut motion.strain_rates, motions, move |m| Traceless::part_of(&m.1) * rate);
     }
+    loops.run();
     motion
 }
