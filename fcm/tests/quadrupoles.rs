@@ -117,6 +117,61 @@ fn a_sphere_alone_in_open_space_keeps_the_tolerance_wherever_it_is() {
     }
 }
 
+/// Squirmers of radius 1, of which some are at walls, with quadrupoles.
+fn at_walls(boundaries: Boundaries) -> (Suspension, Vec<Vector>) {
+    let cell = PeriodicBox::new(Vector::new(10.0, 9.0, 7.0)).unwrap().with_boundaries(boundaries).unwrap();
+    let positions = [[2.0, 3.0, 1.02], [5.0, 4.0, 1.3], [7.0, 7.5, 5.9], [4.5, 6.6, 3.4], [1.2, 6.4, 2.5]];
+    let positions = positions.map(Vector::from_array).to_vec();
+    let suspension = Suspension { cell, viscosity: 1.3, radii: vec![1.0; positions.len()], positions };
+    let quadrupoles = quadrupoles(&suspension, 8);
+    (suspension, quadrupoles)
+}
+
+/// At walls, quadrupoles move spheres as forces `H/e` and `-H/e` of spheres with the two Gaussians do, next to them by a
+/// small distance; forces of `H/e` lose two digits.
+#[test]
+fn quadrupoles_at_walls_are_forces_of_two_gaussians() {
+    for boundaries in [Boundaries::Wall, Boundaries::Walls] {
+        let (suspension, quadrupoles) = at_walls(boundaries);
+        let found = by(&suspension, &suspension.plan(1e-8, Fixed::default()), &quadrupoles);
+        let gaussians = Envelope::of_sphere(1.0).quadrupole();
+        let count = suspension.radii.len();
+        let mut all = suspension.clone();
+        let mut loads = Loads { forces: vec![Vector::ZERO; count], ..Loads::default() };
+        for (&x, &h) in suspension.positions.iter().zip(&quadrupoles) {
+            for (variance, sign) in gaussians.variances.into_iter().zip([1.0, -1.0]) {
+                all.positions.push(x + Vector::new(1e-7, 0.0, 0.0));
+                all.radii.push((variance * PI).sqrt());
+                loads.forces.push(h * (sign * gaussians.weight));
+            }
+        }
+        let mut exact = all.evaluate(&all.plan(1e-8, Fixed::default()), &loads);
+        exact.velocities.truncate(count);
+        exact.angular_velocities.truncate(count);
+        exact.strain_rates.truncate(count);
+        let error = worst(&found, &exact);
+        assert!(error < 1e-5, "{boundaries:?}: {error:e}");
+    }
+}
+
+/// The same bound of errors between walls and above one.
+#[test]
+fn errors_at_walls_stay_below_the_tolerance_of_the_plan() {
+    for boundaries in [Boundaries::Wall, Boundaries::Walls] {
+        let (suspension, quadrupoles) = at_walls(boundaries);
+        let exact = by(&suspension, &suspension.plan(1e-9, Fixed::default()), &quadrupoles);
+        let swum = |h: &Vector| (*h / (2.0 * PI * suspension.viscosity)).length_squared();
+        let scale = quadrupoles.iter().map(swum).sum::<f64>().sqrt();
+        for tolerance in [1e-2, 1e-3, 1e-4, 1e-5] {
+            let problem = Problem { rigid: true, loading: Loading::Swimming, ..suspension.problem(tolerance) };
+            let found = by(&suspension, &Plan::choose(&problem).unwrap(), &quadrupoles);
+            let errors = at_surfaces(&suspension, &difference(&found, &exact)).map(|error| error / scale);
+            println!("{boundaries:?} {tolerance:e}: {errors:?}");
+            assert!(errors.iter().all(|&error| error < tolerance), "{boundaries:?} {tolerance:e}: {errors:?}");
+        }
+    }
+}
+
 /// In a box with three slanted lattice vectors, the split method against exact sums.
 #[test]
 fn boxes_may_be_tilted() {

@@ -40,26 +40,19 @@ pub struct Squirming {
     pub second: Vec<Traceless>,
 }
 
-/// Squirmers for which a plan has no far field.
+/// Squirmers with a plan for forces alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum SquirmingRefused {
-    /// In a box with walls.
-    #[error("squirmers have no images in walls: they need a box that is periodic or open")]
-    Walls,
-    /// With forces alone.
-    #[error("squirmers need the stresslets of rigid spheres: the multipoles must include dipoles")]
-    Monopoles,
-}
+#[error("squirmers need the stresslets of rigid spheres: the multipoles must include dipoles")]
+pub struct SquirmingRefused;
 
 impl Squirming {
     /// Checks that a plan has a far field of squirmers.
     ///
     /// # Errors
-    /// If the plan has walls or monopoles only.
+    /// If the plan has no dipoles.
     pub fn check(plan: &Plan) -> Result<(), SquirmingRefused> {
         match plan.multipoles {
-            _ if plan.boundaries.walls() > 0 => Err(SquirmingRefused::Walls),
-            Multipoles::Monopole | Multipoles::Moments => Err(SquirmingRefused::Monopoles),
+            Multipoles::Monopole | Multipoles::Moments => Err(SquirmingRefused),
             Multipoles::Dipole => Ok(()),
         }
     }

@@ -25,6 +25,11 @@ pub fn inverse<const N: usize>(matrix: Square<N>) -> Square<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (inverse[i][j] + inverse[j][i])))
 }
 
+/// A matrix times a vector.
+pub fn times<const N: usize>(matrix: &Square<N>, vector: &[f64; N]) -> [f64; N] {
+    matrix.map(|row| row.iter().zip(vector).map(|(r, v)| r * v).sum())
+}
+
 /// `a b`.
 pub fn product<const L: usize, const M: usize, const N: usize>(a: &[[f64; M]; L], b: &[[f64; N]; M]) -> [[f64; N]; L] {
     std::array::from_fn(|i| std::array::from_fn(|j| (0..M).map(|k| a[i][k] * b[k][j]).sum()))

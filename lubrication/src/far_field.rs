@@ -3,7 +3,7 @@
 use domain::sphere;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use crate::dense::{Square, inverse};
+use crate::dense::{Square, inverse, times};
 use crate::gaussian::{quadrupole, radial_derivatives, widths};
 use crate::two_sphere::blocks::{ResistanceBlocks, place};
 use crate::two_sphere::slip::{SLIP_VALUES, SlipFunction, SlipValues};
@@ -99,10 +99,6 @@ impl QuadrupoleFlow {
             turning: -0.5 * r * (5.0 * gradient[1] + r2 * gradient[2]),
         }
     }
-}
-
-fn times<const N: usize>(matrix: &Square<N>, vector: &[f64; N]) -> [f64; N] {
-    matrix.map(|row| row.iter().zip(vector).map(|(r, v)| r * v).sum())
 }
 
 /// Mobility times viscosity along the line of centres with forces alone.

@@ -64,4 +64,4 @@ pub use sphere_row_tables::SphereRowTables;
 pub use surface_force::SurfaceForce;
 pub use wall_coefficients::WallCoefficients;
 pub use wall_factor::WallFactor;
-pub use wall_force::WallForce;
+pub use wall_force::{WallForce, WallSlip};

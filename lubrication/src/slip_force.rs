@@ -8,7 +8,7 @@ use crate::arithmetic::Arithmetic;
 use crate::pair_force::{PairForce, PairForceError, PairGap};
 use crate::slip_table::SlipTable;
 use crate::sphere_motion::SphereLoads;
-use crate::two_sphere::slip::{SlipFunction, SlipValues};
+use crate::two_sphere::slip::SlipFunction;
 
 /// Slip velocity at the surface of a sphere with the outward normal `n`, `(n n - I).b + (n.Q.n) n - Q.n`. A squirmer
 /// with the axis `p` has `b = B1 p` and `Q = B2 (p p - I/3)`.
@@ -66,44 +66,39 @@ impl SlipForce {
         let values = self.tables[species[0] as usize * self.species + species[1] as usize].at::<X>(over_small);
         // The table has the smaller sphere first.
         let (own, axis) = if radii[0] <= radii[1] { (0, separation / distance) } else { (1, -separation / distance) };
-        let modes = SlipModes { axis, values: &values, own };
-        let [mut sum, other] = [own, 1 - own].map(|slips| modes.loads(slips, &slip[usize::from(slips != own)]));
-        sum = sum + other;
-        let torque = factor * small;
-        Some(SphereLoads { force: sum.force * factor, torque: sum.torque * torque, moment: sum.moment * torque })
+        let by = |slips: usize| {
+            let value = |function: SlipFunction| function.of(&values, own, slips);
+            loads_by_modes(axis, value, &slip[usize::from(slips != own)])
+        };
+        Some(scaled(by(own) + by(1 - own), factor, small))
     }
 }
 
-/// Loads by modes about an axis, from the first sphere of a table to the second.
-struct SlipModes<'a> {
-    axis: Vector,
-    values: &'a SlipValues,
-    /// Sphere of the table whose loads are wanted.
-    own: usize,
+/// Loads of a sphere of a given radius, by those of radius and viscosity 1 with the same slip.
+pub fn scaled(SphereLoads { force, torque, moment }: SphereLoads, factor: f64, radius: f64) -> SphereLoads {
+    let of_torque = factor * radius;
+    SphereLoads { force: force * factor, torque: torque * of_torque, moment: moment * of_torque }
 }
 
-impl SlipModes<'_> {
-    /// Loads by the slip of one sphere of the table.
-    fn loads(&self, slips: usize, slip: &SurfaceSlip) -> SphereLoads {
-        let d = self.axis;
-        let value = |function: SlipFunction| function.of(self.values, self.own, slips);
-        let along = slip.first.dot(d);
-        let across = slip.first - d * along;
-        let pulled = slip.second.tensor() * d;
-        let axial = 1.5 * pulled.dot(d);
-        let bent = pulled - d * pulled.dot(d);
-        let force = d * (value(SlipFunction::XF1) * along + value(SlipFunction::XF2) * axial)
-            + across * value(SlipFunction::YF1)
-            + bent * value(SlipFunction::YF2);
-        let torque = d.cross(across * value(SlipFunction::YT1) + bent * value(SlipFunction::YT2));
-        let unit_axial = Traceless::part_of(&outer(d, d));
-        let sheared = |v: Vector| Traceless::part_of(&(outer(d, v) + outer(v, d)));
-        let planar = slip.second - unit_axial * axial - sheared(bent);
-        let moment = unit_axial * (1.5 * (value(SlipFunction::XS1) * along + value(SlipFunction::XS2) * axial))
-            + sheared(across * value(SlipFunction::YS1) + bent * value(SlipFunction::YS2))
-            + planar * value(SlipFunction::ZS2);
-        SphereLoads { force, torque, moment }
-    }
+/// Loads by the slip of a sphere, with the values of the functions for an axis.
+#[inline(always)]
+pub fn loads_by_modes(d: Vector, value: impl Fn(SlipFunction) -> f64, slip: &SurfaceSlip) -> SphereLoads {
+    let along = slip.first.dot(d);
+    let across = slip.first - d * along;
+    let pulled = slip.second.tensor() * d;
+    let axial = 1.5 * pulled.dot(d);
+    let bent = pulled - d * pulled.dot(d);
+    let force = d * (value(SlipFunction::XF1) * along + value(SlipFunction::XF2) * axial)
+        + across * value(SlipFunction::YF1)
+        + bent * value(SlipFunction::YF2);
+    let torque = d.cross(across * value(SlipFunction::YT1) + bent * value(SlipFunction::YT2));
+    let unit_axial = Traceless::part_of(&outer(d, d));
+    let sheared = |v: Vector| Traceless::part_of(&(outer(d, v) + outer(v, d)));
+    let planar = slip.second - unit_axial * axial - sheared(bent);
+    let moment = unit_axial * (1.5 * (value(SlipFunction::XS1) * along + value(SlipFunction::XS2) * axial))
+        + sheared(across * value(SlipFunction::YS1) + bent * value(SlipFunction::YS2))
+        + planar * value(SlipFunction::ZS2);
+    SphereLoads { force, torque, moment }
 }
 
 /// `a_i b_j`

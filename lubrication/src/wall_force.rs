@@ -5,8 +5,10 @@ use std::sync::Arc;
 use domain::Vector;
 
 use crate::lubrication_range::LubricationRange;
+use crate::slip_force::{SurfaceSlip, loads_by_modes, scaled};
+use crate::sphere_motion::SphereLoads;
 use crate::wall_factor::WallFactor;
-use crate::wall_table::WallTable;
+use crate::wall_table::{WallSlipTable, WallTable};
 
 /// Correction for a sphere at a wall, `R_exact - R_FCM`: the exact resistance of one sphere and one wall minus that
 /// of the force-coupling method itself, with the wall's images of Gaussians. With it a single sphere at a wall is
@@ -44,6 +46,33 @@ impl WallForce {
         let factor = (self.viscosity * radius).sqrt() * self.range.taper(gap);
         let factors = self.table.at(self.range.effective_gap(gap, self.range.minimum_gap()), factor);
         Some(WallFactor::new(&factors, axis, radius))
+    }
+
+    /// Correction for the slip of squirmers. Computes its table at first use, with rayon; must not be called from a rayon
+    /// task.
+    pub fn slip(&self) -> WallSlip<'_> {
+        WallSlip { force: self, table: WallSlipTable::get() }
+    }
+}
+
+/// Correction of the force-coupling method for the slip of squirmers at walls: the exact loads of a squirmer at rest
+/// minus those of the method, as [`SlipForce`](crate::SlipForce) has between spheres.
+#[derive(Debug, Clone)]
+pub struct WallSlip<'a> {
+    force: &'a WallForce,
+    table: Arc<WallSlipTable>,
+}
+
+impl WallSlip<'_> {
+    /// Loads of a squirmer on the fluid, in the range of [`WallForce::factor`] and by the same distances.
+    pub fn loads(&self, axis: Vector, distance: f64, radius: f64, slip: &SurfaceSlip) -> Option<SphereLoads> {
+        let (gap, range) = (distance / radius - 1.0, self.force.range);
+        if gap >= range.cutoff() {
+            return None;
+        }
+        let values = self.table.at(range.effective_gap(gap, range.minimum_gap()));
+        let factor = self.force.viscosity * radius * range.taper_factor(gap);
+        Some(scaled(loads_by_modes(axis, |function| values[function as usize], slip), factor, radius))
     }
 }
 

@@ -5,9 +5,10 @@ use std::sync::{Arc, OnceLock};
 use crate::block_factor::{BlockFactor, difference, part, symmetric_root};
 use crate::chebyshev::Chebyshev;
 use crate::factor_table::{CLOSEST, GROWTH, NODES};
-use crate::two_sphere::SphereWall;
 use crate::two_sphere::blocks::{change, from_pole_coordinates};
-use crate::wall_blocks::{ISOLATED, WallBlocks};
+use crate::two_sphere::slip::SLIP_FUNCTIONS;
+use crate::two_sphere::{SphereWall, SphereWallSlip};
+use crate::wall_blocks::{ISOLATED, WallBlocks, slip_of_fcm};
 
 /// Largest tabulated gap over the radius.
 pub const FARTHEST: f64 = 1.5;
@@ -17,9 +18,7 @@ const LANES: usize = 11;
 /// Factors of `R_exact - R_FCM` of a sphere at a wall, for radius and viscosity 1, interpolated in the logarithm of
 /// the gap: the resistance to motions is positive semi-definite, as between spheres.
 #[derive(Debug)]
-pub struct WallTable {
-    pieces: Vec<Chebyshev<LANES, NODES>>,
-}
+pub struct WallTable(GapPieces<LANES>);
 
 /// Blocks of a sphere's resistance at a wall; `w` of the axial one is the separation velocity of the surfaces.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +42,59 @@ impl WallTable {
 
     /// Factors at a gap from the closest to the farthest, for a resistance larger by `factor` squared.
     pub fn at(&self, gap: f64, factor: f64) -> WallFactors {
-        let log = gap.ln();
-        let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
-        wall_factors(self.pieces[piece.min(self.pieces.len() - 1)].at(log), factor)
+        wall_factors(self.0.at(gap), factor)
     }
 
     fn compute(exact: &SphereWall) -> Self {
+        Self(GapPieces::through(|gap| lanes(exact, gap)))
+    }
+}
+
+/// Loads by slip of a sphere held at a wall, the exact ones minus those of the force-coupling method, for radius and
+/// viscosity 1, in the order of [`SlipFunction::ALL`](crate::two_sphere::SlipFunction::ALL).
+#[derive(Debug)]
+pub struct WallSlipTable(GapPieces<SLIP_FUNCTIONS>);
+
+impl WallSlipTable {
+    /// Table, computed at the first call, then shared. Must not be called from a rayon task.
+    pub fn get() -> Arc<Self> {
+        static TABLE: OnceLock<Arc<WallSlipTable>> = OnceLock::new();
+        Arc::clone(TABLE.get_or_init(|| Arc::new(Self::compute(&SphereWallSlip::get()))))
+    }
+
+    /// Values at a gap from the closest to the farthest.
+    pub fn at(&self, gap: f64) -> [f64; SLIP_FUNCTIONS] {
+        self.0.at(gap)
+    }
+
+    fn compute(exact: &SphereWallSlip) -> Self {
+        let difference = |gap: f64| {
+            let (all, known) = (exact.at(gap), slip_of_fcm(1.0 + gap));
+            std::array::from_fn(|k| all[k] - known[k])
+        };
+        Self(GapPieces::through(difference))
+    }
+}
+
+/// Functions of the gap, in pieces of its logarithm.
+#[derive(Debug)]
+struct GapPieces<const N: usize>(Vec<Chebyshev<N, NODES>>);
+
+impl<const N: usize> GapPieces<N> {
+    fn through(values: impl Fn(f64) -> [f64; N]) -> Self {
         let count = (FARTHEST / CLOSEST).log(GROWTH).ceil() as i32;
         let edge = |k: i32| (CLOSEST * GROWTH.powi(k)).ln();
         let piece = |k: i32| {
-            let values = Chebyshev::<LANES, NODES>::nodes(edge(k), edge(k + 1)).map(|log| lanes(exact, log.exp()));
-            Chebyshev::through(edge(k), edge(k + 1), &values)
+            let samples = Chebyshev::<N, NODES>::nodes(edge(k), edge(k + 1)).map(|log| values(log.exp()));
+            Chebyshev::through(edge(k), edge(k + 1), &samples)
         };
-        Self { pieces: (0..count).map(piece).collect() }
+        Self((0..count).map(piece).collect())
+    }
+
+    fn at(&self, gap: f64) -> [f64; N] {
+        let log = gap.ln();
+        let piece = ((log - CLOSEST.ln()) / GROWTH.ln()).max(0.0) as usize;
+        self.0[piece.min(self.0.len() - 1)].at(log)
     }
 }
 
@@ -103,6 +142,17 @@ mod tests {
                 |factors: &WallFactors| factors.transverse.factor.map(|row| row.iter().map(|x| x * x).sum::<f64>());
             for (x, y) in across(&found).into_iter().zip(across(&wanted)) {
                 assert!((x - y).abs() < 1e-5 * ISOLATED[1], "gap {gap}: {x}, not {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn slip_interpolates_between_the_nodes() {
+        let (exact, table) = (SphereWallSlip::get(), WallSlipTable::get());
+        for gap in (0..54).map(|k| 1.3e-6 * 1.29_f64.powi(k)) {
+            let (all, known) = (exact.at(gap), slip_of_fcm(1.0 + gap));
+            for (k, found) in table.at(gap).into_iter().enumerate() {
+                assert!((found - all[k] + known[k]).abs() < 1e-6, "function {k} at {gap}");
             }
         }
     }

@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import json
+import math
 import os
 import pathlib
 import subprocess
@@ -28,8 +29,9 @@ def mobility(case, tolerance):
 
 
 def two_sphere(ratio, gap, *options):
-    """The exact two-sphere functions, by name."""
-    command = [PROGRAM, "two-sphere", "--ratio", repr(ratio), "--gap", repr(gap), "--json", *options]
+    """The exact two-sphere functions, by name; at a wall for an infinite ratio."""
+    second = ["--wall"] if math.isinf(ratio) else ["--ratio", repr(ratio)]
+    command = [PROGRAM, "two-sphere", *second, "--gap", repr(gap), "--json", *options]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
 
 

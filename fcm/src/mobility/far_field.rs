@@ -39,7 +39,7 @@ pub(crate) trait FarField {
     /// none.
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion;
 
-    /// Motions that loads and degenerate quadrupoles, one of each particle, cause in a box without walls.
+    /// Motions that loads and degenerate quadrupoles, one of each particle, cause.
     fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion;
 
     /// Random motions whose covariance is the mobility: velocities, and with dipoles angular velocities and rates of

@@ -103,11 +103,7 @@ impl Mobility {
     /// in one evaluation: velocities, angular velocities and rates of strain by the loads and by the force densities
     /// `H lap Delta'` of swimming spheres, as [`crate::Quadrupole`] defines them. The list of quadrupoles has an entry
     /// for each particle that the rank owns. A flow of [`Self::constrain`] is that of the loads. Collective.
-    ///
-    /// # Panics
-    /// If the plan has walls.
     pub fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
-        assert_eq!(self.plan.boundaries.walls(), 0, "quadrupoles have no images in walls");
         let mut motion = self.far.apply_with_quadrupoles(loads, quadrupoles).of(self.plan.multipoles);
         if let Some(constraint) = &self.constraint {
             constraint.add_to(&mut motion, loads, self.partition.comm());

@@ -5,7 +5,7 @@ use crate::envelope::Envelope;
 use crate::pairs::pair_correction::LoadedParticles;
 use crate::plan::Plan;
 use crate::plan::bounded::NEAREST_WALL;
-use crate::walls::wall_kernel::{SourceAtWall, WallKernel, WallMobilityBlock};
+use crate::walls::wall_kernel::{SourceAtWall, WallKernel, WallLoad, WallMobilityBlock};
 use domain::parallel::MeasuredLoop;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
@@ -171,9 +171,9 @@ impl WallImages {
         let block = |&(row, ImagePair { row: j, x, is_forward, .. }): &(usize, ImagePair)| {
             let pair = [of(row), of(j as usize)];
             let block = if is_forward {
-                images.between(present.cell, x, pair)
+                images.between(WallLoad::ForceAndDipole, present.cell, x, pair)
             } else {
-                images.between(present.cell, -x, [pair[1], pair[0]])
+                images.between(WallLoad::ForceAndDipole, present.cell, -x, [pair[1], pair[0]])
             };
             block.expect("these reach each other")
         };
@@ -211,8 +211,14 @@ impl WallImages {
     }
 
     /// Flow from one sphere to another at `x` from it, by the walls near which both are.
-    fn between(&self, cell: &PeriodicBox, x: Vector, spheres: [(&SphereClass, f64); 2]) -> Option<WallMobilityBlock> {
-        let of_wall = |above: bool| self.seen_by(cell, above, spheres).map(|seen| self.waves.block(x, seen));
+    fn between(
+        &self,
+        load: WallLoad,
+        cell: &PeriodicBox,
+        x: Vector,
+        spheres: [(&SphereClass, f64); 2],
+    ) -> Option<WallMobilityBlock> {
+        let of_wall = |above: bool| self.seen_by(cell, above, spheres).map(|seen| self.waves.block_of(load, x, seen));
         match (of_wall(false), of_wall(true).map(WallMobilityBlock::reflected)) {
             (Some(mut below), Some(above)) => {
                 below += above;
@@ -225,7 +231,8 @@ impl WallImages {
     /// Velocity at a point by the images of a sphere's force and dipole.
     pub fn velocity_at(&self, cell: &PeriodicBox, point: Vector, sphere: &SourceSphere) -> Vector {
         let x = point - sphere.position;
-        let block = self.between(cell, x, [(&self.point, point.z), (self.class(sphere.class), point.z - x.z)]);
+        let spheres = [(&self.point, point.z), (self.class(sphere.class), point.z - x.z)];
+        let block = self.between(WallLoad::ForceAndDipole, cell, x, spheres);
         block.map_or(Vector::ZERO, |block| block.motion(sphere.force, &sphere.dipole).0 * self.inverse_viscosity)
     }
 
@@ -237,6 +244,22 @@ impl WallImages {
                 || self.add_list(present, gradients, list, motion),
             );
         });
+    }
+
+    /// Adds the flows of the images of the particles' degenerate quadrupoles, in place of their forces, to the velocities
+    /// and gradients in `motions`. Blocks of quadrupoles are not symmetric, and are not kept.
+    pub fn add_of_quadrupoles(&self, present: &LoadedParticles, motions: &mut [(Vector, Tensor)]) {
+        let of = |row: usize| (self.class(present.classes[row]), present.positions[row].z);
+        let add = |(row, (motion, list)): (usize, (&mut (Vector, Tensor), &Vec<ImagePair>))| {
+            for &ImagePair { row: j, x, .. } in list {
+                let (spheres, quadrupole) = ([of(row), of(j as usize)], present.forces[j as usize]);
+                let Some(block) = self.between(WallLoad::Quadrupole, present.cell, x, spheres) else { continue };
+                let (u, d) = block.motion(quadrupole, &Tensor::ZERO);
+                motion.0 += u * self.inverse_viscosity;
+                motion.1 += d * self.inverse_viscosity;
+            }
+        };
+        motions.par_iter_mut().zip(&self.lists).enumerate().measured().for_each(add);
     }
 
     #[inline(always)]

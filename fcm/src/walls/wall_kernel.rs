@@ -35,6 +35,10 @@ const DIRECTIONS: usize = 5;
 
 /// Sums over wavenumbers of the products of the waves at two spheres: with even Bessel functions, or with odd ones.
 type WaveSums = [[[f64; LOCAL]; LOCAL]; TERMS];
+
+/// Three waves at a sphere.
+type Waves = [[f64; LOCAL]; 3];
+
 const TERMS: usize = 3;
 
 /// A sphere as seen from its wall: its distance, and the squared widths of its envelopes of force and dipole.
@@ -42,6 +46,16 @@ const TERMS: usize = 3;
 pub(crate) struct SourceAtWall {
     pub distance: f64,
     pub squares: [f64; 2],
+}
+
+/// Loads of a sphere that a block is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WallLoad {
+    /// A force and a dipole.
+    ForceAndDipole,
+    /// A degenerate quadrupole in place of the force, and no dipole. It acts on a flow as twice the derivative with respect
+    /// to the squared width of an envelope of force, and so as `lap`.
+    Quadrupole,
 }
 
 /// Matrix from the force and dipole of one sphere to the velocity and its gradient of another, for viscosity 1.
@@ -94,6 +108,11 @@ impl WallKernel {
 
     /// Flow from the second sphere to the first, which is at `x` from it, by a wall below both.
     pub fn block(&self, x: Vector, spheres: [SourceAtWall; 2]) -> WallMobilityBlock {
+        self.block_of(WallLoad::ForceAndDipole, x, spheres)
+    }
+
+    /// The same by given loads of the second sphere.
+    pub fn block_of(&self, load: WallLoad, x: Vector, spheres: [SourceAtWall; 2]) -> WallMobilityBlock {
         let distance = x.x.hypot(x.y);
         let mut sums = [[[0.0; LOCAL]; LOCAL]; TERMS];
         let mut block = [[0.0; ENTRIES]; ENTRIES];
@@ -107,7 +126,12 @@ impl WallKernel {
                     let bessel = bessel([k * distance, self.step * distance]);
                     for lane in 0..LANES {
                         let factors = bessel.map(|of_order| 0.25 * weights[lane] * decay * of_order[lane]);
-                        add_wavenumber(k, factors, &spheres, &mut sums);
+                        let to = waves(k, spheres[0]);
+                        let from = match load {
+                            WallLoad::ForceAndDipole => waves(k, spheres[1]),
+                            WallLoad::Quadrupole => waves_of_quadrupole(k),
+                        };
+                        add_wavenumber(factors, [&to, &from], &mut sums);
                         k += self.step;
                         decay *= ratio;
                     }
@@ -124,7 +148,7 @@ impl WallKernel {
 
 /// The three waves at a sphere, in their frame, without the factor `exp(-k z)`.
 #[inline(always)]
-fn waves(k: f64, SourceAtWall { distance, squares }: SourceAtWall) -> [[f64; LOCAL]; 3] {
+fn waves(k: f64, SourceAtWall { distance, squares }: SourceAtWall) -> Waves {
     let [x, y] = squares.map(|square| k * distance - k * k * square);
     [
         [1.0 - x, k * y, k * (y - 2.0), -x, k * (1.0 - y), 0.0, 0.0, 0.0],
@@ -133,10 +157,16 @@ fn waves(k: f64, SourceAtWall { distance, squares }: SourceAtWall) -> [[f64; LOC
     ]
 }
 
+/// The Laplacian of the three waves, without the factor `exp(-k z)`.
+#[inline(always)]
+fn waves_of_quadrupole(k: f64) -> Waves {
+    let [lap, zero] = [2.0 * k * k, 0.0];
+    [[lap, zero, zero, lap, zero, zero, zero, zero], [-lap, zero, zero, -lap, zero, zero, zero, zero], [zero; LOCAL]]
+}
+
 /// Adds the products of the waves of one wavenumber at two spheres, times each Bessel function.
 #[inline(always)]
-fn add_wavenumber(k: f64, factors: [f64; ORDERS], [first, second]: &[SourceAtWall; 2], sums: &mut WaveSums) {
-    let (to, from) = (waves(k, *first), waves(k, *second));
+fn add_wavenumber(factors: [f64; ORDERS], [to, from]: [&Waves; 2], sums: &mut WaveSums) {
     // Even orders where both or neither are imaginary, odd ones elsewhere.
     let factor = |term: usize, odd: bool| {
         if odd { factors.get(2 * term + 1).copied().unwrap_or(0.0) } else { factors[2 * term] }

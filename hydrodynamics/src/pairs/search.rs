@@ -246,7 +246,15 @@ impl NearPairs {
             neighbours: field.lists.neighbours(),
             slips: &slips,
         };
-        let loads = of_rows(owned, |row| pairs.loads(row));
+        let mut loads = of_rows(owned, |row| pairs.loads(row));
+        if let Some(force) = &field.at_walls {
+            let lubrication = force.slip();
+            for at_wall in &self.at_walls {
+                let row = at_wall.row;
+                let radius = field.radii[self.around.species[row] as usize];
+                loads[row] = loads[row] + at_wall.slip_loads(&lubrication, radius, &slips[row]);
+            }
+        }
         // As those in the ambient strain, the loads are kept as known loads of the far field: with the opposite sign.
         change(&mut self.loads.0, &loads, |sum, by| *sum += SixVector::new(-by.force, -by.torque));
         change(&mut self.moments, &loads, |sum, by| *sum += -by.moment);

@@ -6,7 +6,7 @@ use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::parallel::{MeasuredLoop, concat};
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
-use lubrication::{PairKind, WallCoefficients, WallForce};
+use lubrication::{PairKind, SphereLoads, SurfaceSlip, WallCoefficients, WallForce, WallSlip};
 use rayon::prelude::*;
 
 /// A sphere near a wall. Its resistance is like that of a pair one of which is at rest relative to the flow.
@@ -101,6 +101,11 @@ impl AtWall {
         let motion = passed.0[self.row];
         let by_motion = self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).force;
         (by_motion + self.in_flow.0.linear()) * self.distance.powi(2)
+    }
+
+    /// Loads of the sphere on the fluid by its own slip; none beyond the range of lubrication.
+    pub fn slip_loads(&self, lubrication: &WallSlip, radius: f64, slip: &SurfaceSlip) -> SphereLoads {
+        lubrication.loads(self.axis, self.distance, radius, slip).unwrap_or_default()
     }
 
     /// First moment due to the motions.

@@ -91,6 +91,11 @@ pub fn named(functions: &ResistanceFunctions) -> Vec<(&'static str, f64)> {
     NAMES.into_iter().zip(functions.0.as_flattened().as_flattened().iter().copied()).collect()
 }
 
+/// All functions of a sphere at a wall with their names in output files: `XA`, `YA`, and so on.
+pub fn named_at_wall(functions: &WallFunctions) -> Vec<(String, f64)> {
+    Function::ALL.into_iter().map(|function| (format!("{function:?}"), functions[function])).collect()
+}
+
 /// All mobility functions with their names, `xa11` to `zm22`.
 pub fn named_mobility(functions: &MobilityFunctions) -> Vec<(&'static str, f64)> {
     MOBILITY_NAMES.into_iter().zip(functions.0.as_flattened().as_flattened().iter().copied()).collect()

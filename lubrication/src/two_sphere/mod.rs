@@ -29,8 +29,12 @@ pub(crate) mod slip;
 mod table;
 pub(crate) mod tridiagonal;
 mod wall;
+mod wall_slip;
 
-pub use functions::{Function, MobilityFunctions, Pairwise, ResistanceFunctions, WallFunctions, named, named_mobility};
-pub use slip::{SlipFunction, SlipValues, TwoSphereSlip, named_slip};
+pub use functions::{
+    Function, MobilityFunctions, Pairwise, ResistanceFunctions, WallFunctions, named, named_at_wall, named_mobility,
+};
+pub use slip::{SlipFunction, SlipValues, TwoSphereSlip, named_slip, named_slip_at_wall};
 pub use table::{LARGEST_RATIO, TwoSphere, TwoSphereError};
 pub use wall::SphereWall;
+pub use wall_slip::SphereWallSlip;

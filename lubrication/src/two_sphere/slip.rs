@@ -72,6 +72,11 @@ pub fn named_slip(values: &SlipValues) -> Vec<(String, f64)> {
     all.map(|(function, i, j)| (format!("{function:?}_{}{}", i + 1, j + 1), function.of(values, i, j))).collect()
 }
 
+/// All values of a sphere at a wall with their names in output: `XF1`, `XS1` and so on.
+pub fn named_slip_at_wall(values: &[f64; SLIP_FUNCTIONS]) -> Vec<(String, f64)> {
+    SlipFunction::ALL.into_iter().zip(values).map(|(function, &value)| (format!("{function:?}"), value)).collect()
+}
+
 /// Number of functions.
 pub const SLIP_FUNCTIONS: usize = 11;
 
@@ -126,11 +131,25 @@ impl TwoSphereSlip {
 
 /// All values at a positive, finite `gap`, in units of the first radius.
 pub fn loads(ratio: f64, gap: f64) -> SlipValues {
-    let geometry = Geometry::new(ratio, gap);
+    solve(&Geometry::new(ratio, gap))
+}
+
+/// Loads of a sphere of radius 1 at a positive, finite `gap` from a plane wall by its own slip, in the order of
+/// [`SlipFunction::ALL`], with `z` the unit vector from its centre to the wall.
+pub fn wall_loads(gap: f64) -> [f64; SLIP_FUNCTIONS] {
+    values_of(&solve(&Geometry::at_wall(gap)), 0, 0)
+}
+
+/// Values of all functions for the load of sphere `bears` by the slip of sphere `slips`, 0 or 1.
+pub fn values_of(values: &SlipValues, bears: usize, slips: usize) -> [f64; SLIP_FUNCTIONS] {
+    SlipFunction::ALL.map(|function| function.of(values, bears, slips))
+}
+
+fn solve(geometry: &Geometry) -> SlipValues {
     let drives = |order: usize, modes: &[SlipMode]| {
         let drive = |mode: &SlipMode, sphere| mode.on(sphere);
         let all: Vec<SurfaceVelocity> = modes.iter().flat_map(|mode| [drive(mode, 0), drive(mode, 1)]).collect();
-        bispherical::solve(&geometry, order, &all)
+        bispherical::solve(geometry, order, &all)
     };
     let [axial, transverse, planar] = [drives(0, &AXIAL), drives(1, &TRANSVERSE), drives(2, &PLANAR)];
     let focus = geometry.focus.value();

@@ -177,7 +177,6 @@ fn of_swimmers(p: &Parameters) -> Vec<Refusal> {
 fn of_slip(p: &Parameters) -> Vec<Refusal> {
     let is_calibrated = p.repulsion.is_some_and(|repulsion| repulsion.calibrate);
     vec![
-        refusal(p.cell.boundaries().walls() > 0, "box.boundaries", "have walls"),
         refusal(p.hydrodynamics.device == ComputeDevice::Gpu, "hydrodynamics.device", "is \"gpu\""),
         refusal(p.shear_rates().stress().is_some(), "flow.control", "is \"stress\""),
         refusal(p.flow.keeps_flux(), "flow.mean_velocity", "is set"),

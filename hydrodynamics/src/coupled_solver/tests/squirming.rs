@@ -2,7 +2,7 @@
 
 use super::*;
 use domain::Boundaries;
-use lubrication::two_sphere::{Function, SlipFunction, TwoSphere, TwoSphereSlip};
+use lubrication::two_sphere::{Function, SlipFunction, SphereWall, SphereWallSlip, TwoSphere, TwoSphereSlip};
 
 /// `B1 p` and `B2 (p p - I/3)` of an axis.
 fn modes(first: f64, second: f64, p: Vector) -> (Vector, Traceless) {
@@ -199,6 +199,58 @@ fn two_squirmers_move_as_the_exact_solution() {
                     (found - exact).abs() < allowed(k),
                     "ratio {ratio}, gap {gap}, beta {beta}, {k}: {found}, not {exact}"
                 );
+            }
+        }
+    }
+}
+
+/// Exact motion of a free squirmer of radius 1 at a wall whose normal is z, with modes of an axis in the plane of x and
+/// z: `U_z, U_x, Omega_y`. `d` is the sign of the direction from the sphere to the wall.
+fn exact_at_wall(gap: f64, d: f64, first: Vector, second: Traceless) -> [f64; 3] {
+    let functions = SphereWall::get().resistance(gap).unwrap();
+    let slip = SphereWallSlip::get().at(gap);
+    let second = second.tensor();
+    // In the frame whose z axis points to the wall, turned about x: y changes sign with z.
+    let load = |of_first: SlipFunction, of_second: SlipFunction, amounts: [f64; 2]| {
+        amounts[0] * slip[of_first as usize] + amounts[1] * slip[of_second as usize]
+    };
+    let (bent, stretched) = (d * second.z_axis.x, 1.5 * second.z_axis.z);
+    let along =
+        -load(SlipFunction::XF1, SlipFunction::XF2, [d * first.z, stretched]) / (6.0 * PI * functions[Function::XA]);
+    let force = load(SlipFunction::YF1, SlipFunction::YF2, [first.x, bent]);
+    let torque = load(SlipFunction::YT1, SlipFunction::YT2, [first.x, bent]);
+    let (ya, yb, yc) =
+        (6.0 * PI * functions[Function::YA], -4.0 * PI * functions[Function::YB], 8.0 * PI * functions[Function::YC]);
+    let across = eliminated(vec![vec![ya, yb], vec![yb, yc]], vec![-force, -torque]);
+    [d * along, across[0], d * across[1]]
+}
+
+/// A free squirmer at a wall moves as the exact solution, at any gap: to the errors of a passive sphere there, of the
+/// method without lubrication beyond its range, and of periodic images.
+#[test]
+fn a_squirmer_at_a_wall_moves_as_the_exact_solution() {
+    let edge = 40.0;
+    for (boundaries, d) in [(Boundaries::Wall, -1.0), (Boundaries::Walls, 1.0)] {
+        let cell = cube(edge).with_boundaries(boundaries).unwrap();
+        let walls = Problem { boundaries, ..problem(edge, &[1.0], 1e-3, 1e-6) };
+        let plan = Plan::choose(&walls).unwrap();
+        let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+        let mut fluid =
+            CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
+        for (gap, beta) in [(1e-3, -3.0), (0.05, 3.0), (0.5, -3.0), (2.0, 3.0)] {
+            let z = if d > 0.0 { edge - 1.0 - gap } else { 1.0 + gap };
+            for p in [Vector::new(0.6, 0.0, 0.8), Vector::new(-0.96, 0.0, 0.28), Vector::Z] {
+                let (first, second) = modes(1.0, beta, p);
+                let squirming = Squirming { first: vec![first], second: vec![second] };
+                let loads = Loads::default();
+                let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, Traceless::ZERO) };
+                let particles = placed(&[Vector::new(5.0, 6.0, z)], &[1.0]);
+                let found = fluid.solve(&cell, &particles, &acting, &Guess::default()).unwrap().motion;
+                let (u, omega) = (found.velocities[0], found.angular_velocities[0]);
+                let exact = exact_at_wall(gap, d, first, second);
+                for (found, exact) in [u.z, u.x, omega.y].into_iter().zip(exact) {
+                    assert!((found - exact).abs() < 5e-3, "gap {gap}, axis {p}: {found}, not {exact}");
+                }
             }
         }
     }

@@ -164,6 +164,9 @@ impl GridFarField {
             if let Some(images) = &self.wall_images {
                 stage.next("images in walls");
                 images.add(&loaded, gradients, &mut motions);
+                if !quadrupoles.is_empty() {
+                    images.add_of_quadrupoles(&arrangement.loaded(&quadrupoles, &[]), &mut motions);
+                }
             }
             self.work.neighbours += neighbours.count() as u64;
             clock.stop(&mut self.work.seconds.near);

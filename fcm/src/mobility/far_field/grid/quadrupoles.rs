@@ -8,7 +8,7 @@ use domain::parallel::mapped;
 
 impl GridFarField {
     /// Degenerate quadrupoles of all particles present, in internal units; makes their pair correction when it is first
-    /// needed. They have no images in walls. Collective.
+    /// needed. Collective.
     pub(super) fn present_quadrupoles(&mut self, quadrupoles: &[Vector]) -> Vec<Vector> {
         if self.near.is_some() && self.near_quadrupoles.is_none() {
             let own = self.plan.in_units(&self.units);
