@@ -30,8 +30,8 @@ pub struct Args {
 }
 
 /// Prints the resistance functions `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey
-/// (1992), or the loads by slip `XF1_11` and so on over viscosity, in units of the first radius; at a wall `XA` or `XF1`
-/// and so on. Collective.
+/// (1992), or the loads by slip `XF1_11` and so on over viscosity, in units of the first radius; at a wall `XA` or
+/// `XF1` and so on. Collective.
 pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     let named = || args.ratio.map_or_else(|| "--wall".to_owned(), |ratio| format!("--ratio {ratio}"));
     let values = comm.agree(values(args)).with_context(|| format!("{} --gap {}", named(), args.gap))?;

@@ -127,8 +127,8 @@ fn at_walls(boundaries: Boundaries) -> (Suspension, Vec<Vector>) {
     (suspension, quadrupoles)
 }
 
-/// At walls, quadrupoles move spheres as forces `H/e` and `-H/e` of spheres with the two Gaussians do, next to them by a
-/// small distance; forces of `H/e` lose two digits.
+/// At walls, quadrupoles move spheres as forces `H/e` and `-H/e` of spheres with the two Gaussians do, next to them by
+/// a small distance; forces of `H/e` lose two digits.
 #[test]
 fn quadrupoles_at_walls_are_forces_of_two_gaussians() {
     for boundaries in [Boundaries::Wall, Boundaries::Walls] {

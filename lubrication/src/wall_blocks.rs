@@ -83,8 +83,9 @@ impl WallBlocks {
 /// of its centre from a wall, in the order of
 /// [`SlipFunction::ALL`](crate::two_sphere::SlipFunction::ALL): the resistance times minus the velocity `2/3 b`
 /// and the rate of strain `-3/5 Q`, as [`far_field::slip`](crate::far_field::slip), and minus the motion by the image
-/// of the degenerate quadrupole `H = -4/3 pi b`. That image is twice the derivative of the image of a force with respect to
-/// the variance of its envelope, since `lap` acts on the biharmonic flow of walls in place of `1 + (s²/2) lap`.
+/// of the degenerate quadrupole `H = -4/3 pi b`. That image is twice the derivative of the image of a force with
+/// respect to the variance of its envelope, since `lap` acts on the biharmonic flow of walls in place of
+/// `1 + (s²/2) lap`.
 pub fn slip_of_fcm(z: f64) -> [f64; SLIP_FUNCTIONS] {
     let [s, d] = widths(1.0).map(|width| width * width);
     let resistance = WallBlocks::of_fcm(z);

@@ -48,8 +48,8 @@ impl WallForce {
         Some(WallFactor::new(&factors, axis, radius))
     }
 
-    /// Correction for the slip of squirmers. Computes its table at first use, with rayon; must not be called from a rayon
-    /// task.
+    /// Correction for the slip of squirmers. Computes its table at first use, with rayon; must not be called from a
+    /// rayon task.
     pub fn slip(&self) -> WallSlip<'_> {
         WallSlip { force: self, table: WallSlipTable::get() }
     }

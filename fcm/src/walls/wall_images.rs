@@ -246,8 +246,8 @@ impl WallImages {
         });
     }
 
-    /// Adds the flows of the images of the particles' degenerate quadrupoles, in place of their forces, to the velocities
-    /// and gradients in `motions`. Blocks of quadrupoles are not symmetric, and are not kept.
+    /// Adds the flows of the images of the particles' degenerate quadrupoles, in place of their forces, to the
+    /// velocities and gradients in `motions`. Blocks of quadrupoles are not symmetric, and are not kept.
     pub fn add_of_quadrupoles(&self, present: &LoadedParticles, motions: &mut [(Vector, Tensor)]) {
         let of = |row: usize| (self.class(present.classes[row]), present.positions[row].z);
         let add = |(row, (motion, list)): (usize, (&mut (Vector, Tensor), &Vec<ImagePair>))| {

@@ -53,8 +53,8 @@ pub(crate) struct SourceAtWall {
 pub(crate) enum WallLoad {
     /// A force and a dipole.
     ForceAndDipole,
-    /// A degenerate quadrupole in place of the force, and no dipole. It acts on a flow as twice the derivative with respect
-    /// to the squared width of an envelope of force, and so as `lap`.
+    /// A degenerate quadrupole in place of the force, and no dipole. It acts on a flow as twice the derivative with
+    /// respect to the squared width of an envelope of force, and so as `lap`.
     Quadrupole,
 }
 

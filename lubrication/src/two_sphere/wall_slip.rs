@@ -67,9 +67,10 @@ mod tests {
         }
     }
 
-    /// Far from the wall, the image of the force `-4 pi b` increases the load by `9/8` along `z` and `9/16` across, over
-    /// the distance. The image of the stresslet moves a puller that swims along the wall away from it by `3/16 B2/z^2`
-    /// (Berke, Turner, Berg & Lauga, Phys. Rev. Lett. 101, 038102, 2008), and one along the normal by twice that towards it.
+    /// Far from the wall, the image of the force `-4 pi b` increases the load by `9/8` along `z` and `9/16` across,
+    /// over the distance. The image of the stresslet moves a puller that swims along the wall away from it by `3/16
+    /// B2/z^2` (Berke, Turner, Berg & Lauga, Phys. Rev. Lett. 101, 038102, 2008), and one along the normal by twice
+    /// that towards it.
     #[test]
     fn far_away_the_images_of_force_and_stresslet_act() {
         let (distance, found) = (1000.0, slip::wall_loads(999.0));
