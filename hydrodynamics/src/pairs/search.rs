@@ -248,12 +248,8 @@ impl NearPairs {
         };
         let mut loads = of_rows(owned, |row| pairs.loads(row));
         if let Some(force) = &field.at_walls {
-            let lubrication = force.slip();
-            for at_wall in &self.at_walls {
-                let row = at_wall.row;
-                let radius = field.radii[self.around.species[row] as usize];
-                loads[row] = loads[row] + at_wall.slip_loads(&lubrication, radius, &slips[row]);
-            }
+            let radius = |row: usize| field.radii[self.around.species[row] as usize];
+            walls::add_slip_loads(&mut loads, &self.at_walls, force, radius, &slips);
         }
         // As those in the ambient strain, the loads are kept as known loads of the far field: with the opposite sign.
         change(&mut self.loads.0, &loads, |sum, by| *sum += SixVector::new(-by.force, -by.torque));

@@ -6,7 +6,7 @@ use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
 use domain::parallel::{MeasuredLoop, concat};
 use domain::{Particles, PeriodicBox, ToWall, Traceless, Vector};
-use lubrication::{PairKind, SphereLoads, SurfaceSlip, WallCoefficients, WallForce, WallSlip};
+use lubrication::{PairKind, SphereLoads, SurfaceSlip, WallCoefficients, WallForce};
 use rayon::prelude::*;
 
 /// A sphere near a wall. Its resistance is like that of a pair one of which is at rest relative to the flow.
@@ -50,6 +50,23 @@ pub fn find(
     let count = if cell.boundaries().walls() == 0 { 0 } else { particles.len() };
     let of_batch = |batch: usize| (batch * BATCH..count.min((batch + 1) * BATCH)).flat_map(of_row).collect();
     concat((0..count.div_ceil(BATCH)).into_par_iter().map(of_batch).measured().collect())
+}
+
+/// Adds the loads of spheres at walls on the fluid by their own slip, by rows.
+pub fn add_slip_loads(
+    loads: &mut [SphereLoads],
+    at_walls: &[AtWall],
+    force: &WallForce,
+    radius: impl Fn(usize) -> f64,
+    slips: &[SurfaceSlip],
+) {
+    let lubrication = force.slip();
+    for &AtWall { row, axis, distance, .. } in at_walls {
+        // Springs reach farther than lubrication.
+        if let Some(by_slip) = lubrication.loads(axis, distance, radius(row), &slips[row]) {
+            loads[row] = loads[row] + by_slip;
+        }
+    }
 }
 
 /// Load and first moment on a sphere that moves with the velocity of a parabolic flow at its centre. The reference is
@@ -101,11 +118,6 @@ impl AtWall {
         let motion = passed.0[self.row];
         let by_motion = self.resistance.by_motion(self.axis, [motion.linear(), motion.angular()]).force;
         (by_motion + self.in_flow.0.linear()) * self.distance.powi(2)
-    }
-
-    /// Loads of the sphere on the fluid by its own slip; none beyond the range of lubrication.
-    pub fn slip_loads(&self, lubrication: &WallSlip, radius: f64, slip: &SurfaceSlip) -> SphereLoads {
-        lubrication.loads(self.axis, self.distance, radius, slip).unwrap_or_default()
     }
 
     /// First moment due to the motions.
