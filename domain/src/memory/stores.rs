@@ -112,7 +112,9 @@ impl VerletList {
         let search = Neighbours::search_bytes(owned, present, reached).freed();
         let lists = Neighbours::bytes(owned, reached);
         let now = Bytes::list::<([u32; 3], Vector)>(present);
-        let picking = now.then(Neighbours::batch_bytes(owned, near)).then(Neighbours::bytes(owned, near)).freed();
+        // Each batch has room for all of its neighbours within the reach.
+        let batches = Bytes::list::<(u32, usize)>(owned).then(Bytes::list::<u32>(owned * reached));
+        let picking = now.then(batches).then(Neighbours::bytes(owned, near)).freed();
         found.then(search).then(lists).then(picking).then(Neighbours::bytes(owned, near))
     }
 }
