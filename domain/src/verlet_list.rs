@@ -276,15 +276,14 @@ impl StoredLists {
     fn within(&self, now: &PresentState, cutoff: f64) -> Neighbours {
         let count = now.particles.len();
         let pick = |batch: usize| {
-            let rows = batch * BATCH..count.min((batch + 1) * BATCH);
+            let is_owned = |&row: &usize| (now.particles[row].row as usize) < now.owned;
+            let rows = (batch * BATCH..count.min((batch + 1) * BATCH)).filter(is_owned);
             let mut picked = Batch::default();
-            picked.ends.reserve_exact(rows.len());
+            picked.ends.reserve_exact(rows.clone().count());
             picked.list.reserve_exact(rows.clone().map(|row| self.lists.entries(row).len()).sum());
             for row in rows {
-                if (now.particles[row].row as usize) < now.owned {
-                    self.pick(row, now, cutoff, &mut picked.list);
-                    picked.ends.push((now.particles[row].row, picked.list.len()));
-                }
+                self.pick(row, now, cutoff, &mut picked.list);
+                picked.ends.push((now.particles[row].row, picked.list.len()));
             }
             picked
         };
