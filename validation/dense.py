@@ -92,8 +92,9 @@ time = {{ step = {STEP}, strain = {STRAIN} }}
 def by_stress(spheres):
     """A family over stresses, each to the same strain, in steps of about 0.01 in strain where the viscosity is 15."""
     e = round(edge(THICKENING, spheres), 6)
-    swept = "".join(f'[[sweep]]\n"flow.stress" = {over * UNIT}\n"time.step" = {0.15 / (over * UNIT)}\n"time.duration" = {20 * 15 * STRAIN / (over * UNIT)}\n'
-                    for over in STRESSES)
+    member = '[[sweep]]\n"flow.stress" = {}\n"time.step" = {}\n"time.duration" = {}\n'
+    stresses = [over * UNIT for over in STRESSES]
+    swept = "".join(member.format(stress, 0.15 / stress, 20 * 15 * STRAIN / stress) for stress in stresses)
     return f"""flow = {{ kind = "shear", control = "stress", stress = 1.0 }}
 box.edges = [{e}, {e}, {e}]
 contacts = {{ friction = {FRICTION}, roughness = {ROUGHNESS}, critical_load = {CRITICAL_LOAD} }}
@@ -118,7 +119,9 @@ class Found:
 
 def found_of(values):
     """Mean over the seeds with its error, including the factor of Student's distribution, as for families."""
-    student = (np.pi / 2 * 0.6826895) if len(values) == 2 else 1 + sum(part / (len(values) - 1) ** k for k, part in ((1, 0.5), (2, 0.25), (3, 0.0625)))
+    free = len(values) - 1
+    series = 1 + 0.5 / free + 0.25 / free**2 + 0.0625 / free**3
+    student = np.pi / 2 * 0.6826895 if free == 1 else series
     return Found(np.mean(values), student * np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
@@ -261,7 +264,8 @@ def write_thickening():
             rows.append([f"{over:g}", number.words() if number else f"none: {why}", *(cell(values, "relative_viscosity") for values in sizes),
                          f"{STRESSES[over]:g}"])
     lines = [
-        f"The same at {THICKENING:.0%} with friction {FRICTION:g} in contacts above the critical load \\\\(F_c\\\\); stresses in units of \\\\(F_c / (6 \\pi a^2)\\\\).",
+        f"The same at {THICKENING:.0%} with friction {FRICTION:g} in contacts above the critical load \\\\(F_c\\\\);",
+        "stresses in units of \\\\(F_c / (6 \\pi a^2)\\\\).",
         "",
         *table(["stress", "relative viscosity", *(f"{spheres} spheres" for spheres in SIZES), "LF_DEM"], rows),
     ]

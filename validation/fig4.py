@@ -127,8 +127,9 @@ def main():
     lines = ["![Relative trajectories](figures/fig4.png)", "", *table(["", "smallest gap / a", "offset at x = 3a"], rows)]
     passed, error = passing()
     header = ["settings", *(cell for offset in OFFSETS for cell in (f"initially {offset:g}", "evaluations"))]
-    lines += ["", "Offsets at x = 3a of pairs in unbounded fluid with lubrication, and numbers of evaluations of the mobility. All other settings are"]
-    lines += ["those of the first row, with the default `time.tolerance` 1e-4 and `time.gap_fraction` 0.25.", "", *table(header, passed)]
+    lines += ["", "Offsets at x = 3a of pairs in unbounded fluid with lubrication, and numbers of evaluations of the mobility."]
+    lines += ["All other settings are those of the first row, with the default `time.tolerance` 1e-4 and `time.gap_fraction`"]
+    lines += ["0.25.", "", *table(header, passed)]
     write_section("lubrication.md", "fig4", "Figure 4 of the paper", lines)
     print("\n".join(lines))
     if error > PASSING_LIMIT:

@@ -200,7 +200,8 @@ def main():
     ]
     for key, found in groups.items():
         lines += table([key, "cases", "velocities", "angular velocities", "stresslets"], rows(found)) + [""]
-    lines += [f"The largest ratio is {worst:.2f}." if not above else f"{len(above)} of {sum(map(len, groups['box'].values()))} ratios are above 1:", ""]
+    count_of_all = sum(map(len, groups["box"].values()))
+    lines += [f"{len(above)} of {count_of_all} ratios are above 1:" if above else f"The largest ratio is {worst:.2f}.", ""]
     if above:
         lines += table(["case", "tolerance", "box", "model", "loads", "spheres", "fraction", "kind", "error over tolerance"], above)
     write_section("tolerance.md", "tolerance", "Ratios of errors to tolerances", lines)

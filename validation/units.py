@@ -182,7 +182,8 @@ def main():
         rows.append([f"run, {kind}", f"{ALLOWED_OF_RUN:g}", str(len(OF_RUNS)), f"{worst:.1e}", f"{ALLOWED_OF_RUN:g}"])
         failed += [f"run, {kind}: {worst:.1e}"] if worst > ALLOWED_OF_RUN else []
     header = ["case", "tolerance", "systems of units", "largest difference", "allowed"]
-    lines = ["Differences from the results in units of 1, relative to the norm of the result, or in a run to the largest value with the same dimensions.", ""]
+    lines = ["Differences from the results in units of 1, relative to the norm of the result, or in a run to the largest"]
+    lines += ["value with the same dimensions.", ""]
     lines += table(header, rows)
     lines = [*silica(), "### Thirty systems of units", "", *lines]
     write_section("si-units.md", "units", "Output, and other systems of units", lines)

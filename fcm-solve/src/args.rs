@@ -51,32 +51,32 @@ Examples:
 #[derive(Subcommand)]
 pub enum Command {
     /// Run a scene from its start.
-    Run(run::Args),
+    Run(run::RunArgs),
     /// Go on with a run from its last checkpoint.
-    Resume(resume::Args),
+    Resume(resume::ResumeArgs),
     /// Check a scene and print how it would be computed, without running it.
-    Check(check::Args),
+    Check(check::CheckArgs),
     /// Run a scene with half the step, twice the box, a tenth of the tolerance, four times the stiffness, and say which
     /// matters.
-    Converge(converge::Args),
+    Converge(converge::ConvergeArgs),
     /// Average over a run's trajectory: fluctuations, correlations, diffusivities, pair distributions.
-    Stats(stats::Args),
+    Stats(stats::StatsArgs),
     /// Write a run's trajectory in a format of other programs: extended XYZ, GSD or VTP.
-    Export(export::Args),
+    Export(export::ExportArgs),
     /// Write a page about a run: what was run, its charts, and a player of its trajectory.
-    Report(report::Args),
+    Report(report::ReportArgs),
     /// Evaluate velocities and stresslets once, for given positions.
-    Mobility(mobility::Args),
+    Mobility(mobility::MobilityArgs),
     /// Time the mobility and measure its error.
-    Bench(bench::Args),
+    Bench(bench::BenchArgs),
     /// Measure what evaluations cost on this machine, for the plans of scenes that are run here.
     Calibrate,
     /// Print the exact resistance functions of two spheres.
-    TwoSphere(two_sphere::Args),
+    TwoSphere(two_sphere::TwoSphereArgs),
     /// Print a commented scene to start from.
-    New(new::Args),
+    New(new::NewArgs),
     /// Describe the contents of an HDF5 file of a run.
-    Info(info::Args),
+    Info(info::InfoArgs),
     /// Print the JSON Schema of scenes, with which editors complete and check keys.
     ///
     /// fcm-solve schema > fcm-solve.schema.json, in the folder of scenes printed by `fcm-solve new`: their first line

@@ -13,7 +13,7 @@ use suspension::{Asked, Ranks};
 
 /// Scene to check, and the ranks to predict its cost for.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct CheckArgs {
     /// The scene file; - reads it from the standard input
     scene: PathBuf,
     /// Set a key of the scene, as in --set time.step=0.01; may be repeated
@@ -34,7 +34,7 @@ pub struct Args {
 }
 
 /// Checks the scene and prints its plan, memory and cost. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &CheckArgs, comm: &Comm) -> anyhow::Result<()> {
     let scene = match read_any(&args.scene, &args.overrides, comm)? {
         SceneFile::Scene(scene) => *scene,
         SceneFile::Family(family) => {
@@ -62,7 +62,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 }
 
 /// Ranks to predict memory and time for; ranks that are not present have the threads that this machine would give them.
-fn asked(args: &Args, comm: &Comm) -> Asked {
+fn asked(args: &CheckArgs, comm: &Comm) -> Asked {
     let threads = rayon::current_num_threads();
     let Some(count) = args.ranks.map(|ranks| ranks as usize) else { return Asked::present(comm) };
     let on_a_machine = args.ranks_per_machine.map_or(count, |ranks| ranks as usize).min(count);

@@ -17,7 +17,7 @@ use std::process::ExitCode;
 
 /// The scene, the quantity, and the runs to make.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct ConvergeArgs {
     /// The scene file
     scene: PathBuf,
     /// The quantity, as the answers of a run name it, or a part of its name
@@ -43,7 +43,7 @@ pub struct Args {
 }
 
 /// Makes the missing runs, and prints the change of the quantity at each point.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
+pub fn run(args: &ConvergeArgs, comm: &Comm) -> anyhow::Result<ExitCode> {
     ensure!(comm.size() == 1, "the runs are made by one process, side by side on its cores: start it without mpirun");
     let scene = read(&args.scene, &args.overrides, comm)?;
     let wanted = Convergence::of(&scene, args.seeds)?;
@@ -61,7 +61,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
     Ok(code)
 }
 
-impl Args {
+impl ConvergeArgs {
     fn folder(&self) -> PathBuf {
         let name = self.scene.file_stem().unwrap_or(self.scene.as_os_str()).to_string_lossy();
         self.out.clone().unwrap_or_else(|| Path::new("results").join(format!("{name}-converge")))
@@ -76,7 +76,7 @@ impl Args {
 }
 
 /// The quantity at each point, in words or as JSON.
-fn answer(args: &Args, wanted: &Convergence, folder: &FamilyFolder) -> anyhow::Result<String> {
+fn answer(args: &ConvergeArgs, wanted: &Convergence, folder: &FamilyFolder) -> anyhow::Result<String> {
     let (quantity, species) = quantity(&args.of, &folder.quantities(&wanted.family)?)?;
     let found = folder.changes(&wanted.family, (&quantity, &species))?;
     let names = std::iter::once("as it is").chain(wanted.changes.iter().copied());

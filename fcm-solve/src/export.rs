@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// Run, frames, format and file of an export.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct ExportArgs {
     /// The folder of a run
     folder: PathBuf,
     /// The format
@@ -65,19 +65,19 @@ impl Target {
 }
 
 /// Reads and writes frame by frame, on the first rank. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &ExportArgs, comm: &Comm) -> anyhow::Result<()> {
     let done = if comm.is_first() { write(args) } else { Ok(()) };
     Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
 }
 
-fn write(args: &Args) -> anyhow::Result<()> {
+fn write(args: &ExportArgs) -> anyhow::Result<()> {
     match args.to.wanted() {
         Wanted::Frames(format) => write_frames(args, format),
         Wanted::Contacts(format) => write_contacts(args, format),
     }
 }
 
-fn write_frames(args: &Args, format: Format) -> anyhow::Result<()> {
+fn write_frames(args: &ExportArgs, format: Format) -> anyhow::Result<()> {
     let recorded = TrajectoryReader::open(&args.folder.join("trajectory.h5"))?;
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("trajectory").with_extension(format.extension()));
     let mut count = 0;
@@ -94,7 +94,7 @@ fn write_frames(args: &Args, format: Format) -> anyhow::Result<()> {
     streams::print_here(&format!("{count} frames in {}\n", out.display()))
 }
 
-fn write_contacts(args: &Args, format: ContactFormat) -> anyhow::Result<()> {
+fn write_contacts(args: &ExportArgs, format: ContactFormat) -> anyhow::Result<()> {
     let recorded = RecordedContacts::of(&args.folder)?;
     let folder = args.folder.display();
     ensure!(
@@ -119,7 +119,7 @@ fn write_contacts(args: &Args, format: ContactFormat) -> anyhow::Result<()> {
 }
 
 /// Indices of the frames asked for, among frames at `times`.
-fn meant(args: &Args, times: &[f64]) -> Vec<usize> {
+fn meant(args: &ExportArgs, times: &[f64]) -> Vec<usize> {
     let span = args.from.unwrap_or(f64::NEG_INFINITY)..=args.until.unwrap_or(f64::INFINITY);
     let numbers: Vec<usize> =
         args.frames.map_or_else(|| (0..times.len()).collect(), |range| range.of(times.len()).collect());

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// File or folder to describe, and the form of the output.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct InfoArgs {
     /// An HDF5 file of a run, or the folder of a run or a family
     #[arg(value_name = "FILE|DIR")]
     file: PathBuf,
@@ -24,7 +24,7 @@ pub struct Args {
 }
 
 /// Prints the description of the file or folder, and fails if it is damaged. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &InfoArgs, comm: &Comm) -> anyhow::Result<()> {
     let described = if comm.is_first() { describe(args) } else { Ok(Described::default()) };
     let described = comm.agree(described.map_err(|e| in_full(&e)))?;
     streams::print(comm, &described.text)?;
@@ -44,7 +44,7 @@ struct Described {
     damage: Vec<String>,
 }
 
-fn describe(args: &Args) -> anyhow::Result<Described> {
+fn describe(args: &InfoArgs) -> anyhow::Result<Described> {
     let path = &args.file;
     if path.is_dir() && args.scene {
         let scene = path.join("scene.toml");

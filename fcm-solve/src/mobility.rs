@@ -18,7 +18,7 @@ use suspension::{Drift, Mobility, MobilityParameters, Motions, Overlaps};
 /// Case to evaluate, file of the answer, and tolerance.
 #[derive(clap::Args)]
 #[command(after_help = NAMES)]
-pub struct Args {
+pub struct MobilityArgs {
     /// The case: JSON, or HDF5 with the same names if it ends in .h5 or .hdf5; - reads JSON from the standard input
     case: PathBuf,
     /// File of the answer, HDF5 if it ends in .h5 or .hdf5, else JSON [default: the standard output]
@@ -60,7 +60,7 @@ of drift_velocities, drift_angular_velocities and drift_stresslets over many dra
 drift, kT times the divergence of the mobility, at kT = 1.";
 
 /// Evaluates the case. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &MobilityArgs, comm: &Comm) -> anyhow::Result<()> {
     let read = if comm.is_first() { read(&args.case).map(Some) } else { Ok(None) };
     let read = comm.agree(read)?;
     let case = Case::from_json(&comm.broadcast_text(&read.map_or_else(String::new, |case| case.to_json())));
@@ -220,7 +220,7 @@ fn finite(answer: &CaseAnswer) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(args: &Args, answer: &CaseAnswer) -> anyhow::Result<()> {
+fn write(args: &MobilityArgs, answer: &CaseAnswer) -> anyhow::Result<()> {
     match &args.out {
         Some(path) => Ok(answer.write(path)?),
         None => streams::print_here(&answer.to_json()),
@@ -234,9 +234,8 @@ mod tests {
     #[test]
     fn memory_has_room_for_the_text_of_a_case() {
         let list = ["[0.3333333333333333, 0.3333333333333333, 0.3333333333333333]"; 20].join(", ");
-        let text = format!(
-            r#"{{"box": [9, 9, 9], "viscosity": 1, "radii": 1, "positions": [{list}], "forces": [{list}], "torques": [{list}]}}"#
-        );
+        let lists = ["positions", "forces", "torques"].map(|name| format!(r#""{name}": [{list}]"#)).join(", ");
+        let text = format!(r#"{{"box": [9, 9, 9], "viscosity": 1, "radii": 1, {lists}}}"#);
         let room = text_bytes(&Case::from_json(&text)).kept / text.len() as f64;
         assert!((1.0..10.0).contains(&room), "{room} times the text");
     }

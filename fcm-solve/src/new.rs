@@ -7,7 +7,7 @@ use scene::{TEMPLATES, Template};
 
 /// Scene to print.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct NewArgs {
     /// Name of the scene
     #[arg(value_parser = template())]
     kind: Template,
@@ -22,6 +22,6 @@ fn template() -> impl TypedValueParser<Value = Template> {
 const SCHEMA: &str = "#:schema fcm-solve.schema.json\n";
 
 /// Prints the scene.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &NewArgs, comm: &Comm) -> anyhow::Result<()> {
     streams::print(comm, &format!("{SCHEMA}{}", args.kind.text))
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 /// Run to report on, and the file of the page.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct ReportArgs {
     /// The folder of a run, or of a family
     folder: PathBuf,
     /// The page [default: report.html in the folder of the run]
@@ -16,12 +16,12 @@ pub struct Args {
 }
 
 /// Writes the page, on the first rank. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &ReportArgs, comm: &Comm) -> anyhow::Result<()> {
     let done = if comm.is_first() { write(args) } else { Ok(()) };
     Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
 }
 
-fn write(args: &Args) -> anyhow::Result<()> {
+fn write(args: &ReportArgs) -> anyhow::Result<()> {
     let out = args.out.clone().unwrap_or_else(|| args.folder.join("report.html"));
     report::write_report(&args.folder, &out)?;
     streams::print_here(&format!("report     {}\n", out.display()))

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 /// Run to continue, and its new end.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct ResumeArgs {
     /// The folder of the run, or of a family
     folder: PathBuf,
     /// Go on until this step instead of the scene's last
@@ -30,7 +30,7 @@ pub struct Args {
 }
 
 /// Continues the run. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
+pub fn run(args: &ResumeArgs, comm: &Comm) -> anyhow::Result<ExitCode> {
     let command = resume_command(&args.folder, args.steps);
     let signals = comm.agree(Signals::watch(comm, command, &args.stops))?;
     comm.agree(scene::check_accepted(&args.accept))?;
@@ -52,7 +52,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 }
 
 /// Makes the missing members of a family. Collective.
-fn resume_family(args: &Args, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
+fn resume_family(args: &ResumeArgs, comm: &Comm, signals: &Signals) -> anyhow::Result<ExitCode> {
     ensure!(args.steps.is_none(), "--steps goes with single runs; change the end in the scene of the family");
     match read_any(&args.folder.join("scene.toml"), &[], comm)? {
         SceneFile::Family(family) => {

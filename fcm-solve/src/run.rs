@@ -21,7 +21,7 @@ use std::process::ExitCode;
 
 /// Scene to run, and the folder of its results.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct RunArgs {
     /// The scene file; - reads it from the standard input
     scene: PathBuf,
     /// Folder of the results [default: the scene's output.folder, or results/ and the scene's name]
@@ -47,7 +47,7 @@ pub struct Args {
 }
 
 /// Runs the scene, or the members of a family. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
+pub fn run(args: &RunArgs, comm: &Comm) -> anyhow::Result<ExitCode> {
     let scene = match read_any(&args.scene, &args.overrides, comm)? {
         SceneFile::Scene(scene) => *scene,
         SceneFile::Family(family) => return run_family(args, &family, comm),
@@ -66,7 +66,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<ExitCode> {
 }
 
 /// Makes the missing members of a family.
-fn run_family(args: &Args, family: &Family, comm: &Comm) -> anyhow::Result<ExitCode> {
+fn run_family(args: &RunArgs, family: &Family, comm: &Comm) -> anyhow::Result<ExitCode> {
     scene::check_accepted(&args.accept).map_err(anyhow::Error::msg)?;
     let path = args.folder(family.output_folder().as_deref());
     let signals = Signals::watch(comm, args.command(&path), &args.stops)?;
@@ -148,7 +148,7 @@ fn refuse_another(differences: impl Iterator<Item = Difference>, folder: &Path) 
     Ok(())
 }
 
-impl Args {
+impl RunArgs {
     fn folder(&self, of_scene: Option<&Path>) -> PathBuf {
         let named = self.out.clone().or_else(|| of_scene.map(Path::to_owned));
         named.unwrap_or_else(|| default_folder(&self.scene))

@@ -17,7 +17,7 @@ use std::path::PathBuf;
 
 /// Run, time span and tables of `fcm-solve stats`.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct StatsArgs {
     /// The folder of a run, or of a family
     folder: PathBuf,
     /// Leave out the part before this time [default: answers.from of the scene, or the transient found]
@@ -34,12 +34,12 @@ pub struct Args {
 }
 
 /// Reads the time series and the trajectory on the first rank. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &StatsArgs, comm: &Comm) -> anyhow::Result<()> {
     let done = if comm.is_first() { args.take() } else { Ok(()) };
     Ok(comm.agree(done.map_err(|e| in_full(&e)))?)
 }
 
-impl Args {
+impl StatsArgs {
     fn take(&self) -> anyhow::Result<()> {
         if FamilyFolder::holds_family(&self.folder) {
             return streams::print_here(&family::stats(&self.folder, self.json)?);

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 
 /// Geometry of two spheres, and the form of the output.
 #[derive(clap::Args)]
-pub struct Args {
+pub struct TwoSphereArgs {
     /// Radius of sphere 2 over that of sphere 1, from 0.05 to 20
     #[arg(long, value_name = "R", allow_hyphen_values = true, required_unless_present = "wall")]
     ratio: Option<f64>,
@@ -32,7 +32,7 @@ pub struct Args {
 /// Prints the resistance functions `XA11` and so on, in the normalisation of Jeffrey & Onishi (1984) and Jeffrey
 /// (1992), or the loads by slip `XF1_11` and so on over viscosity, in units of the first radius; at a wall `XA` or
 /// `XF1` and so on. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &TwoSphereArgs, comm: &Comm) -> anyhow::Result<()> {
     let named = || args.ratio.map_or_else(|| "--wall".to_owned(), |ratio| format!("--ratio {ratio}"));
     let values = comm.agree(values(args)).with_context(|| format!("{} --gap {}", named(), args.gap))?;
     let text = if args.json {
@@ -45,7 +45,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
 }
 
 /// Names and values.
-fn values(args: &Args) -> Result<Vec<(String, f64)>, TwoSphereError> {
+fn values(args: &TwoSphereArgs) -> Result<Vec<(String, f64)>, TwoSphereError> {
     let Some(ratio) = args.ratio else { return at_wall(args) };
     let functions = TwoSphere::with_ratio(ratio)?.resistance(args.gap)?;
     if args.slip {
@@ -54,7 +54,7 @@ fn values(args: &Args) -> Result<Vec<(String, f64)>, TwoSphereError> {
     Ok(named(&functions).into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
-fn at_wall(args: &Args) -> Result<Vec<(String, f64)>, TwoSphereError> {
+fn at_wall(args: &TwoSphereArgs) -> Result<Vec<(String, f64)>, TwoSphereError> {
     let functions = SphereWall::get().resistance(args.gap)?;
     if args.slip {
         return Ok(named_slip_at_wall(&SphereWallSlip::get().at(args.gap)));

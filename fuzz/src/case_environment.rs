@@ -3,7 +3,7 @@
 use crate::pool::InputPool;
 use crate::program::{Ended, Program};
 use crate::surroundings::{Permit, Surroundings};
-use crate::verdict::{End, Names, judge, of_hdf5, of_table, of_text};
+use crate::verdict::{Names, ProcessEnd, judge, of_hdf5, of_table, of_text};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::ffi::OsString;
@@ -79,13 +79,13 @@ impl<'a> CaseEnvironment<'a> {
     }
 
     /// Runs the program and judges its reaction.
-    pub fn run(&self, arguments: &[&str]) -> Result<End, Fault> {
+    pub fn run(&self, arguments: &[&str]) -> Result<ProcessEnd, Fault> {
         let arguments: Vec<OsString> = arguments.iter().map(OsString::from).collect();
         self.run_os(&arguments)
     }
 
     /// Like [`Self::run`], with arguments that need not be text.
-    pub fn run_os(&self, arguments: &[OsString]) -> Result<End, Fault> {
+    pub fn run_os(&self, arguments: &[OsString]) -> Result<ProcessEnd, Fault> {
         let ended = self.program.run(&self.folder, arguments).map_err(|error| Fault {
             what: format!("it does not start: {error}"),
             command: arguments.to_vec(),
@@ -95,7 +95,7 @@ impl<'a> CaseEnvironment<'a> {
     }
 
     /// Like [`Self::run`], but requires that only permitted paths in the case's folder are changed.
-    pub fn run_within(&self, arguments: &[&str], permit: &Permit) -> Result<End, Fault> {
+    pub fn run_within(&self, arguments: &[&str], permit: &Permit) -> Result<ProcessEnd, Fault> {
         let before = Surroundings::of(&self.folder)?;
         let end = self.run(arguments)?;
         match before.touched(&Surroundings::of(&self.folder)?, permit) {
@@ -105,14 +105,14 @@ impl<'a> CaseEnvironment<'a> {
     }
 
     /// Requires that an invalid input is refused with an error that contains `word`.
-    pub fn run_refused(&self, arguments: &[&str], word: &str) -> Result<End, Fault> {
-        if self.run(arguments)? != End::Refused {
+    pub fn run_refused(&self, arguments: &[&str], word: &str) -> Result<ProcessEnd, Fault> {
+        if self.run(arguments)? != ProcessEnd::Refused {
             return Err(self.fault_of(arguments, "it accepted what it can't have read whole"));
         }
         if !self.stderr().contains(word) {
             return Err(self.fault_of(arguments, &format!("an error that does not name {word}")));
         }
-        Ok(End::Refused)
+        Ok(ProcessEnd::Refused)
     }
 
     /// A fault of the last command.

@@ -30,7 +30,7 @@ use std::time::Duration;
 
 /// Tries the program with hostile input.
 #[derive(Parser)]
-struct Args {
+struct FuzzArgs {
     /// The program
     #[arg(long, value_name = "FILE")]
     program: PathBuf,
@@ -61,7 +61,7 @@ struct Args {
 }
 
 fn main() -> anyhow::Result<ExitCode> {
-    let args = Args::parse();
+    let args = FuzzArgs::parse();
     let limits = ProcessLimits {
         memory: args.memory << 30,
         patience: Duration::from_secs(args.seconds),

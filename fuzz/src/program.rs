@@ -103,10 +103,10 @@ impl Program {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verdict::{End, Names, judge};
+    use crate::verdict::{Names, ProcessEnd, judge};
 
     /// Verdict on a shell that executes these lines as the command `run` or another one.
-    fn judged(name: &str, lines: &str) -> Result<End, String> {
+    fn judged(name: &str, lines: &str) -> Result<ProcessEnd, String> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(name), lines).unwrap();
         let limits = ProcessLimits { memory: 1 << 30, patience: Duration::from_secs(1), processor_seconds: 1 };
@@ -124,7 +124,7 @@ mod tests {
 
     #[test]
     fn runs_that_take_long_are_asked_to_stop() {
-        assert_eq!(judged("run", "trap 'exit 75' TERM; while :; do sleep 0.1; done"), Ok(End::Stopped));
-        assert_eq!(judged("check", "echo 1.5"), Ok(End::Answered));
+        assert_eq!(judged("run", "trap 'exit 75' TERM; while :; do sleep 0.1; done"), Ok(ProcessEnd::Stopped));
+        assert_eq!(judged("check", "echo 1.5"), Ok(ProcessEnd::Answered));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::case_environment::Fault;
 use crate::kinds::KINDS;
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use std::fmt::{Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
@@ -48,13 +48,13 @@ impl Report {
     }
 
     /// Counts a case; reports a fault, and keeps its folder.
-    pub fn add(&self, kind: usize, number: u64, result: Result<End, Fault>, folder: TempDir) {
+    pub fn add(&self, kind: usize, number: u64, result: Result<ProcessEnd, Fault>, folder: TempDir) {
         let mut counts = self.counts();
         let count = &mut counts[kind];
         match result {
-            Ok(End::Answered) => count.answered += 1,
-            Ok(End::Refused) => count.refused += 1,
-            Ok(End::Stopped) => count.stopped += 1,
+            Ok(ProcessEnd::Answered) => count.answered += 1,
+            Ok(ProcessEnd::Refused) => count.refused += 1,
+            Ok(ProcessEnd::Stopped) => count.stopped += 1,
             Err(fault) => {
                 count.faults += 1;
                 self.tell(kind, number, &fault, folder);

@@ -7,7 +7,7 @@
 //!     disks_peer speed EDGE STEPS
 
 use domain::{Particles, Vector};
-use granular::disks::{Disks, Model, Parameters};
+use granular::disks::{DiskModel, DiskParameters, Disks};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs;
@@ -23,7 +23,7 @@ fn main() -> ExampleResult {
         ["start", seed, file] => start(seed.parse()?, file),
         ["run", file, viscosity, dt, steps, every, out] => {
             let parameters =
-                Parameters { viscosity: viscosity.parse()?, time_step: dt.parse()?, ..Parameters::default() };
+                DiskParameters { viscosity: viscosity.parse()?, time_step: dt.parse()?, ..DiskParameters::default() };
             run(parameters, file, [steps.parse()?, every.parse()?], out)
         }
         ["compare", one, other] => compare(one, other),
@@ -34,7 +34,7 @@ fn main() -> ExampleResult {
 
 /// Writes a prepared system in LAMMPS's `read_data` format, with the origin at the centre.
 fn start(seed: u64, file: &str) -> ExampleResult {
-    let model = Model::new(Parameters { seed, ..Parameters::default() })?;
+    let model = DiskModel::new(DiskParameters { seed, ..DiskParameters::default() })?;
     let (particles, _) = Disks::prepared(&model)?.store();
     let mut text = format!("disks, seed {seed}\n\n{} atoms\n2 atom types\n\n", particles.len());
     text += "-50 50 xlo xhi\n-50 50 ylo yhi\n-0.5 0.5 zlo zhi\n0 0 0 xy xz yz\n\nAtoms # sphere\n\n";
@@ -46,7 +46,7 @@ fn start(seed: u64, file: &str) -> ExampleResult {
     Ok(fs::write(file, text)?)
 }
 
-fn run(parameters: Parameters, file: &str, [steps, every]: [u64; 2], out: &str) -> ExampleResult {
+fn run(parameters: DiskParameters, file: &str, [steps, every]: [u64; 2], out: &str) -> ExampleResult {
     let mut disks = Disks::flowing(parameters, &read_data(file)?)?;
     let mut text = String::new();
     let mut spent = 0.0;
@@ -127,9 +127,9 @@ fn compare(one: &str, other: &str) -> ExampleResult {
 
 /// Prints the speed for the paper's mixture in a square cell, by processor time and by wall-clock time.
 fn speed(edge: f64, steps: u64) -> ExampleResult {
-    let mut parameters = Parameters { edges: [edge; 2], ..Parameters::default() };
+    let mut parameters = DiskParameters { edges: [edge; 2], ..DiskParameters::default() };
     parameters.preparation.mixed = parameters.preparation.settled;
-    let mut disks = Disks::prepared(&Model::new(parameters)?)?;
+    let mut disks = Disks::prepared(&DiskModel::new(parameters)?)?;
     disks.advance(steps);
     let (cpu, clock) = (cpu_seconds()?, Instant::now());
     disks.advance(steps);

@@ -5,7 +5,7 @@
 //!     gas cool COUNT SOLID_FRACTION RESTITUTION  inelastic: temperature over Haff's until a twelfth is left
 
 use domain::Vector;
-use granular::shear_cell::{CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, Grains, Model};
+use granular::shear_cell::{CellModel, CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, Grains};
 use std::error::Error;
 use std::f64::consts::PI;
 
@@ -19,10 +19,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 /// Smooth grains of diameter 1 and mass 1 in a periodic cube, at random positions and at a temperature of 1.
-fn gas(count: usize, solid_fraction: f64, restitution: f64) -> Result<(Model, Grains), Box<dyn Error>> {
+fn gas(count: usize, solid_fraction: f64, restitution: f64) -> Result<(CellModel, Grains), Box<dyn Error>> {
     let edge = (count as f64 * PI / 6.0 / solid_fraction).cbrt();
     let contact = CollisionRule { restitution, friction: 0.0, law: FrictionLaw::Box };
-    let model = Model::gas(Vector::splat(edge), 1.0, 6.0 / PI, contact)?;
+    let model = CellModel::gas(Vector::splat(edge), 1.0, 6.0 / PI, contact)?;
     let mut grains = model.pack(count, 11)?;
     grains.set_velocities(&model, 1.0, 12);
     Ok((model, grains))

@@ -4,7 +4,7 @@ use crate::ParameterError;
 
 /// A reason why a driver's run cannot be started.
 #[derive(Debug, thiserror::Error)]
-pub enum StartError {
+pub enum GrainStartError {
     /// More than one process.
     #[error(
         "scenes of grains run in one process, on as many threads as there are cores; start this one without mpirun"
@@ -37,7 +37,7 @@ pub enum StartError {
     State,
 }
 
-impl StartError {
+impl GrainStartError {
     /// Refuses several processes.
     pub(crate) fn unless_alone(comm: &domain::Comm) -> Result<(), Self> {
         if comm.size() == 1 { Ok(()) } else { Err(Self::Processes) }

@@ -8,11 +8,11 @@
 //!
 //! Sheared disks, in units of the mean radius, the mass of a disk of that radius, and the contact time over pi:
 //! ```
-//! use granular::disks::{Disks, Model, Parameters, Preparation};
+//! use granular::disks::{Disks, DiskModel, DiskParameters, Preparation};
 //!
-//! let preparation = Preparation { settled: 3.0, mixed: 6.0, ..Parameters::default().preparation };
-//! let parameters = Parameters { edges: [30.0, 30.0], area_fraction: 0.5, preparation, ..Parameters::default() };
-//! let mut disks = Disks::prepared(&Model::new(parameters)?)?;
+//! let preparation = Preparation { settled: 3.0, mixed: 6.0, ..DiskParameters::default().preparation };
+//! let parameters = DiskParameters { edges: [30.0; 2], area_fraction: 0.5, preparation, ..DiskParameters::default() };
+//! let mut disks = Disks::prepared(&DiskModel::new(parameters)?)?;
 //! disks.advance(20);
 //! assert!((disks.strain() - 20.0 * 0.15 * 0.01).abs() < 1e-12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -25,5 +25,5 @@ pub mod kinetic_theory;
 mod parameter;
 pub mod shear_cell;
 
-pub use error::StartError;
+pub use error::GrainStartError;
 pub use parameter::ParameterError;

@@ -1,11 +1,11 @@
 //! Sheared disks against exact answers.
 
 use domain::{Particles, Vector};
-use granular::disks::{Disks, Flow, Gear, Model, Parameters, Sizes};
+use granular::disks::{DiskFlow, DiskModel, DiskParameters, Disks, Gear, Sizes};
 
 /// A cell without liquid or flow.
-fn dry() -> Parameters {
-    Parameters { viscosity: 0.0, flow: Flow::Still, edges: [40.0; 2], ..Parameters::default() }
+fn dry() -> DiskParameters {
+    DiskParameters { viscosity: 0.0, flow: DiskFlow::Still, edges: [40.0; 2], ..DiskParameters::default() }
 }
 
 /// Disks with given positions, velocities and radii.
@@ -22,7 +22,7 @@ fn placed(disks: &[(f64, f64, f64, f64, f64)]) -> Particles {
 
 /// Restitution in a head-on collision at a relative speed of 0.04, for several phases of first contact within a time
 /// step: the mean and the largest deviation from it.
-fn restitution(parameters: &Parameters, radii: [f64; 2], phases: u32) -> (f64, f64) {
+fn restitution(parameters: &DiskParameters, radii: [f64; 2], phases: u32) -> (f64, f64) {
     let speed = 0.04;
     let measure = |phase: u32| {
         let gap = speed * parameters.time_step * (2.0 + f64::from(phase) / f64::from(phases));
@@ -41,10 +41,10 @@ fn restitution(parameters: &Parameters, radii: [f64; 2], phases: u32) -> (f64, f
 #[test]
 fn a_collision_leaves_the_restitution_asked_for() {
     for (gear, tolerance) in [(Gear::FiveValue, 1e-3), (Gear::FiveValuePositional, 1e-3), (Gear::FourValue, 2e-3)] {
-        let (mean, _) = restitution(&Parameters { gear, ..dry() }, [1.0, 1.0], 1000);
+        let (mean, _) = restitution(&DiskParameters { gear, ..dry() }, [1.0, 1.0], 1000);
         assert!((mean - 0.8).abs() < tolerance, "{gear:?}: {mean}");
     }
-    let fine = Parameters { time_step: 0.01, ..dry() };
+    let fine = DiskParameters { time_step: 0.01, ..dry() };
     let (mean, _) = restitution(&fine, [1.0, 1.0], 50);
     assert!((mean - 0.8).abs() < 3e-4, "fine: {mean}");
 }
@@ -62,16 +62,16 @@ fn it_is_the_same_for_all_masses() {
 
 #[test]
 fn elastic_and_clipped_contacts_are_as_predicted() {
-    let (mean, spread) = restitution(&Parameters { restitution: 1.0, ..dry() }, [1.0, 1.0], 1000);
+    let (mean, spread) = restitution(&DiskParameters { restitution: 1.0, ..dry() }, [1.0, 1.0], 1000);
     assert!((mean - 1.0).abs() < 1e-3 && spread < 1e-3, "{mean} {spread}");
-    let (mean, _) = restitution(&Parameters { clip_attraction: true, ..dry() }, [1.0, 1.0], 1000);
+    let (mean, _) = restitution(&DiskParameters { clip_attraction: true, ..dry() }, [1.0, 1.0], 1000);
     // The damped spring that is released when it would pull, in closed form; 5e-4 is the error of the time step.
     assert!((mean - 0.80809).abs() < 5e-4, "{mean}");
 }
 
 #[test]
 fn drag_relaxes_as_stokes_says() {
-    let parameters = Parameters { edges: [60.0; 2], ..Parameters::default() };
+    let parameters = DiskParameters { edges: [60.0; 2], ..DiskParameters::default() };
     let (rate, radius) = (0.01, 0.875);
     let drag = 6.0 * std::f64::consts::PI * 0.01 / radius;
     let (wx, vy) = (0.03, 0.02);
@@ -95,8 +95,8 @@ fn drag_relaxes_as_stokes_says() {
 
 #[test]
 fn drag_pulls_toward_the_parabola() {
-    let flow = Flow::Poiseuille { peak: 0.5 };
-    let parameters = Parameters { edges: [60.0; 2], flow, viscosity: 0.05, ..Parameters::default() };
+    let flow = DiskFlow::Poiseuille { peak: 0.5 };
+    let parameters = DiskParameters { edges: [60.0; 2], flow, viscosity: 0.05, ..DiskParameters::default() };
     let start = [(10.0, 15.0, 0.0, 0.0, 1.0), (20.0, 59.0, 0.0, 0.0, 1.0)];
     let mut disks = Disks::flowing(parameters, &placed(&start)).unwrap();
     disks.advance(300);
@@ -108,21 +108,21 @@ fn drag_pulls_toward_the_parabola() {
 }
 
 fn gas(seed: u64) -> Disks {
-    let parameters = Parameters { edges: [50.0; 2], seed, ..dry() };
-    let model = Model::new(Parameters { restitution: 1.0, ..parameters.clone() }).unwrap();
+    let parameters = DiskParameters { edges: [50.0; 2], seed, ..dry() };
+    let model = DiskModel::new(DiskParameters { restitution: 1.0, ..parameters.clone() }).unwrap();
     let (mut particles, _) = Disks::prepared(&model).unwrap().store();
     for (id, v) in particles.vectors("velocity").iter_mut().enumerate() {
         let t = id as f64;
         *v = Vector::new((t * 12.9898).sin(), (t * 78.233).sin(), 0.0) * 0.1;
     }
-    Disks::flowing(Parameters { restitution: 1.0, ..parameters }, &particles).unwrap()
+    Disks::flowing(DiskParameters { restitution: 1.0, ..parameters }, &particles).unwrap()
 }
 
 #[test]
 fn elastic_disks_keep_energy_and_momentum() {
     for (dt, tolerance) in [(0.15, 0.015), (0.05, 3e-4)] {
         let mut disks = gas(1);
-        let parameters = Parameters { time_step: dt, ..disks.model().parameters().clone() };
+        let parameters = DiskParameters { time_step: dt, ..disks.model().parameters().clone() };
         let (particles, _) = disks.store();
         disks = Disks::flowing(parameters, &particles).unwrap();
         let momentum = |d: &Disks| d.snapshot().disks.iter().map(|d| d.velocity * d.mass).sum::<glam::DVec2>();
@@ -136,8 +136,8 @@ fn elastic_disks_keep_energy_and_momentum() {
 
 #[test]
 fn work_and_losses_balance_in_the_flow() {
-    let parameters = Parameters { edges: [50.0; 2], measure_every: 1, ..Parameters::default() };
-    let mut disks = Disks::prepared(&Model::new(parameters).unwrap()).unwrap();
+    let parameters = DiskParameters { edges: [50.0; 2], measure_every: 1, ..DiskParameters::default() };
+    let mut disks = Disks::prepared(&DiskModel::new(parameters).unwrap()).unwrap();
     disks.advance(3000);
     disks.restart_tally();
     disks.advance(13334);
@@ -150,9 +150,9 @@ fn work_and_losses_balance_in_the_flow() {
 #[test]
 fn preparation_does_not_heat() {
     let energy = |time_step: f64| {
-        let mut parameters = Parameters { edges: [50.0; 2], ..dry() };
+        let mut parameters = DiskParameters { edges: [50.0; 2], ..dry() };
         parameters.preparation.time_step = time_step;
-        let mut disks = Disks::random(&Model::new(parameters).unwrap());
+        let mut disks = Disks::random(&DiskModel::new(parameters).unwrap());
         disks.advance(disks.left().unwrap());
         disks.tally().latest.kinetic
     };
@@ -164,10 +164,11 @@ fn preparation_does_not_heat() {
 fn other_sizes_and_flows_run() {
     let spread = Sizes::Spread { smallest: 0.5, largest: 2.0, exponent: -2.0 };
     for (sizes, flow) in
-        [(spread, Flow::Shear { rate: -0.02 }), (Sizes::monodisperse(), Flow::Poiseuille { peak: 0.3 })]
+        [(spread, DiskFlow::Shear { rate: -0.02 }), (Sizes::monodisperse(), DiskFlow::Poiseuille { peak: 0.3 })]
     {
-        let parameters = Parameters { edges: [30.0; 2], sizes, flow, measure_every: 1, ..Parameters::default() };
-        let mut disks = Disks::prepared(&Model::new(parameters).unwrap()).unwrap();
+        let parameters =
+            DiskParameters { edges: [30.0; 2], sizes, flow, measure_every: 1, ..DiskParameters::default() };
+        let mut disks = Disks::prepared(&DiskModel::new(parameters).unwrap()).unwrap();
         disks.advance(2000);
         assert!(disks.tally().imbalance().abs() < 5e-3, "{}", disks.tally().imbalance());
         assert!(disks.tally().input > 0.0);

@@ -1,11 +1,11 @@
 //! Sheared disks: images, restarts, threads.
 
 use domain::Particles;
-use granular::disks::{Disks, Flow, Model, Parameters, Progress, Stage};
+use granular::disks::{DiskFlow, DiskModel, DiskParameters, Disks, Progress, Stage};
 
 fn sheared(edges: [f64; 2], rate: f64) -> Disks {
-    let flow = Flow::Shear { rate };
-    Disks::prepared(&Model::new(Parameters { edges, flow, ..Parameters::default() }).unwrap()).unwrap()
+    let flow = DiskFlow::Shear { rate };
+    Disks::prepared(&DiskModel::new(DiskParameters { edges, flow, ..DiskParameters::default() }).unwrap()).unwrap()
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn collisions_are_counted_alike_wherever_a_run_is_resumed() {
 
 #[test]
 fn a_preparation_can_be_resumed_too() {
-    let model = Model::new(Parameters { edges: [30.0; 2], ..Parameters::default() }).unwrap();
+    let model = DiskModel::new(DiskParameters { edges: [30.0; 2], ..DiskParameters::default() }).unwrap();
     let mut through = Disks::random(&model);
     through.advance(50);
     let (particles, progress) = through.store();
@@ -96,7 +96,8 @@ fn disks_at_rest_in_the_flow_stay_there() {
     for id in 0..4 {
         particles.push(id, domain::Vector::new(9.0 * id as f64, 8.0 * id as f64 + 0.5, 0.0), 0.6, 0);
     }
-    let parameters = Parameters { edges: [40.0, 33.0], flow: Flow::Shear { rate: 0.3 }, ..Parameters::default() };
+    let parameters =
+        DiskParameters { edges: [40.0, 33.0], flow: DiskFlow::Shear { rate: 0.3 }, ..DiskParameters::default() };
     let mut disks = Disks::flowing(parameters, &particles).unwrap();
     disks.advance(20_000);
     assert!(disks.strain() > 800.0);
@@ -119,7 +120,7 @@ fn lattice_steps_keep_the_way_of_every_disk() {
         }
         particles.steps = vec![[0, 0, 0], [2, 1, 0], [-1, -3, 0], [0, 7, 0]];
         let edges @ [length, height] = [40.0, 33.0];
-        let parameters = Parameters { edges, flow: Flow::Shear { rate }, ..Parameters::default() };
+        let parameters = DiskParameters { edges, flow: DiskFlow::Shear { rate }, ..DiskParameters::default() };
         let mut disks = Disks::flowing(parameters, &particles).unwrap();
         let way = |disks: &Disks, row: usize| {
             let (particles, _) = disks.store();
@@ -150,7 +151,7 @@ fn lattice_steps_keep_the_way_of_every_disk() {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    let model = Model::new(Parameters { edges: [330.0; 2], ..Parameters::default() }).unwrap();
+    let model = DiskModel::new(DiskParameters { edges: [330.0; 2], ..DiskParameters::default() }).unwrap();
     assert!(model.sizes().len() > 15_000, "several chunks");
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

@@ -2,7 +2,7 @@
 //! with the paper's parameters.
 
 use domain::{Particles, Vector};
-use granular::disks::{Disks, Parameters};
+use granular::disks::{DiskParameters, Disks};
 
 fn start() -> Particles {
     let mut particles = Particles::default();
@@ -17,7 +17,7 @@ fn start() -> Particles {
 #[test]
 fn segregation_is_that_of_an_independent_program() {
     for (time_step, tolerance) in [(0.15, 1e-3), (0.05, 5e-4)] {
-        let parameters = Parameters { time_step, ..Parameters::default() };
+        let parameters = DiskParameters { time_step, ..DiskParameters::default() };
         let mut disks = Disks::flowing(parameters, &start()).unwrap();
         assert!((disks.snapshot().segregation() - 0.1156721570684007).abs() < 1e-12);
         disks.advance((100.0 / time_step) as u64);

@@ -1,12 +1,12 @@
 //! Parameters beyond all bounds end in an error with the key and an advice.
 
 use domain::{Particles, Vector};
-use granular::disks::{Disks, Parameters as DiskParameters};
-use granular::shear_cell::{CollisionDetection, Engine, Model, Parameters, Sampling, ShearCell, Top};
+use granular::disks::{DiskParameters, Disks};
+use granular::shear_cell::{CellModel, CellParameters, CollisionDetection, Engine, Sampling, ShearCell, Top};
 
-fn loaded(pressure: f64) -> Model {
+fn loaded(pressure: f64) -> CellModel {
     let top = Top::Free { pressure, mass_per_area: 0.2 };
-    Model::new(Parameters { length: 4e-3, width: 4e-3, top, ..Parameters::default() }).unwrap()
+    CellModel::new(CellParameters { length: 4e-3, width: 4e-3, top, ..CellParameters::default() }).unwrap()
 }
 
 /// Whether a run under a load reaches its end, and otherwise the error.
@@ -49,16 +49,16 @@ fn loads_too_large_for_the_contact_time_are_named() {
 #[test]
 fn sizes_that_no_unit_makes_are_refused_by_name() {
     for (key, change) in [
-        ("cell.speed", (|p| p.speed = 1e200) as fn(&mut Parameters)),
+        ("cell.speed", (|p| p.speed = 1e200) as fn(&mut CellParameters)),
         ("cell.gravity", |p| p.gravity = 1e200),
         ("grains.density", |p| p.density = 1e-300),
         ("grains.contact_time", |p| p.contact_time = 1e-300),
         ("walls.friction", |p| p.wall_contact.friction = 1e300),
         ("top.pressure", |p| p.top = Top::Free { pressure: 1e200, mass_per_area: 1.0 }),
     ] {
-        let mut parameters = Parameters::default();
+        let mut parameters = CellParameters::default();
         change(&mut parameters);
-        assert_eq!(Model::new(parameters).unwrap_err().key, key);
+        assert_eq!(CellModel::new(parameters).unwrap_err().key, key);
     }
 }
 

@@ -2,13 +2,14 @@
 
 use super::kinetic_theory_coefficients::{coefficients, reduced, wall_coefficients};
 use granular::kinetic_theory::{
-    Parameters, Problem, RadialDistribution, Solution, SolutionStart, SolveError, WallShape,
+    ContinuumError, ContinuumParameters, ContinuumProblem, ContinuumSolution, RadialDistribution, SolutionStart,
+    WallShape,
 };
 
-fn solve(change: impl FnOnce(&mut Parameters)) -> Solution {
-    let mut parameters = Parameters::default();
+fn solve(change: impl FnOnce(&mut ContinuumParameters)) -> ContinuumSolution {
+    let mut parameters = ContinuumParameters::default();
     change(&mut parameters);
-    Problem::new(parameters).unwrap().solve().unwrap()
+    ContinuumProblem::new(parameters).unwrap().solve().unwrap()
 }
 
 fn close(found: f64, expected: f64, relative: f64) {
@@ -31,7 +32,7 @@ fn constitutive_functions_take_their_check_values() {
         (LunSavage, [10.8352, 5.92814, 27523.2, 19.4151, -6.15977, 1.12902e7, 7.0744, -2.61558, 39949.9, -0.104971]),
     ];
     for (radial, expected) in values {
-        let grains = granular::kinetic_theory::GrainProperties { radial, ..Parameters::default().grains };
+        let grains = granular::kinetic_theory::GrainProperties { radial, ..ContinuumParameters::default().grains };
         let (c, b) = (coefficients(&grains, 0.5), reduced(&grains, 0.5, 5500.0));
         let found = [radial.at(0.5), c.c1, c.c2, c.c3, c.c4, c.c6, b.b1, b.b2, b.b3, b.b4];
         for (found, expected) in found.into_iter().zip(expected) {
@@ -44,7 +45,7 @@ fn constitutive_functions_take_their_check_values() {
 #[test]
 fn reduced_coefficients_are_those_of_numeric_derivatives() {
     for radial in RadialDistribution::ALL {
-        let grains = granular::kinetic_theory::GrainProperties { radial, ..Parameters::default().grains };
+        let grains = granular::kinetic_theory::GrainProperties { radial, ..ContinuumParameters::default().grains };
         for v in [0.05, 0.3, 0.52, 0.6] {
             let (h, pressure) = (1e-5, 5500.0);
             let slope = |f: &dyn Fn(f64) -> f64, v: f64| (f(v + h) - f(v - h)) / (2.0 * h);
@@ -72,9 +73,9 @@ fn reduced_coefficients_are_those_of_numeric_derivatives() {
 #[test]
 fn solutions_meet_the_wall_laws_as_printed() {
     for gradient in [false, true] {
-        let mut parameters = Parameters::default();
+        let mut parameters = ContinuumParameters::default();
         parameters.wall.gradient = gradient;
-        let solution = Problem::new(parameters).unwrap().solve().unwrap();
+        let solution = ContinuumProblem::new(parameters).unwrap().solve().unwrap();
         let (grains, slip, wall) = (parameters.grains, solution.slip(), solution.at(0.0));
         let (c, r) = (coefficients(&grains, wall.solid_fraction), parameters.wall.roughness);
         let b = wall_coefficients(&parameters.wall, &grains, wall.solid_fraction, parameters.pressure);
@@ -90,7 +91,7 @@ fn solutions_meet_the_wall_laws_as_printed() {
 
 #[test]
 fn without_energy_through_the_walls_the_flow_is_uniform() {
-    let uniform = |p: &mut Parameters| {
+    let uniform = |p: &mut ContinuumParameters| {
         p.speed = 2.0;
         (p.wall.roughness.r6, p.wall.roughness.r7, p.wall.roughness.r8) = (0.0, 0.0, 0.0);
     };
@@ -100,9 +101,9 @@ fn without_energy_through_the_walls_the_flow_is_uniform() {
     close(solution.shear_stress(), 1651.873, 1e-6);
     let profile = solution.profile(11);
     assert!(profile.iter().all(|p| (p.solid_fraction - profile[0].solid_fraction).abs() < 1e-12));
-    let mut parameters = Parameters::default();
+    let mut parameters = ContinuumParameters::default();
     uniform(&mut parameters);
-    let closed = Problem::new(parameters).unwrap().uniform()[0];
+    let closed = ContinuumProblem::new(parameters).unwrap().uniform()[0];
     close(solution.mean_solid_fraction(), closed.solid_fraction, 1e-10);
     close(solution.slip() / 2.0, closed.slip, 1e-10);
 }
@@ -210,7 +211,7 @@ fn the_upper_half_mirrors_the_lower() {
     close(low.energy_flux, -high.energy_flux, 1e-12);
     // The power of the walls, S U, is dissipated: integrates C6 T^(3/2) and adds the wall losses.
     let profile = solution.profile(401);
-    let c6 = |v| coefficients(&Parameters::default().grains, v).c6;
+    let c6 = |v| coefficients(&ContinuumParameters::default().grains, v).c6;
     let heat = profile.iter().map(|p| c6(p.solid_fraction) * p.temperature.powf(1.5));
     let simpson =
         heat.enumerate().map(|(i, h)| h * [2.0, 4.0][i % 2] * if i % 400 == 0 { 0.5 } else { 1.0 }).sum::<f64>();
@@ -234,7 +235,7 @@ fn a_small_load_falls_to_the_dilute_branch_and_says_so() {
 #[test]
 fn walls_as_smooth_as_they_may_be_slip() {
     let solution = solve(|p| p.wall.roughness.r5 = 1e-12);
-    close(solution.slip(), 0.5 * Parameters::default().speed, 1e-9);
+    close(solution.slip(), 0.5 * ContinuumParameters::default().speed, 1e-9);
 }
 
 /// With the gradient term the default cell has a dense and a dilute solution; `start` chooses.
@@ -248,10 +249,10 @@ fn where_there_are_two_solutions_start_chooses() {
 /// With the gradient term and half-disks no flow carries 1 kPa at 2.8 m/s: the two branches have merged above it.
 #[test]
 fn failure_says_where() {
-    let mut parameters = Parameters { pressure: 1000.0, speed: 2.8, ..Parameters::default() };
+    let mut parameters = ContinuumParameters { pressure: 1000.0, speed: 2.8, ..ContinuumParameters::default() };
     parameters.wall.gradient = true;
-    let error = Problem::new(parameters).unwrap().solve().unwrap_err();
-    assert!(matches!(error, SolveError::NoConvergence { start, .. } if (start - 0.4875).abs() < 1e-12));
+    let error = ContinuumProblem::new(parameters).unwrap().solve().unwrap_err();
+    assert!(matches!(error, ContinuumError::NoConvergence { start, .. } if (start - 0.4875).abs() < 1e-12));
     let text = error.to_string();
     assert!(text.starts_with("the shear cell's equations did not converge from a uniform solid fraction of 0.4875"));
     assert!(text.contains("at y = 0") && text.contains("wall's momentum"), "{text}");
@@ -259,10 +260,10 @@ fn failure_says_where() {
 
 #[test]
 fn bad_input_is_refused_by_key() {
-    let refused = |change: fn(&mut Parameters)| {
-        let mut parameters = Parameters::default();
+    let refused = |change: fn(&mut ContinuumParameters)| {
+        let mut parameters = ContinuumParameters::default();
         change(&mut parameters);
-        Problem::new(parameters).unwrap_err().to_string()
+        ContinuumProblem::new(parameters).unwrap_err().to_string()
     };
     assert_eq!(refused(|p| p.gap = 0.0), "cell.gap is 0; it needs a positive, finite number");
     assert_eq!(refused(|p| p.pressure = f64::NAN), "cell.pressures is NaN; it needs a positive, finite number");

@@ -2,12 +2,12 @@
 //! gap, with the solid fraction and the velocity at the lower wall iterated until the laws of the upper wall hold.
 
 use super::kinetic_theory_coefficients::{reduced, wall_coefficients};
-use granular::kinetic_theory::{Parameters, Problem, RadialDistribution, WallShape};
+use granular::kinetic_theory::{ContinuumParameters, ContinuumProblem, RadialDistribution, WallShape};
 
 /// `[u, u', v, v']` at a height.
 type State = [f64; 4];
 
-struct Shooting(Parameters);
+struct Shooting(ContinuumParameters);
 
 impl Shooting {
     fn rates(&self, [_, du, v, dv]: State) -> State {
@@ -69,10 +69,10 @@ fn shooting_over_the_whole_gap_agrees() {
     ];
     for (radial, shape, gradient) in readings {
         for speed in [1.4, 2.0, 2.8] {
-            let mut parameters = Parameters { speed, ..Parameters::default() };
+            let mut parameters = ContinuumParameters { speed, ..ContinuumParameters::default() };
             parameters.grains.radial = radial;
             (parameters.wall.shape, parameters.wall.gradient) = (shape, gradient);
-            let solution = Problem::new(parameters).unwrap().solve().unwrap();
+            let solution = ContinuumProblem::new(parameters).unwrap().solve().unwrap();
             let wall = solution.at(0.0);
             let (v, u) = Shooting(parameters).solve(wall.solid_fraction - 1e-3, wall.velocity - 1e-3);
             assert!((v - wall.solid_fraction).abs() < 1e-7, "{radial:?} {speed}: {v} {}", wall.solid_fraction);

@@ -3,7 +3,7 @@
 #[path = "../../domain/tests/heap/mod.rs"]
 mod heap;
 
-use granular::disks::{AveragedProfile, Disks, Flow, Model, Parameters};
+use granular::disks::{AveragedProfile, DiskFlow, DiskModel, DiskParameters, Disks};
 use heap::measured;
 
 /// Asserts bounds on the ratio of predicted to measured bytes.
@@ -21,9 +21,10 @@ fn predictions_are_what_is_allocated() {
 }
 
 fn disks() -> Disks {
-    let parameters = Parameters { edges: [300.0, 200.0], flow: Flow::Shear { rate: 0.01 }, ..Parameters::default() };
-    let (model, sizes) = measured(|| Model::new(parameters).unwrap());
-    is_within(1.9, 2.1, Model::size_bytes(model.sizes().len() as f64).kept, sizes.kept);
+    let parameters =
+        DiskParameters { edges: [300.0, 200.0], flow: DiskFlow::Shear { rate: 0.01 }, ..DiskParameters::default() };
+    let (model, sizes) = measured(|| DiskModel::new(parameters).unwrap());
+    is_within(1.9, 2.1, DiskModel::size_bytes(model.sizes().len() as f64).kept, sizes.kept);
     let predicted = model.bytes(0);
     let (disks, found) = measured(|| {
         let mut disks = Disks::random(&model);

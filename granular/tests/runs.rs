@@ -16,9 +16,9 @@ fn is_observed_as_named(run: &mut impl Simulation) {
 
 #[test]
 fn a_run_of_disks_says_its_plan_and_what_it_observes() {
-    let preparation = Preparation { settled: 2.0, mixed: 4.0, ..disks::Parameters::default().preparation };
-    let parameters = disks::Parameters { edges: [40.0; 2], preparation, ..disks::Parameters::default() };
-    let model = disks::Model::new(parameters).unwrap();
+    let preparation = Preparation { settled: 2.0, mixed: 4.0, ..disks::DiskParameters::default().preparation };
+    let parameters = disks::DiskParameters { edges: [40.0; 2], preparation, ..disks::DiskParameters::default() };
+    let model = disks::DiskModel::new(parameters).unwrap();
     let length = RunLength { steps: 10, profile_strips: 4 };
     let mut run = DiskRun::start(&model, length, None, &Comm::alone(), &mut |_| {}).unwrap();
     assert_eq!(run.plan(), disks::outline(&model, 10).text());
@@ -28,9 +28,9 @@ fn a_run_of_disks_says_its_plan_and_what_it_observes() {
 
 #[test]
 fn a_run_of_a_shear_cell_says_its_plan_and_what_it_observes() {
-    let parameters = shear_cell::Parameters { length: 4e-3, width: 4e-3, ..shear_cell::Parameters::default() };
+    let parameters = shear_cell::CellParameters { length: 4e-3, width: 4e-3, ..shear_cell::CellParameters::default() };
     let experiment = Experiment {
-        model: shear_cell::Model::new(parameters).unwrap(),
+        model: shear_cell::CellModel::new(parameters).unwrap(),
         seed: 1,
         count: 20,
         agitation: 0.1,

@@ -2,14 +2,14 @@
 
 use domain::Vector;
 use granular::shear_cell::{
-    CellState, CollisionDetection, CollisionEngine, CollisionRule, Engine, FrictionLaw, GrainMotion, Grains, Model,
-    Parameters, Side, TimeStepped, Top,
+    CellModel, CellParameters, CellState, CollisionDetection, CollisionEngine, CollisionRule, Engine, FrictionLaw,
+    GrainMotion, Grains, Side, TimeStepped, Top,
 };
 
 /// A cell of 20 x 10 x 10 for grains of diameter 1 and mass 1.
-fn parameters() -> Parameters {
+fn parameters() -> CellParameters {
     let contact = CollisionRule { restitution: 0.8, friction: 0.1, law: FrictionLaw::Box };
-    Parameters {
+    CellParameters {
         length: 20.0,
         height: 10.0,
         width: 10.0,
@@ -36,8 +36,8 @@ fn thrown(list: &[([f64; 3], [f64; 3])]) -> Grains {
 const ENGINES: [CollisionDetection; 2] =
     [CollisionDetection::EventDriven, CollisionDetection::TimeStepped { step: 1.0 / 1024.0 }];
 
-fn run(parameters: Parameters, grains: &Grains, collisions: CollisionDetection, time: f64) -> Box<Engine> {
-    let model = Model::new(parameters).unwrap();
+fn run(parameters: CellParameters, grains: &Grains, collisions: CollisionDetection, time: f64) -> Box<Engine> {
+    let model = CellModel::new(parameters).unwrap();
     let mut engine = Engine::new(&model, grains, collisions).unwrap();
     assert!(engine.advance(time, &|| true));
     engine
@@ -103,7 +103,7 @@ fn an_oblique_hit_slides_within_the_cone() {
 /// Dropped from 8.5 above contact, g = 2: first contact after sqrt(8.5), rebound at 0.8 of the speed, and again.
 #[test]
 fn a_ball_bounces_as_it_should_under_gravity() {
-    let parameters = Parameters { gravity: 2.0, speed: 0.0, ..parameters() };
+    let parameters = CellParameters { gravity: 2.0, speed: 0.0, ..parameters() };
     let fall = 8.5_f64.sqrt();
     let engine = run(parameters, &thrown(&[([5.0, 9.0, 5.0], [0.0; 3])]), CollisionDetection::EventDriven, 3.0 * fall);
     // Down in `fall`, up and down with 0.8 and then 0.64 of the speed: 1.6 and 1.28 times `fall`.
@@ -122,7 +122,7 @@ fn a_ball_bounces_as_it_should_under_gravity() {
 #[test]
 fn a_curved_trough_throws_outward() {
     let around = Some(2.0 * std::f64::consts::PI * 40.0);
-    let curved = Parameters { circumference: around, ..parameters() };
+    let curved = CellParameters { circumference: around, ..parameters() };
     for collisions in ENGINES {
         let engine = run(curved, &thrown(&[([1.0, 5.0, 5.0], [4.0, 0.0, 0.0])]), collisions, 0.5);
         let grain = engine.grains();
@@ -139,7 +139,7 @@ fn a_curved_trough_throws_outward() {
 #[test]
 fn a_free_lid_falls_and_pushes() {
     let top = Top::Free { pressure: 0.1, mass_per_area: 0.5 };
-    let parameters = Parameters { top, ..parameters() };
+    let parameters = CellParameters { top, ..parameters() };
     let time = 4.0_f64;
     let engine = run(parameters, &thrown(&[([5.0, 8.0, 5.0], [0.0; 3])]), CollisionDetection::EventDriven, time);
     let (met, speed) = (15f64.sqrt(), 0.2 * 15f64.sqrt());
@@ -159,7 +159,7 @@ fn a_free_lid_falls_and_pushes() {
 fn neighbour_lists_miss_no_pair() {
     let mut parameters = parameters();
     parameters.grain_contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
-    let model = Model::new(parameters).unwrap();
+    let model = CellModel::new(parameters).unwrap();
     let mut grains = model.pack(800, 4).unwrap();
     grains.set_velocities(&model, 1.0, 4);
     let step = 1e-3;

@@ -1,23 +1,25 @@
 //! Whole runs of the shear cell.
 
-use granular::shear_cell::{CellReport, CollisionDetection, Engine, Model, Parameters, Sampling, ShearCell, Side, Top};
+use granular::shear_cell::{
+    CellModel, CellParameters, CellReport, CollisionDetection, Engine, Sampling, ShearCell, Side, Top,
+};
 
 /// Half a microsecond, as in the paper.
 const STEP: f64 = 5e-7;
 const STEPPED: CollisionDetection = CollisionDetection::TimeStepped { step: STEP };
 
 /// The paper's cell, shorter and narrower.
-fn small() -> Parameters {
-    Parameters { length: 8e-3, width: 8e-3, ..Parameters::default() }
+fn small() -> CellParameters {
+    CellParameters { length: 8e-3, width: 8e-3, ..CellParameters::default() }
 }
 
 fn report(
-    parameters: Parameters,
+    parameters: CellParameters,
     solid_fraction: f64,
     collisions: CollisionDetection,
     [transient, measure]: [f64; 2],
 ) -> CellReport {
-    let model = Model::new(parameters).unwrap();
+    let model = CellModel::new(parameters).unwrap();
     let mut grains = model.pack(model.count(solid_fraction).unwrap(), 1).unwrap();
     grains.set_velocities(&model, 0.05 * parameters.speed, 7);
     let mut run = ShearCell::new(&model, &grains, collisions, Sampling::default()).unwrap();
@@ -40,7 +42,7 @@ fn the_engines_agree() {
         assert!((a - b).abs() < 4.0 * da.hypot(db), "{side:?}: {a} +- {da}, {b} +- {db}");
     }
     assert!((stepped.temperature / driven.temperature - 1.0).abs() < 0.15);
-    let model = Model::new(small()).unwrap();
+    let model = CellModel::new(small()).unwrap();
     let weight = model.count(0.45).unwrap() as f64 * model.mass() * 9.81 / model.area(Side::Bottom);
     for r in [&stepped, &driven] {
         assert!(((wall(r, Side::Bottom).0 - wall(r, Side::Top).0) / weight - 1.0).abs() < 0.08);
@@ -60,8 +62,8 @@ fn the_engines_agree() {
 /// Normal stresses on the walls at `factor` times the speed, its square times gravity, and `1/factor` times all times.
 fn scaled(collisions: CollisionDetection, factor: f64) -> [f64; 4] {
     let (speed, gravity) = (1.4 * factor, 9.81 * factor * factor);
-    let slow = Model::new(small()).unwrap();
-    let model = Model::new(Parameters { speed, gravity, contact_time: 1e-7 / factor, ..small() }).unwrap();
+    let slow = CellModel::new(small()).unwrap();
+    let model = CellModel::new(CellParameters { speed, gravity, contact_time: 1e-7 / factor, ..small() }).unwrap();
     let mut grains = slow.pack(slow.count(0.4).unwrap(), 3).unwrap();
     grains.set_velocities(&slow, 0.1, 3);
     grains.motions.iter_mut().for_each(|m| m.velocity *= factor);
@@ -89,7 +91,7 @@ fn a_free_lid_is_borne_by_the_grains() {
     // Light, so that it responds within the run.
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
     for collisions in [STEPPED, CollisionDetection::EventDriven] {
-        let r = report(Parameters { top, ..small() }, 0.45, collisions, [0.02, 0.04]);
+        let r = report(CellParameters { top, ..small() }, 0.45, collisions, [0.02, 0.04]);
         let (normal, error) = wall(&r, Side::Top);
         assert!((normal - 300.0).abs() < 5.0 * error.max(3.0), "{collisions:?}: {normal} +- {error}");
         assert!(r.balance.energy < 1e-11 && r.balance.momentum < 1e-11, "{:?}", r.balance);
@@ -101,7 +103,7 @@ fn a_free_lid_is_borne_by_the_grains() {
 #[test]
 fn deep_overlaps_are_reported() {
     let r = report(
-        Parameters { speed: 5.6, ..small() },
+        CellParameters { speed: 5.6, ..small() },
         0.5,
         CollisionDetection::TimeStepped { step: 2.5e-5 },
         [0.0, 4e-3],
@@ -113,7 +115,7 @@ fn deep_overlaps_are_reported() {
 /// A dense packing, and a refusal with the solid fraction reached.
 #[test]
 fn packing_reaches_dense_cells_or_says_how_far_it_came() {
-    let model = Model::new(Parameters { length: 5e-3, width: 5e-3, ..small() }).unwrap();
+    let model = CellModel::new(CellParameters { length: 5e-3, width: 5e-3, ..small() }).unwrap();
     let grains = model.pack(model.count(0.57).unwrap(), 2).unwrap();
     Engine::new(&model, &grains, STEPPED).unwrap();
     assert!(grains.deepest_overlap(&model) < 1e-12);
@@ -125,11 +127,11 @@ fn packing_reaches_dense_cells_or_says_how_far_it_came() {
 /// overlap instead, and with a free top wall the same grains flow. All of them stop on request.
 #[test]
 fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
-    let narrow = Parameters { length: 5e-3, width: 5e-3, ..small() };
-    let model = Model::new(narrow).unwrap();
+    let narrow = CellParameters { length: 5e-3, width: 5e-3, ..small() };
+    let model = CellModel::new(narrow).unwrap();
     let mut grains = model.pack(model.count(0.57).unwrap(), 2).unwrap();
     grains.set_velocities(&model, 0.07, 3);
-    let advanced = |model: &Model, collisions, time: f64| {
+    let advanced = |model: &CellModel, collisions, time: f64| {
         let mut engine = Engine::new(model, &grains, collisions).unwrap();
         let arrived = engine.advance(time, &|| true);
         (arrived, engine.is_jammed(), engine.tally().time)
@@ -139,7 +141,7 @@ fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
     let (arrived, jammed, _) = advanced(&model, STEPPED, 2e-3);
     assert!(arrived && !jammed);
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
-    let free = Model::new(Parameters { top, ..narrow }).unwrap();
+    let free = CellModel::new(CellParameters { top, ..narrow }).unwrap();
     let (arrived, jammed, _) = advanced(&free, CollisionDetection::EventDriven, 0.02);
     assert!(arrived && !jammed);
     for collisions in [STEPPED, CollisionDetection::EventDriven] {
@@ -151,7 +153,7 @@ fn dense_grains_jam_unless_they_may_overlap_or_dilate() {
 /// Going back undoes a step with its measurements; the saved state resumes at the beginning of that step.
 #[test]
 fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
-    let model = Model::new(small()).unwrap();
+    let model = CellModel::new(small()).unwrap();
     let mut grains = model.pack(300, 5).unwrap();
     grains.set_velocities(&model, 0.1, 5);
     for collisions in [STEPPED, CollisionDetection::EventDriven] {
@@ -185,12 +187,12 @@ fn a_step_taken_back_or_resumed_is_taken_again_to_the_same_bits() {
 #[ignore = "heavy"]
 fn the_papers_cell_gives_the_known_stresses() {
     let runs = [1.4, 2.8].map(|speed| {
-        let parameters = Parameters { speed, length: 6e-3, ..Parameters::default() };
+        let parameters = CellParameters { speed, length: 6e-3, ..CellParameters::default() };
         let half = 0.14 / speed;
         let r = report(parameters, 0.5, CollisionDetection::EventDriven, [half, half]);
         let top = r.walls[Side::Top as usize];
         assert!((top.along.mean / top.normal.mean - 0.29).abs() < 0.03, "{top:?}");
-        let mass = Model::new(parameters).unwrap().mass();
+        let mass = CellModel::new(parameters).unwrap().mass();
         let lost = r.tally.dissipated / (r.tally.collisions() as f64 * mass * r.temperature);
         assert!((lost / 0.305 - 1.0).abs() < 0.15, "{lost}");
         top.normal.mean
@@ -202,10 +204,10 @@ fn the_papers_cell_gives_the_known_stresses() {
 
 #[test]
 fn bad_input_is_refused_by_key() {
-    let refused = |change: fn(&mut Parameters)| {
-        let mut parameters = Parameters::default();
+    let refused = |change: fn(&mut CellParameters)| {
+        let mut parameters = CellParameters::default();
         change(&mut parameters);
-        Model::new(parameters).unwrap_err().to_string()
+        CellModel::new(parameters).unwrap_err().to_string()
     };
     assert_eq!(refused(|p| p.diameter = -1.0), "grains.diameter is -1; it needs a positive, finite number");
     assert_eq!(refused(|p| p.height = 5e-4), "cell.height is 0.0005; it needs more than a diameter");
@@ -223,7 +225,7 @@ fn bad_input_is_refused_by_key() {
         refused(|p| p.top = Top::Free { pressure: 0.0, mass_per_area: 1.0 }),
         "top.pressure is 0; it needs a positive, finite number"
     );
-    let model = Model::new(small()).unwrap();
+    let model = CellModel::new(small()).unwrap();
     let count = model.count(0.7).unwrap_err().to_string();
     assert_eq!(
         count,
@@ -244,7 +246,7 @@ fn bad_input_is_refused_by_key() {
 #[test]
 fn resuming_is_going_on() {
     let top = Top::Free { pressure: 300.0, mass_per_area: 0.2 };
-    let model = Model::new(Parameters { top, ..small() }).unwrap();
+    let model = CellModel::new(CellParameters { top, ..small() }).unwrap();
     let mut grains = model.pack(300, 5).unwrap();
     grains.set_velocities(&model, 0.1, 5);
     for collisions in [STEPPED, CollisionDetection::EventDriven] {
@@ -263,7 +265,7 @@ fn resuming_is_going_on() {
 /// Conversion to the particle store and back.
 #[test]
 fn grains_pass_through_the_particle_store() {
-    let model = Model::new(small()).unwrap();
+    let model = CellModel::new(small()).unwrap();
     let mut grains = model.pack(50, 1).unwrap();
     grains.set_velocities(&model, 0.1, 2);
     let mut particles = grains.to_particles(&model);

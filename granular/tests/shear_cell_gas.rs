@@ -1,13 +1,13 @@
 //! The event-driven engine against the kinetic theory of a granular gas.
 
 use domain::Vector;
-use granular::shear_cell::{CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, Grains, Model};
+use granular::shear_cell::{CellModel, CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, Grains};
 use std::f64::consts::PI;
 
-fn gas(count: usize, solid_fraction: f64, restitution: f64, friction: f64) -> (Model, Grains) {
+fn gas(count: usize, solid_fraction: f64, restitution: f64, friction: f64) -> (CellModel, Grains) {
     let edge = (count as f64 * PI / 6.0 / solid_fraction).cbrt();
     let contact = CollisionRule { restitution, friction, law: FrictionLaw::Box };
-    let model = Model::gas(Vector::splat(edge), 1.0, 6.0 / PI, contact).unwrap();
+    let model = CellModel::gas(Vector::splat(edge), 1.0, 6.0 / PI, contact).unwrap();
     let mut grains = model.pack(count, 11).unwrap();
     grains.set_velocities(&model, 1.0, 12);
     (model, grains)

@@ -1,9 +1,9 @@
 //! Answers do not depend on the units of length, time and mass: not by a bit for powers of two, and only by round-off
 //! for powers of ten. Runs are short, as granular flows are chaotic.
 
-use granular::disks::{Disks, LengthUnit, Model as DiskModel, Parameters as DiskParameters, Sizes, Species};
+use granular::disks::{DiskModel, DiskParameters, DiskSpecies, Disks, LengthUnit, Sizes};
 use granular::kinetic_theory;
-use granular::shear_cell::{CollisionDetection, Model, Parameters, Sampling, ShearCell, Side, Top};
+use granular::shear_cell::{CellModel, CellParameters, CollisionDetection, Sampling, ShearCell, Side, Top};
 
 /// Factors of length, time and mass.
 #[derive(Debug, Clone, Copy)]
@@ -67,10 +67,10 @@ fn difference(found: &[f64], expected: &[f64]) -> f64 {
 }
 
 /// A small cell with a free top wall.
-fn cell(units: &Units) -> Parameters {
+fn cell(units: &Units) -> CellParameters {
     let Units { length, time, mass } = *units;
-    let p = Parameters::default();
-    Parameters {
+    let p = CellParameters::default();
+    CellParameters {
         length: 3.5e-3 * length,
         height: 3e-3 * length,
         width: 3.2e-3 * length,
@@ -87,7 +87,7 @@ fn cell(units: &Units) -> Parameters {
 
 /// Positions in units of length, velocities, and wall stresses after some windows, all in SI units: three lists.
 fn flow(units: &Units, is_time_stepped: bool) -> [Vec<f64>; 3] {
-    let model = Model::new(cell(units)).unwrap();
+    let model = CellModel::new(cell(units)).unwrap();
     let mut grains = model.pack(model.count(0.3).unwrap(), 5).unwrap();
     grains.set_velocities(&model, 0.07 * units.speed(), 5);
     let collisions = if is_time_stepped {
@@ -137,14 +137,14 @@ fn grains_on_a_time_step_move_the_same_in_any_units() {
 #[test]
 fn the_continuum_is_the_same_in_any_units() {
     let solved = |units: &Units| {
-        let mut p = kinetic_theory::Parameters::default();
+        let mut p = kinetic_theory::ContinuumParameters::default();
         p.gap *= units.length;
         p.speed *= units.speed();
         p.pressure *= units.stress();
         p.grains.diameter *= units.length;
         p.grains.density *= units.density();
         p.wall.diameter *= units.length;
-        let solution = kinetic_theory::Problem::new(p).unwrap().solve().unwrap();
+        let solution = kinetic_theory::ContinuumProblem::new(p).unwrap().solve().unwrap();
         let flow = |point: &kinetic_theory::FlowPoint| {
             let flux = units.stress() * units.speed();
             [
@@ -175,7 +175,10 @@ fn the_continuum_is_the_same_in_any_units() {
 #[test]
 fn disks_are_the_same_whatever_the_unit_of_their_radii() {
     let species = |radii: [f64; 2]| {
-        Sizes::Species(vec![Species { radius: radii[0], share: 1.0 }, Species { radius: radii[1], share: 0.2 }])
+        Sizes::DiskSpecies(vec![
+            DiskSpecies { radius: radii[0], share: 1.0 },
+            DiskSpecies { radius: radii[1], share: 0.2 },
+        ])
     };
     let spread = |radii: [f64; 2]| Sizes::Spread { smallest: radii[0], largest: radii[1], exponent: -3.5 };
     let run = |sizes: Sizes| {

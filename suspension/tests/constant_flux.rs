@@ -133,9 +133,10 @@ fn the_flux_is_the_one_given_by_the_reciprocal_theorem() {
 }
 
 /// Two layers of spheres, one at each wall.
-const LAYERS: &str = "particles={initial=\"positions\", positions=[[1.0, 2.0, 1.45], [3.1, 2.2, 1.45], [5.5, 2.0, 1.45], \
-    [4.0, 4.3, 1.45], [1.5, 5.0, 1.45], [6.5, 5.5, 1.45], [1.0, 2.0, 8.0], [3.2, 2.2, 8.0], [5.5, 2.0, 8.0], [4.0, 4.3, 8.0], \
-    [1.5, 5.0, 8.0], [6.5, 5.5, 8.0], [8.0, 3.6, 1.45], [3.7, 6.9, 1.45], [8.0, 3.6, 8.0]]}";
+const LAYERS: &str = "particles={initial=\"positions\", positions=[[1.0, 2.0, 1.45], [3.1, 2.2, 1.45], \
+    [5.5, 2.0, 1.45], [4.0, 4.3, 1.45], [1.5, 5.0, 1.45], [6.5, 5.5, 1.45], [1.0, 2.0, 8.0], [3.2, 2.2, 8.0], \
+    [5.5, 2.0, 8.0], [4.0, 4.3, 8.0], [1.5, 5.0, 8.0], [6.5, 5.5, 8.0], [8.0, 3.6, 1.45], \
+    [3.7, 6.9, 1.45], [8.0, 3.6, 8.0]]}";
 
 /// Contribution of lubrication at walls to the sum over spheres: the lubrication forces on the fluid along x times half
 /// the squared distance from the wall, since this lubrication acts relative to a flow that is linear from the wall.

@@ -20,8 +20,8 @@ fn scene(axis: usize, [boundary, kind]: [&str; 2]) -> String {
     let place = |v: [f64; 3]| format!("{:?}", back.place(v.into(), edges.into()).to_array());
     let more = match kind {
         "couette" => format!(
-            "flow = {{ kind = \"shear\", rate = 0.5 }}\nhydrodynamics.lubrication = true\n[[traps]]\nparticles = [0, 9]\n\
-             centres = [{}, {}]\nstiffness = 3.0\n",
+            "flow = {{ kind = \"shear\", rate = 0.5 }}\nhydrodynamics.lubrication = true\n[[traps]]\n\
+             particles = [0, 9]\ncentres = [{}, {}]\nstiffness = 3.0\n",
             place([3.0, 2.0, 4.0]),
             place([-1.0, 9.5, 7.0])
         ),

@@ -1,4 +1,6 @@
-"""The segregation of Santra et al.'s Fig. 6 with masses proportional to the cube of the radius, and with the smallest radius as the unit of length."""
+"""The segregation of Santra et al.'s Fig. 6 with other masses and another unit.
+
+Masses are proportional to the cube of the radius, and the unit of length is the smallest radius."""
 
 from disks import QUICK, SHOWN, Sweep, near
 from report import Report, main

@@ -93,7 +93,8 @@ class Compared(unittest.TestCase):
         self.assert_different("pressure  0.1 +- 0.1  force", "pressure  0.1 +- 0.1  length")
 
     def test_durations_and_verdicts_are_not_compared(self):
-        self.assert_same("time  about 1.1 ms a step and 6.5 s for the run, by its first 9 steps", "time  about 990 microseconds a step and 7 s for the run, by its first 7 steps")
+        measured = "time  about 1.1 ms a step and 6.5 s for the run, by its first 9 steps"
+        self.assert_same(measured, "time  about 990 microseconds a step and 7 s for the run, by its first 7 steps")
         self.assert_same("slip  -  length  too short for any value", "slip  0.1 +- 0.1  length  too short: 3.5 times longer")
         self.assert_same("run 1 of 2: b, 1 s\nrun 2 of 2: a, 2 s", "run 1 of 2: a, 1 s\nrun 2 of 2: b, 3 s")
         self.assert_different("run 1 of 2: b, 1 s\nrun 2 of 2: a, 2 s", "run 1 of 2: a, 1 s\nrun 2 of 2: c, 3 s")

@@ -12,7 +12,10 @@ TIMING = re.compile(
     rf"{VALUE} (?:s|ms|microseconds|seconds|minutes|hours|days)\b|\bby its first \d+ steps|\b\d+(?= (?:runs )?at a time)|^run \d+ of (?=\d)"
 )
 # Verdicts depend on errors, and whether a value is given on the verdict: both change with the last bit of a chaotic run.
-VERDICT = re.compile(rf"converged|still drifting|too short for any value|too short: {VALUE} times longer|has no value|: not seen|: small|: matters|(?<= )-(?= )")
+VERDICT = re.compile(
+    rf"converged|still drifting|too short for any value|too short: {VALUE} times longer|has no value"
+    r"|: not seen|: small|: matters|(?<= )-(?= )"
+)
 # Two runs of a chaotic suspension agree within their errors, which short runs estimate to a factor of two or three; the
 # spread of few seeds that agree by chance is even less reliable.
 ERRORS, RELATIVE, MEMORY = 10, 0.25, 2

@@ -14,7 +14,7 @@ use suspension::benchmark::{BenchmarkCase, BenchmarkKind, CostMeasurement, Spher
 /// Cases of a benchmark: every combination of the lists, one JSON line each.
 #[derive(clap::Args)]
 #[command(after_help = LINE)]
-pub struct Args {
+pub struct BenchArgs {
     /// Numbers of spheres
     #[arg(
         long,
@@ -125,7 +125,7 @@ struct BenchLine {
 }
 
 /// Runs all cases. Collective.
-pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
+pub fn run(args: &BenchArgs, comm: &Comm) -> anyhow::Result<()> {
     if let Some(scene) = &args.stages.step {
         return shares::measure_steps(scene, args.repeats, comm);
     }
@@ -145,7 +145,7 @@ pub fn run(args: &Args, comm: &Comm) -> anyhow::Result<()> {
     Ok(())
 }
 
-impl Args {
+impl BenchArgs {
     fn cases(&self) -> Vec<BenchmarkCase> {
         let mut cases = Vec::new();
         for &particles in &self.particles {

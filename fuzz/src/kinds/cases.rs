@@ -2,35 +2,35 @@
 
 use super::{change_bytes, change_tree};
 use crate::case_environment::{CaseEnvironment, Fault};
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use crate::{hdf5_file, tree};
 use proptest::prelude::*;
 
 /// Evaluates a case, with the answer on the standard output or in a file.
-fn evaluate(lab: &mut CaseEnvironment, case: &str) -> Result<End, Fault> {
+fn evaluate(lab: &mut CaseEnvironment, case: &str) -> Result<ProcessEnd, Fault> {
     let answer = *lab.one_of(&["", "answer.h5", "answer.json"]);
     let out: &[&str] = if answer.is_empty() { &[] } else { &["--out", answer] };
     let end = lab.run(&[&["mobility", case], out].concat())?;
-    if end == End::Answered && !answer.is_empty() {
+    if end == ProcessEnd::Answered && !answer.is_empty() {
         lab.is_numbers(&lab.folder.join(answer))?;
     }
     Ok(end)
 }
 
-pub fn json(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn json(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let tree = changed_case(lab);
     lab.write("case.json", tree::to_json(&tree))?;
     evaluate(lab, "case.json")
 }
 
-pub fn json_bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn json_bytes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let good = tree::to_json(lab.one_of(&lab.pool.cases));
     let bytes = change_bytes(lab, good.as_bytes());
     lab.write("case.json", bytes)?;
     evaluate(lab, "case.json")
 }
 
-pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn hdf5(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let path = lab.folder.join("case.h5");
     if lab.draw(any::<bool>()) {
         let tree = changed_case(lab);
@@ -43,7 +43,7 @@ pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     evaluate(lab, "case.h5")
 }
 
-pub fn hdf5_bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn hdf5_bytes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let good = std::fs::read(good_file(lab))?;
     let bytes = change_bytes(lab, &good);
     lab.write("case.h5", bytes)?;

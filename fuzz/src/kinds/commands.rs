@@ -3,7 +3,7 @@
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::hostile;
 use crate::pool::{CASES, SCENES};
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt;
 
@@ -26,7 +26,7 @@ const COMMANDS: [&[&str]; 15] = [
     &["--help"],
 ];
 
-pub fn words(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn words(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     lab.write("scene.toml", SCENES[1].1)?;
     lab.write("case.json", CASES[0])?;
     lab.copy_results("plain")?;

@@ -4,7 +4,7 @@ use crate::case_environment::{CaseEnvironment, Fault};
 use crate::misfit;
 use crate::surroundings::Permit;
 use crate::tree::{self, TreeStep};
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use toml::Value;
 
 /// Runs of scenes with one or several species, of disks, and of grains.
@@ -29,7 +29,7 @@ fn may_change(path: &str) -> bool {
     MAY_CHANGE.iter().any(|key| path.starts_with(key)) || path.starts_with("statistics")
 }
 
-pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn scenes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let name = *lab.one_of(&RUNS);
     let folder = lab.copy_results(name)?;
     let scene = folder.join("scene.toml");
@@ -39,7 +39,7 @@ pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     let at = lab.one_of(&places).clone();
     let factor = *lab.one_of(&[0.5, 0.9, 1.1, 2.0, 3.0, -1.0]);
     if !scale(&mut tree, &at, factor) {
-        return Ok(End::Refused);
+        return Ok(ProcessEnd::Refused);
     }
     std::fs::write(&scene, toml::to_string(&tree)?)?;
     let command = ["resume", name, "--steps", "3"];
@@ -47,10 +47,10 @@ pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
         return lab.run(&command);
     }
     let before = lab.run_within(&["check", &format!("{name}/scene.toml")], &Permit::default())?;
-    let word = if before == End::Refused { "" } else { misfit::key(&at) };
+    let word = if before == ProcessEnd::Refused { "" } else { misfit::key(&at) };
     match lab.run_within(&command, &Permit::default())? {
-        End::Refused if lab.stderr().contains(word) => Ok(End::Refused),
-        End::Refused => Err(lab.fault_of(&command, &format!("an error that does not name {word}"))),
+        ProcessEnd::Refused if lab.stderr().contains(word) => Ok(ProcessEnd::Refused),
+        ProcessEnd::Refused => Err(lab.fault_of(&command, &format!("an error that does not name {word}"))),
         _ => Err(lab.fault_of(&command, &format!("it goes on with another {}", tree::path(&at)))),
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::case_environment::{CaseEnvironment, Fault, files};
 use crate::pool::SCENES;
-use crate::verdict::{End, of_cells};
+use crate::verdict::{ProcessEnd, of_cells};
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -45,7 +45,7 @@ fn is_forbidden(name: &str) -> bool {
         || name.starts_with(['=', '+', '-', '@'])
 }
 
-pub fn names(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn names(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let name =
         lab.draw(prop_oneof![3 => select(&NAMES[..]).prop_map(str::to_owned), 1 => "\\PC{1,6}|[a-c,;\"\\s=]{1,6}"]);
     let mut tree: toml::Value = toml::from_str(SCENES[3].1)?;
@@ -59,7 +59,7 @@ pub fn names(lab: &mut CaseEnvironment) -> Result<End, Fault> {
         return lab.run_refused(&run, "name");
     }
     let end = lab.run(&run)?;
-    if end == End::Answered {
+    if end == ProcessEnd::Answered {
         for path in files(&lab.folder.join("out")).iter().filter(|path| path.extension().is_some_and(|e| e == "csv")) {
             of_cells(&std::fs::read_to_string(path)?, &name).map_err(|what| lab.fault_of(&run, &what))?;
         }

@@ -2,7 +2,7 @@
 
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::SCENES;
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use crate::{hdf5_file, misfit, tree};
 use proptest::prelude::*;
 use toml::Value;
@@ -12,12 +12,12 @@ const MORE: &str = "[[bonds]]\npairs = [[0, 1]]\nstiffness = 10.0\n[flow]\nkind 
     rate = [[0.0, 1.0], [0.1, -0.5]]\n[gravity]\nacceleration = [0.0, 0.0, -1.0]\n\
     [repulsion]\nstrength = 1.0\n[[traps]]\nparticles = [0]\nstiffness = 1.0\n";
 
-pub fn scenes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn scenes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let place = lab.draw(0..=SCENES.len());
     let text = SCENES.get(place).map_or_else(with_more_lists, |(_, text)| (*text).to_owned());
     let good = toml::from_str(&text)?;
     let (tree, at) = changed(lab, &good);
-    let Some(at) = at else { return Ok(End::Refused) };
+    let Some(at) = at else { return Ok(ProcessEnd::Refused) };
     let key = misfit::key(&at).to_owned();
     let name = tree::path(&at);
     if lab.draw(any::<bool>()) && !name.contains('[') {
@@ -35,15 +35,15 @@ fn with_more_lists() -> String {
 }
 
 /// Requires that both `check` and `run` refuse the scene.
-fn refused(lab: &CaseEnvironment, more: &[&str], key: &str) -> Result<End, Fault> {
+fn refused(lab: &CaseEnvironment, more: &[&str], key: &str) -> Result<ProcessEnd, Fault> {
     lab.run_refused(&[&["check", "scene.toml"], more].concat(), key)?;
     lab.run_refused(&[&["run", "scene.toml", "--out", "out"], more].concat(), key)
 }
 
-pub fn cases(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn cases(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let good = lab.one_of(&lab.pool.cases).clone();
     let (tree, at) = changed(lab, &good);
-    let Some(at) = at else { return Ok(End::Refused) };
+    let Some(at) = at else { return Ok(ProcessEnd::Refused) };
     let key = misfit::key(&at).to_owned();
     if lab.draw(any::<bool>()) {
         lab.write("case.json", tree::to_json(&tree))?;

@@ -14,10 +14,10 @@ mod strangers;
 use crate::bytes;
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::tree;
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 
 /// Makes a case and judges the program's reaction; mistakes of the harness itself are faults, too.
-pub type CaseTrial = fn(&mut CaseEnvironment) -> Result<End, Fault>;
+pub type CaseTrial = fn(&mut CaseEnvironment) -> Result<ProcessEnd, Fault>;
 
 /// The kinds, with their shares of all cases.
 pub const KINDS: [(&str, usize, CaseTrial); 23] = [

@@ -4,10 +4,10 @@ use super::change_bytes;
 use super::scenes::check_and_run;
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::{CSV, PLACED, SCENES, XYZ};
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use crate::{hdf5_file, table};
 
-pub fn text(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn text(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let (name, good, separator) = *lab.one_of(&[("start.csv", CSV, ','), ("start.xyz", XYZ, ' ')]);
     let content = if lab.draw(0..4) == 0 {
         change_bytes(lab, good.as_bytes())
@@ -19,7 +19,7 @@ pub fn text(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     placed(lab, name)
 }
 
-pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn hdf5(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let sources = ["case-0.h5", "positions/trajectory.h5", "suspension/trajectory.h5", "disks/trajectory.h5"];
     let source = *lab.one_of(&sources);
     let path = lab.folder.join("start.h5");
@@ -29,7 +29,7 @@ pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     placed(lab, "start.h5")
 }
 
-fn placed(lab: &mut CaseEnvironment, name: &str) -> Result<End, Fault> {
+fn placed(lab: &mut CaseEnvironment, name: &str) -> Result<ProcessEnd, Fault> {
     let disks = lab.draw(0..4) == 0;
     let text = if disks {
         let text = SCENES.iter().find(|(name, _)| *name == "disks").map_or("", |(_, text)| text);

@@ -3,7 +3,7 @@
 use super::change_bytes;
 use crate::case_environment::{CaseEnvironment, Fault, files};
 use crate::pool::SCENES;
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use crate::{checkpoint, hdf5_file, hostile, tree};
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -12,11 +12,11 @@ use std::path::Path;
 /// Scenes whose runs leave checkpoints; the first ones are suspensions.
 const RUNS: [&str; 8] = ["suspension", "plain", "direct", "positions", "disks", "poiseuille", "cell", "stepped-cell"];
 
-pub fn checkpoint_bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn checkpoint_bytes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     with_checkpoints(lab, |lab, good| Some(change_bytes(lab, good)))
 }
 
-pub fn checkpoint_numbers(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn checkpoint_numbers(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     with_checkpoints(lab, |lab, good| {
         let header = if lab.draw(any::<bool>()) { lab.draw(tree::edits(lab.pool.keys)) } else { vec![] };
         let numbers = lab.draw(prop::collection::vec((any::<Index>(), hostile::number()), 0..3));
@@ -28,7 +28,7 @@ pub fn checkpoint_numbers(lab: &mut CaseEnvironment) -> Result<End, Fault> {
 fn with_checkpoints(
     lab: &mut CaseEnvironment,
     change: impl Fn(&mut CaseEnvironment, &[u8]) -> Option<Vec<u8>>,
-) -> Result<End, Fault> {
+) -> Result<ProcessEnd, Fault> {
     let name = *lab.one_of(&RUNS);
     let folder = lab.copy_results(name)?;
     let mut checkpoints = files(&folder);
@@ -43,7 +43,7 @@ fn with_checkpoints(
     lab.run(&["resume", name, "--steps", "5"])
 }
 
-pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn hdf5(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     with_results(
         lab,
         |lab, path| {
@@ -54,7 +54,7 @@ pub fn hdf5(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     )
 }
 
-pub fn bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn bytes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     with_results(
         lab,
         |lab, path| {
@@ -70,7 +70,7 @@ fn with_results(
     lab: &mut CaseEnvironment,
     change: impl Fn(&mut CaseEnvironment, &Path) -> Result<(), Fault>,
     extensions: &[&str],
-) -> Result<End, Fault> {
+) -> Result<ProcessEnd, Fault> {
     let name = lab.one_of(&SCENES).0;
     let folder = lab.copy_results(name)?;
     let mut candidates = files(&folder);
@@ -81,17 +81,17 @@ fn with_results(
     let mut end = lab.run(&["info", &file])?;
     if RUNS[..4].contains(&name) && file.contains("trajectory") {
         end = lab.run(&["stats", name])?;
-        if end == End::Answered {
+        if end == ProcessEnd::Answered {
             lab.results_are_numbers(&format!("{name}/stats"))?;
         }
     }
     lab.run(&["report", name])?;
     let format = *lab.one_of(&["xyz", "gsd", "vtp"]);
     lab.run(&["export", name, "--to", format])?;
-    lab.run(&["resume", name]).map(|resumed| if resumed == End::Answered { resumed } else { end })
+    lab.run(&["resume", name]).map(|resumed| if resumed == ProcessEnd::Answered { resumed } else { end })
 }
 
-pub fn folders(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn folders(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let name = lab.one_of(&SCENES).0;
     let folder = lab.copy_results(name)?;
     let path = lab.one_of(&files(&folder)).clone();

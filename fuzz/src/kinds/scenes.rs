@@ -3,19 +3,19 @@
 use super::{change_bytes, change_tree};
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::SCENES;
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use crate::{hostile, tree};
 use proptest::prelude::*;
 
 /// Checks a scene, and takes a step or two if it is accepted.
-pub fn check_and_run(lab: &mut CaseEnvironment, more: &[&str]) -> Result<End, Fault> {
-    if lab.run(&[&["check", "scene.toml"], more].concat())? == End::Refused {
-        return Ok(End::Refused);
+pub fn check_and_run(lab: &mut CaseEnvironment, more: &[&str]) -> Result<ProcessEnd, Fault> {
+    if lab.run(&[&["check", "scene.toml"], more].concat())? == ProcessEnd::Refused {
+        return Ok(ProcessEnd::Refused);
     }
     let text = std::fs::read_to_string(lab.folder.join("scene.toml")).unwrap_or_default();
     let short: &[&str] = if text.contains("shear-cell-continuum") { &[] } else { &["--set", "time.steps=2"] };
     let end = lab.run(&[&["run", "scene.toml", "--out", "out"], more, short].concat())?;
-    if end == End::Answered {
+    if end == ProcessEnd::Answered {
         lab.results_are_numbers("out")?;
         if lab.draw(0..4) == 0 && lab.folder.join("out/trajectory.h5").exists() {
             lab.run(&["info", "out/trajectory.h5"])?;
@@ -24,14 +24,14 @@ pub fn check_and_run(lab: &mut CaseEnvironment, more: &[&str]) -> Result<End, Fa
     Ok(end)
 }
 
-pub fn keys(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn keys(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let good = lab.one_of(&lab.pool.scenes).1.clone();
     let tree = change_tree(lab, good);
     lab.write("scene.toml", toml::to_string(&tree)?)?;
     check_and_run(lab, &[])
 }
 
-pub fn bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn bytes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let good = lab.one_of(&SCENES).1;
     let bytes = change_bytes(lab, good.as_bytes());
     lab.write("scene.toml", bytes)?;
@@ -40,7 +40,7 @@ pub fn bytes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
 
 /// Sets one or two keys of a scene: half of the time keys that it has, otherwise other keys of its
 /// sections, and sometimes any key.
-pub fn overrides(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn overrides(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let (name, tree) = lab.one_of(&lab.pool.scenes).clone();
     let text = SCENES.iter().find(|scene| scene.0 == name).map_or("", |(_, text)| text);
     lab.write("scene.toml", text)?;
@@ -68,7 +68,7 @@ fn set(lab: &mut CaseEnvironment, tree: &toml::Value) -> String {
     format!("{path}={}", value.replace('\0', ""))
 }
 
-pub fn costs(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn costs(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let good = r#"{"stencils": 1.5, "transforms": 0.5, "pairs": 2.0}"#;
     let text = if lab.draw(any::<bool>()) {
         change_bytes(lab, good.as_bytes())

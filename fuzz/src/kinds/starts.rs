@@ -3,11 +3,11 @@
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::PLACED;
 use crate::start::{PositionsShape, any_start};
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 
 const RUN: [&str; 6] = ["run", "scene.toml", "--out", "out", "--set", "output.trajectory_every=1"];
 
-pub fn formats(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn formats(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let start = lab.draw(any_start());
     let name = *lab.one_of(&["start.csv", "start.xyz", "start.dump", "start.h5md"]);
     match name {
@@ -23,7 +23,7 @@ pub fn formats(lab: &mut CaseEnvironment) -> Result<End, Fault> {
     taken(lab, &start)
 }
 
-pub fn shapes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn shapes(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     let start = lab.draw(any_start());
     let shapes = [
         PositionsShape::Rows,
@@ -43,12 +43,12 @@ pub fn shapes(lab: &mut CaseEnvironment) -> Result<End, Fault> {
 }
 
 /// Requires that an unambiguous file is accepted.
-fn taken(lab: &CaseEnvironment, start: &crate::start::WrittenSpheres) -> Result<End, Fault> {
+fn taken(lab: &CaseEnvironment, start: &crate::start::WrittenSpheres) -> Result<ProcessEnd, Fault> {
     match lab.run(&RUN)? {
-        End::Answered => {}
-        End::Refused => return Err(lab.fault_of(&RUN, "it refused a file without a doubt")),
-        End::Stopped => return Ok(End::Stopped),
+        ProcessEnd::Answered => {}
+        ProcessEnd::Refused => return Err(lab.fault_of(&RUN, "it refused a file without a doubt")),
+        ProcessEnd::Stopped => return Ok(ProcessEnd::Stopped),
     }
     let wrong = start.differs(&lab.folder.join("out/trajectory.h5"))?;
-    wrong.map_or(Ok(End::Answered), |what| Err(lab.fault_of(&RUN, &what)))
+    wrong.map_or(Ok(ProcessEnd::Answered), |what| Err(lab.fault_of(&RUN, &what)))
 }

@@ -3,7 +3,7 @@
 use crate::case_environment::{CaseEnvironment, Fault};
 use crate::pool::SCENES;
 use crate::surroundings::Permit;
-use crate::verdict::End;
+use crate::verdict::ProcessEnd;
 use std::collections::BTreeSet;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
@@ -48,7 +48,7 @@ const COMMANDS: [&[&str]; 8] = [
     &["export", "FOLDER", "--to", "xyz"],
 ];
 
-pub fn folders(lab: &mut CaseEnvironment) -> Result<End, Fault> {
+pub fn folders(lab: &mut CaseEnvironment) -> Result<ProcessEnd, Fault> {
     std::fs::create_dir(lab.folder.join("outside.d"))?;
     lab.write("outside.d/kept.txt", "kept")?;
     let text = SCENES[1].1;
@@ -71,7 +71,7 @@ pub fn folders(lab: &mut CaseEnvironment) -> Result<End, Fault> {
         .filter_map(|path| path.strip_prefix(&lab.folder).ok().map(Path::to_owned))
         .filter(|path| !made.contains(path))
         .collect();
-    let mut end = End::Refused;
+    let mut end = ProcessEnd::Refused;
     for _ in 0..lab.draw(1..4usize) {
         let words = lab.one_of(&COMMANDS).iter().map(|word| if *word == "FOLDER" { folder } else { word });
         let words: Vec<&str> = words.collect();

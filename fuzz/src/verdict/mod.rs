@@ -14,7 +14,7 @@ use std::os::unix::process::ExitStatusExt;
 
 /// The end of a process that did nothing wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum End {
+pub enum ProcessEnd {
     /// It did what it was asked to do.
     Answered,
     /// It reported in one line what is wrong.
@@ -29,7 +29,7 @@ const TERM: i32 = 15;
 const STOPPED: [i32; 2] = [75, 128 + TERM];
 
 /// Judges a process. An error must name a file, a key or an option.
-pub fn judge(ended: &Ended, names: &Names) -> Result<End, String> {
+pub fn judge(ended: &Ended, names: &Names) -> Result<ProcessEnd, String> {
     if let Some(line) = ended.stderr.lines().find(|line| line.contains("panicked at")) {
         return Err(format!("panic: {line}"));
     }
@@ -37,9 +37,9 @@ pub fn judge(ended: &Ended, names: &Names) -> Result<End, String> {
         return Err(format!("abort: {line}"));
     }
     match (ended.status.code(), ended.status.signal()) {
-        (Some(0), _) => answered(ended).map(|()| End::Answered),
+        (Some(0), _) => answered(ended).map(|()| ProcessEnd::Answered),
         (Some(1), _) => refused(ended, names),
-        (Some(2), _) => misused(ended).map(|()| End::Refused),
+        (Some(2), _) => misused(ended).map(|()| ProcessEnd::Refused),
         (Some(code), _) if ended.asked_to_stop && STOPPED.contains(&code) => stopped(ended),
         (None, Some(TERM)) if ended.asked_to_stop => stopped(ended),
         (Some(code), _) => Err(format!("exit code {code}")),
@@ -48,8 +48,8 @@ pub fn judge(ended: &Ended, names: &Names) -> Result<End, String> {
     }
 }
 
-fn stopped(ended: &Ended) -> Result<End, String> {
-    answered(ended).map(|()| End::Stopped)
+fn stopped(ended: &Ended) -> Result<ProcessEnd, String> {
+    answered(ended).map(|()| ProcessEnd::Stopped)
 }
 
 fn answered(ended: &Ended) -> Result<(), String> {
@@ -64,11 +64,11 @@ fn without_words(text: &str, words: &[OsString]) -> String {
     text.lines().map(of_line).collect::<Vec<_>>().join("\n")
 }
 
-fn refused(ended: &Ended, names: &Names) -> Result<End, String> {
+fn refused(ended: &Ended, names: &Names) -> Result<ProcessEnd, String> {
     let errors: Vec<&str> = ended.stderr.lines().skip_while(|line| !line.starts_with("error: ")).collect();
     match errors[..] {
         [] => Err("it failed without an error".to_owned()),
-        [one] if names.are_in(one) => Ok(End::Refused),
+        [one] if names.are_in(one) => Ok(ProcessEnd::Refused),
         [one] => Err(format!("an error that names no key and no file: {one}")),
         _ => Err(format!("an error of {} lines: {}", errors.len(), errors.join(" | "))),
     }
@@ -107,24 +107,24 @@ mod tests {
         Names { files: vec!["a.toml".to_owned()], keys: vec!["radius".to_owned()] }
     }
 
-    fn verdict(status: i32, stdout: &str, stderr: &str) -> Result<End, String> {
+    fn verdict(status: i32, stdout: &str, stderr: &str) -> Result<ProcessEnd, String> {
         judge(&ended(status, stdout, stderr), &names())
     }
 
     #[test]
     fn answers_are_numbers() {
-        assert_eq!(verdict(0, "gap 0.5, information\n", "warning: none\n"), Ok(End::Answered));
+        assert_eq!(verdict(0, "gap 0.5, information\n", "warning: none\n"), Ok(ProcessEnd::Answered));
         assert!(verdict(0, "gap NaN\n", "").is_err());
         assert!(verdict(0, "", "gap -inf\n").is_err());
         assert!(verdict(0, "{\"velocities\": [null]}", "").is_err());
         let named = Ended { arguments: vec!["--out".into(), "inf".into()], ..ended(0, "2 frames in inf\n", "") };
-        assert_eq!(judge(&named, &names()), Ok(End::Answered));
+        assert_eq!(judge(&named, &names()), Ok(ProcessEnd::Answered));
     }
 
     #[test]
     fn errors_name_something_in_a_line() {
-        assert_eq!(verdict(1 << 8, "", "error: a.toml:3: it is bad\n"), Ok(End::Refused));
-        assert_eq!(verdict(1 << 8, "", "warning: hm\nerror: radius is -1\n"), Ok(End::Refused));
+        assert_eq!(verdict(1 << 8, "", "error: a.toml:3: it is bad\n"), Ok(ProcessEnd::Refused));
+        assert_eq!(verdict(1 << 8, "", "warning: hm\nerror: radius is -1\n"), Ok(ProcessEnd::Refused));
         assert!(verdict(1 << 8, "", "error: it is bad\n").unwrap_err().contains("names no key"));
         assert!(verdict(1 << 8, "", "error: the radius of a.tomls\n").unwrap_err().contains("names no key"));
         assert!(verdict(1 << 8, "", "error: radius\nis bad\n").unwrap_err().contains("2 lines"));
@@ -134,11 +134,11 @@ mod tests {
     #[test]
     fn command_lines_are_refused_by_what_is_in_them() {
         let said = |text: &str| verdict(2 << 8, "", text);
-        assert_eq!(said("error: unexpected argument '--x' found\n\nUsage: ...\n"), Ok(End::Refused));
-        assert_eq!(said("error: these are missing:\n  <SCENE>\n\nUsage: fcm-solve run\n"), Ok(End::Refused));
-        assert_eq!(said("error: unrecognized subcommand 'run'\n"), Ok(End::Refused));
+        assert_eq!(said("error: unexpected argument '--x' found\n\nUsage: ...\n"), Ok(ProcessEnd::Refused));
+        assert_eq!(said("error: these are missing:\n  <SCENE>\n\nUsage: fcm-solve run\n"), Ok(ProcessEnd::Refused));
+        assert_eq!(said("error: unrecognized subcommand 'run'\n"), Ok(ProcessEnd::Refused));
         let no_words = |stderr| judge(&Ended { arguments: vec![], ..ended(2 << 8, "", stderr) }, &names());
-        assert_eq!(no_words("What it does\n\nUsage: fcm-solve <COMMAND>\n"), Ok(End::Refused));
+        assert_eq!(no_words("What it does\n\nUsage: fcm-solve <COMMAND>\n"), Ok(ProcessEnd::Refused));
         assert!(no_words("").is_err());
         assert!(said("error: something is wrong\n\nUsage: fcm-solve run --out <DIR>\n").is_err());
         assert!(said("").unwrap_err().contains("without an error"));
@@ -158,10 +158,10 @@ mod tests {
     fn runs_stop_when_they_are_asked_to() {
         let asked = |status, said| judge(&Ended { asked_to_stop: true, ..ended(status, "", said) }, &names());
         for status in [15, 75 << 8, 143 << 8] {
-            assert_eq!(asked(status, "finished at step 3\n"), Ok(End::Stopped));
+            assert_eq!(asked(status, "finished at step 3\n"), Ok(ProcessEnd::Stopped));
             assert!(verdict(status, "", "").is_err(), "nobody asked");
         }
-        assert_eq!(asked(0, ""), Ok(End::Answered));
+        assert_eq!(asked(0, ""), Ok(ProcessEnd::Answered));
         assert!(asked(9, "").unwrap_err().contains("hang"));
         assert!(asked(15, "gap NaN").is_err() && asked(11, "").is_err() && asked(1 << 8, "error: bad").is_err());
     }

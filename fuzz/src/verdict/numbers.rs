@@ -6,8 +6,8 @@ use hdf5::{Dataset, File, Group};
 use std::path::Path;
 
 /// Columns that may be undefined, according to the page on file formats: errors that cannot be estimated, quantities
-/// that have not been measured yet or did not occur, a length that does not exist without viscosity, and the spread over a
-/// single seed.
+/// that have not been measured yet or did not occur, a length that does not exist without viscosity, and the spread
+/// over a single seed.
 const UNDEFINED: [&str; 6] = ["error", "wall_stress", "mean_free_path", "viscous_length", "spread", "calibration"];
 
 /// Columns in which a zero means that a row averages over nothing.

@@ -6,12 +6,12 @@ use std::f64::consts::PI;
 /// stiffness scales with the reduced mass, so that an undamped contact lasts `pi` for every pair. Eq. (1) of Santra,
 /// Schwarzer & Herrmann, PRE 54, 5066 (1996), with the dot and the sign that make `xi'' + 2 kappa xi' + xi = 0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
+pub struct SpringContact {
     restitution: f64,
     clips_attraction: bool,
 }
 
-impl Contact {
+impl SpringContact {
     /// A contact that leaves the fraction `restitution` of the normal velocity, `0 < restitution <= 1`. With
     /// `clips_attraction` it never attracts, which raises the fraction a little.
     pub(super) fn new(restitution: f64, clips_attraction: bool) -> Self {
@@ -52,17 +52,17 @@ mod tests {
     #[test]
     fn damping_follows_from_restitution() {
         for (e, kappa) in [(0.8, 0.0708503), (0.1, 0.5911550), (1.0, 0.0)] {
-            let contact = Contact::new(e, false);
+            let contact = SpringContact::new(e, false);
             assert!((contact.damping() - kappa).abs() < 1e-7);
             assert!((contact.restitution() - e).abs() < 1e-15);
         }
-        assert!((Contact::new(0.8, false).duration() - 3.14951).abs() < 1e-5);
-        assert!((Contact::new(0.1, false).duration() - 3.89506).abs() < 1e-5);
+        assert!((SpringContact::new(0.8, false).duration() - 3.14951).abs() < 1e-5);
+        assert!((SpringContact::new(0.1, false).duration() - 3.89506).abs() < 1e-5);
     }
 
     #[test]
     fn clipping_raises_restitution() {
-        assert!((Contact::new(0.8, true).restitution() - 0.80809).abs() < 1e-5);
-        assert!((Contact::new(1.0, true).restitution() - 1.0).abs() < 1e-15);
+        assert!((SpringContact::new(0.8, true).restitution() - 0.80809).abs() < 1e-5);
+        assert!((SpringContact::new(1.0, true).restitution() - 1.0).abs() < 1e-15);
     }
 }

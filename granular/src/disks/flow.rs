@@ -2,7 +2,7 @@
 
 /// The liquid's velocity along x as a function of y.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Flow {
+pub enum DiskFlow {
     /// At rest, in a periodic cell.
     Still,
     /// `rate (y - Ly/2)`, with Lees-Edwards images.
@@ -30,7 +30,7 @@ pub(super) struct VelocityProfile {
     pub(super) steepest: f64,
 }
 
-impl Flow {
+impl DiskFlow {
     pub(super) fn profile(&self, height: f64) -> VelocityProfile {
         let still = VelocityProfile { height, ..VelocityProfile::default() };
         match *self {
@@ -97,11 +97,11 @@ mod tests {
 
     #[test]
     fn profiles_are_what_they_say() {
-        let shear = Flow::Shear { rate: 0.5 }.profile(10.0);
+        let shear = DiskFlow::Shear { rate: 0.5 }.profile(10.0);
         assert_eq!((shear.speed(5.0), shear.speed(11.0), shear.slope(3.0)), (0.0, 3.0, 0.5));
-        let shear = Flow::Shear { rate: 0.5 };
+        let shear = DiskFlow::Shear { rate: 0.5 };
         assert_eq!((shear.velocity(5.0, 10.0), shear.velocity(11.0, 10.0)), (0.0, 3.0));
-        let pipe = Flow::Poiseuille { peak: 2.0 }.profile(10.0);
+        let pipe = DiskFlow::Poiseuille { peak: 2.0 }.profile(10.0);
         assert_eq!((pipe.speed(0.0), pipe.speed(5.0)), (0.0, 2.0));
         assert_eq!((pipe.speed(-2.0), pipe.speed(12.0)), (pipe.speed(8.0), pipe.speed(2.0)));
         assert_eq!((pipe.slope(0.0), pipe.slope(5.0), pipe.steepest), (0.8, 0.0, 0.8));

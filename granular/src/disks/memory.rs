@@ -3,14 +3,14 @@
 use super::observe::{AveragedProfile, Disk};
 use super::state::{Body, DiskBlock, DiskMotion, Identity, LANES};
 use super::verlet_list::{DiskCells, DiskPair, ListMargin, PairChunk};
-use super::{Model, Size};
+use super::{DiskModel, Size};
 use domain::{Bytes, GROWING, Particles};
 use glam::DVec2;
 
 /// Numbers of a disk in the particle store: velocity, and what the integrator and the Verlet list continue from.
 const STORED: usize = 3 + 6 + 9;
 
-impl Model {
+impl DiskModel {
     /// A run of these disks with a profile of `strips` strips: the disks, the Verlet list, snapshots and checkpoints.
     pub fn bytes(&self, strips: usize) -> Bytes {
         let count = self.sizes().len() as f64;

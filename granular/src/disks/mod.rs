@@ -23,20 +23,20 @@ mod verlet_list;
 use rayon::prelude::*;
 
 pub use self::simulation::Disks;
-pub use contact::Contact;
-pub use flow::Flow;
+pub use contact::SpringContact;
+pub use flow::DiskFlow;
 pub use gear::Gear;
 pub use observe::{
     AveragedProfile, AveragedStrip, Disk, LaneOrder, ProfileStrip, RECORD_COLUMNS, Snapshot, Strips,
     estimated_free_path, segment, viscous_length,
 };
-pub use parameters::{Model, Parameters, Preparation};
+pub use parameters::{DiskModel, DiskParameters, Preparation};
 pub use progress::Progress;
 pub use run::{DiskRun, RunLength, outline, run_bytes};
-pub use sizes::{LengthUnit, Size, Sizes, Species};
+pub use sizes::{DiskSpecies, LengthUnit, Size, Sizes};
 use stage::Law;
 pub use stage::Stage;
-pub use tally::{Measurement, Tally};
+pub use tally::{DiskTally, Measurement};
 
 /// Works on parts one by one, on several threads if there are several parts.
 fn for_each_part<T: Send>(parts: &mut [T], work: impl Fn(&mut T) + Sync + Send) {

@@ -180,7 +180,7 @@ impl StepPass {
 #[cfg(test)]
 mod tests {
     use super::super::{
-        Contact, Flow, Gear,
+        DiskFlow, Gear, SpringContact,
         state::{DiskMotion, Identity},
     };
     use super::*;
@@ -191,9 +191,9 @@ mod tests {
     #[test]
     fn a_start_has_the_derivatives_of_a_disk_that_crosses_a_parabolic_flow() {
         let law = Law {
-            contact: Contact::new(1.0, false),
+            contact: SpringContact::new(1.0, false),
             viscosity: 1.0 / (6.0 * PI),
-            profile: Flow::Poiseuille { peak: 2.0 }.profile(10.0),
+            profile: DiskFlow::Poiseuille { peak: 2.0 }.profile(10.0),
             gear: Gear::FiveValue,
             start_strain: 0.0,
             dt: 1.0,

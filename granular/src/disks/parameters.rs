@@ -1,6 +1,6 @@
 //! Checked parameters of a system of disks.
 
-use super::{Contact, Flow, Gear, Law, LengthUnit, Size, Sizes, Stage};
+use super::{DiskFlow, Gear, Law, LengthUnit, Size, Sizes, SpringContact, Stage};
 use crate::parameter::{ParameterError, finite, positive, refused, require};
 use domain::{Comm, MemoryNeed, Number, Particles, PeriodicBox, Vector};
 use std::f64::consts::PI;
@@ -38,7 +38,7 @@ impl Preparation {
 /// Units: a length according to `length_unit`, the mass of a disk of radius 1, and a time in which an undamped
 /// contact lasts `pi`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameters {
+pub struct DiskParameters {
     /// Periods along the flow (x) and the gradient (y).
     pub edges: [f64; 2],
     /// Strain of the lattice of images at the start, for disks that come from a sheared box.
@@ -58,7 +58,7 @@ pub struct Parameters {
     /// Viscosity of the liquid in the Stokes drag `6 pi r viscosity`.
     pub viscosity: f64,
     /// Flow of the liquid.
-    pub flow: Flow,
+    pub flow: DiskFlow,
     /// Integrator.
     pub gear: Gear,
     /// Time step.
@@ -71,7 +71,7 @@ pub struct Parameters {
     pub measure_every: u64,
 }
 
-impl Default for Parameters {
+impl Default for DiskParameters {
     fn default() -> Self {
         let preparation =
             Preparation { restitution: 0.1, settled: 20.0, mixed: 100.0, gear: Gear::FourValue, time_step: 0.15 };
@@ -85,7 +85,7 @@ impl Default for Parameters {
             restitution: 0.8,
             clip_attraction: false,
             viscosity: 0.01,
-            flow: Flow::Shear { rate: 0.01 },
+            flow: DiskFlow::Shear { rate: 0.01 },
             gear: Gear::FiveValue,
             time_step: 0.15,
             preparation,
@@ -97,16 +97,16 @@ impl Default for Parameters {
 
 /// A system of disks with checked parameters.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Model {
-    parameters: Parameters,
+pub struct DiskModel {
+    parameters: DiskParameters,
     sizes: Vec<Size>,
     smallest: f64,
     largest: f64,
 }
 
-impl Model {
+impl DiskModel {
     /// Model with the disks that the parameters specify.
-    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+    pub fn new(parameters: DiskParameters) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
         finite("box.strain", p.strain)?;
@@ -121,7 +121,7 @@ impl Model {
     }
 
     /// Model with the disks of a particle store, whatever sizes and area fraction the parameters specify.
-    pub fn with_particles(parameters: Parameters, particles: &Particles) -> Result<Self, ParameterError> {
+    pub fn with_particles(parameters: DiskParameters, particles: &Particles) -> Result<Self, ParameterError> {
         particles.radii.iter().try_for_each(|&r| positive("particles.radius", r))?;
         let of_row = |(&radius, &species): (&f64, &u32)| Size { radius, species };
         let sizes = particles.radii.iter().zip(&particles.species).map(of_row).collect();
@@ -139,7 +139,7 @@ impl Model {
         fits.map_err(|error| refused(key, &found, format_args!("fewer, or larger radii: {error}")))
     }
 
-    fn of(parameters: Parameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {
+    fn of(parameters: DiskParameters, sizes: Vec<Size>) -> Result<Self, ParameterError> {
         let p = &parameters;
         p.edges.iter().try_for_each(|&edge| positive("box.edges", edge))?;
         require(!sizes.is_empty(), "particles.area_fraction", Number(p.area_fraction), "enough for one disk")?;
@@ -168,9 +168,9 @@ impl Model {
     fn check_flow(&self) -> Result<(), ParameterError> {
         let p = &self.parameters;
         match p.flow {
-            Flow::Still => {}
-            Flow::Shear { rate } => finite("flow.rate", rate)?,
-            Flow::Poiseuille { peak } => finite("flow.peak", peak)?,
+            DiskFlow::Still => {}
+            DiskFlow::Shear { rate } => finite("flow.rate", rate)?,
+            DiskFlow::Poiseuille { peak } => finite("flow.peak", peak)?,
         }
         let turn = p.flow.profile(p.edges[1]).steepest * p.time_step;
         require(turn <= 0.1, "flow", format_args!("{:?}", p.flow), "a velocity gradient of at most 0.1 / time_step")?;
@@ -182,7 +182,7 @@ impl Model {
     }
 
     /// The parameters.
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &DiskParameters {
         &self.parameters
     }
 
@@ -235,11 +235,11 @@ impl Model {
 
     pub(super) fn law(&self, stage: Stage) -> Law {
         let (p, prepared) = (&self.parameters, self.parameters.preparation);
-        let contact = |restitution| Contact::new(restitution, p.clip_attraction);
+        let contact = |restitution| SpringContact::new(restitution, p.clip_attraction);
         let still = Law {
             contact: contact(1.0),
             viscosity: 0.0,
-            profile: Flow::Still.profile(p.edges[1]),
+            profile: DiskFlow::Still.profile(p.edges[1]),
             gear: prepared.gear,
             start_strain: 0.0,
             dt: prepared.time_step,
@@ -271,7 +271,7 @@ fn check_radii(asked: &Sizes, sizes: &[Size]) -> Result<(), ParameterError> {
     let wrong = sizes.iter().find(|s| !(s.radius * s.radius > 0.0 && (s.radius * s.radius).is_finite()));
     wrong.map_or(Ok(()), |size| {
         let (key, allowed) = match asked {
-            Sizes::Species(_) => ("species", "radii and shares less far apart"),
+            Sizes::DiskSpecies(_) => ("species", "radii and shares less far apart"),
             Sizes::Spread { .. } => ("particles.spread", "radii less far apart, or an exponent nearer to 0"),
         };
         Err(refused(key, format_args!("a mixture with a disk of radius {:e}", size.radius), allowed))

@@ -1,6 +1,6 @@
 //! The progress of a run, as numbers for a checkpoint.
 
-use super::{Stage, Tally};
+use super::{DiskTally, Stage};
 
 /// State of a run apart from its particles.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,13 +12,13 @@ pub struct Progress {
     /// Step at which the neighbour list was built.
     pub list_built: u64,
     /// Sums over time so far.
-    pub tally: Tally,
+    pub tally: DiskTally,
     /// Rows of the pairs in contact at the last computation of forces.
     pub touching: Vec<[u32; 2]>,
 }
 
 /// Numbers of a tally.
-const TALLY: usize = size_of::<Tally>() / size_of::<f64>();
+const TALLY: usize = size_of::<DiskTally>() / size_of::<f64>();
 
 impl Progress {
     /// All values, exact to the last bit; integers are exact below 2^53.

@@ -1,9 +1,10 @@
 //! A run of sheared disks as a simulation whose steps are those of the flow.
 
 use super::{
-    AveragedProfile, AveragedStrip, Disks, Model, Progress, RECORD_COLUMNS, Stage, estimated_free_path, viscous_length,
+    AveragedProfile, AveragedStrip, DiskModel, Disks, Progress, RECORD_COLUMNS, Stage, estimated_free_path,
+    viscous_length,
 };
-use crate::StartError;
+use crate::GrainStartError;
 use domain::{Bytes, Comm, GivenPositions, MemoryNeed, Number, Particles, Process};
 use simulation::{
     Clock, Frame, Outline, Quantity, Rearrangement, RearrangementError, Simulation, SimulationError, State, Table,
@@ -45,13 +46,13 @@ impl DiskRun {
     /// Disks at the start of the flow: at given positions, or at random positions and prepared. `tell` is called from
     /// time to time with the completed fraction of the preparation.
     pub fn start(
-        model: &Model,
+        model: &DiskModel,
         length: RunLength,
         placed: Option<&GivenPositions>,
         comm: &Comm,
         tell: &mut dyn FnMut(f64),
-    ) -> Result<Self, StartError> {
-        StartError::unless_alone(comm)?;
+    ) -> Result<Self, GrainStartError> {
+        GrainStartError::unless_alone(comm)?;
         let disks = match placed {
             None => Disks::prepare_with_progress(model, tell)?,
             Some(placed) => flowing(model, length, placed, comm)?,
@@ -61,24 +62,24 @@ impl DiskRun {
 
     /// Disks in the state of a checkpoint; disks from a file have their own sizes.
     pub fn resume(
-        model: &Model,
+        model: &DiskModel,
         length: RunLength,
         state: &State,
         from_file: bool,
         comm: &Comm,
-    ) -> Result<Self, StartError> {
-        StartError::unless_alone(comm)?;
+    ) -> Result<Self, GrainStartError> {
+        GrainStartError::unless_alone(comm)?;
         if !from_file {
             return Self::in_state(model, length, state, comm);
         }
-        Self::in_state(&Model::with_particles(model.parameters().clone(), &state.particles)?, length, state, comm)
+        Self::in_state(&DiskModel::with_particles(model.parameters().clone(), &state.particles)?, length, state, comm)
     }
 
-    fn in_state(model: &Model, length: RunLength, state: &State, comm: &Comm) -> Result<Self, StartError> {
+    fn in_state(model: &DiskModel, length: RunLength, state: &State, comm: &Comm) -> Result<Self, GrainStartError> {
         let profile = AveragedProfile::new(length.profile_strips);
         let mut kept = DiskCheckpoint { progress: Vec::new(), profile };
         let fits = kept.load(&state.statistics.concat());
-        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(StartError::State)?;
+        let progress = Progress::from_numbers(&kept.progress).filter(|_| fits).ok_or(GrainStartError::State)?;
         Ok(Self::of(Disks::resume(model, &state.particles, &progress)?, length, kept.profile, comm))
     }
 
@@ -89,23 +90,28 @@ impl DiskRun {
 }
 
 /// Disks at given positions, if there is enough memory for them.
-fn flowing(model: &Model, length: RunLength, placed: &GivenPositions, comm: &Comm) -> Result<Disks, StartError> {
+fn flowing(
+    model: &DiskModel,
+    length: RunLength,
+    placed: &GivenPositions,
+    comm: &Comm,
+) -> Result<Disks, GrainStartError> {
     let (parameters, particles) = (model.parameters(), given(placed));
-    let refused = |source| StartError::Given { name: placed.name.clone(), source };
-    let model = Model::with_particles(parameters.clone(), &particles).map_err(refused)?;
+    let refused = |source| GrainStartError::Given { name: placed.name.clone(), source };
+    let model = DiskModel::with_particles(parameters.clone(), &particles).map_err(refused)?;
     let resident = Process::ALONE.resident(run_bytes(&model, length.profile_strips).most);
     let fits = comm.check_memory(MemoryNeed { resident, ..MemoryNeed::default() });
-    fits.map_err(|missing| StartError::Memory { disks: particles.len(), missing })?;
+    fits.map_err(|missing| GrainStartError::Memory { disks: particles.len(), missing })?;
     Disks::flowing(parameters.clone(), &particles).map_err(refused)
 }
 
 /// Predicted memory of a run of disks with a profile of `strips` strips.
-pub fn run_bytes(model: &Model, strips: usize) -> Bytes {
+pub fn run_bytes(model: &DiskModel, strips: usize) -> Bytes {
     model.bytes(strips).then(Frame::bytes(model.sizes().len() as f64, 3))
 }
 
 /// Summary of a system of disks in words and numbers.
-pub fn outline(model: &Model, steps: u64) -> Outline {
+pub fn outline(model: &DiskModel, steps: u64) -> Outline {
     let (p, count) = (model.parameters(), model.sizes().len());
     let (fraction, zeta) = (model.area_fraction(), viscous_length(model));
     let (free_path, end) = (estimated_free_path(fraction), steps as f64 * p.time_step);

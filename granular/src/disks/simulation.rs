@@ -4,7 +4,7 @@ use super::motion::PassTask;
 use super::stage::Law;
 use super::state::DiskState;
 use super::verlet_list::List;
-use super::{Measurement, Model, Stage, Tally};
+use super::{DiskModel, DiskTally, Measurement, Stage};
 use crate::parameter::{ParameterError, refused, require};
 use domain::{Number, Particles, PeriodicBox, Random};
 use glam::DVec2;
@@ -13,13 +13,13 @@ use simulation::Clock;
 /// A system of disks in motion.
 #[derive(Debug, Clone)]
 pub struct Disks {
-    pub(super) model: Model,
+    pub(super) model: DiskModel,
     pub(super) stage: Stage,
     pub(super) law: Law,
     pub(super) clock: Clock,
     pub(super) state: DiskState,
     pub(super) list: List,
-    pub(super) tally: Tally,
+    pub(super) tally: DiskTally,
     /// Whether a disk has moved relative to the liquid by more than half the cell between two checks.
     pub(super) escaped: bool,
 }
@@ -29,7 +29,7 @@ const MOMENT: u64 = 1_000_000;
 
 impl Disks {
     /// The model's disks at random positions, overlapping, at rest.
-    pub fn random(model: &Model) -> Self {
+    pub fn random(model: &DiskModel) -> Self {
         let (edges, seed) = (model.cell(0.0).edges(), model.parameters().seed);
         let positions = (0..model.sizes().len() as u64).map(|id| (Random::new(seed, id).point() * edges).with_z(0.0));
         let (radii, species) = model.sizes().iter().map(|size| (size.radius, size.species)).unzip();
@@ -39,12 +39,12 @@ impl Disks {
     }
 
     /// A random start after the stages of preparation, at rest relative to the liquid.
-    pub fn prepared(model: &Model) -> Result<Self, ParameterError> {
+    pub fn prepared(model: &DiskModel) -> Result<Self, ParameterError> {
         Self::prepare_with_progress(model, &mut |_| {})
     }
 
     /// Like [`Disks::prepared`]; `tell` is called from time to time with the completed fraction of the steps.
-    pub fn prepare_with_progress(model: &Model, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
+    pub fn prepare_with_progress(model: &DiskModel, tell: &mut dyn FnMut(f64)) -> Result<Self, ParameterError> {
         let mut disks = Self::random(model);
         let all = model.preparing_steps();
         let mut done = 0;
@@ -79,13 +79,13 @@ impl Disks {
     }
 
     /// Disks of a particle store, in the stage with flow. Without a column `velocity` they move with the liquid.
-    pub fn flowing(parameters: super::Parameters, particles: &Particles) -> Result<Self, ParameterError> {
-        let model = Model::with_particles(parameters, particles)?;
+    pub fn flowing(parameters: super::DiskParameters, particles: &Particles) -> Result<Self, ParameterError> {
+        let model = DiskModel::with_particles(parameters, particles)?;
         check_positions(&model, model.parameters().strain, particles)?;
         Self::given(&model, particles, Stage::Flow, 0)
     }
 
-    fn given(model: &Model, particles: &Particles, stage: Stage, step: u64) -> Result<Self, ParameterError> {
+    fn given(model: &DiskModel, particles: &Particles, stage: Stage, step: u64) -> Result<Self, ParameterError> {
         let law = model.law(stage);
         let mut state = DiskState::given(particles, &law, model)?;
         state.set_response(&law, model);
@@ -100,15 +100,15 @@ impl Disks {
     }
 
     /// Starts a stage, or continues it after some steps, from positions and velocities.
-    fn begin(model: Model, stage: Stage, step: u64, mut state: DiskState) -> Self {
+    fn begin(model: DiskModel, stage: Stage, step: u64, mut state: DiskState) -> Self {
         let law = model.law(stage);
         let list = List::build(&mut state, &model, &law, step, None);
-        let (clock, tally) = (Clock::at(step, law.dt), Tally::default());
+        let (clock, tally) = (Clock::at(step, law.dt), DiskTally::default());
         let mut disks = Self { model, stage, law, clock, state, list, tally, escaped: false };
         let contact = disks.list.add_contact_forces(&mut disks.state, &law, step, true);
         let motion = disks.state.advance(&law, PassTask::Measure, 0, true);
         disks.state.start(&law, |radius| disks.model.mass(radius));
-        disks.tally = Tally::begin(disks.measurement(&motion, &contact));
+        disks.tally = DiskTally::begin(disks.measurement(&motion, &contact));
         disks
     }
 
@@ -167,7 +167,7 @@ impl Disks {
 
     /// Restarts the tally at its latest measurement.
     pub fn restart_tally(&mut self) {
-        self.tally = Tally::begin(self.tally.latest);
+        self.tally = DiskTally::begin(self.tally.latest);
     }
 
     /// Number of lattice periods by which the strain was reduced since the list was built.
@@ -176,7 +176,7 @@ impl Disks {
     }
 
     /// The model.
-    pub fn model(&self) -> &Model {
+    pub fn model(&self) -> &DiskModel {
         &self.model
     }
 
@@ -206,13 +206,13 @@ impl Disks {
     }
 
     /// Sums over time since the stage began or the tally was restarted.
-    pub fn tally(&self) -> &Tally {
+    pub fn tally(&self) -> &DiskTally {
         &self.tally
     }
 }
 
 /// Two disks at one point exert no force on each other.
-fn check_positions(model: &Model, strain: f64, particles: &Particles) -> Result<(), ParameterError> {
+fn check_positions(model: &DiskModel, strain: f64, particles: &Particles) -> Result<(), ParameterError> {
     let cell = model.cell(strain);
     let mut positions: Vec<DVec2> = particles.positions.iter().map(|&x| cell.wrap(x).0.truncate()).collect();
     positions.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));

@@ -6,7 +6,7 @@ use domain::Number;
 
 /// Disks of one radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Species {
+pub struct DiskSpecies {
     /// Radius, relative to those of other species.
     pub radius: f64,
     /// Number of disks, relative to other species.
@@ -17,7 +17,7 @@ pub struct Species {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Sizes {
     /// Any number of species; one species makes a monodisperse system.
-    Species(Vec<Species>),
+    DiskSpecies(Vec<DiskSpecies>),
     /// All radii between two limits, with a density proportional to a power of the radius: a power of 0 is uniform.
     Spread {
         /// The smallest radius, relative to the largest.
@@ -51,18 +51,18 @@ pub struct Size {
 impl Sizes {
     /// Small disks of relative radius 1 and large ones of radius `ratio`, `share` of them for each small one.
     pub fn bidisperse(ratio: f64, share: f64) -> Self {
-        Self::Species(vec![Species { radius: 1.0, share: 1.0 }, Species { radius: ratio, share }])
+        Self::DiskSpecies(vec![DiskSpecies { radius: 1.0, share: 1.0 }, DiskSpecies { radius: ratio, share }])
     }
 
     /// Disks of one radius.
     pub fn monodisperse() -> Self {
-        Self::Species(vec![Species { radius: 1.0, share: 1.0 }])
+        Self::DiskSpecies(vec![DiskSpecies { radius: 1.0, share: 1.0 }])
     }
 
     /// Refuses radii and shares that are not positive.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         match self {
-            Self::Species(list) => {
+            Self::DiskSpecies(list) => {
                 require(!list.is_empty(), "species", "an empty list", "at least one species")?;
                 list.iter().try_for_each(|s| {
                     positive("species.radius", s.radius)?;
@@ -82,9 +82,11 @@ impl Sizes {
     /// The same with a smallest radius of 1, so that results do not depend on the unit of the radii.
     fn relative(&self) -> Self {
         match self {
-            Self::Species(list) => {
+            Self::DiskSpecies(list) => {
                 let smallest = list.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);
-                Self::Species(list.iter().map(|s| Species { radius: ratio(s.radius, smallest), ..*s }).collect())
+                Self::DiskSpecies(
+                    list.iter().map(|s| DiskSpecies { radius: ratio(s.radius, smallest), ..*s }).collect(),
+                )
             }
             &Self::Spread { smallest, largest, exponent } => {
                 Self::Spread { smallest: 1.0, largest: ratio(largest, smallest), exponent }
@@ -96,7 +98,7 @@ impl Sizes {
     pub(super) fn count(&self, area: f64, unit: LengthUnit) -> f64 {
         let relative = self.relative();
         match &relative {
-            Self::Species(list) => counts(list, unit_length(list, unit), area).iter().sum(),
+            Self::DiskSpecies(list) => counts(list, unit_length(list, unit), area).iter().sum(),
             Self::Spread { .. } => {
                 let mean_area = relative.scaled(4096, unit).into_iter().map(disk_area).sum::<f64>() / 4096.0;
                 (area / mean_area).round().max(1.0)
@@ -107,7 +109,7 @@ impl Sizes {
     /// The disks that cover an area, as nearly as a whole number of them can.
     pub(super) fn cover(&self, area: f64, unit: LengthUnit) -> Vec<Size> {
         let relative = self.relative();
-        let Self::Species(list) = &relative else { return relative.cover_by_spread(area, unit) };
+        let Self::DiskSpecies(list) = &relative else { return relative.cover_by_spread(area, unit) };
         let length = unit_length(list, unit);
         let counts = counts(list, length, area);
         let mut sizes = Vec::with_capacity(counts.iter().sum::<f64>() as usize);
@@ -148,7 +150,7 @@ impl Sizes {
 
 /// Numbers of disks of each species. Numbers of species other than the most frequent one follow their shares; the
 /// most frequent one fills the remaining area.
-fn counts(list: &[Species], length: f64, area: f64) -> Vec<f64> {
+fn counts(list: &[DiskSpecies], length: f64, area: f64) -> Vec<f64> {
     let covers: Vec<f64> = list.iter().map(|s| disk_area(s.radius / length)).collect();
     let frequent = (1..list.len()).fold(0, |best, s| if list[s].share > list[best].share { s } else { best });
     let each = area / list.iter().zip(&covers).map(|(s, cover)| s.share * cover).sum::<f64>();
@@ -160,7 +162,7 @@ fn counts(list: &[Species], length: f64, area: f64) -> Vec<f64> {
 }
 
 /// The radius that is 1, in the unit of the list.
-fn unit_length(list: &[Species], unit: LengthUnit) -> f64 {
+fn unit_length(list: &[DiskSpecies], unit: LengthUnit) -> f64 {
     match unit {
         LengthUnit::Mean => {
             list.iter().map(|s| s.share * s.radius).sum::<f64>() / list.iter().map(|s| s.share).sum::<f64>()
@@ -213,8 +215,8 @@ mod tests {
             // Up to half a disk.
             assert!((fraction(&sizes) - 0.6).abs() < 5e-4 && (mean - 1.0).abs() < 1e-12, "{exponent}");
         }
-        let three = [(1.0, 6.0), (2.0, 3.0), (3.0, 1.0)].map(|(radius, share)| Species { radius, share });
-        let sizes = Sizes::Species(three.to_vec()).cover(6000.0, LengthUnit::Smallest);
+        let three = [(1.0, 6.0), (2.0, 3.0), (3.0, 1.0)].map(|(radius, share)| DiskSpecies { radius, share });
+        let sizes = Sizes::DiskSpecies(three.to_vec()).cover(6000.0, LengthUnit::Smallest);
         let count = |species| sizes.iter().filter(|s| s.species == species).count() as f64;
         assert!((fraction(&sizes) - 0.6).abs() < 5e-4);
         assert!((count(0) / count(1) - 2.0).abs() < 0.05 && (count(1) / count(2) - 3.0).abs() < 0.1);

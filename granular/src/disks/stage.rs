@@ -2,7 +2,7 @@
 
 use super::flow::VelocityProfile;
 use super::gear::Corrector;
-use super::{Contact, Gear, Model};
+use super::{DiskModel, Gear, SpringContact};
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -29,7 +29,7 @@ impl Stage {
 /// The contacts, drag, flow and integrator of a stage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Law {
-    pub(super) contact: Contact,
+    pub(super) contact: SpringContact,
     pub(super) viscosity: f64,
     pub(super) profile: VelocityProfile,
     pub(super) gear: Gear,
@@ -62,7 +62,7 @@ impl Law {
     }
 
     /// Number of lattice periods by which the strain is reduced from one step to another.
-    pub(super) fn lattice_shifts(&self, model: &Model, steps: Range<u64>) -> i32 {
+    pub(super) fn lattice_shifts(&self, model: &DiskModel, steps: Range<u64>) -> i32 {
         let [length, height] = model.parameters().edges;
         let shifts = |step| (self.strain(step) * height / length + 0.5).floor() as i32;
         shifts(steps.end) - shifts(steps.start)

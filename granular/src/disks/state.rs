@@ -1,7 +1,7 @@
 //! State of the disks in the memory layout of the time step.
 
 use super::stage::Law;
-use super::{Model, for_each_part};
+use super::{DiskModel, for_each_part};
 use domain::parallel::change;
 use domain::{Particles, PeriodicBox, Vector};
 use glam::DVec2;
@@ -123,7 +123,7 @@ impl DiskState {
 
     /// Sets the response of the disks to forces and drag in a stage. Unused lanes stay at a height at
     /// which the liquid is at rest.
-    pub(super) fn set_response(&mut self, law: &Law, model: &Model) {
+    pub(super) fn set_response(&mut self, law: &Law, model: &DiskModel) {
         for lane in self.len()..self.bodies.len() {
             let (block, lane_of) = (&mut self.blocks[lane / LANES], lane % LANES);
             self.bodies[lane].position.y = law.profile.rest_height();
@@ -162,7 +162,7 @@ impl DiskState {
         });
     }
 
-    pub(super) fn reorder(&mut self, order: &[u32], law: &Law, model: &Model) {
+    pub(super) fn reorder(&mut self, order: &[u32], law: &Law, model: &DiskModel) {
         let motions: Vec<DiskMotion> = order.iter().map(|&row| self.motion(row as usize)).collect();
         let identities = order.iter().map(|&row| self.identities[row as usize]).collect();
         *self = Self::new(identities, &motions);
@@ -171,7 +171,7 @@ impl DiskState {
 }
 
 impl Identity {
-    pub(super) fn all(particles: &Particles, model: &Model) -> Vec<Self> {
+    pub(super) fn all(particles: &Particles, model: &DiskModel) -> Vec<Self> {
         let of = |row: usize| {
             let (id, species, radius) = (particles.ids[row], particles.species[row], particles.radii[row]);
             let (is_large, inverse_mass) = (model.is_large(radius), 1.0 / model.mass(radius));

@@ -3,7 +3,7 @@
 use super::stage::Law;
 use super::state::{Body, DiskMotion, DiskState, Identity};
 use super::verlet_list::List;
-use super::{Disks, Model, Progress};
+use super::{DiskModel, Disks, Progress};
 use crate::parameter::{Components, ParameterError, refused, require};
 use domain::{Number, Particles, PeriodicBox, Vector};
 use glam::DVec2;
@@ -50,7 +50,7 @@ impl Disks {
 
     /// Continues from a stored state. The parameters may differ from those of the stored run where
     /// that is physically sensible.
-    pub fn resume(model: &Model, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
+    pub fn resume(model: &DiskModel, particles: &Particles, progress: &Progress) -> Result<Self, ParameterError> {
         let law = model.law(progress.stage);
         let mut state = DiskState::stored(particles, model, &model.cell(law.strain(progress.list_built)), law.dt)?;
         state.set_response(&law, model);
@@ -99,7 +99,7 @@ fn motion_of(gear: [f64; 6], list: [f64; 9]) -> DiskMotion {
 impl DiskState {
     /// Disks of a particle store that was not written by this driver, in its order. Without a column `velocity`
     /// they move with the liquid.
-    pub(super) fn given(particles: &Particles, law: &Law, model: &Model) -> Result<Self, ParameterError> {
+    pub(super) fn given(particles: &Particles, law: &Law, model: &DiskModel) -> Result<Self, ParameterError> {
         let velocities = particles.rows::<3>("velocity");
         let height = model.parameters().edges[1];
         let motion = |row: usize| {
@@ -118,7 +118,7 @@ impl DiskState {
         Ok(Self::new(Identity::all(particles, model), &motions))
     }
 
-    fn stored(particles: &Particles, model: &Model, cell: &PeriodicBox, dt: f64) -> Result<Self, ParameterError> {
+    fn stored(particles: &Particles, model: &DiskModel, cell: &PeriodicBox, dt: f64) -> Result<Self, ParameterError> {
         let sizes = model.smallest()..=model.largest();
         let other = particles.radii.iter().find(|radius| !sizes.contains(radius));
         require(other.is_none(), "radius", Number(*other.unwrap_or(&0.0)), "a radius that the scene has")?;

@@ -61,7 +61,7 @@ impl Measurement {
 /// Sums over time since the tally was started; a checkpoint has them in the order of the fields.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
-pub struct Tally {
+pub struct DiskTally {
     /// Work done by the flow.
     pub input: f64,
     /// Work dissipated by drag.
@@ -80,7 +80,7 @@ pub struct Tally {
     pub latest: Measurement,
 }
 
-impl Tally {
+impl DiskTally {
     /// A tally that starts at a measurement.
     pub(super) fn begin(first: Measurement) -> Self {
         Self { first, latest: first, ..Self::default() }

@@ -9,7 +9,7 @@
 //! x = 1: w = 0,   u = 1/2
 //! ```
 
-use super::{Problem, Roughness, collocation::Collocation, jet::Jet};
+use super::{ContinuumProblem, Roughness, collocation::Collocation, jet::Jet};
 
 /// Unknowns at a point.
 pub const WIDTH: usize = 3;
@@ -22,7 +22,7 @@ pub struct Rates {
     by_s: [f64; WIDTH],
 }
 
-impl Problem {
+impl ContinuumProblem {
     /// Derivatives of `z`, `w` and `u` along `x`.
     pub fn rates(&self, z: f64, w: f64, s: f64) -> Rates {
         let (v, turn) = self.logistic(z);
@@ -118,13 +118,13 @@ impl Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinetic_theory::Parameters;
+    use crate::kinetic_theory::ContinuumParameters;
 
     #[test]
     fn the_jacobian_is_that_of_the_residuals() {
-        let mut parameters = Parameters::default();
+        let mut parameters = ContinuumParameters::default();
         parameters.wall.gradient = true;
-        let problem = Problem::new(parameters).unwrap();
+        let problem = ContinuumProblem::new(parameters).unwrap();
         let grid = Collocation::new(6);
         let unknowns: Vec<f64> = (0..22).map(|i| 0.4 + 0.1 * f64::from(i * i % 7)).collect();
         let (_, jacobian) = problem.linearise(&grid, &unknowns, 0.7);

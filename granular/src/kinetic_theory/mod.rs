@@ -10,7 +10,8 @@
 //! ```
 //!
 //! The functions C1 to C6 are those of Lun, Savage, Jeffrey and Chepurniy 1984, the wall laws those of Jenkins and
-//! Richman 1986. [`Problem`] checks the input, [`Problem::solve`] returns a [`Solution`] or says where it failed.
+//! Richman 1986. [`ContinuumProblem`] checks the input, [`ContinuumProblem::solve`] returns a [`ContinuumSolution`] or
+//! says where it failed.
 
 mod collocation;
 mod constitutive;
@@ -26,9 +27,9 @@ mod wall;
 
 pub use constitutive::{GrainProperties, StressFunctions};
 pub use jet::Jet;
-pub use problem::{Parameters, Problem, SolutionStart};
+pub use problem::{ContinuumParameters, ContinuumProblem, SolutionStart};
 pub use radial::RadialDistribution;
-pub use solution::{FlowPoint, Solution};
-pub use solve::SolveError;
+pub use solution::{ContinuumSolution, FlowPoint};
+pub use solve::ContinuumError;
 pub use uniform::UniformFlow;
 pub use wall::{BumpIntegrals, Roughness, Wall, WallShape};

@@ -22,7 +22,7 @@ pub enum SolutionStart {
 /// paper that reproduces it best: Sinclair and Jackson's radial distribution, half-disks between which one grain just
 /// fits, no gradient term, all factors 0.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters {
+pub struct ContinuumParameters {
     /// Gap `H` between the planes of the walls' bumps.
     pub gap: f64,
     /// Speed `U` of the lower wall; the upper one rests.
@@ -37,7 +37,7 @@ pub struct Parameters {
     pub start: SolutionStart,
 }
 
-impl Default for Parameters {
+impl Default for ContinuumParameters {
     fn default() -> Self {
         let diameter = 0.787e-3;
         Self {
@@ -65,14 +65,14 @@ impl Default for Parameters {
 
 /// A boundary value problem with checked parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Problem {
-    parameters: Parameters,
+pub struct ContinuumProblem {
+    parameters: ContinuumParameters,
 }
 
-impl Problem {
+impl ContinuumProblem {
     /// Checks the parameters.
-    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
-        let Parameters { gap, speed, pressure, grains, wall, start } = parameters;
+    pub fn new(parameters: ContinuumParameters) -> Result<Self, ParameterError> {
+        let ContinuumParameters { gap, speed, pressure, grains, wall, start } = parameters;
         let sizes = [
             ("cell.gap", gap, 40),
             ("cell.speeds", speed, 70),
@@ -103,7 +103,7 @@ impl Problem {
     }
 
     /// The checked parameters.
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &ContinuumParameters {
         &self.parameters
     }
 

@@ -1,6 +1,6 @@
 //! A solved flow: its profiles and the quantities that an experiment measures.
 
-use super::{Problem, collocation::Collocation, equations::WIDTH};
+use super::{ContinuumProblem, collocation::Collocation, equations::WIDTH};
 
 /// The flow at a height.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,17 +17,17 @@ pub struct FlowPoint {
     pub energy_flux: f64,
 }
 
-/// The solution of a [`Problem`].
+/// The solution of a [`ContinuumProblem`].
 #[derive(Debug, Clone)]
-pub struct Solution {
-    problem: Problem,
+pub struct ContinuumSolution {
+    problem: ContinuumProblem,
     grid: std::sync::Arc<Collocation>,
     unknowns: Vec<f64>,
     worst: (f64, f64),
 }
 
-impl Solution {
-    pub(super) fn new(problem: Problem, grid: Collocation, unknowns: Vec<f64>) -> Self {
+impl ContinuumSolution {
+    pub(super) fn new(problem: ContinuumProblem, grid: Collocation, unknowns: Vec<f64>) -> Self {
         let mut solution = Self { problem, grid: grid.into(), unknowns, worst: (0.0, 0.0) };
         solution.worst = solution.defect();
         solution

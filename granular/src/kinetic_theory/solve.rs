@@ -1,6 +1,8 @@
 //! Newton's method with continuation in the energy that crosses the walls, on successively finer collocation grids.
 
-use super::{Problem, Solution, SolutionStart, UniformFlow, collocation::Collocation, equations::WIDTH, linear};
+use super::{
+    ContinuumProblem, ContinuumSolution, SolutionStart, UniformFlow, collocation::Collocation, equations::WIDTH, linear,
+};
 use domain::{Bytes, Number};
 
 /// Intervals of the grids for the continuation: the second, with the first start only, is for problems that do not
@@ -24,7 +26,7 @@ const LAST_STARTS: [f64; 4] = [0.75, 0.25, 0.05, 0.01];
 
 /// Why there is no solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SolveError {
+pub enum ContinuumError {
     /// Newton's method stopped short.
     #[error(
         "the shear cell's equations did not converge from a uniform solid fraction of {start:.4}: with {energy:.3} of \
@@ -70,11 +72,11 @@ struct NotConverged {
     unknowns: Vec<f64>,
 }
 
-impl Problem {
+impl ContinuumProblem {
     /// Solves the problem from each uniform flow in turn, densest first: directly, or else by continuation in the
     /// energy through the walls; then from thinner and thinner guesses. Refines the grid until the answer no longer
     /// depends on it. The error is that of the first start.
-    pub fn solve(&self) -> Result<Solution, SolveError> {
+    pub fn solve(&self) -> Result<ContinuumSolution, ContinuumError> {
         let mut failure = None;
         let starts = self.starts();
         let tries = starts.iter().map(|&start| (FIRST_GRIDS[0], start)).chain([(FIRST_GRIDS[1], starts[0])]);
@@ -106,7 +108,7 @@ impl Problem {
         }
     }
 
-    fn follow(&self, grid: &Collocation, start: UniformFlow) -> Result<Vec<f64>, SolveError> {
+    fn follow(&self, grid: &Collocation, start: UniformFlow) -> Result<Vec<f64>, ContinuumError> {
         let mut unknowns = self.constant(grid, start);
         let (mut energy, mut step) = (0.0, 1.0);
         while energy < 1.0 {
@@ -163,7 +165,7 @@ impl Problem {
         Err(not_converged(&residual, unknowns))
     }
 
-    fn explain(&self, grid: &Collocation, not_converged: &NotConverged, start: f64, energy: f64) -> SolveError {
+    fn explain(&self, grid: &Collocation, not_converged: &NotConverged, start: f64, energy: f64) -> ContinuumError {
         let (names, last) = (["solid fraction's flux law", "energy balance", "shear stress law"], grid.intervals());
         let (equation, point) = match not_converged.equation.checked_sub(WIDTH * last) {
             None => (names[not_converged.equation % WIDTH], not_converged.equation / WIDTH + 1),
@@ -172,7 +174,7 @@ impl Problem {
                 if boundary < 2 { 0 } else { last },
             ),
         };
-        SolveError::NoConvergence {
+        ContinuumError::NoConvergence {
             start,
             energy,
             equation,
@@ -182,20 +184,20 @@ impl Problem {
         }
     }
 
-    fn refine(&self, mut grid: Collocation, mut unknowns: Vec<f64>) -> Result<Solution, SolveError> {
-        let mut before = Solution::new(*self, grid, unknowns.clone());
+    fn refine(&self, mut grid: Collocation, mut unknowns: Vec<f64>) -> Result<ContinuumSolution, ContinuumError> {
+        let mut before = ContinuumSolution::new(*self, grid, unknowns.clone());
         loop {
             let intervals = 2 * before.intervals();
             if intervals > FINEST_GRID {
                 let (residual, y) = before.worst();
-                return Err(SolveError::Unresolved { intervals: before.intervals(), residual, y });
+                return Err(ContinuumError::Unresolved { intervals: before.intervals(), residual, y });
             }
             grid = Collocation::new(intervals);
             unknowns = before.unknowns_at(&grid.points);
             unknowns = self
                 .newton(&grid, unknowns, 1.0)
                 .map_err(|not_converged| self.explain(&grid, &not_converged, before.mean_solid_fraction(), 1.0))?;
-            let after = Solution::new(*self, grid, unknowns);
+            let after = ContinuumSolution::new(*self, grid, unknowns);
             if after.difference(&before) < RESOLUTION && after.residual() < RESOLUTION {
                 return Ok(after);
             }
@@ -217,18 +219,20 @@ fn not_converged(residual: &[f64], unknowns: Vec<f64>) -> NotConverged {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinetic_theory::Parameters;
+    use crate::kinetic_theory::ContinuumParameters;
 
     /// Collocation converges faster than any power of the number of intervals: beyond 24 only round-off remains.
     #[test]
     fn the_answer_does_not_depend_on_the_grid() {
         for (speed, pressure) in [(1.4, 5500.0), (2.0, 5500.0), (2.8, 2500.0)] {
-            let problem = Problem::new(Parameters { speed, pressure, ..Parameters::default() }).unwrap();
+            let problem =
+                ContinuumProblem::new(ContinuumParameters { speed, pressure, ..ContinuumParameters::default() })
+                    .unwrap();
             let start = problem.starts()[0];
             let on = |intervals: usize| {
                 let grid = Collocation::new(intervals);
                 let unknowns = problem.follow(&grid, start).ok().unwrap();
-                Solution::new(problem, grid, unknowns)
+                ContinuumSolution::new(problem, grid, unknowns)
             };
             let [coarse, fine, finest] = [24, 48, 192].map(on);
             assert!(finest.difference(&coarse) < 1e-7 && finest.difference(&fine) < 1e-9);

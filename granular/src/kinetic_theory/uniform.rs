@@ -1,7 +1,7 @@
 //! Uniform solutions: without energy through the walls (R6 = R7 = R8 = 0) shear heating balances collisional cooling
 //! everywhere, and the problem is one equation for the solid fraction.
 
-use super::Problem;
+use super::ContinuumProblem;
 use statistics::maximum;
 
 /// A uniform flow.
@@ -20,7 +20,7 @@ const SCAN_INTERVALS: usize = 400;
 /// Range of logits of the scan: solid fractions from 1e-6 of packing to 1e-6 below it.
 const LOGIT: f64 = 14.0;
 
-impl Problem {
+impl ContinuumProblem {
     /// All uniform solutions of the problem without energy through its walls, densest first: `R5 B5 u_slip = |u'|`,
     /// `U = 2 u_slip + |u'| H`, `P = (C1 C2 / C6) u'^2`.
     pub fn uniform(&self) -> Vec<UniformFlow> {

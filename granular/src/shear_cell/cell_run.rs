@@ -1,8 +1,8 @@
 //! A run of grains in a shear cell as a simulation whose steps are the intervals of observation.
 
 use super::tables::{WALLS, tables};
-use super::{CellSample, CollisionDetection, Grains, Model, Sampling, ShearCell, Side};
-use crate::StartError;
+use super::{CellModel, CellSample, CollisionDetection, Grains, Sampling, ShearCell, Side};
+use crate::GrainStartError;
 use domain::{Comm, Interrupt, Number, Particles, PeriodicBox, Vector};
 use simulation::{
     Clock, Frame, Outline, Quantity, Rearrangement, RearrangementError, Simulation, SimulationError, State, TableSet,
@@ -12,7 +12,7 @@ use simulation::{
 #[derive(Debug, Clone, Copy)]
 pub struct Experiment {
     /// The cell, its walls and its grains.
-    pub model: Model,
+    pub model: CellModel,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Number of grains.
@@ -92,8 +92,8 @@ pub struct CellRun {
 impl CellRun {
     /// An experiment at time zero: grains packed at random, with random velocities. `tell` is called from time to time
     /// with the completed fraction of the packing.
-    pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, StartError> {
-        StartError::unless_alone(comm)?;
+    pub fn start(experiment: &Experiment, comm: &Comm, tell: &mut dyn FnMut(f64)) -> Result<Self, GrainStartError> {
+        GrainStartError::unless_alone(comm)?;
         let Experiment { model, seed, count, agitation, collisions, sampling, .. } = *experiment;
         let mut grains = model.pack_with_progress(count, seed, tell)?;
         grains.set_velocities(&model, agitation, seed);
@@ -101,8 +101,8 @@ impl CellRun {
     }
 
     /// An experiment in the state of a checkpoint.
-    pub fn resume(experiment: &Experiment, state: &State, comm: &Comm) -> Result<Self, StartError> {
-        StartError::unless_alone(comm)?;
+    pub fn resume(experiment: &Experiment, state: &State, comm: &Comm) -> Result<Self, GrainStartError> {
+        GrainStartError::unless_alone(comm)?;
         let Experiment { model, collisions, sampling, .. } = experiment;
         let grains = Grains::from_particles(model, &state.particles)?;
         let run = ShearCell::resume(model, &grains, *collisions, *sampling, &state.statistics.concat())?;
@@ -211,7 +211,8 @@ impl Simulation for CellRun {
         let before = grains(&state.particles)?;
         change.put_motions(&mut state.particles);
         let after = grains(&state.particles)?;
-        let saved = self.run.saved_with_grains(&state.statistics.concat(), [&before, &after]).ok_or(StartError::State);
+        let saved =
+            self.run.saved_with_grains(&state.statistics.concat(), [&before, &after]).ok_or(GrainStartError::State);
         Ok(State { statistics: vec![saved.map_err(SimulationError::new)?], ..state })
     }
 

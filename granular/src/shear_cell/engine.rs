@@ -1,6 +1,6 @@
 //! The two engines, time-stepped and event-driven, behind one interface.
 
-use super::{EventDriven, Grains, Model, Tally, TimeStepped, TopWall};
+use super::{CellModel, CellTally, EventDriven, Grains, TimeStepped, TopWall};
 use crate::parameter::{Components, ParameterError, require};
 use domain::Vector;
 
@@ -24,17 +24,17 @@ pub struct CellState {
     /// The top wall.
     pub top_wall: TopWall,
     /// Sums so far.
-    pub tally: Tally,
+    pub tally: CellTally,
 }
 
 impl CellState {
     /// Grains at the start of a run.
-    pub fn new(model: &Model, grains: &Grains) -> Self {
-        Self { grains: grains.clone(), top_wall: TopWall::new(model), tally: Tally::default() }
+    pub fn new(model: &CellModel, grains: &Grains) -> Self {
+        Self { grains: grains.clone(), top_wall: TopWall::new(model), tally: CellTally::default() }
     }
 
     /// Refuses grains that are outside the cell or have a speed that is not finite.
-    pub(super) fn check(&self, model: &Model) -> Result<(), ParameterError> {
+    pub(super) fn check(&self, model: &CellModel) -> Result<(), ParameterError> {
         let (positions, motions) = (&self.grains.positions, &self.grains.motions);
         let found = format_args!("{} values", motions.len());
         let allowed = format_args!("one for each of {}", positions.len());
@@ -81,7 +81,7 @@ pub trait CollisionEngine {
     fn grains(&self) -> Grains;
 
     /// Sums so far.
-    fn tally(&self) -> &Tally;
+    fn tally(&self) -> &CellTally;
 
     /// The top wall.
     fn top_wall(&self) -> TopWall;
@@ -97,13 +97,17 @@ pub type Engine = dyn CollisionEngine;
 
 impl Engine {
     /// Starts from grains inside the cell; the event-driven engine needs them not to overlap.
-    pub fn new(model: &Model, grains: &Grains, collisions: CollisionDetection) -> Result<Box<Self>, ParameterError> {
+    pub fn new(
+        model: &CellModel,
+        grains: &Grains,
+        collisions: CollisionDetection,
+    ) -> Result<Box<Self>, ParameterError> {
         Self::resume(model, &CellState::new(model, grains), collisions)
     }
 
     /// Resumes from a state.
     pub fn resume(
-        model: &Model,
+        model: &CellModel,
         state: &CellState,
         collisions: CollisionDetection,
     ) -> Result<Box<Self>, ParameterError> {
@@ -115,7 +119,7 @@ impl Engine {
 
     /// The present state. The engine is restarted from it, like one that resumes from a checkpoint, so that both
     /// continue with the same bits.
-    pub fn checkpoint(self: &mut Box<Self>, model: &Model) -> Result<CellState, ParameterError> {
+    pub fn checkpoint(self: &mut Box<Self>, model: &CellModel) -> Result<CellState, ParameterError> {
         let state = self.state();
         *self = Self::resume(model, &state, self.collisions()).map_err(|error| self.cause(error))?;
         Ok(state)

@@ -1,6 +1,6 @@
 //! The grains of a shear cell, and their conversion to and from the particle store.
 
-use super::{GrainMotion, Model};
+use super::{CellModel, GrainMotion};
 use crate::parameter::{ParameterError, require};
 use domain::{Number, Particles, PeriodicBox, Random, Vector};
 
@@ -16,7 +16,7 @@ pub struct Grains {
 impl Grains {
     /// Grains of a particle store; missing columns `velocity` and `angular_velocity` count as zero. Refuses radii
     /// that differ from the model's.
-    pub fn from_particles(model: &Model, particles: &Particles) -> Result<Self, ParameterError> {
+    pub fn from_particles(model: &CellModel, particles: &Particles) -> Result<Self, ParameterError> {
         let vectors = |name: &str| -> Vec<Vector> {
             let found = particles.rows(name).map(|rows| rows.iter().copied().map(Vector::from_array).collect());
             found.unwrap_or_else(|| vec![Vector::ZERO; particles.len()])
@@ -35,7 +35,7 @@ impl Grains {
     }
 
     /// The grains as a store with the columns `velocity` and `angular_velocity`.
-    pub fn to_particles(&self, model: &Model) -> Particles {
+    pub fn to_particles(&self, model: &CellModel) -> Particles {
         let count = self.len();
         let mut particles = Particles::numbered(self.positions.clone(), vec![model.radius(); count], vec![0; count]);
         particles.vectors("velocity").iter_mut().zip(&self.motions).for_each(|(v, m)| *v = m.velocity);
@@ -45,7 +45,7 @@ impl Grains {
 
     /// Sets the velocities: the linear profile between the walls plus, in each component, a normal deviate of
     /// standard deviation `agitation`; no spin.
-    pub fn set_velocities(&mut self, model: &Model, agitation: f64, seed: u64) {
+    pub fn set_velocities(&mut self, model: &CellModel, agitation: f64, seed: u64) {
         let p = model.parameters();
         for (i, (position, motion)) in self.positions.iter().zip(&mut self.motions).enumerate() {
             let mut random = Random::new(seed, i as u64);
@@ -66,12 +66,12 @@ impl Grains {
     }
 
     /// Kinetic energy.
-    pub fn energy(&self, model: &Model) -> f64 {
+    pub fn energy(&self, model: &CellModel) -> f64 {
         model.mass() * self.motions.iter().map(|m| m.energy(model.radius())).sum::<f64>()
     }
 
     /// Momentum.
-    pub fn momentum(&self, model: &Model) -> Vector {
+    pub fn momentum(&self, model: &CellModel) -> Vector {
         model.mass() * self.motions.iter().map(|m| m.velocity).sum::<Vector>()
     }
 
@@ -84,7 +84,7 @@ impl Grains {
 
     /// Deepest overlap of two grains, over the diameter; negative if none overlap (then only pairs within a
     /// quarter of a diameter are seen).
-    pub fn deepest_overlap(&self, model: &Model) -> f64 {
+    pub fn deepest_overlap(&self, model: &CellModel) -> f64 {
         let diameter = model.parameters().diameter;
         let ids: Vec<u64> = (0..self.len() as u64).collect();
         let cell = periodic_box(model, 1.25 * diameter, model.parameters().height);
@@ -95,7 +95,7 @@ impl Grains {
 }
 
 /// The cell as a periodic box in which no pair reaches across a wall: walled axes are longer by `margin`.
-pub(super) fn periodic_box(model: &Model, margin: f64, height: f64) -> PeriodicBox {
+pub(super) fn periodic_box(model: &CellModel, margin: f64, height: f64) -> PeriodicBox {
     let mut edges = Vector { y: height, ..model.edges() };
     for k in 0..3 {
         edges[k] += if model.is_walled(k) { margin } else { 0.0 };
@@ -104,7 +104,7 @@ pub(super) fn periodic_box(model: &Model, margin: f64, height: f64) -> PeriodicB
 }
 
 /// Wraps positions into the box along its periodic axes.
-pub(super) fn wrap(model: &Model, positions: &mut [Vector]) {
+pub(super) fn wrap(model: &CellModel, positions: &mut [Vector]) {
     let edges = model.edges();
     for k in (0..3).filter(|&k| !model.is_walled(k)) {
         for x in &mut *positions {

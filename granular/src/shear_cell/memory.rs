@@ -2,7 +2,7 @@
 
 use super::event_driven;
 use super::measure::profile_bytes;
-use super::{CollisionDetection, GrainMotion, Model, Sampling};
+use super::{CellModel, CollisionDetection, GrainMotion, Sampling};
 use domain::{Bytes, GROWING, Pairs, Particles, Vector};
 
 /// Values of a grain in the particle store: velocity and spin.
@@ -11,7 +11,7 @@ const STORED: usize = 6;
 impl Sampling {
     /// Predicted memory of a run with `count` grains: engine, grains at the last step and measurements, and
     /// temporarily packing, a step or a checkpoint.
-    pub fn bytes(&self, model: &Model, count: usize, collisions: CollisionDetection) -> Bytes {
+    pub fn bytes(&self, model: &CellModel, count: usize, collisions: CollisionDetection) -> Bytes {
         let count = count as f64;
         let grains = Bytes::list::<(Vector, GrainMotion)>(count);
         let event_driven = event_driven::bytes(model, count);

@@ -3,7 +3,7 @@
 use super::event_driven::GrowingDiameter;
 use super::grains::periodic_box;
 use super::{
-    CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains, Model, Parameters,
+    CellModel, CellParameters, CellState, CollisionEngine, CollisionRule, EventDriven, FrictionLaw, GrainMotion, Grains,
 };
 use crate::error::JammedPacking;
 use crate::fraction::without_unit;
@@ -21,14 +21,14 @@ const COLLISIONS_PER_GRAIN: u64 = 10;
 /// Positions tried for each grain.
 const TRIES: usize = 10_000;
 
-impl Model {
+impl CellModel {
     /// `count` grains at random positions, without overlap, at rest. The same seed gives the same positions, in
     /// diameters, in any unit of length.
     pub fn pack(&self, count: usize, seed: u64) -> Result<Grains, JammedPacking> {
         self.pack_with_progress(count, seed, &mut |_| {})
     }
 
-    /// Like [`Model::pack`]; `tell` is called from time to time with the fraction of the diameter
+    /// Like [`CellModel::pack`]; `tell` is called from time to time with the fraction of the diameter
     /// that the grains have reached.
     pub fn pack_with_progress(
         &self,
@@ -56,9 +56,9 @@ impl Model {
     }
 
     /// The same cell at rest with elastic, smooth contacts, in units of the diameter and the thermal speed.
-    fn elastic_at_rest(&self, edges: Vector) -> Model {
+    fn elastic_at_rest(&self, edges: Vector) -> CellModel {
         let contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
-        self.with(Parameters { contact_time: 1e-12, ..Parameters::of_gas(edges, 1.0, 1.0, contact) })
+        self.with(CellParameters { contact_time: 1e-12, ..CellParameters::of_gas(edges, 1.0, 1.0, contact) })
     }
 
     /// Grows grains to a diameter of 1; on failure, the diameter reached.

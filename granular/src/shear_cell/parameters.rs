@@ -23,7 +23,7 @@ pub enum Top {
 /// Parameters of a scene. The default is Yu and Tichy's cell at `U` = 1.4 m/s; they do not state
 /// the friction of the grains.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameters {
+pub struct CellParameters {
     /// Period along the flow (x).
     pub length: f64,
     /// Gap between bottom and top (y).
@@ -52,7 +52,7 @@ pub struct Parameters {
     pub contact_time: f64,
 }
 
-impl Default for Parameters {
+impl Default for CellParameters {
     fn default() -> Self {
         let contact = CollisionRule { restitution: 0.9, friction: 0.3, law: FrictionLaw::Box };
         Self {
@@ -73,7 +73,7 @@ impl Default for Parameters {
     }
 }
 
-impl Parameters {
+impl CellParameters {
     /// Grains in a box at rest without gravity or curvature, all of whose contacts are alike.
     pub(super) fn of_gas(edges: Vector, diameter: f64, density: f64, contact: CollisionRule) -> Self {
         let [length, height, width] = edges.to_array();
@@ -122,16 +122,16 @@ impl Parameters {
 
 /// A shear cell, or a periodic box of its grains, with checked parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Model {
-    parameters: Parameters,
+pub struct CellModel {
+    parameters: CellParameters,
     walled: bool,
     /// Radius of the trough at mid-width; infinite for a straight one.
     mid_radius: f64,
 }
 
-impl Model {
+impl CellModel {
     /// The cell with its walls.
-    pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
+    pub fn new(parameters: CellParameters) -> Result<Self, ParameterError> {
         let p = &parameters;
         let quantities = p.quantities();
         quantities[..5].iter().try_for_each(|&(key, value, _)| positive(key, value))?;
@@ -158,7 +158,7 @@ impl Model {
 
     /// A box that is periodic along all three axes, without walls, gravity or curvature: a granular gas.
     pub fn gas(edges: Vector, diameter: f64, density: f64, contact: CollisionRule) -> Result<Self, ParameterError> {
-        let gas = Parameters::of_gas(edges, diameter, density, contact);
+        let gas = CellParameters::of_gas(edges, diameter, density, contact);
         for (key, value, _) in &gas.quantities()[..3] {
             require(*value > 3.0 * diameter, key, Number(*value), "more than three diameters")?;
         }
@@ -166,13 +166,13 @@ impl Model {
     }
 
     /// The same geometry with other parameters, which are not checked.
-    pub(super) fn with(&self, parameters: Parameters) -> Self {
+    pub(super) fn with(&self, parameters: CellParameters) -> Self {
         let mid_radius = parameters.circumference.map_or(f64::INFINITY, |around| around / (2.0 * PI));
         Self { parameters, walled: self.walled, mid_radius }
     }
 
     /// The checked parameters.
-    pub fn parameters(&self) -> &Parameters {
+    pub fn parameters(&self) -> &CellParameters {
         &self.parameters
     }
 

@@ -1,7 +1,7 @@
 //! A run of the shear cell: one of the two engines, and its measurements.
 
 use super::{
-    Balance, CellSample, CellState, CollisionDetection, DensityMap, Engine, Grains, Layer, Model, Side, Tally,
+    Balance, CellModel, CellSample, CellState, CellTally, CollisionDetection, DensityMap, Engine, Grains, Layer, Side,
     WallStress, measure::Measurements,
 };
 use crate::parameter::{ParameterError, positive, require};
@@ -51,7 +51,7 @@ impl Sampling {
 
 /// A run with its measurements.
 pub struct ShearCell {
-    model: Model,
+    model: CellModel,
     engine: Box<Engine>,
     sampling: Sampling,
     measured: Measurements,
@@ -94,7 +94,7 @@ pub struct CellReport {
     /// Balances of the whole run.
     pub balance: Balance,
     /// Sums over the whole run.
-    pub tally: Tally,
+    pub tally: CellTally,
     /// Warnings for the user.
     pub warnings: Vec<String>,
 }
@@ -107,7 +107,7 @@ const UNBALANCED: f64 = 1e-9;
 impl ShearCell {
     /// Starts a run.
     pub fn new(
-        model: &Model,
+        model: &CellModel,
         grains: &Grains,
         collisions: CollisionDetection,
         sampling: Sampling,
@@ -170,7 +170,7 @@ impl ShearCell {
 
     /// Goes on from the grains of a checkpoint and what was saved there; the rest as for a new run.
     pub fn resume(
-        model: &Model,
+        model: &CellModel,
         grains: &Grains,
         collisions: CollisionDetection,
         sampling: Sampling,
@@ -188,7 +188,7 @@ impl ShearCell {
     }
 
     /// The present state of the cell, and averages since an earlier tally.
-    pub fn sample_since(&self, before: &Tally) -> CellSample {
+    pub fn sample_since(&self, before: &CellTally) -> CellSample {
         CellSample::of(&self.model, &*self.engine, before, self.measured.start.balance(&self.model, &*self.engine))
     }
 
@@ -212,7 +212,7 @@ impl ShearCell {
     }
 }
 
-fn warnings(tally: &Tally, balance: &Balance) -> Vec<String> {
+fn warnings(tally: &CellTally, balance: &Balance) -> Vec<String> {
     let overlap = (tally.largest_overlap > OVERLAP).then(|| {
         format!(
             "the largest overlap was {:.1} % of a diameter ({:.2} % on average over hits): the stresses depend on how \

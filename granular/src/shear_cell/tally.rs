@@ -1,6 +1,6 @@
 //! Sums of impulses, work and losses over a run, from which stresses and balances follow.
 
-use super::{Model, TopWall, WallContact};
+use super::{CellModel, TopWall, WallContact};
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 
@@ -19,7 +19,7 @@ pub struct WallTally {
 /// Sums over a run so far; a checkpoint has them in the order of the fields.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
-pub struct Tally {
+pub struct CellTally {
     /// Sums for each wall, in the order of [`super::Side::ALL`].
     pub walls: [WallTally; 4],
     /// Momentum transferred to the grains by gravity and the curved path.
@@ -42,7 +42,7 @@ pub struct Tally {
     pub elastic_collisions: u64,
 }
 
-impl Tally {
+impl CellTally {
     /// Number of all collisions.
     pub fn collisions(&self) -> u64 {
         self.pair_collisions + self.walls.iter().map(|w| w.collisions).sum::<u64>()
@@ -57,7 +57,7 @@ impl Tally {
     /// gained. A free top wall recoils.
     pub(super) fn strike_wall(
         &mut self,
-        model: &Model,
+        model: &CellModel,
         wall: &WallContact,
         impulse: Vector,
         gain: f64,

@@ -1,6 +1,6 @@
 //! The four walls of a shear cell.
 
-use super::Model;
+use super::CellModel;
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 
@@ -54,12 +54,12 @@ pub struct TopWall {
 
 impl TopWall {
     /// At the model's height, at rest.
-    pub fn new(model: &Model) -> Self {
+    pub fn new(model: &CellModel) -> Self {
         Self { height: model.parameters().height, velocity: 0.0 }
     }
 
     /// Kinetic energy of a free top wall.
-    pub fn energy(&self, model: &Model) -> f64 {
+    pub fn energy(&self, model: &CellModel) -> f64 {
         0.5 * model.top_wall_mass().unwrap_or(0.0) * self.velocity * self.velocity
     }
 }

@@ -3,7 +3,7 @@
 use crate::playback::Colours;
 use domain::Vector;
 use files::SCENES;
-use granular::disks::Flow as DiskFlow;
+use granular::disks::DiskFlow;
 use scene::{Family, Kind, Scene, SceneFile};
 use suspension::Flow;
 use toml::Table;

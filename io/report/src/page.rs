@@ -52,7 +52,8 @@ impl Page<'_> {
         let charts: String = self.charts.iter().filter_map(figure).collect();
         format!(
             "{}<meta name=\"viewport\" content=\"width=device-width\">\n<title>{title}</title>\n\
-             <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{stage}\
+             <link rel=\"icon\" href=\"data:,\">\n<style>\n{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n\
+             {}{}{}{stage}\
              <div class=\"charts\">\n{charts}</div>\n{}{}{}{script}</body>\n</html>\n",
             REPORT_START,
             self.warned(),

@@ -4,7 +4,7 @@ use crate::outline;
 use crate::{Listener, RunError, provenance};
 use domain::{Comm, Number};
 use files::{Manifest, read_rows, write_tables};
-use granular::kinetic_theory::{FlowPoint, Problem, Solution};
+use granular::kinetic_theory::{ContinuumProblem, ContinuumSolution, FlowPoint};
 use scene::{ContinuumScene, Scene, in_full};
 use simulation::Table;
 use std::path::Path;
@@ -42,12 +42,12 @@ pub(super) fn solve(
     if unsolved.is_empty() { Ok(()) } else { Err(RunError::Unsolved { unsolved, problems: problems.problems.len() }) }
 }
 
-fn title(problem: &Problem) -> String {
+fn title(problem: &ContinuumProblem) -> String {
     let p = problem.parameters();
     format!("at a speed of {} and a pressure of {}", Number(p.speed), Number(p.pressure))
 }
 
-fn report(problem: &Problem, solution: &Solution, listener: &dyn Listener) {
+fn report(problem: &ContinuumProblem, solution: &ContinuumSolution, listener: &dyn Listener) {
     listener.line(&format!(
         "{}: mean solid fraction {:.4}, slip {:.4} of the speed, shear stress {:.5}",
         title(problem),
@@ -78,7 +78,7 @@ fn summary() -> Table {
     )
 }
 
-fn summary_of(problem: &Problem, solution: &Solution) -> [f64; 8] {
+fn summary_of(problem: &ContinuumProblem, solution: &ContinuumSolution) -> [f64; 8] {
     let p = problem.parameters();
     [
         p.speed,
@@ -108,7 +108,7 @@ fn profile() -> Table {
     )
 }
 
-fn add_profile(table: &mut Table, problem: &Problem, points: &[FlowPoint]) {
+fn add_profile(table: &mut Table, problem: &ContinuumProblem, points: &[FlowPoint]) {
     let p = problem.parameters();
     for FlowPoint { y, velocity, solid_fraction, temperature, energy_flux } in points {
         table.add(&[], &[p.speed, p.pressure, *y, *velocity, *solid_fraction, *temperature, *energy_flux]);

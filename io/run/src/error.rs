@@ -21,7 +21,7 @@ pub enum RunError {
     Suspension(#[from] suspension::StartError),
     /// Grains that cannot be started.
     #[error(transparent)]
-    Grains(#[from] granular::StartError),
+    Grains(#[from] granular::GrainStartError),
     /// A simulation that cannot continue.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
@@ -44,7 +44,7 @@ pub enum RunError {
         /// File of the checkpoint.
         file: PathBuf,
         /// Cause.
-        source: granular::StartError,
+        source: granular::GrainStartError,
     },
     /// A scene of a kind that is not advanced in steps.
     #[error("scenes of this kind have no steps")]

@@ -3,7 +3,7 @@
 use crate::RunError;
 use domain::{Bytes, Comm, MemoryNeed, Process, readable_bytes};
 use granular::disks::run_bytes;
-use granular::kinetic_theory::Problem;
+use granular::kinetic_theory::ContinuumProblem;
 use granular::shear_cell::Experiment;
 use scene::{ContinuumScene, GranularDisksScene, Kind, ShearCellScene};
 use simulation::{Frame, Outline, Table};
@@ -86,7 +86,7 @@ fn cell(scene: &ShearCellScene) -> Bytes {
 
 /// Memory of a solution, or of rows of the profiles of all problems and their text.
 fn continuum(scene: &ContinuumScene) -> Bytes {
-    let solved = scene.problems.first().map(|_| Problem::bytes()).unwrap_or_default();
+    let solved = scene.problems.first().map(|_| ContinuumProblem::bytes()).unwrap_or_default();
     solved.or(Table::bytes(scene.problems.len() as f64 * scene.points as f64, ROW))
 }
 

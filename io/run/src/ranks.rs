@@ -1,7 +1,7 @@
 //! Number of ranks that a scene can be run on.
 
 use crate::RunError;
-use granular::StartError;
+use granular::GrainStartError;
 use scene::Kind;
 
 /// Refuses more than one rank for scenes of grains.
@@ -9,6 +9,6 @@ pub fn check_ranks(kind: &Kind, ranks: usize) -> Result<(), RunError> {
     match kind {
         Kind::Suspension(_) => Ok(()),
         _ if ranks == 1 => Ok(()),
-        _ => Err(StartError::Processes.into()),
+        _ => Err(GrainStartError::Processes.into()),
     }
 }

@@ -4,7 +4,7 @@ use crate::recorder::SceneInForce;
 use crate::{Recorder, RunError, RunFolder, start};
 use domain::Comm;
 use files::{Checkpoints, Latest, SceneHistory, SceneRecord};
-use granular::StartError;
+use granular::GrainStartError;
 use scene::{Kind, Scene, SceneChange};
 use simulation::{Simulation, State};
 
@@ -73,7 +73,7 @@ impl Resumption {
     /// The simulation in the state of the checkpoint. Collective.
     pub fn simulation(&mut self, comm: &Comm) -> Result<Box<dyn Simulation>, RunError> {
         start::resume(&self.scene, self.state.take(), comm).map_err(|error| match error {
-            RunError::Grains(source @ (StartError::Parameter(_) | StartError::State)) => {
+            RunError::Grains(source @ (GrainStartError::Parameter(_) | GrainStartError::State)) => {
                 RunError::Checkpoint { file: Checkpoints::of(self.folder.path()).path(self.step), source }
             }
             other => other,

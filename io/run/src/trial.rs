@@ -203,7 +203,7 @@ fn trying(scene: &Scene, comm: &Comm) -> Result<Option<TrialSimulation>, RunErro
 }
 
 /// Whether the preparation of a random start takes longer than a trial.
-fn is_long_start(model: &granular::disks::Model) -> bool {
+fn is_long_start(model: &granular::disks::DiskModel) -> bool {
     let disks = model.sizes().len();
     disks > MOST_GRAINS || model.preparing_steps() as f64 * disks as f64 > MOST_DISK_STEPS
 }
@@ -362,8 +362,9 @@ mod tests {
 
     #[test]
     fn preparations_longer_than_a_trial_are_not_tried() {
-        let mut parameters = granular::disks::Parameters::default();
-        let model = |parameters: &granular::disks::Parameters| granular::disks::Model::new(parameters.clone()).unwrap();
+        let mut parameters = granular::disks::DiskParameters::default();
+        let model =
+            |parameters: &granular::disks::DiskParameters| granular::disks::DiskModel::new(parameters.clone()).unwrap();
         assert!(!is_long_start(&model(&parameters)));
         parameters.preparation.mixed = 2e7;
         assert!(is_long_start(&model(&parameters)));

@@ -35,7 +35,7 @@ pub struct PeriodicCell {
     /// Pressure-driven flow without particles, and the state of the constant-flux constraint, if there are any.
     profile: Option<Poiseuille>,
     flux: Option<ConstantFluxState>,
-    motion: Motion,
+    motion: CellMotion,
     /// Present rate and flow, and the step at which this rate began.
     rate: f64,
     flow: BackgroundFlow,
@@ -47,7 +47,7 @@ pub struct PeriodicCell {
 
 /// Motion of the box.
 #[derive(Clone, Copy)]
-enum Motion {
+enum CellMotion {
     Still,
     Shearing,
     Stretching(StretchingLattice),
@@ -68,7 +68,7 @@ impl PeriodicCell {
     /// rates if `shears` is set.
     pub fn at(clock: &Clock, start: PeriodicBox, rates: ShearRates, shears: bool) -> Self {
         let (rate, flow_start_step) = rates.before(clock.step());
-        let motion = if shears { Motion::Shearing } else { Motion::Still };
+        let motion = if shears { CellMotion::Shearing } else { CellMotion::Still };
         let (flow, time, vectors) = (shear(&start, rate), clock.time(), Vectors::Sheared(0));
         let (driven, profile, flux) = (None, None, None);
         let mut moving = Self {
@@ -94,8 +94,8 @@ impl PeriodicCell {
     #[must_use]
     pub fn in_extension(mut self, extension: Extension) -> Self {
         self.motion = match self.start.boundaries() {
-            Boundaries::Periodic => Motion::Stretching(StretchingLattice::new(extension, &self.start)),
-            _ => Motion::Open(extension),
+            Boundaries::Periodic => CellMotion::Stretching(StretchingLattice::new(extension, &self.start)),
+            _ => CellMotion::Open(extension),
         };
         self.set_rate(self.rate);
         (self.cell, self.vectors) = self.shape_at(self.time);
@@ -183,9 +183,9 @@ impl PeriodicCell {
     pub fn set_rate(&mut self, rate: f64) {
         self.rate = rate;
         self.flow = match &self.motion {
-            Motion::Stretching(lattice) => lattice.kind().flow(rate),
-            Motion::Open(extension) => extension.flow(rate),
-            Motion::Still | Motion::Shearing => shear(&self.start, rate),
+            CellMotion::Stretching(lattice) => lattice.kind().flow(rate),
+            CellMotion::Open(extension) => extension.flow(rate),
+            CellMotion::Still | CellMotion::Shearing => shear(&self.start, rate),
         };
     }
 
@@ -214,7 +214,7 @@ impl PeriodicCell {
     pub fn advects(&self) -> bool {
         self.rates.frequency().is_some()
             || self.driven.is_some()
-            || matches!(self.motion, Motion::Stretching(_) | Motion::Open(_))
+            || matches!(self.motion, CellMotion::Stretching(_) | CellMotion::Open(_))
     }
 
     /// Velocity gradient of the flow relative to which velocities are while particles move, if they are.
@@ -235,9 +235,11 @@ impl PeriodicCell {
     /// Deformation by the flow over a strain.
     pub fn deformation(&self, strain: f64) -> Deformation {
         match &self.motion {
-            Motion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
-            Motion::Open(extension) => Deformation::Stretch(extension.stretch(strain)),
-            Motion::Still | Motion::Shearing => Deformation::Shear(Vector::AXES[self.start.gradient_axis()] * strain),
+            CellMotion::Stretching(lattice) => Deformation::Stretch(lattice.kind().stretch(strain)),
+            CellMotion::Open(extension) => Deformation::Stretch(extension.stretch(strain)),
+            CellMotion::Still | CellMotion::Shearing => {
+                Deformation::Shear(Vector::AXES[self.start.gradient_axis()] * strain)
+            }
         }
     }
 
@@ -281,27 +283,27 @@ impl PeriodicCell {
         let edges = self.start.edges();
         let moves = self.rates.largest() > 0.0;
         match self.motion {
-            Motion::Shearing if moves => 0.5 * edges.x / edges.y,
-            Motion::Stretching(lattice) => lattice.kind().extremes().strain,
-            Motion::Shearing | Motion::Still | Motion::Open(_) => self.start.strain().abs(),
+            CellMotion::Shearing if moves => 0.5 * edges.x / edges.y,
+            CellMotion::Stretching(lattice) => lattice.kind().extremes().strain,
+            CellMotion::Shearing | CellMotion::Still | CellMotion::Open(_) => self.start.strain().abs(),
         }
     }
 
     /// Velocity of the image `steps` lattice vectors away, relative to its particle.
     pub fn velocity_of_image(&self, steps: [i32; 3]) -> Vector {
-        let moves = matches!(self.motion, Motion::Shearing) && !self.advects();
+        let moves = matches!(self.motion, CellMotion::Shearing) && !self.advects();
         if moves { self.flow.velocity(self.cell.lattice(steps)) } else { Vector::ZERO }
     }
 
     fn shape_at(&self, time: f64) -> (PeriodicBox, Vectors) {
-        if let Motion::Stretching(lattice) = &self.motion {
+        if let CellMotion::Stretching(lattice) = &self.motion {
             let (cell, named) = lattice.at(self.strain(time));
             return (cell, Vectors::Stretched(named));
         }
         if self.start.boundaries() != Boundaries::Periodic {
             return (self.start, Vectors::Sheared(0));
         }
-        let strain = self.start.strain() + if let Motion::Shearing = self.motion { self.strain(time) } else { 0.0 };
+        let strain = self.start.strain() + if let CellMotion::Shearing = self.motion { self.strain(time) } else { 0.0 };
         let cell = PeriodicBox::sheared(self.start.edges(), strain).expect("times and rates are finite");
         let period = cell.edges().x / cell.edges().y;
         (cell, Vectors::Sheared(((strain - cell.strain()) / period).round() as i32))
@@ -337,7 +339,7 @@ impl PeriodicCell {
     fn renamed(&self, vectors: Vectors) -> Matrix {
         match (&self.motion, self.vectors, vectors) {
             (_, Vectors::Sheared(before), Vectors::Sheared(now)) => [[1, now - before, 0], [0, 1, 0], [0, 0, 1]],
-            (Motion::Stretching(lattice), Vectors::Stretched(before), Vectors::Stretched(now)) => {
+            (CellMotion::Stretching(lattice), Vectors::Stretched(before), Vectors::Stretched(now)) => {
                 lattice.renamed(&before, &now)
             }
             _ => unreachable!("a box moves in one way"),

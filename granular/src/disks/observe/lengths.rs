@@ -1,12 +1,12 @@
 //! Viscous length and mean free path, whose ratio decides whether disks segregate.
 
-use crate::disks::Model;
+use crate::disks::DiskModel;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 /// Viscous length `zeta = mu (1 + r_b / r_s) rate / (6 pi viscosity)` of eq. (A6): the distance by which a
 /// collision with the largest disk throws the smallest one through the liquid, `mu` their reduced mass.
 /// Infinite without viscosity.
-pub fn viscous_length(model: &Model) -> f64 {
+pub fn viscous_length(model: &DiskModel) -> f64 {
     let (small, big) = (model.smallest(), model.largest());
     let reduced = 1.0 / (1.0 / model.mass(small) + 1.0 / model.mass(big));
     let rate = model.parameters().flow.rate(model.parameters().edges[1]).abs();
@@ -25,7 +25,7 @@ pub fn estimated_free_path(area_fraction: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::disks::{LengthUnit, Parameters};
+    use crate::disks::{DiskParameters, LengthUnit};
 
     #[test]
     fn viscous_lengths_are_those_of_the_table() {
@@ -38,8 +38,8 @@ mod tests {
         ];
         for (length_unit, mass_exponent, lengths) in table {
             for (viscosity, expected) in [0.001, 0.004, 0.01, 0.03].into_iter().zip(lengths) {
-                let parameters = Parameters { length_unit, mass_exponent, viscosity, ..Parameters::default() };
-                let zeta = viscous_length(&Model::new(parameters).unwrap());
+                let parameters = DiskParameters { length_unit, mass_exponent, viscosity, ..DiskParameters::default() };
+                let zeta = viscous_length(&DiskModel::new(parameters).unwrap());
                 assert!((zeta / expected - 1.0).abs() < 8e-3, "{zeta} for {expected}");
             }
         }

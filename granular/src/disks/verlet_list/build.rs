@@ -4,7 +4,7 @@ use super::grid::{CellEntry, DiskCells};
 use super::{DiskPair, ImageBatch, List, ListMargin, PairChunk};
 use crate::disks::stage::Law;
 use crate::disks::state::{CHUNK, DiskState};
-use crate::disks::{Model, Progress, for_each_part};
+use crate::disks::{DiskModel, Progress, for_each_part};
 use domain::PeriodicBox;
 use domain::parallel::{SortedRows, mapped};
 use glam::DVec2;
@@ -29,7 +29,7 @@ impl List {
     /// of their cells. Marks the pairs that were in contact at the previous step according to the previous list.
     pub(in crate::disks) fn build(
         state: &mut DiskState,
-        model: &Model,
+        model: &DiskModel,
         law: &Law,
         step: u64,
         before: Option<&Self>,
@@ -53,7 +53,7 @@ impl List {
     }
 
     /// Rebuilds the list of a stored state, from the positions at which it was first built.
-    pub(in crate::disks) fn rebuild(state: &DiskState, model: &Model, law: &Law, progress: &Progress) -> Self {
+    pub(in crate::disks) fn rebuild(state: &DiskState, model: &DiskModel, law: &Law, progress: &Progress) -> Self {
         let built_at_step = progress.list_built;
         let touching = TouchingPairs::of(progress.touching.iter().copied(), state.len());
         let mut list =

@@ -1,7 +1,7 @@
 //! The list against a brute-force search over all images.
 
 use super::List;
-use crate::disks::{Disks, Flow, Model, Parameters, Sizes};
+use crate::disks::{DiskFlow, DiskModel, DiskParameters, Disks, Sizes};
 
 /// Overlapping pairs as (id, id, overlap), by brute force.
 fn all_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
@@ -41,8 +41,8 @@ fn listed_overlaps(disks: &Disks) -> Vec<(u64, u64, f64)> {
     all
 }
 
-fn compare(parameters: Parameters, steps: u64, times: usize) {
-    let mut disks = Disks::prepared(&Model::new(parameters).unwrap()).unwrap();
+fn compare(parameters: DiskParameters, steps: u64, times: usize) {
+    let mut disks = Disks::prepared(&DiskModel::new(parameters).unwrap()).unwrap();
     for _ in 0..times {
         disks.advance(steps);
         let (listed, all) = (listed_overlaps(&disks), all_overlaps(&disks));
@@ -56,23 +56,25 @@ fn compare(parameters: Parameters, steps: u64, times: usize) {
 #[test]
 fn every_overlap_is_listed() {
     // 25 checks, 37 steps apart, at offsets of 0.28 L each: all over the cell, also just below L.
-    let shear = Flow::Shear { rate: 0.05 };
-    compare(Parameters { edges: [40.0; 2], flow: shear, ..Parameters::default() }, 37, 25);
-    let still = Parameters { edges: [70.0, 30.0], flow: Flow::Shear { rate: -0.01 }, ..Parameters::default() };
-    compare(Parameters { viscosity: 0.001, ..still }, 41, 25);
+    let shear = DiskFlow::Shear { rate: 0.05 };
+    compare(DiskParameters { edges: [40.0; 2], flow: shear, ..DiskParameters::default() }, 37, 25);
+    let still =
+        DiskParameters { edges: [70.0, 30.0], flow: DiskFlow::Shear { rate: -0.01 }, ..DiskParameters::default() };
+    compare(DiskParameters { viscosity: 0.001, ..still }, 41, 25);
 }
 
 #[test]
 fn so_it_is_for_a_spread_of_sizes_in_a_parabola() {
     let sizes = Sizes::Spread { smallest: 1.0, largest: 8.0, exponent: -3.0 };
-    let flow = Flow::Poiseuille { peak: 0.4 };
-    compare(Parameters { edges: [50.0; 2], sizes, flow, ..Parameters::default() }, 23, 15);
+    let flow = DiskFlow::Poiseuille { peak: 0.4 };
+    compare(DiskParameters { edges: [50.0; 2], sizes, flow, ..DiskParameters::default() }, 23, 15);
 }
 
 #[test]
 fn a_new_list_remembers_who_touched() {
     let mut disks =
-        Disks::prepared(&Model::new(Parameters { edges: [40.0; 2], ..Parameters::default() }).unwrap()).unwrap();
+        Disks::prepared(&DiskModel::new(DiskParameters { edges: [40.0; 2], ..DiskParameters::default() }).unwrap())
+            .unwrap();
     disks.advance(500);
     let marked = |disks: &Disks, step: u64| {
         let touched = disks.list.batches().flat_map(|b| &b.touched);

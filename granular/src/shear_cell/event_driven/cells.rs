@@ -1,6 +1,6 @@
 //! Cell lists: cells of a diameter or more, each with a short list of its grains.
 
-use super::super::Model;
+use super::super::CellModel;
 use bytemuck::Zeroable;
 use domain::Vector;
 
@@ -48,7 +48,7 @@ impl NearGrains {
 
 impl GrainCells {
     /// Cells for `count` grains under a top wall at `height`, about one per grain.
-    pub fn fitting(model: &Model, height: f64, count: usize) -> Self {
+    pub fn fitting(model: &CellModel, height: f64, count: usize) -> Self {
         let walled = std::array::from_fn(|k| model.is_walled(k));
         let extent = Vector { y: if walled[1] { height } else { model.edges().y }, ..model.edges() };
         let aim = (extent.element_product() / count.max(1) as f64).cbrt();
@@ -61,7 +61,7 @@ impl GrainCells {
     }
 
     /// Bytes of the cells for `count` grains.
-    pub fn bytes(model: &Model, count: f64) -> f64 {
+    pub fn bytes(model: &CellModel, count: f64) -> f64 {
         let walled = std::array::from_fn(|k| model.is_walled(k));
         let aim = (model.edges().element_product() / count.max(1.0)).cbrt();
         let counts = Self::counts(model.edges(), walled, model.parameters().diameter, aim, count);

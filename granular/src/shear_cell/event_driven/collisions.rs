@@ -106,15 +106,15 @@ impl EventDriven {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::{CellState, Grains, Model, Parameters};
+    use super::super::super::{CellModel, CellParameters, CellState, Grains};
     use super::super::GrowingDiameter;
     use super::*;
 
     #[test]
     fn two_grains_see_each_other_in_opposite_directions() {
-        let straight = Parameters { circumference: None, ..Parameters::default() };
-        let parameters = Parameters { length: 24.0, height: 8.0, width: 8.0, diameter: 1.0, ..straight };
-        let model = Model::new(parameters).unwrap();
+        let straight = CellParameters { circumference: None, ..CellParameters::default() };
+        let parameters = CellParameters { length: 24.0, height: 8.0, width: 8.0, diameter: 1.0, ..straight };
+        let model = CellModel::new(parameters).unwrap();
         let grains = Grains { positions: vec![], motions: vec![] };
         let size = GrowingDiameter { diameter: 1.0, growth: 0.0 };
         let engine = EventDriven::growing(&model, &CellState::new(&model, &grains), size);

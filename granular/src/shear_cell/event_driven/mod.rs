@@ -19,7 +19,7 @@ mod plan;
 mod queue;
 mod top_wall;
 
-use super::{CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Tally, TopWall};
+use super::{CellModel, CellState, CellTally, CollisionDetection, CollisionEngine, GrainMotion, Grains, TopWall};
 use crate::parameter::{ParameterError, require};
 use bytemuck::Zeroable as _;
 use cells::{GrainCells, NEAR, NearGrains};
@@ -42,7 +42,7 @@ const NO_GRAIN: u32 = u32::MAX;
 
 /// The event-driven engine.
 pub struct EventDriven {
-    model: Model,
+    model: CellModel,
     /// Id of the grain in each row: grains close to each other in the cell are close to each other in memory.
     ids: Vec<usize>,
     grains: Vec<Grain>,
@@ -64,13 +64,13 @@ pub struct EventDriven {
     horizon: f64,
     accelerated: bool,
     top_wall: top_wall::MovingWall,
-    tally: Tally,
+    tally: CellTally,
     events: Events,
     jammed: bool,
 }
 
 /// Predicted memory of the engine with `count` grains: about one cell per grain, and a tree of times as the queue.
-pub fn bytes(model: &Model, count: f64) -> Bytes {
+pub fn bytes(model: &CellModel, count: f64) -> Bytes {
     let (queue, cells) = (Bytes::list::<f64>(8.0 / 7.0 * count), Bytes::keep(GrainCells::bytes(model, count)));
     Bytes::list::<(usize, Grain, Vector, Rotation, NextEvent)>(count).then(queue).then(cells)
 }
@@ -88,7 +88,7 @@ pub struct Events {
 
 impl EventDriven {
     /// Starts from grains inside the cell that overlap by round-off at most.
-    pub fn new(model: &Model, state: &CellState) -> Result<Self, ParameterError> {
+    pub fn new(model: &CellModel, state: &CellState) -> Result<Self, ParameterError> {
         state.check(model)?;
         let deepest = state.grains.deepest_overlap(model);
         let apart = "grains apart: the event-driven engine can't start from overlaps";
@@ -104,7 +104,7 @@ impl EventDriven {
     }
 
     /// Like [`EventDriven::new`], with a diameter that grows to the model's.
-    pub(super) fn growing(model: &Model, state: &CellState, size: GrowingDiameter) -> Self {
+    pub(super) fn growing(model: &CellModel, state: &CellState, size: GrowingDiameter) -> Self {
         let accelerated = model.has_body_force();
         let cells = GrainCells::fitting(model, state.top_wall.height, state.grains.len());
         let Grains { positions, motions } = &state.grains;
@@ -320,7 +320,7 @@ impl CollisionEngine for EventDriven {
         grains
     }
 
-    fn tally(&self) -> &Tally {
+    fn tally(&self) -> &CellTally {
         &self.tally
     }
 
@@ -330,7 +330,7 @@ impl CollisionEngine for EventDriven {
 }
 
 /// Time for which a stored acceleration is valid.
-fn horizon(model: &Model) -> f64 {
+fn horizon(model: &CellModel) -> f64 {
     let turned = 2.0 * DRIFT_TOLERANCE * model.parameters().diameter;
     if model.has_body_force() { (turned / model.acceleration_bound()).sqrt() } else { f64::INFINITY }
 }

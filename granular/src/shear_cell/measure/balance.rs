@@ -1,6 +1,6 @@
 //! Balances of energy and momentum, as a check of a run.
 
-use super::super::{Engine, Grains, Model};
+use super::super::{CellModel, Engine, Grains};
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 
@@ -22,13 +22,13 @@ pub struct InitialBalance {
 }
 
 impl InitialBalance {
-    pub fn new(model: &Model, engine: &Engine) -> Self {
+    pub fn new(model: &CellModel, engine: &Engine) -> Self {
         let grains = engine.grains();
         Self { energy: grains.energy(model) + engine.top_wall().energy(model), momentum: grains.momentum(model) }
     }
 
     /// The same where a user has replaced the grains of a later time by others.
-    pub fn with_replaced(self, model: &Model, [before, after]: [&Grains; 2]) -> Self {
+    pub fn with_replaced(self, model: &CellModel, [before, after]: [&Grains; 2]) -> Self {
         Self {
             energy: self.energy + after.energy(model) - before.energy(model),
             momentum: self.momentum + after.momentum(model) - before.momentum(model),
@@ -36,7 +36,7 @@ impl InitialBalance {
     }
 
     /// The balance from the start of the engine's tally until now.
-    pub fn balance(&self, model: &Model, engine: &Engine) -> Balance {
+    pub fn balance(&self, model: &CellModel, engine: &Engine) -> Balance {
         let (now, tally) = (Self::new(model, engine), engine.tally());
         let work = tally.walls.map(|w| w.work).into_iter().chain([tally.body_work, tally.load_work, -tally.dissipated]);
         let (given, handled) = work.fold((0.0, self.energy), |(sum, size), w| (sum + w, size + w.abs()));

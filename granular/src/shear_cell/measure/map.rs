@@ -1,6 +1,6 @@
 //! Map of the solid fraction across the cell, averaged along the flow and over time.
 
-use super::super::{Grains, Model};
+use super::super::{CellModel, Grains};
 use statistics::{State, Store};
 
 /// Sample points of the solid fraction along each edge of a pixel.
@@ -19,13 +19,13 @@ pub struct DensityMap {
 
 impl DensityMap {
     /// An empty map up to `height`.
-    pub fn new(model: &Model, height: f64, pixels: [usize; 2]) -> Self {
+    pub fn new(model: &CellModel, height: f64, pixels: [usize; 2]) -> Self {
         Self { pixels, width: model.edges().z, height, samples: 0, sums: vec![0.0; pixels[0] * pixels[1]] }
     }
 
     /// Adds a sample. A line along the flow through a grain at the distance `r` from its centre has a chord of
     /// `2 sqrt(R^2 - r^2)`, so the average along the flow is exact.
-    pub fn add(&mut self, model: &Model, grains: &Grains) {
+    pub fn add(&mut self, model: &CellModel, grains: &Grains) {
         let radius = model.radius();
         let counts = self.pixels.map(|n| n * POINTS);
         let [dz, dy] = [self.width / counts[0] as f64, self.height / counts[1] as f64];

@@ -1,6 +1,6 @@
 //! The measurements of a run so far: stresses on the walls with their errors, profile and map.
 
-use super::super::{Engine, Model, Sampling, Side, Tally};
+use super::super::{CellModel, CellTally, Engine, Sampling, Side};
 use super::{DensityMap, InitialBalance, LayerProfile};
 use statistics::{Blocks, Estimate, State, Store};
 
@@ -32,7 +32,7 @@ pub struct Measurements {
 
 impl Measurements {
     /// No measurements yet; profile and map up to `height`.
-    pub fn new(model: &Model, engine: &Engine, height: f64, sampling: &Sampling) -> Self {
+    pub fn new(model: &CellModel, engine: &Engine, height: f64, sampling: &Sampling) -> Self {
         Self {
             start: InitialBalance::new(model, engine),
             stresses: Default::default(),
@@ -43,7 +43,7 @@ impl Measurements {
     }
 
     /// Adds the window since the tally `before`, and a sample of profile and map if one is due.
-    pub fn add(&mut self, model: &Model, engine: &Engine, before: &Tally, sampling: &Sampling) {
+    pub fn add(&mut self, model: &CellModel, engine: &Engine, before: &CellTally, sampling: &Sampling) {
         for (side, series) in Side::ALL.into_iter().zip(&mut self.stresses) {
             let impulse = engine.tally().walls[side as usize].impulse - before.walls[side as usize].impulse;
             let stress = impulse / (model.area(side) * sampling.window);

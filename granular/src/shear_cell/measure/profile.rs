@@ -1,6 +1,6 @@
 //! Profiles across the gap, averaged over the volume of the grains in each layer and over time.
 
-use super::super::{Grains, Model};
+use super::super::{CellModel, Grains};
 use bytemuck::{Pod, Zeroable};
 use domain::Vector;
 use statistics::{Blocks, State, Store};
@@ -57,7 +57,7 @@ impl LayerSums {
 
 impl LayerProfile {
     /// `layers` of equal thickness from the bottom to `height`.
-    pub fn new(model: &Model, height: f64, layers: usize) -> Self {
+    pub fn new(model: &CellModel, height: f64, layers: usize) -> Self {
         let edges = model.edges();
         Self {
             height,
@@ -69,7 +69,7 @@ impl LayerProfile {
     }
 
     /// Adds a sample. A grain counts in each layer with its volume in that layer.
-    pub fn add(&mut self, model: &Model, grains: &Grains) {
+    pub fn add(&mut self, model: &CellModel, grains: &Grains) {
         let sample = self.sums(model.radius(), grains);
         let room = self.area * self.thickness();
         for ((all, now), [fraction, velocity, temperature]) in self.layers.iter_mut().zip(sample).zip(&mut self.series)

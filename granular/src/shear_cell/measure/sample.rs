@@ -1,6 +1,6 @@
 //! State of the cell at one time, for the time series.
 
-use super::super::{Engine, LayerProfile, Model, Side, Tally, measure::Balance};
+use super::super::{CellModel, CellTally, Engine, LayerProfile, Side, measure::Balance};
 use domain::Vector;
 
 /// Smallest thickness, in diameters, of the layers relative to which the granular temperature of a sample is taken.
@@ -36,7 +36,7 @@ impl CellSample {
         ("momentum_imbalance", ""),
     ];
 
-    pub(in super::super) fn of(model: &Model, engine: &Engine, before: &Tally, balance: Balance) -> Self {
+    pub(in super::super) fn of(model: &CellModel, engine: &Engine, before: &CellTally, balance: Balance) -> Self {
         let (now, grains, height) = (engine.tally(), engine.grains(), engine.top_wall().height);
         let time = now.time - before.time;
         let stress = |side: Side| {
@@ -48,7 +48,7 @@ impl CellSample {
         let mut profile = LayerProfile::new(model, height, layers);
         profile.add(model, &grains);
         let solid_fraction = model.solid_fraction(grains.len(), height);
-        let wall_collisions = |tally: &Tally| tally.walls.iter().map(|w| w.collisions).sum::<u64>();
+        let wall_collisions = |tally: &CellTally| tally.walls.iter().map(|w| w.collisions).sum::<u64>();
         let pair_hits = (now.pair_collisions - before.pair_collisions) as f64;
         let wall_hits = (wall_collisions(now) - wall_collisions(before)) as f64;
         let (temperature, overlap, Balance { energy, momentum }) =

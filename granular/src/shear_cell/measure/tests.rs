@@ -1,11 +1,11 @@
 use super::{DensityMap, LayerProfile};
-use crate::shear_cell::{CollisionRule, FrictionLaw, GrainMotion, Grains, Model};
+use crate::shear_cell::{CellModel, CollisionRule, FrictionLaw, GrainMotion, Grains};
 use domain::Vector;
 use std::f64::consts::PI;
 
-fn gas() -> Model {
+fn gas() -> CellModel {
     let contact = CollisionRule { restitution: 1.0, friction: 0.0, law: FrictionLaw::Box };
-    Model::gas(Vector::new(5.0, 4.0, 6.0), 1.0, 1.0, contact).unwrap()
+    CellModel::gas(Vector::new(5.0, 4.0, 6.0), 1.0, 1.0, contact).unwrap()
 }
 
 /// Grains at given heights with given velocities.

@@ -3,8 +3,8 @@
 mod neighbours;
 
 use super::{
-    CellState, CollisionDetection, CollisionEngine, GrainMotion, Grains, Model, Rebound, Side, Tally, Top, TopWall,
-    grains::wrap,
+    CellModel, CellState, CellTally, CollisionDetection, CollisionEngine, GrainMotion, Grains, Rebound, Side, Top,
+    TopWall, grains::wrap,
 };
 use crate::parameter::{ParameterError, positive, refused};
 use domain::{Number, Vector};
@@ -20,13 +20,13 @@ const SAFE_DISPLACEMENT: f64 = 0.0025;
 /// The time-stepped engine. Each step: `v += a dt`, `x += v dt`; then the collision rule for every wall that a grain
 /// penetrates and approaches; then that for every pair that overlaps and approaches, in a fixed order.
 pub struct TimeStepped {
-    model: Model,
+    model: CellModel,
     step: f64,
     /// Not wrapped between two searches for neighbours.
     grains: Grains,
     top_wall: TopWall,
     near: GrainPairs,
-    tally: Tally,
+    tally: CellTally,
     /// Speed of the fastest grain at the start.
     fastest: f64,
     /// Whether a grain has passed through a wall, or the top wall has reached the bottom.
@@ -35,7 +35,7 @@ pub struct TimeStepped {
 
 impl TimeStepped {
     /// Starts from grains inside the cell.
-    pub fn new(model: &Model, state: &CellState, step: f64) -> Result<Self, ParameterError> {
+    pub fn new(model: &CellModel, state: &CellState, step: f64) -> Result<Self, ParameterError> {
         positive("time.collision_step", step)?;
         state.check(model)?;
         let mut engine = Self {
@@ -214,7 +214,7 @@ impl CollisionEngine for TimeStepped {
         grains
     }
 
-    fn tally(&self) -> &Tally {
+    fn tally(&self) -> &CellTally {
         &self.tally
     }
 

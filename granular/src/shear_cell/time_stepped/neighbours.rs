@@ -1,7 +1,7 @@
 //! Verlet lists on two levels: a wide list from a cell search, and a narrow one selected from it.
 
 use super::super::{
-    Grains, Model,
+    CellModel, Grains,
     grains::{periodic_box, wrap},
 };
 use domain::{Pair, Pairs, PeriodicBox, Vector};
@@ -32,7 +32,7 @@ impl GrainPairs {
     }
 
     /// Rebuilds the lists if some grain may have moved by half the skin.
-    pub fn refresh(&mut self, model: &Model, grains: &mut Grains, height: f64) {
+    pub fn refresh(&mut self, model: &CellModel, grains: &mut Grains, height: f64) {
         let half = SKINS.map(|skin| 0.5 * skin * model.parameters().diameter);
         if self.travelled[0] > half[0] - half[1] {
             self.search(model, grains, height);
@@ -42,7 +42,7 @@ impl GrainPairs {
     }
 
     /// Wraps the positions and finds all pairs.
-    pub fn search(&mut self, model: &Model, grains: &mut Grains, height: f64) {
+    pub fn search(&mut self, model: &CellModel, grains: &mut Grains, height: f64) {
         wrap(model, &mut grains.positions);
         let reach = model.parameters().diameter * (1.0 + SKINS[0]);
         let cell: PeriodicBox = periodic_box(model, 1.5 * reach, height);
@@ -55,7 +55,7 @@ impl GrainPairs {
         self.narrow(model, grains);
     }
 
-    fn narrow(&mut self, model: &Model, Grains { positions, motions }: &Grains) {
+    fn narrow(&mut self, model: &CellModel, Grains { positions, motions }: &Grains) {
         let reach = model.parameters().diameter * (1.0 + SKINS[1]);
         self.within.clear();
         self.across.clear();

@@ -80,7 +80,8 @@ mod tests {
     fn the_table_has_what_the_file_has() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("observables.csv");
-        let table = "step,time,mean_velocity_x[a],mean_velocity_y[a],\"mean_velocity_x[b, c]\",\"mean_velocity_y[b, c]\",smallest_gap\n\
+        let table = "step,time,mean_velocity_x[a],mean_velocity_y[a],\"mean_velocity_x[b, c]\",\
+                     \"mean_velocity_y[b, c]\",smallest_gap\n\
                      0,0.0,1.0,2.0,3.0,4.0,0.5\n1,0.1,5.0,6.0,7.0,NaN,0.25\n2,0.2,1.0,2.0";
         std::fs::write(&path, table).unwrap();
         let read = Observables::of_folder(folder.path(), &|name| name != "unknown").unwrap().unwrap();

@@ -25,7 +25,7 @@ pub fn strain_for_spheres(file: &StartFile, model: &Model) -> Result<f64, String
 }
 
 /// Strain of the box in a file of disks, like [`strain_for_spheres`].
-pub fn strain_for_disks(file: &StartFile, parameters: &disks::Parameters) -> Result<f64, String> {
+pub fn strain_for_disks(file: &StartFile, parameters: &disks::DiskParameters) -> Result<f64, String> {
     file.cell.as_ref().map_or(Ok(0.0), |cell| cell.strain_in(&box_of_disks(parameters)))
 }
 
@@ -46,7 +46,7 @@ pub fn spheres(mut file: StartFile, model: &Model) -> Result<Fitted, String> {
 }
 
 /// Disks of a file, with the radii of the file.
-pub fn disks(mut file: StartFile, parameters: &disks::Parameters) -> Result<Fitted, String> {
+pub fn disks(mut file: StartFile, parameters: &disks::DiskParameters) -> Result<Fitted, String> {
     let scene = box_of_disks(parameters);
     let mut notes = Vec::new();
     if let Some(cell) = &file.cell {
@@ -60,7 +60,7 @@ pub fn disks(mut file: StartFile, parameters: &disks::Parameters) -> Result<Fitt
 }
 
 /// Box of the disks; its third edge has no meaning.
-fn box_of_disks(parameters: &disks::Parameters) -> SceneBox {
+fn box_of_disks(parameters: &disks::DiskParameters) -> SceneBox {
     let [length, height] = parameters.edges;
     let shape = BoxShape::Sheared(Vector::new(length, height, 1.0), parameters.strain);
     SceneBox { shape, axes: [BoxAxis::Periodic, BoxAxis::Periodic, BoxAxis::Open] }

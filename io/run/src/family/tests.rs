@@ -6,7 +6,8 @@ use scene::{Family, SceneFile};
 use std::path::Path;
 
 const SCENE: &str = "[box]\nedges = [9.0, 9.0, 9.0]\n[fluid]\nviscosity = 1.0\n[time]\nstep = 0.01\nsteps = 4\n\
-    [[species]]\nradius = 1.0\nvolume_fraction = 0.1\n[ensemble]\nseeds = [1, 2]\n[sweep]\n\"fluid.viscosity\" = [1.0, 2.0]\n";
+    [[species]]\nradius = 1.0\nvolume_fraction = 0.1\n[ensemble]\nseeds = [1, 2]\n\
+    [sweep]\n\"fluid.viscosity\" = [1.0, 2.0]\n";
 
 fn family(text: &str) -> Family {
     let Ok(SceneFile::Family(family)) = SceneFile::parse(text, "f.toml", &[]) else { panic!("a family") };

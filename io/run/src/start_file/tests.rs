@@ -12,8 +12,8 @@ fn scene(folder: &Path, name: &str, edges: &str, flow: &str, species: &[(&str, f
     };
     let species = species.iter().map(section).collect::<Vec<_>>().concat();
     let text = format!(
-        "[box]\n{edges}\n[fluid]\nviscosity = 1.0\n{species}[hydrodynamics]\ntolerance = 1e-2\nlubrication = false\n{flow}\n[time]\nstep = 0.01\n\
-         steps = 1\n[particles]\ninitial = 'file'\npath = '{name}'\n"
+        "[box]\n{edges}\n[fluid]\nviscosity = 1.0\n{species}[hydrodynamics]\ntolerance = 1e-2\n\
+         lubrication = false\n{flow}\n[time]\nstep = 0.01\nsteps = 1\n[particles]\ninitial = 'file'\npath = '{name}'\n"
     );
     SCENES.parse(&text, &folder.join("scene.toml").display().to_string(), &[]).map_err(|e| e.to_string())
 }

@@ -43,8 +43,8 @@ fn read_json(text: &str) -> Result<Scene, String> {
 
 #[test]
 fn values_are_read() {
-    let text = "a = 1\nb = [1, 2.5, -3]\nrows = [[0, 1], [2, 3]]\nsection.x = 2\nword = 'two'\nsmall = 0x10\nsigned = -3\n\
-                rate = [[0, 1]]\nflag = true\nname = 'x'\n[[list]]\nx = 1e3\n";
+    let text = "a = 1\nb = [1, 2.5, -3]\nrows = [[0, 1], [2, 3]]\nsection.x = 2\nword = 'two'\nsmall = 0x10\n\
+                signed = -3\nrate = [[0, 1]]\nflag = true\nname = 'x'\n[[list]]\nx = 1e3\n";
     let scene = read(text).unwrap();
     assert_eq!((scene.a, scene.b, &scene.rows), (Some(1.0), Some([1.0, 2.5, -3.0]), &vec![[0, 1], [2, 3]]));
     assert_eq!((scene.section, scene.list), (Some(Inner { x: 2.0 }), vec![Inner { x: 1000.0 }]));

@@ -1,7 +1,7 @@
 use super::*;
 
-const SCENE: &str = "seed = 5\n[box]\nedges = [9.0, 9.0, 9.0]\n[fluid]\nviscosity = 1.0\n[time]\nstep = 0.01\nsteps = 4\n\
-    [[species]]\nradius = 1.0\nvolume_fraction = 0.1\n";
+const SCENE: &str = "seed = 5\n[box]\nedges = [9.0, 9.0, 9.0]\n[fluid]\nviscosity = 1.0\n[time]\nstep = 0.01\n\
+    steps = 4\n[[species]]\nradius = 1.0\nvolume_fraction = 0.1\n";
 
 fn family(sections: &str) -> Result<Family, String> {
     match SceneFile::parse(&format!("{SCENE}{sections}"), "f.toml", &[]) {

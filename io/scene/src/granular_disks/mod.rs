@@ -8,7 +8,7 @@ use crate::checks::rows;
 use crate::key_error::KeyError;
 use crate::time_and_output::{OutputSchedules, Time, steps_in};
 use domain::Number;
-use granular::disks::{Flow, Model, Parameters, Preparation, Sizes, Species};
+use granular::disks::{DiskFlow, DiskModel, DiskParameters, DiskSpecies, Preparation, Sizes};
 pub(super) use raw::DisksSections;
 use std::path::Path;
 
@@ -19,7 +19,7 @@ pub struct GranularDisksScene {
     /// Title in plots and files.
     pub title: String,
     /// The disks, their flow and their seed. Disks from a file have their own radii.
-    pub model: Model,
+    pub model: DiskModel,
     /// File of the disks' positions; `None` for a random start.
     pub start: Option<StartSource>,
     /// Strain of the box at the start, if the scene sets it; by default that of the file's box.
@@ -42,7 +42,7 @@ const STRIPS: usize = 50;
 impl GranularDisksScene {
     pub(super) fn checked(raw: &DisksSections, folder: &Path) -> Result<Self, KeyError> {
         let parameters = parameters(raw)?;
-        let model = Model::new(parameters)?;
+        let model = DiskModel::new(parameters)?;
         let time = time(raw, model.parameters())?;
         let output = raw.output.schedules().checked(time.steps, ROWS);
         output.check(time.steps, model.sizes().len() as f64)?;
@@ -87,9 +87,9 @@ fn strain(raw: &DisksSections) -> Result<Option<f64>, KeyError> {
     }
 }
 
-fn parameters(raw: &DisksSections) -> Result<Parameters, KeyError> {
-    let usual = Parameters::default();
-    Ok(Parameters {
+fn parameters(raw: &DisksSections) -> Result<DiskParameters, KeyError> {
+    let usual = DiskParameters::default();
+    Ok(DiskParameters {
         edges: raw.cell.edges,
         strain: raw.cell.strain.unwrap_or(usual.strain),
         area_fraction: area_fraction(raw)?,
@@ -127,12 +127,12 @@ fn area_fraction(raw: &DisksSections) -> Result<f64, KeyError> {
         (None, None) => {
             Err(KeyError::new(key, "is missing; say how much of the area disks cover, or name a particles.path"))
         }
-        (fraction, _) => Ok(fraction.unwrap_or(Parameters::default().area_fraction)),
+        (fraction, _) => Ok(fraction.unwrap_or(DiskParameters::default().area_fraction)),
     }
 }
 
 fn sizes(raw: &DisksSections) -> Result<Sizes, KeyError> {
-    let species = |s: &raw::DiskSpeciesSection| Species { radius: s.radius, share: s.number_fraction };
+    let species = |s: &raw::DiskSpeciesSection| DiskSpecies { radius: s.radius, share: s.number_fraction };
     match (&raw.particles.spread, raw.species.is_empty(), &raw.particles.path) {
         (Some(_), false, _) => {
             Err(KeyError::new("particles.spread", "is set, and [[species]] too; leave one of them out"))
@@ -143,11 +143,11 @@ fn sizes(raw: &DisksSections) -> Result<Sizes, KeyError> {
             "is missing; write [[species]] sections with radius and number_fraction, or particles.spread",
         )),
         (None, true, Some(_)) => Ok(Sizes::monodisperse()),
-        (None, false, _) => Ok(Sizes::Species(raw.species.iter().map(species).collect())),
+        (None, false, _) => Ok(Sizes::DiskSpecies(raw.species.iter().map(species).collect())),
     }
 }
 
-fn flow(raw: &raw::DiskFlowSection) -> Result<Flow, KeyError> {
+fn flow(raw: &raw::DiskFlowSection) -> Result<DiskFlow, KeyError> {
     use raw::DiskFlowKind::{None as Still, Poiseuille, Shear};
     for (key, is_set, kind, name) in
         [("flow.rate", raw.rate.is_some(), Shear, "shear"), ("flow.peak", raw.peak.is_some(), Poiseuille, "poiseuille")]
@@ -162,13 +162,13 @@ fn flow(raw: &raw::DiskFlowSection) -> Result<Flow, KeyError> {
         }
     }
     Ok(match raw.kind {
-        Still => Flow::Still,
-        Shear => Flow::Shear { rate: raw.rate.unwrap_or_default() },
-        Poiseuille => Flow::Poiseuille { peak: raw.peak.unwrap_or_default() },
+        Still => DiskFlow::Still,
+        Shear => DiskFlow::Shear { rate: raw.rate.unwrap_or_default() },
+        Poiseuille => DiskFlow::Poiseuille { peak: raw.peak.unwrap_or_default() },
     })
 }
 
-fn time(raw: &DisksSections, parameters: &Parameters) -> Result<Time, KeyError> {
+fn time(raw: &DisksSections, parameters: &DiskParameters) -> Result<Time, KeyError> {
     let (time, step) = (&raw.time, parameters.time_step);
     let Some(strain) = time.strain else { return Time::until(step, time.steps, time.duration) };
     if time.steps.is_some() || time.duration.is_some() {

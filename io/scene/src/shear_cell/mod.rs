@@ -8,7 +8,7 @@ use crate::key_error::KeyError;
 use crate::time_and_output::{OutputSchedules, Time};
 use domain::{Number, ParameterError};
 use granular::shear_cell::{
-    CollisionDetection, CollisionRule, Experiment, FrictionLaw, Model, Parameters, Sampling, Top,
+    CellModel, CellParameters, CollisionDetection, CollisionRule, Experiment, FrictionLaw, Sampling, Top,
 };
 pub(super) use raw::ShearCellSections;
 use suspension::MAX_SPHERES;
@@ -38,7 +38,7 @@ impl ShearCellScene {
     pub(super) fn checked(raw: ShearCellSections) -> Result<Self, KeyError> {
         let time = Time::until(raw.time.step, raw.time.steps, raw.time.duration)?;
         let agitation = agitation(&raw)?;
-        let model = Model::new(parameters(&raw, agitation)?)?;
+        let model = CellModel::new(parameters(&raw, agitation)?)?;
         let collisions = collisions(&raw)?;
         let sampling = sampling(&raw, collisions)?;
         let count = count(&raw.grains, &model)?;
@@ -72,13 +72,13 @@ fn contact_time(raw: &ShearCellSections, agitation: f64) -> f64 {
     if crossings > 0.0 { CONTACT / crossings } else { CONTACT * raw.time.step }
 }
 
-fn parameters(raw: &ShearCellSections, agitation: f64) -> Result<Parameters, KeyError> {
+fn parameters(raw: &ShearCellSections, agitation: f64) -> Result<CellParameters, KeyError> {
     let (cell, grains, walls) = (&raw.cell, &raw.grains, &raw.walls);
     let law = match walls.friction_law {
         raw::FrictionLawKind::Box => FrictionLaw::Box,
         raw::FrictionLawKind::Cone => FrictionLaw::Cone,
     };
-    Ok(Parameters {
+    Ok(CellParameters {
         length: cell.length,
         height: cell.height,
         width: cell.width,
@@ -155,7 +155,7 @@ fn whole(key: &str, time: f64, unit: &str, length: f64) -> Result<u64, KeyError>
     if fits { Ok(times.round() as u64) } else { Err(fault()) }
 }
 
-fn count(raw: &raw::GrainsSection, model: &Model) -> Result<usize, KeyError> {
+fn count(raw: &raw::GrainsSection, model: &CellModel) -> Result<usize, KeyError> {
     match (raw.count, raw.solid_fraction) {
         (Some(count), None) => {
             let volume = std::f64::consts::PI / 6.0 * model.parameters().diameter.powi(3);

@@ -6,7 +6,8 @@ use crate::checks::rows;
 use crate::key_error::KeyError;
 use domain::Number;
 use granular::kinetic_theory::{
-    GrainProperties, Parameters, Problem, RadialDistribution, Roughness, SolutionStart, Wall, WallShape,
+    ContinuumParameters, ContinuumProblem, GrainProperties, RadialDistribution, Roughness, SolutionStart, Wall,
+    WallShape,
 };
 pub(super) use raw::ContinuumSections;
 use std::path::PathBuf;
@@ -18,7 +19,7 @@ pub struct ContinuumScene {
     /// Title in plots and files.
     pub title: String,
     /// The problems to solve: every pressure at every speed, ordered by pressure.
-    pub problems: Vec<Problem>,
+    pub problems: Vec<ContinuumProblem>,
     /// Number of heights in each profile.
     pub points: usize,
     /// Results folder; `None` if the caller chooses it.
@@ -52,7 +53,14 @@ impl ContinuumScene {
         let mut problems = Vec::new();
         for &pressure in &raw.cell.pressures {
             for &speed in &raw.cell.speeds {
-                problems.push(Problem::new(Parameters { gap: raw.cell.gap, speed, pressure, grains, wall, start })?);
+                problems.push(ContinuumProblem::new(ContinuumParameters {
+                    gap: raw.cell.gap,
+                    speed,
+                    pressure,
+                    grains,
+                    wall,
+                    start,
+                })?);
             }
         }
         Ok(Self { title: raw.title.unwrap_or_default(), problems, points, folder: raw.output.folder })

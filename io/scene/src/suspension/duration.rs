@@ -68,8 +68,8 @@ mod tests {
     /// Number of steps of a run, and the strain at which it ends.
     fn of(flow: &str, time: &str) -> (u64, Option<f64>) {
         let text = format!(
-            "box.edges = [9.0, 9.0, 9.0]\nfluid.viscosity = 1.0\nflow = {{ {flow} }}\ntime = {{ step = 0.125, {time} }}\n\
-             [[species]]\nradius = 1.0\ncount = 4\n"
+            "box.edges = [9.0, 9.0, 9.0]\nfluid.viscosity = 1.0\nflow = {{ {flow} }}\n\
+             time = {{ step = 0.125, {time} }}\n[[species]]\nradius = 1.0\ncount = 4\n"
         );
         let scene = Scene::parse(&text, "scene.toml", &[]).unwrap();
         let Kind::Suspension(suspension) = scene.kind() else { panic!("a suspension") };

@@ -8,7 +8,7 @@ use lubrication::PairKind;
 
 /// The flow relative to which velocities are given.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Flow {
+pub(super) struct ContactFlow {
     /// Strain rate, and angular velocity at `z = 0`.
     strain_rate: StrainRate,
     turning: Vector,
@@ -16,7 +16,7 @@ pub(super) struct Flow {
     pub besides: Traceless,
 }
 
-impl Flow {
+impl ContactFlow {
     /// The flow of a box, and the expected change of its strain rate.
     pub fn of(moving: &PeriodicCell) -> Self {
         Self {

@@ -18,7 +18,7 @@ use crate::scalars::ADAPTATION_NUMBERS;
 use domain::parallel::stage;
 use domain::{DomainView, ExpectedCounts, Failure, Particles, Tensor, Vector};
 use fcm::{Loads, Motion};
-use flow::{Flow, strained};
+use flow::{ContactFlow, strained};
 pub use forces::{FORCE_NUMBERS, contact_force, of as force_numbers};
 pub use history::keep;
 use history::{CONTACT_NUMBERS, FOUND, Memory, most_contacts, note};
@@ -139,7 +139,7 @@ struct ContactForcing {
     touching: AllTouching,
     /// Expected motion of each contact in `touching`.
     expected: Vec<Expected>,
-    flow: Flow,
+    flow: ContactFlow,
 }
 
 /// Expected relative motion at a contact.
@@ -235,7 +235,7 @@ impl Contacts {
     /// Contacts of an evaluation, from the expected velocities relative to the flow, the expected change of the flow,
     /// and the motions of the previous solution. Collective.
     fn acting(&self, at: &Instant) -> ContactForcing {
-        let (flow, before) = (Flow::of(at.flow), at.previous);
+        let (flow, before) = (ContactFlow::of(at.flow), at.previous);
         let ahead = PredictionTimes {
             along: at.prediction.map_or(0.0, |prediction| prediction.time),
             across: at.prediction.map_or(0.0, |_| at.since_last_solution),
