@@ -203,7 +203,7 @@ repulsion = { strength = 100.0 }"""
         "Shelley, Phys. Rev. Lett. 87, 198301, 2001; the number is quoted from memory); in one passage through the compressing",
         "direction a small bend has time to grow only well above it.",
         "",
-        *table(["number", "EI", "least distance of the ends", "time to across"], rows),
+        *table(["number", "EI", "least distance of the ends", "time until across"], rows),
     ]
     return "### Tumbling in shear", lines, min(extents[:2]) > 0.97 and extents[2] < 0.9 and extents[3] < extents[2]
 
@@ -226,8 +226,8 @@ def settling():
         rows.append([f"{number}", f"{depth:.4f}", f"{depth / number:.2e}"])
         print(*rows[-1], flush=True)
     lines = [
-        f"A straight chain of {count} spheres settles across a force \\\\(F\\\\) that its spheres share. Its ends, which drag less of the",
-        "others' flow along, stay behind: depth of the steady bow over \\\\(L\\\\), by the elasto-gravitational number",
+        f"A straight chain of {count} spheres settles across a force \\\\(F\\\\) that its spheres share. Its ends, which the others drag",
+        "along less, lag behind: depth of the steady bow over \\\\(L\\\\), by the elasto-gravitational number",
         "\\\\(B = F L^2 / EI\\\\). It is in proportion to \\\\(B\\\\) as long as it is small.",
         "",
         *table(["B", "depth over L", "depth over L B"], rows),
