@@ -18,6 +18,7 @@ fn near(share: f64, predicted: f64, found: f64) {
 
 /// A single test function, since the allocations of concurrent tests would be counted.
 #[test]
+#[ignore = "heavy"]
 fn predictions_are_what_is_allocated() {
     let cell = PeriodicBox::new(Vector::splat(47.0)).unwrap();
     let suspension = Suspension::random(COUNT, 1.0, cell, 1);

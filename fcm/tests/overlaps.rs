@@ -75,6 +75,7 @@ fn on_the_grid_alone_draws_of_overlapping_spheres_have_the_covariance_of_the_mob
 /// The split method, with a common Gaussian as wide as the widest envelope, clips the negative eigenvalues of the
 /// near field, and reports it.
 #[test]
+#[ignore = "heavy"]
 fn the_split_method_says_what_it_leaves_out() {
     for (ratio, edge) in CASES {
         let suspension = random(ratio, edge);

@@ -99,11 +99,13 @@ fn quantiles(values: &mut [f64]) -> (f64, f64, f64) {
 const TWO_SIZES: Kind = Kind { largest: 4.0, multipoles: Multipoles::Dipole };
 
 #[test]
+#[ignore = "heavy"]
 fn errors_are_below_the_tolerance_in_straight_boxes() {
     keeps_tolerances(TWO_SIZES, 0..15, |_| false);
 }
 
 #[test]
+#[ignore = "heavy"]
 fn errors_are_below_the_tolerance_in_sheared_boxes() {
     keeps_tolerances(TWO_SIZES, 100..115, |_| true);
 }
@@ -114,6 +116,7 @@ fn errors_are_below_the_tolerance_of_equal_spheres() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn errors_are_below_the_tolerance_of_forces_alone() {
     let kind = Kind { multipoles: Multipoles::Monopole, ..TWO_SIZES };
     keeps_tolerances(kind, 200..230, |name| name % 2 == 1);
@@ -139,6 +142,7 @@ fn errors_are_below_the_tolerance_in_a_box_three_times_as_long_and_sheared_by_mo
 
 /// Each method and precision that the user may fix. `f32` has round-off of 6e-8 and is offered from 1e-6.
 #[test]
+#[ignore = "heavy"]
 fn errors_are_below_the_tolerance_by_either_method_in_either_precision() {
     for (name, sheared) in [(1, false), (2, true), (3, false), (6, true)] {
         let suspension = random_case(name, sheared);

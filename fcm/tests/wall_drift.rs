@@ -40,6 +40,7 @@ fn mobility(suspension: &Suspension, multipoles: Multipoles, tolerance: f64) -> 
 
 /// Along loads of any kind the variance of draws is that of the mobility: within 4.5 standard errors of 300 draws.
 #[test]
+#[ignore = "heavy"]
 fn draws_have_the_covariance_of_the_mobility() {
     let cases = [
         (Boundaries::Walls, Multipoles::Monopole),

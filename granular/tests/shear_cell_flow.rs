@@ -114,6 +114,7 @@ fn deep_overlaps_are_reported() {
 
 /// A dense packing, and a refusal with the solid fraction reached.
 #[test]
+#[ignore = "heavy"]
 fn packing_reaches_dense_cells_or_says_how_far_it_came() {
     let model = CellModel::new(CellParameters { length: 5e-3, width: 5e-3, ..small() }).unwrap();
     let grains = model.pack(model.count(0.57).unwrap(), 2).unwrap();

@@ -70,6 +70,7 @@ fn largest_difference(one: &Particles, other: &Particles) -> f64 {
 /// Two functions that each give half of a species' load are equivalent to that load, in every stage of every
 /// integrator.
 #[test]
+#[ignore = "heavy"]
 fn a_constant_load_is_that_of_the_species() {
     let load = format!("species=[{{ radius = 1.0, count = 12, force = {FORCE}, torque = {TORQUE} }}]");
     let halves = || vec![constant(FORCE / 2.0, TORQUE / 2.0), constant(FORCE / 2.0, TORQUE / 2.0)];

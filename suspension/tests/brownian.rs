@@ -74,6 +74,7 @@ const TWO: &str = r#"time.brownian="random-finite-difference""#;
 const TIGHT: &str = "hydrodynamics.tolerance=1e-5";
 
 #[test]
+#[ignore = "heavy"]
 fn a_resumed_run_has_the_same_bits() {
     let steady = r#"flow={kind="shear",rate=4.0}"#;
     let oscillating = r#"flow={kind="shear",oscillation={amplitude=0.8,frequency=9.0}}"#;
@@ -107,6 +108,7 @@ fn steps_are_the_same_unseen() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_agree() {
     for of in [&[][..], &WALLS, &OPEN] {
         let model = model_of(SHEARED, &[&["hydrodynamics.tolerance=1e-7", "time.steps=6"], of].concat());

@@ -131,6 +131,7 @@ fn a_period_of_the_lattice_changes_nothing() {
 
 /// The choice of the origin does not affect relative motion, with or without contacts.
 #[test]
+#[ignore = "heavy"]
 fn relative_motion_does_not_depend_on_the_origin() {
     // Displaced by (3.1, 7.7, -2.3).
     let moved = "particles.positions=[[8.1, 9.3, 3.7], [8.7, 6.8, 4.2], [6.1, 13.7, -0.3]]";

@@ -91,6 +91,7 @@ fn apart(one: &VelocityField, other: &VelocityField) -> f64 {
 
 /// The value at each of the user's positions is the rotated velocity at that position of the box.
 #[test]
+#[ignore = "heavy"]
 fn fields_are_in_the_axes_of_the_user() {
     for kind in &SCENES[..4] {
         let upright = field(&model_of(&scene(2, *kind), &[]), 2, 1);
@@ -123,6 +124,7 @@ fn fields_are_in_the_axes_of_the_user() {
 
 /// On several numbers of ranks values agree to the tolerance of solves, and points agree.
 #[test]
+#[ignore = "heavy"]
 fn fields_are_the_same_on_any_ranks() {
     for kind in SCENES {
         let model = model_of(&scene(2, kind), &["hydrodynamics.iteration_tolerance=1e-8"]);
@@ -184,6 +186,7 @@ fn a_given_flux_is_that_of_the_background() {
 
 /// Computing a field has no effect on the run, and a resumed run has the same field.
 #[test]
+#[ignore = "heavy"]
 fn fields_are_of_no_consequence_and_resume_bit_for_bit() {
     for kind in SCENES {
         let model = model_of(&scene(2, kind), &[]);

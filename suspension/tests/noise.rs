@@ -227,6 +227,7 @@ fn root_columns(mobility: &mut Mobility, transposed: bool) -> Vec<Vec<f64>> {
 /// `B B^T` is the dense matrix and `B^T` the transpose; with and without lubrication, between walls, and for forces
 /// alone.
 #[test]
+#[ignore = "heavy"]
 fn the_root_times_its_transpose_is_the_mobility() {
     let tight = parameters(14.0, 1e-6);
     let walls = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();

@@ -94,6 +94,7 @@ density_difference = 2.0
 "#;
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_agree_in_open_fluid() {
     let model = model_of(SHEARED, &[]);
     let all = [1, 2, 3, 7].map(|ranks| {

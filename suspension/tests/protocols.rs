@@ -125,6 +125,7 @@ const OSCILLATION: &str = r#"flow={kind="shear",oscillation={amplitude=0.8,frequ
 /// Smooth spheres return to their positions after each period, and the choice of the origin does not affect the
 /// positions in between.
 #[test]
+#[ignore = "heavy"]
 fn smooth_spheres_come_back_after_a_period() {
     let period = std::f64::consts::PI;
     let step = format!("time.step={}", period / 150.0);
@@ -191,6 +192,7 @@ fn a_stress_gives_the_rate_that_needed_it() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn stresses_go_on_after_a_resume_and_on_any_ranks() {
     let keys = ["contacts={friction=0.5,roughness=0.02,stiffness=1e4}", "time.steps=12"];
     let model = under(1.5, &keys);

@@ -11,6 +11,8 @@ import numpy as np
 
 from program import ROOT, mobility, run
 
+HEAVY = True
+
 RANKS = (1, 2, 3, 4, 7)
 
 # Ranks add in another order, which changes round-off: 1e-16 in f64, 6e-8 on a grid in f32; sums of thousands of terms

@@ -44,6 +44,7 @@ fn lists_are_those_of_a_search_at_all_times() {
 
 /// The same if the box is not periodic along all axes and particles leave it.
 #[test]
+#[ignore = "heavy"]
 fn lists_are_right_where_a_box_does_not_repeat() {
     for boundaries in [Boundaries::Wall, Boundaries::Open] {
         let cell = |_: usize, edges| PeriodicBox::new(edges).unwrap().with_boundaries(boundaries).unwrap();

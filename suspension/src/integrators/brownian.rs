@@ -246,6 +246,7 @@ mod tests {
     /// A sphere drifts away from a wall as its mobility normal to the wall grows, by `kT dm/dz`. Most of the drift is
     /// not random but comes from the divergence of the mobility of the method.
     #[test]
+    #[ignore = "heavy"]
     fn a_sphere_drifts_away_from_a_wall() {
         let above = |height: f64| {
             let cell =

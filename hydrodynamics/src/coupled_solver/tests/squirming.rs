@@ -170,6 +170,7 @@ fn exact_pair(ratio: f64, gap: f64, squirming: &Squirming) -> Vec<f64> {
 /// Two free pushers or pullers in open space move as the exact solution to 2e-3 of their speed, at any gap: the
 /// resistance of passive pairs has such an error. Stresslets are as accurate relative to that of a squirmer alone.
 #[test]
+#[ignore = "heavy"]
 fn two_squirmers_move_as_the_exact_solution() {
     for ratio in [1.0, 2.0] {
         let cell = cube(12.0).with_boundaries(Boundaries::Open).unwrap();

@@ -212,6 +212,7 @@ fn cases() -> u64 {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn double_precision_agrees_with_the_host_to_round_off() {
     agree(Precision::Double, 1e-11, 0..cases(), &|seed| emulator(&[], seed));
 }
@@ -235,6 +236,7 @@ fn any_order_of_threads_gives_the_same_bits() {
 
 /// Bounds of global and shared memory, and undefined arithmetic.
 #[test]
+#[ignore = "heavy"]
 fn kernels_stay_within_their_memory() {
     let sanitizers = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all"];
     for (seed, precision) in [(40, Precision::Single), (41, Precision::Double), (42, Precision::Double)] {
