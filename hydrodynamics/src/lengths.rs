@@ -22,8 +22,8 @@ pub fn check_radius(radius: f64, cell: &PeriodicBox) -> Result<(), String> {
     }
     if radius < LEAST_RADIUS * longest {
         return Err(format!(
-            "is {found}, less than {LEAST_RADIUS:e} of the longest edge of the box, {}: places are not known as \
-             exactly; take a smaller box, or larger spheres",
+            "is {found}, less than {LEAST_RADIUS:e} of the longest edge of the box, {}: positions would not be exact \
+             enough; take a smaller box, or larger spheres",
             Number(longest)
         ));
     }

@@ -4,6 +4,7 @@ use super::{BrownianScheme, Flow, Integrator, MultipoleOrder, Orientation, Param
 use domain::{BodySphere, Number, ParameterError, Quaternion, Vector, sphere};
 use fcm::ComputeDevice;
 use hydrodynamics::GivenMotion;
+use hydrodynamics::lengths::check_radius;
 use lubrication::LubricationRange;
 
 /// Rigid bodies of one kind. Their spheres are particles of species of their own, one for each radius, which
@@ -109,14 +110,13 @@ impl Bodies {
     pub(super) fn check(&self, section: &str, p: &Parameters) -> Result<(), ParameterError> {
         let fault = |name: &str, message: String| Err(ParameterError::new(format!("{section}{name}"), message));
         if self.count == 0 {
-            return fault(".count", "is 0; take one body at least, or leave them out".to_owned());
+            return fault(".count", "is 0; take at least 1, or leave the section out".to_owned());
         }
-        let numbers = self.spheres.iter().flat_map(|one| [one.position.length(), one.radius]);
-        if self.spheres.is_empty() || !numbers.clone().all(f64::is_finite) {
+        if let Some(message) = self.spheres.iter().find_map(|one| check_radius(one.radius, &p.cell).err()) {
+            return fault(".radius", message);
+        }
+        if self.spheres.is_empty() || !self.spheres.iter().all(|one| one.position.length().is_finite()) {
             return fault(".spheres", "needs one sphere at least, and finite numbers".to_owned());
-        }
-        if let Some(small) = self.spheres.iter().find(|one| one.radius <= 0.0) {
-            return fault(".radius", format!("is {}; it needs to be above 0", Number(small.radius)));
         }
         let (diameter, shortest) = (2.0 * BodySphere::extent(&self.spheres), p.shortest_vector());
         let apart = p.image_gap() * self.spheres.iter().map(|one| one.radius).fold(0.0, f64::max);
@@ -124,8 +124,8 @@ impl Bodies {
         if is_periodic && diameter + apart > shortest {
             let [diameter, apart, shortest] = [diameter, apart, shortest].map(Number);
             let message = format!(
-                "is a body of diameter {diameter}; between it and its own images a gap of {apart} needs to be left in \
-                 the box, whose shortest edge is {shortest}"
+                "has a diameter of {diameter}, and needs a gap of {apart} to its own images; the shortest edge of the \
+                 box is {shortest}"
             );
             return fault("", message);
         }
@@ -135,7 +135,7 @@ impl Bodies {
             ParameterError::require_finite_vector(&key, axes.place(place))?;
         }
         if let Some(places) = self.positions.as_ref().filter(|places| places.len() as u64 != self.count) {
-            return fault(".positions", format!("has {} positions, but there are {} bodies", places.len(), self.count));
+            return fault(".positions", format!("has {} positions for a count of {}", places.len(), self.count));
         }
         self.check_orientation(section, p)?;
         let key = |name: &str| format!("{section}.{name}");
@@ -183,7 +183,7 @@ impl Bodies {
             BodyOrientation::Each(list) => {
                 let key = format!("{section}.orientations");
                 if list.len() as u64 != self.count {
-                    let message = format!("has {} orientations, but there are {} bodies", list.len(), self.count);
+                    let message = format!("has {} orientations for a count of {}", list.len(), self.count);
                     return Err(ParameterError::new(key, message));
                 }
                 match list.iter().position(|q| !(q.length() > 0.0 && q.length().is_finite())) {
@@ -353,7 +353,7 @@ mod tests {
         };
         assert!(said(&|bodies| bodies.count = 0).starts_with("bodies[0].count is 0; "));
         assert!(said(&|bodies| bodies.spheres.clear()).starts_with("bodies[0].spheres needs"));
-        assert!(said(&|bodies| bodies.spheres[0].position.x = 40.0).starts_with("bodies[0] is a body of diameter 82"));
+        assert!(said(&|bodies| bodies.spheres[0].position.x = 40.0).starts_with("bodies[0] has a diameter of 82"));
         assert!(said(&|bodies| bodies.positions = Some(Vec::new())).starts_with("bodies[0].positions has 0 "));
         assert!(said(&|bodies| bodies.force.x = f64::NAN).starts_with("bodies[0].force"));
         let each = |bodies: &mut Bodies| bodies.orientation = BodyOrientation::Each(vec![Quaternion::NONE; 2]);

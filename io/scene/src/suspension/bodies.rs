@@ -78,14 +78,14 @@ impl BodiesReader<'_> {
         let count = match (one.count, one.volume_fraction) {
             (Some(count), _) => count as f64,
             (None, Some(fraction)) if !(fraction > 0.0 && fraction < MAX_FRACTION) => {
-                let message = format!("is {}; bodies need 0 < volume_fraction < {MAX_FRACTION}", Number(fraction));
+                let message = format!("is {}; it needs to be above 0 and below {MAX_FRACTION}", Number(fraction));
                 return self.fault("volume_fraction", message);
             }
             (None, Some(fraction)) => (fraction * volume / of_one).round(),
             (None, None) => one.positions.as_ref().map_or(0, Vec::len) as f64,
         };
         if count < 1.0 {
-            return self.fault("count", "is less than one body; leave them out, or take more");
+            return self.fault("count", "comes to less than one; take more, or leave the section out");
         }
         few_enough(&self.key("count"), &format!("{count}"), count * spheres.len() as f64, "spheres")?;
         Ok(count as u64)
@@ -190,7 +190,8 @@ impl BodiesReader<'_> {
                 few(&self.key("spheres"), *number)?;
                 Ok(*number as usize)
             }
-            _ => self.fault("spheres", "needs to be a whole number of at least 2 with a shape"),
+            Some(NumberOr::Other(_)) => self.fault("spheres", "is a list, which goes without a shape; write a number"),
+            _ => self.fault("spheres", "needs to be a whole number of at least 2"),
         }
     }
 
@@ -216,5 +217,5 @@ fn few(key: &str, spheres: f64) -> Result<(), KeyError> {
     if (1.0..=MOST_SPHERES).contains(&spheres) {
         return Ok(());
     }
-    Err(KeyError::new(key, format!("makes a body of {} spheres; it has 1 to {MOST_SPHERES}", Number(spheres))))
+    Err(KeyError::new(key, format!("is {} spheres that stay together; there can be 1 to {MOST_SPHERES}", Number(spheres))))
 }
