@@ -145,6 +145,7 @@ fn parameters(case: &Case, tolerance: f64, costs: Costs) -> anyhow::Result<(Mobi
             CaseTerms::Dipole => Multipoles::Dipole,
         },
         rigid: case.rigid,
+        swimming: false,
         tolerance,
         lubrication: case
             .lubrication

@@ -4,6 +4,7 @@ use crate::body_projection::BodyProjection;
 use crate::pairs::matrix::inverse_block::{Block, Products};
 use crate::pairs::matrix::sparse::Padded;
 use crate::pairs::search::{NearPairs, Pairs};
+use crate::pairs::squeezed::{SpheresOfPairs, SqueezedPairs};
 use crate::six_vector::{SixVector, SixVectors, dot};
 use crate::unknowns::MotionsWithLoads;
 use domain::parallel::{FusedLoops, MeasuredLoop, mapped, mapped_mut, of_rows, stage};
@@ -25,8 +26,10 @@ pub struct Preconditioner<'a> {
     near: &'a NearPairs,
     pairs: &'static [Pairs],
     single: &'a [SixVector],
-    /// Inverses of the diagonal blocks.
+    /// Inverses of the diagonal blocks, without the resistance of squeezed pairs to approach.
     inverse: Vec<Block>,
+    /// Pairs whose resistance to approach is not in the diagonal blocks.
+    squeezed: Option<SqueezedPairs>,
     bodies: Option<BodyProjection<'a>>,
     /// Relative error of a solve, in the norm of the single-sphere resistances.
     tolerance: f64,
@@ -70,8 +73,21 @@ const MOST_ITERATIONS: usize = 2000;
 impl<'a> Preconditioner<'a> {
     /// The matrix for near pairs of particles with the given single-sphere resistances.
     pub fn new(comm: &Comm, near: &'a NearPairs, single: &'a [SixVector], tolerance: f64) -> Self {
-        let inverse = near.stiff().inverses(single);
-        Self { comm: comm.clone(), near, pairs: &[Pairs::Stiff], single, inverse, bodies: None, tolerance }
+        let inverse = near.stiff().inverses(single, |_, _| {});
+        let (comm, pairs) = (comm.clone(), &[Pairs::Stiff][..]);
+        Self { comm, near, pairs, single, inverse, squeezed: None, bodies: None, tolerance }
+    }
+
+    /// The same matrix, solved in as many iterations for any gaps, by a preconditioner of its own that includes the
+    /// coupling of close pairs. For spheres without bodies. Collective.
+    #[must_use]
+    pub fn with_squeezed_pairs(mut self) -> Self {
+        self.squeezed = SqueezedPairs::among(self.near, self.single, &self.comm);
+        if let Some(squeezed) = &mut self.squeezed {
+            self.inverse = self.near.stiff().inverses(self.single, |row, block| squeezed.remove_from(row, block));
+            squeezed.couple(self.near, &self.inverse);
+        }
+        self
     }
 
     /// The matrix for spheres of which some are parts of rigid bodies.
@@ -199,6 +215,10 @@ impl System for Preconditioner<'_> {
         let chunks =
             self.inverse.par_chunks(BATCH).zip(residual.0.par_chunks(BATCH)).zip(motions.0.par_chunks_mut(BATCH));
         chunks.measured().for_each(|((blocks, vectors), results)| f64::dispatch(Products { blocks, vectors, results }));
+        if let Some(squeezed) = &self.squeezed {
+            let spheres = SpheresOfPairs { near: self.near, comm: &self.comm, inverse: &self.inverse };
+            squeezed.correct(spheres, &mut motions);
+        }
         if let Some(bodies) = &self.bodies {
             bodies.precondition(residual, &mut motions);
         }
@@ -218,8 +238,8 @@ impl System for Preconditioner<'_> {
         at: Iterate<SixVectors, SixVectors>,
         step: Option<Step<SixVectors, SixVectors>>,
     ) -> InnerProducts {
-        if self.bodies.is_some() {
-            return self.step_of_bodies(at, step);
+        if self.bodies.is_some() || self.squeezed.is_some() {
+            return self.separate_step(at, step);
         }
         let Iterate { x, residual, z } = at;
         let places = x.0.par_chunks_mut(BATCH).zip(residual.0.par_chunks_mut(BATCH)).zip(z.0.par_chunks_mut(BATCH));
@@ -252,8 +272,8 @@ impl Preconditioner<'_> {
         (image, curvature)
     }
 
-    /// [`System::step_and_measure`] with rigid bodies.
-    fn step_of_bodies(
+    /// [`System::step_and_measure`] with rigid bodies or squeezed pairs.
+    fn separate_step(
         &mut self,
         Iterate { x, residual, z }: Iterate<SixVectors, SixVectors>,
         step: Option<Step<SixVectors, SixVectors>>,

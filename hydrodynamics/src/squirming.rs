@@ -57,6 +57,16 @@ impl Squirming {
         }
     }
 
+    /// Squirmers that alone in unbounded fluid have these velocities, `2/3 B1 p`, and stresslets `4 pi mu a^2 B2 (p p -
+    /// I/3)`, or any other symmetric traceless ones; empty lists stand for zeros.
+    pub fn moving_alone(velocities: &[Vector], stresslets: &[Traceless], viscosity: f64, radii: &[f64]) -> Self {
+        let second = |(&stresslet, a): (&Traceless, &f64)| stresslet * (1.0 / (4.0 * PI * viscosity * a * a));
+        Self {
+            first: velocities.iter().map(|&velocity| velocity * 1.5).collect(),
+            second: stresslets.iter().zip(radii).map(second).collect(),
+        }
+    }
+
     /// Whether no list has entries.
     pub fn is_empty(&self) -> bool {
         self.first.is_empty() && self.second.is_empty()

@@ -108,10 +108,10 @@ pub fn mean_of(piece: usize) -> f64 {
 }
 
 /// Power series of functions of the gap, for the piece with the given mean.
-pub fn of_gaps<const N: usize>(mean: f64, values: impl Fn(f64) -> [f64; N]) -> Powers<N, NODES> {
+pub fn of_gaps<const N: usize, const M: usize>(mean: f64, values: impl Fn(f64) -> [f64; N]) -> Powers<N, M> {
     let edge = (GROWTH.sqrt() - 1.0) / (GROWTH.sqrt() + 1.0);
     let at = |u: f64| values(mean * (1.0 + u) / (1.0 - u));
-    Powers::from(&Chebyshev::through(-edge, edge, &Chebyshev::<N, NODES>::nodes(-edge, edge).map(at)))
+    Powers::from(&Chebyshev::through(-edge, edge, &Chebyshev::<N, M>::nodes(-edge, edge).map(at)))
 }
 
 /// Gap relative to the mean of its piece: the variable of interpolation.

@@ -107,6 +107,7 @@ impl PairForce {
     }
 
     /// Gap of a pair of species at a distance of their centres; `None` beyond the cutoff.
+    #[inline(always)]
     pub fn gap(&self, distance: f64, species: [u32; 2]) -> Option<f64> {
         let table = self.table(species);
         let gap = distance - table.sum;
@@ -114,6 +115,7 @@ impl PairForce {
     }
 
     /// Gap of a pair of species in tables, and the factor of its loads; `None` beyond the cutoff.
+    #[inline(always)]
     pub(crate) fn pair_gap(&self, distance: f64, species: [u32; 2]) -> Option<PairGap> {
         let (table, gap) = (self.table(species), self.gap(distance, species)?);
         let over_small = self.range.effective_gap(gap, table.minimum_gap) * table.over_small;

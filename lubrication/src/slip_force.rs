@@ -2,23 +2,14 @@
 
 use std::sync::Arc;
 
-use domain::{Tensor, Traceless, Vector};
+use domain::Vector;
 
 use crate::arithmetic::Arithmetic;
 use crate::pair_force::{PairForce, PairForceError, PairGap};
+use crate::slip_row::{SLIP_ROW, SlipRow};
 use crate::slip_table::SlipTable;
 use crate::sphere_motion::SphereLoads;
-use crate::two_sphere::slip::SlipFunction;
-
-/// Slip velocity at the surface of a sphere with the outward normal `n`, `(n n - I).b + (n.Q.n) n - Q.n`. A squirmer
-/// with the axis `p` has `b = B1 p` and `Q = B2 (p p - I/3)`.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct SurfaceSlip {
-    /// `b`
-    pub first: Vector,
-    /// `Q`
-    pub second: Traceless,
-}
+use crate::surface_slip::SurfaceSlip;
 
 /// Correction of the force-coupling method for the slip of near pairs: exact loads of two spheres at rest in unbounded
 /// fluid minus those of the method.
@@ -30,7 +21,7 @@ pub struct SurfaceSlip {
 #[derive(Debug, Clone)]
 pub struct SlipForce {
     species: usize,
-    /// By pair of species.
+    /// By pair of species, of the loads of the first.
     tables: Vec<Arc<SlipTable>>,
 }
 
@@ -44,73 +35,53 @@ impl SlipForce {
         let radii = force.radii();
         let table = |k: usize| {
             let [a, b] = [radii[k / radii.len()], radii[k % radii.len()]];
-            SlipTable::with_ratio(a.max(b) / a.min(b)).map_err(|error| PairForceError::Radii(a, b, error))
+            let both = SlipTable::with_ratio(a.max(b) / a.min(b));
+            let [small, large] = both.map_err(|error| PairForceError::Radii(a, b, error))?;
+            Ok(if a <= b { small } else { large })
         };
         let tables = (0..radii.len() * radii.len()).map(table).collect::<Result<_, _>>()?;
         Ok(Self { species: radii.len(), tables })
     }
 
-    /// Loads of the first of two spheres on the fluid by the slip of both, with `separation` from the first centre to
-    /// the second and the range of `force`, with numbers of any width; `None` beyond the cutoff.
+    /// Writes the numbers of the [`SlipRow`] of the first of two spheres at a distance of their centres, with the range
+    /// of `force` and loads larger by a factor, with numbers of any width. Returns whether the spheres are within the
+    /// cutoff.
     #[inline(always)]
-    pub fn loads<X: Arithmetic>(
+    pub fn write<X: Arithmetic>(
+        &self,
+        force: &PairForce,
+        distance: f64,
+        species: [u32; 2],
+        row: &mut [f64; SLIP_ROW],
+    ) -> bool {
+        let Some(PairGap { over_small, small, factor }) = force.pair_gap(distance, species) else { return false };
+        self.tables[species[0] as usize * self.species + species[1] as usize].write::<X>(over_small, row);
+        row[SlipRow::<X>::FACTORS].copy_from_slice(&[factor, factor * small]);
+        true
+    }
+
+    /// Loads of the first of two spheres on the fluid by the slip of both, with `separation` from the first centre to
+    /// the second and the range of `force`; `None` beyond the cutoff.
+    pub fn loads(
         &self,
         force: &PairForce,
         separation: Vector,
         species: [u32; 2],
         slip: &[SurfaceSlip; 2],
     ) -> Option<SphereLoads> {
-        let distance = separation.length();
-        let PairGap { over_small, small, factor } = force.pair_gap(distance, species)?;
-        let radii = species.map(|s| force.radii()[s as usize]);
-        let values = self.tables[species[0] as usize * self.species + species[1] as usize].at::<X>(over_small);
-        // The table has the smaller sphere first.
-        let (own, axis) = if radii[0] <= radii[1] { (0, separation / distance) } else { (1, -separation / distance) };
-        let by = |slips: usize| {
-            let value = |function: SlipFunction| function.of(&values, own, slips);
-            loads_by_modes(axis, value, &slip[usize::from(slips != own)])
-        };
-        Some(scaled(by(own) + by(1 - own), factor, small))
+        let (distance, mut row) = (separation.length(), [0.0; SLIP_ROW]);
+        self.write::<f64>(force, distance, species, &mut row).then(|| {
+            let axis = (separation / distance).to_array();
+            SphereLoads::from_numbers(&SlipRow::from_numbers(&row).loads(axis, &slip.map(|slip| slip.numbers())))
+        })
     }
-}
-
-/// Loads of a sphere of a given radius, by those of radius and viscosity 1 with the same slip.
-pub fn scaled(SphereLoads { force, torque, moment }: SphereLoads, factor: f64, radius: f64) -> SphereLoads {
-    let of_torque = factor * radius;
-    SphereLoads { force: force * factor, torque: torque * of_torque, moment: moment * of_torque }
-}
-
-/// Loads by the slip of a sphere, with the values of the functions for an axis.
-#[inline(always)]
-pub fn loads_by_modes(d: Vector, value: impl Fn(SlipFunction) -> f64, slip: &SurfaceSlip) -> SphereLoads {
-    let along = slip.first.dot(d);
-    let across = slip.first - d * along;
-    let pulled = slip.second.tensor() * d;
-    let axial = 1.5 * pulled.dot(d);
-    let bent = pulled - d * pulled.dot(d);
-    let force = d * (value(SlipFunction::XF1) * along + value(SlipFunction::XF2) * axial)
-        + across * value(SlipFunction::YF1)
-        + bent * value(SlipFunction::YF2);
-    let torque = d.cross(across * value(SlipFunction::YT1) + bent * value(SlipFunction::YT2));
-    let unit_axial = Traceless::part_of(&outer(d, d));
-    let sheared = |v: Vector| Traceless::part_of(&(outer(d, v) + outer(v, d)));
-    let planar = slip.second - unit_axial * axial - sheared(bent);
-    let moment = unit_axial * (1.5 * (value(SlipFunction::XS1) * along + value(SlipFunction::XS2) * axial))
-        + sheared(across * value(SlipFunction::YS1) + bent * value(SlipFunction::YS2))
-        + planar * value(SlipFunction::ZS2);
-    SphereLoads { force, torque, moment }
-}
-
-/// `a_i b_j`
-fn outer(a: Vector, b: Vector) -> Tensor {
-    Tensor::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::LubricationRange;
-    use domain::Quaternion;
+    use domain::{Quaternion, Tensor, Traceless};
 
     fn slips() -> [SurfaceSlip; 2] {
         [
@@ -131,7 +102,7 @@ mod tests {
         let turned_tensor = |t: Traceless| Traceless::part_of(&(turn * t.tensor() * turn.transpose()));
         for species in [[0, 0], [0, 1], [1, 0], [1, 1]] {
             let x = Vector::new(1.0, -1.4, 0.6).normalize() * (force.radii()[species[0] as usize] + 1.75);
-            let by = |x: Vector, slips: &[SurfaceSlip; 2]| slip.loads::<f64>(&force, x, species, slips).unwrap();
+            let by = |x: Vector, slips: &[SurfaceSlip; 2]| slip.loads(&force, x, species, slips).unwrap();
             let (straight, all) = (by(x, &slips()), slips());
             let other = all.map(|s| SurfaceSlip { first: turned(s.first), second: turned_tensor(s.second) });
             let found = by(turned(x), &other);
@@ -152,8 +123,8 @@ mod tests {
         let mirrored = |v: Vector| Vector::new(v.x, v.y, -v.z);
         let tensor = |t: Traceless| Traceless([t.0[0], t.0[1], -t.0[2], t.0[3], -t.0[4]]);
         let mirror = |s: SurfaceSlip| SurfaceSlip { first: mirrored(s.first), second: tensor(s.second) };
-        let first = slip.loads::<f64>(&force, x, [0, 0], &[a, b]).unwrap();
-        let second = slip.loads::<f64>(&force, -x, [0, 0], &[mirror(a), mirror(b)]).unwrap();
+        let first = slip.loads(&force, x, [0, 0], &[a, b]).unwrap();
+        let second = slip.loads(&force, -x, [0, 0], &[mirror(a), mirror(b)]).unwrap();
         assert!((second.force - mirrored(first.force)).length() < 1e-12);
         assert!((second.torque + mirrored(first.torque)).length() < 1e-12);
         let rest = second.moment - tensor(first.moment);

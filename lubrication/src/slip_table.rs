@@ -5,59 +5,74 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::arithmetic::Arithmetic;
 use crate::chebyshev::Powers;
-use crate::factor_table::{FARTHEST, NODES, mean_of, of_gaps, piece_of, relative};
+use crate::factor_table::{FARTHEST, mean_of, of_gaps, piece_of, relative};
 use crate::far_field;
+use crate::slip_row::{SLIP_ROW, SlipRow};
 use crate::two_sphere::TwoSphereError;
-use crate::two_sphere::slip::{SLIP_VALUES, SlipValues, TwoSphereSlip};
+use crate::two_sphere::slip::{SlipValues, TwoSphereSlip};
 
-/// Loads by slip of the exact solution minus those of the force-coupling method, for radii 1 and `ratio`, viscosity 1.
+/// Loads of one sphere of a pair by slip, of the exact solution minus those of the force-coupling method, for a smaller
+/// radius of 1 and viscosity 1.
 #[derive(Debug)]
 pub struct SlipTable {
     pieces: Vec<SlipPiece>,
 }
 
-/// Number of values in a table: a multiple of six of the widest vectors.
-const LANES: usize = SLIP_VALUES.next_multiple_of(48);
+/// Interpolation points per interval: the error of a function that is singular at contact falls by a factor of 23 with
+/// each, to 1e-8 of its value.
+const NODES: usize = 6;
 
 /// Table between two gaps, with their geometric mean.
 #[derive(Debug)]
 struct SlipPiece {
     mean: f64,
-    powers: Powers<LANES, NODES>,
+    powers: Powers<SLIP_ROW, NODES>,
 }
 
-/// Table of one ratio, computed by the first thread that needs it while others wait.
-type SharedSlipTable = Arc<OnceLock<Result<Arc<SlipTable>, TwoSphereError>>>;
+/// Tables of the smaller and of the larger sphere.
+type SlipTables = [Arc<SlipTable>; 2];
+
+/// Tables of one ratio, computed by the first thread that needs them while others wait.
+type SharedSlipTables = Arc<OnceLock<Result<SlipTables, TwoSphereError>>>;
 
 impl SlipTable {
-    /// Table of a ratio of at least 1; computed at the first call, then shared.
-    pub fn with_ratio(ratio: f64) -> Result<Arc<Self>, TwoSphereError> {
-        static TABLES: OnceLock<Mutex<HashMap<u64, SharedSlipTable>>> = OnceLock::new();
+    /// Tables of both spheres for a ratio of at least 1; computed at the first call, then shared.
+    pub fn with_ratio(ratio: f64) -> Result<SlipTables, TwoSphereError> {
+        static TABLES: OnceLock<Mutex<HashMap<u64, SharedSlipTables>>> = OnceLock::new();
         let tables = TABLES.get_or_init(Mutex::default);
         let entry =
             Arc::clone(tables.lock().unwrap_or_else(PoisonError::into_inner).entry(ratio.to_bits()).or_default());
-        let computed = || TwoSphereSlip::with_ratio(ratio).map(|exact| Arc::new(Self::compute(&exact)));
+        let computed = || TwoSphereSlip::with_ratio(ratio).map(|exact| Self::compute(&exact));
         entry.get_or_init(computed).clone()
     }
 
-    fn compute(exact: &TwoSphereSlip) -> Self {
-        let radii = [1.0, exact.ratio()];
-        let difference = |gap: f64| {
-            let (all, known) = (exact.at(gap), far_field::slip(radii, radii[0] + radii[1] + gap));
-            std::array::from_fn(|i| if i < SLIP_VALUES { all[i] - known[i] } else { 0.0 })
+    fn compute(exact: &TwoSphereSlip) -> SlipTables {
+        let of_sphere = |own: usize| {
+            let piece = |k: usize| {
+                let coefficients = |gap: f64| SlipRow::of(&difference(exact, gap), own).numbers();
+                SlipPiece { mean: mean_of(k), powers: of_gaps(mean_of(k), coefficients) }
+            };
+            Arc::new(Self { pieces: (0..=piece_of(FARTHEST * exact.ratio())).map(piece).collect() })
         };
-        let piece = |k: usize| SlipPiece { mean: mean_of(k), powers: of_gaps(mean_of(k), difference) };
-        Self { pieces: (0..=piece_of(FARTHEST * exact.ratio())).map(piece).collect() }
+        let small = of_sphere(0);
+        // Equal spheres are mirror images.
+        let large = if exact.ratio() <= 1.0 { Arc::clone(&small) } else { of_sphere(1) };
+        [small, large]
     }
 
-    /// Values at a gap between the closest and the farthest, with numbers of any width.
+    /// Writes the coefficients at a gap between the closest and the farthest, with numbers of any width.
     #[inline(always)]
-    pub fn at<X: Arithmetic>(&self, gap: f64) -> SlipValues {
+    pub fn write<X: Arithmetic>(&self, gap: f64, row: &mut [f64; SLIP_ROW]) {
         let piece = &self.pieces[piece_of(gap).min(self.pieces.len() - 1)];
-        let mut lanes = [0.0; LANES];
-        piece.powers.write::<X, 6>(relative(gap, piece.mean), &mut lanes);
-        *lanes.first_chunk().expect("a lane for each value")
+        piece.powers.write::<X, 3>(relative(gap, piece.mean), row);
     }
+}
+
+/// Values of the functions minus those of the force-coupling method.
+fn difference(exact: &TwoSphereSlip, gap: f64) -> SlipValues {
+    let (radii, all) = ([1.0, exact.ratio()], exact.at(gap));
+    let known = far_field::slip(radii, radii[0] + radii[1] + gap);
+    std::array::from_fn(|i| all[i] - known[i])
 }
 
 #[cfg(test)]
@@ -67,12 +82,15 @@ mod tests {
     /// Between the nodes, as accurate as the tables of the exact loads.
     #[test]
     fn interpolates_between_the_nodes() {
-        let table = SlipTable::with_ratio(1.5).unwrap();
-        let exact = TwoSphereSlip::with_ratio(1.5).unwrap();
-        for gap in (0..40).map(|k| 1.3e-6 * 1.47_f64.powi(k)) {
-            let known = far_field::slip([1.0, 1.5], 2.5 + gap);
-            for (k, (found, all)) in table.at::<f64>(gap).iter().zip(exact.at(gap)).enumerate() {
-                assert!((found - all + known[k]).abs() < 1e-6, "value {k} at {gap}");
+        for ratio in [1.0, 1.5] {
+            let (tables, exact) = (SlipTable::with_ratio(ratio).unwrap(), TwoSphereSlip::with_ratio(ratio).unwrap());
+            for (gap, own) in (0..40).map(|k| 1.3e-6 * 1.47_f64.powi(k)).flat_map(|gap| [(gap, 0), (gap, 1)]) {
+                let mut found = [0.0; SLIP_ROW];
+                tables[own].write::<f64>(gap, &mut found);
+                let expected = SlipRow::of(&difference(&exact, gap), own).numbers();
+                for (k, (found, expected)) in found.iter().zip(expected).enumerate() {
+                    assert!((found - expected).abs() < 1e-6, "value {k} of sphere {own} at {gap}");
+                }
             }
         }
     }

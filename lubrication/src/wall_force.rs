@@ -5,8 +5,8 @@ use std::sync::Arc;
 use domain::Vector;
 
 use crate::lubrication_range::LubricationRange;
-use crate::slip_force::{SurfaceSlip, loads_by_modes, scaled};
 use crate::sphere_motion::SphereLoads;
+use crate::surface_slip::{SurfaceSlip, loads_by_modes, scaled};
 use crate::wall_factor::WallFactor;
 use crate::wall_table::{WallSlipTable, WallTable};
 

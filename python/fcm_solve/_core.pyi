@@ -17,7 +17,7 @@ __version__: str
 class Mobility:
     def __init__(
         self,
-        spheres: tuple[tuple[list[list[float]], list[str]], float, list[float], bool],
+        spheres: tuple[tuple[list[list[float]], list[str]], float, list[float], list[bool]],
         fluid: tuple[float, float],
         terms: tuple[bool, float | None, str, str],
         comm: tuple[int, str] | None,
@@ -26,6 +26,7 @@ class Mobility:
     def is_first(self) -> bool: ...
     def place(self, positions: Array) -> str | None: ...
     def join(self, bodies: list[int | None]) -> None: ...
+    def swim(self, velocities: Array | None, stresslets: Array | None) -> None: ...
     def drive(self, pressure_gradient: list[float]) -> None: ...
     def apply(
         self,

@@ -133,6 +133,7 @@ class Mobility:
     method      "direct": the envelopes themselves on the grid; "split": wider envelopes on a coarser grid, and a pair
                 correction; "dense": a matrix of exact sums, for few spheres; "auto": the faster of the first two
     device      "gpu": the far field on an NVIDIA card, in periodic boxes; "cpu": on the processors of the host
+    swimming    whether rigid spheres with dipoles may swim, see the arguments of a call
     bodies      rigid bodies made of rigid spheres: a list of lists of indices, or the number of the body of each sphere (N,),
                 from 0, with -1 for free spheres. Bodies may touch, and the spheres of one body may overlap. The centre of
                 a body is the mean of the centres of its spheres; its spheres are placed next to each other, not wrapped
@@ -162,6 +163,7 @@ class Mobility:
         method: str = "auto",
         device: str = "cpu",
         bodies: ArrayLike | Sequence[Sequence[int]] | None = None,
+        swimming: bool = False,
     ) -> None:
         self._radii = _radii(radii, count)
         self._radii.flags.writeable = False
@@ -174,7 +176,7 @@ class Mobility:
         shape = (3, 3) if np.ndim(box) == 2 else (3,)
         rows = np.atleast_2d(_arrays.exactly("box", box, shape)).tolist()
         axes = _arrays.words("boundaries", boundaries, 3)
-        spheres = ((rows, axes), _arrays.number("strain", strain), self._radii.tolist(), self._rigid)
+        spheres = ((rows, axes), _arrays.number("strain", strain), self._radii.tolist(), [self._rigid, _arrays.flag("swimming", swimming)])
         fluid = (_arrays.number("viscosity", viscosity), _arrays.number("tolerance", tolerance))
         terms = (self._dipoles, cutoff, *_arrays.words("method", method, 1), *_arrays.words("device", device, 1))
         self._core = _core.Mobility(spheres, fluid, terms, handle(comm))
@@ -217,6 +219,8 @@ class Mobility:
         pressure_gradient: ArrayLike = (0.0, 0.0, 0.0),
         body_forces: ArrayLike | None = None,
         body_torques: ArrayLike | None = None,
+        swimming_velocities: ArrayLike | None = None,
+        active_stresslets: ArrayLike | None = None,
     ) -> Motion:
         """The motions under loads.
 
@@ -227,6 +231,10 @@ class Mobility:
                     between two walls, a shear flow of moving walls
         pressure_gradient  (3,), force/length^3: dp/dx_i, which drives a flow between two walls
         body_forces, body_torques  (B, 3): loads on the centres of bodies, in addition to those on spheres
+
+        swimming_velocities, active_stresslets  (N, 3), length/time, and (N, 5), force*length: what each sphere has alone in
+                    unbounded fluid by the slip at its surface, with swimming=True; squirmers that swim along p have
+                    2/3 B1 p and 4 pi viscosity radius^2 B2 (p p - I/3)
 
         Arguments that are left out are zero. Raises `Error` if no solution is found.
         """
@@ -241,6 +249,10 @@ class Mobility:
             _arrays.rows_or_none("stresslets", stresslets, len(self._radii), 5),
         )
         gradient = None if background is None else _arrays.exactly("background", background, (3, 3)).tolist()
+        self._core.swim(
+            _arrays.rows_or_none("swimming_velocities", swimming_velocities, len(self._radii), 3),
+            _arrays.rows_or_none("active_stresslets", active_stresslets, len(self._radii), 5),
+        )
         self._core.drive(_arrays.exactly("pressure_gradient", pressure_gradient, (3,)).tolist())
         (of_spheres, of_bodies, iterations, residual), seconds = self._core.apply(*loads, gradient)
         velocities, angular, strain_rates, stresslets, far = of_spheres

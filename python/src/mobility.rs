@@ -5,7 +5,7 @@ use crate::communicator::ranks;
 use crate::error::{explained, refused};
 use crate::signals::PythonSignals;
 use crate::thread_bound::{ThreadBound, without_lock};
-use domain::{AxisRotation, Bytes, Comm, Tensor, Vector};
+use domain::{AxisRotation, Bytes, Comm, Tensor, Traceless, Vector};
 use fcm::{Loads, Motion, Multipoles};
 use lubrication::LubricationRange;
 use numpy::PyArray2;
@@ -38,19 +38,22 @@ type NumpyMatrix<'py> = Bound<'py, PyArray2<f64>>;
 #[pymethods]
 impl PyMobility {
     /// Plans the mobility. `spheres`: the box (edges in one row or lattice vectors in three, and the boundary condition
-    /// along each axis), its strain, the radii, and whether the spheres are rigid. `fluid`: viscosity and relative
-    /// tolerance. `terms`: whether there are dipoles, the gap where lubrication ends, the method and the device.
+    /// along each axis), its strain, the radii, and whether the spheres are rigid and may swim. `fluid`: viscosity and
+    /// relative tolerance. `terms`: whether there are dipoles, the gap where lubrication ends, the method, the device.
     #[new]
     #[pyo3(signature = (spheres, fluid, terms, comm))]
     fn new(
         py: Python<'_>,
-        spheres: (GivenBox, f64, Vec<f64>, bool),
+        spheres: (GivenBox, f64, Vec<f64>, [bool; 2]),
         fluid: (f64, f64),
         terms: (bool, Option<f64>, &str, &str),
         comm: Option<(i32, String)>,
     ) -> PyResult<Self> {
-        let (((rows, axes), strain, radii, rigid), (viscosity, tolerance), (dipoles, lubrication, method, device)) =
-            (spheres, fluid, terms);
+        let (
+            ((rows, axes), strain, radii, [rigid, swimming]),
+            (viscosity, tolerance),
+            (dipoles, lubrication, method, device),
+        ) = (spheres, fluid, terms);
         let given = (Some(given_box(&rows)), boundaries(&axes)?);
         let (cell, turn) = CaseBox::bounded(given.0, strain, given.1, (&[], &[])).map_err(|cause| refused(&cause))?;
         let comm = ranks(comm)?;
@@ -63,6 +66,7 @@ impl PyMobility {
             viscosity,
             multipoles: if dipoles { Multipoles::Dipole } else { Multipoles::Monopole },
             rigid,
+            swimming,
             tolerance,
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
             method: CaseMethod::of_word(method).map_err(|cause| refused(&cause))?.alone(),
@@ -82,6 +86,15 @@ impl PyMobility {
     /// Joins spheres into rigid bodies: the number of the body of each sphere, or `None`.
     fn join(&self, py: Python<'_>, bodies: Vec<Option<u32>>) -> PyResult<()> {
         self.planned.with(py, |mobility| mobility.join(bodies))
+    }
+
+    /// Sets the velocities `(N, 3)` and the stresslets `(N, 5)` that spheres have alone by their slip, in later
+    /// evaluations.
+    #[pyo3(signature = (velocities, stresslets))]
+    fn swim(&self, py: Python<'_>, velocities: Option<Rows<'_>>, stresslets: Option<Rows<'_>>) -> PyResult<()> {
+        let (velocities, stresslets): (Vec<Vector>, Vec<Traceless>) = (list_of(velocities)?, list_of(stresslets)?);
+        let swum = |mobility: &mut suspension::Mobility| mobility.swim(&velocities, &stresslets);
+        self.planned.with(py, swum)?.map_err(|cause| failed(&cause))
     }
 
     /// Sets the pressure gradient that drives the fluid between walls in later evaluations.
@@ -210,6 +223,8 @@ fn array_bytes(count: usize) -> Bytes {
 fn failed(cause: &MobilityError) -> PyErr {
     match cause {
         MobilityError::Plan(_)
+        | MobilityError::Swimming
+        | MobilityError::NotSwimming
         | MobilityError::Radius(_)
         | MobilityError::Box(_)
         | MobilityError::Overlap(_)

@@ -249,3 +249,50 @@ def test_operators_apply_the_mobility():
         made.linear_operator("forces", "stresslets").T @ np.zeros(25)
     with pytest.raises(ValueError, match="loads is 'force'; it needs to be one of forces, torques, stresslets"):
         made.linear_operator("force", "velocities")
+
+
+def swimmer(axis, **more):
+    """The motion of one swimmer along an axis in a cubic box, with velocity 0.9 and a stresslet."""
+    made = fcm.Mobility(box=(8.0, 8.0, 8.0), radii=[1.2], viscosity=0.7, tolerance=1e-5, swimming=True, **more)
+    made.positions = [[1.0, 7.0, 3.0]]
+    x, y, z = axis
+    nematic = np.array([[x * x - 1 / 3, x * y, x * z, y * y - 1 / 3, y * z]])
+    return made, made(swimming_velocities=0.9 * np.array([axis]), active_stresslets=5.0 * nematic)
+
+
+def test_a_swimmer_in_a_cubic_box_loses_the_volume_fraction():
+    axis = np.array([0.48, -0.6, 0.64])
+    made, motion = swimmer(axis)
+    exact = 0.9 * (1 - 4 / 3 * np.pi * 1.2**3 / 512) * axis
+    assert np.linalg.norm(motion.velocities[0] - exact) < 1e-4
+    # Without the arguments it does not swim any more.
+    assert not made().velocities.any()
+
+
+def test_swimmers_move_as_those_of_a_run():
+    scene = {
+        "seed": 3,
+        "box": {"edges": [9.0, 9.0, 9.0]},
+        "fluid": {"viscosity": 0.7},
+        "repulsion": {"strength": 0.0},
+        "hydrodynamics": {"tolerance": 1e-3, "iteration_tolerance": 1e-8, "lubrication": True},
+        "time": {"step": 0.1, "steps": 1},
+        "species": [{"radius": 1.0, "count": 12, "swimming": {"speed": 0.9, "beta": -2.0}}],
+    }
+    with fcm.Simulation(scene) as sim:
+        positions, axes, velocities = sim.positions, sim.axes, sim.velocities
+    made = fcm.Mobility(box=(9.0,) * 3, radii=1.0, count=12, viscosity=0.7, tolerance=1e-3, lubrication=True, swimming=True)
+    made.positions = positions
+    x, y, z = axes.T
+    # 4 pi mu a^2 B2, with B2 = -2 B1 and 2/3 B1 = 0.9.
+    strength = 4 * np.pi * 0.7 * -2.0 * 1.5 * 0.9
+    stresslets = strength * np.column_stack([x * x - 1 / 3, x * y, x * z, y * y - 1 / 3, y * z])
+    motion = made(swimming_velocities=0.9 * axes, active_stresslets=stresslets)
+    assert np.linalg.norm(motion.velocities - velocities) < 2e-3 * np.linalg.norm(velocities)
+
+
+def test_slip_needs_a_mobility_that_swims():
+    with pytest.raises(fcm.InputError, match="set it to true"):
+        mobility()(swimming_velocities=FORCES)
+    with pytest.raises(fcm.InputError, match="rigid spheres with dipoles"):
+        fcm.Mobility(box=BOX, radii=RADII, viscosity=2.0, swimming=True, rigid=False)

@@ -5,7 +5,7 @@
 //! Units: the radius and the viscosity are 1.
 
 use domain::{Bytes, Comm, PeriodicBox, Vector, random_packing};
-use fcm::{ComputeDevice, Costs, Loads, Multipoles};
+use fcm::Loads;
 use solver::BackgroundFlow;
 use std::error::Error;
 use suspension::{Mobility, MobilityParameters};
@@ -37,18 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn mobility(cell: PeriodicBox, radii: Vec<f64>) -> Result<Mobility, Box<dyn Error>> {
-    let parameters = MobilityParameters {
-        cell,
-        radii,
-        viscosity: 1.0,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        tolerance: 1e-6,
-        lubrication: None,
-        method: None,
-        device: ComputeDevice::Cpu,
-        costs: Costs::default(),
-    };
+    let parameters = MobilityParameters { tolerance: 1e-6, ..MobilityParameters::new(cell, 1.0, radii) };
     Ok(Mobility::new(parameters, Bytes::default(), &Comm::alone())?)
 }
 

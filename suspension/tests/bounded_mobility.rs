@@ -1,7 +1,7 @@
 //! Mobility between walls and in open space.
 
 use domain::{AxisRotation, Boundaries, Bytes, Comm, PeriodicBox, Tensor, Traceless, Vector};
-use fcm::{ComputeDevice, Costs, Loads, Multipoles};
+use fcm::Loads;
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
@@ -11,18 +11,7 @@ const RADIUS: f64 = 1.0;
 
 fn parameters(edges: [f64; 3], boundaries: Boundaries, count: usize) -> MobilityParameters {
     let cell = PeriodicBox::new(Vector::from_array(edges)).unwrap();
-    MobilityParameters {
-        cell: cell.with_boundaries(boundaries).unwrap(),
-        radii: vec![RADIUS; count],
-        viscosity: 1.0,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        tolerance: 1e-3,
-        lubrication: None,
-        method: None,
-        device: ComputeDevice::Cpu,
-        costs: Costs::default(),
-    }
+    MobilityParameters::new(cell.with_boundaries(boundaries).unwrap(), 1.0, vec![RADIUS; count])
 }
 
 fn planned(parameters: MobilityParameters) -> Mobility {
@@ -158,4 +147,28 @@ fn what_walls_do_not_allow_is_refused() {
     assert!(error.contains("across the walls, along x"), "{error}");
     let mut above = planned(parameters([9.0; 3], Boundaries::Wall, 1));
     assert!(above.drive(Vector::X).unwrap_err().to_string().contains("between two walls"));
+}
+
+/// A swimmer alone in unbounded fluid has the velocity and the stresslet by which its slip is given, in the caller's
+/// axes, and rests when it has no slip any more.
+#[test]
+fn a_swimmer_alone_has_its_own_velocity_and_stresslet() {
+    let usual = parameters([10.0; 3], Boundaries::Open, 1);
+    let turn = AxisRotation::to_last(0);
+    let mut mobility = planned(MobilityParameters { swimming: true, ..usual.clone() }).turned(turn);
+    let (velocity, stresslet) = (Vector::new(0.4, -0.7, 0.2), Traceless([1.0, -2.0, 0.5, 3.0, -0.3]));
+    mobility.place(&[Vector::new(1.0, 2.0, 3.0)]).unwrap();
+    mobility.swim(&[velocity], &[stresslet]).unwrap();
+    let moved = mobility.apply(&Loads::default(), &BackgroundFlow::NONE).unwrap();
+    assert!((moved.motion.velocities[0] - velocity).length() < 1e-3, "{moved:?}");
+    let rest = moved.stresslets[0] - stresslet;
+    assert!(rest.contract(rest).sqrt() < 5e-3, "{moved:?}");
+    mobility.swim(&[], &[]).unwrap();
+    let still = mobility.apply(&Loads::default(), &BackgroundFlow::NONE).unwrap();
+    assert_eq!(still.motion.velocities[0], Vector::ZERO);
+    let refused = planned(usual.clone()).swim(&[velocity], &[]).unwrap_err().to_string();
+    assert_eq!(refused, "slip is given, but swimming is false; set it to true");
+    let soft = MobilityParameters { swimming: true, rigid: false, ..usual };
+    let refused = Mobility::new(soft, Bytes::default(), &Comm::alone()).err().map(|error| error.to_string());
+    assert!(refused.is_some_and(|text| text.starts_with("swimming needs rigid spheres")));
 }

@@ -3,7 +3,7 @@
 use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
-use fcm::{ComputeDevice, Costs, Loads, Multipoles};
+use fcm::Loads;
 use lubrication::{LubricationRange, WallForce};
 use simulation::{Quantity, Simulation};
 use solver::BackgroundFlow;
@@ -204,18 +204,9 @@ fn the_flux_of_one_sphere_is_that_of_the_fluid_around_it() {
         positions.push(Vector::new(along(i, edges.x), along(j, edges.y), first + plane as f64 * spacing));
     }
     let count = positions.len();
-    let parameters = MobilityParameters {
-        cell: PeriodicBox::new(edges).unwrap().with_boundaries(Boundaries::Walls).unwrap(),
-        radii: vec![1.0; count],
-        viscosity: VISCOSITY,
-        multipoles: Multipoles::Dipole,
-        rigid: false,
-        tolerance: 1e-5,
-        lubrication: None,
-        method: None,
-        device: ComputeDevice::Cpu,
-        costs: Costs::default(),
-    };
+    let cell = PeriodicBox::new(edges).unwrap().with_boundaries(Boundaries::Walls).unwrap();
+    let usual = MobilityParameters::new(cell, VISCOSITY, vec![1.0; count]);
+    let parameters = MobilityParameters { rigid: false, tolerance: 1e-5, ..usual };
     let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();
     mobility.place(&positions).unwrap();
     let mut flux = |force: f64, torque: f64, stresslet: f64| {

@@ -1,4 +1,4 @@
-//! Velocity fields of runs in boxes that are not fully periodic.
+//! Velocity fields of runs.
 
 use crate::support::model_of;
 use domain::{AxisRotation, Comm, Vector};
@@ -202,4 +202,27 @@ fn fields_are_of_no_consequence_and_resume_bit_for_bit() {
             assert_eq!(straight.state(), without.state(), "{kind:?} after step {step}");
         }
     }
+}
+
+/// A body of two spheres so far apart that no lubrication acts between them.
+const WIDE_BODY: &str = r#"
+box.edges = [16.0, 14.0, 15.0]
+fluid.viscosity = 1.0
+output.fields_every = 1
+time = { step = 0.1, steps = 1 }
+[[bodies]]
+shape = "doublet"
+radius = 1.0
+gap = 3.0
+count = 1
+torque = [2.0, -1.0, 5.0]
+"#;
+
+/// The forces that keep a body rigid are part of its flow, with lubrication and without.
+#[test]
+fn the_field_of_a_body_has_the_forces_between_its_spheres() {
+    let keys = "hydrodynamics={tolerance=1e-4,iteration_tolerance=1e-8}";
+    let [alone, lubricated] = [keys, "hydrodynamics={tolerance=1e-4,iteration_tolerance=1e-8,lubrication=true}"]
+        .map(|keys| field(&model_of(WIDE_BODY, &[keys]), 1, 1));
+    assert!(apart(&alone, &lubricated) < 1e-3 * largest(&alone));
 }

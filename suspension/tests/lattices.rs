@@ -1,7 +1,7 @@
 //! Lattices, in which symmetry makes the errors of neighbours equal, and residuals orthogonal to whole directions.
 
 use domain::{Bytes, Comm, PeriodicBox, Tensor, Vector};
-use fcm::{ComputeDevice, Costs, Loads, Multipoles};
+use fcm::Loads;
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use std::f64::consts::PI;
@@ -35,19 +35,10 @@ impl Lattice {
     }
 
     fn motions(&self, is_lubricated: bool, tolerance: f64, load: Load) -> Motions {
-        let parameters = MobilityParameters {
-            cell: PeriodicBox::new(Vector::splat(self.edge)).unwrap(),
-            radii: vec![1.0; self.positions.len()],
-            viscosity: 1.0,
-            multipoles: Multipoles::Dipole,
-            rigid: true,
-            tolerance,
-            lubrication: is_lubricated
-                .then(|| LubricationRange::new(LubricationRange::WIDE, LubricationRange::MINIMUM_GAP).unwrap()),
-            method: None,
-            device: ComputeDevice::Cpu,
-            costs: Costs::default(),
-        };
+        let cell = PeriodicBox::new(Vector::splat(self.edge)).unwrap();
+        let usual = MobilityParameters::new(cell, 1.0, vec![1.0; self.positions.len()]);
+        let lubrication = is_lubricated.then(LubricationRange::default);
+        let parameters = MobilityParameters { tolerance, lubrication, ..usual };
         let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();
         mobility.place(&self.positions).unwrap();
         let each = |of: Vector| vec![of; self.positions.len()];

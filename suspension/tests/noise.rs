@@ -1,25 +1,15 @@
 //! Random motions whose covariance is the mobility.
 
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Traceless, Vector};
-use fcm::{ComputeDevice, Costs, Loads, Method, Multipoles, Precision};
+use fcm::{Loads, Method, Multipoles, Precision};
 use lubrication::LubricationRange;
 use solver::BackgroundFlow;
 use suspension::{Mobility, MobilityParameters};
 
 /// Three near spheres of two sizes in a sheared box.
 fn parameters(edge: f64, tolerance: f64) -> MobilityParameters {
-    MobilityParameters {
-        cell: PeriodicBox::sheared(Vector::splat(edge), 0.2).unwrap(),
-        radii: vec![1.0, 1.0, 1.6],
-        viscosity: 1.3,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        tolerance,
-        lubrication: None,
-        method: None,
-        device: ComputeDevice::Cpu,
-        costs: Costs::default(),
-    }
+    let cell = PeriodicBox::sheared(Vector::splat(edge), 0.2).unwrap();
+    MobilityParameters { tolerance, ..MobilityParameters::new(cell, 1.3, vec![1.0, 1.0, 1.6]) }
 }
 
 fn places() -> Vec<Vector> {

@@ -3,7 +3,7 @@
 use crate::support::ended::ended;
 use crate::support::model_of;
 use domain::{Boundaries, Bytes, Comm, PeriodicBox, Tensor, Vector};
-use fcm::{ComputeDevice, Costs, Loads, Multipoles};
+use fcm::Loads;
 use lubrication::LubricationRange;
 use std::f64::consts::PI;
 use suspension::{Extension, Mobility, MobilityParameters, Model, Suspension};
@@ -96,20 +96,10 @@ fn a_pair_moves_as_its_mobility_says() {
                 &[flow, "repulsion.strength=0.0", "hydrodynamics.tolerance=1e-5"],
             );
             let run = Suspension::start(&model, &Comm::alone()).unwrap();
-            let parameters = MobilityParameters {
-                cell: PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Open).unwrap(),
-                radii: vec![1.0; 2],
-                viscosity: 1.5,
-                multipoles: Multipoles::Dipole,
-                rigid: true,
-                tolerance: 1e-5,
-                lubrication: Some(
-                    LubricationRange::new(LubricationRange::WIDE, LubricationRange::MINIMUM_GAP).unwrap(),
-                ),
-                method: None,
-                device: ComputeDevice::Cpu,
-                costs: Costs::default(),
-            };
+            let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Open).unwrap();
+            let lubrication = Some(LubricationRange::default());
+            let usual = MobilityParameters::new(cell, 1.5, vec![1.0; 2]);
+            let parameters = MobilityParameters { tolerance: 1e-5, lubrication, ..usual };
             let mut mobility = Mobility::new(parameters, Bytes::default(), &Comm::alone()).unwrap();
             mobility.place(&places).unwrap();
             let expected = mobility.apply(&Loads::default(), &kind.flow(0.8)).unwrap().motion.velocities;

@@ -175,6 +175,9 @@ impl LubricatedSolve<'_> {
             BodyProjection::new(bodies, self.near, single, bodies.members().offsets(self.particles, self.strain_rate))
         };
         let matrix = Preconditioner::new(self.comm, self.near, single, ROUGH);
+        // Squirmers press on each other, where passive spheres keep off.
+        let is_squeezed = self.quadrupoles.is_some() && self.bodies.is_none();
+        let matrix = if is_squeezed { matrix.with_squeezed_pairs() } else { matrix };
         Some(matrix.with_bodies(self.bodies.map(projection)))
     }
 

@@ -53,7 +53,7 @@ impl LubricatedSolve<'_> {
     fn resistance(&self, spheres: &SingleSpheres, of_radii: &SingleSpheres) -> NearResistance {
         let triangle =
             |block: [f64; 36]| (0..6).flat_map(move |row| (0..=row).map(move |column| block[6 * row + column]));
-        let blocks = self.near.stiff().inverses(&spheres.motion);
+        let blocks = self.near.stiff().inverses(&spheres.motion, |_, _| {});
         let alone = of_radii.motion.iter().zip(&of_radii.strain);
         let [stiff, soft] = self.near.rows();
         NearResistance {

@@ -4,6 +4,7 @@ mod bodies;
 mod constant_flux;
 mod on_device;
 mod springs;
+mod squeezed;
 mod squirming;
 mod system;
 mod units;

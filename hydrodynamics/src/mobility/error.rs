@@ -12,6 +12,12 @@ pub enum MobilityError {
     /// No plan fits the problem.
     #[error("this case can't be evaluated")]
     Plan(#[source] PlanError),
+    /// Slip of spheres without a far field of it.
+    #[error("swimming needs rigid spheres with dipoles, and the processors of the host as the device")]
+    Swimming,
+    /// Slip in a mobility that was planned without it.
+    #[error("slip is given, but swimming is false; set it to true")]
+    NotSwimming,
     /// A radius out of its range.
     #[error("radii has a sphere whose radius {0}")]
     Radius(String),

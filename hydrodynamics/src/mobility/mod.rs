@@ -7,6 +7,7 @@ mod error;
 pub mod memory;
 pub mod overlaps;
 mod random_motions;
+mod slip;
 mod square_root;
 
 use bodies::{BodySpheres, record_bodies};
@@ -21,6 +22,7 @@ use crate::lengths::{check_box_of_noise, check_radius};
 use crate::mobility::memory::SingleEvaluation;
 use crate::mobility::overlaps::Overlaps;
 use crate::solution::{Guess, Solution, SolveInput};
+use crate::squirming::Squirming;
 use domain::{AxisRotation, Bytes, Comm, Interrupt, Interrupted, Particles, Partition, PeriodicBox, Traceless, Vector};
 use fcm::{
     ComputeDevice, Costs, Fixed, Loading, Loads, Method, Motion, Multipoles, Output, OutsideError, Plan, Problem,
@@ -42,6 +44,8 @@ pub struct MobilityParameters {
     pub multipoles: Multipoles,
     /// Whether the spheres are rigid, so that stresslets are solved for.
     pub rigid: bool,
+    /// Whether spheres may have slip, for which few of them need a more accurate plan; for rigid spheres with dipoles.
+    pub swimming: bool,
     /// Relative error allowed.
     pub tolerance: f64,
     /// Gaps at which lubrication acts between rigid spheres, if it does.
@@ -63,12 +67,19 @@ impl MobilityParameters {
             viscosity,
             multipoles: Multipoles::Dipole,
             rigid: true,
+            swimming: false,
             tolerance: 1e-3,
             lubrication: None,
             method: None,
             device: ComputeDevice::Cpu,
             costs: Costs::default(),
         }
+    }
+
+    /// Refuses swimming spheres that have no far field of slip.
+    fn check_swimming(&self) -> Result<(), MobilityError> {
+        let is_known = self.rigid && self.multipoles == Multipoles::Dipole && self.device == ComputeDevice::Cpu;
+        if self.swimming && !is_known { Err(MobilityError::Swimming) } else { Ok(()) }
     }
 
     /// Refuses a box too elongated for random motions.
@@ -87,6 +98,8 @@ pub struct Mobility {
     hydrodynamics: CoupledSolver,
     positions: Vec<Vector>,
     bodies: BodySpheres,
+    /// Slip of the spheres, in the axes of the box, if any has some; on the first rank.
+    slip: Option<Squirming>,
     turn: AxisRotation,
     pressure_gradient: Vector,
 }
@@ -112,6 +125,7 @@ pub struct Motions {
 impl Mobility {
     /// Plans the mobility, if there is memory for it; `besides` is the memory of the caller's lists on the first rank.
     pub fn new(parameters: MobilityParameters, besides: Bytes, comm: &Comm) -> Result<Self, MobilityError> {
+        parameters.check_swimming()?;
         let cell = &parameters.cell;
         parameters.radii.iter().try_for_each(|&radius| check_radius(radius, cell)).map_err(MobilityError::Radius)?;
         let problem = problem(&parameters);
@@ -122,9 +136,20 @@ impl Mobility {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
         let hydrodynamics =
             comm.agree(CoupledSolver::new(&plan, &partition, ShortRange { lubrication, springs: None }))?;
-        let (positions, bodies) = (Vec::new(), BodySpheres::default());
+        let (positions, bodies, slip) = (Vec::new(), BodySpheres::default(), None);
         let (turn, pressure_gradient) = (AxisRotation::default(), Vector::ZERO);
-        Ok(Self { parameters, problem, plan, partition, hydrodynamics, positions, bodies, turn, pressure_gradient })
+        Ok(Self {
+            parameters,
+            problem,
+            plan,
+            partition,
+            hydrodynamics,
+            positions,
+            bodies,
+            slip,
+            turn,
+            pressure_gradient,
+        })
     }
 
     /// Sets the rotation from the caller's axes, in which vectors and tensors are given and returned, to those of the
@@ -234,6 +259,7 @@ impl Mobility {
         fill(particles.vectors(column::TORQUE), &vectors(&loads.torques));
         fill(traceless(&mut particles, column::STRESSLET), &stresslets);
         self.bodies.store(&mut particles);
+        self.store_slip(&mut particles);
         particles.wrap(&self.parameters.cell);
         particles.migrate(&self.partition, &self.parameters.cell);
         particles
@@ -257,7 +283,9 @@ impl Mobility {
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
             let bodies = self.bodies.load(particles, self.partition.comm());
-            let acting = SolveInput { bodies: bodies.as_ref(), ..SolveInput::new(&loads, strain_rate) };
+            let squirming = self.load_slip(particles);
+            let (bodies_of, squirming) = (bodies.as_ref(), squirming.as_ref());
+            let acting = SolveInput { bodies: bodies_of, squirming, ..SolveInput::new(&loads, strain_rate) };
             let mut solved = self.hydrodynamics.solve(cell, particles, &acting, &Guess::default())?;
             if let Some(bodies) = &bodies {
                 let motions = bodies.motions_in(strain_rate, particles, &solved.motion);
@@ -356,7 +384,7 @@ fn problem(parameters: &MobilityParameters) -> Problem {
         multipoles: parameters.multipoles,
         rigid: parameters.rigid,
         lubricated: parameters.lubrication.is_some(),
-        loading: Loading::UniformOnLattice,
+        loading: if parameters.swimming { Loading::Swimming } else { Loading::UniformOnLattice },
         tolerance: parameters.tolerance,
         threads: 1,
         ranks: 1,

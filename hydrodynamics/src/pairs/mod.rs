@@ -7,4 +7,5 @@ pub mod lubrication;
 pub mod matrix;
 pub mod search;
 pub mod slip;
+pub mod squeezed;
 pub mod walls;

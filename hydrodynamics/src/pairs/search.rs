@@ -9,17 +9,15 @@ use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::StoredLanes;
 use crate::pairs::matrix::sparse::{Padded, PairMatrix, ROWS, Resistance};
 use crate::pairs::matrix::within_bodies::StiffOfBodies;
-use crate::pairs::slip::SlippingPairs;
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
-use crate::squirming::Squirming;
-use domain::parallel::{FusedLoops, all_rows, change, in_blocks, mapped, of_rows, stage};
+use domain::parallel::{FusedLoops, all_rows, change, in_blocks, mapped, stage};
 use domain::{
     DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
 };
 use fcm::{PairRows, Precision};
-use lubrication::{SurfaceSlip, WallForce};
+use lubrication::WallForce;
 use std::rc::Rc;
 
 /// Short-range interactions and the neighbour lists for them.
@@ -36,7 +34,7 @@ pub struct NearField {
 
 /// A rank's particles and the ghosts in their reach, in a box.
 pub struct Present {
-    cell: PeriodicBox,
+    pub(super) cell: PeriodicBox,
     pub halo: Halo,
     pub positions: Vec<Vector>,
     pub ids: Vec<u64>,
@@ -135,19 +133,19 @@ pub enum Pairs {
 /// Resistance of the near pairs of a rank's particles.
 pub struct NearPairs {
     /// Particles and ghosts.
-    around: Rc<Present>,
+    pub(super) around: Rc<Present>,
     /// Includes the resistance of walls. In double precision: near contact, the resistances of both spheres almost
     /// cancel.
-    stiff: PairMatrix<f64>,
+    pub(super) stiff: PairMatrix<f64>,
     soft: Box<dyn Resistance>,
-    at_walls: Vec<AtWall>,
+    pub(super) at_walls: Vec<AtWall>,
     /// Loads and first moments in the ambient flow on particles at rest relative to it.
-    loads: SixVectors,
-    moments: Vec<Traceless>,
+    pub(super) loads: SixVectors,
+    pub(super) moments: Vec<Traceless>,
     /// Whether any particle is in a trap.
     has_traps: bool,
     /// Rigid bodies, if there are any.
-    bodies: Option<PresentBodies>,
+    pub(super) bodies: Option<PresentBodies>,
 }
 
 /// Springs and rigid bodies of spheres, if there are any.
@@ -225,35 +223,6 @@ impl NearPairs {
             stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
         Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty(), bodies }
-    }
-
-    /// Adds the lubrication loads by the slip of squirmers, in the units of the pairs. Collective.
-    pub fn add_slip(&mut self, field: &NearField, squirming: &Squirming) {
-        let Some(lubrication) = &field.lubrication else { return };
-        let (owned, halo) = (self.moments.len(), &self.around.halo);
-        let mut first = of_rows(owned, |row| squirming.first_of(row));
-        let mut second = of_rows(owned, |row| squirming.second_of(row));
-        halo.extend(&mut first);
-        halo.extend(&mut second);
-        let slips = of_rows(first.len(), |row| SurfaceSlip { first: first[row], second: second[row] });
-        let pairs = SlippingPairs {
-            lubrication,
-            slip: lubrication.slip(),
-            cell: &self.around.cell,
-            positions: &self.around.positions,
-            species: &self.around.species,
-            bodies: self.bodies.as_ref(),
-            neighbours: field.lists.neighbours(),
-            slips: &slips,
-        };
-        let mut loads = of_rows(owned, |row| pairs.loads(row));
-        if let Some(force) = &field.at_walls {
-            let radius = |row: usize| field.radii[self.around.species[row] as usize];
-            walls::add_slip_loads(&mut loads, &self.at_walls, force, radius, &slips);
-        }
-        // As those in the ambient strain, the loads are kept as known loads of the far field: with the opposite sign.
-        change(&mut self.loads.0, &loads, |sum, by| *sum += SixVector::new(-by.force, -by.torque));
-        change(&mut self.moments, &loads, |sum, by| *sum += -by.moment);
     }
 
     /// No near pairs, for systems without short-range interactions. Collective.

@@ -79,9 +79,17 @@ pub struct SphereMoments {
 /// Loads of both spheres for each drive of azimuthal order `order`.
 pub fn solve(geometry: &Geometry, order: usize, drives: &[SurfaceVelocity]) -> Vec<[SphereMoments; 2]> {
     let problem = BisphericalProblem::new(geometry, order);
-    let mut rows: Vec<BlockRow> = (order..problem.decays.len() - 2).map(|n| problem.row(n, drives)).collect();
+    let drives: Vec<Drive> = drives.iter().map(|drive| problem.drive(drive)).collect();
+    let mut rows: Vec<BlockRow> = (order..problem.decays.len() - 2).map(|n| problem.row(n, &drives)).collect();
     let y = tridiagonal::solve(&mut rows);
     drives.iter().enumerate().map(|(d, drive)| problem.loads(drive, &y, d)).collect()
+}
+
+/// Coefficients over `sqrt 2` of the velocity of one sphere.
+struct Drive {
+    sphere: usize,
+    /// Of `v_z`, `(v_rho + v_phi)/2` and `(v_rho - v_phi)/2`, by degree.
+    coefficients: Vec<[DoubleDouble; 3]>,
 }
 
 /// Unknowns of one sphere in the divergence of one family.
@@ -116,8 +124,15 @@ impl BisphericalProblem<'_> {
         BisphericalProblem { geometry, order, amplitudes: amplitudes.collect(), decays }
     }
 
+    fn drive(&self, &SurfaceVelocity { sphere, axial, raised, lowered }: &SurfaceVelocity) -> Drive {
+        let of_degree = |(n, decays): (usize, &[DoubleDouble; 2])| {
+            [axial, raised, lowered].map(|shape| shape.coefficient(n, decays[sphere], self.geometry, sphere))
+        };
+        Drive { sphere, coefficients: self.decays.iter().enumerate().map(of_degree).collect() }
+    }
+
     /// Two equations of degree `n`, one per family.
-    fn row(&self, n: usize, drives: &[SurfaceVelocity]) -> BlockRow {
+    fn row(&self, n: usize, drives: &[Drive]) -> BlockRow {
         let mut row = BlockRow::new(drives.len());
         for family in 0..2 {
             for (k, growth) in self.neighbours(n, family) {
@@ -166,7 +181,7 @@ impl BisphericalProblem<'_> {
     }
 
     /// Contribution of the prescribed velocity, through degree `k`, to the divergence at `n`.
-    fn known(&self, n: usize, k: usize, family: usize, drive: &SurfaceVelocity) -> DoubleDouble {
+    fn known(&self, n: usize, k: usize, family: usize, drive: &Drive) -> DoubleDouble {
         let (x, m) = (n as f64, self.order as f64);
         let (axial, raised, lowered) = if k == n + 1 {
             (-0.5 * (x + m + 1.0), 0.5 * (x + m + 1.0) * (x + m + 2.0), -0.5)
@@ -175,13 +190,12 @@ impl BisphericalProblem<'_> {
         } else {
             (-0.5 * (x - m), 0.5 * (x - m) * (x - m - 1.0), -0.5)
         };
-        let value =
-            |shape: SurfaceFunction| shape.coefficient(k, self.decays[k][drive.sphere], self.geometry, drive.sphere);
-        value(drive.axial) * (axial * side(family)) + value(drive.raised) * raised + value(drive.lowered) * lowered
+        let values = drive.coefficients[k];
+        values[0] * (axial * side(family)) + values[1] * raised + values[2] * lowered
     }
 
     /// Loads from the far field of each family.
-    fn loads(&self, drive: &SurfaceVelocity, y: &[Vec<[DoubleDouble; 2]>], d: usize) -> [SphereMoments; 2] {
+    fn loads(&self, drive: &Drive, y: &[Vec<[DoubleDouble; 2]>], d: usize) -> [SphereMoments; 2] {
         let m = self.order;
         let at = |n: usize, sphere: usize| {
             n.checked_sub(m).and_then(|i| y.get(i)).map_or(DoubleDouble::default(), |values| values[d][sphere])
@@ -190,8 +204,8 @@ impl BisphericalProblem<'_> {
         for n in m..m + y.len() {
             let pressure = [0, 1].map(|sphere| self.pressure(n, sphere, &at));
             let axial = [0, 1].map(|sphere| {
-                let moving = if sphere == drive.sphere { drive.axial } else { SurfaceFunction::Zero };
-                moving.coefficient(n, self.decays[n][sphere], self.geometry, sphere) - at(n, sphere)
+                let moving = if sphere == drive.sphere { drive.coefficients[n][0] } else { DoubleDouble::default() };
+                moving - at(n, sphere)
             });
             for (family, sum) in sums.iter_mut().enumerate() {
                 let weights = self.amplitudes[n][family].map(|w| w * self.decays[n][family]);
@@ -312,6 +326,7 @@ mod tests {
             cases.into_iter().flat_map(|case| [3, 4].map(|k| [0, 1].map(|f| (case, k, f)))).flatten()
         {
             let problem = BisphericalProblem::new(&geometry, m);
+            let drive = problem.drive(&component(which));
             let value = |point| harmonic(family, k, order, point);
             for [rho, z] in [[0.7, 0.3], [0.4, -0.5], [1.3, 0.9]] {
                 let [across, along] = [[h, 0.0], [0.0, h]]
@@ -322,7 +337,7 @@ mod tests {
                     _ => across + (1.0 - m as f64) * value([rho, z]) / rho,
                 };
                 let expected: f64 = (k - 1..=k + 1)
-                    .map(|n| problem.known(n, k, family, &component(which)) / problem.decays[k][1])
+                    .map(|n| problem.known(n, k, family, &drive) / problem.decays[k][1])
                     .zip(k - 1..)
                     .map(|(weight, n)| weight.value() * harmonic(family, n, m, [rho, z]))
                     .sum();

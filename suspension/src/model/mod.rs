@@ -294,9 +294,11 @@ impl Model {
         Ok(Self(parameters))
     }
 
-    /// Whether forces between near spheres are part of the solve.
+    /// Whether the solve is for motions of spheres as well as for stresslets: with forces between near spheres, or with
+    /// rigid bodies.
     pub(crate) fn is_coupled(&self) -> bool {
-        self.hydrodynamics.lubrication || matches!(self.integrator, Integrator::Implicit(_))
+        let is_implicit = matches!(self.integrator, Integrator::Implicit(_));
+        self.hydrodynamics.lubrication || is_implicit || !self.bodies.is_empty()
     }
 
     /// Width of the column of bonds: room for the largest number of bonds that any sphere has.

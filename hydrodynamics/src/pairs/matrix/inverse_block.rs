@@ -2,6 +2,7 @@
 
 use crate::pairs::matrix::lanes::{LANES, SimdLanes};
 use crate::six_vector::SixVector;
+use domain::Vector;
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
 
@@ -17,6 +18,12 @@ impl Block {
     /// The matrix row by row.
     pub fn numbers(&self) -> [f64; 36] {
         std::array::from_fn(|k| self.0[k])
+    }
+
+    /// Motion under a force.
+    pub fn under_force(&self, force: Vector) -> SixVector {
+        let column = |k: usize, force: f64| SixVector(std::array::from_fn(|i| self.0[6 * k + i] * force));
+        column(0, force.x) + column(1, force.y) + column(2, force.z)
     }
 
     /// Product of the matrix and a six-vector.
@@ -74,6 +81,9 @@ mod tests {
         f64::dispatch(Products { blocks: &[block; 2], vectors: &vectors, results: &mut products });
         for (product, vector) in products.iter().zip(&vectors) {
             assert!(product.0.iter().zip(block.times(vector).0).all(|(a, b)| (a - b).abs() < 1e-14), "{product:?}");
+            let force = SixVector::new(vector.linear(), Vector::ZERO);
+            let (found, expected) = (block.under_force(vector.linear()), block.times(&force));
+            assert!(found.0.iter().zip(expected.0).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
         }
     }
 }

@@ -1,8 +1,9 @@
-//! The matrix row by row, for a device.
+//! The matrix row by row.
 
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::StoredLanes;
-use crate::pairs::matrix::sparse::{LaneGroup, MatrixPart, PairMatrix, ROWS};
+use crate::pairs::matrix::sparse::{LaneGroup, MatrixPart, PairMatrix, ROWS, Slice};
+use domain::Vector;
 use fcm::PairRows;
 
 /// Numbers of a pair, as [`PairRows`] has them.
@@ -28,6 +29,44 @@ impl<T: StoredLanes> PairMatrix<T> {
         own.resize(count * DiagonalBlock::OWN_NUMBERS, 0.0);
         let numbers = (0..NUMBERS).flat_map(|k| pairs.iter().flatten().map(move |(_, numbers)| numbers[k])).collect();
         PairRows { starts, others: pairs.iter().flatten().map(|&(other, _)| other as i32).collect(), numbers, own }
+    }
+}
+
+/// Resistance of a pair along its line of centres.
+#[derive(Debug, Clone, Copy)]
+pub struct AxialPair {
+    /// Row of the matrix.
+    pub row: usize,
+    /// The other particle, which may be a ghost.
+    pub other: usize,
+    /// Unit vector from the smaller to the larger sphere.
+    pub axis: Vector,
+    /// Force on the row's sphere against a velocity of the other along the axis.
+    pub resistance: f64,
+}
+
+impl PairMatrix<f64> {
+    /// The pairs of all rows, each in the rows of both of its spheres, in the order in which they are stored.
+    pub fn axial_pairs(&self) -> impl Iterator<Item = AxialPair> {
+        self.parts.iter().enumerate().flat_map(|(k, part)| part.axial_pairs(k * ROWS))
+    }
+}
+
+impl MatrixPart<f64> {
+    /// Pairs of a block that begins at the row `first`.
+    fn axial_pairs(&self, first: usize) -> impl Iterator<Item = AxialPair> {
+        let of_group = move |(slice, group): (&Slice, &LaneGroup<f64>)| {
+            let of_lane = |(lane, &row): (usize, &u32)| AxialPair {
+                row: first + row as usize,
+                other: group.others[lane] as usize,
+                axis: Vector::from_array(group.axis.map(|component| component[lane])),
+                resistance: -(group.ya[lane] + group.axial_excess[lane]),
+            };
+            slice.rows().iter().enumerate().map(of_lane).collect::<Vec<_>>()
+        };
+        let groups =
+            self.slices().flat_map(|(slice, range)| self.groups[range].iter().map(move |group| (slice, group)));
+        groups.flat_map(of_group)
     }
 }
 

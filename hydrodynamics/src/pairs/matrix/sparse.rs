@@ -160,11 +160,12 @@ impl<T: StoredLanes> PairMatrix<T> {
         self.parts[row / ROWS].own[row % ROWS].add(own);
     }
 
-    /// Inverses of the diagonal blocks plus the single-sphere resistances.
-    pub fn inverses(&self, single: &[SixVector]) -> Vec<Block> {
+    /// Inverses of the diagonal blocks plus the single-sphere resistances, after a function has changed each block.
+    pub fn inverses(&self, single: &[SixVector], change: impl Fn(usize, &mut DiagonalBlock<f64>) + Sync) -> Vec<Block> {
         let inverses = in_blocks(single.len(), ROWS, |first, blocks| {
-            let (own, single) = (&self.parts[first / ROWS].own, &single[first..first + blocks.len()]);
-            f64::dispatch(Inverses { own, single, blocks });
+            let (mut own, single) = (self.parts[first / ROWS].own.clone(), &single[first..first + blocks.len()]);
+            own.iter_mut().zip(first..).for_each(|(own, row)| change(row, own));
+            f64::dispatch(Inverses { own: &own, single, blocks });
         });
         inverses.0
     }

@@ -217,5 +217,8 @@ fn few(key: &str, spheres: f64) -> Result<(), KeyError> {
     if (1.0..=MOST_SPHERES).contains(&spheres) {
         return Ok(());
     }
-    Err(KeyError::new(key, format!("is {} spheres that stay together; there can be 1 to {MOST_SPHERES}", Number(spheres))))
+    Err(KeyError::new(
+        key,
+        format!("is {} spheres that stay together; there can be 1 to {MOST_SPHERES}", Number(spheres)),
+    ))
 }
