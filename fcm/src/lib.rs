@@ -65,11 +65,9 @@ pub use conjugate_gradients::{
 };
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution};
 pub use envelope::{Envelope, Quadrupole};
-pub use gpu::PairRows;
+pub use gpu::{NearInFlow, NearInput, NearKind, NearTables, PairRows};
 pub use grid::stencil::Support;
-pub use mobility::coupled::{
-    CoupledFarField, CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, NearResistance,
-};
+pub use mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances};
 pub use mobility::loads::{Loads, Motion, Output};
 pub use mobility::memory::Footprint;
 pub use mobility::noise::{DrawDiagnostics, LanczosLimits, Stream, square_root_times};

@@ -18,11 +18,10 @@ template <typename T> __device__ void bin_particles(const Task &task)
     typedef typename Precision<T>::Fixed Fixed;
     int row = thread_index();
     if (row >= task.particles) return;
-    const Fixed *position = (const Fixed *)task.positions + 3 * row;
     int key = 0;
     for (int axis = 2; axis >= 0; axis--) {
-        Fixed rest;
-        key = key * task.bins[axis] + cell_of(position[axis], task.grid[axis], &rest) / BIN;
+        Fixed rest, position = narrowed<T>(task.positions[3 * row + axis]);
+        key = key * task.bins[axis] + cell_of(position, task.grid[axis], &rest) / BIN;
     }
     task.keys[row] = key;
     atomicAdd(task.bin_starts + key, 1);
@@ -46,9 +45,8 @@ template <typename T> __device__ void order_particles(const Task &task)
     int row = task.unsorted[any], key = task.keys[row], place = task.bin_starts[key];
     for (int other = task.bin_starts[key]; other < task.bin_starts[key + 1]; other++)
         if (task.unsorted[other] < row) place++;
-    const Fixed *from = (const Fixed *)task.positions + 3 * row;
     Fixed *to = (Fixed *)task.sorted_positions + 3 * place;
-    for (int axis = 0; axis < 3; axis++) to[axis] = from[axis];
+    for (int axis = 0; axis < 3; axis++) to[axis] = narrowed<T>(task.positions[3 * row + axis]);
     task.rows[place] = row;
     task.sorted_classes[place] = task.classes[row];
 }

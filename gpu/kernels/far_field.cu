@@ -2,9 +2,10 @@
 #ifndef SHARED
 #define SHARED(type, name, count) __shared__ type name[count]
 #endif
+#include "assembly.h"
 #include "coupled.h"
+#include "noise.h"
 #include "pairs.h"
-#include "solve.h"
 #include "spread.h"
 #include "vectors.h"
 
@@ -23,6 +24,7 @@
     KERNEL(spread_2_##suffix, spread<T, 2>)               \
     KERNEL(spread_3_##suffix, spread<T, 3>)               \
     KERNEL(solve_##suffix, solve<T>)                      \
+    KERNEL(random_modes_##suffix, random_modes<T>)        \
     KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \
     KERNEL(interpolate_2_##suffix, interpolate<T, 2>)     \
@@ -32,6 +34,8 @@
     KERNEL(weigh_##suffix, weigh<T>)                      \
     KERNEL(sum_products_##suffix, sum_products<T>)        \
     KERNEL(row_loads_##suffix, row_loads<T>)              \
+    KERNEL(find_near_##suffix, find_near<T>)              \
+    KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
     KERNEL(coupled_image_##suffix, coupled_image<T>)
 
@@ -39,6 +43,10 @@ KERNEL(scatter_particles, scatter)
 KERNEL(scan_blocks, sum_blocks)
 KERNEL(scan_add, add_totals)
 KERNEL(sum_up, add_sums)
+KERNEL(assemble_stiff, assemble<double, STIFF>)
+KERNEL(invert_rows, invert)
+KERNEL(moments_stiff, near_moments<STIFF>)
+KERNEL(moments_soft, near_moments<SOFT>)
 KERNEL(step_pairs, step_rows)
 KERNEL(length_pairs, set_length)
 KERNEL(turn_pairs, set_turn)

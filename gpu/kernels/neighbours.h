@@ -23,13 +23,10 @@ __device__ T difference(typename Precision<T>::Fixed own, typename Precision<T>:
     return (T)nearest * (T)Precision<T>::UNIT + (T)(turns - steps);
 }
 
-// Vector from a periodic image of one particle to another along the axes of the box.
-template <typename T>
-__device__ void separation(const Task &task, int target, int source, const int steps[3], T x[3])
+// Vector from a periodic image of one position to another along the axes of the box.
+template <typename T, typename Fixed>
+__device__ void separation_of(const Task &task, const Fixed *own, const Fixed *other, const int steps[3], T x[3])
 {
-    typedef typename Precision<T>::Fixed Fixed;
-    const Fixed *own = (const Fixed *)task.sorted_positions + 3 * target;
-    const Fixed *other = (const Fixed *)task.sorted_positions + 3 * source;
     T along[3];
     for (int axis = 0; axis < 3; axis++)
         along[axis] = difference<T>(own[axis], other[axis], steps[axis]) * (T)task.edges[axis];
@@ -38,38 +35,54 @@ __device__ void separation(const Task &task, int target, int source, const int s
     x[2] = along[2];
 }
 
-// Finds the neighbours of each particle in the order of bins: first, without a list, their numbers; then the list. Both
-// are one kernel, so that the same pairs are within the cutoff whatever the compiler makes of the arithmetic.
-template <typename T> __device__ void find_neighbours(const Task &task)
+// The same of two particles in the order of bins.
+template <typename T>
+__device__ void separation(const Task &task, int target, int source, const int steps[3], T x[3])
+{
+    const typename Precision<T>::Fixed *sorted = (const typename Precision<T>::Fixed *)task.sorted_positions;
+    separation_of<T>(task, sorted + 3 * target, sorted + 3 * source, steps, x);
+}
+
+// Calls a function with each particle in the bins around one, periodic images included, and the steps to the image.
+template <typename T, typename Visit>
+__device__ void visit_around(const Task &task, int target, const int reach[3], const Visit &visit)
 {
     typedef typename Precision<T>::Fixed Fixed;
-    int target = thread_index(), home[3], found = 0;
-    if (target >= task.particles) return;
-    int *list = task.neighbours ? task.neighbours + 2 * task.neighbour_starts[target] : nullptr;
+    int home[3], at[3], steps[3], bin[3];
     for (int axis = 0; axis < 3; axis++) {
         Fixed rest;
         home[axis] = cell_of(((const Fixed *)task.sorted_positions)[3 * target + axis], task.grid[axis], &rest) / BIN;
     }
-    int at[3], steps[3], bin[3];
-    for (at[2] = -task.reach[2]; at[2] <= task.reach[2]; at[2]++)
-        for (at[1] = -task.reach[1]; at[1] <= task.reach[1]; at[1]++)
-            for (at[0] = -task.reach[0]; at[0] <= task.reach[0]; at[0]++) {
+    for (at[2] = -reach[2]; at[2] <= reach[2]; at[2]++)
+        for (at[1] = -reach[1]; at[1] <= reach[1]; at[1]++)
+            for (at[0] = -reach[0]; at[0] <= reach[0]; at[0]++) {
                 for (int axis = 0; axis < 3; axis++) {
                     bin[axis] = wrapped(home[axis] + at[axis], task.bins[axis]);
                     steps[axis] = (home[axis] + at[axis] - bin[axis]) / task.bins[axis];
                 }
                 int key = (bin[2] * task.bins[1] + bin[1]) * task.bins[0] + bin[0];
-                for (int source = task.bin_starts[key]; source < task.bin_starts[key + 1]; source++) {
-                    if (source == target && steps[0] == 0 && steps[1] == 0 && steps[2] == 0) continue;
-                    T x[3];
-                    separation<T>(task, target, source, steps, x);
-                    if (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] >= (T)task.cutoff_square) continue;
-                    if (list) {
-                        list[2 * found] = source;
-                        list[2 * found + 1] = packed_steps(steps);
-                    }
-                    found++;
-                }
+                for (int source = task.bin_starts[key]; source < task.bin_starts[key + 1]; source++)
+                    if (source != target || steps[0] != 0 || steps[1] != 0 || steps[2] != 0) visit(source, steps);
             }
+}
+
+// Finds the neighbours of each particle in the order of bins: first, without a list, their numbers; then the list. Both
+// are one kernel, so that the same pairs are within the cutoff whatever the compiler makes of the arithmetic.
+template <typename T> __device__ void find_neighbours(const Task &task)
+{
+    int target = thread_index(), found = 0;
+    if (target >= task.particles) return;
+    int *list = task.neighbours ? task.neighbours + 2 * task.neighbour_starts[target] : nullptr;
+    auto visit = [&](int source, const int steps[3]) {
+        T x[3];
+        separation<T>(task, target, source, steps, x);
+        if (x[0] * x[0] + x[1] * x[1] + x[2] * x[2] >= (T)task.cutoff_square) return;
+        if (list) {
+            list[2 * found] = source;
+            list[2 * found + 1] = packed_steps(steps);
+        }
+        found++;
+    };
+    visit_around<T>(task, target, task.reach, visit);
     if (!list) task.neighbour_starts[target] = found;
 }

@@ -33,6 +33,14 @@ static __device__ int cell_of(unsigned long long position, int points, unsigned 
     return (int)__umul64hi(position, (unsigned long long)points);
 }
 
+// A position of 64 bits as one of the precision of the grid.
+template <typename T> __device__ typename Precision<T>::Fixed narrowed(unsigned long long position);
+template <> __device__ inline unsigned long long narrowed<double>(unsigned long long position) { return position; }
+template <> __device__ inline unsigned narrowed<float>(unsigned long long position)
+{
+    return (unsigned)((position + (1ull << 31)) >> 32);
+}
+
 // An index wrapped into 0..period, from at most some periods away.
 static __device__ int wrapped(int index, int period)
 {

@@ -5,34 +5,69 @@
 static __device__ float exponential(float x) { return expf(x); }
 static __device__ double exponential(double x) { return exp(x); }
 
-// Multiplies each mode by `factor (I - k k/k^2)/k^2` times the Gaussian, its bracket, and the inverse transforms of the
-// window. The mean and the Nyquist mode of each axis are zero.
-template <typename T> __device__ void solve(const Task &task)
+// Number of modes of a component.
+static __device__ long long modes_of(const Task &task)
 {
-    int columns = task.grid[0] / 2 + 1, rows = task.grid[1], planes = task.grid[2], at = thread_index();
-    if (at >= columns * rows * planes) return;
-    int modes[3] = {at % columns, at / columns % rows, at / (columns * rows)};
+    return (long long)(task.grid[0] / 2 + 1) * task.grid[1] * task.grid[2];
+}
+
+// Signed index along an axis of a mode by its place.
+static __device__ int signed_mode(const Task &task, int at, int axis)
+{
+    int columns = task.grid[0] / 2 + 1, rows = task.grid[1];
+    int mode = axis == 0 ? at % columns : axis == 1 ? at / columns % rows : at / (columns * rows);
+    return 2 * mode < task.grid[axis] ? mode : mode - task.grid[axis];
+}
+
+// Wavevector of a mode, the inverse of its square, and the multiplier of the solve: `factor / k^2` times the Gaussian,
+// its bracket, and the inverse transforms of the window. The mean and the Nyquist mode of each axis are zero.
+template <typename T> struct Mode {
+    T k[3], inverse, factor;
+};
+
+template <typename T> __device__ Mode<T> mode_at(const Task &task, int at)
+{
     const T *levels = (const T *)task.levels;
-    T k[3], level = levels[modes[0]] + levels[columns + modes[1]] + levels[columns + rows + modes[2]];
-    bool is_zero = modes[0] == 0 && modes[1] == 0 && modes[2] == 0;
+    T level = 0;
+    Mode<T> mode;
+    bool is_zero = at == 0;
     for (int axis = 0; axis < 3; axis++) {
-        int order = 2 * modes[axis] < task.grid[axis] ? modes[axis] : modes[axis] - task.grid[axis];
-        k[axis] = (T)(6.283185307179586 * order / task.edges[axis]);
-        is_zero = is_zero || 2 * modes[axis] == task.grid[axis];
+        int order = signed_mode(task, at, axis), place = order < 0 && axis > 0 ? order + task.grid[axis] : abs(order);
+        level += levels[place];
+        levels += axis == 0 ? task.grid[0] / 2 + 1 : task.grid[axis];
+        mode.k[axis] = (T)(6.283185307179586 * order / task.edges[axis]);
+        is_zero = is_zero || 2 * abs(order) == task.grid[axis];
     }
+    T *k = mode.k;
     k[2] -= (T)task.tilt_y * k[1] + (T)task.tilt_across * k[0];
     k[1] -= (T)task.strain * k[0];
-    T square = k[0] * k[0] + k[1] * k[1] + k[2] * k[2], inverse = is_zero ? (T)0 : 1 / square;
+    T square = k[0] * k[0] + k[1] * k[1] + k[2] * k[2];
     T bracket = 1 + (T)task.widening * square;
     T gaussian = is_zero ? (T)0 : exponential(level - (T)task.gaussian * square);
-    T factor = (T)task.solve_factor * gaussian * bracket * bracket * inverse;
-    Complex<T> *spectrum = (Complex<T> *)task.spectrum;
-    long long stride = (long long)columns * rows * planes;
-    Complex<T> f[3] = {spectrum[at], spectrum[at + stride], spectrum[at + 2 * stride]};
-    T re = (k[0] * f[0].re + k[1] * f[1].re + k[2] * f[2].re) * inverse;
-    T im = (k[0] * f[0].im + k[1] * f[1].im + k[2] * f[2].im) * inverse;
-    for (int c = 0; c < 3; c++) {
-        Complex<T> u = {factor * (f[c].re - k[c] * re), factor * (f[c].im - k[c] * im)};
-        spectrum[at + c * stride] = u;
-    }
+    mode.inverse = is_zero ? (T)0 : 1 / square;
+    mode.factor = (T)task.solve_factor * gaussian * bracket * bracket * mode.inverse;
+    return mode;
+}
+
+// Stores a mode of a field, `factor (I - k k/k^2) f`.
+template <typename T> __device__ void store_across(const Task &task, int at, const Mode<T> &mode, T factor, Complex<T> f[3])
+{
+    const T *k = mode.k;
+    T re = (k[0] * f[0].re + k[1] * f[1].re + k[2] * f[2].re) * mode.inverse;
+    T im = (k[0] * f[0].im + k[1] * f[1].im + k[2] * f[2].im) * mode.inverse;
+    for (int c = 0; c < 3; c++)
+        ((Complex<T> *)task.spectrum)[at + c * modes_of(task)] = {factor * (f[c].re - k[c] * re),
+                                                                  factor * (f[c].im - k[c] * im)};
+}
+
+// Multiplies each mode by the Green's function.
+template <typename T> __device__ void solve(const Task &task)
+{
+    int at = thread_index();
+    if (at >= modes_of(task)) return;
+    const Complex<T> *spectrum = (const Complex<T> *)task.spectrum;
+    Complex<T> f[3];
+    for (int c = 0; c < 3; c++) f[c] = spectrum[at + c * modes_of(task)];
+    Mode<T> mode = mode_at<T>(task, at);
+    store_across<T>(task, at, mode, mode.factor, f);
 }

@@ -8,11 +8,14 @@ struct PairState {
     double product, length, turn, square, steps, is_active;
 };
 
+struct NearKind;
+
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
-// grid, positions unsigned integers of the same size.
+// grid, sorted positions unsigned integers of the same size.
 struct Task {
-    // Particles in the order of the host: lattice coordinates, classes of radius, loads. A load may be absent.
-    const void *positions;
+    // Particles in the order of the host: lattice coordinates as fractions of 2^64, classes of radius, loads. A load may
+    // be absent.
+    const unsigned long long *positions;
     const int *classes;
     void *forces, *torques, *stresslets;
     // Particles in the order of bins: their rows in the order of the host, coordinates, classes, and loads as a force
@@ -46,8 +49,19 @@ struct Task {
     // Near pairs by rows: where the pairs of a row begin, their other spheres, and nine lists of their numbers; of each
     // row its own resistance and the block that preconditions it; resistances of single spheres by class of radius.
     const int *row_starts, *row_others;
-    const void *row_numbers;
-    const double *row_own, *row_inverses, *resistances;
+    void *row_numbers;
+    double *row_own, *row_inverses;
+    const double *resistances;
+    // Lubrication: pairs of classes, and their tables. Stiff and soft pairs by rows as they are found: where the pairs of
+    // a row begin, their other spheres, and packed steps to the periodic image.
+    const NearKind *near_kinds;
+    const double *near_series;
+    int *near_starts[2], *near_others[2], *near_steps[2];
+    // Rows of other stiff pairs that the host gives, if there are any.
+    const int *given_starts, *given_others;
+    const double *given_numbers, *given_own;
+    // Loads and first moments of spheres at rest in the background, six and five numbers each.
+    double *in_flow;
     // Vectors of the solve with near pairs; those of stiff pairs alone; known loads or motions of the fluid.
     double *unknowns, *residual, *preconditioned;
     const double *direction;
@@ -68,14 +82,18 @@ struct Task {
     double x_factor, y_factor;
     // Rate of strain of the background, and the sign of an image.
     double background[5], image_sign;
+    // Seed of a random field.
+    unsigned long long noise_seed;
     long long list_size;
-    // Number of pairs of all rows.
-    long long row_entries;
+    // Number of pairs of all rows, and of those that the host gives.
+    long long row_entries, given_entries;
 
     int particles, class_count;
     int grid[3], bins[3], tiles[3];
     // Bins in which neighbours of a bin's particles are, to either side.
     int reach[3];
+    // The same of near pairs.
+    int near_reach[3];
     // Points of the window; of its derivatives, coefficients per point and their place in the list.
     int points, window_rows[4], window_starts[4];
     // Threads of a particle in the interpolation.
@@ -83,4 +101,6 @@ struct Task {
     int is_rotated, scan_count;
     // Whether loads of pairs are added to an image, and those of single spheres to loads.
     int adds_rows, adds_single;
+    // Whether spheres that overlap are lubricated as at a gap equal to the overlap.
+    int separates_overlaps;
 };

@@ -15,7 +15,8 @@ pub const UNKNOWNS: usize = 4 * 6 + 5;
 /// Numbers of a particle in a residual: motions for stiff and for soft pairs, and the rate of strain.
 pub const RESIDUALS: usize = 2 * 6 + 5;
 
-/// Numbers of a particle in the result: motion, load on the far field, minus the stresslet, and rate of strain.
+/// Numbers of a particle in the result without the first moment: motion, load on the far field, minus the stresslet,
+/// and rate of strain.
 pub const RESULTS: usize = 2 * 6 + 2 * 5;
 
 /// Factors from the units of the solve to those of the far field.
@@ -76,7 +77,7 @@ impl SplitFarField {
     }
 
     /// Runs a kernel with a thread a particle.
-    fn launch_particles(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
+    pub(crate) fn launch_particles(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
         self.launch_vectors(kernel, self.blocks(), task)
     }
 
@@ -178,14 +179,15 @@ impl SplitFarField {
         Ok(KernelTask { list_sums, list_size: blocks as i64, ..task })
     }
 
-    /// Motions, loads on the far field, minus the stresslets, and rates of strain besides the background's: lists of
-    /// six, six, five and five numbers a particle.
+    /// Motions, loads on the far field, minus the stresslets, rates of strain besides the background's, and first
+    /// moments of lubrication by the motions: lists of six, six, five, five and five numbers a particle.
     pub fn coupled_result(&mut self, at: &CoupledVectors) -> Result<Vec<f64>, DeviceError> {
         let result = self.wide_list(RESULTS * self.task.particles as usize)?;
         let task = KernelTask { image: result.address, ..self.coupled_task(at)? };
         self.launch_particles("gather_all", &task)?;
-        let values = self.values_of(&result);
+        let mut values = self.values_of(&result)?;
+        values.extend(self.near_moments(&result.part(0, 6 * self.task.particles as usize))?);
         self.release(&result);
-        values
+        Ok(values)
     }
 }

@@ -1,7 +1,7 @@
 //! Order of an evaluation: kernels of the split method on a device.
 
 use crate::device::{DeviceError, TransformTask};
-use crate::far_field::{Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
+use crate::far_field::{DeviceLoads, DeviceMotion, Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
 use crate::repeated::Repeated;
 use crate::tables::NumberFormat;
 use crate::task::KernelTask;
@@ -87,6 +87,35 @@ impl SplitFarField {
         let is_single = self.tables.numbers == NumberFormat::Single;
         let KernelTask { field, spectrum, .. } = self.task;
         self.device.transform(&TransformTask { is_forward, is_single, points: self.tables.grid, field, spectrum })
+    }
+}
+
+/// Parts of an evaluation by themselves.
+impl SplitFarField {
+    /// Random motions whose covariance is the part on the grid, by a seed: velocities, and gradients if they are asked
+    /// for.
+    pub fn random_field(&mut self, seed: u64, orders: &Orders) -> Result<DeviceMotion, DeviceError> {
+        self.copy_loads(&DeviceLoads::default(), orders)?;
+        self.reserve_records()?;
+        self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
+        let suffix = self.tables.numbers.suffix();
+        self.task.noise_seed = seed;
+        self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+        self.transform(false)?;
+        self.run(EvaluationStage::Interpolate, orders)?;
+        self.run(EvaluationStage::Near, orders)?;
+        self.copy_motion()
+    }
+
+    /// Motions that loads cause besides the part on the grid.
+    pub fn pair_corrections(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<DeviceMotion, DeviceError> {
+        self.copy_loads(loads, orders)?;
+        self.reserve_records()?;
+        self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
+        let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
+        self.device.zero(self.task.interpolated, bytes)?;
+        self.run(EvaluationStage::Near, orders)?;
+        self.copy_motion()
     }
 }
 

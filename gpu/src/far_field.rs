@@ -5,7 +5,7 @@ use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
 use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::Repeated;
-use crate::tables::{LatticeShape, NumberFormat, SplitTables};
+use crate::tables::{LatticeShape, NumberFormat, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
 
@@ -171,18 +171,24 @@ impl SplitFarField {
         task.is_rotated = i32::from(shape.axes.is_some());
         task.axes = shape.axes.unwrap_or_default();
         task.solve_factor = 1.0 / (tables.viscosity * shape.edges.iter().product::<f64>());
-        let stretch = [(1.0 + s * s + task.tilt_across.powi(2)).sqrt(), (1.0 + r * r).sqrt(), 1.0];
-        for axis in 0..3 {
-            let points = tables.cutoff * stretch[axis] / spacing[axis];
-            // The last bin of each period may have fewer points than the others.
-            let turns = points / tables.grid[axis] as f64;
-            task.reach[axis] = (points / BIN as f64).floor() as i32 + 2 + turns.floor() as i32;
-        }
         let smoothing = shape.smoothing.iter().flatten().flatten().copied();
         let [of_smoothing, of_levels] = &mut buffers.of_box;
         task.smoothing = of_smoothing.fill(on, &numbers.bytes_of(smoothing))?;
         task.levels = of_levels.fill(on, &numbers.bytes_of(shape.levels.iter().flatten().copied()))?;
+        self.task.reach = self.bins_within(self.tables.cutoff);
         Ok(())
+    }
+
+    /// Number of bins to either side of a bin in which particles within a distance are.
+    pub(crate) fn bins_within(&self, distance: f64) -> [i32; 3] {
+        let &KernelTask { strain, tilt_y, tilt_across, inverse_spacing, .. } = &self.task;
+        let stretch = [(1.0 + strain * strain + tilt_across.powi(2)).sqrt(), (1.0 + tilt_y * tilt_y).sqrt(), 1.0];
+        std::array::from_fn(|axis| {
+            let points = distance * stretch[axis] * inverse_spacing[axis];
+            // The last bin of each period may have fewer points than the others.
+            let turns = points / self.tables.grid[axis] as f64;
+            (points / BIN as f64).floor() as i32 + 2 + turns.floor() as i32
+        })
     }
 
     /// Sets the particles: lattice coordinates as fractions of the edges, three each, and classes of radius. Sorts
@@ -213,7 +219,7 @@ impl SplitFarField {
         let (numbers, count, on) = (tables.numbers, classes.len(), device.as_mut());
         let [positions, of_classes, keys, unsorted, rows, sorted, sorted_classes, interpolated] =
             &mut buffers.particles;
-        task.positions = positions.fill(on, &numbers.fixed_points(fractions.iter().copied()))?;
+        task.positions = positions.fill(on, &fixed_points(fractions))?;
         task.classes = of_classes.fill(on, bytemuck::cast_slice(classes))?;
         task.keys = keys.reserve(on, 4 * count)?;
         task.unsorted = unsorted.reserve(on, 4 * count)?;
@@ -256,7 +262,12 @@ impl SplitFarField {
 
     /// Replaces a list of counts by the sums of those before each; `level` is that of the recursion. Returns the place
     /// of the sum of all.
-    fn scan(&mut self, list: DeviceAddress, count: usize, level: usize) -> Result<DeviceAddress, DeviceError> {
+    pub(crate) fn scan(
+        &mut self,
+        list: DeviceAddress,
+        count: usize,
+        level: usize,
+    ) -> Result<DeviceAddress, DeviceError> {
         let blocks = count.div_ceil(SCAN);
         let totals = self.buffers.scans[level].reserve(self.device.as_mut(), 4 * blocks)?;
         let task = KernelTask { scanned: list, scan_totals: totals, scan_count: count as i32, ..self.task };
@@ -298,7 +309,7 @@ impl SplitFarField {
         Ok(motion)
     }
 
-    fn copy_loads(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<(), DeviceError> {
+    pub(crate) fn copy_loads(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<(), DeviceError> {
         let Self { device, tables, task, buffers, .. } = self;
         let (numbers, count, on) = (tables.numbers, task.particles as usize, device.as_mut());
         let addresses = [&mut task.forces, &mut task.torques, &mut task.stresslets];
@@ -313,7 +324,7 @@ impl SplitFarField {
         Ok(())
     }
 
-    fn copy_motion(&mut self) -> Result<DeviceMotion, DeviceError> {
+    pub(crate) fn copy_motion(&mut self) -> Result<DeviceMotion, DeviceError> {
         let KernelTask { velocities, angular_velocities, strain_rates, .. } = self.task;
         Ok(DeviceMotion {
             velocities: self.values(velocities, 3)?,

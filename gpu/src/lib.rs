@@ -5,6 +5,7 @@
 //! [`SplitFarField`] has the order of an evaluation, and the vectors of an iteration with near pairs or without. It
 //! knows arrays and tables, but neither plans nor units: those are the concern of the crate `fcm`.
 
+mod assembly;
 mod buffers;
 mod counted;
 mod coupled;
@@ -16,12 +17,14 @@ mod far_field;
 mod lists;
 mod memory;
 mod near;
+mod near_tables;
 mod pair_rows;
 mod repeated;
 mod tables;
 mod task;
 mod vectors;
 
+pub use assembly::{IN_FLOW, NearInFlow, NearInput};
 pub use counted::{Counted, DeviceCounts, SharedCounts};
 pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, UNKNOWNS};
 pub use cuda::Cuda;
@@ -31,6 +34,7 @@ pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSecon
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize};
 pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
-pub use pair_rows::{NearInput, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, TRIANGLE};
+pub use near_tables::{NearKind, NearTables};
+pub use pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, TRIANGLE};
 pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
 pub use task::KernelTask;

@@ -1,7 +1,8 @@
 //! Memory that an evaluation takes of a device.
 
+use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
-use crate::pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, TRIANGLE};
+use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::NumberFormat;
 
 /// Numbers on which the memory of an evaluation depends.
@@ -32,19 +33,19 @@ pub struct NearSize {
     pub stiff: f64,
     /// The same of soft pairs.
     pub soft: f64,
+    /// Bytes of the tables of lubrication.
+    pub tables: f64,
 }
 
 impl NearSize {
     /// Bytes of the pairs and of the vectors of the iteration.
     pub fn bytes(&self) -> f64 {
-        let pair = |value: usize| (PAIR_NUMBERS * value + 4) as f64;
+        let pair = |value: usize| (PAIR_NUMBERS * value + 2 * 4) as f64;
         let pairs = self.stiff * pair(size_of::<f64>()) + self.soft * pair(self.numbers.size());
-        // Of both kinds of pairs: where rows begin, and own resistances; preconditioner.
-        let rows = 2 * (4 + 8 * OWN_NUMBERS) + 8 * TRIANGLE;
         // Unknowns, preconditioned residual and direction; residual and image of the direction; motions or loads of the
         // preconditioner; stresslets of the start and ambient motions; the result.
         let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 7 * 6 + 5 + 11 + RESULTS);
-        pairs + (rows + vectors) as f64 * self.particles
+        self.tables + pairs + (ROW_BYTES + vectors) as f64 * self.particles
     }
 }
 
@@ -77,7 +78,7 @@ impl EvaluationSize {
         let bins: f64 = self.grid.iter().map(|&n| n.div_ceil(4) as f64).product();
         // Positions in two orders, loads as given and as records, interpolated values, motions; five lists of integers,
         // and the starts of the neighbours.
-        let particle = value * f64::from(2 * 3 + 11 + 12 + 12 + 11) + 4.0 * 6.0;
+        let particle = f64::from(8 * 3) + value * f64::from(3 + 11 + 12 + 12 + 11) + 4.0 * 6.0;
         let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes;
         let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
         // The motion and that of a step; unknowns, residual, preconditioned residual, direction and its image.

@@ -3,9 +3,8 @@
 use crate::device::DeviceError;
 use crate::far_field::SplitFarField;
 use crate::lists::DeviceList;
-use crate::pair_rows::{NearInput, NearRows, PairSet, RowAddresses};
+use crate::pair_rows::{NearRows, PairSet, RowAddresses};
 use crate::repeated::PAIR_STEPS;
-use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 use crate::vectors::SUM_THREADS;
 
@@ -60,20 +59,16 @@ impl KernelTask {
         let Some(DeviceStep { length, direction, image }) = step else { return Self { direction: 0, ..self } };
         Self { x_factor: *length, direction: direction.address, image: image.address, ..self }
     }
+
+    /// The same with the rows of a set of pairs.
+    pub(crate) fn with_rows(self, rows: &RowAddresses) -> Self {
+        let &RowAddresses { starts, others, numbers, own, pairs, .. } = rows;
+        let of_pairs = Self { row_starts: starts, row_others: others, row_numbers: numbers, ..self };
+        Self { row_own: own, row_entries: pairs, ..of_pairs }
+    }
 }
 
 impl SplitFarField {
-    /// Copies the near field of a solve to the device.
-    pub fn set_near(&mut self, input: &NearInput) -> Result<(), DeviceError> {
-        let Self { device, buffers, near, task, tables, .. } = self;
-        let (on, places) = (device.as_mut(), &mut buffers.near);
-        near.stiff = RowAddresses::fill(&mut places.stiff, on, input.stiff, NumberFormat::Double)?;
-        near.soft = RowAddresses::fill(&mut places.soft, on, input.soft, tables.numbers)?;
-        task.row_inverses = places.inverses.fill(on, bytemuck::cast_slice(input.inverses))?;
-        task.resistances = places.resistances.fill(on, bytemuck::cast_slice(input.resistances.as_flattened()))?;
-        Ok(())
-    }
-
     fn row_blocks(&self) -> usize {
         (ROW_LANES * self.task.particles as usize).div_ceil(SUM_THREADS)
     }
@@ -90,15 +85,13 @@ impl SplitFarField {
     ) -> Result<DeviceAddress, DeviceError> {
         let blocks = self.row_blocks();
         let list_sums = self.reserve_sums(1, blocks)?;
-        let NearRows { stiff, soft } = self.near;
+        let NearRows { stiff, soft, .. } = self.near;
         let sets = [(PairSet::Stiff, stiff), (PairSet::Soft, soft)];
         let mut task = KernelTask { direction: motions.address, image: loads.address, list_sums, state, ..self.task };
         task.adds_single = i32::from(single);
         for (_, rows) in sets.into_iter().filter(|(set, _)| pairs == PairSet::All || pairs == *set) {
-            let RowAddresses { starts, others, numbers, own, pairs, format } = rows;
-            (task.row_starts, task.row_others, task.row_numbers, task.row_own) = (starts, others, numbers, own);
-            task.row_entries = pairs;
-            self.launch_vectors(&format!("row_loads_{}", format.suffix()), blocks, &task)?;
+            task = task.with_rows(&rows);
+            self.launch_vectors(&format!("row_loads_{}", rows.format.suffix()), blocks, &task)?;
             (task.adds_rows, task.adds_single) = (1, 0);
         }
         Ok(list_sums)

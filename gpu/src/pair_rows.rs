@@ -29,20 +29,6 @@ pub struct PairRows {
     pub own: Vec<f64>,
 }
 
-/// Near field of a solve.
-#[derive(Debug, Clone, Copy)]
-pub struct NearInput<'a> {
-    /// Stiff pairs, which the preconditioner has, in `f64`.
-    pub stiff: &'a PairRows,
-    /// Soft pairs, in the precision of the grid.
-    pub soft: &'a PairRows,
-    /// Inverses of the resistances of single spheres and of stiff pairs to each particle's own motion, the lower
-    /// triangles of [`TRIANGLE`] numbers.
-    pub inverses: &'a [f64],
-    /// Resistances of single spheres to translation, rotation and strain, by class of radius.
-    pub resistances: &'a [[f64; 3]],
-}
-
 /// Selection of near pairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairSet {
@@ -71,35 +57,70 @@ impl Default for RowAddresses {
     }
 }
 
-/// Rows of stiff and of soft pairs.
+/// Rows of stiff and of soft pairs, and the distance up to which pairs are lubricated if their tables are there.
 #[derive(Debug, Default)]
 pub(crate) struct NearRows {
     pub stiff: RowAddresses,
     pub soft: RowAddresses,
+    pub reach: Option<f64>,
+}
+
+/// Memory of the rows of a set of pairs.
+#[derive(Default)]
+pub(crate) struct RowBuffers {
+    pub starts: Buffer,
+    pub others: Buffer,
+    pub steps: Buffer,
+    pub numbers: Buffer,
+    pub own: Buffer,
+}
+
+/// Memory of the tables of lubrication.
+#[derive(Default)]
+pub(crate) struct TableBuffers {
+    pub kinds: Buffer,
+    pub series: Buffer,
+    pub resistances: Buffer,
 }
 
 /// Memory of the near field.
 #[derive(Default)]
 pub(crate) struct NearBuffers {
-    pub stiff: [Buffer; 4],
-    pub soft: [Buffer; 4],
+    pub tables: TableBuffers,
+    pub sets: [RowBuffers; 2],
+    /// Rows that the host gives.
+    pub given: RowBuffers,
     pub inverses: Buffer,
-    pub resistances: Buffer,
+    pub in_flow: Buffer,
+    pub moments: Buffer,
 }
 
 impl RowAddresses {
-    pub fn fill(
-        [starts, others, numbers, own]: &mut [Buffer; 4],
+    /// A copy of rows of the host.
+    pub fn fill(places: &mut RowBuffers, on: &mut dyn Device, rows: &PairRows) -> Result<Self, DeviceError> {
+        Ok(Self {
+            starts: places.starts.fill(on, bytemuck::cast_slice(&rows.starts))?,
+            others: places.others.fill(on, bytemuck::cast_slice(&rows.others))?,
+            numbers: places.numbers.fill(on, bytemuck::cast_slice(&rows.numbers))?,
+            own: places.own.fill(on, bytemuck::cast_slice(&rows.own))?,
+            pairs: rows.others.len() as i64,
+            format: NumberFormat::Double,
+        })
+    }
+
+    /// Room for the rows of some particles with this many pairs; the place where they begin is known.
+    pub fn reserve(
+        places: &mut RowBuffers,
         on: &mut dyn Device,
-        rows: &PairRows,
+        [particles, pairs]: [usize; 2],
         format: NumberFormat,
     ) -> Result<Self, DeviceError> {
         Ok(Self {
-            starts: starts.fill(on, bytemuck::cast_slice(&rows.starts))?,
-            others: others.fill(on, bytemuck::cast_slice(&rows.others))?,
-            numbers: numbers.fill(on, &format.bytes_of(rows.numbers.iter().copied()))?,
-            own: own.fill(on, bytemuck::cast_slice(&rows.own))?,
-            pairs: rows.others.len() as i64,
+            starts: places.starts.reserve(on, 4 * (particles + 1))?,
+            others: places.others.reserve(on, 4 * pairs)?,
+            numbers: places.numbers.reserve(on, PAIR_NUMBERS * pairs * format.size())?,
+            own: places.own.reserve(on, size_of::<f64>() * OWN_NUMBERS * particles)?,
+            pairs: pairs as i64,
             format,
         })
     }

@@ -41,19 +41,12 @@ impl NumberFormat {
             Self::Double => bytes.as_chunks().0.iter().map(|&value| f64::from_ne_bytes(value)).collect(),
         }
     }
-
-    /// Fractions of the box's edges, as fixed-point numbers of the size of a value.
-    pub(crate) fn fixed_points(self, fractions: impl Iterator<Item = f64>) -> Vec<u8> {
-        match self {
-            Self::Single => fractions.flat_map(|part| (scaled(part, 32) as u32).to_ne_bytes()).collect(),
-            Self::Double => fractions.flat_map(|part| scaled(part, 64).to_ne_bytes()).collect(),
-        }
-    }
 }
 
-/// The part of a fraction after the point in units of `2^-bits`, wrapped at one.
-fn scaled(fraction: f64, bits: i32) -> u64 {
-    (((fraction - fraction.floor()) * 2_f64.powi(bits)).round() as u128) as u64
+/// Fractions of the box's edges in units of `2^-64`, as unsigned integers that are wrapped at one.
+pub(crate) fn fixed_points(fractions: &[f64]) -> Vec<u8> {
+    let scaled = |fraction: f64| (((fraction - fraction.floor()) * 2_f64.powi(64)).round() as u128) as u64;
+    fractions.iter().flat_map(|&fraction| scaled(fraction).to_ne_bytes()).collect()
 }
 
 /// Polynomials of a derivative of the window: coefficients from the highest power on, each a row of the points.

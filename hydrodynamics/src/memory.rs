@@ -66,7 +66,11 @@ pub fn card(
     expected: &ExpectedCounts,
     range: Option<LubricationRange>,
 ) -> Result<Option<CardMemory>, PlanError> {
-    far.card(range.map(|range| pair_counts(expected, range)))
+    let near = |range| NearPairCounts {
+        tables: PairForce::series_bytes(far.radii(), range, STIFF),
+        ..pair_counts(expected, range)
+    };
+    far.card(range.map(near))
 }
 
 /// Mean numbers of near pairs of a particle.
@@ -74,7 +78,7 @@ fn pair_counts(expected: &ExpectedCounts, range: LubricationRange) -> NearPairCo
     let cutoff = range.cutoff();
     let all = expected.neighbours((2.0 + cutoff) * expected.largest_radius());
     let stiff = expected.neighbours_of_pairs(|a, b| a + b + STIFF.min(cutoff) * a.min(b));
-    NearPairCounts { stiff, soft: all - stiff }
+    NearPairCounts { stiff, soft: all - stiff, tables: 0.0 }
 }
 
 /// Neighbour lists, and the near pairs of a rank's particles.
@@ -84,7 +88,7 @@ fn near_pairs(expected: &ExpectedCounts, range: LubricationRange, precision: Pre
     let (owned, present) = (expected.owned(), expected.present(reach));
     let numbers = [reach, reach * VerletList::REACH].map(|reach| expected.neighbours(reach));
     let lists = VerletList::bytes([owned, present, expected.total()], numbers);
-    let NearPairCounts { stiff, soft } = pair_counts(expected, range);
+    let NearPairCounts { stiff, soft, .. } = pair_counts(expected, range);
     let rows = Bytes::list::<([DiagonalBlock<f64>; 2], [u32; 2], SixVector, Traceless)>(owned);
     let copies = Bytes::list::<(Vector, u64, u32)>(present);
     let [stiff, soft] = [stiff, soft].map(|pairs| groups(pairs) * owned);

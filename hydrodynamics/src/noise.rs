@@ -2,9 +2,10 @@
 
 use crate::bodies::RigidBodies;
 use crate::bodies::present::PresentBodies;
+use crate::pairs::lists::Present;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::lanes::SimdLanes;
-use crate::pairs::search::{NearField, Present};
+use crate::pairs::search::NearField;
 use domain::parallel::{MeasuredLoop, stage};
 use domain::{DomainView, Neighbours, Particles, PeriodicBox, Random, Vector};
 use fcm::{Loads, Stream};

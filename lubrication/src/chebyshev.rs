@@ -101,6 +101,13 @@ impl<const LANES: usize, const NODES: usize> Powers<LANES, NODES> {
             first += TOGETHER * X::WIDTH;
         }
     }
+
+    /// Coefficients of the powers of `x` itself, on an interval about 0.
+    pub fn rows(&self) -> Samples<LANES, NODES> {
+        debug_assert!(self.middle == 0.0, "the interval is about {}", self.middle);
+        let power = |k: usize| self.over_half.powi(k as i32);
+        std::array::from_fn(|k| self.coefficients[k].map(|coefficient| coefficient * power(k)))
+    }
 }
 
 impl<const LANES: usize, const NODES: usize> From<&Chebyshev<LANES, NODES>> for Powers<LANES, NODES> {

@@ -8,6 +8,7 @@ use crate::block_factor::{FactorScales, LANES, PairFactors, flat_factors};
 use crate::chebyshev::{Chebyshev, Powers, Samples};
 use crate::coefficients::{RECORD, sizes};
 use crate::far_field;
+use crate::gap_series::GapSeries;
 use crate::two_sphere::blocks::ResistanceBlocks;
 use crate::two_sphere::{TwoSphere, TwoSphereError};
 
@@ -78,6 +79,14 @@ impl FactorTable {
     fn write<X: Arithmetic>(&self, gap: f64, lanes: &mut [f64; LANES]) {
         let piece = &self.pieces[piece_of(gap).min(self.pieces.len() - 1)];
         piece.powers.write::<X, 5>(relative(gap, piece.mean), lanes);
+    }
+
+    /// Series of the factors in the pieces from one to another.
+    pub fn series(&self, [first, last]: [usize; 2]) -> GapSeries {
+        let mut series = GapSeries { first_piece: first, ..GapSeries::default() };
+        let pieces = self.pieces.iter().take(last + 1).skip(first);
+        pieces.for_each(|piece| series.push(piece.mean, &piece.powers, LANES));
+        series
     }
 
     /// Bytes of the table of a ratio.

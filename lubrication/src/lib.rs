@@ -23,6 +23,7 @@ mod factor_table;
 mod far_field;
 #[cfg(test)]
 mod free_pair;
+mod gap_series;
 mod gaussian;
 mod lubrication_range;
 mod memory;
@@ -52,6 +53,7 @@ pub use barrier::{Barrier, BarrierError};
 pub use coefficients::{Coefficients, RECORD};
 pub use contact::{Contact, Elasticity};
 pub use dense::eigenvalues;
+pub use gap_series::GapSeries;
 pub use lubrication_range::{LubricationRange, RangeError};
 pub use pair_factor::PairFactor;
 pub use pair_force::{PairForce, PairForceError};

@@ -74,6 +74,11 @@ impl LubricationRange {
         Self { separates_overlaps: true, ..self }
     }
 
+    /// Whether overlapping spheres are lubricated as at a gap equal to the overlap.
+    pub fn separates_overlaps(&self) -> bool {
+        self.separates_overlaps
+    }
+
     /// Gap at which the correction of a pair is evaluated, bounded below by `minimum_gap`.
     #[inline(always)]
     pub(crate) fn effective_gap(&self, gap: f64, minimum_gap: f64) -> f64 {

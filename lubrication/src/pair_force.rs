@@ -7,7 +7,8 @@ use thiserror::Error;
 
 use crate::arithmetic::Arithmetic;
 use crate::coefficients::{Coefficients, RECORD};
-use crate::factor_table::FactorTable;
+use crate::factor_table::{FactorTable, piece_of};
+use crate::gap_series::GapSeries;
 use crate::lubrication_range::LubricationRange;
 use crate::pair_factor::PairFactor;
 use crate::pair_motion::{PairLoads, PairMotion};
@@ -104,6 +105,19 @@ impl PairForce {
     /// Largest distance of centres at which any pair is lubricated.
     pub fn reach(&self) -> f64 {
         self.radii.iter().copied().fold(0.0, f64::max) * (2.0 + self.range.cutoff())
+    }
+
+    /// Factors of the resistance of two species, 40 functions in the order of [`Coefficients`], at all gaps at which
+    /// they are lubricated.
+    pub fn series(&self, species: [u32; 2]) -> GapSeries {
+        let table = self.table(species);
+        let gaps = [table.minimum_gap, self.range.cutoff() / table.over_large];
+        table.factors.series(gaps.map(|gap| piece_of(gap * table.over_small)))
+    }
+
+    /// Gap below which the resistance of two species is constant.
+    pub fn minimum_gap(&self, species: [u32; 2]) -> f64 {
+        self.table(species).minimum_gap
     }
 
     /// Gap of a pair of species at a distance of their centres; `None` beyond the cutoff.

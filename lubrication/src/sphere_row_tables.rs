@@ -4,6 +4,7 @@ use crate::arithmetic::Arithmetic;
 use crate::chebyshev::Powers;
 use crate::coefficients::{Coefficients, RECORD};
 use crate::factor_table::{NODES, mean_of, of_gaps, piece_of, relative};
+use crate::gap_series::GapSeries;
 use crate::lubrication_range::LubricationRange;
 use crate::pair_force::PairForce;
 use crate::sphere_row::{SPHERE_ROW, SphereRow};
@@ -45,13 +46,26 @@ impl SphereRowTables {
     /// centres within the cutoff, with numbers of any width.
     #[inline(always)]
     pub fn record<X: Arithmetic>(&self, distance: f64, species: [u32; 2], record: &mut [f64; SPHERE_ROW]) {
-        let table = &self.tables[species[0] as usize * self.species + species[1] as usize];
+        let table = self.table(species);
         let gap = distance - table.sum;
         let scaled = gap * table.over_small;
         let piece = piece_of(scaled).saturating_sub(table.first).min(table.pieces.len() - 1);
         let (mean, powers) = &table.pieces[piece];
         powers.write::<X, 3>(relative(scaled, *mean), record);
         record[SPHERE_ROW - 1] = self.range.taper_factor(gap * table.over_large);
+    }
+
+    /// The numbers of a [`SphereRow`] for the first of two spheres of these species, without the common factor.
+    pub fn series(&self, species: [u32; 2]) -> GapSeries {
+        let table = self.table(species);
+        let mut series = GapSeries { first_piece: table.first, ..GapSeries::default() };
+        table.pieces.iter().for_each(|(mean, powers)| series.push(*mean, powers, SPHERE_ROW - 1));
+        series
+    }
+
+    #[inline(always)]
+    fn table(&self, species: [u32; 2]) -> &SphereRowTable {
+        &self.tables[species[0] as usize * self.species + species[1] as usize]
     }
 }
 
@@ -106,6 +120,38 @@ mod tests {
             // Where an eigenvalue is cut off at zero the factors have a kink, and the series of their products
             // converge later.
             assert!(worst < 1e-6, "{pair:?}: {worst:e} of the drag");
+        }
+    }
+
+    /// Sums of the series of a piece at a gap.
+    fn at(series: &GapSeries, gap: f64) -> Vec<f64> {
+        let size = series.numbers.len() / series.pieces;
+        let piece = piece_of(gap).saturating_sub(series.first_piece).min(series.pieces - 1);
+        let (mean, powers) = series.numbers[piece * size..][..size].split_first().unwrap();
+        let (functions, x) = (powers.len() / NODES, relative(gap, *mean));
+        let sum = |k: usize| (0..NODES).rev().fold(0.0, |sum, power| sum * x + powers[power * functions + k]);
+        (0..functions).map(sum).collect()
+    }
+
+    #[test]
+    fn series_are_those_of_the_records() {
+        let force = PairForce::new(&[1.0, 1.5], 2.0, LubricationRange::default()).unwrap();
+        let sides = SphereRowTables::new(&force, |_| 0.3);
+        for (species, sum, small) in [([0, 1], 2.5, 1.0), ([1, 0], 2.5, 1.0), ([1, 1], 3.0, 1.5)] {
+            let (stiff, soft) = (force.series(species), sides.series(species));
+            for gap in [2e-6, 1e-3, 0.31, 1.0, 2.4] {
+                let (mut record, mut row) = ([0.0; RECORD], [0.0; SPHERE_ROW]);
+                force.record::<f64>(sum + gap, species, &mut record);
+                sides.record::<f64>(sum + gap, species, &mut row);
+                // Distances are rounded, and the closest gaps are differences of them.
+                let is_near = |found: f64, exact: f64| (found - exact).abs() < 1e-8 * (1.0 + exact.abs());
+                let is_same = |series: &GapSeries, exact: &[f64]| {
+                    let found = at(series, gap / small);
+                    found.len() == exact.len() && found.iter().zip(exact).all(|(&found, &exact)| is_near(found, exact))
+                };
+                assert!(is_same(&stiff, &record[..40]), "{species:?} {gap}: {record:?}");
+                assert!(gap < 0.3 || is_same(&soft, &row[..SPHERE_ROW - 1]), "{species:?} {gap}: {row:?}");
+            }
         }
     }
 }

@@ -2,25 +2,18 @@
 
 use crate::conjugate_gradients::{IterationOutcome, Limits};
 use domain::{Comm, Units};
-use gpu::PairRows;
+use gpu::{NearInFlow, NearInput, NearTables};
 
-/// A far field that solves for motions and stresslets of rigid spheres together with the resistance of near pairs.
+/// A far field that finds near pairs, assembles their resistance, and solves for motions and stresslets of rigid
+/// spheres together with it.
 pub trait CoupledFarField {
-    /// Solves a problem for the arranged particles, which have stresslets.
-    fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution;
-}
+    /// Finds the near pairs of the arranged particles and assembles their resistance, by tables that are made once.
+    /// All numbers are in the units of the far field, except for a force.
+    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> NearInFlow;
 
-/// Resistance of near pairs. Stiff pairs are in the preconditioner; soft pairs are weak.
-pub struct NearResistance {
-    /// Stiff pairs.
-    pub stiff: PairRows,
-    /// Soft pairs.
-    pub soft: PairRows,
-    /// Lower triangles of the inverses of the diagonal blocks of `M_0^-1 + R_s`, 21 numbers a particle, row by row: the
-    /// resistance of single spheres and of stiff pairs.
-    pub inverses: Vec<f64>,
-    /// Resistances of single spheres to translation, rotation and strain, by radius of the plan.
-    pub single: Vec<[f64; 3]>,
+    /// Solves a problem for the arranged particles, which have stresslets, with the near pairs that were assembled
+    /// last.
+    fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution;
 }
 
 /// Start of the iteration, as numbers of one particle after the other.
@@ -55,8 +48,6 @@ pub struct CoupledTolerances {
 pub struct CoupledProblem<'a> {
     /// Units of length and viscosity of all numbers; the unit of force is 1.
     pub units: Units,
-    /// Near pairs.
-    pub near: NearResistance,
     /// Forces and torques, six numbers a particle.
     pub loads: &'a [f64],
     /// Ambient velocities and angular velocities of all particles, six numbers each, then their rates of strain, five
@@ -84,6 +75,8 @@ pub struct CoupledSolution {
     pub moments: Vec<f64>,
     /// Rates of strain besides that of the background.
     pub strain_rates: Vec<f64>,
+    /// First moments of lubrication by the motions.
+    pub first_moments: Vec<f64>,
     /// Result of the iteration.
     pub outcome: IterationOutcome,
 }

@@ -7,7 +7,7 @@ mod grid;
 use crate::conjugate_gradients::{IterationOutcome, Limits};
 use crate::mobility::coupled::CoupledFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{DrawDiagnostics, Stream};
+use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::ComputeDevice;
@@ -75,14 +75,6 @@ pub(crate) trait FarField {
 
     /// Work done so far.
     fn work(&self) -> Work;
-}
-
-/// Random motions to draw, for the particles with these ids.
-pub(crate) struct NoiseRequest<'a> {
-    pub ids: &'a [u64],
-    /// Relative error allowed in square roots that are found by iteration.
-    pub tolerance: f64,
-    pub stream: Stream,
 }
 
 /// A far field that solves for the stresslets of rigid spheres where it is evaluated.

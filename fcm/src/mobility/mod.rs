@@ -5,6 +5,7 @@ mod far_field;
 pub(crate) mod loads;
 pub(crate) mod memory;
 pub(crate) mod noise;
+mod noise_root;
 pub(crate) mod rank_one;
 pub(crate) mod work;
 
@@ -15,9 +16,9 @@ use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
 use domain::{Particles, Partition, PeriodicBox, Vector};
 pub(crate) use far_field::{FarField, GridFarField, RigidFarField, RigidProblem, RigidSolution};
-use far_field::{FlowAtPoints, NoiseRequest, of_plan};
+use far_field::{FlowAtPoints, of_plan};
 use loads::{Loads, Motion, Output};
-use noise::{DrawDiagnostics, Stream};
+use noise::{DrawDiagnostics, NoiseRequest, Stream};
 use rank_one::Constraint;
 use work::Work;
 

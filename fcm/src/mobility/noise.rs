@@ -12,6 +12,14 @@ pub struct Stream {
     seed: u64,
 }
 
+/// Random motions to draw, for the particles with these ids.
+pub(crate) struct NoiseRequest<'a> {
+    pub ids: &'a [u64],
+    /// Relative error allowed in square roots that are found by iteration.
+    pub tolerance: f64,
+    pub stream: Stream,
+}
+
 /// Kinds of random numbers: of the grid's modes, and of particles.
 const OF_FIELD: u64 = 1;
 const OF_NEAR: u64 = 2;
@@ -29,6 +37,11 @@ impl Stream {
 
     fn seed_of(self, kind: u64) -> u64 {
         self.seed ^ kind.wrapping_mul(0xa076_1d64_78bd_642f)
+    }
+
+    /// Seed of the numbers of the grid's modes.
+    pub(crate) fn seed_of_field(self) -> u64 {
+        self.seed_of(OF_FIELD)
     }
 
     /// Eleven normal numbers of a particle.

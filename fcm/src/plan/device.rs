@@ -46,13 +46,15 @@ impl ComputeDevice {
     }
 }
 
-/// Mean numbers of near pairs of a particle.
+/// Mean numbers of near pairs of a particle, and the tables of their lubrication.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearPairCounts {
     /// Stiff pairs.
     pub stiff: f64,
     /// Soft pairs.
     pub soft: f64,
+    /// Bytes of the tables of lubrication on a card.
+    pub tables: f64,
 }
 
 /// Memory that evaluations take of a card.
@@ -155,7 +157,7 @@ impl Plan {
     /// Bytes of a solve with near pairs on a card, besides those of evaluations.
     pub(crate) fn near_bytes(&self, particles: f64, pairs: NearPairCounts) -> f64 {
         let [stiff, soft] = [pairs.stiff, pairs.soft].map(|of_one| particles * of_one);
-        NearSize { numbers: self.numbers(), particles, stiff, soft }.bytes()
+        NearSize { numbers: self.numbers(), particles, stiff, soft, tables: pairs.tables }.bytes()
     }
 
     /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.

@@ -56,6 +56,8 @@ pub(super) struct ScaledInput {
 /// Solution of the system, and the end of the iteration.
 pub(super) struct Found {
     pub(super) solved: SystemSolution,
+    /// First moments of near pairs by the motions.
+    pub(super) by_motions: Vec<Traceless>,
     pub(super) outcome: IterationOutcome,
 }
 
@@ -70,13 +72,14 @@ impl LubricatedSolve<'_> {
             Some(found) => found?,
             None => self.on_host(mobility, &mut input, limits)?,
         };
-        let Found { solved, outcome: IterationOutcome { iterations, residual, .. } } = found;
+        let Found { solved, outcome: IterationOutcome { iterations, residual, .. }, .. } = &found;
         if self.comm.any(!all_rows(solved.motions.0.len(), |row| solved.motions.0[row].linear().is_finite())) {
             return Err(SolveError::NotFinite);
         }
-        let constraint_loads = units::times(&self.constraint_loads(&solved), units.torque());
+        let constraint_loads = units::times(&self.constraint_loads(solved), units.torque());
+        let (iterations, residual) = (*iterations, *residual);
         let solution = Solution { constraint_loads, iterations, residual, ..Solution::default() };
-        Ok(self.completed(solution, &solved, &input, &units))
+        Ok(self.completed(solution, &found, &input, &units))
     }
 
     /// The solve by the host, which uses up the guess. Collective.
@@ -100,7 +103,9 @@ impl LubricatedSolve<'_> {
         let outcome = conjugate_gradients(self.comm, &mut system, iterate, limits);
         ended(&outcome, limits)?;
         let last = FinalIterate { x, residual: &residual, correction };
-        Ok(Found { solved: system.finish(last, END * limits.tolerance, self.comm), outcome })
+        let solved = system.finish(last, END * limits.tolerance, self.comm);
+        let by_motions = self.near.moments_by(&solved.motions);
+        Ok(Found { solved, by_motions, outcome })
     }
 
     /// The input in scaled units. The loads that move spheres as in the guess are for the preconditioner alone.
@@ -131,17 +136,11 @@ impl LubricatedSolve<'_> {
         made
     }
 
-    /// The solution of a system with known loads, in the original units. Collective.
-    fn completed(
-        &self,
-        mut solution: Solution,
-        solved: &SystemSolution,
-        input: &ScaledInput,
-        units: &Units,
-    ) -> Solution {
-        let SystemSolution { motions, loads, moments, strain_rates } = solved;
+    /// The solution of a system with known loads, in the original units.
+    fn completed(&self, mut solution: Solution, found: &Found, input: &ScaledInput, units: &Units) -> Solution {
+        let Found { solved: SystemSolution { motions, loads, moments, strain_rates }, by_motions, .. } = found;
         let ScaledInput { spheres, known, .. } = input;
-        let (by_motions, in_strain) = (self.near.moments_by(motions), self.near.ambient_moments());
+        let in_strain = self.near.ambient_moments();
         let (count, [torque, velocity, rate]) = (motions.0.len(), [units.torque(), units.velocity(), units.rate()]);
         let load = |row: usize| known.0[row] + loads.0[row];
         let induced = |row: usize| motions.0[row] - load(row) / spheres.motion[row];

@@ -12,8 +12,9 @@ pub use perturbed_solve::DisplacedSpheres;
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
 use crate::noise;
+use crate::pairs::lists::NearLists;
 use crate::pairs::lubrication::PairLubrication;
-use crate::pairs::search::{NearField, NearLists};
+use crate::pairs::search::NearField;
 use crate::six_vector::SixVector;
 use crate::solution::{Guess, Solution, SolveInput};
 use crate::system::single;
@@ -155,7 +156,7 @@ impl CoupledSolver {
             let strain_rate = strain_rate.in_units(units.rate(), units.length);
             let bodies = bodies.map(|bodies| bodies.in_units(&units));
             let acting = SolveInput { strain_rate, bodies: bodies.as_ref(), ..*acting };
-            let near = self.near_pairs(cell, &own, &acting);
+            let near = self.pairs_of_solve(cell, [particles, &own], &acting);
             if bodies.is_some() || self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
                 let mobility = self.far.mobility();

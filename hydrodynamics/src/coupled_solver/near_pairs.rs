@@ -1,30 +1,85 @@
 //! Near pairs of a solve.
 
-use crate::coupled_solver::CoupledSolver;
+use crate::coupled_solver::{CoupledSolver, in_units};
 use crate::pairs::search::{Connections, NearPairs};
 use crate::solution::SolveInput;
 use crate::springs::Springs;
+use crate::system::SingleSpheres;
 use crate::units;
 use domain::{DomainView, Particles, PeriodicBox};
+use fcm::{NearInput, NearTables};
 
 impl CoupledSolver {
     /// Near pairs of particles in scaled units, in a box in the original units, with the strain rate and the bodies of
     /// `acting` in scaled units and its springs and slip in the original ones. Collective.
     pub(super) fn near_pairs(&mut self, cell: &PeriodicBox, own: &Particles, acting: &SolveInput) -> NearPairs {
+        self.pairs_of_host(cell, own, acting, false)
+    }
+
+    /// The same, or those by springs alone.
+    fn pairs_of_host(
+        &mut self,
+        cell: &PeriodicBox,
+        own: &Particles,
+        acting: &SolveInput,
+        without_lubrication: bool,
+    ) -> NearPairs {
         let (units, cell) = (self.units, &cell.scaled(1.0 / self.units.length));
-        let Some(field) = &mut self.near else { return NearPairs::none(own, cell, &self.partition) };
         let SolveInput { strain_rate, springs, bodies, .. } = *acting;
+        let Some(field) = self.near.as_mut().filter(|_| !without_lubrication || springs.is_some()) else {
+            return NearPairs::none(own, cell, &self.partition);
+        };
         let resistance = springs.map(|springs| units::resistance(springs, &units));
         let contacts = springs.map(|springs| units::contacts(springs, &units)).unwrap_or_default();
         let tethers = springs.map(|springs| units::tethers(springs, &units)).unwrap_or_default();
         let springs =
             resistance.as_ref().map(|resistance| Springs { resistance, contacts: &contacts, tethers: &tethers });
-        let connections = Connections { springs: springs.as_ref(), bodies };
+        let connections = Connections { springs: springs.as_ref(), bodies, without_lubrication };
         let view = DomainView { cell, partition: &self.partition };
         let mut near = NearPairs::find(field, connections, own, view, strain_rate);
         if let Some(squirming) = acting.squirming {
             near.add_slip(field, &squirming.in_units(&units));
         }
         near
+    }
+
+    /// [`Self::near_pairs`] for a solve of particles that are given in the original units too: with the lubrication
+    /// where the far field is evaluated, if it is solved for there. Collective.
+    pub(super) fn pairs_of_solve(
+        &mut self,
+        cell: &PeriodicBox,
+        [particles, own]: [&Particles; 2],
+        acting: &SolveInput,
+    ) -> NearPairs {
+        if !self.solves_on_device(acting) {
+            return self.near_pairs(cell, own, acting);
+        }
+        let mut near = self.pairs_of_host(cell, own, acting, true);
+        let plan = self.far.mobility().plan();
+        let (viscosity, radii) = (plan.viscosity / self.units.viscosity, in_units(&plan.radii, self.units.length));
+        let lubrication = self.near.as_ref().and_then(|near| near.lubrication.as_ref());
+        let tables = || {
+            let SingleSpheres { motion, strain } = SingleSpheres::new(viscosity, &radii);
+            let alone = motion.iter().zip(&strain).map(|(motion, &strain)| [motion.0[0], motion.0[3], strain]);
+            let resistances = alone.collect();
+            match lubrication {
+                Some(lubrication) => lubrication.tables(viscosity, resistances),
+                None => NearTables { resistances, ..NearTables::default() },
+            }
+        };
+        let given = (!near.is_empty()).then(|| near.rows());
+        let input = NearInput { background: acting.strain_rate.at_zero.0, given: given.as_ref() };
+        let mobility = self.far.mobility();
+        mobility.follow(cell, particles);
+        if let Some(far) = mobility.coupled() {
+            near.add_found(&far.assemble(&tables, &input));
+        }
+        near
+    }
+
+    /// Whether the back end of the far field solves for the motions of free spheres together with near pairs.
+    fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
+        let is_free = acting.bodies.is_none() && acting.squirming.is_none() && acting.strain_rate.is_uniform();
+        is_free && self.preconditioned && self.near.is_some() && self.far.mobility().coupled().is_some()
     }
 }

@@ -3,29 +3,25 @@
 use crate::coupled_solver::lubricated_solve::{Found, LubricatedSolve, ScaledInput, ended};
 use crate::coupled_solver::{END, ROUGH, START};
 use crate::six_vector::{SixVector, SixVectors};
-use crate::system::{SingleSpheres, SystemSolution};
+use crate::system::SystemSolution;
 use crate::units::Scaled;
 use domain::Traceless;
-use fcm::{
-    CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Limits, Motion, NearResistance, SolveError,
-};
+use fcm::{CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Limits, Motion, SolveError};
 
 impl LubricatedSolve<'_> {
-    /// The solve by the back end of the far field, if it has one for free spheres.
+    /// The solve by the back end of the far field, if the near pairs are there.
     pub(super) fn on_device(
         &self,
         scaled: &mut Scaled,
         input: &ScaledInput,
         limits: Limits,
     ) -> Option<Result<Found, SolveError>> {
-        if self.bodies.is_some() || self.quadrupoles.is_some() || !self.is_preconditioned {
+        if !self.near.is_on_device() {
             return None;
         }
         let units = scaled.units;
-        let viscosity = scaled.mobility.plan().viscosity / units.viscosity;
-        let radii: Vec<f64> = scaled.mobility.plan().radii.iter().map(|radius| radius / units.length).collect();
         let far = scaled.mobility.coupled()?;
-        let ScaledInput { spheres, known, ambient, motions, moments, moving } = input;
+        let ScaledInput { known, ambient, motions, moments, moving, .. } = input;
         let start = CoupledStart {
             motions: numbers(motions).to_vec(),
             loads: numbers(moving).to_vec(),
@@ -33,7 +29,6 @@ impl LubricatedSolve<'_> {
         };
         let solution = far.solve(&CoupledProblem {
             units,
-            near: self.resistance(spheres, &SingleSpheres::new(viscosity, &radii)),
             loads: numbers(known),
             ambient: columns(ambient, known.0.len()),
             background: self.strain_rate.at_zero.0,
@@ -47,21 +42,6 @@ impl LubricatedSolve<'_> {
             },
         });
         Some(ended(&solution.outcome, limits).map(|()| found(&solution)))
-    }
-
-    /// Resistance of the near pairs of spheres, and of single spheres of each radius.
-    fn resistance(&self, spheres: &SingleSpheres, of_radii: &SingleSpheres) -> NearResistance {
-        let triangle =
-            |block: [f64; 36]| (0..6).flat_map(move |row| (0..=row).map(move |column| block[6 * row + column]));
-        let blocks = self.near.stiff().inverses(&spheres.motion, |_, _| {});
-        let alone = of_radii.motion.iter().zip(&of_radii.strain);
-        let [stiff, soft] = self.near.rows();
-        NearResistance {
-            stiff,
-            soft,
-            inverses: blocks.iter().flat_map(|block| triangle(block.numbers())).collect(),
-            single: alone.map(|(motion, &strain)| [motion.0[0], motion.0[3], strain]).collect(),
-        }
     }
 }
 
@@ -89,5 +69,5 @@ fn found(solution: &CoupledSolution) -> Found {
         moments: tensors(&solution.moments),
         strain_rates: tensors(&solution.strain_rates),
     };
-    Found { solved, outcome: solution.outcome }
+    Found { solved, by_motions: tensors(&solution.first_moments), outcome: solution.outcome }
 }

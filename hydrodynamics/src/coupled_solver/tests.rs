@@ -2,6 +2,7 @@
 
 mod bodies;
 mod constant_flux;
+mod device_pairs;
 mod on_device;
 mod springs;
 mod squeezed;

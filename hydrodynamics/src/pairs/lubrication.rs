@@ -28,6 +28,11 @@ impl PairLubrication {
         self.slip.get_or_init(of_radii)
     }
 
+    /// Largest gap at which a pair of two species is stiff.
+    pub fn stiff_gap(&self, species: [u32; 2]) -> f64 {
+        self.stiffness.gap(species)
+    }
+
     /// Whether a pair of two species is stiff at a gap.
     #[inline(always)]
     pub fn is_stiff(&self, species: [u32; 2], gap: f64) -> bool {

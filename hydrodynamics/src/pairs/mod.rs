@@ -3,6 +3,8 @@
 pub mod assembly;
 pub mod beams;
 pub mod contacts;
+pub mod device_tables;
+pub mod lists;
 pub mod lubrication;
 pub mod matrix;
 pub mod search;

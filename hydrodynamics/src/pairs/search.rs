@@ -4,6 +4,7 @@ use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
 use crate::bodies::present::PresentBodies;
 use crate::pairs::assembly::{Assembled, Assembly, PairArrangement};
+use crate::pairs::lists::{NearLists, Present};
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::lanes::StoredLanes;
@@ -12,11 +13,9 @@ use crate::pairs::matrix::within_bodies::StiffOfBodies;
 use crate::pairs::walls::{self, AtWall};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::springs::Springs;
-use domain::parallel::{FusedLoops, all_rows, change, in_blocks, mapped, stage};
-use domain::{
-    DomainView, Halo, LocalAndGhosts, Neighbours, Particles, Partition, PeriodicBox, Traceless, Vector, VerletList,
-};
-use fcm::{PairRows, Precision};
+use domain::parallel::{FusedLoops, change, in_blocks, mapped, stage};
+use domain::{DomainView, Particles, Partition, PeriodicBox, Traceless, Vector};
+use fcm::{NearInFlow, PairRows, Precision};
 use lubrication::WallForce;
 use std::rc::Rc;
 
@@ -30,86 +29,6 @@ pub struct NearField {
     pub precision: Precision,
     /// Radii by species.
     pub radii: Vec<f64>,
-}
-
-/// A rank's particles and the ghosts in their reach, in a box.
-pub struct Present {
-    pub(super) cell: PeriodicBox,
-    pub halo: Halo,
-    pub positions: Vec<Vector>,
-    pub ids: Vec<u64>,
-    pub species: Vec<u32>,
-}
-
-/// Neighbour lists up to a reach, with the particles that they follow.
-pub struct NearLists {
-    /// Largest centre distance of a near pair.
-    reach: f64,
-    lists: VerletList,
-    present: Option<Rc<Present>>,
-}
-
-impl NearLists {
-    /// Lists of pairs whose centres are closer than `reach`.
-    pub fn new(reach: f64, partition: &Partition) -> Self {
-        Self { reach, lists: VerletList::new(reach, partition), present: None }
-    }
-
-    /// Largest centre distance of a near pair.
-    pub fn reach(&self) -> f64 {
-        self.reach
-    }
-
-    /// Neighbours of each particle at the last positions.
-    pub fn neighbours(&self) -> &Neighbours {
-        self.lists.neighbours()
-    }
-
-    /// The particles, of known species, with ghosts, and the lists at their positions: as they are, if no particle has
-    /// moved. Collective.
-    fn follow(&mut self, particles: &Particles, species: Vec<u32>, view: DomainView) -> Rc<Present> {
-        let _stage = stage("lists of near pairs");
-        let DomainView { cell, partition } = view;
-        let known = self.present.take().filter(|present| present.is_of(particles, &species, cell));
-        let has_moved = partition.comm().any(known.is_none());
-        let present = known.filter(|_| !has_moved).unwrap_or_else(|| {
-            let present = Present::new(particles, species, view, self.reach);
-            let (owned, ids, positions) = (particles.len(), &present.ids[..], &present.positions[..]);
-            self.lists.update(cell, &LocalAndGhosts { owned, ids, positions });
-            Rc::new(present)
-        });
-        self.present = Some(Rc::clone(&present));
-        present
-    }
-}
-
-impl Present {
-    fn new(
-        particles: &Particles,
-        mut species: Vec<u32>,
-        DomainView { cell, partition }: DomainView,
-        reach: f64,
-    ) -> Self {
-        let halo = Halo::plan(partition, cell, &particles.positions, [reach; 2]);
-        let (mut positions, mut ids) = (Vec::new(), Vec::new());
-        let mut loops = FusedLoops::default();
-        loops.copied(&mut positions, &particles.positions);
-        loops.copied(&mut ids, &particles.ids);
-        loops.run();
-        halo.extend(&mut positions);
-        halo.extend(&mut ids);
-        halo.extend(&mut species);
-        Self { cell: *cell, halo, positions, ids, species }
-    }
-
-    /// Whether the particles of this rank are still the same, at the same positions in the same box.
-    fn is_of(&self, particles: &Particles, species: &[u32], cell: &PeriodicBox) -> bool {
-        let owned = particles.len();
-        let Self { positions, ids, species: known, .. } = self;
-        let now = (&particles.positions, &particles.ids);
-        let is_same = |row: usize| positions[row] == now.0[row] && ids[row] == now.1[row] && known[row] == species[row];
-        self.halo.owned() == owned && self.cell == *cell && all_rows(owned, is_same)
-    }
 }
 
 impl NearField {
@@ -146,13 +65,16 @@ pub struct NearPairs {
     has_traps: bool,
     /// Rigid bodies, if there are any.
     pub(super) bodies: Option<PresentBodies>,
+    /// Number of pairs, with these, whose resistance is where the far field is evaluated, if it is there.
+    on_device: Option<usize>,
 }
 
-/// Springs and rigid bodies of spheres, if there are any.
+/// Springs and rigid bodies of spheres, if there are any, and whether lubrication is left out.
 #[derive(Clone, Copy, Default)]
 pub struct Connections<'a> {
     pub springs: Option<&'a Springs<'a>>,
     pub bodies: Option<&'a RigidBodies>,
+    pub without_lubrication: bool,
 }
 
 /// Resistance matrices of stiff and of soft pairs.
@@ -182,12 +104,12 @@ impl NearPairs {
         let cell = view.cell;
         let owned = particles.len();
         let around = field.present(particles, view);
-        let Connections { springs, bodies } = connections;
+        let Connections { springs, bodies, without_lubrication } = connections;
         let bodies = bodies.map(|bodies| PresentBodies::new(bodies, &particles.radii, &around.halo));
         let Present { positions, ids, species, .. } = &*around;
         let NearField { lubrication, at_walls, lists, radii, .. } = &*field;
         let neighbours = lists.neighbours();
-        let lubrication = lubrication.as_ref();
+        let lubrication = lubrication.as_ref().filter(|_| !without_lubrication);
         let arrangement = PairArrangement {
             lubrication,
             springs,
@@ -222,7 +144,7 @@ impl NearPairs {
         for &(row, resistance) in &traps {
             stiff.add_own(row, &DiagonalBlock::against_velocity(resistance));
         }
-        Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty(), bodies }
+        Self { around, stiff, soft, at_walls, loads, moments, has_traps: !traps.is_empty(), bodies, on_device: None }
     }
 
     /// No near pairs, for systems without short-range interactions. Collective.
@@ -238,12 +160,28 @@ impl NearPairs {
             moments,
             has_traps: false,
             bodies: None,
+            on_device: None,
         }
+    }
+
+    /// Adds the loads and first moments in the ambient flow of the pairs that a device has found.
+    pub fn add_found(&mut self, found: &NearInFlow) {
+        let values = found.values.as_chunks::<{ 6 + 5 }>().0;
+        change(&mut self.loads.0, values, |sum, &[a, b, c, d, e, f, ..]| *sum += SixVector([a, b, c, d, e, f]));
+        change(&mut self.moments, values, |sum, &[.., xx, xy, xz, yy, yz]| *sum += Traceless([xx, xy, xz, yy, yz]));
+        self.on_device = Some(found.pairs.iter().sum());
+    }
+
+    /// Whether the resistance of all pairs is where the far field is evaluated.
+    pub fn is_on_device(&self) -> bool {
+        self.on_device.is_some()
     }
 
     /// Whether no particle of this rank is near another or a wall, or in a trap.
     pub fn is_empty(&self) -> bool {
-        self.stiff.is_empty() && self.soft.is_empty() && self.at_walls.is_empty() && !self.has_traps
+        let has_pairs =
+            !self.stiff.is_empty() || !self.soft.is_empty() || self.on_device.is_some_and(|pairs| pairs > 0);
+        !has_pairs && self.at_walls.is_empty() && !self.has_traps
     }
 
     /// Resistance matrix of stiff pairs, walls and traps.
@@ -251,14 +189,14 @@ impl NearPairs {
         &self.stiff
     }
 
-    /// Rows of stiff and of soft pairs, for a device.
+    /// Rows of stiff pairs, for a device.
     ///
     /// # Panics
     /// On several ranks, whose pairs have ghosts.
-    pub fn rows(&self) -> [PairRows; 2] {
+    pub fn rows(&self) -> PairRows {
         let count = self.moments.len();
         assert_eq!(self.around.positions.len(), count, "a device serves one rank");
-        [self.stiff.rows(count), self.soft.rows(count)]
+        self.stiff.rows(count)
     }
 
     /// Stiff pairs as parts of the resistance of bodies.

@@ -142,7 +142,7 @@ fn against(springs: &Springs, particles: &Particles, plan: &Plan, reach: f64, mo
     let view = DomainView { cell: &plan.cell().scaled(1.0 / units.length), partition: &partition };
     let near = NearPairs::find(
         field,
-        Connections { springs: Some(&springs), bodies: None },
+        Connections { springs: Some(&springs), ..Connections::default() },
         &own,
         view,
         StrainRate::default(),

@@ -1,23 +1,31 @@
 //! The solve by the kernels of a card, which an emulator runs on the host, against that of the host.
 
+use super::device_pairs::lubrication_of;
 use super::*;
 use domain::Random;
 use fcm::{Method, Mobility, StressletSolver};
 use gpu::{Counted, Device, DeviceCounts, Emulator, NearSize, NumberFormat};
 
-/// Spheres of two sizes in a sheared box, one pair of them near contact.
-struct Suspension {
-    cell: PeriodicBox,
-    particles: Particles,
-    plan: Plan,
+/// Spheres of two sizes in a box, one pair of them near contact.
+pub(super) struct Suspension {
+    pub(super) cell: PeriodicBox,
+    pub(super) particles: Particles,
+    pub(super) plan: Plan,
 }
 
 impl Suspension {
+    /// In a sheared box.
     fn new(precision: Precision, iteration: f64) -> Self {
+        let sheared = |edge| PeriodicBox::sheared(Vector::splat(edge), 0.3).unwrap();
+        Self::within(sheared, precision, iteration)
+    }
+
+    /// In a box of some shape with the volume of a cube.
+    pub(super) fn within(shape: impl Fn(f64) -> PeriodicBox, precision: Precision, iteration: f64) -> Self {
         let radii: Vec<f64> = (0..16).map(|i| if i % 4 == 3 { 1.6 } else { 1.0 }).collect();
         let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a * a * a).sum();
-        let (edge, strain) = ((volume / 0.3).cbrt(), 0.3);
-        let cell = PeriodicBox::sheared(Vector::splat(edge), strain).unwrap();
+        let edge = (volume / 0.3).cbrt();
+        let cell = shape(edge);
         let mut positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
         let line = cell.nearest_image(positions[1] - positions[0]).normalize();
         positions[1] = positions[0] + line * (2.0 + 1e-3);
@@ -25,7 +33,15 @@ impl Suspension {
         particles.wrap(&cell);
         let given = problem(edge, &[1.0, 1.6], 1e-3, iteration);
         let fixed = Fixed { precision: Some(precision), method: Some(Method::Split), ..given.fixed };
-        let plan = Plan::choose(&Problem { largest_strain: strain, fixed, ..given }).unwrap();
+        let of_cell = Problem {
+            edges: cell.edges(),
+            volume: cell.volume(),
+            shortest_vector: Problem::shortest_vector_of(&cell),
+            largest_strain: cell.strain().abs(),
+            largest_tilts: Problem::tilts_of(&cell),
+            ..given
+        };
+        let plan = Plan::choose(&Problem { fixed, ..of_cell }).unwrap();
         Self { cell, particles, plan }
     }
 
@@ -33,11 +49,11 @@ impl Suspension {
         Partition::new(&Comm::alone(), [self.plan.grid[1], self.plan.grid[2]])
     }
 
-    fn on_host(&self) -> CoupledSolver {
+    pub(super) fn on_host(&self) -> CoupledSolver {
         CoupledSolver::new(&self.plan, &self.partition(), lubricated_at(Some(LubricationRange::default()))).unwrap()
     }
 
-    fn on(&self, device: Box<dyn Device>) -> CoupledSolver {
+    pub(super) fn on(&self, device: Box<dyn Device>) -> CoupledSolver {
         let far = StressletSolver::of(Mobility::on(device, &self.plan, &self.partition()), &Comm::alone());
         CoupledSolver::of(far, &self.partition(), lubricated_at(Some(LubricationRange::default()))).unwrap()
     }
@@ -66,7 +82,7 @@ impl Suspension {
     }
 }
 
-fn emulator(seed: u64) -> Box<dyn Device> {
+pub(super) fn emulator(seed: u64) -> Box<dyn Device> {
     let options = std::env::var("EMULATOR_FLAGS").unwrap_or_default();
     let options: Vec<&str> = options.split_whitespace().collect();
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
@@ -89,22 +105,24 @@ fn columns(solution: &Solution) -> [Vec<f64>; 6] {
 }
 
 /// Root of the mean square of a difference over that of the values.
-fn relative(found: &[f64], exact: &[f64]) -> f64 {
+pub(super) fn relative(found: &[f64], exact: &[f64]) -> f64 {
     assert!(found.len() == exact.len() && !exact.is_empty());
     let square = |values: &mut dyn Iterator<Item = f64>| values.map(|value| value * value).sum::<f64>();
     let difference = square(&mut found.iter().zip(exact).map(|(found, exact)| found - exact));
     (difference / square(&mut exact.iter().copied())).sqrt()
 }
 
-/// Both solutions to the tolerance of the solve, in as many iterations: round-off changes the last steps.
+/// Both solutions to the tolerance of the solve, in as many iterations: round-off changes the last steps, and more of
+/// them the smaller the tolerance is.
 #[test]
 fn solutions_are_those_of_the_host() {
-    for (precision, iteration) in [(Precision::Double, 1e-6), (Precision::Single, 1e-4)] {
+    for (precision, iteration) in [(Precision::Double, 1e-6), (Precision::Double, 1e-9), (Precision::Single, 1e-4)] {
         let suspension = Suspension::new(precision, iteration);
         let exact = suspension.solutions(suspension.on_host());
         let found = suspension.solutions(suspension.on(emulator(11)));
         for (found, exact) in found.iter().zip(&exact) {
-            assert!(found.iterations > 3 && found.iterations.abs_diff(exact.iterations) <= 2, "{}", found.iterations);
+            let both = [found.iterations, exact.iterations];
+            assert!(both[0] > 3 && both[0].abs_diff(both[1]) <= 2 + both[1] / 10, "{iteration:e}: {both:?}");
             for (kind, (found, exact)) in columns(found).iter().zip(&columns(exact)).enumerate() {
                 let difference = relative(found, exact);
                 assert!(difference < 3.0 * iteration, "{precision:?}, kind {kind}: {difference:e}");
@@ -172,10 +190,11 @@ fn memory_is_as_predicted() {
     let found = (counts.borrow().memory[1] - before) as f64;
     // Spheres that have not moved are arranged once: their neighbours are counted, then listed.
     assert_eq!(counts.borrow().runs["find_neighbours_f32"], 2);
-    let own = crate::units::particles(particles, &solver.units);
-    let [stiff, soft] = solver.near_pairs(cell, &own, &input).rows().map(|rows| rows.others.len() as f64);
+    let [stiff, soft] = suspension.pairs(&solver).map(f64::from);
     assert!(stiff > 0.0 && soft > 0.0);
-    let size = NearSize { numbers: NumberFormat::Single, particles: particles.len() as f64, stiff, soft };
+    let tables = lubrication_of(&solver).tables(1.0, Vec::new());
+    let tables = (size_of_val(&tables.kinds[..]) + size_of_val(&tables.series[..])) as f64;
+    let size = NearSize { numbers: NumberFormat::Single, particles: particles.len() as f64, stiff, soft, tables };
     // Sums of blocks and the resistances of single spheres are left out.
     assert!((size.bytes()..size.bytes() + 500.0).contains(&found), "{found} bytes, {} expected", size.bytes());
 }

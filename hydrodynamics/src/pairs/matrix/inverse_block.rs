@@ -15,11 +15,6 @@ impl Block {
     /// Stored numbers: a whole SIMD vector can be read from the start of the last row.
     pub const NUMBERS: usize = 5 * 6 + LANES;
 
-    /// The matrix row by row.
-    pub fn numbers(&self) -> [f64; 36] {
-        std::array::from_fn(|k| self.0[k])
-    }
-
     /// Motion under a force.
     pub fn under_force(&self, force: Vector) -> SixVector {
         let column = |k: usize, force: f64| SixVector(std::array::from_fn(|i| self.0[6 * k + i] * force));

@@ -8,7 +8,6 @@ use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
 use domain::parallel::in_blocks;
-use fcm::PairRows;
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
@@ -176,9 +175,6 @@ pub trait Resistance: Sync {
     /// Whether there are no pairs.
     fn is_empty(&self) -> bool;
 
-    /// Rows of `count` particles, for a device.
-    fn rows(&self, count: usize) -> PairRows;
-
     /// Adds the loads due to the motions of particles and ghosts, for the rows of a block.
     fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]);
 
@@ -189,10 +185,6 @@ pub trait Resistance: Sync {
 impl<T: StoredLanes> Resistance for PairMatrix<T> {
     fn is_empty(&self) -> bool {
         self.parts.iter().all(|part| part.groups.is_empty())
-    }
-
-    fn rows(&self, count: usize) -> PairRows {
-        Self::rows(self, count)
     }
 
     fn add_loads(&self, part: usize, present: &[Padded], loads: &mut [SixVector]) {

@@ -7,9 +7,9 @@ mod pair_sum;
 mod quadrupoles;
 mod wave_sum;
 
-use crate::mobility::far_field::{FarField, NoiseRequest};
+use crate::mobility::far_field::FarField;
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{self, COMPONENTS, DrawDiagnostics, ParticleComponents};
+use crate::mobility::noise::{self, COMPONENTS, DrawDiagnostics, NoiseRequest, ParticleComponents};
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
 use domain::parallel::MeasuredLoop;

@@ -1,10 +1,10 @@
 //! Far field by the split method on a device.
 //!
 //! Loads and motions pass through the host in each evaluation, except in the solve for the stresslets of rigid spheres.
-//! Noise is drawn on the host, by the same plan, and the flow of degenerate quadrupoles, which a solve needs once, is
-//! evaluated there.
+//! The flow of degenerate quadrupoles, which a solve needs once, is evaluated on the host, by the same plan.
 
 mod coupled;
+mod random_motions;
 mod rigid;
 mod tables;
 #[cfg(test)]
@@ -13,14 +13,16 @@ mod vectors;
 
 use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
 use crate::mobility::far_field::grid::GridFarField;
-use crate::mobility::far_field::{FarField, NoiseRequest, RigidFarField, RigidProblem, RigidSolution};
+use crate::mobility::far_field::{FarField, RigidFarField, RigidProblem, RigidSolution};
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::DrawDiagnostics;
+use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use domain::parallel::equal;
 use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
-use gpu::{Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, SplitFarField};
+use gpu::{
+    Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, SplitFarField,
+};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -41,6 +43,8 @@ pub(crate) struct DeviceFarField {
     /// The same far field on the host, made when first needed, and whether its particles are those of the device.
     host: Option<(GridFarField, bool)>,
     work: Work,
+    /// Largest resistance of a single sphere in a solve with near pairs.
+    largest_resistance: f64,
 }
 
 /// Result of a device, whose failures end the run.
@@ -83,6 +87,7 @@ impl DeviceFarField {
             arranged: None,
             host: None,
             work: Work::default(),
+            largest_resistance: 0.0,
         }
     }
 
@@ -202,7 +207,7 @@ impl FarField for DeviceFarField {
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
-        self.host().noise(draw)
+        self.random_motion(draw)
     }
 
     fn work(&self) -> Work {
@@ -238,8 +243,19 @@ impl RigidFarField for DeviceFarField {
 }
 
 impl CoupledFarField for DeviceFarField {
+    fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> NearInFlow {
+        let mut split = self.split.borrow_mut();
+        if !split.has_near_tables() {
+            let tables = tables();
+            succeeded(split.set_near_tables(&tables));
+            self.largest_resistance = tables.resistances.iter().flatten().copied().fold(0.0, f64::max);
+        }
+        succeeded(split.assemble_near(input))
+    }
+
     fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution {
-        let (own, given) = (self.units.with_force(largest_load(problem)), problem.units);
+        let largest = largest_load(problem, self.largest_resistance);
+        let (own, given) = (self.units.with_force(largest), problem.units);
         self.units = own;
         let factors = LoadFactors {
             force: 1.0 / own.force,
@@ -253,11 +269,11 @@ impl CoupledFarField for DeviceFarField {
     }
 }
 
-/// Largest load of a problem: one that is given, or by which single spheres resist ambient motions and strain.
-fn largest_load(problem: &CoupledProblem) -> f64 {
+/// Largest load of a problem: one that is given, or by which single spheres with a resistance of at most this size
+/// resist ambient motions and strain.
+fn largest_load(problem: &CoupledProblem, resistance: f64) -> f64 {
     let largest = |list: &mut dyn Iterator<Item = f64>| list.map(f64::abs).fold(0.0, f64::max);
-    let CoupledProblem { loads, start, near, ambient, background, .. } = problem;
-    let resistance = largest(&mut near.single.iter().flatten().copied());
+    let CoupledProblem { loads, start, ambient, background, .. } = problem;
     let moved = largest(&mut ambient.iter().chain(background).copied());
     let given = loads.iter().chain(&start.loads).chain(&start.moments).copied();
     largest(&mut given.chain([resistance * moved]))

@@ -1,20 +1,15 @@
 //! Random motions whose covariance is the mobility.
 
 use super::GridFarField;
-use crate::mobility::far_field::{FarField, NoiseRequest};
-use crate::mobility::loads::{Loads, Motion, Output, dipole};
-use crate::mobility::noise::{self, DrawDiagnostics, LanczosLimits, ParticleComponents, Stream, square_root_times};
+use crate::mobility::far_field::FarField;
+use crate::mobility::loads::{Motion, Output, dipole};
+use crate::mobility::noise::{
+    self, DrawDiagnostics, LanczosLimits, NoiseRequest, ParticleComponents, square_root_times,
+};
+use crate::mobility::noise_root::{MOST_ITERATIONS, Scales, numbers, root_by_loads, sum_in_units};
 use crate::plan::problem::Multipoles;
-use domain::{Boundaries, Tensor, Vector, sphere};
+use domain::{Boundaries, Tensor, Vector};
 use std::convert::Infallible;
-
-/// Largest number of iterations for a square root. The near field is well conditioned and takes ten or twenty, and so
-/// does the whole mobility if there are not many spheres or walls absorb momentum.
-const MOST_ITERATIONS: usize = 100;
-
-/// Number of components of a motion with dipoles, and without.
-const WITH_DIPOLES: usize = 11;
-const WITHOUT: usize = 3;
 
 impl GridFarField {
     /// Random motions as of [`FarField::noise`].
@@ -33,28 +28,13 @@ impl GridFarField {
         self.arrangement.collect(&mut far);
         self.work.transforms += 1;
         let (near, drawn) = self.near_noise(draw);
-        let kept = self.components();
-        let sum = far[..ids.len()].iter().enumerate().map(|(row, motion)| {
-            let mut sum = noise::components(motion);
-            if let Some(near) = near.get(row) {
-                sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += near);
-            }
-            sum[kept..].fill(0.0);
-            sum
-        });
-        let mut motion = noise::motion(sum);
-        // The variance of a velocity has the unit of the mobility.
-        let [velocity, rate] =
-            [self.units.length, self.units.length.powi(3)].map(|size| (size * self.units.viscosity).sqrt().recip());
-        motion.velocities.iter_mut().for_each(|v| *v *= velocity);
-        motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
-        motion.strain_rates.iter_mut().for_each(|e| *e = *e * rate);
-        (motion.of(self.plan.multipoles), drawn)
+        let of_field = far[..ids.len()].iter().map(noise::components);
+        (sum_in_units(of_field, &near, self.plan.multipoles, &self.units), drawn)
     }
 
     /// Near-field part. Collective.
     fn near_noise(&mut self, draw: &NoiseRequest) -> (Vec<ParticleComponents>, DrawDiagnostics) {
-        let &NoiseRequest { ids, tolerance, stream } = draw;
+        let ids = draw.ids;
         let Some(near) = &self.near else { return (Vec::new(), DrawDiagnostics::default()) };
         let (arrangement, neighbours) = (&self.arrangement, self.verlet_list.neighbours());
         let has_dipoles = self.has_dipoles();
@@ -76,8 +56,8 @@ impl GridFarField {
             near.add(&arrangement.loaded(&forces, &dipoles), neighbours, has_dipoles, &mut motions);
             Ok::<_, Infallible>(scales.divide(&motions.iter().map(noise::components).collect::<Vec<_>>()))
         };
-        let start = self.start(ids, stream);
-        let limits = LanczosLimits { tolerance, iterations: MOST_ITERATIONS };
+        let start = numbers(draw, self.plan.multipoles);
+        let limits = LanczosLimits { tolerance: draw.tolerance, iterations: MOST_ITERATIONS };
         let Ok((root, drawn)) = square_root_times(self.partition.comm(), &start, limits, apply);
         self.work.neighbours += (neighbours.count() * drawn.iterations) as u64;
         (scales.times(&root), drawn)
@@ -85,85 +65,14 @@ impl GridFarField {
 
     /// Random motions by the square root of the whole mobility. Collective.
     fn whole_noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
-        let &NoiseRequest { ids, tolerance, stream } = draw;
-        let (comm, has_dipoles) = (self.partition.comm().clone(), self.has_dipoles());
-        let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..ids.len()]);
-        let output = if has_dipoles { Output::All } else { Output::Velocities };
-        let start = self.start(ids, stream);
-        let apply = |scaled: &[ParticleComponents]| {
-            let mut loads = Loads::default();
-            for components in scales.divide(scaled) {
-                loads.forces.push(Vector::from_slice(&components));
-                if has_dipoles {
-                    let [_, _, _, x, y, z, d @ ..] = components;
-                    loads.torques.push(Vector::new(x, y, z));
-                    loads.stresslets.push(-noise::tensor(d));
-                }
-            }
-            let motion = self.apply(&loads, output);
-            let components = (0..ids.len()).map(|row| {
-                let mut components = [0.0; WITH_DIPOLES];
-                components[..WITHOUT].copy_from_slice(&motion.velocities[row].to_array());
-                if has_dipoles {
-                    components[3..6].copy_from_slice(&motion.angular_velocities[row].to_array());
-                    components[6..].copy_from_slice(&noise::orthonormal(motion.strain_rates[row]));
-                }
-                components
-            });
-            Ok::<_, Infallible>(scales.divide(&components.collect::<Vec<_>>()))
-        };
-        let limits = LanczosLimits { tolerance, iterations: MOST_ITERATIONS };
-        let Ok((root, drawn)) = square_root_times(&comm, &start, limits, apply);
-        (noise::motion(scales.times(&root).into_iter()).of(self.plan.multipoles), drawn)
+        let (comm, multipoles) = (self.partition.comm().clone(), self.plan.multipoles);
+        let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..draw.ids.len()]);
+        let output = if self.has_dipoles() { Output::All } else { Output::Velocities };
+        let (root, drawn) = root_by_loads(&comm, &scales, draw, multipoles, |loads| self.apply(loads, output));
+        (noise::motion(root.into_iter()).of(multipoles), drawn)
     }
 
     fn has_dipoles(&self) -> bool {
         self.plan.multipoles == Multipoles::Dipole
-    }
-
-    /// Number of components of a motion.
-    fn components(&self) -> usize {
-        if self.has_dipoles() { WITH_DIPOLES } else { WITHOUT }
-    }
-
-    /// Random numbers to which a square root is applied.
-    fn start(&self, ids: &[u64], stream: Stream) -> Vec<ParticleComponents> {
-        let kept = self.components();
-        let numbers = |&id: &u64| {
-            let mut numbers = stream.of_particle(id);
-            numbers[kept..].fill(0.0);
-            numbers
-        };
-        ids.iter().map(numbers).collect()
-    }
-}
-
-/// Square roots of the mobilities of single spheres, by which components are scaled to similar size.
-struct Scales(Vec<[f64; 3]>);
-
-impl Scales {
-    fn new(radii: &[f64], viscosity: f64, classes: &[u32]) -> Self {
-        let of_one = |&class: &u32| {
-            let a = radii[class as usize];
-            let [force, torque, strain] =
-                [sphere::drag(1.0, a), sphere::rotational_drag(1.0, a), sphere::strain_resistance(1.0, a)];
-            [force, torque, strain].map(|resistance| (resistance * viscosity).sqrt().recip())
-        };
-        Self(classes.iter().map(of_one).collect())
-    }
-
-    fn times(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
-        self.scaled(list, |component, scale| component * scale)
-    }
-
-    fn divide(&self, list: &[ParticleComponents]) -> Vec<ParticleComponents> {
-        self.scaled(list, |component, scale| component / scale)
-    }
-
-    fn scaled(&self, list: &[ParticleComponents], by: impl Fn(f64, f64) -> f64) -> Vec<ParticleComponents> {
-        let scaled = |(components, scales): (&ParticleComponents, &[f64; 3])| {
-            std::array::from_fn(|k| by(components[k], scales[[0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2][k]]))
-        };
-        list.iter().zip(&self.0).map(scaled).collect()
     }
 }

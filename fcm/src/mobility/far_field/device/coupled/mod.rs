@@ -9,7 +9,7 @@ use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
 use crate::conjugate_gradients::{InnerProducts, Iterate, Linear, Step, SteppedSystem, conjugate_gradients};
 use crate::mobility::coupled::{CoupledProblem, CoupledSolution};
-use gpu::{CoupledVectors, DeviceStep, KnownInput, LoadFactors, NearInput, Orders, ProductSums, RESIDUALS, UNKNOWNS};
+use gpu::{CoupledVectors, DeviceStep, KnownInput, LoadFactors, Orders, ProductSums, RESIDUALS, UNKNOWNS};
 use preconditioner::{LoadedMotions, ResidentLoads, ResidentPreconditioner};
 
 /// Numbers of a motion or load, and of a stresslet.
@@ -36,9 +36,6 @@ pub(super) fn solve(
     orders: &Orders,
 ) -> CoupledSolution {
     let count = problem.loads.len() / SIX;
-    let near = &problem.near;
-    let input = NearInput { stiff: &near.stiff, soft: &near.soft, inverses: &near.inverses, resistances: &near.single };
-    succeeded(field.borrow_mut().set_near(&input));
     succeeded(field.borrow_mut().begin_coupled(problem.background));
     let mut system = ResidentSystem {
         field: field.clone(),
@@ -60,9 +57,11 @@ pub(super) fn solve(
     let values = system.finish(&mut x, &residual, &z, problem.tolerances.end);
     let (motions, rest) = values.split_at(SIX * count);
     let (loads, rest) = rest.split_at(SIX * count);
-    let (moments, strain_rates) = rest.split_at(FIVE * count);
-    let [motions, loads, moments, strain_rates] = [motions, loads, moments, strain_rates].map(<[f64]>::to_vec);
-    CoupledSolution { motions, loads, moments, strain_rates, outcome }
+    let (moments, rest) = rest.split_at(FIVE * count);
+    let (strain_rates, first_moments) = rest.split_at(FIVE * count);
+    let [motions, loads] = [motions, loads].map(<[f64]>::to_vec);
+    let [moments, strain_rates, first_moments] = [moments, strain_rates, first_moments].map(<[f64]>::to_vec);
+    CoupledSolution { motions, loads, moments, strain_rates, first_moments, outcome }
 }
 
 /// Inner products by name.

@@ -1,0 +1,47 @@
+//! Random motions on a device.
+
+use super::{DeviceFarField, scaled, succeeded};
+use crate::mobility::loads::{Loads, Motion};
+use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
+use crate::mobility::noise_root::{Scales, of_motion, root_by_loads, sum_in_units};
+use crate::plan::problem::Multipoles;
+use domain::Vector;
+use gpu::{DeviceLoads, DeviceMotion};
+
+impl DeviceFarField {
+    /// Random motions as of [`crate::mobility::FarField::noise`], by the random numbers of the host. The part on the
+    /// grid is drawn on the device; the square root of the pair corrections is applied by Lanczos' iteration, whose
+    /// vectors are on the host and whose products are on the device.
+    pub(super) fn random_motion(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
+        let multipoles = self.plan.multipoles;
+        let has_dipoles = multipoles == Multipoles::Dipole;
+        let orders = self.tables.orders([true, has_dipoles], [true, has_dipoles]);
+        let field = succeeded(self.split.borrow_mut().random_field(draw.stream.seed_of_field(), &orders));
+        let own = self.plan.in_units(&self.units);
+        let classes: Vec<u32> = self.particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        let scales = Scales::new(&own.radii, own.viscosity, &classes);
+        let near = |loads: &Loads| {
+            let forces = scaled(loads.forces.iter().map(Vector::to_array), 1.0);
+            let torques = scaled(loads.torques.iter().map(Vector::to_array), 1.0);
+            let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), 1.0);
+            let loads = DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets };
+            as_it_is(&succeeded(self.split.borrow_mut().pair_corrections(&loads, &orders)))
+        };
+        let (near, drawn) = root_by_loads(self.partition.comm(), &scales, draw, multipoles, near);
+        let of_field = of_motion(&as_it_is(&field), has_dipoles).into_iter();
+        let motion = sum_in_units(of_field, &near, multipoles, &self.units);
+        self.work.transforms += 1;
+        self.work.neighbours += (self.split.borrow().neighbours() * drawn.iterations) as u64;
+        (motion, drawn)
+    }
+}
+
+/// Motions in the units of a device.
+fn as_it_is(motion: &DeviceMotion) -> Motion {
+    let vectors = |values: &[f64]| values.as_chunks().0.iter().map(|&v| Vector::from_array(v)).collect();
+    Motion {
+        velocities: vectors(&motion.velocities),
+        angular_velocities: vectors(&motion.angular_velocities),
+        strain_rates: motion.strain_rates.as_chunks().0.iter().map(|&e| domain::Traceless(e)).collect(),
+    }
+}
