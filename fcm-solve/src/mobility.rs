@@ -73,7 +73,7 @@ pub fn run(args: &MobilityArgs, comm: &Comm) -> anyhow::Result<()> {
 
 /// Evaluates a case; the first rank has the answer. Collective.
 fn answer_to(case: &Case, tolerance: f64, comm: &Comm) -> anyhow::Result<Option<CaseAnswer>> {
-    let (parameters, turn) = parameters(case, tolerance, run::kept_costs(comm)?)?;
+    let (parameters, turn) = parameters(case, tolerance, run::kept_costs(case.device.into(), comm)?)?;
     case.noise.map_or(Ok(()), |_| parameters.check_noise())?;
     let mut mobility = Mobility::new(parameters, text_bytes(case), comm)?.turned(turn);
     mobility.join(case.rigid_bodies());

@@ -290,6 +290,11 @@ fn the_costs_of_a_machine_stay_with_a_run() {
     assert!(measured.status.success(), "{}", text(&measured.stderr));
     let kept = folder.path().join("fcm-solve/costs.json");
     assert!(text(&measured.stdout).contains(&kept.display().to_string()));
+    let of_card = text(&measured.stdout).lines().find_map(|line| line.strip_prefix("card").map(str::to_owned)).unwrap();
+    // With a card, its costs; without one, the reason.
+    assert!(of_card.contains("times those") || of_card.contains("not measured: "), "{of_card}");
+    let stored: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&kept).unwrap()).unwrap();
+    assert_eq!(stored.get("card").is_some(), of_card.contains("times those"));
     std::fs::write(&kept, r#"{"stencils": 2.5, "transforms": 0.5, "pairs": 1.0}"#).unwrap();
     assert!(on_machine(&["run", &scene, "--out", &out]).status.success());
     let copy: String = std::fs::read_to_string(Path::new(&out).join("scene.toml")).unwrap();

@@ -3,6 +3,7 @@
 #include "emulator.h"
 
 #include "task.h"
+#include "traffic.h"
 typedef void (*Kernel)(const Task &);
 static std::map<std::string, Kernel> kernels;
 
@@ -48,8 +49,9 @@ static void launch()
         exit(1);
     }
     read_bytes(&task, bytes);
+    traffic::begin();
     emulator::launch((unsigned)blocks, (unsigned)threads, [&] { kernel->second(task); });
-    reply_word(0);
+    reply_word(traffic::end());
 }
 
 struct Line {
@@ -135,10 +137,14 @@ int main(int, char **arguments)
         }
         Word first = read_word();
         if (command == ALLOCATE) {
-            void *memory = malloc(first);
+            void *memory = nullptr;
+            // Aligned as that of a card.
+            if (posix_memalign(&memory, 256, first) != 0) exit(1);
             memset(memory, emulator::UNSET, first);
+            traffic::add(memory, first);
             reply_word((Word)memory);
         } else if (command == FREE) {
+            traffic::remove((void *)first);
             free((void *)first);
         } else {
             Word bytes = read_word();

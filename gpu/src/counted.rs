@@ -19,6 +19,8 @@ pub struct DeviceCounts {
     pub uploads: [u64; 2],
     /// Copies from the device, for each of which the host waits, and their bytes.
     pub downloads: [u64; 2],
+    /// Bytes of its memory that each kernel has read and written, see [`Device::moved`].
+    pub moved: BTreeMap<String, u64>,
     /// Bytes of the memory that is allocated at present, and the most at any time.
     pub memory: [u64; 2],
 }
@@ -92,7 +94,9 @@ impl Device for Counted {
 
     fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {
         self.note(launch.kernel);
-        self.device.launch(launch, task)
+        self.device.launch(launch, task)?;
+        self.counts.borrow_mut().moved = self.device.moved();
+        Ok(())
     }
 
     fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
@@ -118,7 +122,9 @@ impl Device for Counted {
         for name in &self.recordings[&number] {
             *counts.runs.entry(name.clone()).or_default() += 1;
         }
-        self.device.replay(number)
+        self.device.replay(number)?;
+        counts.moved = self.device.moved();
+        Ok(())
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {

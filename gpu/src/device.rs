@@ -1,6 +1,7 @@
 //! Interface of a device.
 
 use crate::task::{DeviceAddress, KernelTask};
+use std::collections::BTreeMap;
 
 /// Failure of a device: its memory is full, a library is missing, or it reports an error.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -80,6 +81,12 @@ pub trait Device {
 
     /// Runs the commands of a recording.
     fn replay(&mut self, number: usize) -> Result<(), DeviceError>;
+
+    /// Bytes of its memory that each kernel has read and written, in sectors of 32 bytes that count once in a run;
+    /// empty if the device does not count them.
+    fn moved(&self) -> BTreeMap<String, u64> {
+        BTreeMap::new()
+    }
 
     /// Waits for all commands.
     fn finish(&mut self) -> Result<(), DeviceError>;

@@ -2,7 +2,7 @@
 
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 use crate::task::{DeviceAddress, KernelTask};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::DirEntry;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -21,6 +21,8 @@ pub struct Emulator {
     /// Commands of the recording that has begun, and those of others by number.
     begun: Option<Vec<Recorded>>,
     recordings: HashMap<usize, Vec<Recorded>>,
+    /// Bytes that kernels have read and written.
+    moved: BTreeMap<String, u64>,
 }
 
 /// A command of a recording.
@@ -49,6 +51,9 @@ enum Order {
 const KERNELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/kernels");
 
 impl Emulator {
+    /// Option by which the memory that kernels read and write is counted, see `gpu/kernels/traffic.cc`.
+    pub const COUNTING: &'static str = "-fsanitize=thread";
+
     /// The emulator in a folder, compiled by the host's C++ compiler, `CXX` or g++, with additional options, unless the
     /// folder has one of the same sources and options. Returns the path of the program.
     pub fn compile(folder: &Path, options: &[&str]) -> Result<PathBuf, DeviceError> {
@@ -60,14 +65,14 @@ impl Emulator {
         }
         let compiler = std::env::var("CXX").unwrap_or_else(|_| "g++".to_owned());
         let unfinished = program.with_extension(std::process::id().to_string());
-        let mut command = Command::new(&compiler);
-        command.args(["-O1", "-g", "-std=c++17", "-Wall", "-Wextra"]).args(options);
-        command.arg("-o").arg(&unfinished).arg(Path::new(KERNELS).join("emulator.cc"));
-        match command.status() {
-            Ok(status) if status.success() => {}
-            Ok(status) => return Err(DeviceError(format!("{compiler} could not compile the emulator: {status}"))),
-            Err(error) => return Err(DeviceError(format!("{compiler}, which compiles the emulator: {error}"))),
-        }
+        let object = unfinished.with_extension("o");
+        let source = |name: &str| Path::new(KERNELS).join(name);
+        let [kernels, to_object] = [source("emulator.cc"), object.clone()];
+        run(&compiler, options, &[Path::new("-c"), &kernels, Path::new("-o"), &to_object])?;
+        // The calls by which accesses are counted are those of this file.
+        let others: Vec<&str> = options.iter().copied().filter(|&option| option != Self::COUNTING).collect();
+        run(&compiler, &others, &[&object, &source("traffic.cc"), Path::new("-o"), &unfinished])?;
+        drop(std::fs::remove_file(&object));
         std::fs::rename(&unfinished, &program).map_err(|error| unreadable(&error))?;
         Ok(program)
     }
@@ -81,7 +86,7 @@ impl Emulator {
             return Err(DeviceError("the emulator has no pipes".to_owned()));
         };
         let (to, from, memory) = (BufWriter::new(to), BufReader::new(from), HashMap::new());
-        Ok(Self { child, to, from, memory, begun: None, recordings: HashMap::new() })
+        Ok(Self { child, to, from, memory, begun: None, recordings: HashMap::new(), moved: BTreeMap::new() })
     }
 
     fn send(&mut self, order: Order, words: &[usize]) -> Result<(), DeviceError> {
@@ -101,6 +106,16 @@ impl Emulator {
         let mut word = [0; 8];
         self.receive(&mut word)?;
         Ok(u64::from_ne_bytes(word))
+    }
+}
+
+/// Runs a compiler with additional options.
+fn run(compiler: &str, options: &[&str], files: &[&Path]) -> Result<(), DeviceError> {
+    let always = ["-O1", "-g", "-std=c++17", "-Wall", "-Wextra"];
+    match Command::new(compiler).args(always).args(options).args(files).status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(status) => Err(DeviceError(format!("{compiler} could not compile the emulator: {status}"))),
+        Err(error) => Err(DeviceError(format!("{compiler}, which compiles the emulator: {error}"))),
     }
 }
 
@@ -178,7 +193,8 @@ impl Device for Emulator {
         let words = [launch.blocks, launch.threads, size_of::<KernelTask>()].map(|word| word as u64);
         self.send_bytes(bytemuck::cast_slice(&words))?;
         self.send_bytes(bytemuck::bytes_of(task))?;
-        self.receive_word().map(drop)
+        *self.moved.entry(launch.kernel.to_owned()).or_default() += self.receive_word()?;
+        Ok(())
     }
 
     fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
@@ -215,7 +231,38 @@ impl Device for Emulator {
         Ok(())
     }
 
+    fn moved(&self) -> BTreeMap<String, u64> {
+        self.moved.clone()
+    }
+
     fn finish(&mut self) -> Result<(), DeviceError> {
         self.to.flush().map_err(|error| failed(&error))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of `y = a x + b y` the kernel reads both lists and writes one; without the option nothing is counted.
+    #[test]
+    fn bytes_that_a_kernel_moves_are_counted() {
+        let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
+        let count = 1000;
+        for (options, lists) in [(&[Emulator::COUNTING][..], 3), (&[], 0)] {
+            let mut device = Emulator::start(&Emulator::compile(&folder, options).unwrap(), 3).unwrap();
+            let [list_x, list_y] = [(); 2].map(|()| device.allocate(8 * count).unwrap());
+            let numbers: Vec<f64> = (0..count).map(|i| i as f64).collect();
+            for list in [list_x, list_y] {
+                device.upload(list, bytemuck::cast_slice(&numbers)).unwrap();
+            }
+            let task =
+                KernelTask { list_x, list_y, x_factor: 2.0, y_factor: 1.0, list_size: 1000, ..KernelTask::default() };
+            device.launch(&KernelLaunch { kernel: "combine_f64", blocks: 4, threads: 256 }, &task).unwrap();
+            let mut sum = vec![0.0_f64; count];
+            device.download(list_y, bytemuck::cast_slice_mut(&mut sum)).unwrap();
+            assert_eq!(sum[17], 51.0);
+            assert_eq!(device.moved()["combine_f64"], 8 * 1000 * lists);
+        }
     }
 }

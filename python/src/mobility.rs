@@ -59,7 +59,7 @@ impl PyMobility {
         let comm = ranks(comm)?;
         let lubrication =
             lubrication.map(|cutoff| LubricationRange::new(cutoff, LubricationRange::MINIMUM_GAP)).transpose();
-        let count = radii.len();
+        let (count, device) = (radii.len(), CaseDevice::of_word(device).map_err(|cause| refused(&cause))?.into());
         let parameters = MobilityParameters {
             cell,
             radii,
@@ -70,8 +70,8 @@ impl PyMobility {
             tolerance,
             lubrication: lubrication.map_err(|cause| refused(&cause))?,
             method: CaseMethod::of_word(method).map_err(|cause| refused(&cause))?.alone(),
-            device: CaseDevice::of_word(device).map_err(|cause| refused(&cause))?.into(),
-            costs: without_lock(py, || run::kept_costs(&comm)).map_err(|cause| explained(&cause))?,
+            device,
+            costs: without_lock(py, || run::kept_costs(device, &comm)).map_err(|cause| explained(&cause))?,
         };
         Self::planned(py, parameters, turn, count, &comm)
     }

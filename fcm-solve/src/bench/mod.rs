@@ -129,7 +129,7 @@ pub fn run(args: &BenchArgs, comm: &Comm) -> anyhow::Result<()> {
     if let Some(scene) = &args.stages.step {
         return shares::measure_steps(scene, args.repeats, comm);
     }
-    let costs = run::kept_costs(comm)?;
+    let costs = run::kept_costs(args.device(), comm)?;
     for case in args.cases() {
         let spheres = Spheres::random(&case, comm)?;
         for &tolerance in &args.tolerance {
@@ -158,6 +158,13 @@ impl BenchArgs {
         cases
     }
 
+    fn device(&self) -> ComputeDevice {
+        match self.device {
+            DeviceChoice::Cpu => ComputeDevice::Cpu,
+            DeviceChoice::Gpu => ComputeDevice::Gpu,
+        }
+    }
+
     fn task(&self, tolerance: f64, costs: Costs) -> Task {
         let method = match self.method {
             Choice::Auto => None,
@@ -165,10 +172,7 @@ impl BenchArgs {
             Choice::Split => Some(Method::Split),
             Choice::Dense => Some(Method::Dense),
         };
-        let device = match self.device {
-            DeviceChoice::Cpu => ComputeDevice::Cpu,
-            DeviceChoice::Gpu => ComputeDevice::Gpu,
-        };
+        let device = self.device();
         Task {
             tolerance,
             kind: match (self.monopoles, self.stresslets) {

@@ -29,9 +29,10 @@ impl Plan {
 /// Seconds of an evaluation of a problem, on all its threads or on its card.
 pub(crate) fn predicted(plan: &Plan, problem: &Problem) -> f64 {
     let parts = seconds(plan, problem.particles(), problem.largest_strain, problem.ranks);
+    let seconds = parts.total(&problem.costs);
     match plan.device {
-        ComputeDevice::Cpu => parts.total(&problem.costs) / (problem.ranks * problem.threads).max(1) as f64,
-        ComputeDevice::Gpu => parts.total(&Costs::default()),
+        ComputeDevice::Cpu => seconds / (problem.ranks * problem.threads).max(1) as f64,
+        ComputeDevice::Gpu => seconds,
     }
 }
 

@@ -32,6 +32,14 @@ impl ComputeDevice {
         }
     }
 
+    /// Whether the device is there, with the reason if it is not.
+    pub fn check_present(self) -> Result<(), String> {
+        match self {
+            Self::Cpu => Ok(()),
+            Self::Gpu => gpu::Cuda::check().map_err(|reason| reason.0),
+        }
+    }
+
     /// Whether the device has this method.
     pub(crate) fn allows(self, method: Method) -> bool {
         self == Self::Cpu || method == Method::Split

@@ -3,7 +3,7 @@
 
 use crate::RunError;
 use domain::Comm;
-use fcm::{Costs, Network};
+use fcm::{ComputeDevice, Costs, Network};
 use files::replace_file;
 use scene::{Kind, Scene};
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,48 @@ struct Cached {
     stencils: f64,
     transforms: f64,
     pairs: f64,
+    /// Costs on a card.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    card: Option<CachedCosts>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     network: Option<CachedNetwork>,
+}
+
+/// Costs of the parts of an evaluation over those that the planner expects.
+#[derive(Debug, Serialize, Deserialize, Clone, Copy, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct CachedCosts {
+    stencils: f64,
+    transforms: f64,
+    pairs: f64,
+}
+
+impl From<Costs> for CachedCosts {
+    fn from(Costs { stencils, transforms, pairs }: Costs) -> Self {
+        Self { stencils, transforms, pairs }
+    }
+}
+
+impl CachedCosts {
+    fn numbers(self) -> [f64; 3] {
+        [self.stencils, self.transforms, self.pairs]
+    }
+}
+
+impl Cached {
+    fn new(costs: Costs, card: Option<CachedCosts>, network: Option<CachedNetwork>) -> Self {
+        let Costs { stencils, transforms, pairs } = costs;
+        Self { stencils, transforms, pairs, card, network }
+    }
+
+    /// Costs on a device; those that the planner expects of a card that was not measured.
+    fn costs_on(&self, device: ComputeDevice) -> CachedCosts {
+        let &Self { stencils, transforms, pairs, .. } = self;
+        match device {
+            ComputeDevice::Cpu => CachedCosts { stencils, transforms, pairs },
+            ComputeDevice::Gpu => self.card.unwrap_or(Costs::default().into()),
+        }
+    }
 }
 
 /// Bytes per second that a rank sends while all do, and seconds of a message.
@@ -29,18 +69,18 @@ struct CachedNetwork {
     latency: f64,
 }
 
-/// Stores measured costs and the measured network, if there is one, in the user's cache folder; a network measured
-/// before is kept. Returns the path of the file.
-pub fn keep_costs(costs: Costs, network: Option<Network>) -> Result<PathBuf, RunError> {
-    let Costs { stencils, transforms, pairs } = costs;
+/// Stores measured costs, those of a card and the measured network, if there are any, in the user's cache folder; a
+/// card and a network measured before are kept. Returns the path of the file.
+pub fn keep_costs(costs: Costs, card: Option<Costs>, network: Option<Network>) -> Result<PathBuf, RunError> {
     let nowhere = || RunError::Refused("there is no cache folder: neither XDG_CACHE_HOME nor HOME is set".to_owned());
     let path = file().ok_or_else(nowhere)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let failed = |source| RunError::Folder { what: "make the folder", path: folder.to_owned(), source };
     std::fs::create_dir_all(folder).map_err(failed)?;
-    let before = || kept().ok().flatten().and_then(|cached| cached.network);
+    let before = kept().ok().flatten();
+    let (known, linked) = before.map_or((None, None), |cached| (cached.card, cached.network));
     let measured = network.map(|Network { bandwidth, latency, .. }| CachedNetwork { bandwidth, latency });
-    let cached = Cached { stencils, transforms, pairs, network: measured.or_else(before) };
+    let cached = Cached::new(costs, card.map(CachedCosts::from).or(known), measured.or(linked));
     let text = serde_json::to_string_pretty(&cached).expect("a few numbers");
     replace_file(&path, text.as_bytes())?;
     Ok(path)
@@ -52,18 +92,16 @@ fn file() -> Option<PathBuf> {
     Some(cache.join("fcm-solve").join("costs.json"))
 }
 
-/// The costs measured on the first rank's machine, or the planner's default costs. Collective.
-pub fn kept_costs(comm: &Comm) -> Result<Costs, RunError> {
-    kept_on_first(comm).map(|(costs, _)| costs)
+/// The costs measured on a device of the first rank's machine, or the planner's default costs. Collective.
+pub fn kept_costs(device: ComputeDevice, comm: &Comm) -> Result<Costs, RunError> {
+    kept_on_first(device, comm).map(|(costs, _)| costs)
 }
 
-/// The costs, and the network between the present ranks if it was measured. Collective.
-fn kept_on_first(comm: &Comm) -> Result<(Costs, Option<Network>), RunError> {
+/// The costs on a device, and the network between the present ranks if it was measured. Collective.
+fn kept_on_first(device: ComputeDevice, comm: &Comm) -> Result<(Costs, Option<Network>), RunError> {
     let read = if comm.is_first() { kept() } else { Ok(None) };
-    let cached = comm.agree(read)?;
-    let Costs { stencils, transforms, pairs } = Costs::default();
-    let cached = cached.unwrap_or(Cached { stencils, transforms, pairs, network: None });
-    let mut values = vec![cached.stencils, cached.transforms, cached.pairs];
+    let cached = comm.agree(read)?.unwrap_or_else(|| Cached::new(Costs::default(), None, None));
+    let mut values = cached.costs_on(device).numbers().to_vec();
     values.extend(cached.network.iter().flat_map(|network| [network.bandwidth, network.latency]));
     comm.broadcast(&mut values);
     let network = values.get(3..5).map(|of| Network {
@@ -82,7 +120,8 @@ fn kept() -> Result<Option<Cached>, String> {
         |what: String| format!("{name}: {what}; measure again with `fcm-solve calibrate`, or remove the file");
     let text = std::fs::read_to_string(&path).map_err(|e| damaged(e.to_string()))?;
     let cached: Cached = serde_json::from_str(&text).map_err(|e| damaged(e.to_string()))?;
-    if ![cached.stencils, cached.transforms, cached.pairs].iter().all(|factor| (0.01..=100.0).contains(factor)) {
+    let mut costs = [ComputeDevice::Cpu, ComputeDevice::Gpu].into_iter().flat_map(|on| cached.costs_on(on).numbers());
+    if !costs.all(|factor| (0.01..=100.0).contains(&factor)) {
         return Err(damaged("costs need to be between 0.01 and 100".to_owned()));
     }
     let is_network = |of: &CachedNetwork| (1e3..=1e15).contains(&of.bandwidth) && (0.0..=1.0).contains(&of.latency);
@@ -96,7 +135,7 @@ fn kept() -> Result<Option<Cached>, String> {
 /// between the machines of its ranks. Collective.
 pub fn on_this_machine(scene: Scene, comm: &Comm) -> Result<Scene, RunError> {
     let Kind::Suspension(checked) = scene.kind() else { return Ok(scene) };
-    let (costs, network) = kept_on_first(comm)?;
+    let (costs, network) = kept_on_first(checked.model.hydrodynamics.device, comm)?;
     let network = network.filter(|_| comm.spans_machines());
     let keys = keys(&checked.model.hydrodynamics, costs, network);
     if keys.is_empty() { Ok(scene) } else { Ok(scene.with("the costs of this machine", &keys)?) }
@@ -134,5 +173,20 @@ mod tests {
         assert_eq!(both[1..], [expected]);
         let set = Hydrodynamics { network: Some(network), costs: Some([1.0; 3]), ..none };
         assert!(keys(&set, costs, Some(Network { ranks: 8, ..network })).is_empty());
+    }
+
+    /// A file of a version before cards were measured, and one that has a card, as they are written and read.
+    #[test]
+    fn costs_are_those_of_the_device() {
+        let text = r#"{"stencils": 2.5, "transforms": 0.5, "pairs": 1.5}"#;
+        let known: Cached = serde_json::from_str(text).unwrap();
+        let host = CachedCosts { stencils: 2.5, transforms: 0.5, pairs: 1.5 };
+        assert_eq!(known.costs_on(ComputeDevice::Cpu), host);
+        assert_eq!(known.costs_on(ComputeDevice::Gpu), Costs::default().into());
+        let card = CachedCosts { stencils: 0.8, transforms: 1.25, pairs: 3.0 };
+        let written = serde_json::to_string(&Cached { card: Some(card), ..known }).unwrap();
+        let read: Cached = serde_json::from_str(&written).unwrap();
+        assert_eq!([ComputeDevice::Cpu, ComputeDevice::Gpu].map(|device| read.costs_on(device)), [host, card]);
+        assert!(serde_json::from_str::<Cached>(r#"{"stencils": 1, "transforms": 1, "pairs": 1, "cards": 1}"#).is_err());
     }
 }

@@ -2,33 +2,70 @@
 
 use super::{BenchmarkCase, BenchmarkError, BenchmarkKind, Spheres, Task};
 use domain::Comm;
-use fcm::{Costs, Fixed, Seconds};
+use fcm::{ComputeDevice, Costs, Fixed, Seconds};
 
-/// Costs of stencils, transforms and pairs on this machine, over those that the planner expects: medians over
-/// evaluations at two tolerances.
-pub fn measured_costs(comm: &Comm) -> Result<Costs, BenchmarkError> {
-    let case = BenchmarkCase { particles: 3200, volume_fraction: 0.12, size_ratio: 1.0 };
+/// Costs of stencils, transforms and pairs on a device of this machine, over those that the planner expects: medians
+/// over evaluations at two tolerances.
+pub fn measured_costs(device: ComputeDevice, comm: &Comm) -> Result<Costs, BenchmarkError> {
+    // Threads share the work of the processor. A card takes more spheres, so that launches are a small part.
+    let (particles, threads) = match device {
+        ComputeDevice::Cpu => (3200, rayon::current_num_threads()),
+        ComputeDevice::Gpu => (50_000, 1),
+    };
+    let case = BenchmarkCase { particles, volume_fraction: 0.12, size_ratio: 1.0 };
     let spheres = Spheres::random(&case, comm)?;
     let task = |tolerance| Task {
         tolerance,
         kind: BenchmarkKind::All,
         repeats: 9,
         with_error: false,
-        fixed: Fixed::default(),
+        fixed: Fixed { device, ..Fixed::default() },
         costs: Costs::default(),
     };
-    let mut factors = [1.0; 3];
+    let mut factors = Costs::default();
     for tolerance in [1e-3, 1e-6] {
         let (plan, seconds) = task(tolerance).times(&spheres, comm)?;
-        let Seconds { spread, fft, interpolate, near, .. } = seconds;
-        let expected = plan.parts(case.particles);
-        let parts = [(spread + interpolate, expected.stencils), (fft, expected.transforms), (near, expected.pairs)];
-        for (factor, (found, expected)) in factors.iter_mut().zip(parts) {
-            // Threads share the work.
-            let found = found * rayon::current_num_threads() as f64;
-            *factor *= (found / expected).clamp(0.01, 100.0).sqrt();
+        let found = over_expected(&seconds, threads, &plan.parts(case.particles));
+        let mean = |one: f64, other: f64| one * other.sqrt();
+        factors = Costs {
+            stencils: mean(factors.stencils, found.stencils),
+            transforms: mean(factors.transforms, found.transforms),
+            pairs: mean(factors.pairs, found.pairs),
+        };
+    }
+    Ok(factors)
+}
+
+/// Seconds of the parts of an evaluation by some threads over those that one is expected to take, from 0.01 to 100.
+fn over_expected(seconds: &Seconds, threads: usize, expected: &Costs) -> Costs {
+    let Seconds { spread, fft, interpolate, near, .. } = *seconds;
+    let over = |found: f64, expected: f64| (found * threads as f64 / expected).clamp(0.01, 100.0);
+    Costs {
+        stencils: over(spread + interpolate, expected.stencils),
+        transforms: over(fft, expected.transforms),
+        pairs: over(near, expected.pairs),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_are_times_of_all_threads_over_the_expected_ones() {
+        let seconds = Seconds { spread: 1.0, interpolate: 2.0, fft: 0.5, near: 1e9, ..Seconds::default() };
+        let expected = Costs { stencils: 6.0, transforms: 0.25, pairs: 1.0 };
+        let factors = over_expected(&seconds, 4, &expected);
+        assert_eq!(factors, Costs { stencils: 2.0, transforms: 8.0, pairs: 100.0 });
+    }
+
+    /// With a card its costs are measured. Without one, the reason names the key.
+    #[test]
+    fn a_card_is_measured_or_is_not_there() {
+        let found = measured_costs(ComputeDevice::Gpu, &Comm::alone());
+        match ComputeDevice::Gpu.check_present() {
+            Ok(()) => assert!(found.is_ok_and(|costs| costs.stencils > 0.01)),
+            Err(_) => assert!(found.unwrap_err().to_string().contains("hydrodynamics.device")),
         }
     }
-    let [stencils, transforms, pairs] = factors;
-    Ok(Costs { stencils, transforms, pairs })
 }

@@ -42,8 +42,8 @@ fn oblong(edge: f64) -> PeriodicBox {
     PeriodicBox::new(Vector::new(0.8 * edge, edge, 1.25 * edge)).unwrap()
 }
 
-/// Loads and first moments of spheres at rest in a rate of strain, in both precisions to round-off: stiff pairs and sums
-/// are in double precision. The closest gap is a thousandth of a radius.
+/// Loads and first moments of spheres at rest in a rate of strain, in both precisions to round-off: stiff pairs and
+/// sums are in double precision. The closest gap is a thousandth of a radius.
 #[test]
 fn loads_in_a_strain_are_those_of_the_host() {
     let strain = Traceless([0.3, 0.5, -0.2, 0.1, 0.4]);
