@@ -4,6 +4,7 @@ use super::on_device::{Suspension, emulator, relative};
 use super::*;
 use crate::pairs::lubrication::PairLubrication;
 use domain::Tensor;
+use fcm::{NearInput, PairRows};
 use gpu::Counted;
 
 /// Lubrication of a solver.
@@ -14,21 +15,50 @@ pub(super) fn lubrication_of(solver: &CoupledSolver) -> &PairLubrication {
 impl Suspension {
     /// Numbers of stiff and of soft pairs, each counted for both of its spheres, by all images of all pairs.
     pub(super) fn pairs(&self, solver: &CoupledSolver) -> [u32; 2] {
+        let rows = 0..self.particles.len();
+        let of_pair = |counts: [u32; 2], pair| {
+            let images = self.images(solver, pair);
+            [counts[0] + images[0], counts[1] + images[1]]
+        };
+        rows.clone().flat_map(|row| rows.clone().map(move |other| [row, other])).fold([0; 2], of_pair)
+    }
+
+    /// Numbers of images of a sphere that are in a stiff and in a soft pair with another one.
+    fn images(&self, solver: &CoupledSolver, [row, other]: [usize; 2]) -> [u32; 2] {
         let Self { cell, particles, .. } = self;
         let (lubrication, mut counts) = (lubrication_of(solver), [0; 2]);
-        let species = |row: usize| u32::from(particles.radii[row] > 1.0);
-        let steps = |k: i32| [k % 7 - 3, k / 7 % 7 - 3, k / 49 - 3];
-        for (row, image) in (0..particles.len()).flat_map(|row| (0..343).map(move |k| (row, cell.lattice(steps(k))))) {
-            for other in 0..particles.len() {
-                let distance = (particles.positions[other] + image - particles.positions[row]).length();
-                let pair = [row, other].map(species);
-                if let Some(gap) = lubrication.force.gap(distance / solver.units.length, pair) {
-                    counts[usize::from(!lubrication.is_stiff(pair, gap))] += 1;
-                }
+        let pair = [row, other].map(|row| u32::from(particles.radii[row] > 1.0));
+        for k in 0..343 {
+            let image = cell.lattice([k % 7 - 3, k / 7 % 7 - 3, k / 49 - 3]);
+            let distance = (particles.positions[other] + image - particles.positions[row]).length();
+            if let Some(gap) = lubrication.force.gap(distance / solver.units.length, pair) {
+                counts[usize::from(!lubrication.is_stiff(pair, gap))] += 1;
             }
         }
         counts
     }
+}
+
+/// All pairs are found, once each; one that the host gives is stiff for both of its spheres, whatever its gap.
+#[test]
+fn pairs_are_those_of_all_images() {
+    let suspension = Suspension::within(tilted, Precision::Single, 1e-2);
+    let mut solver = suspension.on(emulator(6));
+    let expected = suspension.pairs(&solver);
+    let is_soft = |other: &usize| suspension.images(&solver, [0, *other])[0] == 0;
+    let soft = (1..16).filter(is_soft).find(|&other| suspension.images(&solver, [0, other])[1] > 0).unwrap();
+    let moved = 2 * suspension.images(&solver, [0, soft])[1] as usize;
+    let starts = (0..17).map(|row| i32::from(row > 0) + i32::from(row > soft)).collect();
+    let others = vec![soft as i32, 0];
+    let given = PairRows { starts, others, numbers: vec![0.0; 18], own: vec![0.0; 16 * 15] };
+    let tables = lubrication_of(&solver).tables(1.0, vec![[1.0; 3]; 2]);
+    let mobility = solver.far.mobility();
+    mobility.follow(&suspension.cell, &suspension.particles);
+    let far = mobility.coupled().unwrap();
+    let mut found = |given| far.assemble(&|| tables.clone(), &NearInput { background: [0.0; 5], given }).pairs;
+    let [stiff, soft] = found(None);
+    assert_eq!([stiff, soft], expected.map(|count| count as usize));
+    assert_eq!(found(Some(&given)), [stiff + moved + 2, soft - moved]);
 }
 
 /// A box along other axes than those of space, and one whose edges differ.
