@@ -161,7 +161,12 @@ fn own(plan: &Plan, envelope: fcm::Envelope) -> f64 {
 fn brackets(plan: &Plan) -> Brackets {
     let square = |radius: Option<&f64>| own(plan, fcm::Envelope::of_sphere(*radius.expect("a plan has radii"))).powi(2);
     let ([least, most], width) = ([square(plan.radii.first()), square(plan.radii.last())], widths(plan)[0].powi(2));
-    Brackets { common: 0.5 - (0.125 * least + 0.375 * most) / width, own: 0.25 * (most - least) / width, stretch: 1.0 }
+    Brackets {
+        common: 0.5 - (0.125 * least + 0.375 * most) / width,
+        own: 0.25 * (most - least) / width,
+        stretch: 1.0,
+        size: plan.radii.last().expect("a plan has radii") / width.sqrt(),
+    }
 }
 
 /// Error by the cutoff over the width: cutoffs from short to long on the finest grid.

@@ -63,7 +63,7 @@ mod walls;
 pub use conjugate_gradients::{
     InnerProducts, Iterate, IterationOutcome, Limits, Linear, Step, System, conjugate_gradients,
 };
-pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution};
+pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Magnetisation};
 pub use envelope::{Envelope, Quadrupole};
 pub use gpu::{NearInFlow, NearInput, NearKind, NearTables, PairRows};
 pub use grid::stencil::Support;

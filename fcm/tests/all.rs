@@ -11,6 +11,7 @@ mod grids;
 mod isolated;
 mod lattices;
 mod long_boxes;
+mod open_dipoles;
 mod overlaps;
 mod properties;
 mod quadrupoles;

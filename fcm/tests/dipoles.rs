@@ -28,7 +28,7 @@ fn plan(cell: &PeriodicBox, moments: &MagnetisedSpheres, tolerance: f64) -> Plan
 
 /// Solves a problem on some ranks, which own the spheres by another partition than that of the grid; results are in the
 /// order of the spheres.
-fn on_ranks(
+pub fn on_ranks(
     ranks: usize,
     cell: &PeriodicBox,
     moments: &MagnetisedSpheres,
@@ -40,12 +40,19 @@ fn on_ranks(
         let rows: Vec<usize> = (0..moments.radii.len()).filter(|r| r % comm.size() == comm.rank()).collect();
         let mut particles = store(moments).selected(&rows);
         particles.migrate(&partition, cell);
-        let own = |list: &[Vector]| particles.ids.iter().map(|&id| list[id as usize]).collect::<Vec<_>>();
-        let polarisabilities: Vec<f64> =
-            particles.ids.iter().map(|&id| problem.polarisabilities[id as usize]).collect();
-        let permanent = own(problem.permanent);
-        let own_problem =
-            DipoleProblem { permanent: &permanent, polarisabilities: &polarisabilities, guess: &[], ..*problem };
+        fn own<T: Copy>(ids: &[u64], list: &[T]) -> Vec<T> {
+            ids.iter().filter_map(|&id| list.get(id as usize).copied()).collect()
+        }
+        let [polarisabilities, saturations] =
+            [problem.polarisabilities, problem.saturations].map(|list| own(&particles.ids, list));
+        let [permanent, guess] = [problem.permanent, problem.guess].map(|list| own(&particles.ids, list));
+        let own_problem = DipoleProblem {
+            permanent: &permanent,
+            polarisabilities: &polarisabilities,
+            saturations: &saturations,
+            guess: &guess,
+            ..*problem
+        };
         let mut field = DipoleField::new(plan, &comm);
         let domain = DomainView { cell, partition: &partition };
         let solution = field.solve(domain, &particles, &own_problem).unwrap();
@@ -76,8 +83,13 @@ fn on_ranks(
 /// Permanent moments alone, on one rank.
 fn permanent(cell: &PeriodicBox, moments: &MagnetisedSpheres, tolerance: f64) -> (DipoleSolution, Vec<Tensor>) {
     let none = vec![0.0; moments.radii.len()];
-    let problem =
-        DipoleProblem { field: Vector::ZERO, permanent: &moments.moments, polarisabilities: &none, guess: &[] };
+    let problem = DipoleProblem {
+        field: Vector::ZERO,
+        permanent: &moments.moments,
+        polarisabilities: &none,
+        saturations: &[],
+        guess: &[],
+    };
     on_ranks(1, cell, moments, &plan(cell, moments, tolerance), &problem)
 }
 
@@ -201,7 +213,13 @@ fn induced_moments_in_a_cubic_lattice_are_those_of_maxwell_garnett() {
         let beta = chi / (chi + 3.0);
         let fraction = 4.0 / 3.0 * PI / edge.powi(3);
         let alphas = vec![4.0 / 3.0 * PI * chi; 8];
-        let problem = DipoleProblem { field, permanent: &lattice.moments, polarisabilities: &alphas, guess: &[] };
+        let problem = DipoleProblem {
+            field,
+            permanent: &lattice.moments,
+            polarisabilities: &alphas,
+            saturations: &[],
+            guess: &[],
+        };
         let (found, _) = on_ranks(1, &cell, &lattice, &plan(&cell, &lattice, 1e-6), &problem);
         let exact = field * (4.0 * PI * beta / (1.0 - fraction * beta));
         for moment in &found.moments {
@@ -221,7 +239,8 @@ fn induced_moments_are_along_the_field() {
             (0..10).map(|r: usize| if r.is_multiple_of(2) { moments.moments[r] } else { Vector::ZERO }).collect();
         let field = Vector::new(1.0, 0.3, -0.4);
         let tolerance = 1e-5;
-        let problem = DipoleProblem { field, permanent: &permanent, polarisabilities: &alphas, guess: &[] };
+        let problem =
+            DipoleProblem { field, permanent: &permanent, polarisabilities: &alphas, saturations: &[], guess: &[] };
         let (found, _) = on_ranks(1, &cell, &moments, &plan(&cell, &moments, tolerance), &problem);
         let fields = MagnetisedSpheres { moments: found.moments.clone(), ..moments.clone() }.fields();
         let by_field: Vec<Vector> = (0..10).map(|r| permanent[r] + (field + fields[r].0) * alphas[r]).collect();
@@ -237,7 +256,7 @@ fn ranks_threads_and_units_do_not_matter() {
         let alphas: Vec<f64> = moments.radii.iter().map(|a| 20.0 * a.powi(3)).collect();
         let permanent = &moments.moments;
         let field = Vector::new(1.0, 0.3, -0.4);
-        let problem = DipoleProblem { field, permanent, polarisabilities: &alphas, guess: &[] };
+        let problem = DipoleProblem { field, permanent, polarisabilities: &alphas, saturations: &[], guess: &[] };
         let plan = plan(&cell, &moments, 1e-7);
         let (alone, tensors) = on_ranks(1, &cell, &moments, &plan, &problem);
         let sum = |tensors: &[Tensor]| tensors.iter().fold(Tensor::ZERO, |sum, tensor| sum + *tensor).to_cols_array();
@@ -260,8 +279,13 @@ fn ranks_threads_and_units_do_not_matter() {
         let volume = length * length * length;
         let permanent: Vec<Vector> = permanent.iter().map(|m| *m * (volume * unit)).collect();
         let alphas: Vec<f64> = alphas.iter().map(|alpha| alpha * volume).collect();
-        let problem =
-            DipoleProblem { field: field * unit, permanent: &permanent, polarisabilities: &alphas, guess: &[] };
+        let problem = DipoleProblem {
+            field: field * unit,
+            permanent: &permanent,
+            polarisabilities: &alphas,
+            saturations: &[],
+            guess: &[],
+        };
         let cell = cell.scaled(length);
         let plan = self::plan(&cell, &scaled, 1e-7);
         let (found, _) = on_ranks(1, &cell, &scaled, &plan, &problem);

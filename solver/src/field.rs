@@ -18,25 +18,25 @@ pub enum Physical {}
 #[derive(Debug, Clone, Copy)]
 pub enum Spectral {}
 
-/// One rank's share of a vector field with three components, made by [`crate::Transform::field`].
+/// One rank's share of a field with `C` components, three of a vector field, made by [`crate::Transform::field`].
 ///
 /// In physical space a rank owns whole rows along x. After the `nx` values of each row there is room for `halo` more,
 /// so that a stencil that crosses the end of the box continues without wrapping. Values written there belong to the
 /// start of the row: a forward transform adds them to it, and a backward transform copies the row's start there.
 #[derive(Debug, Clone)]
-pub struct Field<T, Space> {
+pub struct Field<T, Space, const C: usize = 3> {
     pub(crate) memory: AlignedMemory<T>,
     pub(crate) layout: Layout,
     space: PhantomData<Space>,
 }
 
-impl<T: Real, Space> Field<T, Space> {
+impl<T: Real, Space, const C: usize> Field<T, Space, C> {
     pub(crate) fn zero(layout: &Layout) -> Self {
         Self { memory: AlignedMemory::zero(layout.capacity), layout: layout.clone(), space: PhantomData }
     }
 
     /// Reinterprets the memory as values in another space.
-    pub(crate) fn into_space<Other>(self) -> Field<T, Other> {
+    pub(crate) fn into_space<Other>(self) -> Field<T, Other, C> {
         Field { memory: self.memory, layout: self.layout, space: PhantomData }
     }
 
@@ -51,7 +51,7 @@ impl<T: Real, Space> Field<T, Space> {
     }
 }
 
-impl<T: Real> Field<T, Physical> {
+impl<T: Real, const C: usize> Field<T, Physical, C> {
     /// Ranges of rows along y and along z that this rank owns.
     pub fn rows(&self) -> [Range<usize>; 2] {
         self.layout.rows.clone()
@@ -74,17 +74,16 @@ impl<T: Real> Field<T, Physical> {
 
     /// All values of each component: the row at `y` and `z` begins at
     /// `(z - rows[1].start) * plane_stride + (y - rows[0].start) * row_stride`.
-    pub fn components(&self) -> [&[T]; 3] {
+    pub fn components(&self) -> [&[T]; C] {
         let (size, stride) = (self.component_size(), self.layout.physical.component);
         std::array::from_fn(|c| &self.memory.values()[c * stride..c * stride + size])
     }
 
     /// All values of each component, mutably.
-    pub fn components_mut(&mut self) -> [&mut [T]; 3] {
+    pub fn components_mut(&mut self) -> [&mut [T]; C] {
         let (size, stride) = (self.component_size(), self.layout.physical.component);
-        let (x, rest) = self.memory.values_mut().split_at_mut(stride);
-        let (y, z) = rest.split_at_mut(stride);
-        [&mut x[..size], &mut y[..size], &mut z[..size]]
+        let mut parts = self.memory.values_mut().chunks_mut(stride);
+        std::array::from_fn(|_| &mut parts.next().expect("there is room for all components")[..size])
     }
 
     fn component_size(&self) -> usize {
@@ -158,8 +157,8 @@ impl<T: Real> Field<T, Physical> {
     pub fn to_vec(&self) -> Vec<T> {
         let [ys, zs] = self.rows();
         let nx = self.layout.points[0];
-        let mut values = Vec::with_capacity(3 * nx * ys.len() * zs.len());
-        for component in 0..3 {
+        let mut values = Vec::with_capacity(C * nx * ys.len() * zs.len());
+        for component in 0..C {
             for z in zs.clone() {
                 for y in ys.clone() {
                     values.extend_from_slice(&self.row(component, y, z)[..nx]);
@@ -171,7 +170,7 @@ impl<T: Real> Field<T, Physical> {
 
     /// Cuts this rank's rows into tiles of at most `size = [along y, along z]` rows, for threads to write
     /// concurrently: of `ny x nz` tiles, tile `(i, j)` has the index `j * ny + i`.
-    pub fn tiles(&mut self, size: [usize; 2]) -> Vec<Tile<'_, T>> {
+    pub fn tiles(&mut self, size: [usize; 2]) -> Vec<Tile<'_, T, C>> {
         let (layout, base) = (&self.layout, self.memory.values_mut().as_mut_ptr());
         let cut = |d: usize| {
             let lines = layout.rows[d].clone();
@@ -183,7 +182,7 @@ impl<T: Real> Field<T, Physical> {
 }
 
 /// Some rows of a field, written by one thread at a time.
-pub struct Tile<'a, T> {
+pub struct Tile<'a, T, const C: usize = 3> {
     base: *mut T,
     layout: &'a Layout,
     rows: [Range<usize>; 2],
@@ -191,34 +190,34 @@ pub struct Tile<'a, T> {
 
 // SAFETY: a tile is made by `Field::tiles` alone, which keeps the field mutably borrowed while any tile lives, and
 // gives each row to one tile; `rows_mut` hands out rows of its own tile only.
-unsafe impl<T: Real> Send for Tile<'_, T> {}
-unsafe impl<T: Real> Sync for Tile<'_, T> {}
+unsafe impl<T: Real, const C: usize> Send for Tile<'_, T, C> {}
+unsafe impl<T: Real, const C: usize> Sync for Tile<'_, T, C> {}
 
-impl<T: Real> Tile<'_, T> {
+impl<T: Real, const C: usize> Tile<'_, T, C> {
     /// Ranges of rows along y and along z in this tile.
     pub fn rows(&self) -> [Range<usize>; 2] {
         self.rows.clone()
     }
 
-    /// Rows of the three components at a `y` and `z` of this tile, halos included.
-    pub fn rows_mut(&mut self, y: usize, z: usize) -> [&mut [T]; 3] {
+    /// Rows of the components at a `y` and `z` of this tile, halos included.
+    pub fn rows_mut(&mut self, y: usize, z: usize) -> [&mut [T]; C] {
         assert!(self.rows[0].contains(&y) && self.rows[1].contains(&z), "row ({y}, {z}) is another tile's");
         let [ys, zs] = &self.layout.rows;
         let length = self.layout.points[0] + self.layout.halo;
         std::array::from_fn(|component| {
             let start = self.layout.physical.at(component, y - ys.start, z - zs.start);
-            // SAFETY: the row lies inside the field's memory, belongs to this tile alone, and the three components do
-            // not overlap.
+            // SAFETY: the row lies inside the field's memory, belongs to this tile alone, and the components do not
+            // overlap.
             unsafe { std::slice::from_raw_parts_mut(self.base.add(start), length) }
         })
     }
 }
 
-impl<T: Real> Field<T, Spectral> {
+impl<T: Real, const C: usize> Field<T, Spectral, C> {
     /// Calls `visit(mode, values)` for each mode `[m1, m2, m3]` that this rank owns, `m1 < nx/2`. Over all ranks
     /// these are all modes; those with `m1 > nx/2` are the complex conjugates, and those with `m1 = nx/2` are taken
     /// as zero.
-    pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; 3])) {
+    pub fn for_each_mode(&self, mut visit: impl FnMut([usize; 3], [Complex<T>; C])) {
         let (layout, values) = (&self.layout, self.memory.values());
         for m3 in 0..layout.points[2] {
             let rows = ModeRows { strides: &layout.spectral, modes: &layout.modes, m3 };
@@ -227,10 +226,10 @@ impl<T: Real> Field<T, Spectral> {
     }
 
     /// Sets the values of each mode that this rank owns, as [`Self::for_each_mode`] visits them.
-    pub(crate) fn set_modes(&mut self, values: impl Fn([usize; 3]) -> [Complex<f64>; 3] + Sync) {
+    pub(crate) fn set_modes(&mut self, values: impl Fn([usize; 3]) -> [Complex<f64>; C] + Sync) {
         let most = self.layout.points[0] / 2;
         self.set_blocks(|[first, m2, m3]| {
-            let mut block = Complexes::default();
+            let mut block = [[[0.0; MODES]; 2]; C];
             for lane in 0..MODES.min(most - first) {
                 for (component, value) in values([first + lane, m2, m3]).into_iter().enumerate() {
                     block[component][0][lane] = value.re;
@@ -243,7 +242,7 @@ impl<T: Real> Field<T, Spectral> {
 
     /// The same, with the values of [`MODES`] consecutive modes along x at once; those that this rank does not own
     /// are left out.
-    pub(crate) fn set_blocks(&mut self, values: impl Fn([usize; 3]) -> Complexes + Sync) {
+    pub(crate) fn set_blocks(&mut self, values: impl Fn([usize; 3]) -> Complexes<C> + Sync) {
         let (layout, [nx, _, nz]) = (&self.layout, self.layout.points);
         let memory = Shared::new(self.memory.values_mut());
         let end = (layout.blocks.end * T::LANES).min(nx / 2);

@@ -2,6 +2,7 @@
 
 use crate::channel::Update;
 use crate::layout::Layout;
+use crate::open_space::entries;
 use crate::transform::ROOM;
 use crate::{OpenSpace, Real};
 use domain::{Bytes, Place, Vector};
@@ -10,6 +11,7 @@ use domain::{Bytes, Place, Vector};
 /// and the length of the halo after each row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GridFootprint {
+    components: usize,
     points: [usize; 3],
     place: Place,
     halo: usize,
@@ -17,9 +19,15 @@ pub struct GridFootprint {
 }
 
 impl GridFootprint {
-    /// For a grid of `points` points, which a transform accepts.
+    /// For vector fields on a grid of `points` points, which a transform accepts.
     pub fn new(points: [usize; 3], place: &Place, halo: usize) -> Self {
-        Self { points, place: place.clone(), halo, is_tilted: false }
+        Self { components: 3, points, place: place.clone(), halo, is_tilted: false }
+    }
+
+    /// The same for fields of another number of components.
+    #[must_use]
+    pub fn of_components(self, components: usize) -> Self {
+        Self { components, ..self }
     }
 
     /// The same for a box whose third lattice vector is tilted, or not.
@@ -39,7 +47,7 @@ impl GridFootprint {
         let layout = self.layout::<T>();
         let [nx, ny, nz] = self.points;
         let room = 2 * T::LANES * (nx / 2).next_multiple_of(T::LANES).max(ny).max(nz);
-        let desk = 5 * room + T::LANES * layout.physical.y;
+        let desk = (2 + self.components) * room + T::LANES * layout.physical.y;
         Bytes::keep(self.columns_bytes::<T>()).then(Bytes::list::<T>((threads * desk) as f64))
     }
 
@@ -74,14 +82,16 @@ impl GridFootprint {
         Bytes::keep((Update::<T>::BYTES * T::LANES * layout.blocks.len() * layout.modes.len()) as f64)
     }
 
-    /// Tables of the operator in open space, complete on every rank, and the memory to make them: a vector field in
+    /// Tables of the operator in open space, complete on every rank, and the memory to make them: a field in
     /// `f64` on a grid as long as the particles' half of this one plus its diagonal, with some margin, and one number
     /// for each mode of an octant of that grid.
     pub fn open_space<T: Real>(&self) -> Bytes {
         let half = self.points.map(|n| 0.5 * n as f64);
         let diagonal = half.iter().map(|n| n * n).sum::<f64>().sqrt();
         let long = half.map(|n| n + 1.2 * diagonal).iter().product::<f64>();
-        Bytes::list::<T>(OpenSpace::<T>::values(self.points)).then(Bytes::list::<f64>(3.125 * long).freed())
+        let table = OpenSpace::<T>::values(self.points) / entries(3) as f64 * entries(self.components) as f64;
+        let made = self.components as f64 + 0.125;
+        Bytes::list::<T>(table).then(Bytes::list::<f64>(made * long).freed())
     }
 
     /// Grid points of this rank.
@@ -90,7 +100,7 @@ impl GridFootprint {
     }
 
     fn layout<T: Real>(&self) -> Layout {
-        Layout::new::<T>(self.points, &self.place, self.halo)
+        Layout::new::<T>(self.components, self.points, &self.place, self.halo)
     }
 
     /// Number of values in whole columns along y and along z, and how many of them come from this rank and go to
@@ -100,10 +110,11 @@ impl GridFootprint {
         let (nx, [_, ny, nz]) = (layout.width_in_all as f64, self.points.map(|n| n as f64));
         let [lines, planes] = layout.rows.clone().map(|lines| lines.len() as f64);
         let (width, modes) = (layout.width as f64, layout.modes.len() as f64);
-        let along_y = [3.0 * planes * ny * width, 3.0 * planes * lines * (nx - width)];
+        let components = self.components as f64;
+        let along_y = [components * planes * ny * width, components * planes * lines * (nx - width)];
         let rounds = layout.rounds(columns, ROOM / size_of::<T>());
         let largest = layout.modes.len().div_ceil(rounds) as f64;
-        let along_z = [3.0 * nz * largest * width, 3.0 * planes * (ny - modes) / rounds as f64 * width];
+        let along_z = [components * nz * largest * width, components * planes * (ny - modes) / rounds as f64 * width];
         [if rows > 1 { along_y } else { [0.0; 2] }, if columns > 1 { along_z } else { [0.0; 2] }]
     }
 }

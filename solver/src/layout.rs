@@ -5,13 +5,14 @@ use domain::{Place, block};
 use num_complex::Complex;
 use std::ops::Range;
 
-/// Layout of one rank's share. Physical values are in rows along x, `[component][z][y][x]`, with room for a halo
+/// Layout of one rank's share of a field of some components. Physical values are in rows along x, `[component][z][y][x]`, with room for a halo
 /// after each row. Rows and planes have an odd number of cache lines, so that columns across them do not compete for
 /// the same cache sets, and components are offset by a third of a page, for the same reason. A spectral row has
 /// `nx/2` complex values, in blocks: the real parts of as many neighbours as fill a cache line, then their imaginary
 /// parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
+    pub components: usize,
     pub points: [usize; 3],
     /// Ranges of rows along y and along z that this rank owns in physical space.
     pub rows: [Range<usize>; 2],
@@ -47,7 +48,7 @@ impl Strides {
 }
 
 impl Layout {
-    pub fn new<T: Real>(points: [usize; 3], place: &Place, halo: usize) -> Self {
+    pub fn new<T: Real>(components: usize, points: [usize; 3], place: &Place, halo: usize) -> Self {
         let [nx, ny, nz] = points;
         assert_eq!(place.lines(), [ny, nz], "the partition shares out the lines of this grid");
         let block_size = 2 * T::LANES;
@@ -64,17 +65,30 @@ impl Layout {
         let transposed = if in_column == 1 {
             physical
         } else {
-            Strides { component: width, z: 3 * width, y: 3 * width * rows[1].len() }
+            Strides { component: width, z: components * width, y: components * width * rows[1].len() }
         };
         let spectral = if in_row == 1 {
             transposed
         } else {
-            Strides { component: width * modes.len(), z: 3 * width * modes.len(), y: width }
+            Strides { component: width * modes.len(), z: components * width * modes.len(), y: width }
         };
-        let capacity = [3 * physical.component, 3 * width * ny * rows[1].len(), 3 * width * modes.len() * nz];
-        let capacity = capacity.into_iter().max().unwrap_or(0);
+        let capacity = [physical.component, width * ny * rows[1].len(), width * modes.len() * nz];
+        let capacity = components * capacity.into_iter().max().unwrap_or(0);
         let width_in_all = blocks_in_all * block_size;
-        Self { points, rows, blocks, modes, halo, physical, transposed, spectral, capacity, width, width_in_all }
+        Self {
+            components,
+            points,
+            rows,
+            blocks,
+            modes,
+            halo,
+            physical,
+            transposed,
+            spectral,
+            capacity,
+            width,
+            width_in_all,
+        }
     }
 }
 
@@ -93,18 +107,18 @@ impl Layout {
     /// same on all ranks.
     pub fn rounds(&self, ranks: usize, room: usize) -> usize {
         let modes = self.points[1].div_ceil(ranks);
-        (3 * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
+        (self.components * self.points[2] * modes * self.width_in_all).div_ceil(room).clamp(1, modes)
     }
 
     /// Folds `visit(state, mode, values)` over the modes of this rank with an index along y in `rows` and the index
     /// `m3` along z; `read` returns the value at a position given by the strides.
     #[inline(always)]
-    pub fn fold_modes_of_plane<T: Real, S>(
+    pub fn fold_modes_of_plane<T: Real, S, const C: usize>(
         &self,
         ModeRows { strides, modes, m3 }: ModeRows,
         read: impl Fn(usize) -> T,
         mut state: S,
-        mut visit: impl FnMut(S, [usize; 3], [Complex<T>; 3]) -> S,
+        mut visit: impl FnMut(S, [usize; 3], [Complex<T>; C]) -> S,
     ) -> S {
         let columns = self.blocks.start * T::LANES..(self.blocks.end * T::LANES).min(self.points[0] / 2);
         for m2 in modes.clone() {

@@ -43,5 +43,5 @@ pub use memory::AlignedMemory;
 pub use modes::{Complexes, MODES};
 pub use open_space::OpenSpace;
 pub use simd::Real;
-pub use stokes::{Multiplier, Stokes};
+pub use stokes::{Multiplier, Poisson, Stokes};
 pub use transform::{Draw, Transform};

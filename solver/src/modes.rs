@@ -3,5 +3,5 @@
 /// Consecutive modes along x whose random numbers are drawn at once.
 pub const MODES: usize = 16;
 
-/// Three complex numbers for each of some modes: real and imaginary parts.
-pub type Complexes = [[[f64; MODES]; 2]; 3];
+/// `C` complex numbers for each of some modes: real and imaginary parts.
+pub type Complexes<const C: usize = 3> = [[[f64; MODES]; 2]; C];

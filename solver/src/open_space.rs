@@ -1,45 +1,47 @@
-//! Unbounded fluid: convolution with the decaying kernel on a grid that is twice as long along each axis as its
+//! Unbounded space: convolution with the decaying kernel on a grid that is twice as long along each axis as its
 //! occupied part.
 
 use crate::Real;
 use simd::{SimdVector, VectorKernel};
 
-/// Number of entries of a symmetric tensor: xx, xy, xz, yy, yz, zz.
-pub(crate) const ENTRIES: usize = 6;
+/// Number of entries of a symmetric tensor between fields of some components: xx, xy, xz, yy, yz, zz, or one.
+pub(crate) const fn entries(components: usize) -> usize {
+    components * (components + 1) / 2
+}
 
-/// Decaying Stokes kernel with a multiplier of the wavenumber, between the points in the first half of a grid along
+/// Decaying Stokes kernel, or `1 / (4 pi mu r)` for fields of one component, with a multiplier of the wavenumber, between the points in the first half of a grid along
 /// each axis: its transform, with zero padding (Hockney 1970).
-pub struct OpenSpace<T> {
+pub struct OpenSpace<T, const C: usize = 3> {
     pub(crate) points: [usize; 3],
     /// Table by `|m2|`, block along x, `|m3|`, entry of the tensor, and lane.
     pub(crate) table: Vec<T>,
     pub(crate) blocks: usize,
 }
 
-impl<T: Real> OpenSpace<T> {
+impl<T: Real, const C: usize> OpenSpace<T, C> {
     /// Number of values in the table of a grid.
     pub(crate) fn values(points: [usize; 3]) -> f64 {
         let [columns, modes, last] = points.map(|n| n / 2 + 1);
         let blocks = (columns - 1).div_ceil(T::LANES);
-        (modes * blocks * last * ENTRIES * T::LANES) as f64
+        (modes * blocks * last * entries(C) * T::LANES) as f64
     }
 
     /// Multiplies columns along z of one block along x and one mode along y, as [`crate::Stokes`] does.
     ///
     /// # Safety
     /// The columns can be read and written.
-    pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
+    pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; C]) {
         T::dispatch(MultiplyOpenSpace { kernel: self, place, components });
     }
 }
 
-struct MultiplyOpenSpace<'a, T> {
-    kernel: &'a OpenSpace<T>,
+struct MultiplyOpenSpace<'a, T, const C: usize> {
+    kernel: &'a OpenSpace<T, C>,
     place: [usize; 2],
-    components: [*mut T; 3],
+    components: [*mut T; C],
 }
 
-impl<T: Real> VectorKernel<T> for MultiplyOpenSpace<'_, T> {
+impl<T: Real, const C: usize> VectorKernel<T> for MultiplyOpenSpace<'_, T, C> {
     type Output = ();
 
     #[inline(always)]
@@ -53,10 +55,21 @@ impl<T: Real> VectorKernel<T> for MultiplyOpenSpace<'_, T> {
         let panel = mode.min(ny - mode) * blocks + block;
         for m3 in 0..nz {
             let along_z = if 2 * m3 > nz { minus } else { one };
-            let first = (panel * last + m3.min(nz - m3)) * ENTRIES * T::LANES;
-            let entries = &table[first..first + ENTRIES * T::LANES];
+            let first = (panel * last + m3.min(nz - m3)) * entries(C) * T::LANES;
+            let entries = &table[first..first + entries(C) * T::LANES];
             // SAFETY: the entries are there.
             let entry = |n: usize| unsafe { V::load(entries.as_ptr().add(n * T::LANES)) };
+            if C < 3 {
+                let at = m3 * 2 * T::LANES;
+                for part in [at, at + T::LANES] {
+                    // SAFETY: the columns have nz elements.
+                    unsafe {
+                        let place = self.components[0].add(part);
+                        V::load(place).mul(entry(0)).store(place);
+                    }
+                }
+                continue;
+            }
             let [xx, xy, xz] = [entry(0), entry(1).mul(along_y), entry(2).mul(along_z)];
             let [yy, yz, zz] = [entry(3), entry(4).mul(along_y).mul(along_z), entry(5)];
             for part in [0, T::LANES] {

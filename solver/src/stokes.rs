@@ -1,4 +1,4 @@
-//! Stokes operator: force density to velocity.
+//! Stokes operator: force density to velocity; and its scalar counterpart: charge density to potential.
 
 mod mode_block;
 mod tilted;
@@ -17,7 +17,7 @@ use tilted::TiltedTables;
 /// axis is zero as well: it stands for `+k` and `-k` at once, for which the projection (and in a sheared box even
 /// `k^2`) differs. So the operator is real, symmetric and positive semi-definite, as the projection is mode by mode.
 /// Wavevectors are computed in `f64` and rounded once.
-pub struct Stokes<T> {
+pub struct Stokes<T, const C: usize = 3> {
     points: [usize; 3],
     /// Values for each m1, padded with zeros to whole blocks.
     k1: Vec<T>,
@@ -33,9 +33,11 @@ pub struct Stokes<T> {
     widening: T,
     tilted: Option<TiltedTables<T>>,
     channel: Option<Channel<T>>,
-    open: Option<OpenSpace<T>>,
-    is_longitudinal: bool,
+    open: Option<OpenSpace<T, C>>,
 }
+
+/// The solve of `-mu lap phi = q`, without projection: `phi_hat = q_hat m(k) / (mu k^2)` for a field of one component.
+pub type Poisson<T> = Stokes<T, 1>;
 
 /// Multiplier `m(k) = plane(k1, k2) axis(k3) exp(-width^2 k^2) (1 + widening k^2)^2` of the wavevector `k` of the
 /// box, with its components `k1` and `k2` in the plane of the first two axes and the lattice's `k3`, see
@@ -64,6 +66,14 @@ impl<T: Real> Stokes<T> {
         )
     }
 
+    /// Solve between walls, above a wall, or in a layer that is open along z.
+    #[must_use]
+    pub fn with_channel(self, channel: Channel<T>) -> Self {
+        Self { channel: Some(channel), ..self }
+    }
+}
+
+impl<T: Real, const C: usize> Stokes<T, C> {
     /// Solve with a multiplier.
     pub fn with_multiplier<P, A>(grid: &Grid, viscosity: f64, multiplier: &Multiplier<P, A>) -> Self
     where
@@ -106,15 +116,7 @@ impl<T: Real> Stokes<T> {
             tilted,
             channel: None,
             open: None,
-            is_longitudinal: false,
         }
-    }
-
-    /// The field `-grad phi` of a magnetisation `f`, with `lap phi = div f`, instead of the velocity of a force
-    /// density: `u_hat = -k (k . f_hat) m(k) / (mu k^2)`, in a periodic box. The mean field, `k = 0`, is zero.
-    #[must_use]
-    pub fn longitudinal(self) -> Self {
-        Self { is_longitudinal: true, ..self }
     }
 
     /// Bytes of the tables, without those of walls and open space.
@@ -125,23 +127,18 @@ impl<T: Real> Stokes<T> {
             + self.tilted.as_ref().map_or(0, TiltedTables::bytes)
     }
 
-    /// Solve in unbounded fluid, for forces in the first half of the grid along each axis; velocities are defined
+    /// Solve in unbounded space, for forces in the first half of the grid along each axis; velocities are defined
     /// only there.
     #[must_use]
-    pub fn in_open_space(grid: &Grid, kernel: OpenSpace<T>) -> Self {
-        Self { open: Some(kernel), ..Self::new(grid, 1.0) }
+    pub fn in_open_space(grid: &Grid, kernel: OpenSpace<T, C>) -> Self {
+        let multiplier = Multiplier { plane: |_, _| 1.0, axis: |_| 1.0, widening: 0.0, width: 0.0 };
+        Self { open: Some(kernel), ..Self::with_multiplier(grid, 1.0, &multiplier) }
     }
 
     /// Numbers of rows along y and along z, from the first on, that forces and velocities occupy.
     pub(crate) fn occupied(&self) -> [usize; 2] {
         let [_, ny, nz] = self.points;
         if self.open.is_some() { [ny / 2, nz / 2] } else { [ny, nz] }
-    }
-
-    /// Solve between walls, above a wall, or in a layer that is open along z.
-    #[must_use]
-    pub fn with_channel(self, channel: Channel<T>) -> Self {
-        Self { channel: Some(channel), ..self }
     }
 
     /// Update that is added to the periodic solve.
@@ -158,37 +155,26 @@ impl<T: Real> Stokes<T> {
     ///
     /// # Safety
     /// The columns can be read and written.
-    pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; 3]) {
+    pub(crate) unsafe fn multiply(&self, place: [usize; 2], components: [*mut T; C]) {
         if let Some(open) = &self.open {
             // SAFETY: guaranteed by the caller.
             unsafe { open.multiply(place, components) };
             return;
         }
-        if self.is_longitudinal {
-            self.multiply_periodic::<true>(place, components);
-        } else {
-            self.multiply_periodic::<false>(place, components);
-        }
-    }
-
-    /// [`Self::multiply`] without open faces; the kernels read and write the columns.
-    fn multiply_periodic<const LONGITUDINAL: bool>(&self, place: [usize; 2], components: [*mut T; 3]) {
         match &self.tilted {
-            None => T::dispatch(MultiplyOrthogonal::<T, LONGITUDINAL> { operator: self, place, components }),
-            Some(tilted) => {
-                T::dispatch(tilted::MultiplyTilted::<T, LONGITUDINAL> { operator: self, tilted, place, components });
-            }
+            None => T::dispatch(MultiplyOrthogonal { operator: self, place, components }),
+            Some(tilted) => T::dispatch(tilted::MultiplyTilted { operator: self, tilted, place, components }),
         }
     }
 }
 
-struct MultiplyOrthogonal<'a, T, const LONGITUDINAL: bool> {
-    operator: &'a Stokes<T>,
+struct MultiplyOrthogonal<'a, T, const C: usize> {
+    operator: &'a Stokes<T, C>,
     place: [usize; 2],
-    components: [*mut T; 3],
+    components: [*mut T; C],
 }
 
-impl<T: Real, const LONGITUDINAL: bool> VectorKernel<T> for MultiplyOrthogonal<'_, T, LONGITUDINAL> {
+impl<T: Real, const C: usize> VectorKernel<T> for MultiplyOrthogonal<'_, T, C> {
     type Output = ();
 
     #[inline(always)]
@@ -209,50 +195,48 @@ impl<T: Real, const LONGITUDINAL: bool> VectorKernel<T> for MultiplyOrthogonal<'
             let inverse = part::<T, V>(inverse, in_plane);
             let level = square.mul_add(widening, one);
             let factor = plane.mul(V::splat(axis[0])).mul(inverse).mul(level).mul(level);
-            project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero], [inverse, factor], 0);
+            project::<T, V, C>(self.components, [k1, k2, zero], [inverse, factor], 0);
             for m3 in 1..nz / 2 {
                 let k3 = V::splat(k3[m3]);
                 let square = k3.mul_add(k3, square);
                 let (inverse, level) = (one.div(square), square.mul_add(widening, one));
                 let factor = plane.mul(V::splat(axis[m3])).mul(inverse).mul(level).mul(level);
-                project::<T, V, LONGITUDINAL>(self.components, [k1, k2, k3], [inverse, factor], m3);
-                project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero.sub(k3)], [inverse, factor], nz - m3);
+                project::<T, V, C>(self.components, [k1, k2, k3], [inverse, factor], m3);
+                project::<T, V, C>(self.components, [k1, k2, zero.sub(k3)], [inverse, factor], nz - m3);
             }
-            project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero], [zero, zero], nz / 2);
+            project::<T, V, C>(self.components, [k1, k2, zero], [zero, zero], nz / 2);
         }
     }
 }
 
-/// `f <- factor (f - k (k.f) / k^2)`, or its longitudinal counterpart `f <- -factor k (k.f)`, for one element of the
-/// columns, given `1/k^2` and the factor.
+/// `f <- factor (f - k (k.f) / k^2)`, or `f <- factor f` for a field of one component, for one element of the columns,
+/// given `1/k^2` and the factor.
 ///
 /// # Safety
 /// The columns have that element.
 #[inline(always)]
-unsafe fn project<T: Real, V: SimdVector<T>, const LONGITUDINAL: bool>(
-    components: [*mut T; 3],
+unsafe fn project<T: Real, V: SimdVector<T>, const C: usize>(
+    components: [*mut T; C],
     k: [V; 3],
     [inverse, factor]: [V; 2],
     m3: usize,
 ) {
     for part in [0, T::LANES] {
-        let [x, y, z] = components;
+        let at = m3 * 2 * T::LANES + part;
         // SAFETY: guaranteed by the caller.
-        let (place, f) = unsafe {
-            let at = m3 * 2 * T::LANES + part;
-            let place = [x.add(at), y.add(at), z.add(at)];
-            (place, [V::load(place[0]), V::load(place[1]), V::load(place[2])])
-        };
-        let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0])));
-        let along = along.mul(if LONGITUDINAL { factor } else { inverse });
-        for c in 0..3 {
-            let projected = if LONGITUDINAL {
-                along.mul_sub_from(k[c], V::splat(T::default()))
-            } else {
-                along.mul_sub_from(k[c], f[c]).mul(factor)
-            };
+        let place = components.map(|component| unsafe { component.add(at) });
+        // SAFETY: guaranteed by the caller.
+        let f = place.map(|place| unsafe { V::load(place) });
+        if C < 3 {
             // SAFETY: guaranteed by the caller.
-            unsafe { projected.store(place[c]) };
+            (0..C).for_each(|c| unsafe { f[c].mul(factor).store(place[c]) });
+            continue;
+        }
+        let along = f[2].mul_add(k[2], f[1].mul_add(k[1], f[0].mul(k[0])));
+        let along = along.mul(inverse);
+        for c in 0..3 {
+            // SAFETY: guaranteed by the caller.
+            unsafe { along.mul_sub_from(k[c], f[c]).mul(factor).store(place[c]) };
         }
     }
 }

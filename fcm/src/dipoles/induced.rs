@@ -1,14 +1,18 @@
 //! Induced moments.
 
+use super::magnetisation::{LinearLaw, Magnetisation};
 use super::{DipoleField, DipoleProblem};
 use crate::conjugate_gradients::{Iterate, IterationOutcome, Limits, System, conjugate_gradients};
-use crate::mobility::GridFarField;
+use crate::mobility::MomentFarField;
 use domain::parallel::{change, of_rows};
-use domain::{Interrupt, Tensor, Vector};
+use domain::{Comm, Interrupt, Tensor, Vector};
 use std::f64::consts::PI;
 
-/// Largest number of iterations.
+/// Largest number of iterations of a linear system.
 const MOST_ITERATIONS: usize = 500;
+
+/// Largest number of linearisations.
+const MOST_TANGENTS: usize = 300;
 
 /// Result of the iteration.
 pub(super) struct InducedMoments {
@@ -19,70 +23,179 @@ pub(super) struct InducedMoments {
 }
 
 impl DipoleField {
-    /// Induced moments `q` of arranged spheres with permanent moments `p` in the applied field `H_0`. The moment of a
-    /// sphere with the polarisability `alpha` is `alpha` times the field in it, so
+    /// Induced moments `q` of arranged spheres with permanent moments `p` in the applied field `H_0`, by the laws of
+    /// their [`Magnetisation`]. With the tangent `T` of a law `m(h)` at a field `g`,
     ///
     /// ```text
-    /// q / alpha + K q = H_0 - K p.
+    /// T^-1 q + K q = H_0 - K p + T^-1 m(g) - g.
     /// ```
+    ///
+    /// The last two terms cancel for moments in proportion to the field, which take a single step of this iteration,
+    /// Newton's. A step that is no better than the former is followed by some in which moments are in proportion to the
+    /// field with their present ratio, which never raise the energy.
     ///
     /// With positive polarisabilities the matrix is positive definite. Negative ones are above `-4/3 pi a^3`, where
     /// minus the matrix is. Fields follow the iteration, so that it takes one evaluation besides those of its steps;
     /// the last correction of the moments, the preconditioned residual, is within the tolerance. Collective.
     pub(super) fn induced(&mut self, radii: &[f64], problem: &DipoleProblem) -> InducedMoments {
         let comm = self.partition.comm().clone();
-        let polarisabilities = problem.polarisabilities;
-        let mut induced =
-            of_rows(radii.len(), |row| if polarisabilities[row] == 0.0 { Vector::ZERO } else { problem.guess[row] });
+        let guess = |row: usize| if problem.polarisabilities[row] == 0.0 { Vector::ZERO } else { problem.guess[row] };
+        let induced = of_rows(radii.len(), guess);
         let moments = of_rows(radii.len(), |row| problem.permanent[row] + induced[row]);
         let fields = self.far.fields(&moments, true);
-        if !comm.any(polarisabilities.iter().any(|alpha| *alpha != 0.0)) {
-            let outcome = IterationOutcome { iterations: 0, residual: 0.0, converged: true, interrupted: false };
-            return InducedMoments { moments: induced, fields, outcome };
+        let outcome = IterationOutcome { iterations: 0, residual: 0.0, converged: true, interrupted: false };
+        let start = InducedMoments { moments: induced, fields, outcome };
+        if !comm.any(problem.polarisabilities.iter().any(|alpha| *alpha != 0.0)) {
+            return start;
         }
-        let is_negative = comm.any(polarisabilities.iter().any(|alpha| *alpha < 0.0));
-        let spheres = Polarisable::new(radii, polarisabilities, if is_negative { -1.0 } else { 1.0 });
-        let mut residual = of_rows(radii.len(), |row| spheres.image(row, -induced[row], problem.field + fields[row].0));
+        let spheres = Spheres::new(radii, problem, &comm);
+        let tolerance = self.plan.iteration_tolerance;
+        if comm.any(spheres.laws.iter().any(Magnetisation::saturates)) {
+            return self.saturating(&spheres, start, tolerance);
+        }
+        let linear = spheres.linearised(&start.fields, true);
+        self.linear(&spheres, &linear, start, tolerance).corrected()
+    }
+
+    /// The moments by laws that bend.
+    fn saturating(&mut self, spheres: &Spheres, start: InducedMoments, tolerance: f64) -> InducedMoments {
+        let (mut found, mut search) = (Corrected::none(start), TangentSearch::default());
+        let mut iterations = 0;
+        for _ in 0..MOST_TANGENTS {
+            let linear = spheres.linearised(&found.uncorrected.fields, search.is_tangent());
+            let within = tolerance.max(search.needed());
+            found = self.linear(spheres, &linear, found.uncorrected, within);
+            let bent = spheres.bend(&linear, &found.uncorrected, self.partition.comm());
+            let outcome = &mut found.uncorrected.outcome;
+            iterations += outcome.iterations;
+            let is_found = within == tolerance && bent <= tolerance;
+            *outcome = IterationOutcome {
+                iterations,
+                residual: outcome.residual.max(bent),
+                converged: outcome.converged && is_found,
+                ..*outcome
+            };
+            if is_found {
+                break;
+            }
+            search.advance(bent);
+        }
+        found.corrected()
+    }
+
+    /// The moments by linear laws.
+    fn linear(&mut self, spheres: &Spheres, linear: &[LinearLaw], start: InducedMoments, tolerance: f64) -> Corrected {
+        let InducedMoments { moments: mut induced, fields, .. } = start;
+        let mut residual =
+            of_rows(induced.len(), |row| spheres.residual(row, &linear[row], induced[row], fields[row].0));
         let mut z = Vec::new();
         let iterate = Iterate { x: &mut induced, residual: &mut residual, z: &mut z };
-        let tolerance = self.plan.iteration_tolerance;
         let limits = Limits { tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
-        let mut system = Induction { far: &mut self.far, spheres, fields, step: Vec::new() };
-        let outcome = conjugate_gradients(&comm, &mut system, iterate, limits);
+        let mut system = Induction { far: &mut self.far, spheres, linear, fields, step: Vec::new() };
+        let outcome = conjugate_gradients(self.partition.comm(), &mut system, iterate, limits);
         let fields = system.fields;
-        change(&mut induced, &z, |moment, &correction| *moment += correction);
-        InducedMoments { moments: induced, fields, outcome }
+        Corrected { uncorrected: InducedMoments { moments: induced, fields, outcome }, correction: z }
     }
 }
 
-/// Coefficients of the system by sphere.
-struct Polarisable {
-    /// Sign `s` of the polarisabilities.
+/// Choice between tangents, which converge fast nearby, and moments in proportion to the field, which converge always.
+#[derive(Default)]
+struct TangentSearch {
+    /// Error of the last linear laws; 0 before the first ones.
+    last: f64,
+    /// Error below which tangents are tried again after a step by them that was not better.
+    trusted: Option<f64>,
+}
+
+impl TangentSearch {
+    fn is_tangent(&self) -> bool {
+        self.trusted.is_none()
+    }
+
+    /// Error that a linear system may have.
+    fn needed(&self) -> f64 {
+        0.02 * self.last.min(1.0)
+    }
+
+    fn advance(&mut self, bent: f64) {
+        self.trusted = match self.trusted {
+            None if self.last > 0.0 && bent > 0.5 * self.last => Some(0.1 * self.last.min(bent)),
+            None => None,
+            Some(trusted) => Some(trusted).filter(|&trusted| bent > trusted),
+        };
+        self.last = bent;
+    }
+}
+
+/// Moments to which the fields belong, and their last correction.
+struct Corrected {
+    uncorrected: InducedMoments,
+    correction: Vec<Vector>,
+}
+
+impl Corrected {
+    fn none(uncorrected: InducedMoments) -> Self {
+        Self { uncorrected, correction: Vec::new() }
+    }
+
+    fn corrected(mut self) -> InducedMoments {
+        change(&mut self.uncorrected.moments, &self.correction, |moment, &correction| *moment += correction);
+        self.uncorrected
+    }
+}
+
+/// The spheres in the applied field.
+struct Spheres {
+    applied: Vector,
+    laws: Vec<Magnetisation>,
+    /// `s / (4 pi a^3)` with the sign `s` of the polarisabilities.
+    own: Vec<f64>,
     sign: f64,
-    /// `1 / |alpha|`.
-    inverse: Vec<f64>,
-    /// Inverse of the diagonal for single spheres; 0 without an induced moment.
-    scale: Vec<f64>,
 }
 
-impl Polarisable {
-    fn new(radii: &[f64], polarisabilities: &[f64], sign: f64) -> Self {
-        let inverse: Vec<f64> = polarisabilities.iter().map(|alpha| alpha.abs().recip()).collect();
-        let diagonal = |row: usize| inverse[row] + sign / (4.0 * PI * radii[row].powi(3));
-        let scale = of_rows(radii.len(), |row| if polarisabilities[row] == 0.0 { 0.0 } else { 1.0 / diagonal(row) });
-        Self { sign, inverse, scale }
+impl Spheres {
+    fn new(radii: &[f64], problem: &DipoleProblem, comm: &Comm) -> Self {
+        let is_negative = comm.any(problem.polarisabilities.iter().any(|alpha| *alpha < 0.0));
+        let sign = if is_negative { -1.0 } else { 1.0 };
+        let own = of_rows(radii.len(), |row| sign / (4.0 * PI * radii[row].powi(3)));
+        Self { applied: problem.field, laws: of_rows(radii.len(), |row| problem.law(row)), own, sign }
     }
 
-    /// `q / |alpha| + s h` for a moment and a field; zero without an induced moment.
-    fn image(&self, row: usize, moment: Vector, field: Vector) -> Vector {
-        if self.scale[row] == 0.0 { Vector::ZERO } else { moment * self.inverse[row] + field * self.sign }
+    fn has_moment(&self, row: usize) -> bool {
+        self.laws[row].polarisability != 0.0
+    }
+
+    /// The laws near given fields by moments.
+    fn linearised(&self, fields: &[(Vector, Tensor)], is_tangent: bool) -> Vec<LinearLaw> {
+        let of_row = |row: usize| self.laws[row].linearised(self.applied + fields[row].0, is_tangent);
+        of_rows(fields.len(), |row| if self.has_moment(row) { of_row(row) } else { LinearLaw::NONE })
+    }
+
+    /// Residual of a moment in a field by all moments; zero without an induced moment.
+    fn residual(&self, row: usize, law: &LinearLaw, moment: Vector, field: Vector) -> Vector {
+        let inside = (self.applied + field + law.offset) * self.sign;
+        if self.has_moment(row) { inside - law.field(moment) } else { Vector::ZERO }
+    }
+
+    /// Difference between the moments by the laws and by their linearisations, over the moments. Collective.
+    fn bend(&self, linear: &[LinearLaw], found: &InducedMoments, comm: &Comm) -> f64 {
+        let mut sums = [0.0; 2];
+        for row in (0..linear.len()).filter(|&row| self.has_moment(row)) {
+            let (law, own, inside) = (&linear[row], self.own[row], self.applied + found.fields[row].0);
+            let moment = self.laws[row].moment(inside);
+            sums[0] += law.size(moment - law.alone(inside + law.offset, 0.0), own);
+            sums[1] += law.size(moment, own);
+        }
+        comm.sum(&mut sums);
+        if sums[1] > 0.0 { (sums[0] / sums[1]).sqrt() } else { 0.0 }
     }
 }
 
-/// The system `|alpha|^-1 q + s K q`, with the sign `s` of the polarisabilities.
+/// The system `T^-1 q + s K q`, with the sign `s` of the polarisabilities.
 struct Induction<'a> {
-    far: &'a mut GridFarField,
-    spheres: Polarisable,
+    far: &'a mut MomentFarField,
+    spheres: &'a Spheres,
+    linear: &'a [LinearLaw],
     /// Fields by the moments of the iterate, and their gradients.
     fields: Vec<(Vector, Tensor)>,
     /// The same by those of the last direction.
@@ -99,8 +212,9 @@ impl System for Induction<'_> {
 
     fn apply(&mut self, direction: &Vec<Vector>) -> Vec<Vector> {
         self.step = self.far.fields(direction, true);
-        let (fields, spheres) = (&self.step, &self.spheres);
-        of_rows(fields.len(), |row| spheres.image(row, direction[row], -fields[row].0))
+        let Self { spheres, linear, step, .. } = self;
+        let of_row = |row: usize| linear[row].field(direction[row]) - step[row].0 * spheres.sign;
+        of_rows(step.len(), |row| if spheres.has_moment(row) { of_row(row) } else { Vector::ZERO })
     }
 
     fn on_step(&mut self, length: f64) {
@@ -110,12 +224,13 @@ impl System for Induction<'_> {
     }
 
     fn precondition(&mut self, residual: &Vec<Vector>) -> Vec<Vector> {
-        let scale = &self.spheres.scale;
-        of_rows(residual.len(), |row| residual[row] * scale[row])
+        let Self { spheres, linear, .. } = self;
+        let of_row = |row: usize| linear[row].alone(residual[row], spheres.own[row]);
+        of_rows(residual.len(), |row| if spheres.has_moment(row) { of_row(row) } else { Vector::ZERO })
     }
 
     fn size(&self, x: &Vec<Vector>) -> f64 {
-        let of_one = |(x, scale): (&Vector, &f64)| if *scale == 0.0 { 0.0 } else { x.length_squared() / scale };
-        x.iter().zip(&self.spheres.scale).map(of_one).sum()
+        let of_row = |row: usize| self.linear[row].size(x[row], self.spheres.own[row]);
+        (0..x.len()).filter(|&row| self.spheres.has_moment(row)).map(of_row).sum()
     }
 }

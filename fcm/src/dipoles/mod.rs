@@ -1,18 +1,20 @@
 //! Magnetic or electric moments of the spheres.
 
 mod induced;
+mod magnetisation;
 mod redistribution;
 
 use crate::conjugate_gradients::IterationOutcome;
-use crate::mobility::{FarField, GridFarField};
+use crate::mobility::MomentFarField;
 use crate::plan::problem::{Fixed, Loading, Multipoles, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::parallel::{all_rows, of_rows};
-use domain::{Comm, DomainView, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
+use domain::{Boundaries, Comm, DomainView, Number, Particles, Partition, PeriodicBox, Tensor, Vector};
 use induced::InducedMoments;
+pub use magnetisation::Magnetisation;
 use redistribution::Elsewhere;
 
-/// Field of moments in a periodic box, averaged over the spheres (Climent, Maxey & Karniadakis, Langmuir 20, 507,
+/// Field of moments in a periodic box or in open space, averaged over the spheres (Climent, Maxey & Karniadakis, Langmuir 20, 507,
 /// 2004; Keaveny & Maxey, J. Comput. Phys. 227, 9554, 2008).
 ///
 /// A sphere of radius `a` at `Y` has the magnetisation `m Delta'(x - Y)`, with the Gaussian envelope of the dipoles of
@@ -28,7 +30,7 @@ use redistribution::Elsewhere;
 pub struct DipoleField {
     plan: Plan,
     partition: Partition,
-    far: GridFarField,
+    far: MomentFarField,
 }
 
 /// Moments to find in an applied field.
@@ -41,6 +43,9 @@ pub struct DipoleProblem<'a> {
     /// Ratio of a sphere's induced moment to the field in it, `4/3 pi a^3 chi` with the susceptibility `chi`; 0 for a
     /// sphere without an induced moment. All that are not zero have the same sign on all ranks.
     pub polarisabilities: &'a [f64],
+    /// Largest induced moments, see [`Magnetisation`], infinite for moments in proportion to the field, whatever its
+    /// size; or none, if all are. Spheres with a largest moment have positive polarisabilities.
+    pub saturations: &'a [f64],
     /// Induced moments from which the iteration starts, or none.
     pub guess: &'a [Vector],
 }
@@ -58,6 +63,14 @@ pub struct DipoleSolution {
     pub gradients: Vec<Tensor>,
     /// Iterations for the induced moments.
     pub iterations: usize,
+}
+
+impl DipoleProblem<'_> {
+    /// Law of a sphere's induced moment.
+    fn law(&self, row: usize) -> Magnetisation {
+        let saturation = self.saturations.get(row).copied().unwrap_or(f64::INFINITY);
+        Magnetisation { polarisability: self.polarisabilities[row], saturation }
+    }
 }
 
 impl DipoleSolution {
@@ -110,7 +123,12 @@ impl DipoleField {
     /// Sets up the field for a plan of [`Self::plan`].
     pub fn new(plan: &Plan, comm: &Comm) -> Self {
         let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-        Self { far: GridFarField::new(plan, &partition), partition, plan: plan.clone() }
+        Self { far: MomentFarField::of_moments(plan, &partition), partition, plan: plan.clone() }
+    }
+
+    /// Whether the plan is for a box: other than a periodic one, a box in open space needs the edges of the plan.
+    pub fn fits(&self, cell: &PeriodicBox) -> bool {
+        self.plan.boundaries == Boundaries::Periodic || self.plan.edges == cell.edges()
     }
 
     /// Fields `-K m` of given moments, averaged over the spheres, without the applied field.
@@ -130,15 +148,16 @@ impl DipoleField {
     ) -> Result<DipoleSolution, DipoleError> {
         let (zeros, polarisable) = (vec![Vector::ZERO; particles.len()], problem.polarisabilities);
         let guess = if problem.guess.len() == particles.len() { problem.guess } else { &zeros };
-        let alone = of_rows(particles.len(), |row| Vector::new(polarisable[row], 0.0, 0.0));
+        let alone = of_rows(particles.len(), |row| Vector::new(polarisable[row], problem.law(row).saturation, 0.0));
         let place = Elsewhere::new(&self.partition, domain, particles, &[problem.permanent, guess, &alone]);
         self.arrange(domain.cell, &place.particles);
         let [permanent, guess, alone] = [0, 1, 2].map(|list| place.vectors(list));
-        let polarisabilities: Vec<f64> = alone.iter().map(|column| column.x).collect();
+        let [polarisabilities, saturations] = [0, 1].map(|c| of_rows(alone.len(), |row| alone[row][c]));
         let problem = DipoleProblem {
             field: problem.field,
             permanent: &permanent,
             polarisabilities: &polarisabilities,
+            saturations: &saturations,
             guess: &guess,
         };
         let solution = self.solve_here(&place.particles, &problem)?;
@@ -185,8 +204,8 @@ impl DipoleField {
     }
 
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
-        if self.partition.comm().any(!self.far.is_arranged(cell, particles)) {
-            self.far.arrange(cell, particles);
+        if self.partition.comm().any(!self.far.has_arranged(cell, particles)) {
+            self.far.arrange_particles(cell, particles);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Interpolation: velocity field to motions.
+//! Interpolation: velocity field to motions, or potential to fields.
 
 use crate::grid::kernel::{Kernel, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
@@ -21,13 +21,17 @@ const BATCH: usize = 64;
 
 impl Interpolation<'_> {
     /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present: the contributions of this rank's
-    /// rows.
-    pub fn run<T: Real, K: Kernel<T>>(&self, kernel: &K, field: &Field<T, Physical>) -> Vec<(Vector, Tensor)> {
+    /// rows. Of a potential, `-grad` of it and the gradient of that.
+    pub fn run<T: Real, const C: usize, K: Kernel<T, C>>(
+        &self,
+        kernel: &K,
+        field: &Field<T, Physical, C>,
+    ) -> Vec<(Vector, Tensor)> {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
         let mut motions = of_rows(self.stencils.len(), |_| (Vector::ZERO, Tensor::ZERO));
-        let bytes = 3 * size_of_val(slab.components[0]) + size_of_val(&motions[..]);
+        let bytes = C * size_of_val(slab.components[0]) + size_of_val(&motions[..]);
         let by_row = &ScatteredWrites::into(&mut motions);
         self.stencils.par_chunks(BATCH).moving(bytes).for_each(|stencils| {
             T::dispatch(Weigh { to: self, kernel, stencils, slab, by_row });
@@ -37,15 +41,15 @@ impl Interpolation<'_> {
 }
 
 /// One batch of stencils.
-struct Weigh<'a, T, K> {
+struct Weigh<'a, T, K, const C: usize> {
     to: &'a Interpolation<'a>,
     kernel: &'a K,
     stencils: &'a [Stencil],
-    slab: &'a Slab<&'a [T]>,
+    slab: &'a Slab<&'a [T], C>,
     by_row: &'a ScatteredWrites<'a, (Vector, Tensor)>,
 }
 
-impl<T: Real, K: Kernel<T>> VectorKernel<T> for Weigh<'_, T, K> {
+impl<T: Real, const C: usize, K: Kernel<T, C>> VectorKernel<T> for Weigh<'_, T, K, C> {
     type Output = ();
 
     #[inline(always)]

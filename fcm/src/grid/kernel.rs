@@ -7,9 +7,9 @@ use simd::SimdVector as Lanes;
 use solver::Real;
 use std::ops::Range;
 
-/// Spreading of a particle's load to the grid and interpolation of the grid's velocities to the particle, each the
-/// adjoint of the other.
-pub(crate) trait Kernel<T: Real>: Sync {
+/// Spreading of a particle's load to a grid of `C` components and interpolation of the grid's values to the particle,
+/// each the adjoint of the other.
+pub(crate) trait Kernel<T: Real, const C: usize = 3>: Sync {
     /// Working memory for one particle's stencil, reused from particle to particle.
     type Scratch: Default;
 
@@ -21,16 +21,16 @@ pub(crate) trait Kernel<T: Real>: Sync {
         &self,
         scratch: &mut Self::Scratch,
         sphere: SphereStencil,
-        load: &Load<T>,
-        slab: &mut Slab<&mut [T]>,
+        load: &Load<T, C>,
+        slab: &mut Slab<&mut [T], C>,
     );
 
-    /// Sums the velocities on the rows of a slab with the weights of the particle's stencil.
+    /// Sums the values on the rows of a slab with the weights of the particle's stencil.
     fn collect<V: Lanes<T>>(
         &self,
         scratch: &mut Self::Scratch,
         sphere: SphereStencil,
-        slab: &Slab<&[T]>,
+        slab: &Slab<&[T], C>,
     ) -> WeightedSums<T>;
 }
 
@@ -42,12 +42,12 @@ pub(crate) struct SphereStencil<'a> {
 }
 
 /// Force, dipole and degenerate quadrupole of one particle in the grid's precision: `dipole[c][j] = G_cj`. Kernels
-/// other than windows ignore the quadrupole.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Load<T> {
-    pub force: [T; 3],
-    pub dipole: [[T; 3]; 3],
-    pub quadrupole: [T; 3],
+/// other than windows ignore the quadrupole. With one component in place of three, a charge and a dipole of charges.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Load<T, const C: usize = 3> {
+    pub force: [T; C],
+    pub dipole: [[T; 3]; C],
+    pub quadrupole: [T; C],
 }
 
 impl<T: Real> Load<T> {
@@ -59,16 +59,24 @@ impl<T: Real> Load<T> {
     }
 }
 
-/// Weighted sums for one particle: the velocity and `gradient[c][j]`, the weight of `G_cj`.
+impl<T: Real> Load<T, 1> {
+    /// Charges of a moment `m`, of the density `-m . grad`.
+    pub fn of_moment(moment: Vector) -> Self {
+        Self { force: [T::default()], dipole: [(-moment).to_array().map(T::from_f64)], quadrupole: [T::default()] }
+    }
+}
+
+/// Weighted sums for one particle: the velocity and `gradient[c][j]`, the weight of `G_cj`. Of one component, the
+/// weights of its first and second derivatives.
 pub(crate) struct WeightedSums<T> {
     pub velocity: [T; 3],
     pub gradient: [[T; 3]; 3],
 }
 
 /// Rows that one thread works on: some planes of this rank's share of the grid.
-pub(crate) struct Slab<S> {
-    /// The three components of the planes, with halos on the rows.
-    pub components: [S; 3],
+pub(crate) struct Slab<S, const C: usize = 3> {
+    /// The components of the planes, with halos on the rows.
+    pub components: [S; C],
     /// The rank's range of rows along y.
     pub lines: Range<usize>,
     /// Range of planes of the slab.
@@ -93,7 +101,13 @@ impl StencilOffsets {
     /// Finds the offsets of a stencil of `count` rows and planes from `stencil` on. Returns the offset of the last row,
     /// or `None` if no row is in the slab.
     #[inline(always)]
-    pub fn find<S>(&mut self, stencil: &Stencil, count: usize, points: [usize; 3], slab: &Slab<S>) -> Option<usize> {
+    pub fn find<S, const C: usize>(
+        &mut self,
+        stencil: &Stencil,
+        count: usize,
+        points: [usize; 3],
+        slab: &Slab<S, C>,
+    ) -> Option<usize> {
         let [_, y, z] = stencil.first.map(|first| first as usize);
         let along = |first, axis: usize| StencilAxis { first, count, period: points[axis] };
         let planes = along(z, 2).starts(&mut self.planes, &slab.planes, slab.strides[1]);

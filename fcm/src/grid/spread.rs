@@ -8,43 +8,45 @@ use simd::{SimdVector as Lanes, VectorKernel};
 use solver::{Field, Physical, Real};
 
 /// Sources of the spreading: stencils, and the class and load of each particle present.
-pub(crate) struct Spread<'a, T> {
+pub(crate) struct Spread<'a, T, const C: usize = 3> {
     pub stencils: &'a [Stencil],
     pub classes: &'a [u32],
-    pub loads: &'a [Load<T>],
+    pub loads: &'a [Load<T, C>],
     /// Number of planes of the grid.
     pub period: usize,
 }
 
-impl<T: Real> Spread<'_, T> {
+impl<T: Real, const C: usize> Spread<'_, T, C> {
     /// Sets the field to the sum of all loads. Each thread writes its own planes and processes the particles in the
     /// same order, so the sums do not depend on the number of threads.
-    pub fn run<K: Kernel<T>>(&self, kernel: &K, field: &mut Field<T, Physical>) {
+    pub fn run<K: Kernel<T, C>>(&self, kernel: &K, field: &mut Field<T, Physical, C>) {
         let [lines, planes] = field.rows();
         if lines.is_empty() || planes.is_empty() {
             return;
         }
         let strides = [field.row_stride(), field.plane_stride()];
-        let bytes = 2 * 3 * strides[1] * planes.len() * size_of::<T>();
+        let bytes = 2 * C * strides[1] * planes.len() * size_of::<T>();
         let thickness = planes.len().div_ceil(parallel::parts());
-        let [x, y, z] = field.components_mut().map(|c| c.par_chunks_mut(strides[1] * thickness));
-        x.zip(y).zip(z).enumerate().moving(bytes).for_each(|(part, ((x, y), z))| {
+        let mut rest = field.components_mut().map(|component| component.chunks_mut(strides[1] * thickness));
+        let part = |_| rest.each_mut().map(|component| component.next().expect("components have equal sizes"));
+        let parts: Vec<[&mut [T]; C]> = (0..planes.len().div_ceil(thickness)).map(part).collect();
+        parts.into_par_iter().enumerate().moving(bytes).for_each(|(part, components)| {
             let start = planes.start + part * thickness;
             let planes = start..planes.end.min(start + thickness);
-            let slab = Slab { components: [x, y, z], lines: lines.clone(), planes, strides };
+            let slab = Slab { components, lines: lines.clone(), planes, strides };
             T::dispatch(Fill { spread: self, kernel, slab });
         });
     }
 }
 
 /// One thread's part.
-struct Fill<'a, T, K> {
-    spread: &'a Spread<'a, T>,
+struct Fill<'a, T, K, const C: usize> {
+    spread: &'a Spread<'a, T, C>,
     kernel: &'a K,
-    slab: Slab<&'a mut [T]>,
+    slab: Slab<&'a mut [T], C>,
 }
 
-impl<T: Real, K: Kernel<T>> VectorKernel<T> for Fill<'_, T, K> {
+impl<T: Real, const C: usize, K: Kernel<T, C>> VectorKernel<T> for Fill<'_, T, K, C> {
     type Output = ();
 
     #[inline(always)]
@@ -78,7 +80,13 @@ impl Dirty {
 
     /// Zeroes the planes that a stencil of `count` planes touches, wrapped at the period.
     #[inline(always)]
-    fn clear_for<T: Real>(&mut self, stencil: &Stencil, count: usize, period: usize, slab: &mut Slab<&mut [T]>) {
+    fn clear_for<T: Real, const C: usize>(
+        &mut self,
+        stencil: &Stencil,
+        count: usize,
+        period: usize,
+        slab: &mut Slab<&mut [T], C>,
+    ) {
         if self.last == Some(stencil.first[2]) {
             return;
         }
@@ -91,13 +99,13 @@ impl Dirty {
         }
     }
 
-    fn clear_rest<T: Real>(&mut self, slab: &mut Slab<&mut [T]>) {
+    fn clear_rest<T: Real, const C: usize>(&mut self, slab: &mut Slab<&mut [T], C>) {
         for plane in 0..self.planes.len() {
             self.clear(plane, slab);
         }
     }
 
-    fn clear<T: Real>(&mut self, plane: usize, slab: &mut Slab<&mut [T]>) {
+    fn clear<T: Real, const C: usize>(&mut self, plane: usize, slab: &mut Slab<&mut [T], C>) {
         if std::mem::take(&mut self.planes[plane]) {
             let size = slab.strides[1];
             for component in &mut slab.components {

@@ -16,7 +16,7 @@ use crate::plan::sample_points::SamplePoints;
 use dense::DenseFarField;
 use device::DeviceFarField;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
-pub(crate) use grid::GridFarField;
+pub(crate) use grid::{GridFarField, MomentFarField};
 
 /// Far field of the particles of a rank, by one method on one device.
 ///

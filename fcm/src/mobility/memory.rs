@@ -3,6 +3,7 @@
 use crate::envelope::Envelope;
 use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
+use crate::pairs::moment_correction::MomentCorrection;
 use crate::pairs::pair_correction::{self, PairCorrection};
 use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::device::{CardMemory, ComputeDevice, NearPairCounts};
@@ -25,7 +26,9 @@ pub struct Footprint<'a> {
 impl<'a> Footprint<'a> {
     /// Footprint on a rank with `threads` threads at `place`, with the particle counts that are expected there.
     pub fn new(plan: &'a Plan, place: &Place, threads: usize, expected: &'a ExpectedCounts) -> Self {
-        let grid = solver::GridFootprint::new(plan.grid, place, plan.support.lanes).tilted(plan.is_tilted);
+        let components = if plan.multipoles == Multipoles::Moments { 1 } else { 3 };
+        let grid = solver::GridFootprint::new(plan.grid, place, plan.support.lanes);
+        let grid = grid.of_components(components).tilted(plan.is_tilted);
         Self { plan, place: place.clone(), grid, expected, threads }
     }
 
@@ -83,6 +86,9 @@ impl<'a> Footprint<'a> {
     }
 
     fn tables<T: Real>(&self) -> f64 {
+        if self.plan.multipoles == Multipoles::Moments {
+            return MomentCorrection::table_bytes(self.plan);
+        }
         let Some(common) = self.plan.common() else { return 0.0 };
         let envelopes: Vec<_> = self.plan.radii.iter().map(|&a| Envelope::of_sphere(a)).collect();
         PairCorrection::<T>::table_bytes(&envelopes, common, self.plan.cutoff(), self.plan.table_tolerance())

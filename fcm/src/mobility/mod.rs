@@ -15,7 +15,7 @@ use crate::plan::problem::Multipoles;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
 use domain::{Particles, Partition, PeriodicBox, Vector};
-pub(crate) use far_field::{FarField, GridFarField, RigidFarField, RigidProblem, RigidSolution};
+pub(crate) use far_field::{FarField, MomentFarField, RigidFarField, RigidProblem, RigidSolution};
 use far_field::{FlowAtPoints, of_plan};
 use loads::{Loads, Motion, Output};
 use noise::{DrawDiagnostics, NoiseRequest, Stream};

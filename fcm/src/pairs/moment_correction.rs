@@ -1,7 +1,9 @@
-//! Pair correction of moments: the difference between the fields of the envelopes and of the common wide Gaussians.
+//! Pair correction of moments: the difference between the fields of points and of the common wide Gaussians.
 //!
-//! With `x` from the source to the target and `psi_n = (1/r d/dr)^n psi` of [`PotentialDifference`], the field of a
-//! moment `m` and its gradient are
+//! Outside of a uniformly magnetised sphere the field is that of a point, and its average over another sphere is its
+//! value in the centre. So that is the field between spheres that do not overlap, and in themselves they have that of
+//! their envelopes. With `x` from the source to the target and `psi_n = (1/r d/dr)^n psi` of a potential `psi`, the field
+//! of a moment `m` and its gradient are
 //!
 //! ```text
 //! H_a      = d_a d_b psi m_b = psi_1 m_a + psi_2 x_a (x.m)
@@ -10,22 +12,29 @@
 
 use crate::envelope::Envelope;
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles};
-use crate::pairs::pair_functions::PotentialDifference;
-use crate::pairs::radial_functions::MOST_TABULATED;
+use crate::pairs::pair_functions::GaussianPotential;
 use crate::pairs::table::{PairTable, PairValues, TabulatedFunctions};
+use crate::plan::Plan;
 use domain::parallel::{MeasuredLoop, change_rows};
 use domain::{Neighbour, Neighbours, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector, VectorKernel};
 use solver::Real;
+use std::f64::consts::PI;
+
+/// Distance over the sum of the radii below which the functions of overlapping spheres no longer grow: from `2^(-2/3)` on
+/// two equal spheres have a positive energy.
+const NEAREST: f64 = 0.65;
 
 /// Pair correction of the moments of particles of given radii.
 pub(crate) struct MomentCorrection {
     cutoff: f64,
-    width: f64,
-    envelopes: Vec<Envelope>,
-    /// By pair of classes; none if they would cost more than they save.
-    tables: Option<Vec<PairTable<f64>>>,
+    radii: Vec<f64>,
+    /// `psi_1` of a sphere in itself, by class.
+    own: Vec<f64>,
+    wide: GaussianPotential,
+    /// None if it would cost more than it saves.
+    table: Option<PairTable<f64>>,
 }
 
 /// A moment at a distance `x` from a target, and `psi_1`, `psi_2` and `psi_3` there.
@@ -57,7 +66,7 @@ impl NearMoment {
     }
 }
 
-impl TabulatedFunctions for PotentialDifference {
+impl TabulatedFunctions for GaussianPotential {
     /// `psi_1`, `psi_2` and `psi_3`, and `d psi_n / d(r^2) = psi_(n+1)/2`.
     fn derivative(&self, square: f64, order: usize) -> PairValues {
         let (psi, half) = (self.evaluate(square), 0.5_f64.powi(order as i32));
@@ -70,28 +79,39 @@ impl TabulatedFunctions for PotentialDifference {
 }
 
 impl MomentCorrection {
-    /// For particles with these envelopes and a common Gaussian of this width. Pairs farther apart than the cutoff are
-    /// left out; tables are exact to `tolerance`.
-    pub fn new(envelopes: Vec<Envelope>, width: f64, cutoff: f64, tolerance: f64) -> Self {
-        let difference = |i: &Envelope, j: &Envelope| PotentialDifference::new([i.dipole, j.dipole], width);
-        let table = |difference: PotentialDifference| PairTable::new(&difference, cutoff, tolerance);
-        let pairs = envelopes.iter().flat_map(|i| envelopes.iter().map(move |j| difference(i, j)));
-        let tables = if envelopes.len() > MOST_TABULATED { None } else { pairs.map(table).collect() };
-        Self { cutoff, width, envelopes, tables }
+    /// For the spheres of a plan with a common Gaussian. Pairs farther apart than its cutoff are left out.
+    pub fn of_plan(plan: &Plan) -> Self {
+        let wide = GaussianPotential::new(plan.common().expect("moments have a Gaussian").width);
+        let in_itself = |&radius: &f64| {
+            let narrow = GaussianPotential::new(Envelope::of_sphere(radius).dipole);
+            narrow.evaluate(0.0)[1] - wide.evaluate(0.0)[1]
+        };
+        Self {
+            cutoff: plan.cutoff(),
+            own: plan.radii.iter().map(in_itself).collect(),
+            radii: plan.radii.clone(),
+            wide,
+            table: PairTable::new(&wide, plan.cutoff(), plan.table_tolerance()),
+        }
+    }
+
+    /// Bytes of the table for a plan.
+    pub fn table_bytes(plan: &Plan) -> f64 {
+        let wide = plan.common().map(|common| GaussianPotential::new(common.width));
+        let bytes = |wide| PairTable::<f64>::bytes(&wide, plan.cutoff(), plan.table_tolerance());
+        wide.and_then(bytes).unwrap_or(0.0)
     }
 
     /// `psi_1`, `psi_2` and `psi_3` of a pair of classes.
     #[inline(always)]
     fn functions(&self, [i, j]: [u32; 2], square: f64) -> [f64; 3] {
-        let [i, j] = [i as usize, j as usize];
         // A closure would be compiled for any processor, without its vectors.
-        let [first, second, third, ..] = if let Some(tables) = &self.tables {
-            tables[i * self.envelopes.len() + j].evaluate(square)
-        } else {
-            let widths = [self.envelopes[i].dipole, self.envelopes[j].dipole];
-            PotentialDifference::new(widths, self.width).derivative(square, 0)
-        };
-        [first, second, third]
+        let [first, second, third, ..] =
+            if let Some(table) = &self.table { table.evaluate(square) } else { self.wide.derivative(square, 0) };
+        let nearest = NEAREST * (self.radii[i as usize] + self.radii[j as usize]);
+        let inverse = 1.0 / square.max(nearest * nearest);
+        let point = -inverse * inverse.sqrt() / (4.0 * PI);
+        [point - first, -3.0 * point * inverse - second, 15.0 * point * inverse * inverse - third]
     }
 
     /// The moment of a neighbour of a particle.
@@ -128,8 +148,7 @@ impl VectorKernel<f64> for MomentBatch<'_> {
         let Self { near, present, neighbours, gradients, first, motions } = self;
         for (offset, motion) in motions.iter_mut().enumerate() {
             let row = first + offset;
-            let class = present.classes[row];
-            motion.0 += present.forces[row] * near.functions([class; 2], 0.0)[0];
+            motion.0 += present.forces[row] * near.own[present.classes[row] as usize];
             for neighbour in neighbours.of(row).iter() {
                 let other = near.near_moment(present, row, neighbour);
                 motion.0 += other.field();

@@ -92,28 +92,24 @@ impl Variances {
     }
 }
 
-/// Radial function `psi(r)` whose transform is `[exp(-k^2 s^2 / 2) - exp(-k^2 Sigma^2)] / k^2`, with `s^2` the sum of
-/// the variances of two envelopes: the potential of a unit charge, less that of the common Gaussians. It decays like a
-/// Gaussian.
+/// Radial function `psi(r)` whose transform is `exp(-k^2 Sigma^2) / k^2`: the potential of a unit charge with an
+/// envelope of width `Sigma`, averaged over another one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PotentialDifference {
-    /// Sum of the variances of the two envelopes.
-    variance: f64,
+pub(crate) struct GaussianPotential {
     /// `2 Sigma^2`.
-    wide_variance: f64,
+    variance: f64,
 }
 
-impl PotentialDifference {
-    /// For two envelopes of widths `sigma`, and a common Gaussian of width `Sigma`.
-    pub fn new(sigma: [f64; 2], width: f64) -> Self {
-        let variance = sigma[0] * sigma[0] + sigma[1] * sigma[1];
-        Self { variance, wide_variance: 2.0 * width * width }
+impl GaussianPotential {
+    /// For envelopes of this width.
+    pub fn new(width: f64) -> Self {
+        Self { variance: 2.0 * width * width }
     }
 
     /// `psi_n = (1/r d/dr)^n psi` at `r^2 = square`, for `n = 0..ORDERS`.
     pub fn evaluate(&self, square: f64) -> [f64; ORDERS] {
-        let [near, wide] = [self.variance, self.wide_variance].map(|variance| Gaussian::new(square, variance));
-        std::array::from_fn(|n| near.over_k2(n) - wide.over_k2(n))
+        let gaussian = Gaussian::new(square, self.variance);
+        std::array::from_fn(|n| gaussian.over_k2(n))
     }
 }
 
@@ -248,17 +244,16 @@ mod tests {
         }
     }
 
-    /// `psi_0 = [erf(r / (sqrt(2) s)) - erf(r / (2 Sigma))] / (4 pi r)`, and each function is the slope of the former.
+    /// `psi_0 = erf(r / (2 Sigma)) / (4 pi r)`, and each function is the slope of the former.
     #[test]
     fn potentials_are_those_of_gaussian_charges() {
-        let (sigma, width): ([f64; 2], f64) = ([0.5, 0.8], 1.3);
-        let difference = PotentialDifference::new(sigma, width);
-        let s = sigma[0].hypot(sigma[1]);
+        let width = 1.3;
+        let potential = GaussianPotential::new(width);
         for r in [0.3_f64, 1.0, 2.5, 4.0] {
-            let exact = (libm::erf(r / (2.0_f64.sqrt() * s)) - libm::erf(r / (2.0 * width))) / (4.0 * PI * r);
-            assert!((difference.evaluate(r * r)[0] - exact).abs() < 1e-14, "at {r}");
+            let exact = libm::erf(r / (2.0 * width)) / (4.0 * PI * r);
+            assert!((potential.evaluate(r * r)[0] - exact).abs() < 1e-14, "at {r}");
             let step = 1e-4;
-            let [before, here, after] = [r - step, r, r + step].map(|r| difference.evaluate(r * r));
+            let [before, here, after] = [r - step, r, r + step].map(|r| potential.evaluate(r * r));
             for n in 0..4 {
                 let slope = (after[n] - before[n]) / (2.0 * step * r);
                 assert!((slope - here[n + 1]).abs() < 1e-6, "psi_{} at {r}: {} and {slope}", n + 1, here[n + 1]);

@@ -42,9 +42,17 @@ pub struct Brackets {
     /// Factor by which wavevectors are longer along an axis of the box than along the lattice: `sqrt(1 + s^2)` in a
     /// box sheared by `s`, for example.
     pub stretch: f64,
+    /// Largest radius over the width. Errors of moments are relative to a sphere's own field, `m / (4 pi a^3)`, and to that
+    /// over its radius, and the fields of common Gaussians are in proportion to `m / Sigma^3`.
+    pub size: f64,
 }
 
 impl Brackets {
+    /// Factor of the errors of moments: those of gradients are in proportion to `size^4`, those of fields to `size^3`.
+    fn of_moments(self) -> f64 {
+        self.size.powi(3) * self.size.max(0.4)
+    }
+
     /// Product of the brackets at a wavenumber in units of the inverse width.
     fn at(self, wavenumber: f64) -> f64 {
         let square = wavenumber * wavenumber;
@@ -66,7 +74,8 @@ pub fn direct_grid_error(terms: Multipoles, resolution: f64) -> f64 {
 pub fn split_grid_error(terms: Multipoles, resolution: f64, brackets: Brackets) -> f64 {
     let decay = (-(PI * resolution).powi(2)).exp() * brackets.at(PI * resolution).powi(2);
     match terms {
-        Multipoles::Dipole | Multipoles::Moments => 1.3 * decay,
+        Multipoles::Dipole => 1.3 * decay,
+        Multipoles::Moments => 1.1 * brackets.of_moments() * decay,
         Multipoles::Monopole => 0.1 / (resolution * resolution) * decay,
     }
 }
@@ -79,13 +88,14 @@ pub fn stencil_error(reach: f64) -> f64 {
 
 /// Aliasing error of a window of `points` points. Wavenumbers from `2 pi / h` on, and farther in a sheared box, alias
 /// onto those of the Gaussian. Derivatives on the grid amplify the error: one for each side of a dipole, and two for
-/// `1 - rest lap`.
+/// `1 - rest lap`; for a moment one, and two for the gradient of its field.
 pub fn window_error(terms: Multipoles, points: usize, resolution: f64, brackets: Brackets) -> f64 {
     let window = KaiserBessel::new(points, resolution).shape();
     let folded = (resolution * brackets.stretch).powi(2);
     let rest = brackets.own * 4.0 * PI * PI * folded;
     match terms {
-        Multipoles::Dipole | Multipoles::Moments => 165.0 * folded * (1.0 + rest) * (-0.92 * window).exp(),
+        Multipoles::Dipole => 165.0 * folded * (1.0 + rest) * (-0.92 * window).exp(),
+        Multipoles::Moments => 130.0 * brackets.of_moments() * folded * (-0.92 * window).exp(),
         Multipoles::Monopole => {
             // Up to about the highest wavenumber that matters.
             let common = 1.0 + brackets.common * (0.5 * points as f64 / resolution).powi(2);
@@ -100,9 +110,8 @@ pub fn cutoff_error(terms: Multipoles, cutoff: f64, brackets: Brackets) -> f64 {
     let square = 0.25 * cutoff * cutoff;
     let beyond = |distance: f64| (cutoff - distance).max(0.0).powi(2);
     let size = match terms {
-        Multipoles::Dipole | Multipoles::Moments => {
-            (0.75 + 2.0 * beyond(5.8)) * (1.0 + brackets.own * square).powf(1.5)
-        }
+        Multipoles::Moments => brackets.of_moments() * (0.5 + 0.15 * cutoff),
+        Multipoles::Dipole => (0.75 + 2.0 * beyond(5.8)) * (1.0 + brackets.own * square).powf(1.5),
         Multipoles::Monopole => {
             let other = (2.0 * (brackets.common + brackets.own)).min(1.0);
             (0.15 + 0.4 * beyond(5.0)) * (other * (2.0 - other)).powi(2)
@@ -179,8 +188,8 @@ mod tests {
     fn options_trade_points_for_spacing() {
         for digits in 1..=12 {
             let tolerance = 0.2 * 10f64.powi(-digits);
-            let brackets = Brackets { common: 0.3, own: 0.1, stretch: 1.0 };
-            for terms in [Multipoles::Dipole, Multipoles::Monopole] {
+            let brackets = Brackets { common: 0.3, own: 0.1, stretch: 1.0, size: 0.7 };
+            for terms in [Multipoles::Dipole, Multipoles::Monopole, Multipoles::Moments] {
                 for options in [Accuracy::direct(terms, tolerance), Accuracy::split(terms, tolerance, |_| brackets)] {
                     assert!(!options.is_empty());
                     assert!(options.windows(2).all(|o| o[0].resolution >= o[1].resolution));

@@ -69,11 +69,17 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
     }
     let single = plan.precision == Precision::Single;
     let points = grid_points(plan);
-    let bytes = points * if single { 12.0 } else { 24.0 };
+    // The potential of moments has one component.
+    let of_grid = if plan.multipoles == Multipoles::Moments { 1.0 / 3.0 } else { 1.0 };
+    let bytes = of_grid * points * if single { 12.0 } else { 24.0 };
     // Part of the grid that is fetched from main memory in each pass.
     let spilt = (bytes / CACHE - 1.0).clamp(0.0, 1.0);
     let particles = particles as f64;
-    let terms = if plan.multipoles == Multipoles::Dipole { 1.0 } else { 0.6 };
+    let [terms, pair_terms] = match plan.multipoles {
+        Multipoles::Dipole => [1.0; 2],
+        Multipoles::Monopole => [0.6; 2],
+        Multipoles::Moments => [0.4, 0.6],
+    };
     let stencil = if plan.method == Method::Direct {
         let rows = length(&plan.support, plan.spacing(), strain, if single { 16 } else { 8 });
         rows * if single { 18e-9 } else { 17e-9 }
@@ -87,7 +93,7 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
     let sent = 2.0 * bytes * (1.0 - 1.0 / ranks.max(1) as f64);
     Costs {
         stencils: particles * (stencil * terms + 4e-7) + 0.65e-9 * bytes * spilt,
-        transforms: points * points.log2() * transform + SENT * sent,
-        pairs: particles * (neighbours * 5.2e-8 * terms + plan.images(particles) * IMAGE),
+        transforms: of_grid * points * points.log2() * transform + SENT * sent,
+        pairs: particles * (neighbours * 5.2e-8 * pair_terms + plan.images(particles) * IMAGE),
     }
 }

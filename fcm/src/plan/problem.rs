@@ -118,6 +118,17 @@ impl Problem {
         combinations.map(|(j, k)| length(j, k)).fold(f64::INFINITY, f64::min)
     }
 
+    /// The same in a static box with the same boundaries.
+    #[must_use]
+    pub fn in_box(&self, cell: &PeriodicBox) -> Self {
+        Self {
+            edges: cell.edges(),
+            volume: cell.volume(),
+            shortest_vector: Self::shortest_vector_of(cell),
+            ..self.clone()
+        }
+    }
+
     /// Width of a sphere's narrowest envelope.
     pub(crate) fn own_width(&self, radius: f64) -> f64 {
         self.multipoles.narrowest(Envelope::of_sphere(radius))
@@ -126,12 +137,17 @@ impl Problem {
     /// Brackets of a common Gaussian, on a grid along whose axes spheres extend farther by `stretch`.
     pub(crate) fn brackets(&self, width: f64, stretch: f64) -> Brackets {
         if self.multipoles == Multipoles::Moments {
-            return Brackets { common: 0.0, own: 0.0, stretch };
+            return Brackets { common: 0.0, own: 0.0, stretch, size: self.largest_radius() / width };
         }
         let [least, most] = [self.smallest_radius(), self.largest_radius()].map(|radius| self.own_width(radius));
         let common = Common::new(width, [least, most].into_iter());
         let (square, typical) = (width * width, 0.25 * (most * most - least * least));
-        Brackets { common: 0.5 * common.increment / square, own: typical / square, stretch }
+        Brackets {
+            common: 0.5 * common.increment / square,
+            own: typical / square,
+            stretch,
+            size: self.largest_radius() / width,
+        }
     }
 
     /// [`Self::largest_tilts`] of a static box.

@@ -13,8 +13,8 @@ const MONOPOLE_LEEWAY: f64 = 0.8;
 const GIVEN_LEEWAY: f64 = 0.5;
 const RIGID_LEEWAY: f64 = 0.22;
 
-/// The same for moments, whose field gradients are less accurate than the fields (`fcm/tests/dipoles.rs`).
-const MOMENTS_LEEWAY: f64 = 0.4;
+/// The same for moments: the bounds are those of gradients (`fcm/tests/dipoles.rs`).
+const MOMENTS_LEEWAY: f64 = 0.8;
 
 /// The same at walls, for given loads and for rigid spheres, and for rigid spheres in open layers, where forces and
 /// torques alone cause stresslets that are smaller relative to the loads than those of a flow.

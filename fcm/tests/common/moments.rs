@@ -1,10 +1,15 @@
-//! Fields of moments by plain sums over wavevectors, without grid or splitting, in any lattice.
+//! Fields of moments by plain sums over wavevectors and over near pairs, without grid or splitting, in any lattice.
+//!
+//! Spheres have Gaussian envelopes in the sum over wavevectors. Pairs are points, for which the difference is added.
 
 use domain::{PeriodicBox, Random, Tensor, Vector, random_packing};
 use std::f64::consts::{PI, TAU};
 
 /// The sum ends where `exp(-k^2 s^2)` of the smallest envelope is `exp(-34)`, 2e-15.
 const EXPONENT: f64 = 34.0;
+
+/// Periodic images of near pairs in each direction.
+const IMAGES: i32 = 3;
 
 /// Spheres with moments in a lattice.
 #[derive(Debug, Clone)]
@@ -74,6 +79,7 @@ impl MagnetisedSpheres {
                 *gradient += Tensor::from_cols(slope * k.x, slope * k.y, slope * k.z);
             }
         }
+        self.add_pairs(&mut fields);
         fields
     }
 
@@ -83,7 +89,29 @@ impl MagnetisedSpheres {
             let (_, [re, im]) = self.mode(k);
             (re * re + im * im) / k.length_squared()
         };
-        self.wavevectors().into_iter().map(of_one).sum::<f64>() / self.volume()
+        let mut of_pairs = vec![(Vector::ZERO, Tensor::ZERO); self.radii.len()];
+        self.add_pairs(&mut of_pairs);
+        let of_pairs: f64 = self.moments.iter().zip(&of_pairs).map(|(moment, pairs)| moment.dot(pairs.0)).sum();
+        self.wavevectors().into_iter().map(of_one).sum::<f64>() / self.volume() - 0.5 * of_pairs
+    }
+
+    /// Adds the fields of points minus those of Gaussians, from other spheres and from periodic images.
+    fn add_pairs(&self, fields: &mut [(Vector, Tensor)]) {
+        let [a, b, c] = self.lattice;
+        let steps = || (-IMAGES..=IMAGES).map(f64::from);
+        let images =
+            || steps().flat_map(move |i| steps().flat_map(move |j| steps().map(move |k| a * i + b * j + c * k)));
+        for (row, (field, gradient)) in fields.iter_mut().enumerate() {
+            for (other, image) in (0..self.radii.len()).flat_map(|other| images().map(move |image| (other, image))) {
+                let x = self.positions[row] - self.positions[other] - image;
+                let width = width(self.radii[row]).hypot(width(self.radii[other]));
+                if x.length() > 0.0 && x.length() < (2.0 * EXPONENT).sqrt() * width {
+                    let (more, slope) = of_pair(x, width, self.moments[other]);
+                    *field += more;
+                    *gradient += slope;
+                }
+            }
+        }
     }
 
     /// The same moments at positions and in a lattice deformed by `x -> x + e x`.
@@ -92,6 +120,23 @@ impl MagnetisedSpheres {
         let positions = self.positions.iter().map(|&x| x + e * x).collect();
         Self { lattice: self.lattice.map(|a| a + e * a), positions, ..self.clone() }
     }
+}
+
+/// Field and gradient of a moment at a distance, for a potential of `erfc(r / (2^(1/2) s)) / (4 pi r)`.
+fn of_pair(x: Vector, s: f64, moment: Vector) -> (Vector, Tensor) {
+    let (r, square) = (x.length(), s * s);
+    let gaussian = (2.0 / PI).sqrt() / s * (-0.5 * (r / s).powi(2)).exp();
+    let both = gaussian * r + libm::erfc(r / (2.0_f64.sqrt() * s));
+    let first = -both / (4.0 * PI * r.powi(3));
+    let second = (gaussian / (square * r * r) + 3.0 * both / r.powi(5)) / (4.0 * PI);
+    let third = -(gaussian / (square * square * r) + 5.0 * gaussian / (square * r.powi(3)) + 15.0 * both / r.powi(6))
+        / (4.0 * PI * r);
+    let along = x.dot(moment);
+    let column = |c: usize| {
+        let delta = Vector::AXES[c] * along;
+        (moment * x[c] + x * moment[c] + delta) * second + x * (third * x[c] * along)
+    };
+    (moment * first + x * (second * along), Tensor::from_cols(column(0), column(1), column(2)))
 }
 
 fn width(radius: f64) -> f64 {

@@ -1,13 +1,13 @@
-//! Two polarisable spheres in a uniform field: exact moments, and those of the force-coupling method.
+//! Two polarisable spheres in a uniform field: exact moments, and those of dipoles.
 
+mod dipoles;
 mod exact;
-mod gaussian;
 mod near_contact;
 #[cfg(test)]
 mod tests;
 
+pub use dipoles::dipole_moments;
 pub use exact::exact_moments;
-pub use gaussian::gaussian_moments;
 pub use near_contact::{PairPolarisation, PolarisedPairTable};
 
 /// Two spheres of magnetisable or dielectric material.

@@ -1,6 +1,6 @@
 //! Table of the moments of near pairs that dipoles alone leave out.
 
-use super::{PairMoments, PolarisablePair, exact_moments, gaussian_moments};
+use super::{PairMoments, PolarisablePair, dipole_moments, exact_moments};
 use crate::chebyshev::Chebyshev;
 use std::array::from_fn;
 
@@ -15,7 +15,7 @@ const REACH: f64 = 2.0;
 const GROWTH: f64 = 4.0;
 const NODES: usize = 8;
 
-/// Moments of a pair of spheres in a uniform field by the exact solution minus those by Gaussian dipoles, as functions
+/// Moments of a pair of spheres in a uniform field by the exact solution minus those by dipoles, as functions
 /// of the distance. A linear function is subtracted so that values and slopes vanish at the reach.
 #[derive(Debug, Clone)]
 pub struct PolarisedPairTable {
@@ -58,7 +58,7 @@ impl PolarisedPairTable {
                 &Chebyshev::<4, NODES>::nodes(from, to).map(|log| {
                     let distance = sum + log.exp();
                     let PairMoments { along, across } =
-                        exact_moments(pair, distance).minus(&gaussian_moments(pair, distance));
+                        exact_moments(pair, distance).minus(&dipole_moments(pair, distance));
                     [along[0], along[1], across[0], across[1]]
                 }),
             );

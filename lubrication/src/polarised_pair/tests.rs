@@ -66,7 +66,7 @@ fn touching_conductors_have_moments_in_closed_form() {
 #[test]
 fn dipoles_are_exact_far_apart() {
     let pair = pair([1.0, 1.4], [5.0, 2.0]);
-    let difference = |r: f64| exact_moments(&pair, r).minus(&gaussian_moments(&pair, r));
+    let difference = |r: f64| exact_moments(&pair, r).minus(&dipole_moments(&pair, r));
     let (near, far) = (difference(9.0), difference(18.0));
     for (near, far) in near.along.into_iter().chain(near.across).zip(far.along.into_iter().chain(far.across)) {
         let order = (near / far).log2();
@@ -80,7 +80,7 @@ fn tables_have_the_difference_and_its_slope() {
     for chi in [0.3, 10.0, 1e5] {
         let pair = pair([1.0, 2.0], [chi; 2]);
         let table = PolarisedPairTable::new(&pair);
-        let difference = |r: f64| exact_moments(&pair, r).minus(&gaussian_moments(&pair, r)).along[0];
+        let difference = |r: f64| exact_moments(&pair, r).minus(&dipole_moments(&pair, r)).along[0];
         let (reach, step) = (table.reach(), 1e-4);
         let slope_at_reach = (difference(reach + step) - difference(reach - step)) / (2.0 * step);
         for gap in [3e-4, 1.7e-3, 0.02, 0.31, 1.9] {

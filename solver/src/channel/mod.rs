@@ -78,7 +78,7 @@ impl<T: Real> Channel<T> {
     {
         let [nx, ny, _] = grid.points();
         let scale = grid.spacing().z / (viscosity * (nx * ny) as f64);
-        let layout = Layout::new::<T>(grid.points(), place, 0);
+        let layout = Layout::new::<T>(3, grid.points(), place, 0);
         let has_mean = layout.blocks.start == 0 && layout.modes.start == 0 && !layout.blocks.is_empty();
         Self {
             update: Update::new(grid, &layout, faces, scale, weights),

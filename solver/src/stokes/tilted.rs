@@ -51,14 +51,14 @@ impl<T: Real> TiltedTables<T> {
 }
 
 /// Kernel of [`Stokes::multiply`] for a tilted lattice.
-pub(super) struct MultiplyTilted<'a, T, const LONGITUDINAL: bool> {
-    pub operator: &'a Stokes<T>,
+pub(super) struct MultiplyTilted<'a, T, const C: usize> {
+    pub operator: &'a Stokes<T, C>,
     pub tilted: &'a TiltedTables<T>,
     pub place: [usize; 2],
-    pub components: [*mut T; 3],
+    pub components: [*mut T; C],
 }
 
-impl<T: Real, const LONGITUDINAL: bool> VectorKernel<T> for MultiplyTilted<'_, T, LONGITUDINAL> {
+impl<T: Real, const C: usize> VectorKernel<T> for MultiplyTilted<'_, T, C> {
     type Output = ();
 
     #[inline(always)]
@@ -77,7 +77,7 @@ impl<T: Real, const LONGITUDINAL: bool> VectorKernel<T> for MultiplyTilted<'_, T
         for m3 in 0..nz {
             if m3 == nz / 2 {
                 // SAFETY: the columns have nz elements.
-                unsafe { project::<T, V, LONGITUDINAL>(self.components, [k1, k2, zero], [zero, zero], m3) };
+                unsafe { project::<T, V, C>(self.components, [k1, k2, zero], [zero, zero], m3) };
                 continue;
             }
             let k3 = shift.add(V::splat(k3[m3]));
@@ -88,7 +88,7 @@ impl<T: Real, const LONGITUDINAL: bool> VectorKernel<T> for MultiplyTilted<'_, T
             let bracket = square.mul_add(widening, one);
             let factor = plane.mul(exponential::<T, V>(exponent)).mul(inverse).mul(bracket).mul(bracket);
             // SAFETY: the columns have nz elements.
-            unsafe { project::<T, V, LONGITUDINAL>(self.components, [k1, k2, k3], [inverse, factor], m3) };
+            unsafe { project::<T, V, C>(self.components, [k1, k2, k3], [inverse, factor], m3) };
         }
     }
 }

@@ -40,7 +40,8 @@ impl<T: Real> LocalTransform<T> {
         let rows = RowPlan::new(plan(nx / 2), layout.halo);
         let [along_y, along_z] = [ny, nz].map(plan);
         let room = rows.room().max(along_y.room()).max(along_z.room());
-        let workspace = || Mutex::new(AlignedMemory::zero(5 * room + T::LANES * layout.physical.y));
+        let workspace =
+            || Mutex::new(AlignedMemory::zero((2 + layout.components) * room + T::LANES * layout.physical.y));
         let workspaces = (0..rayon::current_num_threads()).map(|_| workspace()).collect();
         Self { layout, rows, along_y, along_z, room, workspaces }
     }
@@ -57,13 +58,13 @@ impl<T: Real> LocalTransform<T> {
         &self.layout
     }
 
-    /// Calls `work` with the thread's work space: two buffers, a panel of three components, and a batch of rows.
+    /// Calls `work` with the thread's work space: two buffers, a panel of all components, and a batch of rows.
     fn with_workspace(&self, work: impl FnOnce([*mut T; 2], *mut T, &mut [T])) {
         let workspace = rayon::current_thread_index().unwrap_or(0) % self.workspaces.len();
         let mut memory = self.workspaces[workspace].lock().unwrap_or_else(PoisonError::into_inner);
         let (first, rest) = memory.values_mut().split_at_mut(self.room);
         let (second, rest) = rest.split_at_mut(self.room);
-        let (panel, batch) = rest.split_at_mut(3 * self.room);
+        let (panel, batch) = rest.split_at_mut(self.layout.components * self.room);
         work([first.as_mut_ptr(), second.as_mut_ptr()], panel.as_mut_ptr(), batch);
     }
 
@@ -79,9 +80,9 @@ impl<T: Real> LocalTransform<T> {
         let [lines, planes] = self.layout.rows.clone();
         let rows = occupied[0].clamp(lines.start, lines.end) - lines.start;
         let is_occupied = |z: usize| planes.start + z < occupied[1];
-        let planes = planes.len();
-        let bytes = 2 * 3 * planes * self.layout.physical.z * size_of::<T>();
-        (0..3 * planes).into_par_iter().moving(bytes).for_each(|i| {
+        let (components, planes) = (self.layout.components, planes.len());
+        let bytes = 2 * components * planes * self.layout.physical.z * size_of::<T>();
+        (0..components * planes).into_par_iter().moving(bytes).for_each(|i| {
             let (component, z) = (i / planes, i % planes);
             for task in tasks {
                 match task {
@@ -138,8 +139,8 @@ impl<T: Real> LocalTransform<T> {
     }
 
     /// Transforms columns along z.
-    pub fn pencils(&self, whole: &WholeColumns<T>, direction: Direction) {
-        self.each_panel(whole, |components, _| {
+    pub fn pencils<const C: usize>(&self, whole: &WholeColumns<T>, direction: Direction) {
+        self.each_panel::<C>(whole, |components, _| {
             self.with_workspace(|buffers, _, _| {
                 for columns in components {
                     // SAFETY: the panel belongs to one thread.
@@ -150,15 +151,17 @@ impl<T: Real> LocalTransform<T> {
     }
 
     /// Transforms columns along z, multiplies them by the operator, and transforms them back.
-    pub fn pencils_through(&self, whole: &WholeColumns<T>, operator: &Stokes<T>) {
+    pub fn pencils_through<const C: usize>(&self, whole: &WholeColumns<T>, operator: &Stokes<T, C>) {
         let stride = 2 * T::LANES;
-        self.each_panel(whole, |components, [block, mode]| {
+        self.each_panel::<C>(whole, |components, [block, mode]| {
             self.with_workspace(|buffers, panel, _| {
-                // SAFETY: the panel belongs to one thread, and the work space has room for its three components.
+                // SAFETY: the panel belongs to one thread, and the work space has room for its components.
                 unsafe {
-                    let work = [0, 1, 2].map(|c| StridedPointer { first: panel.add(c * self.room), stride });
-                    let channel = operator.channel();
-                    let added = channel.and_then(|channel| channel.amplitudes([block, mode], components));
+                    let work: [_; C] =
+                        std::array::from_fn(|c| StridedPointer { first: panel.add(c * self.room), stride });
+                    // Only a vector field has a channel.
+                    let channel = operator.channel().zip(<[_; 3]>::try_from(&components[..]).ok());
+                    let added = channel.and_then(|(channel, all)| channel.amplitudes([block, mode], all));
                     for (columns, work) in components.into_iter().zip(work) {
                         self.along_z.run(Direction::Forward, columns, work, buffers);
                     }
@@ -166,8 +169,8 @@ impl<T: Real> LocalTransform<T> {
                     for (columns, work) in components.into_iter().zip(work) {
                         self.along_z.run(Direction::Backward, work, columns, buffers);
                     }
-                    if let (Some(channel), Some(added)) = (channel, &added) {
-                        channel.add([block, mode], added, components);
+                    if let (Some((channel, all)), Some(added)) = (channel, &added) {
+                        channel.add([block, mode], added, all);
                     }
                 }
             });
@@ -175,12 +178,16 @@ impl<T: Real> LocalTransform<T> {
     }
 
     /// Visits every panel of columns along z: the columns of one block along x and one mode along y.
-    fn each_panel(&self, whole: &WholeColumns<T>, work: impl Fn([StridedPointer<T>; 3], [usize; 2]) + Sync) {
+    fn each_panel<const C: usize>(
+        &self,
+        whole: &WholeColumns<T>,
+        work: impl Fn([StridedPointer<T>; C], [usize; 2]) + Sync,
+    ) {
         let (Layout { blocks, .. }, WholeColumns { memory, strides, modes }) = (&self.layout, whole);
-        let bytes = 2 * 3 * modes.len() * blocks.len() * self.layout.points[2] * 2 * T::LANES * size_of::<T>();
+        let bytes = 2 * C * modes.len() * blocks.len() * self.layout.points[2] * 2 * T::LANES * size_of::<T>();
         (0..modes.len() * blocks.len()).into_par_iter().moving(bytes).for_each(|i| {
             let (mode, block) = (i / blocks.len(), i % blocks.len());
-            let components = [0, 1, 2].map(|component| {
+            let components = std::array::from_fn(|component| {
                 let start = strides.at(component, mode, 0) + block * 2 * T::LANES;
                 // SAFETY: the panel lies inside this rank's share.
                 StridedPointer { first: unsafe { memory.at(start) }, stride: strides.z }

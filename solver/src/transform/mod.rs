@@ -17,8 +17,8 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use transposition::{Transposition, WholeColumns};
 
-/// Fourier transform of a vector field on a periodic grid over any number of ranks: planned once, run without
-/// allocating.
+/// Fourier transform of a field of `C` components, three of a vector field, on a periodic grid over any number of
+/// ranks: planned once, run without allocating.
 ///
 /// Forward is `u_hat(m) = sum_x u(x) exp(-i k(m).x)`, backward `u(x) = sum_m u_hat(m) exp(+i k(m).x)`. Neither
 /// scales: forward and backward together give `nx ny nz` times the field, by which [`Stokes`] divides. Coefficients
@@ -26,7 +26,7 @@ use transposition::{Transposition, WholeColumns};
 /// `m1 = nx/2`, whose derivative is undefined and which every operator here would set to zero, is dropped.
 ///
 /// Rows along x are complete on a rank. Columns along y and then along z are assembled by one exchange each, of all
-/// three components at once, among the ranks that share them; a table of ranks with a single row or column saves that
+/// components at once, among the ranks that share them; a table of ranks with a single row or column saves that
 /// exchange, and a single rank copies nothing. The exchange along z runs in rounds of at most 64 MB of whole columns,
 /// so large grids need little memory beside their fields. Between ranks on one machine rows are copied directly to
 /// their destination, in shared memory. In the exchange along y the ranks share blocks of 8 (`f64`) or 16 (`f32`)
@@ -37,27 +37,37 @@ use transposition::{Transposition, WholeColumns};
 ///
 /// Methods use the threads of the rayon pool in which they are called; results are the same bits for any number of
 /// threads and ranks.
-pub struct Transform<T> {
+pub struct Transform<T, const C: usize = 3> {
     local: LocalTransform<T>,
     along_y: Option<Transposition<T>>,
     along_z: Option<Transposition<T>>,
 }
 
 impl<T: Real> Transform<T> {
-    /// Plans the transform of grids of `points` values, which [`crate::Grid`] allows, distributed by `partition`,
+    /// Plans the transform of vector fields on grids of `points` values, which [`crate::Grid`] allows, distributed by `partition`,
     /// with room for `halo` values after each row; longer halos wrap around the row several times. A collective call,
     /// as all others.
     ///
     /// # Panics
     /// If the partition is for a different number of rows.
     pub fn new(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
-        Self::planned(points, partition, halo, ROOM, AnyLength::new)
+        Self::of_components(points, partition, halo)
     }
 
     /// As [`Self::new`], but by rustfft for all lengths: the reference for the lane kernels.
     #[doc(hidden)]
     pub fn by_rustfft(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
         Self::planned(points, partition, halo, ROOM, AnyLength::by_rustfft)
+    }
+}
+
+impl<T: Real, const C: usize> Transform<T, C> {
+    /// As [`Transform::new`], for fields of any number of components.
+    ///
+    /// # Panics
+    /// If the partition is for a different number of rows.
+    pub fn of_components(points: [usize; 3], partition: &Partition, halo: usize) -> Self {
+        Self::planned(points, partition, halo, ROOM, AnyLength::new)
     }
 
     fn planned(
@@ -67,7 +77,7 @@ impl<T: Real> Transform<T> {
         room: usize,
         plan: fn(usize) -> AnyLength<T>,
     ) -> Self {
-        let layout = Layout::new::<T>(points, partition.place(), halo);
+        let layout = Layout::new::<T>(C, points, partition.place(), halo);
         let along_y = Transposition::along_y(&layout, partition);
         let rounds = layout.rounds(partition.row().size(), room / size_of::<T>());
         let along_z = Transposition::along_z(&layout, partition, rounds);
@@ -82,25 +92,25 @@ impl<T: Real> Transform<T> {
     }
 
     /// A field of zeros for this transform.
-    pub fn field(&self) -> Field<T, Physical> {
+    pub fn field(&self) -> Field<T, Physical, C> {
         Field::zero(self.local.layout())
     }
 
     /// Values to coefficients. Halos are added to the starts of the rows first; after a backward transform, call
     /// [`Field::clear_halo`] before. Allocates a field if columns are exchanged in several rounds.
     #[must_use]
-    pub fn forward(&mut self, mut field: Field<T, Physical>) -> Field<T, Spectral> {
+    pub fn forward(&mut self, mut field: Field<T, Physical, C>) -> Field<T, Spectral, C> {
         let planes = self.planes_forward(&mut field.memory, self.local.all_lines());
         if self.rounds() == 1 {
             let columns = self.whole(&planes, 0);
-            self.local.pencils(&columns, Direction::Forward);
+            self.local.pencils::<C>(&columns, Direction::Forward);
             self.store(&columns, &mut field.memory);
             return field.into_space();
         }
         let mut spectrum = Field::zero(self.local.layout());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
-            self.local.pencils(&columns, Direction::Forward);
+            self.local.pencils::<C>(&columns, Direction::Forward);
             self.store(&columns, &mut spectrum.memory);
         }
         spectrum
@@ -108,7 +118,7 @@ impl<T: Real> Transform<T> {
 
     /// Coefficients to values. The halos are filled. Allocates a field if columns are exchanged in several rounds.
     #[must_use]
-    pub fn backward(&mut self, mut field: Field<T, Spectral>) -> Field<T, Physical> {
+    pub fn backward(&mut self, mut field: Field<T, Spectral, C>) -> Field<T, Physical, C> {
         self.along_y.iter().for_each(Transposition::begin);
         let mut values = if self.rounds() > 1 { Some(Field::zero(self.local.layout())) } else { None };
         let planes = self.planes(values.as_mut().map_or(&mut field.memory, |values| &mut values.memory));
@@ -116,7 +126,7 @@ impl<T: Real> Transform<T> {
             self.along_z.iter().for_each(Transposition::begin);
             let columns = self.columns(&planes, round);
             self.fetch(&columns, &mut field.memory);
-            self.local.pencils(&columns, Direction::Backward);
+            self.local.pencils::<C>(&columns, Direction::Backward);
             self.give_back(&planes, round);
         }
         let mut values = values.unwrap_or_else(|| field.into_space());
@@ -126,7 +136,7 @@ impl<T: Real> Transform<T> {
 
     /// Force density to velocity: forward, times the operator, backward. Columns along z go both ways while a few of
     /// them are in the cache. Halos are added to the rows first, and filled at the end.
-    pub fn apply(&mut self, field: &mut Field<T, Physical>, operator: &Stokes<T>) {
+    pub fn apply(&mut self, field: &mut Field<T, Physical, C>, operator: &Stokes<T, C>) {
         assert_eq!(self.local.layout().points, operator.points(), "transform and operator have one grid");
         let planes = self.planes_forward(&mut field.memory, operator.occupied());
         for round in 0..self.rounds() {
@@ -142,15 +152,15 @@ impl<T: Real> Transform<T> {
     /// overwritten. Returns partial results, each begun by `start` and folded by `visit` over a part of the modes.
     pub fn fold_modes<S: Send>(
         &mut self,
-        field: &mut Field<T, Physical>,
+        field: &mut Field<T, Physical, C>,
         start: impl Fn() -> S + Sync,
-        visit: impl Fn(S, [usize; 3], [Complex<T>; 3]) -> S + Sync,
+        visit: impl Fn(S, [usize; 3], [Complex<T>; C]) -> S + Sync,
     ) -> Vec<S> {
         let (mut parts, planes_of_modes) = (Vec::new(), self.local.layout().points[2]);
         let planes = self.planes_forward(&mut field.memory, self.local.all_lines());
         for round in 0..self.rounds() {
             let columns = self.whole(&planes, round);
-            self.local.pencils(&columns, Direction::Forward);
+            self.local.pencils::<C>(&columns, Direction::Forward);
             let WholeColumns { memory, strides, modes } = &columns;
             let of_plane = |m3: usize| {
                 // SAFETY: the columns have all these modes, and are not written before the next round.
@@ -275,7 +285,7 @@ impl<T: Real> Transform<T> {
             return;
         }
         for z in 0..layout.points[2] {
-            for (component, mode) in (0..3).flat_map(|component| (0..modes.len()).map(move |mode| (component, mode))) {
+            for (component, mode) in (0..C).flat_map(|component| (0..modes.len()).map(move |mode| (component, mode))) {
                 let place = layout.spectral.at(component, modes.start - layout.modes.start + mode, z);
                 // SAFETY: the columns have this row.
                 visit(unsafe { memory.at(strides.at(component, mode, z)) }, place, layout.width);

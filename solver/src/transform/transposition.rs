@@ -59,6 +59,7 @@ struct PackedPart<T> {
 
 /// Exchange of a round: start of the values for each rank, and their shape by sender and receiver.
 struct RoundPlan<Start, Shaped> {
+    components: usize,
     shape: Shaped,
     start: Start,
     modes: Range<usize>,
@@ -69,7 +70,7 @@ impl<Start: Fn(usize) -> usize, Shaped: Fn(usize, usize) -> PackedShape> RoundPl
     /// Number of values from one rank to another.
     fn reals(&self, from: usize, to: usize, planes: impl Fn(usize) -> usize) -> usize {
         let PackedShape { rows, width, .. } = (self.shape)(from, to);
-        3 * planes(from) * rows * width
+        self.components * planes(from) * rows * width
     }
 
     /// Position in a rank's columns at which those from another begin.
@@ -124,15 +125,15 @@ impl<T: Real> Transposition<T> {
     pub fn along_y(layout: &Layout, partition: &Partition) -> Option<Self> {
         let group = partition.column();
         let blocks = |rank| block((layout.points[0] / 2).div_ceil(T::LANES), group.size(), rank);
-        let planes = layout.rows[1].len();
+        let (components, planes) = (layout.components, layout.rows[1].len());
         let part = |from, to| {
             let width = blocks(to).len() * 2 * T::LANES;
-            let packed = Strides { component: width, z: 3 * width, y: 3 * width * planes };
+            let packed = Strides { component: width, z: components * width, y: components * width * planes };
             PackedShape { rows: block(layout.points[1], group.size(), from).len(), width, packed }
         };
         let start = |to| blocks(to).start * 2 * T::LANES;
         let planes = |_| planes;
-        let plan = RoundPlan { shape: part, start, modes: layout.modes.clone(), strides: layout.spectral };
+        let plan = RoundPlan { components, shape: part, start, modes: layout.modes.clone(), strides: layout.spectral };
         Self::new(group, layout.physical, planes, vec![plan])
     }
 
@@ -146,9 +147,11 @@ impl<T: Real> Transposition<T> {
             let part = block(all.len(), rounds, round);
             all.start + part.start..all.start + part.end
         };
-        let packed = |rows: usize| Strides { component: rows * width, z: 3 * rows * width, y: width };
+        let components = layout.components;
+        let packed = |rows: usize| Strides { component: rows * width, z: components * rows * width, y: width };
         let planes = |from| block(layout.points[2], group.size(), from).len();
         let plans = (0..rounds).map(|round| RoundPlan {
+            components,
             shape: move |_: usize, to: usize| {
                 let rows = modes(to, round).len();
                 PackedShape { rows, width, packed: packed(rows) }

@@ -8,9 +8,9 @@ use crate::error::step::StepError;
 use crate::model::radii::Radii;
 use crate::model::{AppliedField, Model, MomentKind, SphereMoment};
 use domain::parallel::{change, change_rows, of_rows};
-use domain::{Comm, ExpectedCounts, Failure, Particles, Quaternion, Tensor, Vector};
-use fcm::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Loads, PlanError, Problem};
-use std::cell::RefCell;
+use domain::{Comm, DomainView, ExpectedCounts, Failure, Particles, PeriodicBox, Quaternion, Tensor, Vector};
+use fcm::{DipoleField, DipoleProblem, DipoleSolution, Loads, PlanError, Problem};
+use std::cell::{RefCell, RefMut};
 
 /// Steps in a period of the field below which a warning is given.
 const FEWEST_STEPS: f64 = 20.0;
@@ -22,8 +22,15 @@ pub struct DipoleForces {
     applied: AppliedField,
     species: Vec<SphereMoment>,
     /// Made by [`Self::start`].
-    field: Option<RefCell<DipoleField>>,
+    field: Option<FieldOfMoments>,
     near: NearPolarisation,
+}
+
+/// Field of the moments, and the problem that it was planned for.
+struct FieldOfMoments {
+    problem: Problem,
+    comm: Comm,
+    field: RefCell<DipoleField>,
 }
 
 /// Weight of the latest value in the running mean of the share of the extrapolation in guesses.
@@ -129,8 +136,20 @@ impl DipoleForces {
 
     /// These forces on the spheres of a problem.
     pub fn start(self, problem: &Problem, comm: &Comm) -> Result<Self, PlanError> {
-        let plan = DipoleField::plan(&self.applied.problem(problem))?;
-        Ok(Self { field: Some(RefCell::new(DipoleField::new(&plan, comm))), ..self })
+        let problem = self.applied.problem(problem);
+        let field = RefCell::new(DipoleField::new(&DipoleField::plan(&problem)?, comm));
+        Ok(Self { field: Some(FieldOfMoments { problem, comm: comm.clone(), field }), ..self })
+    }
+
+    /// The field of the moments in the present box. Collective.
+    fn field_in(&self, domain: DomainView) -> Result<RefMut<'_, DipoleField>, Failure> {
+        let field = self.field.as_ref().expect("forces are started before they act");
+        field.in_box(domain.cell).map_err(|error| self.failure(domain, &error))
+    }
+
+    /// The failure of all ranks by an error.
+    fn failure(&self, domain: DomainView, error: &dyn std::error::Error) -> Failure {
+        Failure { rank: 0, ranks: domain.comm().size(), message: format!("{}: {error}", self.kind.name()) }
     }
 
     fn has_induced(&self) -> bool {
@@ -140,17 +159,16 @@ impl DipoleForces {
     /// Moments and fields at present positions. Collective.
     fn solve(&self, at: &Configuration) -> Result<DipoleSolution, Failure> {
         let (particles, species, applied) = (at.particles, &self.species, self.applied.at(at.time));
-        let of_row = |row: usize| species[particles.species[row] as usize].polarisability(particles.radii[row]);
+        let law = |row: usize| species[particles.species[row] as usize].magnetisation(particles.radii[row]);
         let problem = DipoleProblem {
             field: applied,
             permanent: &permanent(particles, species),
-            polarisabilities: &of_rows(particles.len(), of_row),
+            polarisabilities: &of_rows(particles.len(), |row| law(row).polarisability),
+            saturations: &of_rows(particles.len(), |row| law(row).saturation),
             guess: &self.guess(particles, at.time)[0],
         };
-        let field = self.field.as_ref().expect("forces are started before they act");
-        let solved = field.borrow_mut().solve(at.domain, particles, &problem);
-        let message = |error: DipoleError| format!("{}: {error}", self.kind.name());
-        solved.map_err(|error| Failure { rank: 0, ranks: at.domain.comm().size(), message: message(error) })
+        let solved = self.field_in(at.domain)?.solve(at.domain, particles, &problem);
+        solved.map_err(|error| self.failure(at.domain, &error))
     }
 
     /// Induced moments that the iteration starts from, and the part of them that is extrapolated, before it is reduced
@@ -161,20 +179,23 @@ impl DipoleForces {
         let past = PastMoments::of(particles, self.kind).filter(|_| last.len() == particles.len());
         let applied = self.applied.at(time);
         let species = &self.species;
-        let response = |row: usize| species[particles.species[row] as usize].response(particles.radii[row]);
+        let alone = |row: usize, field: Vector| {
+            species[particles.species[row] as usize].moment_alone(particles.radii[row], field)
+        };
         let Some(past) = past else {
-            let alone = of_rows(particles.len(), |row| applied * response(row));
-            return [alone, vec![Vector::ZERO; particles.len()]];
+            return [of_rows(particles.len(), |row| alone(row, applied)), vec![Vector::ZERO; particles.len()]];
         };
         let ahead = if before.len() == last.len() { past.ahead(time) } else { 0.0 };
         let change = |row: usize| {
             if ahead == 0.0 {
                 return Vector::ZERO;
             }
-            (last[row] - before[row] - (past.fields[0] - past.fields[1]) * response(row)) * ahead
+            let alone = alone(row, past.fields[0]) - alone(row, past.fields[1]);
+            (last[row] - before[row] - alone) * ahead
         };
         let changes = of_rows(particles.len(), change);
-        let guess = |row: usize| last[row] + (applied - past.fields[0]) * response(row) + changes[row] * past.share;
+        let guess =
+            |row: usize| last[row] + (alone(row, applied) - alone(row, past.fields[0])) + changes[row] * past.share;
         [of_rows(particles.len(), guess), changes]
     }
 
@@ -262,8 +283,8 @@ impl Force for DipoleForces {
 
     fn moments(&self, at: &Configuration, _beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
         let Ok(solution) = self.solve(at) else { return Vec::new() };
-        let field = self.field.as_ref().expect("forces are started before they act");
-        let mut moments = field.borrow_mut().first_moments(at.domain, at.particles, &solution.moments);
+        let Ok(mut field) = self.field_in(at.domain) else { return Vec::new() };
+        let mut moments = field.first_moments(at.domain, at.particles, &solution.moments);
         if let Some(near) = self.near_pairs(at) {
             change(&mut moments, &near.first_moments(), |moment, &more| *moment += more);
         }
@@ -298,6 +319,18 @@ impl Force for DipoleForces {
             }
         }
         warnings
+    }
+}
+
+impl FieldOfMoments {
+    /// The field in a box, planned again if the edges have changed, as where the box follows the spheres. Collective.
+    fn in_box(&self, cell: &PeriodicBox) -> Result<RefMut<'_, DipoleField>, PlanError> {
+        let mut field = self.field.borrow_mut();
+        if !field.fits(cell) {
+            let plan = DipoleField::plan(&self.problem.in_box(cell))?;
+            *field = DipoleField::new(&plan, &self.comm);
+        }
+        Ok(field)
     }
 }
 

@@ -14,10 +14,11 @@ use lubrication::{PolarisablePair, PolarisedPairTable};
 /// ```
 ///
 /// in the applied field `H`, and its forces are the derivatives (as Bonnecaze & Brady, J. Chem. Phys. 96, 2183, 1992,
-/// correct dipoles for near contact). So two spheres alone have the exact forces.
+/// correct dipoles for near contact). So two spheres alone have the exact forces. If moments saturate, the energy is
+/// smaller by the ratios of the moments of both spheres, alone in the field, to those without saturation.
 pub struct NearPolarisation {
-    /// Number of species.
-    species: usize,
+    /// Moments and radii by species.
+    species: Vec<(SphereMoment, f64)>,
     /// By pair of species; none if one of them is not polarisable.
     tables: Vec<Option<PolarisedPairTable>>,
 }
@@ -29,6 +30,13 @@ struct PolarisedPair {
     /// Force on the first sphere.
     force: Vector,
     moments: [Vector; 2],
+}
+
+impl PolarisedPair {
+    fn scaled(self, factor: f64) -> Self {
+        let moments = self.moments.map(|moment| moment * factor);
+        Self { force: self.force * factor, moments, ..self }
+    }
 }
 
 /// All near pairs in a field.
@@ -45,9 +53,9 @@ impl NearPolarisation {
             let pair = PolarisablePair { radii: [radii[i], radii[j]], susceptibilities };
             susceptibilities.iter().all(|chi| *chi != 0.0).then(|| PolarisedPairTable::new(&pair))
         };
-        let species = moments.len();
-        let tables = (0..species * species).map(|pair| table(pair / species, pair % species)).collect();
-        Self { species, tables }
+        let count = moments.len();
+        let tables = (0..count * count).map(|pair| table(pair / count, pair % count)).collect();
+        Self { species: moments.iter().copied().zip(radii.iter().copied()).collect(), tables }
     }
 
     /// Largest distance of two centres at which it acts; `None` if no sphere is polarisable.
@@ -57,13 +65,19 @@ impl NearPolarisation {
 
     /// The pairs in a field, for this rank's particles of these species. Collective.
     pub fn in_field<'a>(&self, near: &'a PairsWithHalo, species: &[u32], field: Vector) -> PolarisedPairs<'a> {
-        let pairs = near.with_values(species, |pair, [i, j]| self.of_pair(pair, [i as usize, j as usize], field));
+        let unsaturated: Vec<f64> =
+            self.species.iter().map(|(moment, radius)| moment.unsaturated(*radius, field)).collect();
+        let of_pair = |pair, [i, j]: [u32; 2]| {
+            let species = [i as usize, j as usize];
+            self.of_pair(pair, species, field).scaled(species.iter().map(|&s| unsaturated[s]).product())
+        };
+        let pairs = near.with_values(species, of_pair);
         PolarisedPairs { near, pairs }
     }
 
     fn of_pair(&self, pair: SeparatedPair, [i, j]: [usize; 2], field: Vector) -> PolarisedPair {
         let (separation, distance) = (pair.separation, pair.separation.length());
-        let found = self.tables[i * self.species + j].as_ref().and_then(|table| table.at(distance));
+        let found = self.tables[i * self.species.len() + j].as_ref().and_then(|table| table.at(distance));
         let Some(polarisation) = found else { return PolarisedPair::default() };
         let (moments, slopes) = (polarisation.moments, polarisation.slopes);
         let axis = separation / distance;

@@ -3,6 +3,7 @@
 use super::{Parameters, Species};
 use crate::model::box_axes::UserAxes;
 use domain::{Boundaries, Number, ParameterError, Vector, sphere};
+use fcm::Magnetisation;
 
 /// Magnetic or electric field applied to a suspension, whose spheres have moments, see
 /// [`fcm::DipoleField`].
@@ -45,20 +46,35 @@ pub struct SphereMoment {
     /// Susceptibility: the ratio of the induced moment to the volume and the field within the sphere. For dielectric
     /// spheres it is the ratio of the permittivities of sphere and fluid minus 1.
     pub susceptibility: f64,
+    /// Magnetisation of the material in the strongest fields, by the law of [`fcm::Magnetisation`]; without it the induced
+    /// moment is in proportion to the field.
+    pub saturation: Option<f64>,
 }
 
 impl SphereMoment {
     /// No moment.
-    pub const NONE: Self = Self { permanent: 0.0, susceptibility: 0.0 };
+    pub const NONE: Self = Self { permanent: 0.0, susceptibility: 0.0, saturation: None };
 
     /// Ratio of the induced moment of a sphere to the field within it.
     pub fn polarisability(&self, radius: f64) -> f64 {
         self.susceptibility * sphere::volume(radius)
     }
 
-    /// Ratio of the induced moment of a sphere alone to the applied field, `4 pi a^3 chi / (chi + 3)`.
-    pub fn response(&self, radius: f64) -> f64 {
-        3.0 * self.polarisability(radius) / (self.susceptibility + 3.0)
+    /// Law of the induced moment of a sphere.
+    pub fn magnetisation(&self, radius: f64) -> Magnetisation {
+        let saturation = self.saturation.map_or(f64::INFINITY, |most| most * sphere::volume(radius));
+        Magnetisation { polarisability: self.polarisability(radius), saturation }
+    }
+
+    /// Induced moment of a sphere alone in an applied field, `4 pi a^3 chi / (chi + 3)` times it without saturation.
+    pub fn moment_alone(&self, radius: f64, applied: Vector) -> Vector {
+        self.magnetisation(radius).moment_alone(applied, 1.0 / (3.0 * sphere::volume(radius)))
+    }
+
+    /// The same over its value without saturation.
+    pub fn unsaturated(&self, radius: f64, applied: Vector) -> f64 {
+        let linear = Self { saturation: None, ..*self }.moment_alone(radius, applied).length();
+        if linear > 0.0 { self.moment_alone(radius, applied).length() / linear } else { 1.0 }
     }
 }
 
@@ -118,10 +134,10 @@ impl MomentKind {
     fn check(self, p: &Parameters) -> Result<(), ParameterError> {
         let Some(field) = self.field(p) else { return self.check_unused(p) };
         let (name, fault) = (self.name(), |message: &str| ParameterError::new(self.name(), message));
-        if p.cell.boundaries() != Boundaries::Periodic {
+        if !matches!(p.cell.boundaries(), Boundaries::Periodic | Boundaries::Open) {
             return Err(fault(
-                "is for boxes that repeat along all axes; the field of moments near walls and in unbounded fluid is \
-                 not available: leave it out, or make box.boundaries periodic",
+                "is for boxes that repeat along all axes or are open along all of them; the field of moments near walls \
+                 and in layers is not available: leave it out, or make box.boundaries \"periodic\" or \"open\"",
             ));
         }
         if p.shear_rates().stress().is_some() {
@@ -141,8 +157,9 @@ impl MomentKind {
 
     fn check_unused(self, p: &Parameters) -> Result<(), ParameterError> {
         for (index, species) in p.species.iter().enumerate() {
-            let SphereMoment { permanent, susceptibility } = self.of(species);
-            for (key, value) in self.keys().into_iter().zip([permanent, susceptibility]) {
+            let SphereMoment { permanent, susceptibility, saturation } = self.of(species);
+            let keys = self.keys().into_iter().chain(["magnetic_saturation"]);
+            for (key, value) in keys.zip([permanent, susceptibility, saturation.unwrap_or(0.0)]) {
                 if value != 0.0 {
                     let name = self.name();
                     let message = format!("is set, but there is no [{name}]; write [{name}] field = [x, y, z]");
@@ -155,7 +172,10 @@ impl MomentKind {
 
     fn check_species(self, index: usize, species: &Species) -> Result<(), ParameterError> {
         let [moment, susceptibility] = self.keys().map(|key| format!("species[{index}].{key}"));
-        let SphereMoment { permanent, susceptibility: chi } = self.of(species);
+        let SphereMoment { permanent, susceptibility: chi, saturation } = self.of(species);
+        if let Some(most) = saturation {
+            check_saturation(&format!("species[{index}].magnetic_saturation"), most, chi)?;
+        }
         ParameterError::require_finite(&moment, permanent)?;
         ParameterError::require_finite(&susceptibility, chi)?;
         if permanent != 0.0 && species.orientation.is_none() {
@@ -240,6 +260,16 @@ impl AppliedField {
         }
         Ok(())
     }
+}
+
+/// Checks the largest magnetisation of a material.
+fn check_saturation(key: &str, most: f64, susceptibility: f64) -> Result<(), ParameterError> {
+    ParameterError::require_positive(key, most)?;
+    if susceptibility > 0.0 {
+        return Ok(());
+    }
+    let message = "is the largest magnetisation by an induced moment; give a magnetic_susceptibility above 0";
+    Err(ParameterError::new(key, message))
 }
 
 /// Checks moments and fields of a model.

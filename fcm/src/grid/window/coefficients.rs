@@ -5,17 +5,17 @@ use crate::grid::window::lattice::{SECOND, Smoothing, UPRIGHT};
 use solver::Real;
 
 /// Coefficients by the orders along x, y and z, and by component.
-pub(super) type WindowCoefficients<T> = [[[[T; 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
+pub(super) type WindowCoefficients<T, const C: usize> = [[[[T; C]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
 
 /// Adds a load's derivative to the coefficients, and those of its Laplacian, as far as the order goes.
 #[inline(always)]
-pub(super) fn add<T: Real, const ORDER: usize>(
-    all: &mut WindowCoefficients<T>,
+pub(super) fn add<T: Real, const C: usize, const ORDER: usize>(
+    all: &mut WindowCoefficients<T, C>,
     [n, m, l]: [usize; 3],
-    load: [T; 3],
+    load: [T; C],
     smoothing: Smoothing<T>,
 ) {
-    for c in 0..3 {
+    for c in 0..C {
         all[n][m][l][c] += load[c];
     }
     if n + m + l + 2 <= ORDER {
@@ -25,10 +25,10 @@ pub(super) fn add<T: Real, const ORDER: usize>(
 
 /// Adds the Laplacian of a load's derivative, times a factor that is part of the smoothing's.
 #[inline(always)]
-pub(super) fn add_laplacian<T: Real>(
-    all: &mut WindowCoefficients<T>,
+pub(super) fn add_laplacian<T: Real, const C: usize>(
+    all: &mut WindowCoefficients<T, C>,
     [n, m, l]: [usize; 3],
-    load: [T; 3],
+    load: [T; C],
     smoothing: Smoothing<T>,
 ) {
     for second in 0..SECOND.len() {
@@ -36,7 +36,7 @@ pub(super) fn add_laplacian<T: Real>(
             break;
         }
         let (factor, [dn, dm, dl]) = (smoothing.factors[second], SECOND[second]);
-        for c in 0..3 {
+        for c in 0..C {
             all[n + dn][m + dm][l + dl][c] += factor * load[c];
         }
     }

@@ -18,12 +18,14 @@ use crate::grid::window::WindowLattice;
 use crate::grid::window::coefficients::{WindowCoefficients, add, add_laplacian};
 use crate::grid::window::kaiser_bessel::DERIVATIVES;
 use crate::grid::window::lattice::{SECOND, Slants, Smoothing, UPRIGHT};
+use crate::grid::window::potential;
 use simd::SimdVector as Lanes;
 use solver::{AlignedMemory, Real};
 
-/// Kernel with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and 3 for forces
-/// and dipoles of envelopes of other widths.
-pub(crate) struct Windowed<'a, T, const ORDER: usize>(pub &'a WindowLattice<T>);
+/// Kernel of `C` components with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and
+/// 3 for forces and dipoles of envelopes of other widths. Of one component, a potential, particles have the first
+/// derivatives with order 1, and the second ones as well with order 2.
+pub(crate) struct Windowed<'a, T, const ORDER: usize, const C: usize = 3>(pub &'a WindowLattice<T>);
 
 /// Derivatives of the window along the axes, offsets of the stencil in the slab, and coefficients.
 #[derive(Default)]
@@ -38,14 +40,14 @@ pub(crate) struct WindowScratch<T: Real> {
 }
 
 /// Number of pairs of orders of derivatives whose sum is at most three.
-const PAIRS: usize = 10;
+pub(super) const PAIRS: usize = 10;
 
 /// Index of a pair.
-const fn pair(first: usize, second: usize) -> usize {
+pub(super) const fn pair(first: usize, second: usize) -> usize {
     [0, 4, 7, 9][first] + second
 }
 
-impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
+impl<T: Real, const ORDER: usize, const C: usize> Windowed<'_, T, ORDER, C> {
     /// Number of orders of derivatives, 0 included.
     const ORDERS: usize = ORDER + 1;
 
@@ -56,7 +58,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         &self,
         scratch: &mut WindowScratch<T>,
         stencil: &Stencil,
-        slab: &Slab<X>,
+        slab: &Slab<X, C>,
     ) -> Option<usize> {
         let WindowLattice { points, row_shift, window, pieces, inverse, .. } = self.0;
         let lanes = WIDTH * V::LANES;
@@ -79,22 +81,22 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
     /// Coefficients of a load of a particle of a class.
     #[inline(always)]
-    fn coefficients(&self, class: u32, load: &Load<T>) -> WindowCoefficients<T> {
-        let mut all = [[[[T::default(); 3]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
-        add::<T, ORDER>(&mut all, [0, 0, 0], load.force, self.0.smoothing(class, 0));
+    fn coefficients(&self, class: u32, load: &Load<T, C>) -> WindowCoefficients<T, C> {
+        let mut all = [[[[T::default(); C]; DERIVATIVES]; DERIVATIVES]; DERIVATIVES];
+        add::<T, C, ORDER>(&mut all, [0, 0, 0], load.force, self.0.smoothing(class, 0));
         if ORDER > 0 {
             let smoothing = self.0.smoothing(class, 1);
             let ([x, y, z], Slants { s, r, f }) = self.0.slopes();
-            let mut along = [[T::default(); 3]; 3];
-            for c in 0..3 {
+            let mut along = [[T::default(); C]; 3];
+            for c in 0..C {
                 let [gx, gy, gz] = load.dipole[c];
                 (along[0][c], along[1][c], along[2][c]) = ((gx - s * gy - f * gz) * x, (gy - r * gz) * y, gz * z);
             }
-            add::<T, ORDER>(&mut all, [1, 0, 0], along[0], smoothing);
-            add::<T, ORDER>(&mut all, [0, 1, 0], along[1], smoothing);
-            add::<T, ORDER>(&mut all, [0, 0, 1], along[2], smoothing);
+            add::<T, C, ORDER>(&mut all, [1, 0, 0], along[0], smoothing);
+            add::<T, C, ORDER>(&mut all, [0, 1, 0], along[1], smoothing);
+            add::<T, C, ORDER>(&mut all, [0, 0, 1], along[2], smoothing);
         }
-        if ORDER > 1 && load.quadrupole != [T::default(); 3] {
+        if ORDER > 1 && load.quadrupole != [T::default(); C] {
             add_laplacian(&mut all, [0, 0, 0], load.quadrupole, self.0.laplacian());
         }
         all
@@ -104,7 +106,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     #[inline(always)]
     fn write_planes<V: Lanes<T>, const WIDTH: usize>(
         scratch: &mut WindowScratch<T>,
-        coefficients: &WindowCoefficients<T>,
+        coefficients: &WindowCoefficients<T, C>,
     ) {
         let lanes = WIDTH * V::LANES;
         let (z, to) = (scratch.axes[2].values().as_ptr(), scratch.of_planes.values_mut().as_mut_ptr());
@@ -112,7 +114,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
             let part = part * V::LANES;
             for n in 0..Self::ORDERS {
                 for m in 0..Self::ORDERS - n {
-                    for c in 0..3 {
+                    for c in 0..C {
                         // SAFETY: `prepare` made room.
                         unsafe {
                             let mut sum = V::load(z.add(part)).mul(V::splat(coefficients[n][m][0][c]));
@@ -137,7 +139,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         for part in 0..WIDTH {
             let part = part * V::LANES;
             for n in 0..Self::ORDERS {
-                for c in 0..3 {
+                for c in 0..C {
                     // SAFETY: `prepare` made room.
                     unsafe {
                         let factor = |m: usize| V::splat(*from.add((pair(n, m) * 3 + c) * lanes + plane));
@@ -157,8 +159,8 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         &self,
         scratch: &mut WindowScratch<T>,
         sphere: SphereStencil,
-        load: &Load<T>,
-        slab: &mut Slab<&mut [T]>,
+        load: &Load<T, C>,
+        slab: &mut Slab<&mut [T], C>,
     ) {
         let SphereStencil { stencil, class } = sphere;
         let Some(end) = self.prepare::<V, WIDTH, _>(scratch, stencil, slab) else {
@@ -184,7 +186,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
                 if stencil == NOT_IN_SLAB {
                     continue;
                 }
-                for c in 0..3 {
+                for c in 0..C {
                     for part in 0..WIDTH {
                         // SAFETY: the end was checked, and there is a factor for each row.
                         unsafe {
@@ -207,7 +209,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         &self,
         scratch: &mut WindowScratch<T>,
         SphereStencil { stencil, class }: SphereStencil,
-        slab: &Slab<&[T]>,
+        slab: &Slab<&[T], C>,
     ) -> WeightedSums<T> {
         let Some(end) = self.prepare::<V, WIDTH, _>(scratch, stencil, slab) else {
             return WeightedSums { velocity: [T::default(); 3], gradient: [[T::default(); 3]; 3] };
@@ -220,19 +222,19 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         let (y, z) = (scratch.axes[1].values().as_ptr(), scratch.axes[2].values().as_ptr());
         let zero = V::splat(T::default());
         // Sums over rows and planes, by the orders along y and z and by component.
-        let mut sums = [[[zero; WIDTH]; 3]; PAIRS];
+        let mut sums = [[[zero; WIDTH]; C]; PAIRS];
         for plane in 0..scratch.starts.planes.len() {
             let start = scratch.starts.planes[plane];
             if start == NOT_IN_SLAB {
                 continue;
             }
-            let mut of_plane = [[[zero; WIDTH]; 3]; DERIVATIVES];
+            let mut of_plane = [[[zero; WIDTH]; C]; DERIVATIVES];
             for row in 0..scratch.starts.rows.len() {
                 let stencil = scratch.starts.rows[row];
                 if stencil == NOT_IN_SLAB {
                     continue;
                 }
-                for c in 0..3 {
+                for c in 0..C {
                     for part in 0..WIDTH {
                         // SAFETY: the end was checked, and an axis has a value for each row.
                         unsafe {
@@ -249,7 +251,7 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
                 for l in 0..Self::ORDERS - m {
                     // SAFETY: an axis has a value for each plane.
                     let factor = V::splat(unsafe { *z.add(l * lanes + plane) });
-                    for c in 0..3 {
+                    for c in 0..C {
                         for part in 0..WIDTH {
                             let sum = &mut sums[pair(m, l)][c][part];
                             *sum = of_plane[m][c][part].mul_add(factor, *sum);
@@ -268,16 +270,19 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
         &self,
         class: u32,
         columns: &[[V; WIDTH]; DERIVATIVES],
-        sums: &[[[V; WIDTH]; 3]; PAIRS],
+        sums: &[[[V; WIDTH]; C]; PAIRS],
     ) -> [V; 12] {
+        if C == 1 {
+            return potential::totals::<T, V, ORDER, C, WIDTH>(columns, sums);
+        }
         let smoothing = [0, 1].map(|multipole| self.0.smoothing(class, multipole));
         let mut totals = [V::splat(T::default()); 12];
-        for c in 0..3 {
-            totals[c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [0, 0, 0], c, smoothing[0]);
+        for c in 0..C {
+            totals[c] = smoothed::<T, V, ORDER, C, WIDTH>(columns, sums, [0, 0, 0], c, smoothing[0]);
             if ORDER > 0 {
-                totals[3 + c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [1, 0, 0], c, smoothing[1]);
-                totals[6 + c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [0, 1, 0], c, smoothing[1]);
-                totals[9 + c] = smoothed::<T, V, ORDER, WIDTH>(columns, sums, [0, 0, 1], c, smoothing[1]);
+                totals[3 + c] = smoothed::<T, V, ORDER, C, WIDTH>(columns, sums, [1, 0, 0], c, smoothing[1]);
+                totals[6 + c] = smoothed::<T, V, ORDER, C, WIDTH>(columns, sums, [0, 1, 0], c, smoothing[1]);
+                totals[9 + c] = smoothed::<T, V, ORDER, C, WIDTH>(columns, sums, [0, 0, 1], c, smoothing[1]);
             }
         }
         totals
@@ -300,9 +305,12 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
     /// Converts derivatives along the lattice to those along the axes.
     #[inline(always)]
     fn weighed(&self, totals: [T; 12]) -> WeightedSums<T> {
+        if C == 1 {
+            return potential::weighed(self.0.slopes(), totals);
+        }
         let ([x, y, z], Slants { s, r, f }) = self.0.slopes();
         let mut weighed = WeightedSums { velocity: [T::default(); 3], gradient: [[T::default(); 3]; 3] };
-        for c in 0..3 {
+        for c in 0..C {
             weighed.velocity[c] = totals[c];
             let (along, across) = (totals[3 + c] * x, totals[6 + c] * y);
             weighed.gradient[c] = [along, across - s * along, totals[9 + c] * z - r * across - f * along];
@@ -313,9 +321,9 @@ impl<T: Real, const ORDER: usize> Windowed<'_, T, ORDER> {
 
 /// The adjoint of [`add`], lane by lane.
 #[inline(always)]
-fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
+fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const C: usize, const WIDTH: usize>(
     columns: &[[V; WIDTH]; DERIVATIVES],
-    sums: &[[[V; WIDTH]; 3]; PAIRS],
+    sums: &[[[V; WIDTH]; C]; PAIRS],
     [n, m, l]: [usize; 3],
     c: usize,
     smoothing: Smoothing<T>,
@@ -339,7 +347,7 @@ fn smoothed<T: Real, V: Lanes<T>, const ORDER: usize, const WIDTH: usize>(
     total
 }
 
-impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
+impl<T: Real, const ORDER: usize, const C: usize> Kernel<T, C> for Windowed<'_, T, ORDER, C> {
     type Scratch = WindowScratch<T>;
 
     fn planes(&self) -> usize {
@@ -351,8 +359,8 @@ impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
         &self,
         scratch: &mut WindowScratch<T>,
         sphere: SphereStencil,
-        load: &Load<T>,
-        slab: &mut Slab<&mut [T]>,
+        load: &Load<T, C>,
+        slab: &mut Slab<&mut [T], C>,
     ) {
         match self.0.pieces.lanes() {
             lanes if lanes < V::LANES => self.deposit_with::<V::Half, 1>(scratch, sphere, load, slab),
@@ -366,7 +374,7 @@ impl<T: Real, const ORDER: usize> Kernel<T> for Windowed<'_, T, ORDER> {
         &self,
         scratch: &mut WindowScratch<T>,
         sphere: SphereStencil,
-        slab: &Slab<&[T]>,
+        slab: &Slab<&[T], C>,
     ) -> WeightedSums<T> {
         match self.0.pieces.lanes() {
             lanes if lanes < V::LANES => self.collect_with::<V::Half, 1>(scratch, sphere, slab),

@@ -11,6 +11,7 @@ mod kaiser_bessel;
 mod kernel;
 mod lattice;
 mod pieces;
+mod potential;
 
 pub(crate) use kaiser_bessel::KaiserBessel;
 pub(crate) use kernel::Windowed;

@@ -35,6 +35,7 @@ pub(super) fn magnetic_moment(one: &raw::SpeciesSection) -> SphereMoment {
     SphereMoment {
         permanent: one.magnetic_moment.unwrap_or(0.0),
         susceptibility: one.magnetic_susceptibility.unwrap_or(0.0),
+        saturation: one.magnetic_saturation,
     }
 }
 
@@ -58,5 +59,6 @@ pub(super) fn electric_moment(
     Ok(SphereMoment {
         permanent: one.electric_moment.unwrap_or(0.0) / fluid,
         susceptibility: one.permittivity.map_or(0.0, |permittivity| permittivity / fluid - 1.0),
+        saturation: None,
     })
 }

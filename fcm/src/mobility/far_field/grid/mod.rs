@@ -2,9 +2,9 @@
 
 mod flow;
 mod fluctuations;
-mod moment_stress;
 mod moments;
 mod operator;
+mod potential_grid;
 mod quadrupoles;
 mod spectral_grid;
 
@@ -13,31 +13,31 @@ use crate::mobility::far_field::{FarField, FlowAtPoints};
 use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::{Stopwatch, Work};
-use crate::pairs::moment_correction::MomentCorrection;
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorrection};
 use crate::pairs::radial_functions::Envelopes;
 use crate::pairs::table::PairFunctions;
 use crate::plan::Plan;
-use crate::plan::problem::{Multipoles, Precision};
+use crate::plan::problem::Precision;
 use crate::walls::wall_images::WallImages;
 use domain::parallel::{FusedLoops, all_rows, greatest, stage};
 use domain::{
     Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
 };
+pub(crate) use moments::MomentFarField;
 use solver::Real;
-use spectral_grid::{GridLoads, GridPart, SpectralGrid};
+use spectral_grid::{FlowGrid, GridLoads, GridPart, SpectralGrid};
 
-/// Far field of a plan with a grid.
+/// Far field of a plan with a grid: of the flow, or of moments.
 ///
 /// Internally, units of length and viscosity make those of the plan about 1, and in each evaluation a unit of force
 /// makes the loads about 1. The units are powers of two, so results have the same digits in any units, and the same
 /// bits if the units differ by powers of two.
-pub(crate) struct GridFarField {
+pub(crate) struct GridFarField<G: GridPart + ?Sized = dyn FlowGrid> {
     plan: Plan,
     /// Units of length and viscosity, and of force in the last evaluation.
     units: Units,
     partition: Partition,
-    grid: Box<dyn GridPart>,
+    grid: Box<G>,
     near: Option<Box<dyn DynPairCorrection>>,
     /// Pair correction of degenerate quadrupoles, made when first needed.
     near_quadrupoles: Option<Box<dyn DynPairCorrection>>,
@@ -59,13 +59,21 @@ struct ArrangedParticles {
 impl GridFarField {
     /// Sets up the mobility of a plan, on ranks that share the grid by `partition`.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
+        let own = plan.in_units(&plan.units());
+        let (grid, near) = match plan.precision {
+            Precision::Single => parts::<f32>(&own, partition),
+            Precision::Double => parts::<f64>(&own, partition),
+        };
+        Self::of_parts(plan, partition, grid, near)
+    }
+}
+
+impl<G: GridPart + ?Sized> GridFarField<G> {
+    /// Sets up a grid with the near field that belongs to it.
+    fn of_parts(plan: &Plan, partition: &Partition, grid: Box<G>, near: Option<Box<dyn DynPairCorrection>>) -> Self {
         let units = plan.units();
         let own = plan.in_units(&units);
         let cell = own.cell();
-        let (grid, near) = match plan.precision {
-            Precision::Single => parts::<f32>(&own, partition, &cell),
-            Precision::Double => parts::<f64>(&own, partition, &cell),
-        };
         let arrangement = ArrangedParticles {
             cell,
             halo: Halo::plan(partition, &cell, &[], [0.0; 2]),
@@ -173,10 +181,9 @@ impl GridFarField {
         }
         motions
     }
-}
 
-impl FarField for GridFarField {
-    fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
+    /// [`FarField::arrange`].
+    pub fn arrange_particles(&mut self, cell: &PeriodicBox, particles: &Particles) {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("arrangement"));
         let inverse = 1.0 / self.units.length;
         let (cell, plan) = (&cell.scaled(inverse), &self.plan);
@@ -210,7 +217,8 @@ impl FarField for GridFarField {
         clock.stop(&mut self.work.seconds.near);
     }
 
-    fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
+    /// [`FarField::is_arranged`].
+    pub fn has_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
         let (inverse, known) = (1.0 / self.units.length, &self.arrangement);
         let (plan, positions, classes) = (&self.plan, &known.positions, &known.classes);
         let is_same = |row: usize| {
@@ -218,6 +226,21 @@ impl FarField for GridFarField {
         };
         let is_like = self.has_arranged && known.halo.owned() == particles.len() && known.cell == cell.scaled(inverse);
         is_like && all_rows(particles.len(), is_same)
+    }
+
+    /// Work done so far.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+}
+
+impl FarField for GridFarField {
+    fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
+        self.arrange_particles(cell, particles);
+    }
+
+    fn is_arranged(&self, cell: &PeriodicBox, particles: &Particles) -> bool {
+        self.has_arranged(cell, particles)
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
@@ -254,12 +277,8 @@ impl FarField for GridFarField {
 }
 
 /// Grid of a plan, and near field if it has one, in one precision.
-fn parts<T: Real>(
-    plan: &Plan,
-    partition: &Partition,
-    cell: &PeriodicBox,
-) -> (Box<dyn GridPart>, Option<Box<dyn DynPairCorrection>>) {
-    let grid = Box::new(SpectralGrid::<T>::new(plan, partition, cell));
+fn parts<T: Real>(plan: &Plan, partition: &Partition) -> (Box<dyn FlowGrid>, Option<Box<dyn DynPairCorrection>>) {
+    let grid = Box::new(SpectralGrid::<T>::new(plan, partition, &plan.cell()));
     (grid, near::<T>(plan, PairFunctions::new))
 }
 
@@ -270,9 +289,6 @@ fn near<T: Real>(
 ) -> Option<Box<dyn DynPairCorrection>> {
     let common = plan.common()?;
     let all = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-    if plan.multipoles == Multipoles::Moments {
-        return Some(Box::new(MomentCorrection::new(all, common.width, plan.cutoff(), plan.table_tolerance())));
-    }
     let (envelopes, tolerance) = (Envelopes { all, common, functions }, plan.table_tolerance());
     Some(Box::new(PairCorrection::<T>::new(envelopes, plan.cutoff(), plan.viscosity, tolerance)))
 }

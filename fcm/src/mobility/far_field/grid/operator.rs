@@ -1,10 +1,9 @@
-//! Operator from force density to velocity on the grid of a plan.
+//! Operators on the grid of a plan: from force density to velocity, and from charge density to potential.
 
 use crate::envelope::Common;
 use crate::grid::window::KaiserBessel;
 use crate::plan::Plan;
 use crate::plan::method::Method;
-use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
 use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
 
@@ -19,6 +18,20 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
     let (Some(window), Some(common)) = (plan.window(), plan.common()) else {
         return Stokes::new(grid, plan.viscosity);
     };
+    let operator = split(plan, grid, window, common);
+    match plan.boundaries {
+        Boundaries::Periodic | Boundaries::Open => operator,
+        _ => operator.with_channel(channel(plan, grid, partition, window, common)),
+    }
+}
+
+/// The solve of the split method for a field of one or three components, without walls.
+pub(super) fn split<T: Real, const C: usize>(
+    plan: &Plan,
+    grid: &Grid,
+    window: KaiserBessel,
+    common: Common,
+) -> Stokes<T, C> {
     let (spacing, strain) = (grid.spacing(), grid.strain());
     let volume = spacing.x * spacing.y * spacing.z;
     let unit = unit_volume(plan, grid);
@@ -50,12 +63,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
         let kernel = OpenSpace::new(grid, plan.viscosity, multiplier, plan.cutoff());
         return Stokes::in_open_space(grid, kernel);
     }
-    let operator = Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width });
-    match plan.boundaries {
-        Boundaries::Periodic if plan.multipoles == Multipoles::Moments => operator.longitudinal(),
-        Boundaries::Periodic => operator,
-        _ => operator.with_channel(channel(plan, grid, partition, window, common)),
-    }
+    Stokes::with_multiplier(grid, plan.viscosity, &Multiplier { plane, axis, widening, width })
 }
 
 /// Flow of walls, or of the fluid beyond open faces, which is added to the periodic solve. The common Gaussian and
@@ -83,6 +91,12 @@ fn channel<T: Real>(
         highest: cut.grid_cutoff,
     };
     Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
+}
+
+/// Volume of a grid point by which interpolation multiplies.
+pub(super) fn interpolated_volume(plan: &Plan, grid: &Grid) -> f64 {
+    let spacing = grid.spacing();
+    spacing.x * spacing.y * spacing.z / unit_volume(plan, grid).powi(2)
 }
 
 /// Lattice of the grid's periodic copies: that of the box if it is periodic along all axes.

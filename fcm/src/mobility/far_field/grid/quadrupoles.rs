@@ -1,12 +1,13 @@
 //! Degenerate quadrupoles on the grid and in pairs.
 
+use super::spectral_grid::GridPart;
 use super::{GridFarField, near};
 use crate::pairs::table::PairFunctions;
 use crate::plan::problem::Precision;
 use domain::Vector;
 use domain::parallel::mapped;
 
-impl GridFarField {
+impl<G: GridPart + ?Sized> GridFarField<G> {
     /// Degenerate quadrupoles of all particles present, in internal units; makes their pair correction when it is first
     /// needed. Collective.
     pub(super) fn present_quadrupoles(&mut self, quadrupoles: &[Vector]) -> Vec<Vector> {

@@ -1,6 +1,6 @@
-//! Part of the far field on the grid: spreading, Stokes solve, interpolation.
+//! Part of the flow on the grid: spreading, Stokes solve, interpolation.
 
-use super::operator::{lattice, operator, unit_volume};
+use super::operator::{interpolated_volume, lattice, operator, unit_volume};
 use crate::envelope::{Envelope, Source};
 use crate::grid::gaussian::{self, Gaussians, Sources, Terms};
 use crate::grid::interpolate::Interpolation;
@@ -37,7 +37,10 @@ pub(crate) trait GridPart {
     /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
     /// grid.
     fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)>;
+}
 
+/// Grid with a flow.
+pub(crate) trait FlowGrid: GridPart {
     /// Velocity field of the loads on the grid, without interpolation.
     fn solve(&mut self, loads: &GridLoads, work: &mut Work);
 
@@ -49,10 +52,6 @@ pub(crate) trait GridPart {
     /// Random velocities and velocity gradients, or velocities alone, whose covariance is the mobility on the
     /// grid: the contributions of this rank's share of the grid.
     fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)>;
-
-    /// Part of [`crate::DipoleField::first_moments`] on the grid, for the moments of the particles present: the sum
-    /// over this rank's modes.
-    fn moment_stress(&mut self, loads: &GridLoads, work: &mut Work) -> Tensor;
 
     /// Velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
@@ -178,26 +177,7 @@ impl<T: Real> SpectralGrid<T> {
 
     /// Volume of a grid point by which interpolation multiplies.
     fn interpolated_volume(&self) -> f64 {
-        let spacing = self.grid.spacing();
-        spacing.x * spacing.y * spacing.z / unit_volume(&self.plan, &self.grid).powi(2)
-    }
-
-    /// Places of kernels in a box that is not periodic along all axes.
-    ///
-    /// # Panics
-    /// If a window wraps around the grid along such an axis: the result would not have a small error but be nonsense.
-    fn bounded_stencils(&self, cell: &PeriodicBox, positions: &[Vector]) -> Vec<Stencil> {
-        let (plan, extent) = (&self.plan, self.kernels.extent(&self.plan));
-        let first = cell.origin() + plan.first_point();
-        let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
-        let found = sorted_stencils(&self.grid, extent, &positions);
-        for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
-            let is_open = plan.boundaries == Boundaries::Open;
-            let last = plan.grid[axis] / if is_open { 2 } else { 1 } - extent[axis];
-            let is_whole = found.iter().all(|place| place.first[axis] as usize <= last);
-            assert!(is_whole, "a sphere is outside of a box that does not repeat along its axis {axis}");
-        }
-        found
+        interpolated_volume(&self.plan, &self.grid)
     }
 
     fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
@@ -208,6 +188,29 @@ impl<T: Real> SpectralGrid<T> {
         work.dipole_interpolations += u64::from(output != Output::Velocities);
         motions
     }
+}
+
+/// Places of kernels of some extent in a box that is not periodic along all axes.
+///
+/// # Panics
+/// If a window wraps around the grid along such an axis: the result would not have a small error but be nonsense.
+pub(super) fn bounded_stencils(
+    plan: &Plan,
+    grid: &Grid,
+    extent: [usize; 3],
+    cell: &PeriodicBox,
+    positions: &[Vector],
+) -> Vec<Stencil> {
+    let first = cell.origin() + plan.first_point();
+    let positions: Vec<Vector> = positions.iter().map(|&position| position - first).collect();
+    let found = sorted_stencils(grid, extent, &positions);
+    for axis in (0..3).filter(|&axis| !plan.boundaries.is_periodic(axis)) {
+        let is_open = plan.boundaries == Boundaries::Open;
+        let last = plan.grid[axis] / if is_open { 2 } else { 1 } - extent[axis];
+        let is_whole = found.iter().all(|place| place.first[axis] as usize <= last);
+        assert!(is_whole, "a sphere is outside of a box that does not repeat along its axis {axis}");
+    }
+    found
 }
 
 /// Operation that is generic over the kernel.
@@ -304,7 +307,8 @@ impl<T: Real> SpreadingKernels<T> {
 impl<T: Real> GridPart for SpectralGrid<T> {
     fn arrange(&mut self, cell: &PeriodicBox, positions: &[Vector]) {
         if cell.boundaries() != Boundaries::Periodic {
-            self.stencils = self.bounded_stencils(cell, positions);
+            let extent = self.kernels.extent(&self.plan);
+            self.stencils = bounded_stencils(&self.plan, &self.grid, extent, cell, positions);
             return;
         }
         if cell != self.grid.cell() {
@@ -331,7 +335,9 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         clock.stop(&mut work.seconds.interpolate);
         motions
     }
+}
 
+impl<T: Real> FlowGrid for SpectralGrid<T> {
     fn solve(&mut self, loads: &GridLoads, work: &mut Work) {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("spreading"));
         self.spread(loads, work);
@@ -343,8 +349,8 @@ impl<T: Real> GridPart for SpectralGrid<T> {
     }
 
     fn velocities_at(&mut self, cell: &PeriodicBox, points: &[Vector]) -> Vec<Vector> {
-        let (stencils, volume) = (self.bounded_stencils(cell, points), self.interpolated_volume());
-        let (plan, grid) = (&self.plan, &self.grid);
+        let (plan, grid, volume) = (&self.plan, &self.grid, self.interpolated_volume());
+        let stencils = bounded_stencils(plan, grid, self.kernels.extent(plan), cell, points);
         let kernels =
             self.point_kernels.get_or_insert_with(|| SpreadingKernels::for_envelopes(plan, grid, &[Envelope::POINT]));
         let to = Interpolation { stencils: &stencils, classes: &vec![0; points.len()], volume };
@@ -353,11 +359,6 @@ impl<T: Real> GridPart for SpectralGrid<T> {
             .into_iter()
             .map(|motion| motion.0)
             .collect()
-    }
-
-    fn moment_stress(&mut self, loads: &GridLoads, work: &mut Work) -> Tensor {
-        self.spread(loads, work);
-        self.first_moments_by_modes()
     }
 
     fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)> {
