@@ -15,6 +15,7 @@ mod given_motions;
 mod implicit_steps;
 mod lattices;
 mod noise;
+mod open_dipoles;
 mod open_extension;
 mod open_space;
 mod orientations;

@@ -19,20 +19,15 @@ const NODES: usize = 8;
 /// of the distance. A linear function is subtracted so that values and slopes vanish at the reach.
 #[derive(Debug, Clone)]
 pub struct PolarisedPairTable {
-    /// Sum of the radii, and smallest gap.
+    /// Sum of the radii; smallest gap, and its logarithm.
     sum: f64,
     nearest: f64,
+    nearest_log: f64,
     reach: f64,
-    pieces: Vec<DifferenceSeries>,
+    /// Series of the values and of the slopes in the logarithm of the gap.
+    pieces: Vec<Chebyshev<8, NODES>>,
     /// Values and slopes at the reach.
     at_reach: [[f64; 4]; 2],
-}
-
-/// Series in the logarithm of the gap, and its derivative.
-#[derive(Debug, Clone)]
-struct DifferenceSeries {
-    values: Chebyshev<4, NODES>,
-    slopes: Chebyshev<4, NODES>,
 }
 
 /// Additional moments of a pair, and their derivatives with respect to the distance.
@@ -50,22 +45,17 @@ impl PolarisedPairTable {
         let sum = pair.radii[0] + pair.radii[1];
         let (nearest, reach) = (0.5 * NEAREST * sum, REACH * sum);
         let count = ((reach - sum) / nearest).log(GROWTH).ceil() as usize;
+        let difference = |log: f64| {
+            let distance = sum + log.exp();
+            let PairMoments { along, across } = exact_moments(pair, distance).minus(&dipole_moments(pair, distance));
+            [along[0], along[1], across[0], across[1]]
+        };
         let piece = |k: usize| {
-            let (from, to) = ((nearest * GROWTH.powi(k as i32)).ln(), (nearest * GROWTH.powi(k as i32 + 1)).ln());
-            let values = Chebyshev::through(
-                from,
-                to,
-                &Chebyshev::<4, NODES>::nodes(from, to).map(|log| {
-                    let distance = sum + log.exp();
-                    let PairMoments { along, across } =
-                        exact_moments(pair, distance).minus(&dipole_moments(pair, distance));
-                    [along[0], along[1], across[0], across[1]]
-                }),
-            );
-            DifferenceSeries { slopes: values.derivative(), values }
+            let [from, to] = [0, 1].map(|end| (nearest * GROWTH.powi((k + end) as i32)).ln());
+            with_slopes(from, to, difference)
         };
         let pieces = (0..count).map(piece).collect();
-        let table = Self { sum, nearest, reach, pieces, at_reach: [[0.0; 4]; 2] };
+        let table = Self { sum, nearest, nearest_log: nearest.ln(), reach, pieces, at_reach: [[0.0; 4]; 2] };
         Self { at_reach: table.of_gap(reach - sum), ..table }
     }
 
@@ -91,10 +81,21 @@ impl PolarisedPairTable {
     fn of_gap(&self, gap: f64) -> [[f64; 4]; 2] {
         let inside = gap.max(self.nearest);
         let log = inside.ln();
-        let piece = (((log - self.nearest.ln()) / GROWTH.ln()) as usize).min(self.pieces.len() - 1);
-        let DifferenceSeries { values, slopes } = &self.pieces[piece];
-        let slopes = slopes.at(log).map(|slope| slope / inside);
-        let values = values.at(log);
+        let piece = (((log - self.nearest_log) / GROWTH.ln()) as usize).min(self.pieces.len() - 1);
+        let found = self.pieces[piece].at(log);
+        let (values, slopes): ([f64; 4], [f64; 4]) = (from_fn(|k| found[k]), from_fn(|k| found[4 + k] / inside));
         [from_fn(|k| values[k] + slopes[k] * (gap - inside)), slopes]
     }
+}
+
+/// Series of functions on an interval, and of their derivatives.
+fn with_slopes(from: f64, to: f64, functions: impl Fn(f64) -> [f64; 4]) -> Chebyshev<8, NODES> {
+    let nodes = Chebyshev::<4, NODES>::nodes(from, to);
+    let values = Chebyshev::through(from, to, &nodes.map(functions));
+    let slopes = values.derivative();
+    let both = nodes.map(|x| {
+        let (values, slopes) = (values.at(x), slopes.at(x));
+        from_fn(|k| if k < 4 { values[k] } else { slopes[k - 4] })
+    });
+    Chebyshev::through(from, to, &both)
 }
