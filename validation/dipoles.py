@@ -114,7 +114,7 @@ def forces():
     for distance in (2.001, 2.1, 3.0, 5.0, 8.0):
         for name, axis, factor in (("in line", [1.0, 0.0, 0.0], -2.0), ("side by side", [0.0, 0.0, 1.0], 1.0)):
             moment = f'orientation = "aligned"\norientation_axis = {axis}\nmagnetic_moment = 5.0'
-            field = "magnetic = { field = [0.0, 0.0, 0.0], permeability = 2.0 }"
+            field = "magnetic = { field = [0.0, 0.0, 0.0], permeability = 2.0, tolerance = 1e-6 }"
             moved = pair(distance, field, [moment, moment])
             unit = pair(distance, "", None, ["force = [-1.0, 0.0, 0.0]", "force = [1.0, 0.0, 0.0]"])
             force, exact = moved / unit, factor * 3 * 2.0 * 25.0 / (4 * math.pi * distance**4)

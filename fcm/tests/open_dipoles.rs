@@ -85,8 +85,8 @@ fn fields_are_those_of_direct_sums() {
     }
 }
 
-/// Two spheres that touch in line attract each other as points do, by `3 m^2 / (2 pi r^4)`, and the rest of the box does
-/// not matter.
+/// Two spheres that touch in line attract each other as points do, by `3 m^2 / (2 pi r^4)`, and the rest of the box
+/// does not matter.
 #[test]
 fn touching_spheres_have_the_forces_of_points() {
     let cell = PeriodicBox::new(Vector::new(6.0, 3.0, 3.0)).unwrap().with_boundaries(Boundaries::Open).unwrap();

@@ -5,11 +5,11 @@ use domain::{Place, block};
 use num_complex::Complex;
 use std::ops::Range;
 
-/// Layout of one rank's share of a field of some components. Physical values are in rows along x, `[component][z][y][x]`, with room for a halo
-/// after each row. Rows and planes have an odd number of cache lines, so that columns across them do not compete for
-/// the same cache sets, and components are offset by a third of a page, for the same reason. A spectral row has
-/// `nx/2` complex values, in blocks: the real parts of as many neighbours as fill a cache line, then their imaginary
-/// parts.
+/// Layout of one rank's share of a field of some components. Physical values are in rows along x,
+/// `[component][z][y][x]`, with room for a halo after each row. Rows and planes have an odd number of cache lines, so
+/// that columns across them do not compete for the same cache sets, and components are offset by a third of a page, for
+/// the same reason. A spectral row has `nx/2` complex values, in blocks: the real parts of as many neighbours as fill a
+/// cache line, then their imaginary parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Layout {
     pub components: usize,

@@ -9,8 +9,8 @@ pub(crate) const fn entries(components: usize) -> usize {
     components * (components + 1) / 2
 }
 
-/// Decaying Stokes kernel, or `1 / (4 pi mu r)` for fields of one component, with a multiplier of the wavenumber, between the points in the first half of a grid along
-/// each axis: its transform, with zero padding (Hockney 1970).
+/// Decaying Stokes kernel, or `1 / (4 pi mu r)` for fields of one component, with a multiplier of the wavenumber,
+/// between the points in the first half of a grid along each axis: its transform, with zero padding (Hockney 1970).
 pub struct OpenSpace<T, const C: usize = 3> {
     pub(crate) points: [usize; 3],
     /// Table by `|m2|`, block along x, `|m3|`, entry of the tensor, and lane.

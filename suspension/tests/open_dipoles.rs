@@ -9,7 +9,7 @@ use suspension::{Suspension, VELOCITY};
 
 /// A cluster that moves out of its first box, in a rotating field.
 const CLUSTER: &str = r#"
-box = { edges = [9.0, 9.0, 9.0], boundaries = ["open", "open", "open"] }
+box.boundaries = ["open", "open", "open"]
 fluid.viscosity = 1.0
 particles = { initial = "positions", positions = [[1, 1, 1], [3.1, 1, 1], [5.3, 1.2, 1], [1, 3.2, 1.4], [9, 9, 9]] }
 hydrodynamics = { tolerance = 1e-4 }
@@ -52,7 +52,7 @@ fn ranks_do_not_matter_in_open_space() {
 
 /// Two spheres of monopoles in unbounded fluid, in line with a field.
 const PAIR: &str = r#"
-box = { edges = [9.0, 9.0, 9.0], boundaries = ["open", "open", "open"] }
+box.boundaries = ["open", "open", "open"]
 fluid.viscosity = 1.0
 hydrodynamics = { tolerance = 1e-6, multipoles = "monopole", lubrication = false }
 magnetic = { field = [0.0, 0.0, 1.0] }
@@ -70,17 +70,21 @@ fn parting(keys: &[&str], distance: f64) -> f64 {
 
 /// Force between two spheres: their velocity over that under unit forces.
 fn force(keys: &[&str], distance: f64) -> f64 {
-    let pulled = "species=[{ name = 'one', radius = 1.0, count = 1, force = [0.0, 0.0, -1.0], magnetic_susceptibility = \
-                  1e-9 }, { name = 'other', radius = 1.0, count = 1, force = [0.0, 0.0, 1.0], magnetic_susceptibility = \
-                  1e-9 }]";
-    parting(keys, distance) / parting(&[&keys[1..], &[pulled]].concat(), distance)
+    let one = |name: &str, force: f64| {
+        format!(
+            "{{ name = '{name}', radius = 1.0, count = 1, force = [0.0, 0.0, {force:?}], \
+             magnetic_susceptibility = 1e-9 }}"
+        )
+    };
+    let pulled = format!("species=[{}, {}]", one("one", -1.0), one("other", 1.0));
+    parting(keys, distance) / parting(&[&keys[1..], &[&*pulled]].concat(), distance)
 }
 
 /// Permanent moments attract each other as points do, `3 mu_0 m^2 / (2 pi r^4)`, down to contact; there is no image.
 #[test]
 fn permanent_moments_have_the_forces_of_points_down_to_contact() {
-    let moments = "species=[{ radius = 1.0, count = 2, magnetic_moment = 5.0, orientation = 'aligned', orientation_axis = \
-                   [0.0, 0.0, 1.0] }]";
+    let moments = "species=[{ radius = 1.0, count = 2, magnetic_moment = 5.0, orientation = 'aligned', \
+                   orientation_axis = [0.0, 0.0, 1.0] }]";
     for distance in [2.001, 2.1, 4.0, 30.0_f64] {
         let found = force(&[moments, "hydrodynamics.multipoles=dipole"], distance);
         let exact = -3.0 * 25.0 / (2.0 * PI * distance.powi(4));

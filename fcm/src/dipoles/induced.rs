@@ -63,12 +63,13 @@ impl DipoleField {
         let mut iterations = 0;
         for _ in 0..MOST_TANGENTS {
             let linear = spheres.linearised(&found.uncorrected.fields, search.is_tangent());
-            let within = tolerance.max(search.needed());
+            let is_coarse = search.needed() > tolerance;
+            let within = if is_coarse { search.needed() } else { tolerance };
             found = self.linear(spheres, &linear, found.uncorrected, within);
             let bent = spheres.bend(&linear, &found.uncorrected, self.partition.comm());
             let outcome = &mut found.uncorrected.outcome;
             iterations += outcome.iterations;
-            let is_found = within == tolerance && bent <= tolerance;
+            let is_found = !is_coarse && bent <= tolerance;
             *outcome = IterationOutcome {
                 iterations,
                 residual: outcome.residual.max(bent),

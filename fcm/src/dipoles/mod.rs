@@ -14,8 +14,8 @@ use induced::InducedMoments;
 pub use magnetisation::Magnetisation;
 use redistribution::Elsewhere;
 
-/// Field of moments in a periodic box or in open space, averaged over the spheres (Climent, Maxey & Karniadakis, Langmuir 20, 507,
-/// 2004; Keaveny & Maxey, J. Comput. Phys. 227, 9554, 2008).
+/// Field of moments in a periodic box or in open space, averaged over the spheres (Climent, Maxey & Karniadakis,
+/// Langmuir 20, 507, 2004; Keaveny & Maxey, J. Comput. Phys. 227, 9554, 2008).
 ///
 /// A sphere of radius `a` at `Y` has the magnetisation `m Delta'(x - Y)`, with the Gaussian envelope of the dipoles of
 /// its flow, of width `a / (6 sqrt(pi))^(1/3)`. With it the field of a single sphere, averaged over its own envelope,

@@ -86,10 +86,10 @@ impl<'a> Footprint<'a> {
     }
 
     fn tables<T: Real>(&self) -> f64 {
-        if self.plan.multipoles == Multipoles::Moments {
-            return MomentCorrection::table_bytes(self.plan);
-        }
         let Some(common) = self.plan.common() else { return 0.0 };
+        if self.plan.multipoles == Multipoles::Moments {
+            return MomentCorrection::table_bytes(common.width, self.plan.cutoff(), self.plan.table_tolerance());
+        }
         let envelopes: Vec<_> = self.plan.radii.iter().map(|&a| Envelope::of_sphere(a)).collect();
         PairCorrection::<T>::table_bytes(&envelopes, common, self.plan.cutoff(), self.plan.table_tolerance())
     }

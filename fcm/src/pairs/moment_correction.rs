@@ -2,8 +2,8 @@
 //!
 //! Outside of a uniformly magnetised sphere the field is that of a point, and its average over another sphere is its
 //! value in the centre. So that is the field between spheres that do not overlap, and in themselves they have that of
-//! their envelopes. With `x` from the source to the target and `psi_n = (1/r d/dr)^n psi` of a potential `psi`, the field
-//! of a moment `m` and its gradient are
+//! their envelopes. With `x` from the source to the target and `psi_n = (1/r d/dr)^n psi` of a potential `psi`, the
+//! field of a moment `m` and its gradient are
 //!
 //! ```text
 //! H_a      = d_a d_b psi m_b = psi_1 m_a + psi_2 x_a (x.m)
@@ -14,7 +14,6 @@ use crate::envelope::Envelope;
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles};
 use crate::pairs::pair_functions::GaussianPotential;
 use crate::pairs::table::{PairTable, PairValues, TabulatedFunctions};
-use crate::plan::Plan;
 use domain::parallel::{MeasuredLoop, change_rows};
 use domain::{Neighbour, Neighbours, Tensor, Vector};
 use rayon::prelude::*;
@@ -22,8 +21,8 @@ use simd::{SimdVector, VectorKernel};
 use solver::Real;
 use std::f64::consts::PI;
 
-/// Distance over the sum of the radii below which the functions of overlapping spheres no longer grow: from `2^(-2/3)` on
-/// two equal spheres have a positive energy.
+/// Distance over the sum of the radii below which the functions of overlapping spheres no longer grow: from `2^(-2/3)`
+/// on two equal spheres have a positive energy.
 const NEAREST: f64 = 0.65;
 
 /// Pair correction of the moments of particles of given radii.
@@ -79,27 +78,21 @@ impl TabulatedFunctions for GaussianPotential {
 }
 
 impl MomentCorrection {
-    /// For the spheres of a plan with a common Gaussian. Pairs farther apart than its cutoff are left out.
-    pub fn of_plan(plan: &Plan) -> Self {
-        let wide = GaussianPotential::new(plan.common().expect("moments have a Gaussian").width);
+    /// For spheres with these radii and a common Gaussian of this width. Pairs farther apart than the cutoff are left
+    /// out; the table is exact to `tolerance`.
+    pub fn new(radii: &[f64], width: f64, cutoff: f64, tolerance: f64) -> Self {
+        let wide = GaussianPotential::new(width);
         let in_itself = |&radius: &f64| {
             let narrow = GaussianPotential::new(Envelope::of_sphere(radius).dipole);
             narrow.evaluate(0.0)[1] - wide.evaluate(0.0)[1]
         };
-        Self {
-            cutoff: plan.cutoff(),
-            own: plan.radii.iter().map(in_itself).collect(),
-            radii: plan.radii.clone(),
-            wide,
-            table: PairTable::new(&wide, plan.cutoff(), plan.table_tolerance()),
-        }
+        let (own, table) = (radii.iter().map(in_itself).collect(), PairTable::new(&wide, cutoff, tolerance));
+        Self { cutoff, radii: radii.to_vec(), own, wide, table }
     }
 
-    /// Bytes of the table for a plan.
-    pub fn table_bytes(plan: &Plan) -> f64 {
-        let wide = plan.common().map(|common| GaussianPotential::new(common.width));
-        let bytes = |wide| PairTable::<f64>::bytes(&wide, plan.cutoff(), plan.table_tolerance());
-        wide.and_then(bytes).unwrap_or(0.0)
+    /// Bytes of the table of [`Self::new`].
+    pub fn table_bytes(width: f64, cutoff: f64, tolerance: f64) -> f64 {
+        PairTable::<f64>::bytes(&GaussianPotential::new(width), cutoff, tolerance).unwrap_or(0.0)
     }
 
     /// `psi_1`, `psi_2` and `psi_3` of a pair of classes.

@@ -107,7 +107,7 @@ impl GaussianPotential {
     }
 
     /// `psi_n = (1/r d/dr)^n psi` at `r^2 = square`, for `n = 0..ORDERS`.
-    pub fn evaluate(&self, square: f64) -> [f64; ORDERS] {
+    pub fn evaluate(self, square: f64) -> [f64; ORDERS] {
         let gaussian = Gaussian::new(square, self.variance);
         std::array::from_fn(|n| gaussian.over_k2(n))
     }

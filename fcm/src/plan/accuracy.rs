@@ -42,8 +42,8 @@ pub struct Brackets {
     /// Factor by which wavevectors are longer along an axis of the box than along the lattice: `sqrt(1 + s^2)` in a
     /// box sheared by `s`, for example.
     pub stretch: f64,
-    /// Largest radius over the width. Errors of moments are relative to a sphere's own field, `m / (4 pi a^3)`, and to that
-    /// over its radius, and the fields of common Gaussians are in proportion to `m / Sigma^3`.
+    /// Largest radius over the width. Errors of moments are relative to a sphere's own field, `m / (4 pi a^3)`, and to
+    /// that over its radius, and the fields of common Gaussians are in proportion to `m / Sigma^3`.
     pub size: f64,
 }
 

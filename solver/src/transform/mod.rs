@@ -44,9 +44,9 @@ pub struct Transform<T, const C: usize = 3> {
 }
 
 impl<T: Real> Transform<T> {
-    /// Plans the transform of vector fields on grids of `points` values, which [`crate::Grid`] allows, distributed by `partition`,
-    /// with room for `halo` values after each row; longer halos wrap around the row several times. A collective call,
-    /// as all others.
+    /// Plans the transform of vector fields on grids of `points` values, which [`crate::Grid`] allows, distributed by
+    /// `partition`, with room for `halo` values after each row; longer halos wrap around the row several times. A
+    /// collective call, as all others.
     ///
     /// # Panics
     /// If the partition is for a different number of rows.

@@ -46,8 +46,8 @@ pub struct SphereMoment {
     /// Susceptibility: the ratio of the induced moment to the volume and the field within the sphere. For dielectric
     /// spheres it is the ratio of the permittivities of sphere and fluid minus 1.
     pub susceptibility: f64,
-    /// Magnetisation of the material in the strongest fields, by the law of [`fcm::Magnetisation`]; without it the induced
-    /// moment is in proportion to the field.
+    /// Magnetisation of the material in the strongest fields, by the law of [`fcm::Magnetisation`]; without it the
+    /// induced moment is in proportion to the field.
     pub saturation: Option<f64>,
 }
 
@@ -136,8 +136,8 @@ impl MomentKind {
         let (name, fault) = (self.name(), |message: &str| ParameterError::new(self.name(), message));
         if !matches!(p.cell.boundaries(), Boundaries::Periodic | Boundaries::Open) {
             return Err(fault(
-                "is for boxes that repeat along all axes or are open along all of them; the field of moments near walls \
-                 and in layers is not available: leave it out, or make box.boundaries \"periodic\" or \"open\"",
+                "is for boxes that repeat along all axes or are open along all of them; the field of moments near \
+                 walls and in layers is not available: leave it out, or make box.boundaries \"periodic\" or \"open\"",
             ));
         }
         if p.shear_rates().stress().is_some() {

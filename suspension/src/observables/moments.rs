@@ -3,11 +3,12 @@
 use super::observable::{Observable, ObservedState, measure};
 use crate::forces::dipoles::{induced, permanent};
 use crate::model::{Model, MomentKind, SphereMoment};
-use domain::Vector;
+use domain::{Boundaries, Vector};
 use simulation::Quantity;
 
 /// For each kind of moments in a model, the mean moment of the spheres of each species, and the torque of the applied
-/// field on all spheres, over the volume of the box: `c sum m x H_0 / V`, with the constant `c` of the field.
+/// field on all spheres, over the volume of the box: `c sum m x H_0 / V`, with the constant `c` of the field. Unbounded
+/// fluid has no volume to average over, and no such torque.
 pub fn moments(model: &Model) -> Vec<Box<dyn Observable>> {
     MomentKind::ALL.into_iter().flat_map(|kind| of_kind(kind, model)).collect()
 }
@@ -39,7 +40,7 @@ fn of_kind(kind: MomentKind, model: &Model) -> Vec<Box<dyn Observable>> {
         let (time, volume) = (present.suspension().clock().time(), present.suspension().cell().volume());
         axes.vector(total.cross(applied.at(time)) * (applied.constant / volume)).to_array().to_vec()
     });
-    vec![mean, torque]
+    if model.cell.boundaries() == Boundaries::Open { vec![mean] } else { vec![mean, torque] }
 }
 
 /// Sum of the moments of each species, and the number of its spheres. Collective.

@@ -22,8 +22,8 @@ use crate::grid::window::potential;
 use simd::SimdVector as Lanes;
 use solver::{AlignedMemory, Real};
 
-/// Kernel of `C` components with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2 and
-/// 3 for forces and dipoles of envelopes of other widths. Of one component, a potential, particles have the first
+/// Kernel of `C` components with derivatives up to an order: 0 for forces and 1 for dipoles on the common Gaussian, 2
+/// and 3 for forces and dipoles of envelopes of other widths. Of one component, a potential, particles have the first
 /// derivatives with order 1, and the second ones as well with order 2.
 pub(crate) struct Windowed<'a, T, const ORDER: usize, const C: usize = 3>(pub &'a WindowLattice<T>);
 

@@ -137,8 +137,8 @@ pub(super) struct SpeciesSection {
     pub(super) magnetic_moment: Option<f64>,
     /// Magnetic susceptibility of the material of the spheres in that of the fluid; 0 by default.
     pub(super) magnetic_susceptibility: Option<f64>,
-    /// Magnetisation of the spheres in the strongest fields, `M = chi H / (1 + chi H / M_s)` in the field `H` within them;
-    /// without it they do not saturate.
+    /// Magnetisation `M_s` of the spheres in the strongest fields, `M = chi H / (1 + chi H / M_s)` in the field `H`
+    /// within them; without it they do not saturate.
     pub(super) magnetic_saturation: Option<f64>,
     /// Permanent electric moment, a charge times a length, along the axis of each sphere, which needs an orientation; 0
     /// by default.

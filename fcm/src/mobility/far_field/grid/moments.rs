@@ -29,7 +29,7 @@ impl MomentFarField {
             Precision::Single => Box::new(PotentialGrid::<f32>::new(&own, partition)),
             Precision::Double => Box::new(PotentialGrid::<f64>::new(&own, partition)),
         };
-        let near: Box<dyn DynPairCorrection> = Box::new(MomentCorrection::of_plan(&own));
+        let near: Box<dyn DynPairCorrection> = Box::new(moment_correction(&own));
         Self::of_parts(plan, partition, grid, Some(near))
     }
 
@@ -65,8 +65,9 @@ impl MomentFarField {
     }
 
     /// Derivative of the energy of the moments on the grid with respect to a deformation, the contributions of this
-    /// rank's share of the grid: in open space the first moments of the forces; in a periodic box the part of the modes,
-    /// and that of the charges, which rotate and stretch as the positions do: with the field `H` on the grid, `H m`.
+    /// rank's share of the grid: in open space the first moments of the forces; in a periodic box the part of the
+    /// modes, and that of the charges, whose distances change with the positions: with the field `H` on the grid, `H
+    /// m`.
     fn stress_on_grid(&mut self, moments: &[Vector]) -> Tensor {
         let loads = self.arrangement.grid_loads(moments, &[]);
         let fields = self.grid.motions(&loads, Output::All, &mut self.work);
@@ -81,6 +82,12 @@ impl MomentFarField {
         let of_charges = (0..moments.len()).fold(Tensor::ZERO, |sum, row| sum + of_row(row));
         if is_open { of_charges } else { of_charges + self.grid.stress_of_modes(&loads, &mut self.work) }
     }
+}
+
+/// Pair correction of a plan of moments.
+fn moment_correction(plan: &Plan) -> MomentCorrection {
+    let width = plan.common().expect("moments have a Gaussian").width;
+    MomentCorrection::new(&plan.radii, width, plan.cutoff(), plan.table_tolerance())
 }
 
 /// The tensor `a b`.
