@@ -26,6 +26,11 @@ fn plan(cell: &PeriodicBox, moments: &MagnetisedSpheres, tolerance: f64) -> Plan
     DipoleField::plan(&suspension.problem(tolerance)).unwrap()
 }
 
+/// Entries of a list for some ids; none of an empty list.
+fn own<T: Copy>(ids: &[u64], list: &[T]) -> Vec<T> {
+    ids.iter().filter_map(|&id| list.get(id as usize).copied()).collect()
+}
+
 /// Solves a problem on some ranks, which own the spheres by another partition than that of the grid; results are in the
 /// order of the spheres.
 pub fn on_ranks(
@@ -40,9 +45,6 @@ pub fn on_ranks(
         let rows: Vec<usize> = (0..moments.radii.len()).filter(|r| r % comm.size() == comm.rank()).collect();
         let mut particles = store(moments).selected(&rows);
         particles.migrate(&partition, cell);
-        fn own<T: Copy>(ids: &[u64], list: &[T]) -> Vec<T> {
-            ids.iter().filter_map(|&id| list.get(id as usize).copied()).collect()
-        }
         let [polarisabilities, saturations] =
             [problem.polarisabilities, problem.saturations].map(|list| own(&particles.ids, list));
         let [permanent, guess] = [problem.permanent, problem.guess].map(|list| own(&particles.ids, list));

@@ -48,7 +48,7 @@ impl DipoleField {
         if !comm.any(problem.polarisabilities.iter().any(|alpha| *alpha != 0.0)) {
             return start;
         }
-        let spheres = Spheres::new(radii, problem, &comm);
+        let spheres = PolarisableSpheres::new(radii, problem, &comm);
         let tolerance = self.plan.iteration_tolerance;
         if comm.any(spheres.laws.iter().any(Magnetisation::saturates)) {
             return self.saturating(&spheres, start, tolerance);
@@ -58,7 +58,7 @@ impl DipoleField {
     }
 
     /// The moments by laws that bend.
-    fn saturating(&mut self, spheres: &Spheres, start: InducedMoments, tolerance: f64) -> InducedMoments {
+    fn saturating(&mut self, spheres: &PolarisableSpheres, start: InducedMoments, tolerance: f64) -> InducedMoments {
         let (mut found, mut search) = (Corrected::none(start), TangentSearch::default());
         let mut iterations = 0;
         for _ in 0..MOST_TANGENTS {
@@ -85,7 +85,13 @@ impl DipoleField {
     }
 
     /// The moments by linear laws.
-    fn linear(&mut self, spheres: &Spheres, linear: &[LinearLaw], start: InducedMoments, tolerance: f64) -> Corrected {
+    fn linear(
+        &mut self,
+        spheres: &PolarisableSpheres,
+        linear: &[LinearLaw],
+        start: InducedMoments,
+        tolerance: f64,
+    ) -> Corrected {
         let InducedMoments { moments: mut induced, fields, .. } = start;
         let mut residual =
             of_rows(induced.len(), |row| spheres.residual(row, &linear[row], induced[row], fields[row].0));
@@ -146,7 +152,7 @@ impl Corrected {
 }
 
 /// The spheres in the applied field.
-struct Spheres {
+struct PolarisableSpheres {
     applied: Vector,
     laws: Vec<Magnetisation>,
     /// `s / (4 pi a^3)` with the sign `s` of the polarisabilities.
@@ -154,7 +160,7 @@ struct Spheres {
     sign: f64,
 }
 
-impl Spheres {
+impl PolarisableSpheres {
     fn new(radii: &[f64], problem: &DipoleProblem, comm: &Comm) -> Self {
         let is_negative = comm.any(problem.polarisabilities.iter().any(|alpha| *alpha < 0.0));
         let sign = if is_negative { -1.0 } else { 1.0 };
@@ -195,7 +201,7 @@ impl Spheres {
 /// The system `T^-1 q + s K q`, with the sign `s` of the polarisabilities.
 struct Induction<'a> {
     far: &'a mut MomentFarField,
-    spheres: &'a Spheres,
+    spheres: &'a PolarisableSpheres,
     linear: &'a [LinearLaw],
     /// Fields by the moments of the iterate, and their gradients.
     fields: Vec<(Vector, Tensor)>,
