@@ -14,8 +14,8 @@ use lubrication::{PolarisablePair, PolarisedPairTable};
 /// ```
 ///
 /// in the applied field `H`, and its forces are the derivatives (as Bonnecaze & Brady, J. Chem. Phys. 96, 2183, 1992,
-/// correct dipoles for near contact). So two spheres alone have the exact forces. If moments saturate, the energy is
-/// smaller by the ratios of the moments of both spheres, alone in the field, to those without saturation.
+/// correct dipoles for near contact). So two spheres alone have the exact forces. If moments saturate, the energy has
+/// a factor of [`SphereMoment::unsaturated`] for each sphere, which vanishes relative to that of dipoles.
 pub struct NearPolarisation {
     /// Moments and radii by species.
     species: Vec<(SphereMoment, f64)>,

@@ -71,10 +71,12 @@ impl SphereMoment {
         self.magnetisation(radius).moment_alone(applied, 1.0 / (3.0 * sphere::volume(radius)))
     }
 
-    /// The same over its value without saturation.
+    /// The same over its value without saturation, times the present susceptibility over that in weak fields: 1 in weak
+    /// fields, and falling faster than the moment.
     pub fn unsaturated(&self, radius: f64, applied: Vector) -> f64 {
         let linear = Self { saturation: None, ..*self }.moment_alone(radius, applied).length();
-        if linear > 0.0 { self.moment_alone(radius, applied).length() / linear } else { 1.0 }
+        let (moment, most) = (self.moment_alone(radius, applied).length(), self.magnetisation(radius).saturation);
+        if linear > 0.0 { moment / linear * (1.0 - moment / most) } else { 1.0 }
     }
 }
 
