@@ -2,7 +2,7 @@
 
 `scripts/validate millions` runs one million spheres; `--full` also four million, which takes 12 GB and a quarter of an hour.
 `scripts/validate millions --lubricated 4000000` takes ten steps of so many spheres with lubrication instead, and writes no page: of four
-million, `fcm-solve check` expects 27 GB."""
+million, `fcm-solve check` expects 20 GB."""
 
 import argparse
 import csv

@@ -287,7 +287,7 @@ mod tests {
         for (place, (name, width)) in rows.columns().enumerate() {
             let mut values = Vec::new();
             rows.column(place, |more| append(&mut values, more)).unwrap();
-            all.columns.push(crate::Column { name: name.to_owned(), width, values });
+            all.columns.push(crate::Column { name: name.to_owned(), width, values: values.into() });
         }
         assert_eq!(rows.count(), all.len());
         (all, most)

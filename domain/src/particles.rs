@@ -1,35 +1,14 @@
 //! Particle store: one column per property, one row per particle, and the scalars of the state.
 
+pub mod saved_state;
+
+use crate::column::{Column, ColumnError};
 use crate::parallel::{FusedLoops, MeasuredLoop, change_rows, sort, stage};
 use crate::rows::{RowExchange, RowMove, Selection, SortedExchange};
 use crate::{Partition, PeriodicBox, Scalars, Vector};
 use rayon::prelude::*;
-
-/// A named property of every particle: `width` numbers each, row by row. Everything that has to follow a particle to
-/// another rank or survive a restart, such as its past velocities, is a column.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Column {
-    /// Name in checkpoints.
-    pub name: String,
-    /// Numbers per particle.
-    pub width: usize,
-    /// `width` numbers for each particle, in the store's order.
-    pub values: Vec<f64>,
-}
-
-/// A column whose length does not fit the number of particles.
-#[derive(Debug, thiserror::Error, PartialEq)]
-#[error("particle column '{name}' has {found} values for {particles} particles; it needs {width} each")]
-pub struct ColumnError {
-    /// Name of the column.
-    pub name: String,
-    /// Values found.
-    pub found: usize,
-    /// Values needed per particle.
-    pub width: usize,
-    /// Number of particles.
-    pub particles: usize,
-}
+use saved_state::{SavedRows, SavedState};
+use std::mem::take;
 
 /// Particles that this rank owns. Positions are inside the box; `steps` counts the lattice vectors that wrapping took
 /// out of each, so `position + lattice(steps)` is the position without periodicity.
@@ -49,6 +28,8 @@ pub struct Particles {
     pub columns: Vec<Column>,
     /// Numbers of the run as a whole, equal on all ranks.
     pub scalars: Scalars,
+    /// State to which [`Self::restore`] returns.
+    pub saved: Option<Box<SavedState>>,
 }
 
 /// Particles that one thread processes at a time.
@@ -87,7 +68,7 @@ impl Particles {
     /// The column of this name, created with zeros if there is none yet.
     pub fn column(&mut self, name: &str, width: usize) -> &mut Column {
         let place = self.columns.iter().position(|c| c.name == name).unwrap_or_else(|| {
-            let values = vec![0.0; width * self.len()];
+            let values = vec![0.0; width * self.len()].into();
             self.columns.push(Column { name: name.to_owned(), width, values });
             self.columns.len() - 1
         });
@@ -100,7 +81,7 @@ impl Particles {
         let mut found = [const { None }; N];
         for column in &mut self.columns {
             if let Some(k) = names.iter().position(|name| *name == column.name) {
-                found[k] = Some(&mut column.values);
+                found[k] = Some(&mut *column.values);
             }
         }
         found.map(|values| values.expect("columns of different names"))
@@ -170,20 +151,25 @@ impl Particles {
 
     /// Reorders the particles by a list of rows; rows that are not in the list are dropped.
     pub fn arrange(&mut self, order: &[usize]) {
-        let picked = Selection(order);
-        let Self { ids, positions, steps, radii, species, columns, scalars } = self;
-        let mut arranged = Self::default();
+        let Self { ids, positions, steps, radii, species, saved, .. } = self;
+        let (mut arranged, mut rows) = (Self::default(), SavedRows::default());
         let mut loops = FusedLoops::default();
         loops.mapped(&mut arranged.ids, order, |&row| ids[row]);
         loops.mapped(&mut arranged.positions, order, |&row| positions[row]);
         loops.mapped(&mut arranged.steps, order, |&row| steps[row]);
         loops.mapped(&mut arranged.radii, order, |&row| radii[row]);
         loops.mapped(&mut arranged.species, order, |&row| species[row]);
+        if let Some(saved) = saved {
+            rows.arrange_in(&mut loops, &saved.rows, order);
+        }
         loops.run();
-        // In parallel over the columns, as each takes hardly longer than the wake-up of a thread.
-        columns.par_iter_mut().measured().for_each(|column| column.values = picked.of(&column.values, column.width));
-        (arranged.columns, arranged.scalars) = (std::mem::take(columns), std::mem::take(scalars));
-        *self = arranged;
+        if let Some(saved) = saved {
+            saved.rows = rows;
+        }
+        let Self { ids, positions, steps, radii, species, .. } = arranged;
+        let (columns, scalars, saved) = (take(&mut self.columns), take(&mut self.scalars), self.saved.take());
+        *self = Self { ids, positions, steps, radii, species, columns, scalars, saved };
+        self.arrange_columns(Selection(order));
     }
 
     /// The given rows, in that order, as a new store.
@@ -221,12 +207,10 @@ impl Particles {
         self.with_columns(|_| false)
     }
 
-    /// The same particles with only the columns whose names are wanted.
+    /// The same particles with only the columns whose names are wanted, whose numbers both share until they change.
     #[must_use]
     pub fn with_columns(&self, wanted: impl Fn(&str) -> bool) -> Self {
-        let kept: Vec<&Column> = self.columns.iter().filter(|column| wanted(&column.name)).collect();
-        let empty = |column: &&Column| Column { name: column.name.clone(), width: column.width, values: Vec::new() };
-        let columns = kept.iter().map(empty).collect();
+        let columns = self.columns.iter().filter(|column| wanted(&column.name)).cloned().collect();
         let mut copy = Self { columns, scalars: self.scalars.clone(), ..Self::default() };
         let mut loops = FusedLoops::default();
         loops.copied(&mut copy.ids, &self.ids);
@@ -234,7 +218,6 @@ impl Particles {
         loops.copied(&mut copy.steps, &self.steps);
         loops.copied(&mut copy.radii, &self.radii);
         loops.copied(&mut copy.species, &self.species);
-        copy.columns.iter_mut().zip(kept).for_each(|(made, column)| loops.copied(&mut made.values, &column.values));
         loops.run();
         copy
     }
@@ -255,28 +238,32 @@ impl Particles {
         self.mapped(&SortedExchange { exchange, order: Selection(&order) }, wanted)
     }
 
-    /// A copy, made by all threads.
+    /// A copy, with the saved state.
     #[must_use]
     pub fn copied(&self) -> Self {
-        self.with_columns(|_| true)
+        Self { saved: self.saved.clone(), ..self.with_columns(|_| true) }
     }
 
     /// Moves the rows of one property after the other, so that only one is in memory twice.
-    fn each_property(&mut self, row_move: &impl RowMove) {
-        self.ids = row_move.of(&self.ids, 1);
-        self.positions = row_move.of(&self.positions, 1);
-        self.steps = row_move.of(&self.steps, 1);
-        self.radii = row_move.of(&self.radii, 1);
-        self.species = row_move.of(&self.species, 1);
-        for column in &mut self.columns {
-            column.values = row_move.of(&column.values, column.width);
+    fn each_property(&mut self, exchange: &RowExchange) {
+        self.ids = exchange.of(&self.ids, 1);
+        self.positions = exchange.of(&self.positions, 1);
+        self.steps = exchange.of(&self.steps, 1);
+        self.radii = exchange.of(&self.radii, 1);
+        self.species = exchange.of(&self.species, 1);
+        if let Some(saved) = &mut self.saved {
+            saved.rows.move_by(exchange);
         }
+        self.exchange_columns(exchange);
     }
 
     /// A new store with the moved rows of this one and the columns that are wanted.
     pub(crate) fn mapped(&self, row_move: &impl RowMove, wanted: impl Fn(&str) -> bool) -> Self {
-        let column =
-            |c: &Column| Column { name: c.name.clone(), width: c.width, values: row_move.of(&c.values, c.width) };
+        let column = |c: &Column| Column {
+            name: c.name.clone(),
+            width: c.width,
+            values: row_move.of(&c.values, c.width).into(),
+        };
         Self {
             ids: row_move.of(&self.ids, 1),
             positions: row_move.of(&self.positions, 1),
@@ -285,6 +272,7 @@ impl Particles {
             species: row_move.of(&self.species, 1),
             columns: self.columns.iter().filter(|c| wanted(&c.name)).map(column).collect(),
             scalars: self.scalars.clone(),
+            saved: None,
         }
     }
 }

@@ -73,6 +73,13 @@ impl RowExchange {
     }
 }
 
+impl RowExchange {
+    /// The ranks.
+    pub fn comm(&self) -> &Comm {
+        &self.comm
+    }
+}
+
 impl RowMove for RowExchange {
     fn of<T: RowValue>(&self, values: &[T], width: usize) -> Vec<T> {
         let send = Selection(&self.order).of(values, width);

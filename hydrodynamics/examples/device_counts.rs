@@ -124,10 +124,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loads = Loads::default();
     let shear = SolveInput::new(&loads, StrainRate::uniform(Traceless([0.0, 0.5, 0.0, 0.0, 0.0])));
     let before = known(&counts);
-    solver.solve(&cell, &particles, &shear, &Guess::default())?;
+    solver.solve(&cell, &particles, &shear, Guess::default())?;
     let first = since(&before, &known(&counts)).uploads[1];
     let before = known(&counts);
-    let solution = solver.solve(&cell, &particles, &shear, &Guess::default())?;
+    let solution = solver.solve(&cell, &particles, &shear, Guess::default())?;
     let solve = since(&before, &known(&counts));
     println!("tables of lubrication, once a run: {} kB", (first - solve.uploads[1]) / 1000);
     println!("a solve with lubrication, {} iterations", solution.iterations);

@@ -3,9 +3,9 @@
 use crate::pairs::matrix::diagonal_block::DiagonalBlock;
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::LANES;
-use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup};
+use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup, Padded};
 use crate::six_vector::SixVector;
-use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Process, Traceless, Vector, VerletList};
+use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Particles, Process, Traceless, Vector, VerletList};
 use fcm::{CardMemory, Footprint, NearPairCounts, PlanError, Precision};
 use lubrication::{LubricationRange, PairForce};
 
@@ -37,11 +37,6 @@ const SPREAD: f64 = 0.28;
 type UnknownsOfOne = ([SixVector; 4], Traceless);
 type ResidualOfOne = ([SixVector; 2], Traceless);
 
-/// Vectors of unknowns held at once by conjugate gradients (solution, direction, next direction, and three
-/// preconditioned residuals: current, previous and last), and residuals (the current one and the image of a direction).
-const UNKNOWNS: f64 = 6.0;
-const RESIDUALS: f64 = 2.0;
-
 /// Tables of lubrication between spheres of the given radii.
 pub fn table_bytes(radii: &[f64]) -> Bytes {
     PairForce::bytes(radii)
@@ -50,13 +45,17 @@ pub fn table_bytes(radii: &[f64]) -> Bytes {
 /// Memory of [`crate::CoupledSolver::solve`] with lubrication at the gaps of a range.
 pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: LubricationRange) -> Bytes {
     let owned = expected.owned();
-    let single = Bytes::list::<(SixVector, f64)>(owned).then(Bytes::list::<Block>(owned));
-    let unknowns = Bytes::list::<UnknownsOfOne>(UNKNOWNS * owned).then(Bytes::list::<ResidualOfOne>(RESIDUALS * owned));
-    let loads = Bytes::list::<SixVector>(3.0 * owned).then(Bytes::list::<(Vector, Vector, Traceless)>(3.0 * owned));
-    let inner = Bytes::list::<SixVector>(7.0 * owned);
-    let evaluation = far.evaluation().or(inner);
+    // Particles in scaled units, known loads, resistances of single spheres and inverses of the diagonal blocks.
+    let given = Particles::bytes(owned, 0).then(Bytes::list::<([SixVector; 2], f64, Block)>(owned));
+    let residual = Bytes::list::<(ResidualOfOne, Traceless)>(owned);
+    // Solution and direction; the preconditioned residual, and the loads of the direction as its flow is evaluated; or
+    // solution, residual, preconditioned residual, direction and its image in a solve for stiff pairs.
+    let unknowns = Bytes::list::<[UnknownsOfOne; 2]>(owned);
+    let loads = Bytes::list::<(UnknownsOfOne, SixVector, Traceless)>(owned);
+    let inner = Bytes::list::<([SixVector; 5], Padded)>(owned);
+    let passes = loads.then(far.evaluation()).freed().or(inner.freed());
     let (lists, pairs) = near_pairs(expected, range, far.precision());
-    lists.then(pairs.then(single).then(unknowns).then(loads).then(evaluation).freed())
+    lists.then(pairs.then(given).then(residual).then(unknowns).then(passes).freed())
 }
 
 /// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one; none if the plan is
@@ -97,7 +96,7 @@ fn near_pairs(expected: &ExpectedCounts, range: LubricationRange, precision: Pre
         Precision::Double => Bytes::list::<(LaneGroup<f64>, MomentGroup<f64>)>(soft),
     };
     let pairs = Bytes::list::<(LaneGroup<f64>, MomentGroup<f64>)>(stiff).then(soft);
-    (lists, Halo::bytes(owned, present).then(rows).then(copies.freed()).then(pairs))
+    (lists.then(copies), Halo::bytes(owned, present).then(rows).then(pairs))
 }
 
 /// Groups per row for a mean number of pairs per row: a slice is as long as its longest row, which exceeds the mean by

@@ -35,29 +35,12 @@ pub struct Preconditioner<'a> {
     tolerance: f64,
 }
 
-/// Loads of a solve, and the motions from which it starts with the residual; the last list is overwritten.
+/// Motions from which a solve starts, and their residual; the last list is overwritten.
 #[derive(Default)]
-pub struct InnerSolve {
-    loads: SixVectors,
+struct InnerSolve {
     motions: SixVectors,
     residual: SixVectors,
     z: SixVectors,
-}
-
-impl InnerSolve {
-    /// Begins with particles at rest under a load each, as some of several loops.
-    pub fn begin_in<'a>(
-        &'a mut self,
-        loops: &mut FusedLoops<'a>,
-        count: usize,
-        load: impl Fn(usize) -> SixVector + Copy + Sync + 'a,
-    ) {
-        let at_rest = |_| SixVector::default();
-        loops.of_rows(&mut self.loads.0, count, load);
-        loops.of_rows(&mut self.motions.0, count, at_rest);
-        loops.of_rows(&mut self.residual.0, count, load);
-        loops.of_rows(&mut self.z.0, count, at_rest);
-    }
 }
 
 /// Smallest error of a tightened solve, and the factor by which the error is reduced each time.
@@ -110,28 +93,33 @@ impl<'a> Preconditioner<'a> {
         }
     }
 
-    /// Approximate motions under the loads of a solve that has begun, and the pair loads in these motions. Collective.
-    pub fn solve(&mut self, start: InnerSolve) -> MotionsWithLoads {
-        let limits = self.limits();
-        self.solve_from(start, limits)
+    /// Approximate motions under a load on each particle, from rest, and the pair loads in these motions. Collective.
+    pub fn solve(&mut self, load: impl Fn(usize) -> SixVector + Sync) -> MotionsWithLoads {
+        let (mut start, count, limits) = (InnerSolve::default(), self.single.len(), self.limits());
+        let InnerSolve { motions, residual, z } = &mut start;
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut motions.0, count, |_| SixVector::default());
+        loops.of_rows(&mut residual.0, count, &load);
+        loops.of_rows(&mut z.0, count, |_| SixVector::default());
+        loops.run();
+        self.solve_from(start, load, limits)
     }
 
     /// [`Self::solve`] under a load on each particle, continued from an earlier solution. Collective.
     pub fn continue_solve(
         &mut self,
         found: MotionsWithLoads,
-        load: impl Fn(usize) -> SixVector + Copy + Sync,
+        load: impl Fn(usize) -> SixVector + Sync,
     ) -> MotionsWithLoads {
         let MotionsWithLoads { motions, loads: resisted } = found;
         let (count, single, limits) = (motions.0.len(), self.single, self.limits());
         let mut start = InnerSolve { motions, ..InnerSolve::default() };
-        let InnerSolve { loads, motions, residual, z } = &mut start;
+        let InnerSolve { motions, residual, z } = &mut start;
         let mut loops = FusedLoops::default();
-        loops.of_rows(&mut loads.0, count, load);
         loops.of_rows(&mut residual.0, count, |row| load(row) - resisted.0[row] - single[row] * motions.0[row]);
         loops.of_rows(&mut z.0, count, |_| SixVector::default());
         loops.run();
-        self.solve_from(start, limits)
+        self.solve_from(start, load, limits)
     }
 
     /// Motions under the given loads with stiff and soft pairs, to an error of `tolerance`, and the pair loads in these
@@ -140,25 +128,33 @@ impl<'a> Preconditioner<'a> {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
         self.make_rigid(&mut motions);
         let (count, image) = (motions.0.len(), self.apply(&motions));
-        let mut start = InnerSolve { loads, motions, ..InnerSolve::default() };
-        let InnerSolve { loads, residual, z, .. } = &mut start;
+        let mut start = InnerSolve { motions, ..InnerSolve::default() };
+        let InnerSolve { residual, z, .. } = &mut start;
         let mut loops = FusedLoops::default();
         loops.of_rows(&mut residual.0, count, |row| loads.0[row] - image.0[row]);
         loops.of_rows(&mut z.0, count, |_| SixVector::default());
         loops.run();
-        let solved = self.solve_from(start, Limits { tolerance, ..self.limits() });
+        let limits = Limits { tolerance, ..self.limits() };
+        drop(image);
+        let solved = self.solve_from(start, |row| loads.0[row], limits);
         self.pairs = &[Pairs::Stiff];
         solved
     }
 
-    /// Solves to a tolerance.
-    fn solve_from(&mut self, start: InnerSolve, limits: Limits) -> MotionsWithLoads {
+    /// Solves for the motions under a load on each particle, to a tolerance.
+    fn solve_from(
+        &mut self,
+        start: InnerSolve,
+        load: impl Fn(usize) -> SixVector + Sync,
+        limits: Limits,
+    ) -> MotionsWithLoads {
         let _stage = stage("preconditioner");
         let (comm, single) = (self.comm.clone(), self.single);
-        let InnerSolve { loads, mut motions, mut residual, mut z } = start;
+        let InnerSolve { mut motions, mut residual, mut z } = start;
         self.project(&mut residual);
         conjugate_gradients(&comm, self, Iterate { x: &mut motions, residual: &mut residual, z: &mut z }, limits);
-        let part = |row: usize| loads.0[row] - residual.0[row] - single[row] * motions.0[row];
+        drop(z);
+        let part = |row: usize| load(row) - residual.0[row] - single[row] * motions.0[row];
         let loads = SixVectors(of_rows(motions.0.len(), part));
         MotionsWithLoads { motions, loads }
     }

@@ -2,7 +2,7 @@
 
 use crate::pairs::matrix::sparse::Padded;
 use crate::pairs::search::{NearPairs, Pairs};
-use crate::preconditioner::{InnerSolve, Preconditioner};
+use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::units::Scaled;
 use crate::unknowns::{MotionsWithLoads, Residual, Unknowns, add_and_dot, resisted};
@@ -121,9 +121,9 @@ pub struct SystemStart<'a> {
 }
 
 /// Unknowns and residual at the end of the iteration.
-pub struct FinalIterate<'a> {
+pub struct FinalIterate {
     pub x: Unknowns,
-    pub residual: &'a Residual,
+    pub residual: Residual,
     /// The preconditioned residual.
     pub correction: Unknowns,
 }
@@ -168,7 +168,7 @@ impl<'a> CoupledSystem<'a> {
     /// Lubrication is exactly that of the returned motions, so that errors of the forces do not make near pairs
     /// collide. Collective.
     pub fn finish(mut self, last: FinalIterate, tolerance: f64, comm: &Comm) -> SystemSolution {
-        let FinalIterate { x, residual, mut correction } = last;
+        let FinalIterate { mut x, residual, mut correction } = last;
         let mut sizes = self.sizes([&x, &correction]);
         comm.sum(&mut sizes);
         let needed = tolerance * (sizes[0] / sizes[1]).sqrt();
@@ -178,14 +178,17 @@ impl<'a> CoupledSystem<'a> {
             let (single, residual) = (&self.spheres.motion, &residual.stiff.0);
             correction.stiff = matrix.continue_solve(correction.stiff, |row| single[row] * residual[row]);
         }
-        let (mut motions, mut loads, mut moments) = (SixVectors::default(), SixVectors::default(), Vec::new());
-        let ([x, z], count) = ([&x, &correction], x.stiff.motions.0.len());
+        drop(residual);
+        let (z, soft) = (&correction, [&x.soft.loads.0[..], &correction.soft.loads.0]);
+        let MotionsWithLoads { motions, loads } = &mut x.stiff;
         let mut loops = FusedLoops::default();
-        loops.of_rows(&mut motions.0, count, |row| -(x.stiff.motions.0[row] + z.stiff.motions.0[row]));
-        let sum = |row: usize, of: fn(&Unknowns) -> &MotionsWithLoads| of(x).loads.0[row] + of(z).loads.0[row];
-        loops.of_rows(&mut loads.0, count, move |row| sum(row, |x| &x.stiff) + sum(row, |x| &x.soft));
-        loops.of_rows(&mut moments, x.moments.len(), |row| x.moments[row] + z.moments[row]);
+        loops.change(&mut motions.0, &z.stiff.motions.0, |motion, &by| *motion = -(*motion + by));
+        loops.change_rows(&mut loads.0, |row, load| {
+            *load = (*load + z.stiff.loads.0[row]) + (soft[0][row] + soft[1][row]);
+        });
+        loops.change(&mut x.moments, &z.moments, |moment, &by| *moment = *moment + by);
         loops.run();
+        let Unknowns { stiff: MotionsWithLoads { mut motions, loads }, moments, .. } = x;
         if let Some(matrix) = &self.matrix {
             matrix.make_rigid(&mut motions);
         }
@@ -237,21 +240,14 @@ impl System for CoupledSystem<'_> {
     fn on_step(&mut self, _: f64) {}
 
     fn precondition(&mut self, residual: &Residual) -> Unknowns {
+        let stiff = self.precondition_stiff(residual);
         let (rates, strain) = (&residual.strain_rates, &self.spheres.strain);
         let (mut soft, mut moments, mut present) = (SixVectors::default(), Vec::new(), Vec::new());
-        let (mut start, single) = (InnerSolve::default(), &self.spheres.motion);
         let mut loops = FusedLoops::default();
         loops.of_rows(&mut moments, rates.len(), |row| rates[row] * strain[row]);
         loops.copied(&mut soft.0, &residual.soft.0);
         loops.mapped(&mut present, &residual.soft.0, Padded::of);
-        if self.matrix.is_some() {
-            start.begin_in(&mut loops, single.len(), |row| single[row] * residual.stiff.0[row]);
-        }
         loops.run();
-        let stiff = match &mut self.matrix {
-            Some(matrix) => matrix.solve(start),
-            None => resisted(self.near, Pairs::Stiff, &residual.stiff),
-        };
         let (loads, _) = self.near.times_present(&[Pairs::Soft], present, |_, _| 0.0);
         Unknowns { stiff, soft: MotionsWithLoads { motions: soft, loads }, moments }
     }
@@ -286,6 +282,8 @@ impl System for CoupledSystem<'_> {
     ) -> InnerProducts {
         let Iterate { x, residual, z } = at;
         let former = step.map_or(0.0, |step| self.take_step(Iterate { x, residual, z }, &step));
+        // Released before the next one is computed.
+        *z = Unknowns::default();
         *z = self.precondition(residual);
         let (mut product, mut error, mut size) = ([0.0; 3], [0.0; 2], [0.0; 2]);
         let mut loops = FusedLoops::default();
@@ -298,6 +296,13 @@ impl System for CoupledSystem<'_> {
 }
 
 impl CoupledSystem<'_> {
+    /// The part of stiff pairs of a preconditioned residual. Collective.
+    fn precondition_stiff(&mut self, residual: &Residual) -> MotionsWithLoads {
+        let Some(matrix) = &mut self.matrix else { return resisted(self.near, Pairs::Stiff, &residual.stiff) };
+        let (single, residual) = (&self.spheres.motion, &residual.stiff.0);
+        matrix.solve(|row| single[row] * residual[row])
+    }
+
     /// Takes a step. Returns this rank's part of the product of the new residual and the former preconditioned one.
     fn take_step(&mut self, at: Iterate<Unknowns, Residual>, step: &Step<Unknowns, Residual>) -> f64 {
         let Iterate { x, residual, z } = at;

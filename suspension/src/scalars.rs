@@ -53,7 +53,7 @@ pub fn save(particles: &mut Particles) {
     for name in AS_COLUMNS {
         let Some(values) = particles.scalars.get(name).map(<[f64]>::to_vec) else { continue };
         let count = particles.len();
-        particles.column(name, values.len()).values = values.repeat(count);
+        particles.column(name, values.len()).values = values.repeat(count).into();
     }
     particles.scalars.retain(|name| !AS_COLUMNS.contains(&name));
 }
@@ -84,7 +84,7 @@ mod tests {
                 let names: Vec<&str> = particles.columns.iter().map(|column| &column.name[..]).collect();
                 assert_eq!(names, ["another", STRESS_CONTROL, NEXT_SUBSTEP]);
                 let of_all = [0.5, -1.0, -2.0, -3.0, 7.0].repeat(particles.len());
-                assert_eq!((&particles.columns[1].values, particles.columns[1].width), (&of_all, 5));
+                assert_eq!((&*particles.columns[1].values, particles.columns[1].width), (&of_all, 5));
                 assert_eq!(particles.scalars.iter().count(), 1);
                 if !comm.is_first() {
                     particles.scalars = Scalars::default();

@@ -160,12 +160,15 @@ impl Suspension {
     /// Applies a change; if it fails, restores the state before it.
     fn or_as_before(&mut self, change: impl FnOnce(&mut Self) -> Result<(), StepError>) -> Result<(), StepError> {
         let copying = stage("copy of the state");
-        let (particles, moving) = (self.particles.copied(), self.dynamics.periodic_cell().clone());
+        self.particles.save(&self.comm);
+        let moving = self.dynamics.periodic_cell().clone();
         drop(copying);
         let adaptation = self.dynamics.stiffness_adaptation();
         let changed = change(self);
-        if changed.is_err() {
-            self.particles = particles;
+        if changed.is_ok() {
+            self.particles.forget();
+        } else {
+            self.particles.restore(&self.comm);
             self.dynamics.go_back(moving);
             self.dynamics.set_adaptation(adaptation);
         }

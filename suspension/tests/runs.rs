@@ -60,7 +60,7 @@ fn agree(alone: &Particles, together: &Particles, what: &str) {
     assert_eq!((&together.ids, &together.steps), (&alone.ids, &alone.steps));
     for (column, other) in alone.columns.iter().zip(&together.columns) {
         let largest = column.values.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let difference = column.values.iter().zip(&other.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let difference = column.values.iter().zip(other.values.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // Tolerance: sums in another order, and stresslets within the tolerance of the iteration.
         assert!(difference <= 1e-8 * largest, "{} on {what}: {difference:e}", column.name);
     }

@@ -2,7 +2,7 @@
 
 use crate::grid::kernel::{Kernel, Slab, SphereStencil};
 use crate::grid::stencil::Stencil;
-use domain::parallel::{MeasuredLoop, ScatteredWrites, of_rows};
+use domain::parallel::{FusedLoops, MeasuredLoop, ScatteredWrites};
 use domain::{Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, VectorKernel};
@@ -16,27 +16,32 @@ pub(crate) struct Interpolation<'a> {
     pub volume: f64,
 }
 
+/// Velocities and velocity gradients of particles.
+pub(crate) type Motions = Vec<(Vector, Tensor)>;
+
 /// Particles in a batch of one thread.
 const BATCH: usize = 64;
 
 impl Interpolation<'_> {
     /// Velocity and velocity gradient `D_ij = d_j u_i` of each particle present: the contributions of this rank's
-    /// rows. Of a potential, `-grad` of it and the gradient of that.
+    /// rows, in the memory of a list. Of a potential, `-grad` of it and the gradient of that.
     pub fn run<T: Real, const C: usize, K: Kernel<T, C>>(
         &self,
         kernel: &K,
         field: &Field<T, Physical, C>,
-    ) -> Vec<(Vector, Tensor)> {
+        motions: &mut Motions,
+    ) {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];
         let slab = &Slab { components: field.components(), lines, planes, strides };
-        let mut motions = of_rows(self.stencils.len(), |_| (Vector::ZERO, Tensor::ZERO));
+        let mut loops = FusedLoops::default();
+        loops.of_rows(motions, self.stencils.len(), |_| (Vector::ZERO, Tensor::ZERO));
+        loops.run();
         let bytes = C * size_of_val(slab.components[0]) + size_of_val(&motions[..]);
-        let by_row = &ScatteredWrites::into(&mut motions);
+        let by_row = &ScatteredWrites::into(motions);
         self.stencils.par_chunks(BATCH).moving(bytes).for_each(|stencils| {
             T::dispatch(Weigh { to: self, kernel, stencils, slab, by_row });
         });
-        motions
     }
 }
 

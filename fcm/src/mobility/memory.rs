@@ -4,7 +4,7 @@ use crate::envelope::Envelope;
 use crate::grid::kernel::Load;
 use crate::grid::stencil::Stencil;
 use crate::pairs::moment_correction::MomentCorrection;
-use crate::pairs::pair_correction::{self, PairCorrection};
+use crate::pairs::pair_correction::{PairCorrection, RECORD};
 use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::device::{CardMemory, ComputeDevice, NearPairCounts};
 use crate::plan::method::{GridlessBytes, RankParticles};
@@ -112,7 +112,7 @@ impl<'a> Footprint<'a> {
     }
 
     /// An evaluation, from loads to motions: loads of the particles present, also in the grid's precision; motions as
-    /// they are found, sorted, and returned to their owners.
+    /// they are found and returned to their owners. Some of the memory is kept for the next evaluation, which this is.
     pub fn evaluation(&self) -> Bytes {
         type Found = (Vector, Tensor);
         if let Some(bytes) = self.gridless() {
@@ -121,16 +121,15 @@ impl<'a> Footprint<'a> {
         let (owned, present) = (self.expected.owned(), self.present());
         let dipoles = self.plan.multipoles == Multipoles::Dipole;
         let loads = Bytes::list::<Vector>(present).then(Bytes::list::<Tensor>(if dipoles { present } else { 0.0 }));
-        let in_precision = match self.plan.precision {
-            Precision::Single => Bytes::list::<(Load<f32>, [f32; pair_correction::RECORD])>(present),
-            Precision::Double => Bytes::list::<(Load<f64>, [f64; pair_correction::RECORD])>(present),
+        let near = if self.plan.cutoff() > 0.0 { present } else { 0.0 };
+        let (spread, records) = match self.plan.precision {
+            Precision::Single => (Bytes::list::<Load<f32>>(present), Bytes::list::<[f32; RECORD]>(near)),
+            Precision::Double => (Bytes::list::<Load<f64>>(present), Bytes::list::<[f64; RECORD]>(near)),
         };
-        let travels = Bytes::list::<Tensor>(2.0 * (present - owned));
-        let found = Bytes::list::<Found>(present);
-        let brought_home = found.then(Bytes::list::<Tensor>(present)).freed();
-        let near = if self.plan.cutoff() > 0.0 { found.then(in_precision) } else { found };
-        let all = in_precision.freed().or(brought_home.then(travels.freed()).freed()).or(near.freed());
-        loads.then(all).freed().or(found.then(self.motion()).freed()).then(self.motion())
+        let kept = Bytes::list::<Found>(present).then(records);
+        let returned = Bytes::list::<Tensor>(if present > owned { 2.0 * present - owned } else { 0.0 });
+        let passes = loads.then(spread.freed().or(returned.freed())).freed().or(self.motion().freed());
+        kept.then(passes).freed().then(self.motion())
     }
 
     fn motion(&self) -> Bytes {

@@ -15,11 +15,12 @@ use crate::envelope::{Common, Envelope};
 use crate::grid::totals::Totals;
 use crate::pairs::radial_functions::{Envelopes, MOST_TABULATED, RadialFunctions};
 use crate::pairs::table::{PairFunctions, PairTable};
-use domain::parallel::MeasuredLoop;
+use domain::parallel::{FusedLoops, MeasuredLoop};
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector as Lanes, StridedRows, VectorKernel};
 use solver::{AlignedMemory, Real};
+use std::sync::{Mutex, PoisonError};
 
 /// Number of values that describe a pair, or a load: a multiple of the lanes of any vector.
 pub(crate) const RECORD: usize = 16;
@@ -58,6 +59,8 @@ pub(crate) struct PairCorrection<T> {
     cutoff: f64,
     inverse_viscosity: f64,
     functions: RadialFunctions<T>,
+    /// Memory of the loads, from one evaluation to the next.
+    loads: Mutex<Vec<[T; RECORD]>>,
 }
 
 impl<T: Real> PairCorrection<T> {
@@ -65,7 +68,7 @@ impl<T: Real> PairCorrection<T> {
     /// left out; tables are exact to `tolerance`.
     pub fn new(envelopes: Envelopes, cutoff: f64, viscosity: f64, tolerance: f64) -> Self {
         let functions = RadialFunctions::new(envelopes, cutoff, tolerance);
-        Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions }
+        Self { cutoff, inverse_viscosity: 1.0 / viscosity, functions, loads: Mutex::default() }
     }
 
     /// Bytes of the tables of [`Self::new`].
@@ -101,14 +104,17 @@ impl<T: Real> DynPairCorrection for PairCorrection<T> {
         gradients: bool,
         motions: &mut [(Vector, Tensor)],
     ) {
-        let loads: Vec<[T; RECORD]> =
-            (0..present.positions.len()).into_par_iter().map(|row| load(present, row)).measured().collect();
+        let mut loads = self.loads.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut loops = FusedLoops::default();
+        loops.of_rows(&mut *loads, present.positions.len(), |row| load(present, row));
+        loops.run();
         let bytes = 2 * size_of_val(motions) + size_of_val(&loads[..]) + 4 * neighbours.count();
+        let loads = &loads[..];
         motions.par_chunks_mut(BATCH).enumerate().moving(bytes).for_each(|(batch, motions)| {
             T::dispatch(TargetBatch {
                 near: self,
                 present,
-                loads: &loads,
+                loads,
                 neighbours,
                 gradients,
                 first: batch * BATCH,

@@ -48,7 +48,7 @@ pub fn solve(
     fluid: &Motion,
 ) -> Result<Solution, SolveError> {
     let acting = SolveInput { ambient: fluid, ..SolveInput::new(loads, StrainRate::default()) };
-    let solved = hydrodynamics.solve(cell, particles, &acting, &Guess::induced_by(fluid))?;
+    let solved = hydrodynamics.solve(cell, particles, &acting, Guess::induced_by(fluid))?;
     store_solution(hydrodynamics, cell, particles, loads, &solved)?;
     Ok(solved)
 }

@@ -199,7 +199,7 @@ fn by_differences(
             forces[sphere][axis] = 0.5 / length;
             let loads = Loads { forces, ..Loads::default() };
             let acting = SolveInput::new(&loads, StrainRate::default());
-            let solved = hydrodynamics.solve(cell, &moved, &acting, &Guess::default()).unwrap();
+            let solved = hydrodynamics.solve(cell, &moved, &acting, Guess::default()).unwrap();
             let numbers = [solved.motion.velocities, solved.motion.angular_velocities].concat();
             let numbers = numbers.into_iter().flat_map(|v| v.to_array());
             sums.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);

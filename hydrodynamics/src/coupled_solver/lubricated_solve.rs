@@ -35,7 +35,7 @@ pub(super) struct LubricatedSolve<'a> {
 pub(super) struct SolveCase<'a> {
     pub(super) loads: &'a Loads,
     pub(super) ambient: &'a Motion,
-    pub(super) guess: &'a Guess,
+    pub(super) guess: Guess,
 }
 
 /// Single-sphere resistances, known loads, ambient motions and a guess, in scaled units.
@@ -63,7 +63,7 @@ pub(super) struct Found {
 
 impl LubricatedSolve<'_> {
     /// Solves for the motions of the particles. Collective; an error is an error on all ranks.
-    pub(super) fn run(&self, mut mobility: Scaled, given: &SolveCase) -> Result<Solution, SolveError> {
+    pub(super) fn run(&self, mut mobility: Scaled, given: SolveCase) -> Result<Solution, SolveError> {
         let (units, plan) = (mobility.units, mobility.mobility.plan().clone());
         let limits =
             Limits { tolerance: plan.iteration_tolerance, iterations: MOST_ITERATIONS, interrupt: self.interrupt };
@@ -102,15 +102,16 @@ impl LubricatedSolve<'_> {
         let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut correction };
         let outcome = conjugate_gradients(self.comm, &mut system, iterate, limits);
         ended(&outcome, limits)?;
-        let last = FinalIterate { x, residual: &residual, correction };
+        let last = FinalIterate { x, residual, correction };
         let solved = system.finish(last, END * limits.tolerance, self.comm);
         let by_motions = self.near.moments_by(&solved.motions);
         Ok(Found { solved, by_motions, outcome })
     }
 
-    /// The input in scaled units. The loads that move spheres as in the guess are for the preconditioner alone.
-    fn scaled(&self, given: &SolveCase, plan: &Plan, units: &Units) -> ScaledInput {
-        let &SolveCase { loads, ambient, guess } = given;
+    /// The input in scaled units, which uses up the guess. The loads that move spheres as in the guess are for the
+    /// preconditioner alone.
+    fn scaled(&self, given: SolveCase, plan: &Plan, units: &Units) -> ScaledInput {
+        let SolveCase { loads, ambient, guess } = given;
         let (radii, viscosity) = (&self.particles.radii[..], plan.viscosity / units.viscosity);
         let [torque, velocity, rate] = [units.torque(), units.velocity(), units.rate()].map(|unit| 1.0 / unit);
         let in_flow = &self.near.ambient_loads().0[..];

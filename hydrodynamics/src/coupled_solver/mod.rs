@@ -135,13 +135,13 @@ impl CoupledSolver {
     }
 
     /// Motions of the particles relative to the background flow. Without near pairs this is the far field alone.
-    /// Collective; an error is an error on all ranks.
+    /// The memory of the guess is used for the solve. Collective; an error is an error on all ranks.
     pub fn solve(
         &mut self,
         cell: &PeriodicBox,
         particles: &Particles,
         acting: &SolveInput,
-        guess: &Guess,
+        guess: Guess,
     ) -> Result<Solution, SolveError> {
         let _stage = stage("coupled solve");
         let SolveInput { loads, strain_rate, bodies, ambient, constant_flux, .. } = *acting;
@@ -175,7 +175,7 @@ impl CoupledSolver {
                     particles: &own,
                     strain_rate,
                 };
-                let mut solved = solve.run(Scaled { mobility, units }, &SolveCase { loads, ambient, guess })?;
+                let mut solved = solve.run(Scaled { mobility, units }, SolveCase { loads, ambient, guess })?;
                 if let Some(flux) = &flux {
                     flux.complete(&mut solved, self.partition.comm());
                 }

@@ -91,7 +91,7 @@ impl CoupledSolver {
             let mut correction = Unknowns::default();
             let iterate = Iterate { x: &mut change, residual: &mut residual, z: &mut correction };
             ended(&conjugate_gradients(&comm, &mut system, iterate, limits), limits)?;
-            let solved = system.finish(FinalIterate { x: change, residual: &residual, correction }, tolerance, &comm);
+            let solved = system.finish(FinalIterate { x: change, residual, correction }, tolerance, &comm);
             let (velocities, angular_velocities) = (solved.motions.linear(), solved.motions.angular());
             let changed = Motion { velocities, angular_velocities, strain_rates: Vec::new() };
             let mut motion = units::motion_back(&changed, &units);

@@ -83,7 +83,7 @@ fn solve(
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut fluid = CoupledSolver::new(plan, &partition, lubricated_at(range)).unwrap();
     let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
-    fluid.solve(&plan.cell(), particles, &acting(&loads, strain), &Guess::default()).unwrap()
+    fluid.solve(&plan.cell(), particles, &acting(&loads, strain), Guess::default()).unwrap()
 }
 
 /// Two spheres with the line of centres along z, in a box large enough that images change the results, for zero total
@@ -303,12 +303,15 @@ fn on_ranks(ranks: usize) -> Vec<f64> {
             second: particles.ids.iter().map(second).collect(),
         };
         let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, strain) };
-        let solved = fluid.solve(&cell, &particles, &acting, &Guess::default()).unwrap();
+        let solved = fluid.solve(&cell, &particles, &acting, Guess::default()).unwrap();
         particles.vectors("velocity").copy_from_slice(&solved.motion.velocities);
         particles.column("stresslet", 5).values.copy_from_slice(bytemuck::cast_slice(&solved.stresslets));
         let mut all = particles.gathered(&partition);
-        [all.vectors("velocity").iter().flat_map(Vector::to_array).collect(), all.column("stresslet", 5).values.clone()]
-            .concat()
+        [
+            all.vectors("velocity").iter().flat_map(Vector::to_array).collect(),
+            all.column("stresslet", 5).values.to_vec(),
+        ]
+        .concat()
     });
     all.into_iter().next().unwrap()
 }
@@ -330,14 +333,14 @@ fn a_solution_is_its_own_best_guess() {
     let mut fluid = CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
     let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
     let strain = Traceless([0.0, 0.5, 0.0, 0.0, 0.0]);
-    let first = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &Guess::default()).unwrap();
+    let first = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), Guess::default()).unwrap();
     let guess = Guess {
         stresslets_far: first.far.stresslets.clone(),
         induced_velocities: first.induced.velocities.clone(),
         induced_angular_velocities: first.induced.angular_velocities.clone(),
         ..Guess::default()
     };
-    let again = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), &guess).unwrap();
+    let again = fluid.solve(&plan.cell(), &particles, &acting(&loads, strain), guess).unwrap();
     assert!(again.iterations <= 1 && first.iterations > 5, "{} after {}", again.iterations, first.iterations);
 }
 

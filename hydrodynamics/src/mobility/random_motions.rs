@@ -42,7 +42,7 @@ impl Mobility {
                 let guess = Guess::induced_by(&ambient);
                 let still = SolveInput::new(&loads, StrainRate::default());
                 let acting = SolveInput { bodies: bodies.as_ref(), ambient: &ambient, ..still };
-                motion = self.hydrodynamics.solve(&cell, &particles, &acting, &guess)?.motion;
+                motion = self.hydrodynamics.solve(&cell, &particles, &acting, guess)?.motion;
                 motion.strain_rates.clear();
             }
             record_motion(&mut particles, &motion);

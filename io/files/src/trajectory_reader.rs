@@ -163,7 +163,7 @@ impl TrajectoryReader {
         for (name, width) in COLUMNS {
             if self.group.link_exists(name) {
                 let values = self.value(name, frame)?;
-                particles.columns.push(Column { name: name.to_owned(), width, values });
+                particles.columns.push(Column { name: name.to_owned(), width, values: values.into() });
             }
         }
         particles.check().map_err(|e| e.to_string())?;

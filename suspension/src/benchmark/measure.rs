@@ -228,7 +228,7 @@ fn gathered(mut particles: Particles, motion: &Motion, partition: &Partition) ->
         particles.column(name, width).values[..values.len()].copy_from_slice(values);
     }
     let mut all = particles.gathered(partition);
-    kinds.map(|(name, width, _)| std::mem::take(&mut all.column(name, width).values))
+    kinds.map(|(name, width, _)| std::mem::take(&mut *all.column(name, width).values))
 }
 
 fn relative(found: &[f64], exact: &[f64]) -> f64 {

@@ -102,7 +102,7 @@ impl Dynamics {
             self.hydrodynamics.add_divergence(self.moving.cell(), particles, energy, &mut ambient);
         }
         add_ambient(&mut ambient, &acting.ambient);
-        let solved = self.solved(particles, &acting, &ambient, &Guess::induced_by(&ambient), moment)?;
+        let solved = self.solved(particles, &acting, &ambient, Guess::induced_by(&ambient), moment)?;
         Ok((acting.loads, solved))
     }
 

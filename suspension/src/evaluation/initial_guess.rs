@@ -5,7 +5,7 @@ use crate::columns::STRESSLET_FAR;
 use crate::evaluation::extrapolation;
 use crate::scalars::BLEND;
 use domain::parallel::{FusedLoops, MeasuredLoop, copied, stage};
-use domain::{Comm, Particles, Traceless, Vector};
+use domain::{ColumnValues, Comm, Particles, Traceless, Vector};
 use fcm::{Loads, Motion};
 use hydrodynamics::{Guess, Solution};
 use rayon::prelude::*;
@@ -50,9 +50,13 @@ impl WarmStart {
 
     /// Numbers per particle in all columns of the history, without those of the results.
     pub fn numbers(&self) -> usize {
-        let past: usize = self.columns().iter().map(|(_, width)| PAST * width).sum();
         let present = if self.coupled { 5 + 3 * (2 + INDUCED.len() + MOTION.len()) } else { 0 };
-        past + present + self.columns().len()
+        self.past_numbers() + present + self.columns().len()
+    }
+
+    /// Numbers per particle of past solutions.
+    pub fn past_numbers(&self) -> usize {
+        self.columns().iter().map(|(_, width)| PAST * width).sum()
     }
 
     /// All columns of the history, with their widths.
@@ -79,19 +83,9 @@ impl WarmStart {
         }
     }
 
-    /// Copies of the present values of all columns of the history.
-    fn present_values(&self, particles: &mut Particles) -> Vec<Vec<f64>> {
-        let columns = self.columns();
-        for &(name, width) in &columns {
-            particles.column(name, width);
-        }
-        let mut copies = vec![Vec::new(); columns.len()];
-        let mut loops = FusedLoops::default();
-        for (copy, (name, _)) in copies.iter_mut().zip(columns) {
-            loops.copied(copy, values(particles, name));
-        }
-        loops.run();
-        copies
+    /// The present values of all columns of the history, whose memory they share.
+    fn present_values(&self, particles: &mut Particles) -> Vec<ColumnValues> {
+        self.columns().into_iter().map(|(name, width)| particles.column(name, width).values.clone()).collect()
     }
 
     /// Removes all solutions except the last one.

@@ -74,9 +74,9 @@ pub struct Dynamics {
 
 /// Results of previous solves: the initial guess of the next one, and the motions of the last one, empty unless forces
 /// follow them.
-struct PreviousSolutions {
+struct PreviousSolutions<'a> {
     guess: Guess,
-    motion: Motion,
+    motion: &'a Motion,
 }
 
 impl Dynamics {
@@ -220,9 +220,9 @@ impl Dynamics {
             Guess::default()
         };
         let motion = if self.forces.follow_motion() { WarmStart::motion(particles) } else { Motion::default() };
-        let previous = PreviousSolutions { guess, motion };
+        let previous = PreviousSolutions { guess, motion: &motion };
         let outcome = match self.moving.search() {
-            None => self.solve_at(particles, &previous, moment)?,
+            None => self.solve_at(particles, previous, moment)?,
             Some(search) => self.drive(particles, search, previous, moment)?,
         };
         if self.rigid {
@@ -236,7 +236,7 @@ impl Dynamics {
     fn solve_at(
         &mut self,
         particles: &mut Particles,
-        PreviousSolutions { guess, motion }: &PreviousSolutions,
+        PreviousSolutions { guess, motion }: PreviousSolutions,
         moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         let expected =
@@ -300,7 +300,7 @@ impl Dynamics {
         particles: &mut Particles,
         Acting { loads, resistances, .. }: &Acting,
         ambient: &Motion,
-        guess: &Guess,
+        guess: Guess,
         moment: &StageTime,
     ) -> Result<Solution, StepError> {
         let resistance = |distance: f64, between: PairKind| resistances.of_pair(distance, between);
@@ -383,6 +383,6 @@ impl Dynamics {
         let (moving, positions, radii) = (&self.moving, &particles.positions, &particles.radii);
         let carried = |row: usize| velocities[row] + moving.carried_velocity_of(positions[row], radii[row]);
         let carried = of_rows(velocities.len(), |row| carried(row).to_array());
-        particles.column(column, 3).values = carried.into_flattened();
+        particles.column(column, 3).values = carried.into_flattened().into();
     }
 }

@@ -13,12 +13,12 @@ impl Dynamics {
         &mut self,
         particles: &mut Particles,
         mut search: Search,
-        mut previous: PreviousSolutions,
+        PreviousSolutions { mut guess, motion }: PreviousSolutions,
         moment: &StageTime,
     ) -> Result<Outcome, StepError> {
         loop {
             self.moving.set_rate(search.rate());
-            let outcome = self.solve_at(particles, &previous, moment)?;
+            let outcome = self.solve_at(particles, PreviousSolutions { guess, motion }, moment)?;
             let stress = self.stress_at(particles, moment);
             if !search.goes_on(stress) {
                 if let Some(driven) = self.moving.driven() {
@@ -26,7 +26,7 @@ impl Dynamics {
                 }
                 return Ok(outcome);
             }
-            previous.guess = self.warm_start.found(particles);
+            guess = self.warm_start.found(particles);
         }
     }
 

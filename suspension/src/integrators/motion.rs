@@ -1,7 +1,7 @@
 //! The motion of particles in a step: the one place where integrators change positions and orientations.
 
 use crate::{bodies, rotation};
-use domain::parallel::{change, of_rows, overwrite};
+use domain::parallel::{change, of_rows};
 use domain::{Particles, Vector};
 
 /// Moves the particles by the sum of `weights[k]` times the velocities in column `k`, and rotates their orientations,
@@ -56,15 +56,15 @@ fn accompanying<const N: usize>(particles: &Particles, columns: [&str; N]) -> [O
 pub fn exchange(particles: &mut Particles, one: &str, other: &str) {
     let others = accompanying(particles, [one, other]);
     for [one, other] in std::iter::once([one, other]).chain(others.into_iter().flatten()) {
-        let [one, other] = particles.columns_of([one, other], [3; 2]);
-        std::mem::swap(one, other);
+        let first = std::mem::take(&mut particles.column(one, 3).values);
+        let second = std::mem::replace(&mut particles.column(other, 3).values, first);
+        particles.column(one, 3).values = second;
     }
 }
 
 fn copy_column(particles: &mut Particles, from: &str, to: &str) {
-    let values = std::mem::take(&mut particles.column(from, 3).values);
-    overwrite(&mut particles.column(to, 3).values, &values);
-    particles.column(from, 3).values = values;
+    let values = particles.column(from, 3).values.clone();
+    particles.column(to, 3).values = values;
 }
 
 /// Stores the weighted sum of columns of velocities in another, which may be one of them, and those of the columns that
@@ -82,7 +82,7 @@ fn store_sum(particles: &mut Particles, columns: [&str; 2], weights: [f64; 2], t
     }
     let [first, second] = columns.map(|name| particles.rows::<3>(name).expect("a column of vectors"));
     let sum = |row: usize| [0, 1, 2].map(|axis| first[row][axis] * weights[0] + second[row][axis] * weights[1]);
-    particles.column(to, 3).values = of_rows(particles.len(), sum).into_flattened();
+    particles.column(to, 3).values = of_rows(particles.len(), sum).into_flattened().into();
 }
 
 #[cfg(test)]
@@ -163,7 +163,7 @@ mod tests {
         for id in 0..3 {
             particles.push(id, Vector::ZERO, 1.0, 0);
         }
-        particles.column(BODY, 1).values = vec![0.0, 0.0, -1.0];
+        particles.column(BODY, 1).values = vec![0.0, 0.0, -1.0].into();
         particles.vectors(ARM).copy_from_slice(&[Vector::Z, -Vector::Z, Vector::ZERO]);
         let start = Quaternion::exp(Vector::new(0.3, -0.2, 1.0));
         orientations(&mut particles).copy_from_slice(&[start, start, Quaternion::NONE]);

@@ -82,7 +82,7 @@ mod tests {
                 own.push(id as u64, Vector::ZERO, 1.0, 1);
                 values.extend(Quaternion::between(Vector::Z, *axis).to_array());
             }
-            own.column(ORIENTATION, ORIENTATION_NUMBERS).values = values;
+            own.column(ORIENTATION, ORIENTATION_NUMBERS).values = values.into();
             own.push(axes.len() as u64, Vector::ZERO, 1.0, 2);
             orders(&own, 3, &comm)
         });

@@ -34,7 +34,7 @@ pub fn particles(model: &Model) -> Result<Particles, PlacingError> {
         }
     }
     if !model.bodies.is_empty() {
-        particles.column(BODY, 1).values = owners;
+        particles.column(BODY, 1).values = owners.into();
         particles.vectors(ARM).copy_from_slice(&arms);
     }
     if model.has_orientations() {

@@ -1,6 +1,7 @@
 //! Prediction of the peak memory of each rank of a run, from the model and the plan.
 
 mod dipoles;
+mod output;
 #[cfg(test)]
 mod tests;
 
@@ -20,16 +21,14 @@ use crate::model::{BrownianScheme, Integrator, Model, MultipoleOrder, Species, S
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use crate::sampling;
 use crate::scalars::STRESS_CONTROL_NUMBERS;
-use crate::start::plan::{dipole_plans, largest_strain};
+use crate::start::plan::dipole_plans;
 use domain::{
-    Boundaries, Bytes, ExpectedCounts, IdBlocks, MemoryNeed, Particles, Place, Process, Traceless, Vector,
-    packing_bytes, readable_bytes,
+    Bytes, ExpectedCounts, MemoryNeed, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes,
 };
 use fcm::{CardMemory, Footprint, Plan, PlanError};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use lubrication::LubricationRange;
-use simulation::Frame;
 
 /// Numbers in each column of a frame of the trajectory.
 const FRAME: [(&str, usize); 3] = [(VELOCITY, 3), (ANGULAR_VELOCITY, 3), (STRESSLET, 5)];
@@ -216,11 +215,11 @@ impl Share<'_> {
         let velocities =
             velocities + if self.model.shear_rates().stress().is_some() { STRESS_CONTROL_NUMBERS } else { 0 };
         let velocities = velocities + self.random_numbers() + self.forces().map_or(0, |f| f.numbers(self.expected));
-        if self.is_rigid() {
-            velocities + FRAME[1].1 + FRAME[2].1 + WarmStart::new(self.model.is_coupled()).numbers()
-        } else {
-            velocities
-        }
+        if self.is_rigid() { velocities + FRAME[1].1 + FRAME[2].1 + self.warm_start().numbers() } else { velocities }
+    }
+
+    fn warm_start(&self) -> WarmStart {
+        WarmStart::new(self.model.is_coupled())
     }
 
     /// Numbers of a particle for orientations, given those for velocities, each of which but the present one has an
@@ -262,11 +261,15 @@ impl Share<'_> {
         2.2 * self.expected.largest_radius()
     }
 
-    /// Memory of a step. It includes a copy of the particles before the step, to restore after an interrupt, and before
-    /// a substep that may be repeated.
+    /// Memory of a step. It includes the state before the step, to restore after an interrupt: positions, and all
+    /// columns but for past solutions, which are only renamed; and a copy before a substep that may be repeated.
     fn step(&self) -> Bytes {
-        let copies = if self.is_implicit() { 2.0 } else { 1.0 };
-        Particles::bytes(copies * self.expected.owned(), self.numbers()).then(self.evaluation()).freed()
+        let owned = self.expected.owned();
+        let past = if self.is_rigid() { self.warm_start().past_numbers() } else { 0 };
+        let saved = Particles::bytes(owned, self.numbers() - past);
+        let copy = saved.then(Particles::bytes(owned, self.numbers()));
+        let copies = if self.is_implicit() { saved.then(copy) } else { saved };
+        copies.then(self.evaluation()).freed()
     }
 
     /// Numbers of a particle's random motions.
@@ -289,7 +292,8 @@ impl Share<'_> {
     fn evaluation(&self) -> Bytes {
         let owned = self.expected.owned();
         let forces = self.forces().map_or_else(Bytes::default, |forces| forces.bytes(self.expected));
-        let guess = Bytes::list::<(Traceless, [Vector; 2])>(2.0 * owned);
+        // A coupled solve uses the memory of its guess.
+        let guess = Bytes::list::<Traceless>(if self.model.is_coupled() { 0.0 } else { owned });
         // Slip modes and what the solve makes of them.
         let slip = Bytes::list::<[f64; 16]>(if self.model.has_slip() { owned } else { 0.0 });
         let loads = forces.then(Bytes::list::<[Vector; 2]>(owned)).then(slip);
@@ -324,77 +328,5 @@ impl Share<'_> {
 
     fn is_first(&self) -> bool {
         self.rank_of.0 == 0
-    }
-
-    fn frame(&self) -> Bytes {
-        let widths = FRAME.iter().take(if self.is_rigid() { 3 } else { 1 }).map(|(_, width)| width);
-        let numbers = widths.sum::<usize>() + if self.model.has_orientations() { ORIENTATION_NUMBERS } else { 0 };
-        let numbers = numbers + usize::from(!self.model.bodies.is_empty());
-        let buffers = if self.is_first() { Frame::bytes(self.expected.total(), numbers) } else { Bytes::default() };
-        self.by_id(numbers).then(buffers).freed()
-    }
-
-    /// A copy of the rank's particles, sent to the first rank block by block.
-    fn by_id(&self, numbers: usize) -> Bytes {
-        Particles::bytes(self.expected.owned(), numbers)
-            .then(Particles::by_id_bytes(self.expected.owned(), self.expected.total()))
-    }
-
-    /// The rank's share of the statistics, and the number of samples.
-    fn statistics(&self) -> Option<(sampling::RankCounts, u64)> {
-        let wanted = self.model.statistics?;
-        let distance = sampling::distance(self.model, wanted, self.expected.largest_radius());
-        let of_rank = sampling::RankCounts {
-            owned: self.expected.owned(),
-            present: self.expected.present(distance),
-            redistributed: IdBlocks::expected(self.expected.total(), self.rank_of.0, self.rank_of.1),
-            is_first: self.is_first(),
-            is_in_order: false,
-        };
-        Some((of_rank, wanted.samples.count_until(self.model.steps)))
-    }
-
-    /// Memory of accumulated statistics.
-    fn estimators(&self) -> Bytes {
-        let kept = |(share, samples): (sampling::RankCounts, u64)| share.bytes(self.model, samples, self.threads);
-        self.statistics().map_or_else(Bytes::default, kept)
-    }
-
-    /// Columns of the time series and of the statistics.
-    fn segregation(&self) -> Bytes {
-        let columns = sampling::column_bytes(self.model);
-        let series = if sampling::has_columns(self.model) { columns } else { Bytes::default() };
-        let sampled = if self.model.statistics.is_some() { columns } else { Bytes::default() };
-        series.then(sampled)
-    }
-
-    fn sample(&self) -> Bytes {
-        self.statistics().map_or_else(Bytes::default, |(share, _)| share.sample_bytes(self.model).freed())
-    }
-
-    fn checkpoint(&self) -> Bytes {
-        let state = self.statistics().map_or(0.0, |(share, samples)| share.state_bytes(self.model, samples));
-        Bytes::keep(2.0 * state).then(self.by_id(self.numbers())).freed()
-    }
-
-    /// A velocity field on its own grid, gathered on the first rank.
-    fn field(&self) -> Bytes {
-        if !self.model.fields {
-            return Bytes::default();
-        }
-        let Some(plan) = self.far.plan_of_flow(largest_strain(self.model)) else { return Bytes::default() };
-        let place = self.far.place_of(&plan);
-        let far = Footprint::new(&plan, &place, self.threads, self.expected);
-        let moved = Particles::bytes(self.expected.owned(), 11);
-        let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
-        let flow = if plan.boundaries == Boundaries::Periodic {
-            // In a sheared box the coordinates of the points are written as well.
-            far.evaluation().or(far.velocity_field().then(Bytes::list::<Vector>(2.0 * all)))
-        } else {
-            // With rotated axes there are two copies.
-            let turned = if self.model.turn.is_none() { 0.0 } else { all };
-            far.flow().then(Bytes::list::<Vector>(all)).then(Bytes::list::<Vector>(turned))
-        };
-        moved.then(Bytes::keep(far.remote_resident_bytes())).then(far.mobility()).then(flow).freed()
     }
 }

@@ -27,7 +27,7 @@ impl Bodies {
     fn solve(&self, loads: &Loads, strain: Traceless) -> Solution {
         let rigid = self.rigid();
         let acting = SolveInput { bodies: Some(&rigid), ..acting(loads, strain) };
-        self.solver().solve(&self.plan.cell(), &self.particles, &acting, &Guess::default()).unwrap()
+        self.solver().solve(&self.plan.cell(), &self.particles, &acting, Guess::default()).unwrap()
     }
 
     /// Motion of the only body under a force and a torque at its centre.
@@ -230,7 +230,7 @@ fn doublets_on_ranks(ranks: usize) -> (Vec<f64>, usize) {
             CoupledSolver::new(&plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
         let loads = Loads { forces: vec![Vector::Z; particles.len()], ..Loads::default() };
         let acting = SolveInput { bodies: Some(&rigid), ..acting(&loads, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
-        let solved = fluid.solve(&cell, &particles, &acting, &Guess::default()).unwrap();
+        let solved = fluid.solve(&cell, &particles, &acting, Guess::default()).unwrap();
         particles.vectors("velocity").copy_from_slice(&solved.motion.velocities);
         let velocities: Vec<f64> =
             particles.gathered(&partition).vectors("velocity").iter().flat_map(Vector::to_array).collect();
@@ -261,7 +261,7 @@ fn bodies_of_single_spheres_are_free() {
     let together = bodies.solve(&loads, strain);
     let free = bodies.solver();
     let free =
-        { free }.solve(&bodies.plan.cell(), &bodies.particles, &acting(&loads, strain), &Guess::default()).unwrap();
+        { free }.solve(&bodies.plan.cell(), &bodies.particles, &acting(&loads, strain), Guess::default()).unwrap();
     assert_eq!(together.iterations, free.iterations);
     for (a, b) in together.motion.velocities.iter().zip(&free.motion.velocities) {
         assert!((*a - *b).length() < 1e-8, "{a} {b}");
@@ -278,7 +278,7 @@ fn bodies_need_no_near_pairs() {
     let acting = SolveInput { bodies: Some(&rigid), ..acting(&loads, Traceless::ZERO) };
     let speed = |range| {
         let mut solver = CoupledSolver::new(&body.plan, &partition, lubricated_at(range)).unwrap();
-        let solved = solver.solve(&body.plan.cell(), &body.particles, &acting, &Guess::default()).unwrap();
+        let solved = solver.solve(&body.plan.cell(), &body.particles, &acting, Guess::default()).unwrap();
         rigid.body_motions(&solved.motion).velocities[0].z
     };
     let [alone, lubricated] = [None, Some(LubricationRange::default())].map(speed);
@@ -297,7 +297,7 @@ fn a_given_motion_takes_the_loads_that_cause_it() {
     let rigid = body.rigid().with_given_motions(vec![Some(given)]);
     let loads = Loads::default();
     let acting = SolveInput { bodies: Some(&rigid), ..acting(&loads, Traceless::ZERO) };
-    let solved = body.solver().solve(&body.plan.cell(), &body.particles, &acting, &Guess::default()).unwrap();
+    let solved = body.solver().solve(&body.plan.cell(), &body.particles, &acting, Guess::default()).unwrap();
     let found = rigid.body_motions(&solved.motion);
     assert!((found.velocities[0] - wanted[0]).length() < 1e-12, "{found:?}");
     assert!((found.angular_velocities[0].z - wanted[1].z).abs() < 1e-12, "{found:?}");
@@ -316,7 +316,7 @@ fn bodies_are_rigid_in_a_curved_flow() {
     let acting =
         SolveInput { strain_rate: flow.strain_rate(), bodies: Some(&rigid), ..acting(&loads, Traceless::ZERO) };
     let cell = bodies.plan.cell();
-    let motion = bodies.solver().solve(&cell, &bodies.particles, &acting, &Guess::default()).unwrap().motion;
+    let motion = bodies.solver().solve(&cell, &bodies.particles, &acting, Guess::default()).unwrap().motion;
     let moving = |k: usize| {
         let (z, radius) = (bodies.particles.positions[k].z, bodies.particles.radii[k]);
         let velocity = motion.velocities[k] + flow.velocity_of(z, radius);

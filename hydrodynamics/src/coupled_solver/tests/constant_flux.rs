@@ -54,7 +54,7 @@ fn the_mobility_is_symmetric_positive_and_less_by_one_flow() {
                 loads[k % 6 / 3][k / 6][k % 3] = 1.0;
                 let loads = Loads { forces: loads[0].to_vec(), torques: loads[1].to_vec(), ..Loads::default() };
                 let acting = SolveInput { constant_flux, ..acting(&loads, Traceless::ZERO) };
-                let motion = fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion;
+                let motion = fluid.solve(&plan.cell(), &particles, &acting, Guess::default()).unwrap().motion;
                 let of = |l: usize| if l % 6 / 3 == 0 { &motion.velocities } else { &motion.angular_velocities };
                 (0..18).map(|l| of(l)[l / 6][l % 3]).collect::<Vec<f64>>()
             };
@@ -102,7 +102,7 @@ fn a_curvature_that_is_given_moves_spheres_alike() {
             let strain_rate = flow.strain_rate();
             let springs = Some(&springs);
             let acting = SolveInput { springs, constant_flux, ..SolveInput::new(loads, strain_rate) };
-            fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
+            fluid.solve(&plan.cell(), &particles, &acting, Guess::default()).unwrap()
         };
         let kept = solve(&loads, background, true);
         assert!(kept.curvature.abs() > 0.02 * background.curvature, "{}", kept.curvature);

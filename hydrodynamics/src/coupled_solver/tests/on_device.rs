@@ -65,7 +65,7 @@ impl Suspension {
         let mut vector = || Vector::from_array(std::array::from_fn(|_| numbers.uniform() - 0.5));
         let none = Loads::default();
         let shear = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
-        let first = solver.solve(&self.cell, &self.particles, &shear, &Guess::default()).unwrap();
+        let first = solver.solve(&self.cell, &self.particles, &shear, Guess::default()).unwrap();
         let radii = &self.particles.radii;
         let loads = Loads {
             forces: radii.iter().map(|a| Vector::new(0.0, 0.0, -a.powi(3))).collect(),
@@ -79,7 +79,7 @@ impl Suspension {
         };
         let settling = SolveInput { ambient: &ambient, ..acting(&loads, Traceless::ZERO) };
         let guess = Guess { stresslets_far: first.far.stresslets.clone(), ..Guess::induced_by(&first.motion) };
-        [first, solver.solve(&self.cell, &self.particles, &settling, &guess).unwrap()]
+        [first, solver.solve(&self.cell, &self.particles, &settling, guess).unwrap()]
     }
 }
 
@@ -145,7 +145,7 @@ fn counted(iteration: f64) -> (Solution, DeviceCounts) {
     let mut solver = suspension.on(Box::new(device));
     let none = Loads::default();
     let shear = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
-    let solution = solver.solve(&suspension.cell, &suspension.particles, &shear, &Guess::default()).unwrap();
+    let solution = solver.solve(&suspension.cell, &suspension.particles, &shear, Guess::default()).unwrap();
     let counts = counts.borrow().clone();
     (solution, counts)
 }
@@ -185,7 +185,7 @@ fn memory_is_as_predicted() {
     let before = counts.borrow().memory[1];
     let ambient = Motion { strain_rates: vec![Traceless::ZERO; particles.len()], ..Motion::default() };
     let input = SolveInput { ambient: &ambient, ..acting(&loads, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
-    solver.solve(cell, particles, &input, &Guess::default()).unwrap();
+    solver.solve(cell, particles, &input, Guess::default()).unwrap();
     let found = (counts.borrow().memory[1] - before) as f64;
     // Spheres that have not moved are arranged once: their neighbours are counted, then listed.
     assert_eq!(counts.borrow().runs["find_neighbours_f32"], 2);
@@ -222,7 +222,7 @@ fn springs_and_traps_are_in_the_rows() {
     let none = Loads::default();
     let input = SolveInput { springs: Some(&springs), ..acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
     let free = acting(&none, input.strain_rate.at_zero);
-    let solved = |mut solver: CoupledSolver, input| solver.solve(cell, particles, input, &Guess::default()).unwrap();
+    let solved = |mut solver: CoupledSolver, input| solver.solve(cell, particles, input, Guess::default()).unwrap();
     let [found, exact] = [suspension.on(emulator(4)), suspension.on_host()].map(|solver| solved(solver, &input));
     let without = solved(suspension.on_host(), &free);
     assert!(relative(&columns(&without)[0], &columns(&exact)[0]) > 1e-2);

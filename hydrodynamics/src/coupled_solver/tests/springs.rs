@@ -36,7 +36,7 @@ fn contacts_push_and_turn_as_the_motions_say() {
             CoupledSolver::new(&plan, &partition, ShortRange { lubrication, ..ShortRange::default() }).unwrap();
         let mut solve = |loads: &Loads, springs: Option<&Springs>| {
             let acting = SolveInput { springs, ..acting(loads, strain) };
-            fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap().motion
+            fluid.solve(&plan.cell(), &particles, &acting, Guess::default()).unwrap().motion
         };
         let sprung = solve(
             &given,
@@ -90,7 +90,7 @@ fn springs_push_as_the_motions_say() {
         let mut solve = |forces: &[Vector], springs: Option<&Springs>| {
             let loads = Loads { forces: forces.to_vec(), ..Loads::default() };
             let acting = SolveInput { springs, ..acting(&loads, strain) };
-            fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
+            fluid.solve(&plan.cell(), &particles, &acting, Guess::default()).unwrap()
         };
         let between = |distance: f64, between: PairKind| match between {
             PairKind::Spheres(radii) => resistance(distance, radii),

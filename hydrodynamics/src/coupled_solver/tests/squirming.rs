@@ -15,7 +15,7 @@ fn swum(cell: &PeriodicBox, plan: &Plan, particles: &Particles, squirming: &Squi
     let mut fluid = CoupledSolver::new(plan, &partition, ShortRange::default()).unwrap();
     let loads = Loads::default();
     let acting = SolveInput { squirming: Some(squirming), ..acting(&loads, Traceless::ZERO) };
-    fluid.solve(cell, particles, &acting, &Guess::default()).unwrap()
+    fluid.solve(cell, particles, &acting, Guess::default()).unwrap()
 }
 
 fn axis() -> Vector {
@@ -91,7 +91,7 @@ fn spheres_without_slip_are_passive() {
     let loads = Loads { forces: vec![Vector::X, Vector::new(0.0, 0.4, -1.0)], ..Loads::default() };
     let mut solve = |squirming: Option<&Squirming>| {
         let acting = SolveInput { squirming, ..acting(&loads, Traceless([0.0, 0.5, 0.0, 0.0, 0.0])) };
-        fluid.solve(&plan.cell(), &particles, &acting, &Guess::default()).unwrap()
+        fluid.solve(&plan.cell(), &particles, &acting, Guess::default()).unwrap()
     };
     let zeros = Squirming { first: vec![Vector::ZERO; 2], second: vec![Traceless::ZERO; 2] };
     let passive = solve(None);
@@ -187,7 +187,7 @@ fn two_squirmers_move_as_the_exact_solution() {
             let particles = placed(&[at, at + Vector::Z * (1.0 + ratio + gap)], &[1.0, ratio]);
             let loads = Loads::default();
             let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, Traceless::ZERO) };
-            let found = fluid.solve(&cell, &particles, &acting, &Guess::default()).unwrap();
+            let found = fluid.solve(&cell, &particles, &acting, Guess::default()).unwrap();
             let (u, s) = (&found.motion.velocities, &found.stresslets);
             let omega = &found.motion.angular_velocities;
             let zz = |s: &Traceless| s.tensor().z_axis.z;
@@ -246,7 +246,7 @@ fn a_squirmer_at_a_wall_moves_as_the_exact_solution() {
                 let loads = Loads::default();
                 let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, Traceless::ZERO) };
                 let particles = placed(&[Vector::new(5.0, 6.0, z)], &[1.0]);
-                let found = fluid.solve(&cell, &particles, &acting, &Guess::default()).unwrap().motion;
+                let found = fluid.solve(&cell, &particles, &acting, Guess::default()).unwrap().motion;
                 let (u, omega) = (found.velocities[0], found.angular_velocities[0]);
                 let exact = exact_at_wall(gap, d, first, second);
                 for (found, exact) in [u.z, u.x, omega.y].into_iter().zip(exact) {

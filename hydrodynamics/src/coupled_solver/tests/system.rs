@@ -3,10 +3,9 @@
 use super::*;
 use crate::ambient::StrainRate;
 use crate::pairs::search::Pairs;
-use crate::preconditioner::{InnerSolve, Preconditioner};
+use crate::preconditioner::Preconditioner;
 use crate::system::{CoupledSystem, SingleSpheres, SystemStart};
 use crate::unknowns::{MotionsWithLoads, Residual, Unknowns, resisted};
-use domain::parallel::FusedLoops;
 use fcm::{Linear, System};
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -163,14 +162,6 @@ fn as_residual(unknowns: &Unknowns, strain_resistance: &[f64]) -> Residual {
     Residual { stiff: unknowns.stiff.motions.clone(), soft: unknowns.soft.motions.clone(), strain_rates }
 }
 
-/// A solve of the preconditioner under loads.
-fn begun(loads: &SixVectors) -> InnerSolve {
-    let (mut solve, mut loops) = (InnerSolve::default(), FusedLoops::default());
-    solve.begin_in(&mut loops, loads.0.len(), |row| loads.0[row]);
-    loops.run();
-    solve
-}
-
 /// Inner solves for the stiff pairs become more accurate each time, down to a limit; without a preconditioner there is
 /// nothing to tighten.
 #[test]
@@ -180,7 +171,7 @@ fn a_preconditioner_is_made_more_exact_until_it_cannot_be() {
     let mut matrix = Preconditioner::new(&Comm::alone(), near, single, 0.1);
     let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
     let error = |matrix: &mut Preconditioner| {
-        let motions = matrix.solve(begun(&loads)).motions;
+        let motions = matrix.solve(|row| loads.0[row]).motions;
         let mut residual = loads.clone();
         residual.add(-1.0, &matrix.apply(&motions));
         (matrix.error(&residual, &motions) / matrix.size(&motions)).sqrt()
@@ -204,7 +195,7 @@ fn what_stiff_pairs_resist_is_known_from_the_solve() {
     let setting = Setting::new();
     let (near, single) = (&setting.near, &setting.spheres.motion);
     let loads = SixVectors(vec![SixVector([1.0, -2.0, 0.5, 1.0, 3.0, -1.0]); single.len()]);
-    let solved = Preconditioner::new(&Comm::alone(), near, single, 0.1).solve(begun(&loads));
+    let solved = Preconditioner::new(&Comm::alone(), near, single, 0.1).solve(|row| loads.0[row]);
     let mut difference = near.times(&[Pairs::Stiff], &solved.motions);
     let size = difference.dot(&difference).sqrt();
     difference.add(-1.0, &solved.loads);

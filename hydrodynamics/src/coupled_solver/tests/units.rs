@@ -38,7 +38,7 @@ fn solved([length, viscosity, force]: Scales, precision: Precision) -> [Vec<f64>
     let second = given(4, swimming).into_iter().map(|v| Traceless([v.x, v.y, v.z, -v.x, v.y])).collect();
     let squirming = Squirming { first: given(3, swimming), second };
     let acting = SolveInput { squirming: Some(&squirming), ..acting(&loads, strain) };
-    let found = fluid.solve(&cell, &placed(&positions, &place(&radii)), &acting, &Guess::default()).unwrap();
+    let found = fluid.solve(&cell, &placed(&positions, &place(&radii)), &acting, Guess::default()).unwrap();
     assert!(found.iterations > 0);
     let vectors = |list: &[Vector], unit: f64| list.iter().flat_map(|v| (*v / unit).to_array()).collect();
     let stresslets = found.stresslets.iter().flat_map(|s| s.0.map(|c| c / (force * length))).collect();

@@ -18,7 +18,7 @@ fn moved(plan: &Plan, particles: &Particles, [forces, torques]: [&[Vector]; 2], 
     let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
     let mut fluid = CoupledSolver::new(plan, &partition, lubricated_at(Some(LubricationRange::default()))).unwrap();
     let loads = Loads { forces: forces.to_vec(), torques: torques.to_vec(), ..Loads::default() };
-    fluid.solve(&plan.cell(), particles, &acting(&loads, strain), &Guess::default()).unwrap()
+    fluid.solve(&plan.cell(), particles, &acting(&loads, strain), Guess::default()).unwrap()
 }
 
 /// Exact motion of a free sphere above a wall: velocity and angular velocity (positive for rolling) under a unit force

@@ -244,9 +244,10 @@ pub(super) fn dealt(whole: Option<VerifiedCheckpoint>, comm: &Comm) -> Result<(S
         species: deal.rows(1),
         columns: Vec::new(),
         scalars: of_bits(scalars),
+        saved: None,
     };
     for (name, width) in columns {
-        particles.columns.push(Column { name, width, values: deal.rows(width) });
+        particles.columns.push(Column { name, width, values: deal.rows(width).into() });
     }
     let statistics = deal.pieces(&lengths);
     match deal.failed {

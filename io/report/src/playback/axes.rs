@@ -51,7 +51,7 @@ mod tests {
         assert!(axes.is_empty() && axes.list().is_none() && !are_in(&particles));
         let along = Quaternion::between(Vector::Z, Vector::new(0.6, 0.0, -0.8));
         let values = [along, Quaternion::NONE].map(Quaternion::to_array).concat();
-        particles.columns.push(Column { name: "orientation".into(), width: 4, values });
+        particles.columns.push(Column { name: "orientation".into(), width: 4, values: values.into() });
         axes.see(&particles);
         assert_eq!(axes.components, [76, 0, -102, 0, 0, 0]);
         assert_eq!(axes.list().unwrap().1, BASE64_STANDARD.encode([76, 0, 154, 0, 0, 0]));

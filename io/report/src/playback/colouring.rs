@@ -164,7 +164,7 @@ mod tests {
         particles.push(0, Vector::ZERO, 1.0, 0);
         assert_eq!(stresses(&particles), None);
         let values = vec![1.0, 2.0, 0.0, -3.0, 1.0];
-        particles.columns.push(domain::Column { name: "stresslet".into(), width: 5, values });
+        particles.columns.push(domain::Column { name: "stresslet".into(), width: 5, values: values.into() });
         // The tensor with the rows (1 2 0), (2 -3 1), (0 1 2).
         assert_eq!(stresses(&particles), Some(vec![24_f32.sqrt()]));
     }
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(axes(&particles), None);
         let values = [Quaternion::between(Vector::Z, -Vector::Z), Quaternion::between(Vector::Z, Vector::X)];
         let values = values.map(Quaternion::to_array).concat();
-        particles.columns.push(domain::Column { name: "orientation".into(), width: 4, values });
+        particles.columns.push(domain::Column { name: "orientation".into(), width: 4, values: values.into() });
         let found = axes(&particles).unwrap();
         assert!((found[0] + 1.0).abs() < 1e-6 && found[1].abs() < 1e-6, "{found:?}");
     }

@@ -152,10 +152,10 @@ impl<G: GridPart + ?Sized> GridFarField<G> {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("exchange"));
         let kinds = self.kinds_of(loads, quadrupoles.unwrap_or_default());
         let (forces, dipoles) = self.present(loads, kinds);
-        let quadrupoles = quadrupoles.map(|all| self.present_quadrupoles(all)).unwrap_or_default();
+        let quadrupoles = quadrupoles.map(|all| self.present_quadrupoles(all));
         clock.stop(&mut self.work.seconds.exchange);
         let arrangement = &self.arrangement;
-        let grid_loads = GridLoads { quadrupoles: &quadrupoles, ..arrangement.grid_loads(&forces, &dipoles) };
+        let grid_loads = GridLoads { quadrupoles: quadrupoles.as_deref(), ..arrangement.grid_loads(&forces, &dipoles) };
         let mut motions = self.grid.motions(&grid_loads, output, &mut self.work);
         clock.restart();
         arrangement.collect(&mut motions);
@@ -166,14 +166,15 @@ impl<G: GridPart + ?Sized> GridFarField<G> {
             let neighbours = self.verlet_list.neighbours();
             stage.next("pair corrections");
             near.add(&loaded, neighbours, gradients, &mut motions);
-            if let Some(near) = self.near_quadrupoles.as_ref().filter(|_| !quadrupoles.is_empty()) {
-                near.add(&arrangement.loaded(&quadrupoles, &[]), neighbours, gradients, &mut motions);
+            let of_quadrupoles = quadrupoles.as_deref().map(|quadrupoles| arrangement.loaded(quadrupoles, &[]));
+            if let Some((near, loaded)) = self.near_quadrupoles.as_ref().zip(of_quadrupoles.as_ref()) {
+                near.add(loaded, neighbours, gradients, &mut motions);
             }
             if let Some(images) = &self.wall_images {
                 stage.next("images in walls");
                 images.add(&loaded, gradients, &mut motions);
-                if !quadrupoles.is_empty() {
-                    images.add_of_quadrupoles(&arrangement.loaded(&quadrupoles, &[]), &mut motions);
+                if let Some(loaded) = &of_quadrupoles {
+                    images.add_of_quadrupoles(loaded, &mut motions);
                 }
             }
             self.work.neighbours += neighbours.count() as u64;
@@ -246,12 +247,16 @@ impl FarField for GridFarField {
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
         let motions = self.motions(loads, None, output);
         let _stage = stage("exchange");
-        motion(&motions, output, &self.units)
+        let found = motion(&motions, output, &self.units);
+        self.grid.reuse(motions);
+        found
     }
 
     fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
         let motions = self.motions(loads, Some(quadrupoles), Output::All);
-        motion(&motions, Output::All, &self.units)
+        let found = motion(&motions, Output::All, &self.units);
+        self.grid.reuse(motions);
+        found
     }
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
@@ -296,7 +301,7 @@ fn near<T: Real>(
 impl ArrangedParticles {
     /// Loads of the particles present, for the grid.
     fn grid_loads<'a>(&'a self, forces: &'a [Vector], dipoles: &'a [Tensor]) -> GridLoads<'a> {
-        GridLoads { classes: &self.classes, forces, dipoles, quadrupoles: &[] }
+        GridLoads { classes: &self.classes, forces, dipoles, quadrupoles: None }
     }
 
     /// The particles present with their loads, for the near field.

@@ -4,7 +4,7 @@ use super::moments::MomentGrid;
 use super::operator::{interpolated_volume, lattice, split};
 use super::spectral_grid::{GridLoads, GridPart, bounded_stencils};
 use crate::envelope::Common;
-use crate::grid::interpolate::Interpolation;
+use crate::grid::interpolate::{Interpolation, Motions};
 use crate::grid::kernel::Load;
 use crate::grid::spread::Spread;
 use crate::grid::stencil::{Stencil, sorted_stencils};
@@ -31,6 +31,8 @@ pub(super) struct PotentialGrid<T: Real> {
     field: Field<T, Physical, 1>,
     kernel: WindowLattice<T>,
     stencils: Vec<Stencil>,
+    /// Memory for the next fields.
+    spare: Motions,
 }
 
 impl<T: Real> PotentialGrid<T> {
@@ -51,6 +53,7 @@ impl<T: Real> PotentialGrid<T> {
             grid,
             transform,
             stencils: Vec::new(),
+            spare: Motions::default(),
         }
     }
 
@@ -67,13 +70,14 @@ impl<T: Real> PotentialGrid<T> {
         spread.run(&Windowed::<T, 1, 1>(&self.kernel), &mut self.field);
     }
 
-    fn interpolate(&self, classes: &[u32], output: Output) -> Vec<(Vector, Tensor)> {
+    fn interpolate(&mut self, classes: &[u32], output: Output) -> Motions {
         let volume = interpolated_volume(&self.plan, &self.grid);
         let to = Interpolation { stencils: &self.stencils, classes, volume };
-        let mut fields = match output {
-            Output::Velocities => to.run(&Windowed::<T, 1, 1>(&self.kernel), &self.field),
-            _ => to.run(&Windowed::<T, 2, 1>(&self.kernel), &self.field),
-        };
+        let mut fields = std::mem::take(&mut self.spare);
+        match output {
+            Output::Velocities => to.run(&Windowed::<T, 1, 1>(&self.kernel), &self.field, &mut fields),
+            _ => to.run(&Windowed::<T, 2, 1>(&self.kernel), &self.field, &mut fields),
+        }
         if let Some(axes) = self.grid.cell().axes() {
             change_rows(&mut fields, |_, (field, gradient)| {
                 *field = *axes * *field;
@@ -99,7 +103,7 @@ impl<T: Real> GridPart for PotentialGrid<T> {
         self.stencils = sorted_stencils(&self.grid, extent, positions);
     }
 
-    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("spreading"));
         self.spread(loads, work);
         clock.stop(&mut work.seconds.spread);
@@ -111,6 +115,10 @@ impl<T: Real> GridPart for PotentialGrid<T> {
         let fields = self.interpolate(loads.classes, output);
         clock.stop(&mut work.seconds.interpolate);
         fields
+    }
+
+    fn reuse(&mut self, motions: Motions) {
+        self.spare = motions;
     }
 }
 

@@ -3,7 +3,7 @@
 use super::operator::{interpolated_volume, lattice, operator, unit_volume};
 use crate::envelope::{Envelope, Source};
 use crate::grid::gaussian::{self, Gaussians, Sources, Terms};
-use crate::grid::interpolate::Interpolation;
+use crate::grid::interpolate::{Interpolation, Motions};
 use crate::grid::kernel::{Kernel, Load};
 use crate::grid::spread::Spread;
 use crate::grid::stencil::{Stencil, sorted_stencils};
@@ -26,7 +26,8 @@ pub(crate) struct GridLoads<'a> {
     pub classes: &'a [u32],
     pub forces: &'a [Vector],
     pub dipoles: &'a [Tensor],
-    pub quadrupoles: &'a [Vector],
+    /// Degenerate quadrupoles, on all ranks or none.
+    pub quadrupoles: Option<&'a [Vector]>,
 }
 
 /// Part on the grid, in the precision that the plan chose.
@@ -36,7 +37,10 @@ pub(crate) trait GridPart {
 
     /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
     /// grid.
-    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)>;
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions;
+
+    /// Takes the memory of motions that are no longer needed, for the next ones.
+    fn reuse(&mut self, motions: Motions);
 }
 
 /// Grid with a flow.
@@ -51,7 +55,7 @@ pub(crate) trait FlowGrid: GridPart {
 
     /// Random velocities and velocity gradients, or velocities alone, whose covariance is the mobility on the
     /// grid: the contributions of this rank's share of the grid.
-    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)>;
+    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Motions;
 
     /// Velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
@@ -75,6 +79,8 @@ pub(crate) struct SpectralGrid<T: Real> {
     /// Spreading kernels of points of the fluid, made when first needed.
     point_kernels: Option<SpreadingKernels<T>>,
     stencils: Vec<Stencil>,
+    /// Memory of the next motions.
+    spare: Motions,
 }
 
 /// Functions on the grid: the envelopes themselves, or a window.
@@ -100,12 +106,13 @@ impl<T: Real> SpectralGrid<T> {
             divergence: None,
             point_kernels: None,
             stencils: Vec::new(),
+            spare: Motions::default(),
         }
     }
 
     fn spread(&mut self, loads: &GridLoads, work: &mut Work) {
         let (force, dipole) = (|r: usize| loads.forces.get(r), |r: usize| loads.dipoles.get(r));
-        let quadrupole = |r: usize| loads.quadrupoles.get(r).copied().unwrap_or_default();
+        let quadrupole = |r: usize| loads.quadrupoles.and_then(|all| all.get(r)).copied().unwrap_or_default();
         let (no_force, no_dipole) = (Vector::ZERO, Tensor::ZERO);
         let axes = self.grid.cell().axes();
         let load = |r: usize| {
@@ -131,14 +138,15 @@ impl<T: Real> SpectralGrid<T> {
         work.particles_spread += loaded.len() as u64;
         work.dipole_spreads += u64::from(!loads.dipoles.is_empty());
         let spread = Spread { stencils: &loaded, classes: loads.classes, loads: &all, period: self.plan.grid[2] };
-        let terms = [!loads.forces.is_empty(), !loads.dipoles.is_empty(), !loads.quadrupoles.is_empty()];
+        let terms = [!loads.forces.is_empty(), !loads.dipoles.is_empty(), loads.quadrupoles.is_some()];
         self.kernels.with(terms, SpreadTask { spread, field: &mut self.field });
     }
 
-    fn interpolate(&self, classes: &[u32], output: Output) -> Vec<(Vector, Tensor)> {
+    fn interpolate(&mut self, classes: &[u32], output: Output) -> Motions {
+        let mut motions = std::mem::take(&mut self.spare);
         let to = Interpolation { stencils: &self.stencils, classes, volume: self.interpolated_volume() };
         let terms = [output != Output::Gradients, output != Output::Velocities, false];
-        let mut motions = self.kernels.with(terms, InterpolationTask { to, field: &self.field });
+        self.kernels.with(terms, InterpolationTask { to, field: &self.field, motions: &mut motions });
         if let Some(axes) = self.grid.cell().axes() {
             let out = |(velocity, gradient): &mut (Vector, Tensor)| {
                 *velocity = *axes * *velocity;
@@ -180,7 +188,7 @@ impl<T: Real> SpectralGrid<T> {
         interpolated_volume(&self.plan, &self.grid)
     }
 
-    fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
+    fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions {
         self.solve(loads, work);
         let (mut clock, _stage) = (Stopwatch::start(), stage("interpolation"));
         let motions = self.interpolate(loads.classes, output);
@@ -236,13 +244,14 @@ impl<T: Real> WithKernel<T> for SpreadTask<'_, T> {
 struct InterpolationTask<'a, T: Real> {
     to: Interpolation<'a>,
     field: &'a Field<T, Physical>,
+    motions: &'a mut Motions,
 }
 
 impl<T: Real> WithKernel<T> for InterpolationTask<'_, T> {
-    type Output = Vec<(Vector, Tensor)>;
+    type Output = ();
 
     fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output {
-        self.to.run(kernel, self.field)
+        self.to.run(kernel, self.field, self.motions);
     }
 }
 
@@ -319,13 +328,14 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         self.stencils = sorted_stencils(&self.grid, self.kernels.extent(&self.plan), positions);
     }
 
-    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Vec<(Vector, Tensor)> {
-        if loads.quadrupoles.is_empty() || matches!(self.kernels, SpreadingKernels::Window(_)) {
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions {
+        let Some(quadrupoles) = loads.quadrupoles.filter(|_| !matches!(self.kernels, SpreadingKernels::Window(_)))
+        else {
             return self.evaluate(loads, output, work);
-        }
-        let mut motions = self.evaluate(&GridLoads { quadrupoles: &[], ..*loads }, output, work);
+        };
+        let mut motions = self.evaluate(&GridLoads { quadrupoles: None, ..*loads }, output, work);
         let mut clock = Stopwatch::start();
-        self.spread_quadrupoles(loads.classes, loads.quadrupoles);
+        self.spread_quadrupoles(loads.classes, quadrupoles);
         clock.stop(&mut work.seconds.spread);
         self.transform();
         clock.stop(&mut work.seconds.fft);
@@ -334,6 +344,10 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         change(&mut motions, &others, |sum, other| *sum = (sum.0 + other.0, sum.1 + other.1));
         clock.stop(&mut work.seconds.interpolate);
         motions
+    }
+
+    fn reuse(&mut self, motions: Motions) {
+        self.spare = motions;
     }
 }
 
@@ -354,14 +368,12 @@ impl<T: Real> FlowGrid for SpectralGrid<T> {
         let kernels =
             self.point_kernels.get_or_insert_with(|| SpreadingKernels::for_envelopes(plan, grid, &[Envelope::POINT]));
         let to = Interpolation { stencils: &stencils, classes: &vec![0; points.len()], volume };
-        kernels
-            .with([true, false, false], InterpolationTask { to, field: &self.field })
-            .into_iter()
-            .map(|motion| motion.0)
-            .collect()
+        let mut motions = Motions::default();
+        kernels.with([true, false, false], InterpolationTask { to, field: &self.field, motions: &mut motions });
+        motions.into_iter().map(|motion| motion.0).collect()
     }
 
-    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Vec<(Vector, Tensor)> {
+    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Motions {
         let volume = self.interpolated_volume();
         self.field = self.transform.noise(&self.operator, volume, &stream);
         self.divergence = None;

@@ -91,13 +91,15 @@ mod tests {
     #[test]
     fn columns_turn_with_the_box() {
         let cell = PeriodicBox::of_lattice([Vector::Y * 2.0, Vector::X * -3.0, Vector::Z * 4.0]).unwrap();
-        let column = |values: &[f64]| Column { name: "some".into(), width: values.len(), values: values.to_vec() };
+        let column =
+            |values: &[f64]| Column { name: "some".into(), width: values.len(), values: values.to_vec().into() };
         assert_eq!(along_axes(&cell, &column(&[1.0, 2.0, 3.0]))[..], [2.0, -1.0, 3.0]);
         // xx, xy, xz, yy, yz
         assert_eq!(along_axes(&cell, &column(&[1.0, 2.0, 3.0, 4.0, 5.0]))[..], [4.0, -2.0, 5.0, 1.0, -3.0]);
         let body = Quaternion::exp(Vector::new(0.3, 0.1, -0.5));
         let values = [body, Quaternion::NONE].map(Quaternion::to_array).concat();
-        let rotated = along_axes(&cell, &Column { name: "orientation".into(), width: 4, values }).into_owned();
+        let rotated =
+            along_axes(&cell, &Column { name: "orientation".into(), width: 4, values: values.into() }).into_owned();
         let expected = Vector::new(body.axis().y, -body.axis().x, body.axis().z);
         let found = Quaternion::from_array([rotated[0], rotated[1], rotated[2], rotated[3]]);
         assert!((found.axis() - expected).length() < 1e-14 && rotated[4..] == [1.0, 0.0, 0.0, 0.0]);
