@@ -223,9 +223,7 @@ pub(super) fn bounded_stencils(
 
 /// Operation that is generic over the kernel.
 trait WithKernel<T: Real> {
-    type Output;
-
-    fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output;
+    fn run<K: Kernel<T>>(self, kernel: &K);
 }
 
 struct SpreadTask<'a, T: Real> {
@@ -234,8 +232,6 @@ struct SpreadTask<'a, T: Real> {
 }
 
 impl<T: Real> WithKernel<T> for SpreadTask<'_, T> {
-    type Output = ();
-
     fn run<K: Kernel<T>>(self, kernel: &K) {
         self.spread.run(kernel, self.field);
     }
@@ -248,9 +244,7 @@ struct InterpolationTask<'a, T: Real> {
 }
 
 impl<T: Real> WithKernel<T> for InterpolationTask<'_, T> {
-    type Output = ();
-
-    fn run<K: Kernel<T>>(self, kernel: &K) -> Self::Output {
+    fn run<K: Kernel<T>>(self, kernel: &K) {
         self.to.run(kernel, self.field, self.motions);
     }
 }
@@ -296,7 +290,7 @@ impl<T: Real> SpreadingKernels<T> {
 
     /// Runs an operation with the kernel for the terms that are present: forces, dipoles, and with windows degenerate
     /// quadrupoles.
-    fn with<W: WithKernel<T>>(&self, [forces, dipoles, quadrupoles]: [bool; 3], what: W) -> W::Output {
+    fn with<W: WithKernel<T>>(&self, [forces, dipoles, quadrupoles]: [bool; 3], what: W) {
         match self {
             Self::Gaussian(lattice) => match (forces, dipoles) {
                 (true, true) => what.run(&Gaussians { lattice, shape: PhantomData::<Terms<true, true>> }),
