@@ -124,7 +124,7 @@ impl<'a> Preconditioner<'a> {
 
     /// Motions under the given loads with stiff and soft pairs, to an error of `tolerance`, and the pair loads in these
     /// motions. Starts from `motions`. Collective.
-    pub fn solve_with_all(&mut self, mut motions: SixVectors, loads: SixVectors, tolerance: f64) -> MotionsWithLoads {
+    pub fn solve_with_all(&mut self, mut motions: SixVectors, loads: &SixVectors, tolerance: f64) -> MotionsWithLoads {
         self.pairs = &[Pairs::Stiff, Pairs::Soft];
         self.make_rigid(&mut motions);
         let (count, image) = (motions.0.len(), self.apply(&motions));

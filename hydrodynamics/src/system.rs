@@ -186,7 +186,7 @@ impl<'a> CoupledSystem<'a> {
         loops.change_rows(&mut loads.0, |row, load| {
             *load = (*load + z.stiff.loads.0[row]) + (soft[0][row] + soft[1][row]);
         });
-        loops.change(&mut x.moments, &z.moments, |moment, &by| *moment = *moment + by);
+        loops.change(&mut x.moments, &z.moments, |moment, &by| *moment += by);
         loops.run();
         let Unknowns { stiff: MotionsWithLoads { mut motions, loads }, moments, .. } = x;
         if let Some(matrix) = &self.matrix {

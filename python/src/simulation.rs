@@ -191,7 +191,7 @@ fn by_name(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, PyDict>> {
     items.set_item("species", PyArray1::from_vec(py, particles.species))?;
     items.set_item("ids", PyArray1::from_vec(py, particles.ids))?;
     for column in particles.columns {
-        items.set_item(&column.name, table_of(py, column.values, column.width)?)?;
+        items.set_item(&column.name, table_of(py, column.values.into_vec(), column.width)?)?;
     }
     Ok(items)
 }

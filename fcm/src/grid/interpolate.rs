@@ -17,7 +17,7 @@ pub(crate) struct Interpolation<'a> {
 }
 
 /// Velocities and velocity gradients of particles.
-pub(crate) type Motions = Vec<(Vector, Tensor)>;
+pub(crate) type GridMotions = Vec<(Vector, Tensor)>;
 
 /// Particles in a batch of one thread.
 const BATCH: usize = 64;
@@ -29,7 +29,7 @@ impl Interpolation<'_> {
         &self,
         kernel: &K,
         field: &Field<T, Physical, C>,
-        motions: &mut Motions,
+        motions: &mut GridMotions,
     ) {
         let [lines, planes] = field.rows();
         let strides = [field.row_stride(), field.plane_stride()];

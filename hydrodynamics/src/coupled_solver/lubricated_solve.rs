@@ -91,7 +91,7 @@ impl LubricatedSolve<'_> {
             None => unknowns(self.near, &motions, moments),
             Some(matrix) => {
                 // The motions of all near pairs, from the guess of those that other spheres induce.
-                let found = matrix.solve_with_all(motions, std::mem::take(moving), START * limits.tolerance);
+                let found = matrix.solve_with_all(motions, &std::mem::take(moving), START * limits.tolerance);
                 Unknowns::of(&found.motions, &found.loads, moments)
             }
         };

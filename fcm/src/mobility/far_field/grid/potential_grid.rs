@@ -4,7 +4,7 @@ use super::moments::MomentGrid;
 use super::operator::{interpolated_volume, lattice, split};
 use super::spectral_grid::{GridLoads, GridPart, bounded_stencils};
 use crate::envelope::Common;
-use crate::grid::interpolate::{Interpolation, Motions};
+use crate::grid::interpolate::{GridMotions, Interpolation};
 use crate::grid::kernel::Load;
 use crate::grid::spread::Spread;
 use crate::grid::stencil::{Stencil, sorted_stencils};
@@ -32,7 +32,7 @@ pub(super) struct PotentialGrid<T: Real> {
     kernel: WindowLattice<T>,
     stencils: Vec<Stencil>,
     /// Memory for the next fields.
-    spare: Motions,
+    spare: GridMotions,
 }
 
 impl<T: Real> PotentialGrid<T> {
@@ -53,7 +53,7 @@ impl<T: Real> PotentialGrid<T> {
             grid,
             transform,
             stencils: Vec::new(),
-            spare: Motions::default(),
+            spare: GridMotions::default(),
         }
     }
 
@@ -70,7 +70,7 @@ impl<T: Real> PotentialGrid<T> {
         spread.run(&Windowed::<T, 1, 1>(&self.kernel), &mut self.field);
     }
 
-    fn interpolate(&mut self, classes: &[u32], output: Output) -> Motions {
+    fn interpolate(&mut self, classes: &[u32], output: Output) -> GridMotions {
         let volume = interpolated_volume(&self.plan, &self.grid);
         let to = Interpolation { stencils: &self.stencils, classes, volume };
         let mut fields = std::mem::take(&mut self.spare);
@@ -103,7 +103,7 @@ impl<T: Real> GridPart for PotentialGrid<T> {
         self.stencils = sorted_stencils(&self.grid, extent, positions);
     }
 
-    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions {
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> GridMotions {
         let (mut clock, mut stage) = (Stopwatch::start(), stage("spreading"));
         self.spread(loads, work);
         clock.stop(&mut work.seconds.spread);
@@ -117,7 +117,7 @@ impl<T: Real> GridPart for PotentialGrid<T> {
         fields
     }
 
-    fn reuse(&mut self, motions: Motions) {
+    fn reuse(&mut self, motions: GridMotions) {
         self.spare = motions;
     }
 }

@@ -3,7 +3,7 @@
 use super::operator::{interpolated_volume, lattice, operator, unit_volume};
 use crate::envelope::{Envelope, Source};
 use crate::grid::gaussian::{self, Gaussians, Sources, Terms};
-use crate::grid::interpolate::{Interpolation, Motions};
+use crate::grid::interpolate::{GridMotions, Interpolation};
 use crate::grid::kernel::{Kernel, Load};
 use crate::grid::spread::Spread;
 use crate::grid::stencil::{Stencil, sorted_stencils};
@@ -37,10 +37,10 @@ pub(crate) trait GridPart {
 
     /// Velocities and velocity gradients of the particles present: the contributions of this rank's share of the
     /// grid.
-    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions;
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> GridMotions;
 
     /// Takes the memory of motions that are no longer needed, for the next ones.
-    fn reuse(&mut self, motions: Motions);
+    fn reuse(&mut self, motions: GridMotions);
 }
 
 /// Grid with a flow.
@@ -55,7 +55,7 @@ pub(crate) trait FlowGrid: GridPart {
 
     /// Random velocities and velocity gradients, or velocities alone, whose covariance is the mobility on the
     /// grid: the contributions of this rank's share of the grid.
-    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Motions;
+    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> GridMotions;
 
     /// Velocity field of the last evaluation on this rank, `[component][z][y][x]`, x fastest.
     fn velocity_field(&self) -> Vec<f64>;
@@ -80,7 +80,7 @@ pub(crate) struct SpectralGrid<T: Real> {
     point_kernels: Option<SpreadingKernels<T>>,
     stencils: Vec<Stencil>,
     /// Memory of the next motions.
-    spare: Motions,
+    spare: GridMotions,
 }
 
 /// Functions on the grid: the envelopes themselves, or a window.
@@ -106,7 +106,7 @@ impl<T: Real> SpectralGrid<T> {
             divergence: None,
             point_kernels: None,
             stencils: Vec::new(),
-            spare: Motions::default(),
+            spare: GridMotions::default(),
         }
     }
 
@@ -142,7 +142,7 @@ impl<T: Real> SpectralGrid<T> {
         self.kernels.with(terms, SpreadTask { spread, field: &mut self.field });
     }
 
-    fn interpolate(&mut self, classes: &[u32], output: Output) -> Motions {
+    fn interpolate(&mut self, classes: &[u32], output: Output) -> GridMotions {
         let mut motions = std::mem::take(&mut self.spare);
         let to = Interpolation { stencils: &self.stencils, classes, volume: self.interpolated_volume() };
         let terms = [output != Output::Gradients, output != Output::Velocities, false];
@@ -188,7 +188,7 @@ impl<T: Real> SpectralGrid<T> {
         interpolated_volume(&self.plan, &self.grid)
     }
 
-    fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions {
+    fn evaluate(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> GridMotions {
         self.solve(loads, work);
         let (mut clock, _stage) = (Stopwatch::start(), stage("interpolation"));
         let motions = self.interpolate(loads.classes, output);
@@ -240,7 +240,7 @@ impl<T: Real> WithKernel<T> for SpreadTask<'_, T> {
 struct InterpolationTask<'a, T: Real> {
     to: Interpolation<'a>,
     field: &'a Field<T, Physical>,
-    motions: &'a mut Motions,
+    motions: &'a mut GridMotions,
 }
 
 impl<T: Real> WithKernel<T> for InterpolationTask<'_, T> {
@@ -322,7 +322,7 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         self.stencils = sorted_stencils(&self.grid, self.kernels.extent(&self.plan), positions);
     }
 
-    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> Motions {
+    fn motions(&mut self, loads: &GridLoads, output: Output, work: &mut Work) -> GridMotions {
         let Some(quadrupoles) = loads.quadrupoles.filter(|_| !matches!(self.kernels, SpreadingKernels::Window(_)))
         else {
             return self.evaluate(loads, output, work);
@@ -340,7 +340,7 @@ impl<T: Real> GridPart for SpectralGrid<T> {
         motions
     }
 
-    fn reuse(&mut self, motions: Motions) {
+    fn reuse(&mut self, motions: GridMotions) {
         self.spare = motions;
     }
 }
@@ -362,12 +362,12 @@ impl<T: Real> FlowGrid for SpectralGrid<T> {
         let kernels =
             self.point_kernels.get_or_insert_with(|| SpreadingKernels::for_envelopes(plan, grid, &[Envelope::POINT]));
         let to = Interpolation { stencils: &stencils, classes: &vec![0; points.len()], volume };
-        let mut motions = Motions::default();
+        let mut motions = GridMotions::default();
         kernels.with([true, false, false], InterpolationTask { to, field: &self.field, motions: &mut motions });
         motions.into_iter().map(|motion| motion.0).collect()
     }
 
-    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> Motions {
+    fn noise(&mut self, classes: &[u32], output: Output, stream: Stream) -> GridMotions {
         let volume = self.interpolated_volume();
         self.field = self.transform.noise(&self.operator, volume, &stream);
         self.divergence = None;
