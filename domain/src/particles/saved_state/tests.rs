@@ -60,7 +60,9 @@ fn a_saved_state_is_restored_on_any_number_of_ranks() {
             particles.restore(&comm);
             (before, particles)
         });
-        restored.into_iter().for_each(|(before, after)| assert_eq!(after, before, "{ranks} ranks"));
+        for (before, after) in restored {
+            assert_eq!(after, before, "{ranks} ranks");
+        }
     }
 }
 
