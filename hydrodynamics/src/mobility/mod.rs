@@ -283,3 +283,113 @@ impl Mobility {
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
             let bodies = self.bodies.load(particles, self.partition.comm());
+            let squirming = self.load_slip(particles);
+            let (bodies_of, squirming) = (bodies.as_ref(), squirming.as_ref());
+            let acting = SolveInput { bodies: bodies_of, squirming, ..SolveInput::new(&loads, strain_rate) };
+            let mut solved = self.hydrodynamics.solve(cell, particles, &acting, Guess::default())?;
+            if let Some(bodies) = &bodies {
+                let motions = bodies.motions_in(strain_rate, particles, &solved.motion);
+                record_bodies(particles, bodies, &motions);
+            }
+            carry(&mut solved.motion, &particles.radii, bend);
+            return Ok(solved);
+        }
+        if stresslets {
+            loads.stresslets = traceless(particles, column::STRESSLET).to_vec();
+        }
+        let mobility = self.hydrodynamics.mobility();
+        mobility.arrange(cell, particles);
+        let mut motion = mobility.apply(&loads, Output::All);
+        carry(&mut motion, &particles.radii, bend);
+        let stresslets = traceless(particles, column::STRESSLET).to_vec();
+        let (induced, curvature) = (Motion::default(), 0.0);
+        Ok(Solution {
+            motion,
+            stresslets,
+            far: loads,
+            constraint_loads: Loads::default(),
+            induced,
+            curvature,
+            iterations: 0,
+            residual: 0.0,
+        })
+    }
+}
+
+/// Adds the velocities `a^2/6 u''` that spheres have, by Faxen's law, in addition to the velocity of a flow with the
+/// second derivative `u''`.
+fn carry(motion: &mut Motion, radii: &[f64], bend: Vector) {
+    if bend != Vector::ZERO {
+        motion.velocities.iter_mut().zip(radii).for_each(|(v, a)| *v += bend * (a * a / 6.0));
+    }
+}
+
+impl Motions {
+    /// The same in rotated axes.
+    #[must_use]
+    fn turned(mut self, turn: AxisRotation) -> Self {
+        if turn == AxisRotation::default() {
+            return self;
+        }
+        turn_motion(&mut self.motion, turn);
+        turn_motion(&mut self.bodies, turn);
+        for tensor in self.stresslets.iter_mut().chain(&mut self.stresslets_far) {
+            *tensor = turn.traceless(*tensor);
+        }
+        self
+    }
+}
+
+fn turn_motion(motion: &mut Motion, turn: AxisRotation) {
+    let Motion { velocities, angular_velocities, strain_rates } = motion;
+    velocities.iter_mut().chain(angular_velocities).for_each(|v| *v = turn.vector(*v));
+    for tensor in strain_rates {
+        *tensor = turn.traceless(*tensor);
+    }
+}
+
+/// Centres the spheres in the box along open axes without walls, where the choice of the origin does not matter.
+fn centre_where_open(cell: &PeriodicBox, positions: &mut [Vector]) {
+    let is_open = |axis: usize| !cell.is_periodic(axis) && cell.boundaries().walls() == 0;
+    let lowest = positions.iter().copied().fold(Vector::INFINITY, Vector::min);
+    let highest = positions.iter().copied().fold(Vector::NEG_INFINITY, Vector::max);
+    for axis in (0..3).filter(|&axis| is_open(axis)) {
+        let by = 0.5 * (cell.edges()[axis] - lowest[axis] - highest[axis]);
+        for position in &mut *positions {
+            position[axis] += by;
+        }
+    }
+}
+
+/// Relative error of the square root over the tolerance.
+const ROOT: f64 = 0.3;
+
+/// Advice for a problem that needs too much memory.
+const REMEDY: &str = "fewer positions, a larger tolerance";
+
+/// Approximate numbers per particle in columns.
+const NUMBERS: usize = 32;
+
+fn problem(parameters: &MobilityParameters) -> Problem {
+    Problem {
+        edges: parameters.cell.edges(),
+        boundaries: parameters.cell.boundaries(),
+        volume: parameters.cell.edges().element_product(),
+        shortest_vector: Problem::shortest_vector_of(&parameters.cell),
+        smallest_edge_ratio: 1.0,
+        largest_strain: parameters.cell.strain().abs(),
+        largest_tilts: Problem::tilts_of(&parameters.cell),
+        radii: parameters.radii.iter().map(|&radius| (radius, 1)).collect(),
+        viscosity: parameters.viscosity,
+        multipoles: parameters.multipoles,
+        rigid: parameters.rigid,
+        lubricated: parameters.lubrication.is_some(),
+        loading: if parameters.swimming { Loading::Swimming } else { Loading::UniformOnLattice },
+        tolerance: parameters.tolerance,
+        threads: 1,
+        ranks: 1,
+        costs: parameters.costs,
+        network: None,
+        fixed: Fixed { method: parameters.method, device: parameters.device, ..Fixed::default() },
+    }
+}

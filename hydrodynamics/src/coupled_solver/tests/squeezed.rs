@@ -55,7 +55,7 @@ fn moved(comm: &Comm, gap: f64, has_squeezed: bool) -> (Vec<SixVector>, usize) {
         assert!((0..6).all(|k| (found.0[k] - load(id).0[k]).abs() < 1e-8), "{id}: {found:?}");
     }
     let column = particles.column("motion", 6);
-    column.values = bytemuck::cast_slice(&x.0).to_vec();
+    column.values = bytemuck::cast_slice(&x.0).to_vec().into();
     let gathered = particles.gathered(&partition);
     let values = gathered.columns.iter().find(|column| column.name == "motion");
     let values = values.map_or(Vec::new(), |column| bytemuck::cast_slice(&column.values).to_vec());
