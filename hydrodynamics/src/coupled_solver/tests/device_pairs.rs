@@ -104,7 +104,7 @@ fn a_tilted_box_has_the_solution_of_the_host() {
     let loads = Loads { forces: vec![Vector::new(0.3, -0.2, 1.0); 16], ..Loads::default() };
     let input = acting(&loads, Traceless([0.3, 0.5, -0.2, 0.1, 0.4]));
     let solved = |mut solver: CoupledSolver| {
-        solver.solve(&suspension.cell, &suspension.particles, &input, &Guess::default()).unwrap()
+        solver.solve(&suspension.cell, &suspension.particles, &input, Guess::default()).unwrap()
     };
     let [found, exact] = [suspension.on(emulator(9)), suspension.on_host()].map(solved);
     let stresslets = |solution: &Solution| solution.stresslets.iter().flat_map(|s| s.0).collect::<Vec<_>>();
@@ -129,7 +129,7 @@ fn rows_are_not_copied() {
     for bytes in &mut copied {
         let before = counts.borrow().uploads[1];
         let input = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
-        solver.solve(cell, particles, &input, &Guess::default()).unwrap();
+        solver.solve(cell, particles, &input, Guess::default()).unwrap();
         *bytes = counts.borrow().uploads[1] - before;
     }
     let [first, second, third] = copied;
