@@ -64,8 +64,9 @@ impl Emulator {
             return Ok(program);
         }
         let compiler = std::env::var("CXX").unwrap_or_else(|_| "g++".to_owned());
-        let unfinished = program.with_extension(std::process::id().to_string());
-        let object = unfinished.with_extension("o");
+        // Several processes may compile at the same time.
+        let own = std::process::id();
+        let [unfinished, object] = [format!("{own}"), format!("{own}.o")].map(|ending| program.with_extension(ending));
         let source = |name: &str| Path::new(KERNELS).join(name);
         let [kernels, to_object] = [source("emulator.cc"), object.clone()];
         run(&compiler, options, &[Path::new("-c"), &kernels, Path::new("-o"), &to_object])?;
