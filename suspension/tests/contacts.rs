@@ -83,6 +83,7 @@ fn starts_that_overlap_are_relaxed() {
 /// same minimum gap. Offsets at a distance of 3 radii downstream, from the exact two-sphere functions (da Cunha &
 /// Hinch, J. Fluid Mech. 309, 211, 1996).
 #[test]
+#[ignore = "heavy"]
 fn a_rough_pair_is_left_with_the_exact_offset() {
     for (roughness, friction, exact) in
         [(5e-3, 0.0, 1.0175), (5e-3, 0.5, 1.0175), (5e-3, 5.0, 1.0175), (1e-2, 0.5, 1.126)]
@@ -231,6 +232,7 @@ fn without_friction_nothing_is_remembered_across() {
 
 /// The same spheres in micrometres, in a fluid of another viscosity at another shear rate, with automatic stiffness.
 #[test]
+#[ignore = "heavy"]
 fn units_do_not_matter() {
     let (length, viscosity, rate) = (1e-6, 8.5e-4, 13.0);
     let tight = ["hydrodynamics.tolerance=1e-7", "hydrodynamics.iteration_tolerance=1e-9", "time.steps=25"];

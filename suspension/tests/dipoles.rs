@@ -87,6 +87,7 @@ fn parting(keys: &[&str], distance: f64) -> f64 {
 /// centres, by `exact_force` of `scripts/validate dipoles`. Images in the box have fields of 1e-4, and the tangent that
 /// ends the table of exact forces at a gap of two radii is some 1e-3 of them.
 #[test]
+#[ignore = "heavy"]
 fn near_pairs_have_the_exact_forces() {
     let in_line = [(1.0, 2.01, -0.429569), (10.0, 2.01, -17.012666), (10.0, 2.5, -1.668789), (1e6, 2.05, -32.367517)];
     let side_by_side = [(1.0, 2.01, 0.118859), (10.0, 2.05, 0.810987), (1e6, 2.5, 0.759057)];
@@ -161,6 +162,7 @@ electric_moment = 3.0
 "#;
 
 #[test]
+#[ignore = "heavy"]
 fn runs_are_resumed_with_the_same_bits() {
     for keys in [
         &[][..],

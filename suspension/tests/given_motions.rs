@@ -138,6 +138,7 @@ fn a_resumed_run_has_the_same_bits() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn given_motions_are_the_same_on_any_ranks() {
     for keys in integrators() {
         ranks_agree(&model_of(FEW, keys), 1e-7, &format!("{keys:?}"));

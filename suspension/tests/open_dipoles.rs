@@ -35,6 +35,7 @@ fn positions(ranks: usize) -> Vec<Vector> {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn runs_in_open_space_are_resumed_with_the_same_bits() {
     for keys in [&[][..], &["time.integrator=implicit"]] {
         resumes_with_the_same_bits(&model_of(CLUSTER, keys), &format!("{keys:?}"));
@@ -42,6 +43,7 @@ fn runs_in_open_space_are_resumed_with_the_same_bits() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn ranks_do_not_matter_in_open_space() {
     let alone = positions(1);
     for ranks in [2, 3] {
@@ -82,6 +84,7 @@ fn force(keys: &[&str], distance: f64) -> f64 {
 
 /// Permanent moments attract each other as points do, `3 mu_0 m^2 / (2 pi r^4)`, down to contact; there is no image.
 #[test]
+#[ignore = "heavy"]
 fn permanent_moments_have_the_forces_of_points_down_to_contact() {
     let moments = "species=[{ radius = 1.0, count = 2, magnetic_moment = 5.0, orientation = 'aligned', \
                    orientation_axis = [0.0, 0.0, 1.0] }]";
@@ -96,6 +99,7 @@ fn permanent_moments_have_the_forces_of_points_down_to_contact() {
 
 /// In strong fields two spheres have the forces of their largest moments, in weak ones those without saturation.
 #[test]
+#[ignore = "heavy"]
 fn forces_of_spheres_that_saturate_have_both_limits() {
     let species = |saturation: &str| {
         format!("species=[{{ radius = 1.0, count = 2, magnetic_susceptibility = 5.0{saturation} }}]")

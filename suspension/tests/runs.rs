@@ -48,6 +48,7 @@ fn ranks_agree() {
 
 /// 26 spheres; and two spheres on a grid with fewer planes and lines along each axis than ranks.
 #[test]
+#[ignore = "heavy"]
 fn more_ranks_than_particles_or_planes_agree() {
     let two = "species=[{ radius = 1.0, count = 2, density_difference = 1.0 }]";
     for overrides in [&["time.steps=1"][..], &["time.steps=1", two, "box.edges=[7, 6, 8]"]] {

@@ -35,6 +35,7 @@ const METHODS: [&str; 3] =
     ["hydrodynamics.lubrication=true", "hydrodynamics.lubrication=false", "time={step=0.03,steps=1000}"];
 
 #[test]
+#[ignore = "heavy"]
 fn a_pair_comes_to_rest_where_its_forces_balance() {
     let radii = [1.0, 1.3];
     let repulsion = SurfaceForce::Screened { strength: 40.0, radius_power: 1, length: 0.02 };

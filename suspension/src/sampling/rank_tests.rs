@@ -111,6 +111,7 @@ fn with_pairs_far_apart() {
 }
 
 #[test]
+#[ignore = "heavy"]
 fn between_walls_and_in_layers() {
     let couette = Flow::Shear { rate: 0.5, lees_edwards: false };
     let flux = Flow::ConstantFlux { mean_velocity: 0.5 };

@@ -115,6 +115,7 @@ pub(super) fn relative(found: &[f64], exact: &[f64]) -> f64 {
 
 /// Both solutions to the tolerance of the solve, in as many iterations: round-off changes the last steps.
 #[test]
+#[ignore = "heavy"]
 fn solutions_are_those_of_the_host() {
     for (precision, iteration) in [(Precision::Double, 1e-6), (Precision::Single, 1e-4)] {
         let suspension = Suspension::new(precision, iteration);

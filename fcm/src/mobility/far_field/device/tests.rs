@@ -313,6 +313,7 @@ fn stresslets_are_those_of_the_host() {
 
 /// The forecast of `check`, apart from the transforms, beside the memory that an emulator serves.
 #[test]
+#[ignore = "heavy"]
 fn memory_is_as_predicted() {
     for (seed, precision) in [(33, Precision::Single), (34, Precision::Double)] {
         let case = Case::random(seed, Shape::Sheared, 1.5);
