@@ -62,10 +62,11 @@ impl<'a> Preconditioner<'a> {
     }
 
     /// The same matrix, solved in as many iterations for any gaps, by a preconditioner of its own that includes the
-    /// coupling of close pairs. For spheres without bodies. Collective.
+    /// coupling of close pairs, if pairs hold a sphere with more than `least` times its drag. For spheres without
+    /// bodies. Collective.
     #[must_use]
-    pub fn with_squeezed_pairs(mut self) -> Self {
-        self.squeezed = SqueezedPairs::among(self.near, self.single, &self.comm);
+    pub fn with_squeezed_pairs(mut self, least: f64) -> Self {
+        self.squeezed = SqueezedPairs::among(self.near, self.single, least, &self.comm);
         if let Some(squeezed) = &mut self.squeezed {
             self.inverse = self.near.stiff().inverses(self.single, |row, block| squeezed.remove_from(row, block));
             squeezed.couple(self.near, &self.inverse);

@@ -5,6 +5,7 @@ use crate::bodies::RigidBodies;
 use crate::body_projection::BodyProjection;
 use crate::coupled_solver::{END, MOST_ITERATIONS, ROUGH, START};
 use crate::pairs::search::{NearPairs, Pairs};
+use crate::pairs::squeezed::{PRESSED, SQUEEZED};
 use crate::preconditioner::Preconditioner;
 use crate::six_vector::{SixVector, SixVectors};
 use crate::solution::{Guess, Solution};
@@ -175,10 +176,12 @@ impl LubricatedSolve<'_> {
             BodyProjection::new(bodies, self.near, single, bodies.members().offsets(self.particles, self.strain_rate))
         };
         let matrix = Preconditioner::new(self.comm, self.near, single, ROUGH);
-        // Squirmers press on each other, where passive spheres keep off.
-        let is_squeezed = self.quadrupoles.is_some() && self.bodies.is_none();
-        let matrix = if is_squeezed { matrix.with_squeezed_pairs() } else { matrix };
-        Some(matrix.with_bodies(self.bodies.map(projection)))
+        let Some(bodies) = self.bodies else {
+            // Squirmers press on each other, where most passive spheres keep off.
+            let least = if self.quadrupoles.is_some() { SQUEEZED } else { PRESSED };
+            return Some(matrix.with_squeezed_pairs(least));
+        };
+        Some(matrix.with_bodies(Some(projection(bodies))))
     }
 
     /// Loads that keep bodies rigid: those of the solution minus the lubrication of the motions. Collective.

@@ -34,7 +34,11 @@ pub struct SqueezedPairs {
 
 /// Resistance to approach, over the drag on the smaller sphere alone, above which a pair is squeezed: at gaps below
 /// about a fortieth of the radius.
-const SQUEEZED: f64 = 10.0;
+pub const SQUEEZED: f64 = 10.0;
+
+/// Resistance of its pairs, over the drag alone, above which a passive sphere is pressed onto others: at gaps below some
+/// 3e-4 of the radius. The coupling would cost more than it saves where no sphere is.
+pub const PRESSED: f64 = 1e3;
 
 /// Error of the forces of approach. Rates of approach follow from them with an error larger by `k` over the drag.
 const TOLERANCE: f64 = 1e-10;
@@ -44,8 +48,11 @@ const MOST_ITERATIONS: usize = 1000;
 
 impl SqueezedPairs {
     /// The squeezed pairs among the stiff ones of spheres with the given single-sphere resistances; `None` if there are
-    /// none on any rank. Collective.
-    pub fn among(near: &NearPairs, single: &[SixVector], comm: &Comm) -> Option<Self> {
+    /// none on any rank, or if no sphere is held by its pairs with more than `least` times its drag. Collective.
+    pub fn among(near: &NearPairs, single: &[SixVector], least: f64, comm: &Comm) -> Option<Self> {
+        if !comm.any(near.stiff().holds(single, least)) {
+            return None;
+        }
         let species = &near.around.species;
         let towards_other = |pair: AxialPair| {
             let is_larger = species[pair.row] > species[pair.other];

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::pairs::search::Pairs;
+use crate::pairs::squeezed::{PRESSED, SQUEEZED};
 use crate::preconditioner::Preconditioner;
 use crate::system::SingleSpheres;
 use fcm::{Iterate, Limits, Linear, conjugate_gradients};
@@ -20,7 +21,7 @@ fn clusters(gap: f64) -> Particles {
 }
 
 /// Motions by id under given loads, and the number of iterations, on the ranks of a communicator.
-fn moved(comm: &Comm, gap: f64, has_squeezed: bool) -> (Vec<SixVector>, usize) {
+fn moved(comm: &Comm, gap: f64, least: Option<f64>) -> (Vec<SixVector>, usize) {
     let (cell, partition) = (cube(40.0), Partition::new(comm, [8, 8]));
     let mut particles = if comm.is_first() { clusters(gap) } else { Particles::default() };
     particles.wrap(&cell);
@@ -35,8 +36,8 @@ fn moved(comm: &Comm, gap: f64, has_squeezed: bool) -> (Vec<SixVector>, usize) {
     let near = NearPairs::find(&mut field, Connections::default(), &particles, view, StrainRate::default());
     let spheres = SingleSpheres::new(1.0, &particles.radii);
     let mut matrix = Preconditioner::new(comm, &near, &spheres.motion, TOLERANCE);
-    if has_squeezed {
-        matrix = matrix.with_squeezed_pairs();
+    if let Some(least) = least {
+        matrix = matrix.with_squeezed_pairs(least);
     }
     let load = |id: &u64| SixVector(std::array::from_fn(|k| ((*id as usize * 6 + k) as f64 * 1.7).sin()));
     let mut residual = SixVectors(particles.ids.iter().map(load).collect());
@@ -68,8 +69,8 @@ fn moved(comm: &Comm, gap: f64, has_squeezed: bool) -> (Vec<SixVector>, usize) {
 fn motions_of_close_pairs_take_about_as_many_iterations_for_any_gap() {
     let alone = Comm::alone();
     let [wide, closest] = [1e-3, 1e-6].map(|gap| {
-        let (expected, plain) = moved(&alone, gap, false);
-        let (found, iterations) = moved(&alone, gap, true);
+        let (expected, plain) = moved(&alone, gap, None);
+        let (found, iterations) = moved(&alone, gap, Some(SQUEEZED));
         assert!(iterations < plain, "{iterations} and {plain}");
         for (found, expected) in found.iter().zip(&expected) {
             assert!((0..6).all(|k| (found.0[k] - expected.0[k]).abs() < 10.0 * TOLERANCE), "{found:?} {expected:?}");
@@ -79,13 +80,26 @@ fn motions_of_close_pairs_take_about_as_many_iterations_for_any_gap() {
     assert!(closest <= wide + 5, "{wide} {closest}");
 }
 
+/// Spheres that no pair presses onto others move by the same bits as without the coupling.
+#[test]
+fn pairs_are_coupled_only_if_some_are_pressed_together() {
+    let alone = Comm::alone();
+    let bits =
+        |motions: Vec<SixVector>| motions.iter().flat_map(|motion| motion.0.map(f64::to_bits)).collect::<Vec<_>>();
+    let [apart, plain] = [Some(PRESSED), None].map(|least| moved(&alone, 2e-3, least));
+    assert_eq!(bits(apart.0), bits(plain.0));
+    let [pressed, coupled, plain] = [Some(PRESSED), Some(SQUEEZED), None].map(|least| moved(&alone, 1e-5, least));
+    assert_eq!(bits(pressed.0), bits(coupled.0));
+    assert!(pressed.1 < plain.1, "{} {}", pressed.1, plain.1);
+}
+
 /// Pairs may have their spheres on different ranks, and some ranks may have none.
 #[test]
 fn close_pairs_are_those_of_all_ranks() {
-    let (expected, iterations) = moved(&Comm::alone(), 1e-5, true);
+    let (expected, iterations) = moved(&Comm::alone(), 1e-5, Some(SQUEEZED));
     for ranks in [2, 3, 7] {
         Comm::threads(ranks, |comm| {
-            let (found, taken) = moved(&comm, 1e-5, true);
+            let (found, taken) = moved(&comm, 1e-5, Some(SQUEEZED));
             assert_eq!(taken, iterations);
             if comm.is_first() {
                 assert_eq!(found.len(), expected.len());

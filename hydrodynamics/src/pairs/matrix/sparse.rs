@@ -7,7 +7,7 @@ use crate::pairs::matrix::within_bodies::StoredPair;
 use crate::six_vector::SixVector;
 use bytemuck::{Pod, Zeroable};
 use domain::Traceless;
-use domain::parallel::in_blocks;
+use domain::parallel::{all_rows, in_blocks};
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
@@ -157,6 +157,15 @@ impl<T: StoredLanes> PairMatrix<T> {
     /// Adds to the diagonal block of a row.
     pub fn add_own(&mut self, row: usize, own: &DiagonalBlock<f64>) {
         self.parts[row / ROWS].own[row % ROWS].add(own);
+    }
+
+    /// Whether a sphere has a resistance to translation, summed over three directions, of more than `least` times its
+    /// drag alone.
+    pub fn holds(&self, single: &[SixVector], least: f64) -> bool {
+        !all_rows(single.len(), |row| {
+            let DiagonalBlock { force: [xx, _, _, yy, _, zz], .. } = self.parts[row / ROWS].own[row % ROWS];
+            xx + yy + zz <= least * single[row].0[0]
+        })
     }
 
     /// Inverses of the diagonal blocks plus the single-sphere resistances, after a function has changed each block.
