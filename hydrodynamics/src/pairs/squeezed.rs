@@ -36,8 +36,8 @@ pub struct SqueezedPairs {
 /// about a fortieth of the radius.
 pub const SQUEEZED: f64 = 10.0;
 
-/// Resistance of its pairs, over the drag alone, above which a passive sphere is pressed onto others: at gaps below some
-/// 3e-4 of the radius. The coupling would cost more than it saves where no sphere is.
+/// Resistance of its pairs, over the drag alone, above which a passive sphere is pressed onto others: at gaps below
+/// some 3e-4 of the radius. The coupling would cost more than it saves where no sphere is.
 pub const PRESSED: f64 = 1e3;
 
 /// Error of the forces of approach. Rates of approach follow from them with an error larger by `k` over the drag.
