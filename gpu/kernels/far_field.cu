@@ -24,6 +24,7 @@
     KERNEL(spread_2_##suffix, spread<T, 2>)               \
     KERNEL(spread_3_##suffix, spread<T, 3>)               \
     KERNEL(solve_##suffix, solve<T>)                      \
+    KERNEL(solve_open_##suffix, solve_open<T>)            \
     KERNEL(random_modes_##suffix, random_modes<T>)        \
     KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \

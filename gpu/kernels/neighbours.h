@@ -43,6 +43,14 @@ __device__ void separation(const Task &task, int target, int source, const int s
     separation_of<T>(task, sorted + 3 * target, sorted + 3 * source, steps, x);
 }
 
+// Whether a periodic image that is some steps away exists.
+static __device__ bool has_image(const Task &task, const int steps[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (steps[axis] != 0 && (task.bounded_axes >> axis & 1)) return false;
+    return true;
+}
+
 // Calls a function with each particle in the bins around one, periodic images included, and the steps to the image.
 template <typename T, typename Visit>
 __device__ void visit_around(const Task &task, int target, const int reach[3], const Visit &visit)
@@ -60,6 +68,7 @@ __device__ void visit_around(const Task &task, int target, const int reach[3], c
                     bin[axis] = wrapped(home[axis] + at[axis], task.bins[axis]);
                     steps[axis] = (home[axis] + at[axis] - bin[axis]) / task.bins[axis];
                 }
+                if (!has_image(task, steps)) continue;
                 int key = (bin[2] * task.bins[1] + bin[1]) * task.bins[0] + bin[0];
                 for (int source = task.bin_starts[key]; source < task.bin_starts[key + 1]; source++)
                     if (source != target || steps[0] != 0 || steps[1] != 0 || steps[2] != 0) visit(source, steps);

@@ -71,3 +71,36 @@ template <typename T> __device__ void solve(const Task &task)
     Mode<T> mode = mode_at<T>(task, at);
     store_across<T>(task, at, mode, mode.factor, f);
 }
+
+// Place of a mode up to half the points along each axis, the highest along x left out, in a list [m3][m2][m1].
+static __device__ long long place_of_octant(const Task &task, const int mode[3])
+{
+    return ((long long)mode[2] * (task.grid[1] / 2 + 1) + mode[1]) * (task.grid[0] / 2) + mode[0];
+}
+
+// Multiplies each mode by the kernel of unbounded fluid, a symmetric tensor whose entries xx, xy, xz, yy, yz and zz are
+// lists by modes. It is even along each axis but for the entries that couple this axis with another, which are odd.
+// The highest mode of x becomes zero. Forces and velocities are in the first half of the grid along each axis.
+template <typename T> __device__ void solve_open(const Task &task)
+{
+    int at = thread_index(), mode[3];
+    if (at >= modes_of(task)) return;
+    T sign[3];
+    for (int axis = 0; axis < 3; axis++) {
+        int order = signed_mode(task, at, axis);
+        sign[axis] = order < 0 ? -1 : 1;
+        mode[axis] = abs(order);
+    }
+    bool is_kept = 2 * mode[0] < task.grid[0];
+    long long count = (long long)(task.grid[0] / 2) * (task.grid[1] / 2 + 1) * (task.grid[2] / 2 + 1);
+    const T *entries = (const T *)task.free_kernel + (is_kept ? place_of_octant(task, mode) : 0);
+    T k[6];
+    for (int entry = 0; entry < 6; entry++) k[entry] = is_kept ? entries[entry * count] : (T)0;
+    k[1] *= sign[1], k[2] *= sign[2], k[4] *= sign[1] * sign[2];
+    const T rows[3][3] = {{k[0], k[1], k[2]}, {k[1], k[3], k[4]}, {k[2], k[4], k[5]}};
+    Complex<T> *spectrum = (Complex<T> *)task.spectrum + at, f[3];
+    for (int c = 0; c < 3; c++) f[c] = spectrum[c * modes_of(task)];
+    for (int c = 0; c < 3; c++)
+        spectrum[c * modes_of(task)] = {rows[c][0] * f[0].re + rows[c][1] * f[1].re + rows[c][2] * f[2].re,
+                                        rows[c][0] * f[0].im + rows[c][1] * f[1].im + rows[c][2] * f[2].im};
+}

@@ -28,6 +28,8 @@ struct Task {
     int *neighbour_starts, *neighbours;
     // Polynomials of the window, coefficients of the Laplacian by class, logarithms of the multiplier by axis.
     const void *window, *smoothing, *levels;
+    // Kernel of unbounded fluid by modes.
+    const void *free_kernel;
     // Pair functions: all tables, and for each pair of classes where its table begins, its intervals per square of
     // the distance, and its number of intervals; functions at distance 0 by class.
     const void *tables, *isolated;
@@ -85,6 +87,8 @@ struct Task {
     // Seed of a random field.
     unsigned long long noise_seed;
     long long list_size;
+    // Axes along which the box does not repeat, a bit each.
+    long long bounded_axes;
     // Number of pairs of all rows, and of those that the host gives.
     long long row_entries, given_entries;
 

@@ -69,7 +69,8 @@ impl SplitFarField {
             }
             EvaluationStage::Transform => {
                 self.transform(true)?;
-                self.launch(&format!("solve_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+                let kernel = format!("{}_{suffix}", self.tables.solve());
+                self.launch(&kernel, self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
                 self.transform(false)
             }
             EvaluationStage::Interpolate => {

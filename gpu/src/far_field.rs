@@ -68,7 +68,7 @@ pub struct StageSeconds {
 /// Lists on the device.
 #[derive(Default)]
 pub(crate) struct Buffers {
-    tables: [Buffer; 6],
+    tables: [Buffer; 7],
     of_box: [Buffer; 2],
     particles: [Buffer; 8],
     bins: [Buffer; 2],
@@ -117,6 +117,7 @@ impl SplitFarField {
             inverse_viscosity: 1.0 / tables.viscosity,
             gaussian: tables.gaussian,
             widening: tables.widening,
+            bounded_axes: tables.bounded_axes(),
             ..KernelTask::default()
         };
         let mut window = Vec::new();
@@ -129,13 +130,14 @@ impl SplitFarField {
         let starts: Vec<i32> = (0..sizes.len()).map(|pair| sizes[..pair].iter().sum()).collect();
         let pairs = tables.pairs.iter().flat_map(|table| table.coefficients.iter().flatten().flatten().copied());
         let per_square: Vec<f64> = tables.pairs.iter().map(|table| table.per_square).collect();
-        let [of_window, of_pairs, of_isolated, of_squares, of_starts, of_sizes] = &mut buffers.tables;
+        let [of_window, of_pairs, of_isolated, of_squares, of_starts, of_sizes, of_space] = &mut buffers.tables;
         task.window = of_window.fill(on, &numbers.bytes_of(window.into_iter()))?;
         task.tables = of_pairs.fill(on, &numbers.bytes_of(pairs))?;
         task.isolated = of_isolated.fill(on, &numbers.bytes_of(tables.isolated.iter().flatten().copied()))?;
         task.intervals_per_square = of_squares.fill(on, bytemuck::cast_slice(&per_square))?;
         task.table_starts = of_starts.fill(on, &ints(&starts))?;
         task.table_sizes = of_sizes.fill(on, &ints(&sizes))?;
+        task.free_kernel = of_space.fill(on, &numbers.bytes_of(tables.free_kernel.iter().copied()))?;
         let [field, spectrum] = &mut buffers.grid;
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;

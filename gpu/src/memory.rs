@@ -20,6 +20,8 @@ pub struct EvaluationSize {
     pub neighbours: f64,
     /// Number of intervals of all tables of pair functions.
     pub intervals: f64,
+    /// Whether the fluid is unbounded, for which there is a kernel by modes.
+    pub is_open: bool,
 }
 
 /// Numbers on which the memory of a solve with near pairs depends, besides that of evaluations.
@@ -79,7 +81,9 @@ impl EvaluationSize {
         // Positions in two orders, loads as given and as records, interpolated values, motions; five lists of integers,
         // and the starts of the neighbours.
         let particle = f64::from(8 * 3) + value * f64::from(3 + 11 + 12 + 12 + 11) + 4.0 * 6.0;
-        let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes;
+        let octant = (self.grid[0] / 2) as f64 * ((self.grid[1] / 2 + 1) * (self.grid[2] / 2 + 1)) as f64;
+        let kernel = if self.is_open { 6.0 * value * octant } else { 0.0 };
+        let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes + kernel;
         let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
         // The motion and that of a step; unknowns, residual, preconditioned residual, direction and its image.
         let vectors = value * f64::from(2 * 11 + 5 * 5) * self.particles;

@@ -85,6 +85,12 @@ pub struct SplitTables {
     pub gaussian: f64,
     /// Coefficient of `k^2` in the bracket of the Gaussian.
     pub widening: f64,
+    /// Axes along which the box repeats.
+    pub is_periodic: [bool; 3],
+    /// Kernel of unbounded fluid, with the volume of a grid point, if no axis is periodic: entries xx, xy, xz, yy, yz
+    /// and zz of a tensor, each by modes `[m3][m2][m1]` with `m1 < nx/2`, `m2 <= ny/2` and `m3 <= nz/2`; otherwise
+    /// empty.
+    pub free_kernel: Vec<f64>,
 }
 
 /// Shape of the box, and tables that depend on it.
@@ -108,6 +114,16 @@ impl SplitTables {
     /// Number of classes of radius.
     pub(crate) fn classes(&self) -> usize {
         self.isolated.len()
+    }
+
+    /// The axes along which the box does not repeat, a bit each.
+    pub(crate) fn bounded_axes(&self) -> i64 {
+        (0..3).filter(|&axis| !self.is_periodic[axis]).map(|axis| 1 << axis).sum()
+    }
+
+    /// Name of the kernel that solves by modes, without its precision.
+    pub(crate) fn solve(&self) -> &'static str {
+        if self.free_kernel.is_empty() { "solve" } else { "solve_open" }
     }
 
     /// Number of grid points.

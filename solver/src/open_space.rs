@@ -26,6 +26,19 @@ impl<T: Real, const C: usize> OpenSpace<T, C> {
         (modes * blocks * last * entries(C) * T::LANES) as f64
     }
 
+    /// Values of all entries of the tensor, `[entry][m3][m2][m1]` with `m1 < nx/2`, `m2 <= ny/2` and `m3 <= nz/2`.
+    pub fn by_modes(&self) -> Vec<T> {
+        let [columns, modes, last] = self.points.map(|n| n / 2 + 1);
+        let columns = columns - 1;
+        let value = |at: usize| {
+            let (m1, m2) = (at % columns, at / columns % modes);
+            let (m3, entry) = (at / (columns * modes) % last, at / (columns * modes * last));
+            let place = ((m2 * self.blocks + m1 / T::LANES) * last + m3) * entries(C) + entry;
+            self.table[place * T::LANES + m1 % T::LANES]
+        };
+        (0..columns * modes * last * entries(C)).map(value).collect()
+    }
+
     /// Multiplies columns along z of one block along x and one mode along y, as [`crate::Stokes`] does.
     ///
     /// # Safety

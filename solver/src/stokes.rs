@@ -135,6 +135,11 @@ impl<T: Real, const C: usize> Stokes<T, C> {
         Self { open: Some(kernel), ..Self::with_multiplier(grid, 1.0, &multiplier) }
     }
 
+    /// Kernel of unbounded space, if this solve is there.
+    pub fn open_space(&self) -> Option<&OpenSpace<T, C>> {
+        self.open.as_ref()
+    }
+
     /// Numbers of rows along y and along z, from the first on, that forces and velocities occupy.
     pub(crate) fn occupied(&self) -> [usize; 2] {
         let [_, ny, nz] = self.points;

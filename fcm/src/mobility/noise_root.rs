@@ -1,9 +1,10 @@
 //! Square roots of mobilities, applied to random numbers of particles.
 
-use crate::mobility::loads::{Loads, Motion};
+use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{
     self, DrawDiagnostics, LanczosLimits, NoiseRequest, ParticleComponents, square_root_times,
 };
+use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
 use domain::{Comm, Units, Vector, sphere};
 use std::convert::Infallible;
@@ -78,6 +79,22 @@ pub(crate) fn root_by_loads(
     let limits = LanczosLimits { tolerance: draw.tolerance, iterations: MOST_ITERATIONS };
     let Ok((root, drawn)) = square_root_times(comm, &numbers(draw, multipoles), limits, apply);
     (scales.times(&root), drawn)
+}
+
+/// Random motions, of particles of some classes of radius, by the square root of a whole mobility, which `apply` is.
+/// Collective.
+pub(crate) fn root_of_whole(
+    comm: &Comm,
+    plan: &Plan,
+    classes: &[u32],
+    draw: &NoiseRequest,
+    mut apply: impl FnMut(&Loads, Output) -> Motion,
+) -> (Motion, DrawDiagnostics) {
+    let multipoles = plan.multipoles;
+    let output = if multipoles == Multipoles::Dipole { Output::All } else { Output::Velocities };
+    let scales = Scales::new(&plan.radii, plan.viscosity, classes);
+    let (root, drawn) = root_by_loads(comm, &scales, draw, multipoles, |loads| apply(loads, output));
+    (noise::motion(root.into_iter()).of(multipoles), drawn)
 }
 
 /// Components of a motion; those of gradients are zero without dipoles.

@@ -117,8 +117,8 @@ impl Problem {
         if let Some(method) = self.fixed.method.filter(|&method| method != Method::Split) {
             return Err(refused(&format!("hydrodynamics.method is \"{}\", which a GPU does not have", method.name())));
         }
-        if self.boundaries != Boundaries::Periodic {
-            return Err(refused("the box has walls or open faces, and a GPU evaluates periodic boxes alone"));
+        if !matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) {
+            return Err(refused("the box has walls, or is a layer, and a GPU has periodic and unbounded fluid alone"));
         }
         if self.is_reduced() {
             return Err(refused("the box is more than sixteen times as long as it is wide across the flow"));
@@ -177,6 +177,7 @@ impl Plan {
             classes: self.radii.len() as f64,
             neighbours: particles * neighbours,
             intervals: self.table_intervals().unwrap_or_default() as f64,
+            is_open: self.boundaries == Boundaries::Open,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::device_pairs::lubrication_of;
 use super::*;
 use crate::springs::{BondSprings, ContactSprings, TetherResistance};
-use domain::Random;
+use domain::{Boundaries, Random};
 use fcm::{Method, Mobility, StressletSolver};
 use gpu::{Counted, Device, DeviceCounts, Emulator, NearSize, NumberFormat};
 
@@ -36,6 +36,7 @@ impl Suspension {
         let fixed = Fixed { precision: Some(precision), method: Some(Method::Split), ..given.fixed };
         let of_cell = Problem {
             edges: cell.edges(),
+            boundaries: cell.boundaries(),
             volume: cell.volume(),
             shortest_vector: Problem::shortest_vector_of(&cell),
             largest_strain: cell.strain().abs(),
@@ -117,16 +118,26 @@ pub(super) fn relative(found: &[f64], exact: &[f64]) -> f64 {
 #[test]
 #[ignore = "heavy"]
 fn solutions_are_those_of_the_host() {
+    let sheared = |edge| PeriodicBox::sheared(Vector::splat(edge), 0.3).unwrap();
     for (precision, iteration) in [(Precision::Double, 1e-6), (Precision::Single, 1e-4)] {
-        let suspension = Suspension::new(precision, iteration);
-        let exact = suspension.solutions(suspension.on_host());
-        let found = suspension.solutions(suspension.on(emulator(11)));
-        for (found, exact) in found.iter().zip(&exact) {
-            assert!(found.iterations > 3 && found.iterations.abs_diff(exact.iterations) <= 2, "{}", found.iterations);
-            for (kind, (found, exact)) in columns(found).iter().zip(&columns(exact)).enumerate() {
-                let difference = relative(found, exact);
-                assert!(difference < 3.0 * iteration, "{precision:?}, kind {kind}: {difference:e}");
-            }
+        agree(&Suspension::within(sheared, precision, iteration), precision, iteration);
+    }
+}
+
+/// The same in unbounded fluid.
+#[test]
+fn solutions_in_unbounded_fluid_are_those_of_the_host() {
+    let open = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(Boundaries::Open).unwrap();
+    agree(&Suspension::within(open, Precision::Double, 1e-4), Precision::Double, 1e-4);
+}
+fn agree(suspension: &Suspension, precision: Precision, iteration: f64) {
+    let exact = suspension.solutions(suspension.on_host());
+    let found = suspension.solutions(suspension.on(emulator(11)));
+    for (found, exact) in found.iter().zip(&exact) {
+        assert!(found.iterations > 3 && found.iterations.abs_diff(exact.iterations) <= 2, "{}", found.iterations);
+        for (kind, (found, exact)) in columns(found).iter().zip(&columns(exact)).enumerate() {
+            let difference = relative(found, exact);
+            assert!(difference < 3.0 * iteration, "{precision:?}, kind {kind}: {difference:e}");
         }
     }
 }

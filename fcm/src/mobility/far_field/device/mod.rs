@@ -1,7 +1,8 @@
 //! Far field by the split method on a device.
 //!
 //! Loads and motions pass through the host in each evaluation, except in the solve for the stresslets of rigid spheres.
-//! The flow of degenerate quadrupoles, which a solve needs once, is evaluated on the host, by the same plan.
+//! The flow of degenerate quadrupoles, which a solve needs once, and that at points of the fluid are evaluated on the
+//! host, by the same plan.
 
 mod coupled;
 mod random_motions;
@@ -13,7 +14,7 @@ mod vectors;
 
 use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
 use crate::mobility::far_field::grid::GridFarField;
-use crate::mobility::far_field::{FarField, RigidFarField, RigidProblem, RigidSolution};
+use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
@@ -38,7 +39,7 @@ pub(crate) struct DeviceFarField {
     split: SharedField,
     particles: Particles,
     cell: PeriodicBox,
-    /// The box on the device, in internal units.
+    /// The lattice of the grid on the device, in internal units.
     arranged: Option<PeriodicBox>,
     /// The same far field on the host, made when first needed, and whether its particles are those of the device.
     host: Option<(GridFarField, bool)>,
@@ -150,12 +151,12 @@ impl DeviceFarField {
 impl FarField for DeviceFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
         let inverse = 1.0 / self.units.length;
-        let own = cell.scaled(inverse);
-        if self.arranged != Some(own) {
-            succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&own)));
-            self.arranged = Some(own);
+        let frame = self.tables.frame(&cell.scaled(inverse));
+        if self.arranged != Some(frame.lattice) {
+            succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
+            self.arranged = Some(frame.lattice);
         }
-        let fraction = |&x: &Vector| (own.lattice_coordinates(x * inverse) / own.edges()).to_array();
+        let fraction = |&x: &Vector| frame.fractions(x * inverse).to_array();
         let fractions: Vec<f64> = particles.positions.iter().flat_map(fraction).collect();
         let classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
         succeeded(self.split.borrow_mut().arrange(&fractions, &classes));
@@ -208,6 +209,10 @@ impl FarField for DeviceFarField {
 
     fn noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
         self.random_motion(draw)
+    }
+
+    fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
+        self.host().flow(loads)
     }
 
     fn work(&self) -> Work {

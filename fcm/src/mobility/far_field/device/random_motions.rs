@@ -1,24 +1,30 @@
 //! Random motions on a device.
 
 use super::{DeviceFarField, scaled, succeeded};
+use crate::mobility::far_field::FarField;
 use crate::mobility::loads::{Loads, Motion};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
-use crate::mobility::noise_root::{Scales, of_motion, root_by_loads, sum_in_units};
+use crate::mobility::noise_root::{Scales, of_motion, root_by_loads, root_of_whole, sum_in_units};
 use crate::plan::problem::Multipoles;
-use domain::Vector;
+use domain::{Boundaries, Vector};
 use gpu::{DeviceLoads, DeviceMotion};
 
 impl DeviceFarField {
-    /// Random motions as of [`crate::mobility::FarField::noise`], by the random numbers of the host. The part on the
-    /// grid is drawn on the device; the square root of the pair corrections is applied by Lanczos' iteration, whose
-    /// vectors are on the host and whose products are on the device.
+    /// Random motions as of [`crate::mobility::FarField::noise`], by the random numbers of the host. In a periodic box
+    /// the part on the grid is drawn on the device. The square root of the pair corrections, and in all other boxes
+    /// that of the whole mobility, is applied by Lanczos' iteration, whose vectors are on the host and whose products
+    /// are on the device.
     pub(super) fn random_motion(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
+        let classes: Vec<u32> = self.particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        if self.plan.boundaries != Boundaries::Periodic {
+            let (comm, plan) = (self.partition.comm().clone(), self.plan.clone());
+            return root_of_whole(&comm, &plan, &classes, draw, |loads, output| self.apply(loads, output));
+        }
         let multipoles = self.plan.multipoles;
         let has_dipoles = multipoles == Multipoles::Dipole;
         let orders = self.tables.orders([true, has_dipoles], [true, has_dipoles]);
         let field = succeeded(self.split.borrow_mut().random_field(draw.stream.seed_of_field(), &orders));
         let own = self.plan.in_units(&self.units);
-        let classes: Vec<u32> = self.particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
         let scales = Scales::new(&own.radii, own.viscosity, &classes);
         let near = |loads: &Loads| {
             let forces = scaled(loads.forces.iter().map(Vector::to_array), 1.0);

@@ -2,12 +2,14 @@
 
 use crate::envelope::{Common, Envelope};
 use crate::grid::window::{KaiserBessel, Pieces, WindowLattice};
+use crate::mobility::far_field::grid::operator;
 use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::Plan;
 use crate::plan::problem::Precision;
-use domain::PeriodicBox;
+use domain::parallel::mapped;
+use domain::{Boundaries, PeriodicBox, Vector};
 use gpu::{DevicePairTable, LatticeShape, NumberFormat, Orders, SplitTables, WindowPolynomials};
-use solver::{Grid, Real};
+use solver::{Grid, Real, Stokes};
 
 /// Functions of a plan of the split method, in internal units.
 pub(super) struct PlanTables {
@@ -16,6 +18,22 @@ pub(super) struct PlanTables {
     window: KaiserBessel,
     grid: Grid,
     lattice: WindowLattice<f64>,
+    boundaries: Boundaries,
+    /// Position of the first grid point relative to the origin of the box.
+    first_point: Vector,
+}
+
+/// Lattice of the grid's periodic copies, and the position of its first point.
+pub(super) struct GridFrame {
+    pub lattice: PeriodicBox,
+    first: Vector,
+}
+
+impl GridFrame {
+    /// Lattice coordinates of a position as fractions of the edges.
+    pub fn fractions(&self, position: Vector) -> Vector {
+        self.lattice.lattice_coordinates(position - self.first) / self.lattice.edges()
+    }
 }
 
 impl PlanTables {
@@ -25,9 +43,30 @@ impl PlanTables {
             panic!("a plan for a device has the split method");
         };
         let envelopes: Vec<Envelope> = plan.radii.iter().map(|&radius| Envelope::of_sphere(radius)).collect();
-        let grid = Grid::new(plan.grid, plan.cell()).expect("a plan has a grid that can be transformed");
+        let cell = operator::lattice(plan, &plan.cell());
+        let grid = Grid::new(plan.grid, cell).expect("a plan has a grid that can be transformed");
         let lattice = WindowLattice::new(&grid, window, common, &envelopes);
-        Self { envelopes, common, window, grid, lattice }
+        let (boundaries, first_point) = (plan.boundaries, plan.first_point());
+        Self { envelopes, common, window, grid, lattice, boundaries, first_point }
+    }
+
+    /// Frame of the grid in a box.
+    pub fn frame(&self, cell: &PeriodicBox) -> GridFrame {
+        if self.boundaries == Boundaries::Periodic {
+            return GridFrame { lattice: *cell, first: Vector::ZERO };
+        }
+        GridFrame { lattice: *self.grid.cell(), first: cell.origin() + self.first_point }
+    }
+
+    /// Kernel of unbounded fluid by modes, with the volume of a grid point; empty in other boxes.
+    fn free_kernel<T: Real>(&self, plan: &Plan) -> Vec<f64> {
+        if self.boundaries != Boundaries::Open {
+            return Vec::new();
+        }
+        let stokes: Stokes<T> = operator::split(plan, &self.grid, self.window, self.common);
+        let kernel = stokes.open_space().expect("a kernel of unbounded fluid").by_modes();
+        let volume = operator::interpolated_volume(plan, &self.grid);
+        mapped(&kernel, |&value| value.to_f64() * volume)
     }
 
     /// Tables that do not depend on the shape of the box.
@@ -62,6 +101,8 @@ impl PlanTables {
             viscosity: plan.viscosity,
             gaussian: self.common.width * self.common.width,
             widening: 0.5 * self.common.increment,
+            is_periodic: [0, 1, 2].map(|axis| self.boundaries.is_periodic(axis)),
+            free_kernel: self.free_kernel::<T>(plan),
         }
     }
 

@@ -6,7 +6,7 @@ use crate::mobility::loads::{Motion, Output, dipole};
 use crate::mobility::noise::{
     self, DrawDiagnostics, LanczosLimits, NoiseRequest, ParticleComponents, square_root_times,
 };
-use crate::mobility::noise_root::{MOST_ITERATIONS, Scales, numbers, root_by_loads, sum_in_units};
+use crate::mobility::noise_root::{MOST_ITERATIONS, Scales, numbers, root_of_whole, sum_in_units};
 use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Tensor, Vector};
 use std::convert::Infallible;
@@ -65,11 +65,9 @@ impl GridFarField {
 
     /// Random motions by the square root of the whole mobility. Collective.
     fn whole_noise(&mut self, draw: &NoiseRequest) -> (Motion, DrawDiagnostics) {
-        let (comm, multipoles) = (self.partition.comm().clone(), self.plan.multipoles);
-        let scales = Scales::new(&self.plan.radii, self.plan.viscosity, &self.arrangement.classes[..draw.ids.len()]);
-        let output = if self.has_dipoles() { Output::All } else { Output::Velocities };
-        let (root, drawn) = root_by_loads(&comm, &scales, draw, multipoles, |loads| self.apply(loads, output));
-        (noise::motion(root.into_iter()).of(multipoles), drawn)
+        let (comm, plan) = (self.partition.comm().clone(), self.plan.clone());
+        let classes = self.arrangement.classes[..draw.ids.len()].to_vec();
+        root_of_whole(&comm, &plan, &classes, draw, |loads, output| self.apply(loads, output))
     }
 
     fn has_dipoles(&self) -> bool {

@@ -3,7 +3,7 @@
 mod flow;
 mod fluctuations;
 mod moments;
-mod operator;
+pub(super) mod operator;
 mod potential_grid;
 mod quadrupoles;
 mod spectral_grid;

@@ -26,7 +26,7 @@ pub(super) fn operator<T: Real>(plan: &Plan, grid: &Grid, partition: &Partition)
 }
 
 /// The solve of the split method for a field of one or three components, without walls.
-pub(super) fn split<T: Real, const C: usize>(
+pub(in crate::mobility::far_field) fn split<T: Real, const C: usize>(
     plan: &Plan,
     grid: &Grid,
     window: KaiserBessel,
@@ -94,13 +94,13 @@ fn channel<T: Real>(
 }
 
 /// Volume of a grid point by which interpolation multiplies.
-pub(super) fn interpolated_volume(plan: &Plan, grid: &Grid) -> f64 {
+pub(in crate::mobility::far_field) fn interpolated_volume(plan: &Plan, grid: &Grid) -> f64 {
     let spacing = grid.spacing();
     spacing.x * spacing.y * spacing.z / unit_volume(plan, grid).powi(2)
 }
 
 /// Lattice of the grid's periodic copies: that of the box if it is periodic along all axes.
-pub(super) fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
+pub(in crate::mobility::far_field) fn lattice(plan: &Plan, cell: &PeriodicBox) -> PeriodicBox {
     match plan.boundaries {
         Boundaries::Periodic => *cell,
         _ => PeriodicBox::new(plan.period).expect("a plan has a grid"),
