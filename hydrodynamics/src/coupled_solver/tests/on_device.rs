@@ -28,8 +28,10 @@ impl Suspension {
         let edge = (volume / 0.3).cbrt();
         let cell = shape(edge);
         let mut positions = random_packing(&cell, &radii, 0.0, 3).unwrap();
-        let line = cell.nearest_image(positions[1] - positions[0]).normalize();
-        positions[1] = positions[0] + line * (2.0 + 1e-3);
+        let line = cell.nearest_image(positions[1] - positions[0]);
+        let line = if cell.is_periodic(2) { line } else { Vector::new(line.x, line.y, 0.0) };
+        positions[1] = positions[0] + line.normalize() * (2.0 + 1e-3);
+        let cell = if cell.boundaries() == Boundaries::Open { around(&cell, &positions) } else { cell };
         let mut particles = placed(&positions, &radii);
         particles.wrap(&cell);
         let given = problem(edge, &[1.0, 1.6], 1e-3, iteration);
@@ -82,6 +84,13 @@ impl Suspension {
         let guess = Guess { stresslets_far: first.far.stresslets.clone(), ..Guess::induced_by(&first.motion) };
         [first, solver.solve(&self.cell, &self.particles, &settling, guess).unwrap()]
     }
+}
+
+/// The smallest box around positions in unbounded fluid.
+fn around(cell: &PeriodicBox, positions: &[Vector]) -> PeriodicBox {
+    let low = positions.iter().fold(positions[0], |low, &x| low.min(x));
+    let high = positions.iter().fold(positions[0], |high, &x| high.max(x));
+    cell.with_extent(low, high - low).unwrap()
 }
 
 pub(super) fn emulator(seed: u64) -> Box<dyn Device> {
