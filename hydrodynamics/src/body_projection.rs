@@ -2,14 +2,16 @@
 
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
-use crate::bodies::matrix::{BodyMatrix, motion_of_member};
+use crate::bodies::matrix::{BodyMatrix, ResistanceBlocks, motion_of_member};
 use crate::bodies::members::Members;
 use crate::pairs::matrix::diagonal_block::inverse;
+use crate::pairs::matrix::lanes::{LANES, SimdLanes};
 use crate::pairs::search::NearPairs;
 use crate::six_vector::{SixVector, SixVectors};
 use domain::Particles;
 use domain::parallel::{MeasuredLoop, change, change_rows, mapped, of_rows};
 use fcm::{Linear, Motion};
+use lubrication::Arithmetic;
 use rayon::prelude::*;
 use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
@@ -24,8 +26,8 @@ pub struct BodyProjection<'a> {
     offsets: SixVectors,
     /// `S^-1` of each body.
     inverse: Vec<BodyMatrix>,
-    /// `(S + K^T R K)^-1 S` of each body, with the resistance `R` of its own stiff pairs.
-    preconditioner: Vec<BodyMatrix>,
+    /// `(S + K^T R K)^-1 S` of each body, with the resistance `R` of its own stiff pairs; `None` without such pairs.
+    preconditioner: Option<Vec<BodyMatrix>>,
 }
 
 /// Number of bodies whose matrices one thread inverts at a time.
@@ -35,20 +37,23 @@ impl<'a> BodyProjection<'a> {
     /// The projection for spheres with single-sphere resistances, and with the given motions relative to the background
     /// flow when their bodies rest relative to it. Collective.
     pub fn new(bodies: &'a RigidBodies, near: &NearPairs, single: &'a [SixVector], mut offsets: SixVectors) -> Self {
-        let (stiff, members) = (near.stiff_of_bodies(), bodies.members());
+        let (members, given) = (bodies.members(), bodies.given_components());
         let alone = |row: usize| {
             let arm = members.arm(row);
-            BodyMatrix::of_members([arm; 2], |motion| resisted(&single[row], motion))
+            BodyMatrix::of_members([arm; 2], &ResistanceBlocks::of_single(&single[row]))
         };
         let alone = bodies.matrices(alone);
-        let mut resistance = bodies.matrices(|row| stiff.of_member(members, row));
-        change(&mut resistance, &alone, |sum, &of_body| *sum += of_body);
-        let given: Vec<[Option<f64>; 6]> =
-            (0..alone.len()).map(|body| bodies.given_motion(body).components()).collect();
-        let moved = SixVectors(mapped(&given, |given| SixVector(given.map(Option::unwrap_or_default))));
-        change_rows(&mut offsets.0, |row, offset| *offset += members.motion(row, &moved).unwrap_or_default());
-        let mut preconditioner = inverses(resistance, &given);
-        change(&mut preconditioner, &alone, |inverse, s| *inverse = inverse.product(s));
+        let preconditioner = near.stiff_of_bodies().map(|stiff| {
+            let mut resistance = bodies.matrices(|row| stiff.of_member(members, row));
+            change(&mut resistance, &alone, |sum, &of_body| *sum += of_body);
+            let mut preconditioner = inverses(resistance, &given);
+            change(&mut preconditioner, &alone, |inverse, s| *inverse = inverse.product(s));
+            preconditioner
+        });
+        if !given.is_empty() {
+            let moved = SixVectors(mapped(&given, |given| SixVector(given.map(Option::unwrap_or_default))));
+            change_rows(&mut offsets.0, |row, offset| *offset += members.motion(row, &moved).unwrap_or_default());
+        }
         Self { bodies, single, offsets, inverse: inverses(alone, &given), preconditioner }
     }
 
@@ -64,15 +69,17 @@ impl<'a> BodyProjection<'a> {
         });
     }
 
-    /// Overwrites the motions of members by those under projected loads: any member tells the load on its body.
+    /// Overwrites the motions of members by those under projected loads: any member tells the load on its body. Without
+    /// stiff pairs these are the motions of single spheres under the projected loads.
     pub fn precondition(&self, projected: &SixVectors, motions: &mut SixVectors) {
+        let Some(preconditioner) = &self.preconditioner else { return };
         let (members, single) = (self.bodies.members(), self.single);
         let of_body = |(body, matrix): (usize, &BodyMatrix)| {
             let row = members.rows(body)[0] as usize;
             let moved = SixVector(std::array::from_fn(|k| projected.0[row].0[k] / single[row].0[k]));
             matrix.times(&motion_of_member(moved, -members.arm(row)))
         };
-        let moved = SixVectors(self.preconditioner.par_iter().enumerate().map(of_body).measured().collect());
+        let moved = SixVectors(preconditioner.par_iter().enumerate().map(of_body).measured().collect());
         change_rows(&mut motions.0, |row, motion| {
             if let Some(rigid) = members.motion(row, &moved) {
                 *motion = rigid;
@@ -105,18 +112,21 @@ fn resisted(single: &SixVector, motion: SixVector) -> SixVector {
     SixVector(std::array::from_fn(|k| single.0[k] * motion.0[k]))
 }
 
-/// Inverses of matrices without the given components.
+/// Inverses of symmetric positive definite matrices without the given components, of which the list may be empty.
 fn inverses(mut matrices: Vec<BodyMatrix>, given: &[[Option<f64>; 6]]) -> Vec<BodyMatrix> {
-    let without = |matrix: &BodyMatrix, given: &[Option<f64>; 6], diagonal: f64| {
-        matrix.without(given.map(|component| component.is_some()), diagonal)
+    let without = |matrices: &mut Vec<BodyMatrix>, diagonal: f64| {
+        if !given.is_empty() {
+            let components = |given: &[Option<f64>; 6]| given.map(|component| component.is_some());
+            change(matrices, given, |matrix, given| *matrix = matrix.without(components(given), diagonal));
+        }
     };
-    change(&mut matrices, given, |matrix, given| *matrix = without(matrix, given, 1.0));
+    without(&mut matrices, 1.0);
     matrices.par_chunks_mut(BATCH).measured().for_each(|batch| f64::dispatch(Inversion(batch)));
-    change(&mut matrices, given, |matrix, given| *matrix = without(matrix, given, 0.0));
+    without(&mut matrices, 0.0);
     matrices
 }
 
-/// Inverts symmetric positive definite matrices.
+/// Inverts symmetric positive definite matrices, one per lane.
 struct Inversion<'a>(&'a mut [BodyMatrix]);
 
 impl VectorKernel<f64> for Inversion<'_> {
@@ -124,7 +134,29 @@ impl VectorKernel<f64> for Inversion<'_> {
 
     #[inline(always)]
     fn run<V: Width<f64>>(self) {
-        self.0.iter_mut().for_each(|matrix| matrix.0 = inverse(matrix.0));
+        for matrices in self.0.chunks_mut(LANES) {
+            let mut lanes = [[0.0; LANES]; BodyMatrix::NUMBERS];
+            // The identity keeps empty lanes invertible.
+            (0..6).for_each(|k| lanes[7 * k] = [1.0; LANES]);
+            for (lane, matrix) in matrices.iter().enumerate() {
+                for k in 0..BodyMatrix::NUMBERS {
+                    lanes[k][lane] = matrix.0.as_flattened()[k];
+                }
+            }
+            let mut work = [[SimdLanes::<V>::constant(0.0); 6]; 6];
+            for k in 0..BodyMatrix::NUMBERS {
+                work.as_flattened_mut()[k] = SimdLanes::read(&lanes[k]);
+            }
+            let found = inverse(work);
+            for k in 0..BodyMatrix::NUMBERS {
+                found.as_flattened()[k].write(&mut lanes[k]);
+            }
+            for (lane, matrix) in matrices.iter_mut().enumerate() {
+                for k in 0..BodyMatrix::NUMBERS {
+                    matrix.0.as_flattened_mut()[k] = lanes[k][lane];
+                }
+            }
+        }
     }
 }
 

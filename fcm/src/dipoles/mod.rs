@@ -136,7 +136,7 @@ impl DipoleField {
         let place = Elsewhere::new(&self.partition, domain, particles, &[moments]);
         self.arrange(domain.cell, &place.particles);
         let fields = self.far.fields(&place.vectors(0), false);
-        place.back(&of_rows(fields.len(), |row| fields[row].0))
+        place.back(of_rows(fields.len(), |row| fields[row].0))
     }
 
     /// Moments in an applied field, and the field. Fails on every rank or on none.
@@ -162,10 +162,10 @@ impl DipoleField {
         };
         let solution = self.solve_here(&place.particles, &problem)?;
         Ok(DipoleSolution {
-            induced: place.back(&solution.induced),
-            moments: place.back(&solution.moments),
-            fields: place.back(&solution.fields),
-            gradients: place.back(&solution.gradients),
+            induced: place.back(solution.induced),
+            moments: place.back(solution.moments),
+            fields: place.back(solution.fields),
+            gradients: place.back(solution.gradients),
             iterations: solution.iterations,
         })
     }
@@ -195,7 +195,7 @@ impl DipoleField {
     pub fn first_moments(&mut self, domain: DomainView, particles: &Particles, moments: &[Vector]) -> Vec<Tensor> {
         let place = Elsewhere::new(&self.partition, domain, particles, &[moments]);
         self.arrange(domain.cell, &place.particles);
-        place.back(&self.far.first_moments(&place.vectors(0)))
+        place.back(self.far.first_moments(&place.vectors(0)))
     }
 
     /// Evaluations of the field so far.

@@ -102,9 +102,9 @@ impl RigidBodies {
         Self { members: self.members.scaled(1.0 / units.length), shared: self.shared.clone(), given }
     }
 
-    /// Given components of the motion of a body, by its place.
-    pub(crate) fn given_motion(&self, place: usize) -> GivenMotion {
-        self.given.get(place).copied().flatten().unwrap_or_default()
+    /// Given components of the motions of the bodies, by their places; empty if no body on this rank has any.
+    pub(crate) fn given_components(&self) -> Vec<[Option<f64>; 6]> {
+        mapped(&self.given, |given| given.unwrap_or_default().components())
     }
 
     /// `K^T L`: loads on the bodies. Collective.

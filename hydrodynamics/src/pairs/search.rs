@@ -199,9 +199,9 @@ impl NearPairs {
         self.stiff.rows(count)
     }
 
-    /// Stiff pairs as parts of the resistance of bodies.
-    pub fn stiff_of_bodies(&self) -> StiffOfBodies<'_> {
-        StiffOfBodies { stiff: &self.stiff, present: self.bodies.as_ref() }
+    /// Stiff pairs as parts of the resistance of bodies; `None` without short-range interactions, on all ranks.
+    pub fn stiff_of_bodies(&self) -> Option<StiffOfBodies<'_>> {
+        self.bodies.as_ref().map(|present| StiffOfBodies { stiff: &self.stiff, present })
     }
 
     /// Loads of a selection of pairs in the motions of this rank's particles. Collective.

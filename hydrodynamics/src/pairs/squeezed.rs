@@ -5,7 +5,7 @@ use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::pair_rows::AxialPair;
 use crate::pairs::search::NearPairs;
 use crate::six_vector::{SixVector, SixVectors};
-use domain::parallel::{change, change_rows, of_rows};
+use domain::parallel::{change, of_rows};
 use domain::{Comm, Halo, Interrupt, Vector};
 use fcm::{Iterate, Limits, Linear, System, conjugate_gradients};
 
@@ -28,8 +28,12 @@ pub struct SqueezedPairs {
     pairs: Vec<AxialPair>,
     /// End of each row in the pairs.
     ends: Vec<usize>,
+    /// Rows that have pairs.
+    rows: Vec<u32>,
     /// Diagonal of `S`, pair by pair.
     diagonal: Vec<f64>,
+    /// Error of the forces of approach.
+    tolerance: f64,
 }
 
 /// Resistance to approach, over the drag on the smaller sphere alone, above which a pair is squeezed: at gaps below
@@ -40,8 +44,11 @@ pub const SQUEEZED: f64 = 10.0;
 /// some 3e-4 of the radius. The coupling would cost more than it saves where no sphere is.
 pub const PRESSED: f64 = 1e3;
 
-/// Error of the forces of approach. Rates of approach follow from them with an error larger by `k` over the drag.
-const TOLERANCE: f64 = 1e-10;
+/// Error of the rates of approach. It is larger than that of the forces by `k` over the drag.
+const TOLERANCE: f64 = 1e-5;
+
+/// Least error of the forces.
+const LEAST_TOLERANCE: f64 = 1e-10;
 
 /// Largest number of iterations for the forces of approach.
 const MOST_ITERATIONS: usize = 1000;
@@ -60,11 +67,15 @@ impl SqueezedPairs {
         };
         let mut drags = of_rows(single.len(), |row| single[row].0[0]);
         near.around.halo.extend(&mut drags);
-        let is_squeezed = |pair: &AxialPair| pair.resistance > SQUEEZED * drags[pair.row].min(drags[pair.other]);
+        let over_drag = |pair: &AxialPair| pair.resistance / drags[pair.row].min(drags[pair.other]);
+        let is_squeezed = |pair: &AxialPair| over_drag(pair) > SQUEEZED;
         let mut pairs: Vec<AxialPair> = near.stiff.axial_pairs().filter(is_squeezed).map(towards_other).collect();
-        if !comm.any(!pairs.is_empty()) {
+        let mut largest = [pairs.iter().map(over_drag).fold(0.0, f64::max)];
+        comm.max(&mut largest);
+        if largest == [0.0] {
             return None;
         }
+        let tolerance = (TOLERANCE / largest[0]).max(LEAST_TOLERANCE);
         pairs.sort_by_key(|pair| pair.row);
         let mut ends = vec![0; single.len()];
         for pair in &pairs {
@@ -74,7 +85,9 @@ impl SqueezedPairs {
             *end += before;
             *end
         });
-        Some(Self { pairs, ends, diagonal: Vec::new() })
+        let mut rows: Vec<u32> = pairs.iter().map(|pair| pair.row as u32).collect();
+        rows.dedup();
+        Some(Self { pairs, ends, rows, diagonal: Vec::new(), tolerance })
     }
 
     /// Takes over `D^-1` of each sphere, before motions are corrected. Collective.
@@ -110,14 +123,12 @@ impl SqueezedPairs {
         let mut z = forces.clone();
         let mut system = ApproachSystem { pairs: self, halo: &near.around.halo, inverse };
         let iterate = Iterate { x: &mut forces, residual: &mut residual, z: &mut z };
-        let limits = Limits { tolerance: TOLERANCE, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
+        let limits = Limits { tolerance: self.tolerance, iterations: MOST_ITERATIONS, interrupt: &Interrupt::NEVER };
         conjugate_gradients(comm, &mut system, iterate, limits);
-        change_rows(&mut motions.0, |row, motion| {
-            let force = self.force(row, &forces);
-            if force != Vector::ZERO {
-                *motion += -inverse[row].under_force(force);
-            }
-        });
+        for &row in &self.rows {
+            let row = row as usize;
+            motions.0[row] += -inverse[row].under_force(self.force(row, &forces));
+        }
     }
 
     /// Rates of approach for the velocities of spheres and ghosts, `N^T u`.
@@ -186,10 +197,12 @@ impl System for ApproachSystem<'_> {
 
     fn apply(&mut self, direction: &PairNumbers) -> PairNumbers {
         let Self { pairs, halo, inverse, .. } = self;
-        let mut velocities = of_rows(inverse.len(), |row| {
-            let force = pairs.force(row, direction);
-            inverse[row].under_force(force).linear()
+        let moved = of_rows(pairs.rows.len(), |k| {
+            let row = pairs.rows[k] as usize;
+            inverse[row].under_force(pairs.force(row, direction)).linear()
         });
+        let mut velocities = of_rows(inverse.len(), |_| Vector::ZERO);
+        pairs.rows.iter().zip(moved).for_each(|(&row, velocity)| velocities[row as usize] = velocity);
         halo.extend(&mut velocities);
         let mut image = pairs.approach(&velocities);
         let of_pairs = pairs.pairs.iter().zip(&direction.0);

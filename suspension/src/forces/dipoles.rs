@@ -21,6 +21,8 @@ pub struct DipoleForces {
     kind: MomentKind,
     applied: AppliedField,
     species: Vec<SphereMoment>,
+    /// Radii by species.
+    radii: Vec<f64>,
     /// Made by [`Self::start`].
     field: Option<FieldOfMoments>,
     near: NearPolarisation,
@@ -128,8 +130,10 @@ impl DipoleForces {
         let of_kind = |kind: MomentKind| {
             let species: Vec<_> = model.species.iter().map(|species| kind.of(species)).collect();
             let radii: Vec<f64> = model.species.iter().map(|species| species.radius).collect();
-            let near = |species: &[SphereMoment]| NearPolarisation::new(species, &radii);
-            kind.field(model).map(|applied| Self { kind, applied, near: near(&species), species, field: None })
+            kind.field(model).map(|applied| {
+                let near = NearPolarisation::new(&species, &radii);
+                Self { kind, applied, near, species, radii, field: None }
+            })
         };
         MomentKind::ALL.into_iter().filter_map(of_kind).collect()
     }
@@ -156,19 +160,35 @@ impl DipoleForces {
         self.species.iter().any(|moment| moment.susceptibility != 0.0)
     }
 
-    /// Moments and fields at present positions. Collective.
-    fn solve(&self, at: &Configuration) -> Result<DipoleSolution, Failure> {
-        let (particles, species, applied) = (at.particles, &self.species, self.applied.at(at.time));
-        let law = |row: usize| species[particles.species[row] as usize].magnetisation(particles.radii[row]);
+    /// Moments and fields at present positions, from a [guess](Self::guess). Collective.
+    fn solve(&self, at: &Configuration, [guess, _]: &[Vec<Vector>; 2]) -> Result<DipoleSolution, Failure> {
+        let (particles, applied) = (at.particles, self.applied.at(at.time));
+        let laws: Vec<_> = self.spheres().map(|(moment, radius)| moment.magnetisation(radius)).collect();
+        let law = |row: usize| laws[particles.species[row] as usize];
         let problem = DipoleProblem {
             field: applied,
-            permanent: &permanent(particles, species),
+            permanent: &permanent(particles, &self.species),
             polarisabilities: &of_rows(particles.len(), |row| law(row).polarisability),
             saturations: &of_rows(particles.len(), |row| law(row).saturation),
-            guess: &self.guess(particles, at.time)[0],
+            guess,
         };
         let solved = self.field_in(at.domain)?.solve(at.domain, particles, &problem);
         solved.map_err(|error| self.failure(at.domain, &error))
+    }
+
+    /// Moments and fields at present positions. Collective.
+    fn solve_afresh(&self, at: &Configuration) -> Result<DipoleSolution, Failure> {
+        self.solve(at, &self.guess(at.particles, at.time))
+    }
+
+    /// Moments and radii by species.
+    fn spheres(&self) -> impl Iterator<Item = (&SphereMoment, f64)> {
+        self.species.iter().zip(self.radii.iter().copied())
+    }
+
+    /// Induced moments of single spheres in an applied field, by species.
+    fn alone(&self, field: Vector) -> Vec<Vector> {
+        self.spheres().map(|(moment, radius)| moment.moment_alone(radius, field)).collect()
     }
 
     /// Induced moments that the iteration starts from, and the part of them that is extrapolated, before it is reduced
@@ -177,37 +197,32 @@ impl DipoleForces {
     fn guess(&self, particles: &Particles, time: f64) -> [Vec<Vector>; 2] {
         let [last, before] = [induced_column, past_column].map(|name| vectors(particles, name(self.kind)));
         let past = PastMoments::of(particles, self.kind).filter(|_| last.len() == particles.len());
-        let applied = self.applied.at(time);
-        let species = &self.species;
-        let alone = |row: usize, field: Vector| {
-            species[particles.species[row] as usize].moment_alone(particles.radii[row], field)
-        };
+        let now = self.alone(self.applied.at(time));
+        let of = |alone: &[Vector], row: usize| alone[particles.species[row] as usize];
         let Some(past) = past else {
-            return [of_rows(particles.len(), |row| alone(row, applied)), vec![Vector::ZERO; particles.len()]];
+            return [of_rows(particles.len(), |row| of(&now, row)), vec![Vector::ZERO; particles.len()]];
         };
+        let [alone, alone_before] = past.fields.map(|field| self.alone(field));
         let ahead = if before.len() == last.len() { past.ahead(time) } else { 0.0 };
         let change = |row: usize| {
             if ahead == 0.0 {
                 return Vector::ZERO;
             }
-            let alone = alone(row, past.fields[0]) - alone(row, past.fields[1]);
-            (last[row] - before[row] - alone) * ahead
+            (last[row] - before[row] - (of(&alone, row) - of(&alone_before, row))) * ahead
         };
         let changes = of_rows(particles.len(), change);
-        let guess =
-            |row: usize| last[row] + (alone(row, applied) - alone(row, past.fields[0])) + changes[row] * past.share;
+        let guess = |row: usize| last[row] + (of(&now, row) - of(&alone, row)) + changes[row] * past.share;
         [of_rows(particles.len(), guess), changes]
     }
 
-    /// Stores the induced moments of an evaluation, and the share of the extrapolation with which the guess would have
+    /// Stores the induced moments of an evaluation, and the share of the extrapolation with which its guess would have
     /// come closest to them. Collective.
-    fn remember(&self, at: &mut Instant, induced: &[Vector]) {
+    fn remember(&self, at: &mut Instant, induced: &[Vector], [guess, changes]: &[Vec<Vector>; 2]) {
         let (kind, time, applied) = (self.kind, at.time, self.applied.at(at.time));
-        let [guess, changes] = self.guess(at.particles, time);
         let known = PastMoments::of(at.particles, kind);
         let mut past = known.unwrap_or(PastMoments { fields: [applied; 2], times: [time; 2], share: 1.0 });
         let mut sums = [0.0; 2];
-        for ((found, guess), change) in induced.iter().zip(&guess).zip(&changes) {
+        for ((found, guess), change) in induced.iter().zip(guess).zip(changes) {
             sums[0] += (*found - *guess).dot(*change);
             sums[1] += change.length_squared();
         }
@@ -253,13 +268,14 @@ impl Force for DipoleForces {
 
     fn add_present_loads(&self, at: &Configuration, loads: &mut Loads) {
         // Moments that are not found cause an error where they are asked for first, in an evaluation.
-        if let Ok(solution) = self.solve(at) {
+        if let Ok(solution) = self.solve_afresh(at) {
             self.add(&solution, self.near_pairs(at).as_ref(), loads);
         }
     }
 
     fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
-        let solution = self.solve(&at.configuration())?;
+        let guess = self.guess(at.particles, at.time);
+        let solution = self.solve(&at.configuration(), &guess)?;
         let near = self.near_pairs(&at.configuration());
         let moments = near.as_ref().map(PolarisedPairs::moments);
         self.add(&solution, near.as_ref(), &mut acting.loads);
@@ -268,7 +284,7 @@ impl Force for DipoleForces {
             at.particles.vectors(near_column(self.kind)).copy_from_slice(&moments);
         }
         if self.has_induced() {
-            self.remember(at, &solution.induced);
+            self.remember(at, &solution.induced, &guess);
         }
         Ok(())
     }
@@ -282,7 +298,7 @@ impl Force for DipoleForces {
     }
 
     fn moments(&self, at: &Configuration, _beyond: Option<&Prediction>) -> Vec<Vec<Tensor>> {
-        let Ok(solution) = self.solve(at) else { return Vec::new() };
+        let Ok(solution) = self.solve_afresh(at) else { return Vec::new() };
         let Ok(mut field) = self.field_in(at.domain) else { return Vec::new() };
         let mut moments = field.first_moments(at.domain, at.particles, &solution.moments);
         if let Some(near) = self.near_pairs(at) {

@@ -1,8 +1,10 @@
 //! Diagonal blocks of the resistance matrix.
 
+use crate::bodies::matrix::{ResistanceBlocks, cross_matrix};
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, SimdLanes, transpose};
 use crate::six_vector::SixVector;
+use domain::{Tensor, Vector};
 use lubrication::Arithmetic;
 use simd::{SimdVector as Width, VectorKernel};
 
@@ -29,6 +31,15 @@ impl DiagonalBlock<f64> {
         self.force.iter_mut().zip(other.force).for_each(|(sum, value)| *sum += value);
         self.torque.iter_mut().zip(other.torque).for_each(|(sum, value)| *sum += value);
         self.coupling.iter_mut().zip(other.coupling).for_each(|(sum, value)| *sum += value);
+    }
+
+    /// Its blocks as matrices.
+    pub fn blocks(&self) -> ResistanceBlocks {
+        let [force, torque] = [self.force, self.torque].map(|[xx, xy, xz, yy, yz, zz]| {
+            Tensor::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
+        });
+        let coupling = cross_matrix(Vector::from_array(self.coupling));
+        ResistanceBlocks { force: [force, -coupling], torque: [coupling, torque] }
     }
 
     /// Numbers of a block.

@@ -1,11 +1,10 @@
 //! Pairs within rigid bodies.
 
-use crate::bodies::matrix::BodyMatrix;
+use crate::bodies::matrix::{BodyMatrix, ResistanceBlocks, cross_matrix};
 use crate::bodies::members::Members;
 use crate::bodies::present::PresentBodies;
 use crate::pairs::matrix::sparse::{LaneGroup, MatrixPart, PairMatrix, ROWS};
-use crate::six_vector::SixVector;
-use domain::Vector;
+use domain::{Tensor, Vector};
 
 /// Place of a pair in a block of the matrix: its row, its group and its lane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -27,29 +26,30 @@ impl PairWithinBody<'_> {
         self.group.others[self.lane] as usize
     }
 
-    /// Load on the sphere of the row due to the motion of the other.
-    pub fn load(&self, motion: SixVector) -> SixVector {
+    /// Resistance of the sphere of the row to motions of the other.
+    fn blocks(&self) -> ResistanceBlocks {
         let (group, lane) = (self.group, self.lane);
         let z = Vector::from_array(group.axis.map(|component| component[lane]));
-        let (u, o) = (motion.linear(), motion.angular());
-        let along = z * (z.dot(u) * group.axial_excess[lane]);
-        let spin = z * (z.dot(o) * group.spin_excess[lane]);
-        let [turning, moving] = [o.cross(z) * group.yb[0][lane], z.cross(u) * group.yb[1][lane]];
-        SixVector::new(u * group.ya[lane] + along + turning, o * group.yc[lane] + spin + moving)
+        let along = Tensor::from_cols(z * z.x, z * z.y, z * z.z);
+        let axial = |across: f64, excess: f64| Tensor::from_diagonal(Vector::splat(across)) + along * excess;
+        let crossed = cross_matrix(z);
+        let [turning, moving] = [-group.yb[0][lane], group.yb[1][lane]].map(|factor| crossed * factor);
+        ResistanceBlocks {
+            force: [axial(group.ya[lane], group.axial_excess[lane]), turning],
+            torque: [moving, axial(group.yc[lane], group.spin_excess[lane])],
+        }
     }
 }
 
 impl PairMatrix<f64> {
-    /// Loads on the sphere of a row due to its own motion, or zero.
-    pub fn own_load(&self, row: usize, motion: SixVector) -> SixVector {
-        let [ux, uy, uz, ox, oy, oz] = motion.0;
-        let block = self.parts.get(row / ROWS).map(|part| &part.own[row % ROWS]);
-        SixVector(block.map_or([0.0; 6], |block| block.times([[ux, uy, uz], [ox, oy, oz]])))
+    /// Resistance of the sphere of a row to its own motion.
+    fn own_blocks(&self, row: usize) -> ResistanceBlocks {
+        self.parts[row / ROWS].own[row % ROWS].blocks()
     }
 
     /// Pairs of a row within its body.
-    pub fn within_body(&self, row: usize) -> impl Iterator<Item = PairWithinBody<'_>> {
-        self.parts.get(row / ROWS).into_iter().flat_map(move |part| part.within_body((row % ROWS) as u32))
+    fn within_body(&self, row: usize) -> impl Iterator<Item = PairWithinBody<'_>> {
+        self.parts[row / ROWS].within_body((row % ROWS) as u32)
     }
 }
 
@@ -62,21 +62,19 @@ impl MatrixPart<f64> {
     }
 }
 
-/// Stiff pairs, and the bodies of the spheres, if there are any.
+/// Stiff pairs, and the bodies of the spheres.
 pub struct StiffOfBodies<'a> {
     pub stiff: &'a PairMatrix<f64>,
-    pub present: Option<&'a PresentBodies>,
+    pub present: &'a PresentBodies,
 }
 
 impl StiffOfBodies<'_> {
     /// Loads of stiff pairs on the sphere of a row, as loads on its body, in the motions of that body alone.
     pub fn of_member(&self, members: &Members, row: usize) -> BodyMatrix {
         let arm = members.arm(row);
-        let mut sum = BodyMatrix::of_members([arm; 2], |motion| self.stiff.own_load(row, motion));
-        if let Some(present) = self.present {
-            for pair in self.stiff.within_body(row) {
-                sum += BodyMatrix::of_members([arm, present.arm(pair.other())], |motion| pair.load(motion));
-            }
+        let mut sum = BodyMatrix::of_members([arm; 2], &self.stiff.own_blocks(row));
+        for pair in self.stiff.within_body(row) {
+            sum += BodyMatrix::of_members([arm, self.present.arm(pair.other())], &pair.blocks());
         }
         sum
     }
