@@ -24,12 +24,7 @@ fn name(list: usize) -> String {
 
 impl<'a> Elsewhere<'a> {
     /// Moves this rank's particles, with lists of a vector for each. Collective.
-    pub fn new(
-        partition: &Partition,
-        home: DomainView<'a>,
-        particles: &'a Particles,
-        lists: &[&'a [Vector]],
-    ) -> Self {
+    pub fn new(partition: &Partition, home: DomainView<'a>, particles: &'a Particles, lists: &[&'a [Vector]]) -> Self {
         let (ids, lists, is_alone) = (&particles.ids[..], lists.to_vec(), partition.comm().size() == 1);
         if is_alone {
             return Self { particles: Cow::Borrowed(particles), home, ids, lists, is_alone };

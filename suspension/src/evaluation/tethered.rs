@@ -3,8 +3,11 @@
 use super::Dynamics;
 use crate::error::step::StepError;
 use crate::forces::contacts::{self, FORCE_NUMBERS};
-use crate::forces::tethers::BondTotals;
+use crate::forces::tethers::{BondTotals, Bonds, MovingBonds};
 use domain::{DomainView, Particles};
+
+/// Error of positions, over the length of a bond, up to which bonds are followed well.
+const STRICT: f64 = 0.01;
 
 impl Dynamics {
     /// Ends a step for all forces, for example by breaking bonds. Collective.
@@ -17,6 +20,22 @@ impl Dynamics {
     /// Collective.
     pub fn bond_totals(&self, particles: &Particles) -> Option<BondTotals> {
         self.forces.bonds.as_ref().map(|bonds| bonds.totals(particles, self.domain()))
+    }
+
+    /// Bonds with velocities in the named columns, if they may need shorter steps than an error of `tolerance` radii of
+    /// the positions, and none otherwise or if errors are not limited; `None` if one is as long as half of the box. Collective.
+    pub fn moving_bonds<const N: usize>(
+        &self,
+        particles: &mut Particles,
+        columns: [&str; N],
+        tolerance: f64,
+    ) -> Option<MovingBonds<N>> {
+        let is_loose =
+            |bonds: &&Bonds| tolerance.is_finite() && tolerance * self.largest_radius > STRICT * bonds.shortest();
+        match self.forces.bonds.as_ref().filter(is_loose) {
+            Some(bonds) => bonds.moving(particles, columns, self.domain(), self.forces.lists()),
+            None => Some(MovingBonds::NONE),
+        }
     }
 
     /// Energy of the trapped spheres; `None` without traps. Collective.

@@ -8,6 +8,7 @@ use crate::evaluation::extrapolation;
 use crate::evaluation::gap_control::RelativeMotion;
 use crate::evaluation::{Dynamics, Outcome, StageTime};
 use crate::forces::contacts;
+use crate::forces::tethers::MovingBonds;
 use crate::integrators::adams_bashforth::{PAST_OF_ANY_LENGTH, remember};
 use crate::integrators::motion;
 use crate::integrators::substeps::{SHORTEST, ages, grow_older, largest_displacement, moved_apart, share};
@@ -29,6 +30,13 @@ const SAFETY: f64 = 0.7;
 
 /// Relative deviation of a gap from its predicted value that is allowed.
 const GAP_ERROR: f64 = 0.1;
+
+/// Displacement of the ends of a bond relative to each other, over its length, and rotation of an end of one that
+/// resists bending, by which the solution may deviate from the prediction about which the bond is linearised.
+const BOND_ERROR: f64 = 0.1;
+
+/// Largest predicted change of a bond's length, over that at rest. Longer bonds than 1.25 of it are explicit.
+const BOND_CHANGE: f64 = 0.2;
 
 /// Error, over the allowed one, above which a substep is repeated.
 const REDONE: f64 = 4.0;
@@ -54,7 +62,8 @@ const REDONE: f64 = 4.0;
 /// The error of a substep is estimated by `b h (U - U*) / 3`. The next substep is chosen such that it is at most
 /// `tolerance` radii for every sphere, and that gaps agree with their predicted values within a tenth, where gaps below
 /// `tolerance` radii, or without lubrication below the range of the repulsion, count as that large; and such that no
-/// gap is predicted to lose more than `gap_fraction` of itself. If the error is larger, the resulting positions become
+/// gap is predicted to lose more than `gap_fraction` of itself, and no bond to change its length by more than a fifth.
+/// Ends of bonds agree with their predicted places within a tenth of the length. If the error is larger, the resulting positions become
 /// the new prediction and the velocities are solved for once more, so that a pair that reaches the onset of a stiff
 /// force does not bounce off it. If four times the allowed error remains, a shorter substep is taken. Spheres that
 /// would come closer than the minimum gap of lubrication are moved apart to that gap.
@@ -130,7 +139,9 @@ impl Substep<'_> {
         let before = (particles.copied(), dynamics.periodic_cell().clone());
         loop {
             let mut approach = dynamics.approach(particles, USED);
-            let length = choose(&mut approach, &ages, LengthBounds { rest, longest, control, clock }, dynamics)?;
+            let bonds = dynamics.moving_bonds(particles, USED, control.tolerance).unwrap_or(MovingBonds::NONE);
+            let bounds = LengthBounds { rest, longest, control, clock };
+            let length = choose(&mut approach, &bonds, &ages, bounds, dynamics)?;
             let step = length.step;
             let end = if step >= rest { 1.0 } else { fraction + step / clock.dt() };
             let implicit = Some(length.implicit() * step);
@@ -178,9 +189,10 @@ struct LengthBounds<'a> {
 }
 
 /// Length of a substep: `rest` divided evenly into parts not longer than `longest`, in which no gap is predicted to
-/// lose more than allowed. Collective.
+/// lose more than allowed, and no bond to change more. Collective.
 fn choose(
     approach: &mut RelativeMotion<3>,
+    bonds: &MovingBonds<3>,
     ages: &[f64],
     LengthBounds { rest, mut longest, control, clock }: LengthBounds,
     dynamics: &Dynamics,
@@ -195,11 +207,13 @@ fn choose(
         if length.step < SHORTEST * clock.dt() {
             return Err(StepError::Collision { step: clock.step(), gap: dynamics.gap(change.gap) });
         }
-        if change.loss <= control.gap_fraction {
+        let stretch = bonds.stretch(length.expected(), comm);
+        if change.loss <= control.gap_fraction && stretch <= BOND_CHANGE {
             return Ok(length);
         }
         // A NaN shortens the substep too, so the loop ends.
-        longest = length.step * (0.9 * control.gap_fraction / change.loss).max(0.1);
+        let by_gaps = (0.9 * control.gap_fraction / change.loss).max(0.1);
+        longest = length.step * by_gaps.min((0.9 * BOND_CHANGE / stretch).max(0.1));
     }
 }
 
@@ -230,9 +244,11 @@ fn correct(particles: &mut Particles, length: &Length, control: &Adaptive, dynam
     let sheared = approach.advected_by(dynamics.periodic_cell().deformation(missing));
     let change = sheared.after([weights, [0.0; 2]], dynamics.least_gaps(control.tolerance), comm);
     let Some(apart) = moved_apart(sheared, weights, dynamics) else { return f64::INFINITY };
+    let Some(bonds) = dynamics.moving_bonds(particles, columns, control.tolerance) else { return f64::INFINITY };
+    let of_bonds = bonds.displacement(weights, comm) / BOND_ERROR;
     motion::advance(particles, columns, weights);
     motion::move_apart(particles, &apart);
-    error.max(change.error / GAP_ERROR)
+    error.max(change.error / GAP_ERROR).max(of_bonds)
 }
 
 /// Stores the data from which the next substep starts.

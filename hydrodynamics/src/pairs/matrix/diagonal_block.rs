@@ -35,9 +35,8 @@ impl DiagonalBlock<f64> {
 
     /// Its blocks as matrices.
     pub fn blocks(&self) -> ResistanceBlocks {
-        let [force, torque] = [self.force, self.torque].map(|[xx, xy, xz, yy, yz, zz]| {
-            Tensor::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
-        });
+        let [force, torque] = [self.force, self.torque]
+            .map(|[xx, xy, xz, yy, yz, zz]| Tensor::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]));
         let coupling = cross_matrix(Vector::from_array(self.coupling));
         ResistanceBlocks { force: [force, -coupling], torque: [coupling, torque] }
     }

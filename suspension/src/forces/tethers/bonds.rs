@@ -2,6 +2,7 @@
 
 use super::beam::{BeamStiffness, BondLoad};
 use super::bond::{Bond, BondKind, BondTotals, ExpectedMotion, OwnBeam, Tied};
+use super::moving_bonds::MovingBonds;
 use crate::columns::{BEAM_END_NUMBERS, BEAM_ENDS, BOND_NUMBERS, BONDS};
 use crate::error::step::StepError;
 use crate::forces::acting::{Acting, Configuration, Instant, Prediction};
@@ -26,6 +27,8 @@ pub struct Bonds {
     kinds: Vec<BondKind>,
     /// Longest rest length; 0 before [`Self::start`].
     longest: f64,
+    /// Shortest rest length.
+    shortest: f64,
     /// Width of the columns [`BONDS`] and [`BEAM_ENDS`].
     numbers: usize,
     /// Whether some bonds resist bending.
@@ -90,7 +93,7 @@ impl Bonds {
         };
         let (kinds, half) = (model.bonds.iter().map(kind).collect(), 0.5 * model.shortest_vector());
         let numbers = model.bond_numbers() + model.beam_end_numbers();
-        let bonds = Self { kinds, longest: 0.0, numbers, have_beams: model.has_beams(), half };
+        let bonds = Self { kinds, longest: 0.0, shortest: 0.0, numbers, have_beams: model.has_beams(), half };
         (!model.bonds.is_empty()).then_some(bonds)
     }
 
@@ -101,9 +104,28 @@ impl Bonds {
 
     /// Takes the rest lengths from the particles' column. Collective.
     pub fn start(&mut self, particles: &Particles, comm: &Comm) {
-        let mut longest = [slots(particles).map(|(_, slot)| slot[1]).fold(0.0, f64::max)];
-        comm.max(&mut longest);
-        self.longest = longest[0];
+        let lengths = || slots(particles).map(|(_, slot)| slot[1]);
+        // The greatest of the negative lengths is that of the shortest bond.
+        let mut greatest = [lengths().fold(0.0, f64::max), lengths().fold(f64::NEG_INFINITY, |most, l| most.max(-l))];
+        comm.max(&mut greatest);
+        (self.longest, self.shortest) = (greatest[0], -greatest[1]);
+    }
+
+    /// Shortest rest length.
+    pub fn shortest(&self) -> f64 {
+        self.shortest
+    }
+
+    /// Bonds with velocities in the named columns; `None` if one is as long as half of the box. Collective.
+    pub fn moving<const N: usize>(
+        &self,
+        particles: &mut Particles,
+        columns: [&str; N],
+        domain: DomainView,
+        lists: &NeighbourLists,
+    ) -> Option<MovingBonds<N>> {
+        let tied = self.find(particles, domain, lists).ok()?;
+        Some(MovingBonds::of(&tied, particles, columns))
     }
 
     /// Energies of stretching, bending and twisting, and number of broken bonds. Collective.

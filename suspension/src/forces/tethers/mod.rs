@@ -4,10 +4,12 @@ mod beam;
 mod beam_ends;
 mod bond;
 mod bonds;
+mod moving_bonds;
 mod start;
 mod traps;
 
 pub use bond::BondTotals;
 pub use bonds::Bonds;
+pub use moving_bonds::MovingBonds;
 pub use start::{check, tie};
 pub use traps::Traps;
