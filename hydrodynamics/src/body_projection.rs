@@ -2,7 +2,7 @@
 
 use crate::ambient::StrainRate;
 use crate::bodies::RigidBodies;
-use crate::bodies::matrix::{BodyMatrix, ResistanceBlocks, motion_of_member};
+use crate::bodies::matrix::{BodyMatrix, SphereResistance, motion_of_member};
 use crate::bodies::members::Members;
 use crate::pairs::matrix::diagonal_block::inverse;
 use crate::pairs::matrix::lanes::{LANES, SimdLanes};
@@ -40,7 +40,7 @@ impl<'a> BodyProjection<'a> {
         let (members, given) = (bodies.members(), bodies.given_components());
         let alone = |row: usize| {
             let arm = members.arm(row);
-            BodyMatrix::of_members([arm; 2], &ResistanceBlocks::of_single(&single[row]))
+            BodyMatrix::of_members([arm; 2], &SphereResistance::of_single(&single[row]))
         };
         let alone = bodies.matrices(alone);
         let preconditioner = near.stiff_of_bodies().map(|stiff| {

@@ -13,7 +13,7 @@ pub struct BodyMatrix(pub [[f64; 6]; 6]);
 /// Resistance of a sphere to motions of a sphere, by its blocks: those of the force and of the torque, due to the
 /// velocity and to the angular velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ResistanceBlocks {
+pub struct SphereResistance {
     pub force: [Tensor; 2],
     pub torque: [Tensor; 2],
 }
@@ -47,8 +47,8 @@ impl BodyMatrix {
 
     /// `K_i^T A K_j`, with `A` the resistance of a sphere `i` to motions of a sphere `j` of the same body, and the arms
     /// of both.
-    pub fn of_members(arms: [Vector; 2], blocks: &ResistanceBlocks) -> Self {
-        let ResistanceBlocks { force, torque } = blocks;
+    pub fn of_members(arms: [Vector; 2], blocks: &SphereResistance) -> Self {
+        let SphereResistance { force, torque } = blocks;
         let turned = force[1] - times_cross(&force[0], arms[1]);
         let [moment, moment_turned] = [force[0], turned].map(|forces| cross(arms[0], &forces));
         let velocity = [force[0], torque[0] + moment];
@@ -58,8 +58,8 @@ impl BodyMatrix {
     }
 }
 
-impl ResistanceBlocks {
-    /// Those of a single sphere.
+impl SphereResistance {
+    /// Resistance of a single sphere to its own motion.
     pub fn of_single(single: &SixVector) -> Self {
         let [force, torque] = [single.linear(), single.angular()].map(Tensor::from_diagonal);
         Self { force: [force, Tensor::ZERO], torque: [Tensor::ZERO, torque] }
@@ -109,7 +109,7 @@ mod tests {
     /// The columns are the loads on the body in its unit motions, and products are those of the loads.
     #[test]
     fn matrices_of_members_give_the_loads_on_their_body() {
-        let blocks = ResistanceBlocks { force: [tensor(0.3), tensor(1.0)], torque: [tensor(2.0), tensor(-0.4)] };
+        let blocks = SphereResistance { force: [tensor(0.3), tensor(1.0)], torque: [tensor(2.0), tensor(-0.4)] };
         let arms = [Vector::new(0.3, -1.2, 0.7), Vector::new(-2.0, 0.4, 1.1)];
         let motion = SixVector([0.2, -0.5, 1.0, 0.9, 0.1, -0.6]);
         let of_sphere = motion_of_member(motion, arms[1]);

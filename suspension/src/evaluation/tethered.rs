@@ -23,7 +23,8 @@ impl Dynamics {
     }
 
     /// Bonds with velocities in the named columns, if they may need shorter steps than an error of `tolerance` radii of
-    /// the positions, and none otherwise or if errors are not limited; `None` if one is as long as half of the box. Collective.
+    /// the positions, and none otherwise or if errors are not limited; `None` if one is as long as half of the box.
+    /// Collective.
     pub fn moving_bonds<const N: usize>(
         &self,
         particles: &mut Particles,

@@ -63,10 +63,10 @@ const REDONE: f64 = 4.0;
 /// `tolerance` radii for every sphere, and that gaps agree with their predicted values within a tenth, where gaps below
 /// `tolerance` radii, or without lubrication below the range of the repulsion, count as that large; and such that no
 /// gap is predicted to lose more than `gap_fraction` of itself, and no bond to change its length by more than a fifth.
-/// Ends of bonds agree with their predicted places within a tenth of the length. If the error is larger, the resulting positions become
-/// the new prediction and the velocities are solved for once more, so that a pair that reaches the onset of a stiff
-/// force does not bounce off it. If four times the allowed error remains, a shorter substep is taken. Spheres that
-/// would come closer than the minimum gap of lubrication are moved apart to that gap.
+/// Ends of bonds agree with their predicted places within a tenth of the length. If the error is larger, the resulting
+/// positions become the new prediction and the velocities are solved for once more, so that a pair that reaches the
+/// onset of a stiff force does not bounce off it. If four times the allowed error remains, a shorter substep is taken.
+/// Spheres that would come closer than the minimum gap of lubrication are moved apart to that gap.
 ///
 /// Collective; fails on every rank or on none.
 pub fn advance(

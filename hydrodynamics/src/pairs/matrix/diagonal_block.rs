@@ -1,6 +1,6 @@
 //! Diagonal blocks of the resistance matrix.
 
-use crate::bodies::matrix::{ResistanceBlocks, cross_matrix};
+use crate::bodies::matrix::{SphereResistance, cross_matrix};
 use crate::pairs::matrix::inverse_block::Block;
 use crate::pairs::matrix::lanes::{LANES, SimdLanes, transpose};
 use crate::six_vector::SixVector;
@@ -34,11 +34,11 @@ impl DiagonalBlock<f64> {
     }
 
     /// Its blocks as matrices.
-    pub fn blocks(&self) -> ResistanceBlocks {
+    pub fn blocks(&self) -> SphereResistance {
         let [force, torque] = [self.force, self.torque]
             .map(|[xx, xy, xz, yy, yz, zz]| Tensor::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]));
         let coupling = cross_matrix(Vector::from_array(self.coupling));
-        ResistanceBlocks { force: [force, -coupling], torque: [coupling, torque] }
+        SphereResistance { force: [force, -coupling], torque: [coupling, torque] }
     }
 
     /// Numbers of a block.

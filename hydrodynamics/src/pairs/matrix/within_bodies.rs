@@ -1,6 +1,6 @@
 //! Pairs within rigid bodies.
 
-use crate::bodies::matrix::{BodyMatrix, ResistanceBlocks, cross_matrix};
+use crate::bodies::matrix::{BodyMatrix, SphereResistance, cross_matrix};
 use crate::bodies::members::Members;
 use crate::bodies::present::PresentBodies;
 use crate::pairs::matrix::sparse::{LaneGroup, MatrixPart, PairMatrix, ROWS};
@@ -27,14 +27,14 @@ impl PairWithinBody<'_> {
     }
 
     /// Resistance of the sphere of the row to motions of the other.
-    fn blocks(&self) -> ResistanceBlocks {
+    fn blocks(&self) -> SphereResistance {
         let (group, lane) = (self.group, self.lane);
         let z = Vector::from_array(group.axis.map(|component| component[lane]));
         let along = Tensor::from_cols(z * z.x, z * z.y, z * z.z);
         let axial = |across: f64, excess: f64| Tensor::from_diagonal(Vector::splat(across)) + along * excess;
         let crossed = cross_matrix(z);
         let [turning, moving] = [-group.yb[0][lane], group.yb[1][lane]].map(|factor| crossed * factor);
-        ResistanceBlocks {
+        SphereResistance {
             force: [axial(group.ya[lane], group.axial_excess[lane]), turning],
             torque: [moving, axial(group.yc[lane], group.spin_excess[lane])],
         }
@@ -43,7 +43,7 @@ impl PairWithinBody<'_> {
 
 impl PairMatrix<f64> {
     /// Resistance of the sphere of a row to its own motion.
-    fn own_blocks(&self, row: usize) -> ResistanceBlocks {
+    fn own_blocks(&self, row: usize) -> SphereResistance {
         self.parts[row / ROWS].own[row % ROWS].blocks()
     }
 
