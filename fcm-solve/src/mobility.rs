@@ -168,7 +168,7 @@ fn answer(motions: &Motions, case: &Case, plan: &Plan, turn: AxisRotation, secon
     let vectors = |list: &[Vector]| list.iter().map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().map(|tensor| tensor.0).collect();
     let dipoles = plan.multipoles == Multipoles::Dipole;
-    let Motions { motion, stresslets, stresslets_far, iterations, residual, bodies } = motions;
+    let Motions { motion, stresslets, stresslets_far, iterations, residual, bodies, .. } = motions;
     let has_bodies = !bodies.velocities.is_empty();
     CaseAnswer {
         velocities: vectors(&motion.velocities),

@@ -28,6 +28,16 @@ fn plan(suspension: &Suspension, tolerance: f64) -> Plan {
 
 /// Flow at all points of a raster on `ranks` ranks.
 fn flow(suspension: &Suspension, plan: &Plan, loads: &Loads, ranks: usize) -> (SamplePoints, Vec<Vector>) {
+    flow_with(suspension, plan, [loads, &Loads::default()], ranks)
+}
+
+/// Flow of loads, and of degenerate quadrupoles, which are the forces of other loads, if there are any.
+fn flow_with(
+    suspension: &Suspension,
+    plan: &Plan,
+    [loads, quadrupoles]: [&Loads; 2],
+    ranks: usize,
+) -> (SamplePoints, Vec<Vector>) {
     let raster = plan.raster(suspension.cell.origin());
     let all = Comm::threads(ranks, |comm| {
         let partition = Partition::new(&comm, [plan.grid[1], plan.grid[2]]);
@@ -42,7 +52,8 @@ fn flow(suspension: &Suspension, plan: &Plan, loads: &Loads, ranks: usize) -> (S
         };
         let mut mobility = Mobility::new(plan, &partition);
         mobility.arrange(&suspension.cell, &particles);
-        let mut flow = mobility.flow(&own);
+        let of_rows: Vec<Vector> = rows.iter().filter_map(|&row| quadrupoles.forces.get(row)).copied().collect();
+        let mut flow = mobility.flow(&own, (!quadrupoles.forces.is_empty()).then_some(&of_rows[..]));
         (0..raster.points[2]).flat_map(|k| flow.plane(&raster, k)).collect::<Vec<_>>()
     });
     assert!(all.iter().all(|velocities| *velocities == all[0]), "all ranks have the same");
@@ -115,6 +126,41 @@ fn flow_in_open_space_is_that_of_closed_forms() {
     }
 }
 
+/// Degenerate quadrupoles of the size of forces.
+fn quadrupoles(suspension: &Suspension) -> Loads {
+    Loads { forces: suspension.loads(8).forces, ..Loads::default() }
+}
+
+/// In unbounded fluid the flow of a quadrupole is that of its two Gaussians, and outside of its sphere that of a point,
+/// `(H - 3 x x.H / r^2) / (4 pi mu r^3)`.
+#[test]
+fn flow_of_quadrupoles_is_that_of_closed_forms() {
+    let suspension = some(Boundaries::Open);
+    let (loads, quadrupoles) = (suspension.loads(4), quadrupoles(&suspension));
+    for tolerance in [1e-3, 1e-5] {
+        let plan = plan(&suspension, tolerance);
+        let (raster, found) = flow_with(&suspension, &plan, [&loads, &quadrupoles], 1);
+        let (_, of_loads) = flow(&suspension, &plan, &loads, 1);
+        let of_sphere = |row: usize, at: Vector| {
+            let (x, h, radius) = (at - suspension.positions[row], quadrupoles.forces[row], suspension.radii[row]);
+            let gaussians = Envelope::of_sphere(radius).quadrupole();
+            let by = |k: usize| stokeslet(x, h * gaussians.weight, gaussians.variances[k].sqrt());
+            let smooth = by(0) - by(1);
+            if x.length() > 3.0 * radius {
+                let point = (h - 3.0 * x * x.dot(h) / x.length_squared()) / (4.0 * PI * x.length().powi(3));
+                assert!((smooth - point).length() < 1e-6 * h.length(), "{x}: {smooth} {point}");
+            }
+            smooth / suspension.viscosity
+        };
+        let exact = |at: &Vector| (0..5).map(|row| of_sphere(row, *at)).fold(Vector::ZERO, |sum, u| sum + u);
+        let exact: Vec<Vector> = places(&raster).iter().map(exact).collect();
+        let difference = found.iter().zip(&of_loads).zip(&exact).map(|((all, loads), exact)| *all - *loads - *exact);
+        let off = largest(difference) / largest(exact.iter().copied());
+        println!("{tolerance:e}: {off:.1e}, {}", plan.in_short());
+        assert!(off < tolerance, "{off:e} at {tolerance:e}");
+    }
+}
+
 /// A sphere's velocity is the mean of the flow over its envelope, with any boundaries.
 #[test]
 fn spheres_move_with_the_flow_in_their_envelopes() {
@@ -164,7 +210,8 @@ fn fluid_rests_at_walls() {
     for boundaries in [Boundaries::Walls, Boundaries::Wall] {
         suspension.cell = cell([9.0, 8.0, 14.0], boundaries);
         for tolerance in [1e-2, 1e-3, 1e-4] {
-            let (raster, found) = flow(&suspension, &plan(&suspension, tolerance), &loads, 1);
+            let loads = [&loads, &quadrupoles(&suspension)];
+            let (raster, found) = flow_with(&suspension, &plan(&suspension, tolerance), loads, 1);
             let [nx, ny, nz] = raster.points;
             assert_eq!(raster.point([0, 0, 0]), Vector::ZERO);
             let at = |k: usize| largest(found[k * nx * ny..(k + 1) * nx * ny].iter().copied());
@@ -239,9 +286,10 @@ fn flow_is_the_same_on_any_ranks() {
     for boundaries in ALL {
         let suspension = some(boundaries);
         let (plan, loads) = (plan(&suspension, 1e-3), suspension.loads(5));
-        let (_, alone) = flow(&suspension, &plan, &loads, 1);
+        let loads = [&loads, &quadrupoles(&suspension)];
+        let (_, alone) = flow_with(&suspension, &plan, loads, 1);
         for ranks in [2, 3, 7] {
-            let (_, found) = flow(&suspension, &plan, &loads, ranks);
+            let (_, found) = flow_with(&suspension, &plan, loads, ranks);
             let off = largest(found.iter().zip(&alone).map(|(a, b)| *a - *b)) / largest(alone.iter().copied());
             assert!(off < 1e-5, "{boundaries:?} on {ranks} ranks: {off:e}");
         }

@@ -93,7 +93,7 @@ fn flow_at_points() {
         near(0.1, footprint.mobility().kept, found.kept);
         let raster = plan.raster(Vector::ZERO);
         let ((), found) = measured(|| {
-            let mut flow = mobility.flow(&loads);
+            let mut flow = mobility.flow(&loads, None);
             // Planes are computed one at a time: two near walls, and one that is not.
             for k in [0, raster.points[2] / 2, raster.points[2] - 1] {
                 assert_eq!(flow.plane(&raster, k).len(), raster.points[0] * raster.points[1]);

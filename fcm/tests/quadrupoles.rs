@@ -61,6 +61,53 @@ fn methods_agree_with_the_sum_over_wavevectors() {
     }
 }
 
+/// The velocity field of loads and quadrupoles is the sum of both, and that of quadrupoles is the sum over wavevectors
+/// of their two Gaussians `H/e` and `-H/e`.
+#[test]
+fn velocity_fields_have_quadrupoles() {
+    let suspension = Suspension::random(3, 1.4, PeriodicBox::new(Vector::new(9.0, 10.0, 8.0)).unwrap(), 5);
+    let (quadrupoles, loads) = (quadrupoles(&suspension, 6), suspension.loads(2));
+    let plan = suspension.plan(1e-9, fixed(Method::Direct));
+    let mut mobility = suspension.mobility(&plan);
+    let of_loads = mobility.velocity_field_of(&loads, None);
+    let of_both = mobility.velocity_field_of(&loads, Some(&quadrupoles));
+    let [nx, ny, nz] = plan.grid;
+    let edges = suspension.cell.edges();
+    for [i, j, k] in [[0, 0, 0], [nx / 3, ny / 2, 1], [nx - 1, 2, nz / 2]] {
+        let at = edges * Vector::new(i as f64 / nx as f64, j as f64 / ny as f64, k as f64 / nz as f64);
+        let exact = field_at(&suspension, &quadrupoles, at);
+        for component in 0..3 {
+            let place = ((component * nz + k) * ny + j) * nx + i;
+            let found = of_both[place] - of_loads[place];
+            assert!((found - exact[component]).abs() < 1e-7, "{at}: {found}, not {exact}");
+        }
+    }
+}
+
+/// Velocity at a point by quadrupoles, from the sum over wavevectors.
+fn field_at(suspension: &Suspension, quadrupoles: &[Vector], at: Vector) -> Vector {
+    let (edges, most) = (suspension.cell.edges(), 20_i32);
+    let mut sum = Vector::ZERO;
+    for (row, &h) in quadrupoles.iter().enumerate() {
+        let x = at - suspension.positions[row];
+        let quadrupole = Envelope::of_sphere(suspension.radii[row]).quadrupole();
+        for (a, b, c) in (-most..=most)
+            .flat_map(|a| (-most..=most).map(move |b| (a, b)))
+            .flat_map(|(a, b)| (-most..=most).map(move |c| (a, b, c)))
+        {
+            let k = 2.0 * PI * Vector::new(f64::from(a), f64::from(b), f64::from(c)) / edges;
+            let square = k.length_squared();
+            if square > 0.0 {
+                let [wide, narrow] = quadrupole.variances.map(|variance| (-0.5 * variance * square).exp());
+                let force = h * (quadrupole.weight * (wide - narrow));
+                let across = force - k * (k.dot(force) / square);
+                sum += across * ((k.dot(x)).cos() / square);
+            }
+        }
+    }
+    sum / (suspension.viscosity * edges.element_product())
+}
+
 /// With loads besides, in one evaluation, motions are the sums over wavevectors of both.
 #[test]
 fn loads_and_quadrupoles_add_up() {

@@ -79,7 +79,7 @@ impl Squirming {
     }
 
     /// Degenerate quadrupoles `H` of spheres of the given radii.
-    pub(crate) fn quadrupoles(&self, viscosity: f64, radii: &[f64]) -> Vec<Vector> {
+    pub fn quadrupoles(&self, viscosity: f64, radii: &[f64]) -> Vec<Vector> {
         of_rows(radii.len(), |row| self.first_of(row) * (-viscosity * sphere::volume(radii[row])))
     }
 

@@ -41,6 +41,14 @@ def rows_or_none(name, value, count, width=3):
     return None if value is None else rows(name, value, count, width)
 
 
+def rows_or_nan(name, value, count):
+    """`rows` of a value that is given, NaN where it has NaN, or where it is None."""
+    array = np.full((count, 3), np.nan) if value is None else np.array(numbers(name, value), order="C")
+    is_free = np.isnan(array)
+    rows(name, np.where(is_free, 0.0, array), count)
+    return array
+
+
 def row_each(name, value, count):
     """A new float64 array of shape (count,), from one number for all or one for each."""
     array = numbers(name, value)

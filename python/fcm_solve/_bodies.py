@@ -40,6 +40,15 @@ class RigidBodies:
             torques[members] += (torque[body] - np.cross(arms, force[body])) / len(members)
         return [forces, torques]
 
+    def given_motions(self, velocities, angular_velocities):
+        """Given velocities and angular velocities (B, 6), NaN for free components; None if none is given."""
+        if velocities is None and angular_velocities is None:
+            return None
+        names = ("body_velocities", "body_angular_velocities")
+        both = zip(names, (velocities, angular_velocities), strict=True)
+        given = [_arrays.rows_or_nan(name, value, self.count) for name, value in both]
+        return np.concatenate(given, axis=1)
+
     def mobility(self, mobility):
         """The matrix of the bodies' mobility, a column for each load."""
         if self.count == 0:

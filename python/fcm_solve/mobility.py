@@ -55,6 +55,10 @@ class Motion:
     """(B, 3), length/time: velocities of the centres of B rigid bodies, relative to the background flow there"""
     body_angular_velocities: np.ndarray
     """(B, 3), 1/time"""
+    driving_forces: np.ndarray
+    """(B, 3), force: what given motions of bodies take, in addition to the other loads; empty if none is given"""
+    driving_torques: np.ndarray
+    """(B, 3), force*length: the same, about the centres"""
 
 
 @dataclass(frozen=True)
@@ -221,6 +225,8 @@ class Mobility:
         body_torques: ArrayLike | None = None,
         swimming_velocities: ArrayLike | None = None,
         active_stresslets: ArrayLike | None = None,
+        body_velocities: ArrayLike | None = None,
+        body_angular_velocities: ArrayLike | None = None,
     ) -> Motion:
         """The motions under loads.
 
@@ -231,7 +237,8 @@ class Mobility:
                     between two walls, a shear flow of moving walls
         pressure_gradient  (3,), force/length^3: dp/dx_i, which drives a flow between two walls
         body_forces, body_torques  (B, 3): loads on the centres of bodies, in addition to those on spheres
-
+        body_velocities, body_angular_velocities  (B, 3): given motions of bodies, relative to the background flow at the
+                    centres, with NaN for components that follow from the loads; the result has the driving forces
         swimming_velocities, active_stresslets  (N, 3), length/time, and (N, 5), force*length: what each sphere has alone in
                     unbounded fluid by the slip at its surface, with swimming=True; squirmers that swim along p have
                     2/3 B1 p and 4 pi viscosity radius^2 B2 (p p - I/3)
@@ -253,6 +260,7 @@ class Mobility:
             _arrays.rows_or_none("swimming_velocities", swimming_velocities, len(self._radii), 3),
             _arrays.rows_or_none("active_stresslets", active_stresslets, len(self._radii), 5),
         )
+        self._core.move_bodies(self._bodies.given_motions(body_velocities, body_angular_velocities))
         self._core.drive(_arrays.exactly("pressure_gradient", pressure_gradient, (3,)).tolist())
         (of_spheres, of_bodies, iterations, residual), seconds = self._core.apply(*loads, gradient)
         velocities, angular, strain_rates, stresslets, far = of_spheres

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use scene::{CaseBoundary, CaseBox, CaseDevice, CaseMethod};
 use solver::BackgroundFlow;
 use std::time::Instant;
-use suspension::{MobilityError, MobilityParameters, Motions, plan_values};
+use suspension::{GivenMotion, MobilityError, MobilityParameters, Motions, plan_values};
 
 /// A planned mobility.
 #[pyclass(frozen, name = "Mobility", module = "fcm_solve._core")]
@@ -24,8 +24,8 @@ pub struct PyMobility {
 }
 
 /// Velocities, angular velocities, strain rates, stresslets, far stresslets; velocities and angular velocities of
-/// bodies; iterations, residual.
-type MobilityAnswer<'py> = ([NumpyMatrix<'py>; 5], [NumpyMatrix<'py>; 2], usize, f64);
+/// bodies, forces and torques that given motions take; iterations, residual.
+type MobilityAnswer<'py> = ([NumpyMatrix<'py>; 5], [NumpyMatrix<'py>; 4], usize, f64);
 
 /// Velocities, angular velocities, strain rates or stresslets.
 type RandomMotions<'py> = (NumpyMatrix<'py>, NumpyMatrix<'py>, NumpyMatrix<'py>);
@@ -86,6 +86,18 @@ impl PyMobility {
     /// Joins spheres into rigid bodies: the number of the body of each sphere, or `None`.
     fn join(&self, py: Python<'_>, bodies: Vec<Option<u32>>) -> PyResult<()> {
         self.planned.with(py, |mobility| mobility.join(bodies))
+    }
+
+    /// Sets velocities and angular velocities `(B, 6)` of bodies in later evaluations; components that are not numbers
+    /// are free.
+    #[pyo3(signature = (motions))]
+    fn move_bodies(&self, py: Python<'_>, motions: Option<Rows<'_>>) -> PyResult<()> {
+        let motions: Vec<[f64; 6]> = list_of(motions)?;
+        let given = |motion: [f64; 6]| {
+            GivenMotion::of_components(motion.map(|component| (!component.is_nan()).then_some(component)))
+        };
+        let given: Vec<GivenMotion> = motions.into_iter().map(given).collect();
+        self.planned.with(py, |mobility| mobility.move_bodies(&given))?.map_err(|cause| failed(&cause))
     }
 
     /// Sets the velocities `(N, 3)` and the stresslets `(N, 5)` that spheres have alone by their slip, in later
@@ -225,6 +237,7 @@ fn failed(cause: &MobilityError) -> PyErr {
         MobilityError::Plan(_)
         | MobilityError::Swimming
         | MobilityError::NotSwimming
+        | MobilityError::GivenMotions { .. }
         | MobilityError::Radius(_)
         | MobilityError::Box(_)
         | MobilityError::Overlap(_)
@@ -235,7 +248,7 @@ fn failed(cause: &MobilityError) -> PyErr {
 }
 
 fn answer(py: Python<'_>, motions: Motions) -> PyResult<MobilityAnswer<'_>> {
-    let Motions { motion, stresslets, stresslets_far, iterations, residual, bodies } = motions;
+    let Motions { motion, stresslets, stresslets_far, iterations, residual, bodies, driving } = motions;
     let of_spheres = [
         rows_of(py, motion.velocities)?,
         rows_of(py, motion.angular_velocities)?,
@@ -243,7 +256,12 @@ fn answer(py: Python<'_>, motions: Motions) -> PyResult<MobilityAnswer<'_>> {
         rows_of(py, stresslets)?,
         rows_of(py, stresslets_far)?,
     ];
-    let of_bodies = [rows_of(py, bodies.velocities)?, rows_of(py, bodies.angular_velocities)?];
+    let of_bodies = [
+        rows_of(py, bodies.velocities)?,
+        rows_of(py, bodies.angular_velocities)?,
+        rows_of(py, driving.forces)?,
+        rows_of(py, driving.torques)?,
+    ];
     Ok((of_spheres, of_bodies, iterations, residual))
 }
 

@@ -62,6 +62,25 @@ def test_the_program_moves_the_same_bodies(program, tmp_path):
         program("mobility", wrong)
 
 
+def test_given_motions_take_the_loads_of_the_resistance():
+    made = mobility(tolerance=1e-4)
+    resistance = np.linalg.inv(made.body_mobility())
+    motion = np.random.default_rng(5).normal(size=(2, 2, 3))
+    driven = made(body_velocities=motion[:, 0], body_angular_velocities=motion[:, 1])
+    loads = np.stack([driven.driving_forces, driven.driving_torques], axis=1).ravel()
+    expected = resistance @ motion.ravel()
+    assert np.allclose(loads, expected, atol=1e-3 * np.abs(expected).max())
+    assert np.allclose(driven.body_velocities, motion[:, 0], atol=1e-12)
+    free = np.where([[True, False, False], [False, False, False]], np.nan, motion[:, 0])
+    some = made(body_velocities=free, body_torques=np.ones((2, 3)))
+    assert some.driving_forces[0, 0] == pytest.approx(0.0, abs=1e-6)
+    assert np.allclose(some.driving_torques, 0.0, atol=1e-6)
+    assert np.allclose(some.body_velocities[1], motion[1, 0], atol=1e-12)
+    assert made(forces=np.ones((6, 3))).driving_forces.size == 0
+    with pytest.raises(ValueError, match="body_velocities has the shape"):
+        made(body_velocities=motion[:1, 0])
+
+
 def test_loads_on_bodies_are_those_on_any_of_their_spheres():
     made, forces = mobility(tolerance=1e-6), np.zeros((6, 3))
     forces[3] = [1.0, 2.0, 3.0]

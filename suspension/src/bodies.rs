@@ -122,6 +122,12 @@ fn store_moments(particles: &mut Particles, forces: &[Vector]) {
     overwrite(&mut column.values, bytemuck::cast_slice(&moments));
 }
 
+/// Sum of the xy components of the stored contributions of constraint forces to the stress; 0 without bodies.
+pub fn shear_moment(particles: &Particles) -> f64 {
+    let moments = particles.rows::<CONSTRAINT_MOMENT_NUMBERS>(CONSTRAINT_MOMENT).unwrap_or_default();
+    moments.iter().map(|moment| moment[1]).sum()
+}
+
 /// Stores the constraint forces on spheres, and their torques about the centres of the bodies.
 pub fn store_loads(particles: &mut Particles, constraint: &Loads) {
     let arms = arms(particles);

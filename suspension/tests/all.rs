@@ -1,6 +1,7 @@
 //! Tests of suspensions, in one program: each file here has to be one of its modules to be run.
 
 mod adaptive_steps;
+mod advected_bodies;
 mod applied_loads;
 mod bodies;
 mod bounded_mobility;

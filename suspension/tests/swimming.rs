@@ -114,6 +114,47 @@ fn a_swimmer_in_a_cubic_box_is_slowed_by_its_volume_fraction() {
     }
 }
 
+/// Flow of a squirmer alone (Blake, J. Fluid Mech. 46, 199, 1971) with the axis `p`, at `x` from its centre.
+fn flow_of_one([b1, b2]: [f64; 2], radius: f64, p: Vector, x: Vector) -> Vector {
+    let (r, n) = (x.length(), x.normalize());
+    let (q, cosine) = (radius / r, n.dot(p));
+    let radial = 2.0 / 3.0 * b1 * q.powi(3) * cosine + b2 * (q.powi(4) - q * q) * (1.5 * cosine * cosine - 0.5);
+    // The unit vector in which the angle to the axis grows, times the sine.
+    let around = n * cosine - p;
+    n * radial + around * (b1 / 3.0 * q.powi(3) + b2 * q.powi(4) * cosine)
+}
+
+/// Beyond a radius from the surface the velocity field is that of a squirmer, in which the envelope of the stresslet
+/// changes the terms that fall with the fourth power of the distance by 4%.
+#[test]
+fn the_field_of_a_swimmer_is_the_exact_one() {
+    let p = Vector::new(1.0, -0.6, 0.3).normalize();
+    for (beta, ranks) in [(0.0, 1), (0.0, 2), (-3.0, 1)] {
+        let swimming = format!("species[0].swimming={{speed=0.8,beta={beta}}}");
+        let model = model_of(STILL, &[&swimming, "output.fields_every=1", "hydrodynamics.tolerance=1e-4"]);
+        let all = Comm::threads(ranks, |comm| {
+            let mut run = SuspensionRun::start(&model, None, &comm).unwrap();
+            let places = run.state().particles.positions.clone();
+            (run.velocity_field().unwrap().unwrap(), places)
+        });
+        let centre = all.iter().flat_map(|(_, places)| places).next().copied().unwrap();
+        let field = &all[0].0;
+        let [nx, ny, nz] = field.points;
+        let (b1, mut seen) = (1.5 * 0.8, 0);
+        for (row, velocity) in field.values.iter().enumerate() {
+            let at = [row % nx, row / nx % ny, row / (nx * ny)].map(|n| n as f64);
+            let x = field.origin + field.spacing * Vector::from_array(at) - centre;
+            if x.length() > 2.6 {
+                let exact = flow_of_one([b1, beta * b1], 1.3, p, x);
+                let allowed = 1e-3 * b1 + 0.08 * (beta * b1).abs() * (1.3 / x.length()).powi(4);
+                assert!((*velocity - exact).length() < allowed, "{beta} at {x}: {velocity}, not {exact}");
+                seen += 1;
+            }
+        }
+        assert!(seen > nx * ny * nz / 10, "{seen} of {nx} x {ny} x {nz} points");
+    }
+}
+
 /// With a rotation of its own a swimmer moves on a helix about the axis of that rotation, and on a circle if the axis
 /// is across its own.
 #[test]

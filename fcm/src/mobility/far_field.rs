@@ -56,8 +56,9 @@ pub(crate) trait FarField {
         None
     }
 
-    /// Flow of loads at points of the fluid; `None` from a back end whose plans do not have such points.
-    fn flow(&mut self, _loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
+    /// Flow of loads and degenerate quadrupoles, if there are any on any rank, at points of the fluid; `None` from a
+    /// back end whose plans do not have such points.
+    fn flow(&mut self, _loads: &Loads, _quadrupoles: Option<&[Vector]>) -> Option<Box<dyn FlowAtPoints + '_>> {
         None
     }
 

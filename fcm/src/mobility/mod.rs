@@ -14,6 +14,7 @@ use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
+use domain::parallel::change;
 use domain::{Particles, Partition, PeriodicBox, Vector};
 pub(crate) use far_field::{FarField, MomentFarField, RigidFarField, RigidProblem, RigidSolution};
 use far_field::{FlowAtPoints, of_plan};
@@ -145,17 +146,33 @@ impl Mobility {
         Some(motion.of(plan.multipoles))
     }
 
-    /// Flow of loads, as of [`Mobility::apply`], at points of the fluid. Particles are arranged; the box is not
-    /// periodic along all axes, and the plan is one [`Plan::with_points`]. Collective.
+    /// Flow of loads, as of [`Mobility::apply`], and of degenerate quadrupoles, as of
+    /// [`Mobility::apply_with_quadrupoles`], if there are any on any rank, at points of the fluid. Particles are
+    /// arranged; the box is not periodic along all axes, and the plan is one [`Plan::with_points`]. Collective.
     ///
     /// # Panics
     /// In a periodic box, and if the plan does not use the split method.
-    pub fn flow(&mut self, loads: &Loads) -> Flow<'_> {
-        Flow(self.far.flow(loads).expect("a box that does not repeat along all axes has the split method"))
+    pub fn flow(&mut self, loads: &Loads, quadrupoles: Option<&[Vector]>) -> Flow<'_> {
+        Flow(self.far.flow(loads, quadrupoles).expect("a box that does not repeat along all axes has the split method"))
     }
 
-    /// Velocity field of the last evaluation on this rank's share of the grid, `[component][z][y][x]`, x fastest.
-    /// With the split method it is the flow of the common wide Gaussians.
+    /// Velocity field of loads and degenerate quadrupoles, if there are any on any rank, in the form of
+    /// [`Self::velocity_field`]. Collective.
+    ///
+    /// # Panics
+    /// If the plan has no grid.
+    pub fn velocity_field_of(&mut self, loads: &Loads, quadrupoles: Option<&[Vector]>) -> Vec<f64> {
+        self.apply(loads, Output::Velocities);
+        let mut field = self.velocity_field();
+        if let Some(quadrupoles) = quadrupoles {
+            self.apply_with_quadrupoles(&Loads::default(), quadrupoles);
+            change(&mut field, &self.velocity_field(), |sum, more| *sum += more);
+        }
+        field
+    }
+
+    /// Velocity field of the last evaluation of loads alone on this rank's share of the grid, `[component][z][y][x]`, x
+    /// fastest. With the split method it is the flow of the common wide Gaussians.
     ///
     /// # Panics
     /// If the plan has no grid.

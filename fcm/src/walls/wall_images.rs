@@ -18,6 +18,8 @@ pub(crate) struct SourceSphere {
     pub class: u32,
     pub force: Vector,
     pub dipole: Tensor,
+    /// Degenerate quadrupole, if particles have any.
+    pub quadrupole: Option<Vector>,
 }
 
 impl Plan {
@@ -228,12 +230,16 @@ impl WallImages {
         }
     }
 
-    /// Velocity at a point by the images of a sphere's force and dipole.
+    /// Velocity at a point by the images of a sphere's force, dipole and degenerate quadrupole.
     pub fn velocity_at(&self, cell: &PeriodicBox, point: Vector, sphere: &SourceSphere) -> Vector {
         let x = point - sphere.position;
         let spheres = [(&self.point, point.z), (self.class(sphere.class), point.z - x.z)];
-        let block = self.between(WallLoad::ForceAndDipole, cell, x, spheres);
-        block.map_or(Vector::ZERO, |block| block.motion(sphere.force, &sphere.dipole).0 * self.inverse_viscosity)
+        let of = |load: WallLoad, force: Vector, dipole: &Tensor| {
+            let block = self.between(load, cell, x, spheres);
+            block.map_or(Vector::ZERO, |block| block.motion(force, dipole).0 * self.inverse_viscosity)
+        };
+        let velocity = of(WallLoad::ForceAndDipole, sphere.force, &sphere.dipole);
+        sphere.quadrupole.map_or(velocity, |h| velocity + of(WallLoad::Quadrupole, h, &Tensor::ZERO))
     }
 
     /// Adds the images' flows to the velocities and, if requested, the gradients of the particles in `motions`.

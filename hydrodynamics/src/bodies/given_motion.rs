@@ -36,6 +36,11 @@ impl GivenMotion {
         [a, b, c, d, e, f]
     }
 
+    /// The motion with these six components: velocity and angular velocity.
+    pub fn of_components([a, b, c, d, e, f]: [Option<f64>; 6]) -> Self {
+        Self { velocity: [a, b, c], angular_velocity: [d, e, f] }
+    }
+
     /// The motion in scaled units.
     pub(crate) fn in_units(self, units: &Units) -> Self {
         let times = |list: [Option<f64>; 3], unit: f64| list.map(|component| component.map(|value| value / unit));

@@ -95,6 +95,31 @@ impl RigidBodies {
     }
 }
 
+/// Given components.
+impl RigidBodies {
+    /// Motions of the bodies with the given components in place of those that are found.
+    pub fn with_given(&self, mut bodies: Motion) -> Motion {
+        for place in 0..self.given.len() {
+            let GivenMotion { velocity, angular_velocity } = self.given_motion(place);
+            for axis in 0..3 {
+                bodies.velocities[place][axis] = velocity[axis].unwrap_or(bodies.velocities[place][axis]);
+                let turning = bodies.angular_velocities[place][axis];
+                bodies.angular_velocities[place][axis] = angular_velocity[axis].unwrap_or(turning);
+            }
+        }
+        bodies
+    }
+
+    /// A force and a torque on the body of a place, or its motion, with zeros along given components.
+    pub fn free_part(&self, place: usize, [linear, angular]: [Vector; 2]) -> [Vector; 2] {
+        let given = self.given_motion(place);
+        let free = |known: [Option<f64>; 3], of: Vector| {
+            Vector::from_array([0, 1, 2].map(|axis| if known[axis].is_some() { 0.0 } else { of[axis] }))
+        };
+        [free(given.velocity, linear), free(given.angular_velocity, angular)]
+    }
+}
+
 impl RigidBodies {
     /// These bodies in scaled units.
     pub(crate) fn in_units(&self, units: &Units) -> Self {

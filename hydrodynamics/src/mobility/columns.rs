@@ -49,6 +49,7 @@ pub fn motions(mut all: Particles, solved: &Solution, bodies: &BodySpheres) -> M
         iterations: solved.iterations,
         residual: solved.residual,
         bodies: bodies.motions(&mut all),
+        driving: bodies.driving(&mut all),
     }
 }
 

@@ -18,6 +18,14 @@ pub enum MobilityError {
     /// Slip in a mobility that was planned without it.
     #[error("slip is given, but swimming is false; set it to true")]
     NotSwimming,
+    /// Given motions of another number of bodies.
+    #[error("motions of {found} bodies are given, but there are {count} bodies; give one for each")]
+    GivenMotions {
+        /// Number of given motions.
+        found: usize,
+        /// Number of bodies.
+        count: usize,
+    },
     /// A radius out of its range.
     #[error("radii has a sphere whose radius {0}")]
     Radius(String),

@@ -120,6 +120,9 @@ pub struct Motions {
     pub residual: f64,
     /// Motions of the rigid bodies relative to the background flow at their centres.
     pub bodies: Motion,
+    /// Forces on the bodies, and torques about their centres, that the motions given by [`Mobility::move_bodies`] take
+    /// in addition to the other loads; empty if none is given.
+    pub driving: Loads,
 }
 
 impl Mobility {
@@ -157,13 +160,6 @@ impl Mobility {
     #[must_use]
     pub fn turned(self, turn: AxisRotation) -> Self {
         Self { turn, ..self }
-    }
-
-    /// Joins spheres into rigid bodies with these numbers, from 0, `None` for a free sphere; for rigid spheres with
-    /// dipoles. The centre of a body is the mean of the centres of its spheres. Their positions are given next to each
-    /// other, even if some are outside the box.
-    pub fn join(&mut self, bodies: Vec<Option<u32>>) {
-        self.bodies = BodySpheres::new(bodies);
     }
 
     /// Drives the fluid between two walls by a pressure gradient. Motions are then relative to the velocity and half
@@ -282,7 +278,7 @@ impl Mobility {
         let (by_pressure, bend) = poiseuille(cell, self.parameters.viscosity, self.pressure_gradient);
         if self.parameters.rigid || multipoles == Multipoles::Monopole {
             let strain_rate = StrainRate::uniform(background.strain_rate()) + by_pressure;
-            let bodies = self.bodies.load(particles, self.partition.comm());
+            let bodies = self.bodies.load_moved(particles, self.partition.comm());
             let squirming = self.load_slip(particles);
             let (bodies_of, squirming) = (bodies.as_ref(), squirming.as_ref());
             let acting = SolveInput { bodies: bodies_of, squirming, ..SolveInput::new(&loads, strain_rate) };
@@ -290,6 +286,7 @@ impl Mobility {
             if let Some(bodies) = &bodies {
                 let motions = bodies.motions_in(strain_rate, particles, &solved.motion);
                 record_bodies(particles, bodies, &motions);
+                self.bodies.record_driving(particles, bodies, &solved.constraint_loads);
             }
             carry(&mut solved.motion, &particles.radii, bend);
             return Ok(solved);
@@ -333,6 +330,7 @@ impl Motions {
         }
         turn_motion(&mut self.motion, turn);
         turn_motion(&mut self.bodies, turn);
+        self.driving.forces.iter_mut().chain(&mut self.driving.torques).for_each(|v| *v = turn.vector(*v));
         for tensor in self.stresslets.iter_mut().chain(&mut self.stresslets_far) {
             *tensor = turn.traceless(*tensor);
         }

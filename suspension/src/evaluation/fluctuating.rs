@@ -99,7 +99,7 @@ impl Dynamics {
         }
         let mut ambient = ambient(particles);
         if energy > 0.0 {
-            self.hydrodynamics.add_divergence(self.moving.cell(), particles, energy, &mut ambient);
+            self.add_divergence_of_free(particles, energy, &mut ambient);
         }
         add_ambient(&mut ambient, &acting.ambient);
         let solved = self.solved(particles, &acting, &ambient, Guess::induced_by(&ambient), moment)?;

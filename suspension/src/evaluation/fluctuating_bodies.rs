@@ -12,7 +12,8 @@
 //! with the operator `P` from motions of the fluid to those of bodies, since `N = P M G^T`. For spheres without bodies,
 //! `G = 1`, the last term vanishes, except near walls. For bodies `kT div (M G^T)` is added to the motions of the
 //! fluid, as a random finite difference: with normal numbers `W` for each body, `M G^T W` at positions displaced by `W`
-//! both ways.
+//! both ways. It contains that of the images of their spheres in walls; free spheres have the divergence of their own.
+//! Where components of the motion of a body are given, `K`, `G`, `W` and the displacements have the others alone.
 
 use super::fluctuating::Noise;
 use super::{Dynamics, StageTime};
@@ -37,8 +38,8 @@ const OF_BODIES: u64 = 5;
 impl Dynamics {
     /// The motions of the fluid in which spheres of bodies have the mean of their body.
     pub(super) fn rigid_means(&self, particles: &mut Particles, mut drawn: Motion) -> Motion {
-        let Some(rigid) = bodies::of(particles, self.partition.comm()) else { return drawn };
-        let means = rigid.sphere_motions(&rigid.body_motions(&drawn));
+        let Some(rigid) = self.bodies(particles) else { return drawn };
+        let means = rigid.sphere_motions(&rigid.with_given(rigid.body_motions(&drawn)));
         for row in (0..particles.len()).filter(|&row| rigid.body(row).is_some()) {
             drawn.velocities[row] = means.velocities[row];
             drawn.angular_velocities[row] = means.angular_velocities[row];
@@ -86,14 +87,14 @@ impl Dynamics {
     /// loads `G^T W` of their spheres.
     fn draw_loads(&self, particles: &mut Particles, noise: Noise, step: f64) {
         let (comm, arms) = (self.partition.comm(), bodies::arms(particles));
-        let rigid = RigidBodies::new(comm, &bodies::members(particles), &arms);
+        let Some(rigid) = self.bodies(particles) else { return };
         let mut longest = [greatest(&arms, |arm| arm.length()).max(self.smallest_radius)];
         comm.max(&mut longest);
         let counts = counts(&rigid, arms.len());
         let mut rows = vec![[Vector::ZERO; 4]; arms.len()];
         for (row, values) in rows.iter_mut().enumerate() {
-            let Some(body) = rigid.body(row) else { continue };
-            let [force, torque] = normal(&mut noise.stream.of(OF_BODIES, u64::from(body)));
+            let (Some(body), Some(place)) = (rigid.body(row), rigid.members().place(row)) else { continue };
+            let [force, torque] = rigid.free_part(place, normal(&mut noise.stream.of(OF_BODIES, u64::from(body))));
             let (share, arm) = (1.0 / counts[row], arms[row]);
             *values = [
                 force * step,
@@ -106,6 +107,22 @@ impl Dynamics {
         for (k, name) in names.into_iter().enumerate() {
             particles.vectors(name).iter_mut().zip(&rows).for_each(|(value, row)| *value = row[k]);
         }
+    }
+}
+
+impl Dynamics {
+    /// Adds `energy` times the divergence of the mobility with respect to the positions of free spheres to motions of
+    /// the fluid; that with respect to the positions of bodies is in the finite difference. Collective.
+    pub(super) fn add_divergence_of_free(&mut self, particles: &Particles, energy: f64, motion: &mut Motion) {
+        let members = bodies::members(particles);
+        let mut with_all = motion.clone();
+        self.hydrodynamics.add_divergence(self.moving.cell(), particles, energy, &mut with_all);
+        for row in (0..members.len()).filter(|&row| members[row].is_some()) {
+            with_all.velocities[row] = motion.velocities[row];
+            with_all.angular_velocities[row] = motion.angular_velocities[row];
+            with_all.strain_rates[row] = motion.strain_rates[row];
+        }
+        *motion = with_all;
     }
 }
 

@@ -133,7 +133,10 @@ impl Dynamics {
         let loads = self.warm_start.loads_on_fluid(loads, particles);
         // The grid for the largest strain: plotting programs expect all frames of a series to have the same size.
         let plan = self.hydrodynamics.mobility().plan().of_flow(self.moving.largest_strain())?;
-        let spheres = LoadedSpheres { cell: self.moving.cell(), particles, loads: &loads };
+        let quadrupoles =
+            self.squirming(particles).map(|squirming| squirming.quadrupoles(self.viscosity, &particles.radii));
+        let (cell, quadrupoles) = (self.moving.cell(), quadrupoles.as_deref());
+        let spheres = LoadedSpheres { cell, particles, loads: &loads, quadrupoles };
         Ok(velocity_field::velocity(&plan, &spheres, self.moving.flux_correction(), self.partition.comm()))
     }
 }

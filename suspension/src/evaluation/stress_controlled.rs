@@ -1,6 +1,7 @@
 //! Evaluations under stress control.
 
 use super::{Dynamics, Outcome, PreviousSolutions, StageTime};
+use crate::bodies;
 use crate::columns::{self, EXPECTED, STRESSLET, VELOCITY};
 use crate::error::step::StepError;
 use crate::flow::stress_control::Search;
@@ -46,6 +47,7 @@ impl Dynamics {
         });
         let stresslets: &[Traceless] = bytemuck::cast_slice(&particles.column(STRESSLET, 5).values);
         let of_fluid: f64 = stresslets.iter().map(|stresslet| stresslet.tensor().y_axis.x).sum();
+        let of_fluid = of_fluid + bodies::shear_moment(particles);
         let (domain, time) = (self.domain(), moment.clock.time_at(moment.fraction));
         let near = self.forces.near(particles, domain);
         let at = Configuration { particles, domain, near: near.as_ref(), time, lists: self.forces.lists() };

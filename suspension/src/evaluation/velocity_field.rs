@@ -2,7 +2,7 @@
 
 use bytemuck::cast_slice;
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Vector};
-use fcm::{Loads, Mobility, Output, Plan, SamplePoints};
+use fcm::{Loads, Mobility, Plan, SamplePoints};
 use hydrodynamics::Poiseuille;
 
 /// Velocity of the fluid at grid points, in the order `[z][y][x]`, x fastest; on the first rank.
@@ -22,6 +22,8 @@ pub struct LoadedSpheres<'a> {
     pub particles: &'a Particles,
     /// Their loads.
     pub loads: &'a Loads,
+    /// Their degenerate quadrupoles by slip, if there are any on any rank.
+    pub quadrupoles: Option<&'a [Vector]>,
 }
 
 /// Velocity of the fluid relative to the background flow, by a plan [`Plan::of_flow`], plus an additional
@@ -30,17 +32,17 @@ pub struct LoadedSpheres<'a> {
 /// the motions. Collective.
 pub fn velocity(plan: &Plan, spheres: &LoadedSpheres, besides: Option<Poiseuille>, comm: &Comm) -> FluidVelocity {
     let partition = Partition::new(comm, [plan.grid[1], plan.grid[2]]);
-    let (cell, (particles, loads)) = (spheres.cell, spheres.moved(&partition));
+    let (cell, MovedSpheres { particles, loads, quadrupoles }) = (spheres.cell, spheres.moved(&partition));
     let mut mobility = Mobility::new(plan, &partition);
     mobility.arrange(cell, &particles);
     if plan.boundaries == Boundaries::Periodic {
-        mobility.apply(&loads, Output::Velocities);
+        let share = mobility.velocity_field_of(&loads, quadrupoles.as_deref());
         let spacing = cell.edges() / Vector::from_array(plan.grid.map(|n| n as f64));
         let raster = SamplePoints { first: Vector::ZERO, spacing, points: plan.grid };
-        return FluidVelocity { raster, values: gather(&partition, plan.grid, &mobility.velocity_field()) };
+        return FluidVelocity { raster, values: gather(&partition, plan.grid, &share) };
     }
     let raster = plan.raster(cell.origin());
-    let mut flow = mobility.flow(&loads);
+    let mut flow = mobility.flow(&loads, quadrupoles.as_deref());
     let mut values = Vec::with_capacity(if comm.is_first() { raster.points.iter().product() } else { 0 });
     for k in 0..raster.points[2] {
         let more = besides.map_or(Vector::ZERO, |flow| flow.velocity(raster.point([0, 0, k]).z));
@@ -52,28 +54,36 @@ pub fn velocity(plan: &Plan, spheres: &LoadedSpheres, besides: Option<Poiseuille
     FluidVelocity { raster, values }
 }
 
+/// The spheres with their loads on the ranks of another partition.
+struct MovedSpheres {
+    particles: Particles,
+    loads: Loads,
+    quadrupoles: Option<Vec<Vector>>,
+}
+
 impl LoadedSpheres<'_> {
-    /// The particles and their loads on the ranks of another partition.
-    fn moved(&self, partition: &Partition) -> (Particles, Loads) {
-        let Self { cell, particles, loads } = self;
-        let lists: [(&str, usize, &[f64]); 3] = [
+    fn moved(&self, partition: &Partition) -> MovedSpheres {
+        let Self { cell, particles, loads, quadrupoles } = self;
+        let lists: [(&str, usize, &[f64]); 4] = [
             ("force", 3, cast_slice(&loads.forces)),
             ("torque", 3, cast_slice(&loads.torques)),
             ("stresslet", 5, cast_slice(&loads.stresslets)),
+            ("quadrupole", 3, cast_slice(quadrupoles.unwrap_or_default())),
         ];
         let mut moved = particles.without_columns();
         for (name, width, values) in lists {
             moved.column(name, width).values[..values.len()].copy_from_slice(values);
         }
         moved.migrate(partition, cell);
-        let [forces, torques, stresslets] =
+        let [forces, torques, stresslets, of_slip] =
             lists.map(|(name, width, _)| std::mem::take(&mut moved.column(name, width).values));
         let loads = Loads {
             forces: cast_slice(&forces).to_vec(),
             torques: cast_slice(&torques).to_vec(),
             stresslets: cast_slice(&stresslets).to_vec(),
         };
-        (moved.without_columns(), loads)
+        let quadrupoles = quadrupoles.map(|_| cast_slice(&of_slip).to_vec());
+        MovedSpheres { particles: moved.without_columns(), loads, quadrupoles }
     }
 }
 

@@ -164,8 +164,9 @@ fn two_evaluations(
 mod tests {
     use super::*;
     use crate::evaluation::prepared::Setup;
-    use crate::model::{Integrator, Model, Parameters, Species, Start};
-    use domain::{Boundaries, Comm, PeriodicBox, Vector};
+    use crate::model::{Bodies, BodyOrientation, Integrator, Model, Parameters, Species, Start};
+    use domain::{BodyShape, Boundaries, Comm, EqualSpheres, PeriodicBox, Vector};
+    use hydrodynamics::GivenMotion;
 
     fn pair(distance: f64) -> Model {
         let cell = PeriodicBox::new(Vector::splat(12.0)).unwrap();
@@ -269,6 +270,55 @@ mod tests {
                     "{mean} +- {error}, not {expected}"
                 );
             }
+        }
+    }
+
+    /// A doublet along a wall that may move normal to it alone, as its motion is given otherwise.
+    fn doublet_above(height: f64) -> Model {
+        let cell = PeriodicBox::new(Vector::new(9.0, 8.0, 7.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
+        let shape = BodyShape::Rod(EqualSpheres { number: 2, radius: 1.0, gap: 0.0 }).spheres();
+        let motion = GivenMotion { velocity: [Some(0.0), Some(0.0), None], angular_velocity: [Some(0.0); 3] };
+        let bodies = Bodies {
+            positions: Some(vec![Vector::new(3.0, 4.0, height)]),
+            orientation: BodyOrientation::Aligned(Vector::new(1.0, 0.2, 0.0)),
+            motion,
+            ..Bodies::new("doublet", shape, 1)
+        };
+        let integrator = Integrator::Brownian(BrownianScheme::Midpoint);
+        let mut parameters =
+            Parameters { thermal_energy: Some(1.0), integrator, ..Parameters::new(cell, 1.0, Vec::new(), 1e-4, 1) };
+        parameters.hydrodynamics.lubrication = true;
+        Model::new(parameters.with_bodies(vec![bodies])).unwrap()
+    }
+
+    /// Velocity along z of the body under a unit force.
+    fn rise(model: &Model) -> f64 {
+        let (mut dynamics, mut particles) =
+            Dynamics::new(model, Setup::start(model, None, &Comm::alone()).unwrap()).unwrap();
+        let lift = |places: &[Vector], _: f64| {
+            let forces = vec![0.5 * Vector::Z; places.len()];
+            Ok(simulation::AppliedLoads { forces, ..simulation::AppliedLoads::default() })
+        };
+        dynamics.forces_mut().applied.add(simulation::UserLoads::OfPositions(Box::new(lift)));
+        dynamics.evaluate_now(&mut particles, &Clock::at(0, 1e-4)).unwrap();
+        particles.vectors(VELOCITY)[0].z
+    }
+
+    /// A body with one free component drifts by `kT dm/dz` of its mobility `m` along that component, and not at all
+    /// along the others.
+    #[test]
+    #[ignore = "heavy"]
+    fn a_driven_body_drifts_away_from_a_wall() {
+        for (height, mirrored) in [(1.4, 1.0), (5.6, -1.0)] {
+            let expected = (rise(&doublet_above(height + 0.01)) - rise(&doublet_above(height - 0.01))) / 0.02;
+            let model = doublet_above(height);
+            let [mean, error] = drift(&model, midpoint, 300, |spheres| spheres.positions[0].z);
+            assert!(
+                (mean - expected).abs() < 3.5 * error + 0.02 * expected.abs() && error < 0.12 * mean * mirrored,
+                "{mean} +- {error}, not {expected}"
+            );
+            let [along, _] = drift(&model, midpoint, 3, |spheres| spheres.positions[0].x);
+            assert!(along.abs() < 1e-8, "{along:e}");
         }
     }
 }

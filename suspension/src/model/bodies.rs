@@ -156,9 +156,6 @@ impl Bodies {
         }
         let name = if velocity == [None; 3] { "angular_velocity" } else { "velocity" };
         let refused = |message: &str| Err(ParameterError::new(format!("{section}.{name}"), message));
-        if p.thermal_energy.is_some() && !self.motion.is_none() {
-            return refused("can't be with fluid.thermal_energy yet; leave Brownian motion out");
-        }
         if matches!(p.flow, Flow::Shear { .. }) && p.cell.is_periodic(2) && velocity[0].is_some() {
             return refused(
                 "is given along x, but the images of a body in a periodic shear flow have other velocities along x; \
@@ -271,19 +268,12 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
 /// Refuses what bodies can't be together with.
 fn check_methods(p: &Parameters) -> Result<(), ParameterError> {
     let two_evaluations = Integrator::Brownian(BrownianScheme::TwoEvaluations);
-    if p.thermal_energy.is_some() && p.cell.boundaries().walls() > 0 {
-        let message = "can't be with [[bodies]] at walls yet; leave Brownian motion out, or the walls";
-        return Err(ParameterError::new("fluid.thermal_energy", message));
-    }
     let is_straight = matches!(p.flow, Flow::Shear { lees_edwards: false, .. }) && p.cell.is_periodic(2);
     let refusals = [
         (is_straight, "flow.lees_edwards", "is false"),
         (p.hydrodynamics.multipoles == MultipoleOrder::Monopole, "hydrodynamics.multipoles", "is \"monopole\""),
         (p.hydrodynamics.device == ComputeDevice::Gpu, "hydrodynamics.device", "is \"gpu\""),
         (p.integrator == two_evaluations, "time.brownian", "is \"random-finite-difference\""),
-        (p.shear_rates().stress().is_some(), "flow.control", "is \"stress\""),
-        (p.shear_rates().frequency().is_some(), "flow.oscillation", "is set"),
-        (p.flow.extension().is_some(), "flow.kind", "is an extension"),
         (p.flow.keeps_flux(), "flow.mean_velocity", "is set"),
         (p.repulsion.is_some_and(|repulsion| repulsion.calibrate), "repulsion.calibrate", "is true"),
         (!p.bonds.is_empty(), "bonds", "is set"),

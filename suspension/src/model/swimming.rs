@@ -167,7 +167,6 @@ fn refusal(is_refused: bool, key: &'static str, words: &'static str) -> Refusal 
 fn of_swimmers(p: &Parameters) -> Vec<Refusal> {
     let two_evaluations = Integrator::Brownian(BrownianScheme::TwoEvaluations);
     vec![
-        refusal(!p.bodies.is_empty(), "bodies", "are set"),
         refusal(p.contacts.is_some(), "contacts", "is set"),
         refusal(p.integrator == two_evaluations, "time.brownian", "is \"random-finite-difference\""),
     ]
@@ -178,9 +177,7 @@ fn of_slip(p: &Parameters) -> Vec<Refusal> {
     let is_calibrated = p.repulsion.is_some_and(|repulsion| repulsion.calibrate);
     vec![
         refusal(p.hydrodynamics.device == ComputeDevice::Gpu, "hydrodynamics.device", "is \"gpu\""),
-        refusal(p.shear_rates().stress().is_some(), "flow.control", "is \"stress\""),
         refusal(p.flow.keeps_flux(), "flow.mean_velocity", "is set"),
-        refusal(p.fields, "output.fields_every", "is set"),
         refusal(is_calibrated, "repulsion.calibrate", "is true"),
     ]
 }

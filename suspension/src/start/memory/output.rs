@@ -72,7 +72,8 @@ impl Share<'_> {
         let all = if self.is_first() { plan.points_of_flow().iter().map(|&n| n as f64).product() } else { 0.0 };
         let flow = if plan.boundaries == Boundaries::Periodic {
             // In a sheared box the coordinates of the points are written as well.
-            far.evaluation().or(far.velocity_field().then(Bytes::list::<Vector>(2.0 * all)))
+            let by_slip = if self.model.has_slip() { far.velocity_field() } else { Bytes::default() };
+            far.evaluation().or(far.velocity_field().then(by_slip).then(Bytes::list::<Vector>(2.0 * all)))
         } else {
             // With rotated axes there are two copies.
             let turned = if self.model.turn.is_none() { 0.0 } else { all };

@@ -5,10 +5,11 @@
 //! as between two spheres.
 
 use super::GridFarField;
-use crate::envelope::Envelope;
+use super::spectral_grid::GridLoads;
+use crate::envelope::{Common, Envelope};
 use crate::mobility::far_field::FlowAtPoints;
 use crate::mobility::loads::Loads;
-use crate::pairs::table::{PairFunctions, PairTable};
+use crate::pairs::table::{PairFunctions, PairTable, PairValues};
 use crate::plan::Plan;
 use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_images::SourceSphere;
@@ -21,23 +22,34 @@ pub(super) struct GridFlow<'a> {
     far: &'a mut GridFarField,
     forces: Vec<Vector>,
     dipoles: Vec<Tensor>,
+    /// Degenerate quadrupoles; empty if there are none on any rank.
+    quadrupoles: Vec<Vector>,
     near: NearPoints,
 }
 
 impl GridFarField {
-    /// Flow of loads at points of the fluid, in a box that is not periodic along all axes.
-    pub(super) fn flow_of(&mut self, loads: &Loads) -> GridFlow<'_> {
+    /// Flow of loads and degenerate quadrupoles, if there are any on any rank, at points of the fluid, in a box that is
+    /// not periodic along all axes.
+    pub(super) fn flow_of(&mut self, loads: &Loads, quadrupoles: Option<&[Vector]>) -> GridFlow<'_> {
         self.work.evaluations += 1;
-        let kinds = self.kinds_of(loads, &[]);
+        let kinds = self.kinds_of(loads, quadrupoles.unwrap_or_default());
         let (mut forces, mut dipoles) = self.present(loads, kinds);
-        self.grid.solve(&self.arrangement.grid_loads(&forces, &dipoles), &mut self.work);
+        let quadrupoles = quadrupoles.map(|all| self.present_quadrupoles(all));
+        let of_grid = self.arrangement.grid_loads(&forces, &dipoles);
+        self.grid.solve(&GridLoads { quadrupoles: quadrupoles.as_deref(), ..of_grid }, &mut self.work);
         let owned = self.arrangement.halo.owned();
-        forces.truncate(owned);
-        forces.shrink_to_fit();
+        let mut near = NearPoints::new(&self.plan.in_units(&self.units));
+        if quadrupoles.is_some() {
+            near = near.with_quadrupoles(&self.plan.in_units(&self.units));
+        }
+        let mut quadrupoles = quadrupoles.unwrap_or_default();
+        for list in [&mut forces, &mut quadrupoles] {
+            list.truncate(owned);
+            list.shrink_to_fit();
+        }
         dipoles.truncate(owned);
         dipoles.shrink_to_fit();
-        let near = NearPoints::new(&self.plan.in_units(&self.units));
-        GridFlow { far: self, forces, dipoles, near }
+        GridFlow { far: self, forces, dipoles, quadrupoles, near }
     }
 }
 
@@ -104,6 +116,7 @@ impl GridFlow<'_> {
                         class: arrangement.classes[row],
                         force: self.forces.get(row).copied().unwrap_or_default(),
                         dipole: self.dipoles.get(row).copied().unwrap_or(Tensor::ZERO),
+                        quadrupole: self.quadrupoles.get(row).copied(),
                     });
                 }
             }
@@ -116,28 +129,53 @@ impl GridFlow<'_> {
 struct NearPoints {
     cutoff: f64,
     inverse_viscosity: f64,
-    functions: Vec<(PairFunctions, Option<PairTable<f64>>)>,
+    functions: Vec<PointFunctions>,
+    /// Functions of degenerate quadrupoles; empty if there are none.
+    of_quadrupoles: Vec<PointFunctions>,
 }
+
+/// Functions between a sphere and a point, with their table if there is one.
+type PointFunctions = (PairFunctions, Option<PairTable<f64>>);
 
 impl NearPoints {
     fn new(plan: &Plan) -> Self {
-        let cutoff = plan.cutoff();
-        let common = plan.common().expect("the split method has a common Gaussian");
-        let of_radius = |&radius: &f64| {
-            let functions = PairFunctions::new(Envelope::POINT, Envelope::of_sphere(radius), common);
-            (functions, PairTable::new(&functions, cutoff, plan.table_tolerance()))
-        };
-        Self { cutoff, inverse_viscosity: 1.0 / plan.viscosity, functions: plan.radii.iter().map(of_radius).collect() }
+        Self {
+            cutoff: plan.cutoff(),
+            inverse_viscosity: 1.0 / plan.viscosity,
+            functions: point_functions(plan, PairFunctions::new),
+            of_quadrupoles: Vec::new(),
+        }
+    }
+
+    fn with_quadrupoles(self, plan: &Plan) -> Self {
+        Self { of_quadrupoles: point_functions(plan, PairFunctions::of_quadrupole), ..self }
     }
 
     /// Near-field velocity at `x` from a particle, as in [`crate::pairs::pair_correction`].
     fn velocity(&self, from: &SourceSphere, x: Vector) -> Vector {
-        let (square, (exact, table)) = (x.length_squared(), &self.functions[from.class as usize]);
-        let f = table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square));
+        let square = x.length_squared();
+        let at = |(exact, table): &PointFunctions| {
+            table.as_ref().map_or_else(|| exact.exact(square), |table| table.evaluate(square))
+        };
+        let f = at(&self.functions[from.class as usize]);
         let along = from.dipole * x;
-        let of_force = x * (f[1] * x.dot(from.force)) - from.force * (2.0 * f[0] + square * f[1]);
+        let stokeslet =
+            |f: &PairValues, force: Vector| x * (f[1] * x.dot(force)) - force * (2.0 * f[0] + square * f[1]);
         let of_dipole =
             x * (f[3] * x.dot(along)) + from.dipole.transpose() * x * f[2] - along * (4.0 * f[2] + square * f[3]);
-        (of_force + of_dipole) * self.inverse_viscosity
+        let of_quadrupole = from
+            .quadrupole
+            .map_or(Vector::ZERO, |quadrupole| stokeslet(&at(&self.of_quadrupoles[from.class as usize]), quadrupole));
+        (stokeslet(&f, from.force) + of_dipole + of_quadrupole) * self.inverse_viscosity
     }
+}
+
+/// Functions between the spheres of each radius of a plan and points.
+fn point_functions(plan: &Plan, functions: fn(Envelope, Envelope, Common) -> PairFunctions) -> Vec<PointFunctions> {
+    let common = plan.common().expect("the split method has a common Gaussian");
+    let of_radius = |&radius: &f64| {
+        let functions = functions(Envelope::POINT, Envelope::of_sphere(radius), common);
+        (functions, PairTable::new(&functions, plan.cutoff(), plan.table_tolerance()))
+    };
+    plan.radii.iter().map(of_radius).collect()
 }

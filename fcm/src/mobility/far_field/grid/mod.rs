@@ -263,8 +263,8 @@ impl FarField for GridFarField {
         self.random_motion(draw)
     }
 
-    fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
-        self.near.is_some().then(|| Box::new(self.flow_of(loads)) as Box<dyn FlowAtPoints>)
+    fn flow(&mut self, loads: &Loads, quadrupoles: Option<&[Vector]>) -> Option<Box<dyn FlowAtPoints + '_>> {
+        self.near.is_some().then(|| Box::new(self.flow_of(loads, quadrupoles)) as Box<dyn FlowAtPoints>)
     }
 
     fn velocity_field(&self) -> Option<Vec<f64>> {
