@@ -52,11 +52,6 @@ orientation_axis = [1.0, 1.0, 0.3]
 angular_velocity = [0.3, 0.0, 0.4]
 "#;
 
-/// Integrators with which motions can be given: all but the Brownian one.
-fn integrators() -> impl Iterator<Item = &'static [&'static str]> {
-    INTEGRATORS.into_iter().skip(1)
-}
-
 /// The mean driving force and torque of the first kind with a given motion, at the start of a run.
 fn driving_loads(model: &Model) -> [Vector; 2] {
     let mut run = SuspensionRun::start(model, None, &Comm::alone()).unwrap();
@@ -113,7 +108,7 @@ fn the_driving_load_is_the_one_that_causes_the_motion() {
 #[test]
 fn given_motions_are_kept_by_all_integrators() {
     let walls = "box={edges=[9.0,9.0,9.0],boundaries=[\"periodic\",\"periodic\",\"walls\"]}";
-    for keys in integrators() {
+    for keys in INTEGRATORS {
         for flow in ["flow={kind=\"poiseuille\",pressure_gradient=0.5}", "flow={kind=\"shear\",rate=0.7}"] {
             let given = ["bodies[0].velocity=[0.0,0.0,0.0]", "bodies[0].angular_velocity=[0.0,0.6,0.8]"];
             let model = model_of(PAIR, &[keys, &given, &["time.steps=12", walls, flow]].concat());
@@ -131,7 +126,7 @@ fn given_motions_are_kept_by_all_integrators() {
 
 #[test]
 fn a_resumed_run_has_the_same_bits() {
-    for keys in integrators() {
+    for keys in INTEGRATORS {
         let model = model_of(FEW, &[keys, &["time.steps=4", "statistics={every=1}"]].concat());
         resumes_with_the_same_bits(&model, &format!("{keys:?}"));
     }
@@ -140,7 +135,7 @@ fn a_resumed_run_has_the_same_bits() {
 #[test]
 #[ignore = "heavy"]
 fn given_motions_are_the_same_on_any_ranks() {
-    for keys in integrators() {
+    for keys in INTEGRATORS {
         ranks_agree(&model_of(FEW, keys), 1e-7, &format!("{keys:?}"));
     }
 }

@@ -53,10 +53,15 @@ impl Dynamics {
         of_rows(own.len(), |row| own[row] + moving.angular_velocity_at(positions[row]))
     }
 
-    /// Stores angular velocities plus those of the background flow as the first past ones, for orientations.
+    /// Stores angular velocities plus those of the background flow, for spheres of bodies at the centre of their body, as
+    /// the first past ones, for orientations.
     fn note_rotating(&self, particles: &mut Particles, own: &[Vector]) {
         if let Some([past]) = rotation::angular(particles, [PAST[0]]) {
-            let rotating = self.with_rotation_of_flow(particles, own);
+            let arms = bodies::arms(particles);
+            let arm = |row: usize| arms.get(row).copied().unwrap_or_default();
+            let (moving, positions) = (&self.moving, &particles.positions);
+            let flow = |row: usize| moving.angular_velocity_at(positions[row] - arm(row));
+            let rotating = of_rows(own.len(), |row| own[row] + flow(row));
             particles.vectors(past).copy_from_slice(&rotating);
         }
     }

@@ -52,9 +52,12 @@ impl Dynamics {
     pub(super) fn note_centres(&self, particles: &mut Particles, own: &Motion) {
         let arms = bodies::arms(particles);
         let Some([past]) = bodies::centres(particles, [PAST[0]]) else { return };
+        let members = bodies::members(particles);
         let of_row = |row: usize| {
             let centre = particles.positions[row] - arms[row];
-            let flow = self.moving.carried_velocity_of(centre, particles.radii[row]);
+            // Spheres of different radii have the same centre.
+            let radius = if members[row].is_some() { 0.0 } else { particles.radii[row] };
+            let flow = self.moving.carried_velocity_of(centre, radius);
             own.velocities[row] - own.angular_velocities[row].cross(arms[row]) + flow
         };
         let centres: Vec<Vector> = (0..arms.len()).map(of_row).collect();

@@ -211,8 +211,8 @@ impl FarField for DeviceFarField {
         self.random_motion(draw)
     }
 
-    fn flow(&mut self, loads: &Loads) -> Option<Box<dyn FlowAtPoints + '_>> {
-        self.host().flow(loads)
+    fn flow(&mut self, loads: &Loads, quadrupoles: Option<&[Vector]>) -> Option<Box<dyn FlowAtPoints + '_>> {
+        self.host().flow(loads, quadrupoles)
     }
 
     fn work(&self) -> Work {
