@@ -56,21 +56,31 @@ const FLOWS: [&str; 4] = [
     STRESS,
 ];
 
-const INTEGRATORS: [&str; 3] = ["time.order=3", "time.integrator=\"adaptive\"", "time.integrator=\"implicit\""];
+const INTEGRATORS: [&str; 3] = [
+    "time.order=3",
+    "time={integrator=\"adaptive\",tolerance=1e-7,step=0.05,steps=4}",
+    "time={integrator=\"implicit\",tolerance=1e-5,step=0.05,steps=4}",
+];
+
+/// Integrators of a flow: those of a given stress adapt their steps.
+fn integrators(flow: &str) -> &'static [&'static str] {
+    if flow == STRESS { &INTEGRATORS[1..] } else { &INTEGRATORS }
+}
 
 fn model(of: &str, keys: &[&str]) -> Model {
     model_of(&format!("{NEAR}{of}"), keys)
 }
 
-/// A body of one sphere is a free sphere.
+/// A body of one sphere is a free sphere. Integrators that adapt their steps take others, as bodies rotate.
 #[test]
 fn bodies_of_single_spheres_are_carried_as_free_ones() {
     for flow in FLOWS {
-        for integrator in INTEGRATORS {
+        for integrator in integrators(flow) {
             let [free, single] = [FREE, SINGLE].map(|of| run(&model(of, &[flow, integrator]), 1));
             let apart = free.positions.iter().zip(&single.positions).map(|(a, b)| (*a - *b).length());
             let apart = apart.fold(0.0, f64::max);
-            assert!(apart < 1e-7, "{flow}, {integrator}: {apart:e}");
+            let allowed = if integrator == &INTEGRATORS[0] { 1e-7 } else { 2e-5 };
+            assert!(apart < allowed, "{flow}, {integrator}: {apart:e}");
         }
     }
 }
@@ -136,7 +146,7 @@ fn a_given_stress_is_that_of_the_flow_with_its_rate() {
         let given = format!("flow={{kind=\"shear\",rate={rate:e}}}");
         let [again, _] = stress_and_rate(&mut Suspension::start(&model(of, &[&given]), &Comm::alone()).unwrap());
         assert!((again - stress).abs() < 1e-5, "{again}, not {stress}");
-        for integrator in INTEGRATORS {
+        for integrator in integrators(STRESS) {
             let [stress, _] = ended(&model(of, &[STRESS, integrator]), 1, stress_and_rate);
             assert!((stress - 2.0).abs() < 5e-3, "{integrator}: {stress}");
         }
@@ -172,9 +182,9 @@ swimming = { speed = 1.0, beta = 2.0 }
 #[ignore = "heavy"]
 fn ranks_agree_and_resumed_runs_have_the_same_bits() {
     for flow in FLOWS {
-        for integrator in INTEGRATORS {
+        for integrator in integrators(flow) {
             let name = format!("{flow}, {integrator}");
-            let model = model(DOUBLETS, &[flow, integrator, "time.steps=3", "hydrodynamics.tolerance=1e-2"]);
+            let model = model(DOUBLETS, &[flow, integrator, "time.steps=2", "hydrodynamics.tolerance=1e-2"]);
             ranks_agree(&model, 1e-6, &name);
             resumes_with_the_same_bits(&model, &name);
         }
