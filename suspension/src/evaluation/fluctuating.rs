@@ -53,8 +53,8 @@ impl Dynamics {
         of_rows(own.len(), |row| own[row] + moving.angular_velocity_at(positions[row]))
     }
 
-    /// Stores angular velocities plus those of the background flow, for spheres of bodies at the centre of their body, as
-    /// the first past ones, for orientations.
+    /// Stores angular velocities plus those of the background flow, for spheres of bodies at the centre of their body,
+    /// as the first past ones, for orientations.
     fn note_rotating(&self, particles: &mut Particles, own: &[Vector]) {
         if let Some([past]) = rotation::angular(particles, [PAST[0]]) {
             let arms = bodies::arms(particles);
