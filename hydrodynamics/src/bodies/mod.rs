@@ -110,6 +110,11 @@ impl RigidBodies {
         bodies
     }
 
+    /// Given components of the motion of a body, by its place.
+    fn given_motion(&self, place: usize) -> GivenMotion {
+        self.given.get(place).copied().flatten().unwrap_or_default()
+    }
+
     /// A force and a torque on the body of a place, or its motion, with zeros along given components.
     pub fn free_part(&self, place: usize, [linear, angular]: [Vector; 2]) -> [Vector; 2] {
         let given = self.given_motion(place);
