@@ -82,11 +82,13 @@ template <typename T> __device__ void find_near(const Task &task)
 }
 
 // Stores the numbers of a pair in the list of its set.
-template <typename S> __device__ void store_pair(const Task &task, int entry, const double z[3], const SphereRow &row)
+template <typename S, int SET>
+__device__ void store_pair(const Task &task, int entry, const double z[3], const SphereRow &row)
 {
     const double numbers[PAIR_NUMBERS] = {
         z[0], z[1], z[2], row.ya[1], row.xa[1] - row.ya[1], row.yc[1], row.xc[1] - row.yc[1], row.yb[1], row.yb_other};
-    for (int k = 0; k < PAIR_NUMBERS; k++) ((S *)task.row_numbers)[k * task.row_entries + entry] = (S)numbers[k];
+    S *list = (S *)task.near_numbers[SET] + entry;
+    for (int k = 0; k < PAIR_NUMBERS; k++) list[k * task.near_entries[SET]] = (S)numbers[k];
 }
 
 // Adds the resistance of a sphere to its own motion by a pair.
@@ -127,12 +129,13 @@ static __device__ void add_in_flow(const Task &task, const SphereRow &row, const
     for (int k = 0; k < COMPONENTS; k++) sums[SIX + k] += row.zm * e[k];
 }
 
-// Copies the numbers of a pair that the host gives.
-template <typename S> __device__ void copy_given(const Task &task, int given, int entry)
+// Copies the numbers of a stiff pair that the host gives.
+static __device__ void copy_given(const Task &task, int given, int entry)
 {
+    double *list = (double *)task.near_numbers[STIFF] + entry;
     task.near_others[STIFF][entry] = task.given_others[given];
     for (int k = 0; k < PAIR_NUMBERS; k++)
-        ((S *)task.row_numbers)[k * task.row_entries + entry] = (S)task.given_numbers[k * task.given_entries + given];
+        list[k * task.near_entries[STIFF]] = task.given_numbers[k * task.given_entries + given];
 }
 
 // Rows of a set of pairs with eight threads each: numbers of the pairs, and by row the resistance of the sphere to its
@@ -151,11 +154,11 @@ template <typename S, int SET> __device__ void assemble(const Task &task)
     for (int entry = is_there ? task.near_starts[SET][row] + lane : 0; entry < end; entry += ROW_LANES) {
         NearPair pair = near_pair(task, row, task.near_others[SET][entry], task.near_steps[SET][entry]);
         SphereRow side = side_of<SET>(task, pair);
-        store_pair<S>(task, entry, pair.axis, side);
+        store_pair<S, SET>(task, entry, pair.axis, side);
         add_to_own(side, pair.axis, sums);
         add_in_flow(task, side, pair.axis, sums + OWN_NUMBERS);
     }
-    for (int k = lane; k < given; k += ROW_LANES) copy_given<S>(task, task.given_starts[row] + k, end + k);
+    for (int k = lane; k < given; k += ROW_LANES) copy_given(task, task.given_starts[row] + k, end + k);
     for (int k = 0; k < SUMS; k++) partial[k * ASSEMBLY_THREADS + thread] = sums[k];
     __syncthreads();
     for (int k = lane; is_there && k < SUMS; k += ROW_LANES) {
@@ -166,46 +169,9 @@ template <typename S, int SET> __device__ void assemble(const Task &task)
             *to = SET == STIFF ? sum : *to + sum;
         } else {
             if (SET == STIFF && task.given_own) sum += task.given_own[OWN_NUMBERS * row + k];
-            task.row_own[OWN_NUMBERS * row + k] = sum;
+            task.near_own[SET][OWN_NUMBERS * row + k] = sum;
         }
     }
-}
-
-// A row's resistance to its own motion, with that of the single sphere.
-static __device__ void own_matrix(const Task &task, int row, double matrix[SIX][SIX])
-{
-    const double *own = task.row_own + OWN_NUMBERS * row, *c = own + 12;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            int low = i < j ? i : j, high = i < j ? j : i, k = low == 0 ? high : low + high + 1;
-            double coupling = i == j ? 0 : (j == (i + 1) % 3 ? 1 : -1) * c[3 - i - j];
-            matrix[i][j] = own[k] + (i == j ? resistances_of(task, row)[0] : 0);
-            matrix[3 + i][3 + j] = own[6 + k] + (i == j ? resistances_of(task, row)[1] : 0);
-            matrix[i][3 + j] = coupling;
-            matrix[3 + i][j] = -coupling;
-        }
-}
-
-// Inverses of the resistances of spheres to their own motions, by elimination without pivoting: lower triangles.
-static __device__ void invert(const Task &task)
-{
-    int row = thread_index();
-    if (row >= task.particles) return;
-    double work[SIX][SIX];
-    own_matrix(task, row, work);
-    for (int pivot = 0; pivot < SIX; pivot++) {
-        double scale = 1 / work[pivot][pivot];
-        work[pivot][pivot] = 1;
-        for (int k = 0; k < SIX; k++) work[pivot][k] *= scale;
-        for (int i = 0; i < SIX; i++) {
-            if (i == pivot) continue;
-            double factor = work[i][pivot];
-            work[i][pivot] = 0;
-            for (int k = 0; k < SIX; k++) work[i][k] -= factor * work[pivot][k];
-        }
-    }
-    for (int i = 0; i < SIX; i++)
-        for (int j = 0; j <= i; j++) task.row_inverses[TRIANGLE * row + triangle(i, j)] = work[i][j];
 }
 
 // First moments by the motions of spheres in a direction, with eight threads a row; those of soft pairs are added.

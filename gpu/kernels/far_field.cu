@@ -5,6 +5,7 @@
 #include "assembly.h"
 #include "coupled.h"
 #include "noise.h"
+#include "pair_steps.h"
 #include "pairs.h"
 #include "spread.h"
 #include "vectors.h"
@@ -35,6 +36,7 @@
     KERNEL(weigh_##suffix, weigh<T>)                      \
     KERNEL(sum_products_##suffix, sum_products<T>)        \
     KERNEL(row_loads_##suffix, row_loads<T>)              \
+    KERNEL(turn_pairs_##suffix, turn_rows<T>)             \
     KERNEL(find_near_##suffix, find_near<T>)              \
     KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
@@ -45,13 +47,10 @@ KERNEL(scan_blocks, sum_blocks)
 KERNEL(scan_add, add_totals)
 KERNEL(sum_up, add_sums)
 KERNEL(assemble_stiff, assemble<double, STIFF>)
-KERNEL(invert_rows, invert)
+KERNEL(invert_groups, invert_group)
 KERNEL(moments_stiff, near_moments<STIFF>)
 KERNEL(moments_soft, near_moments<SOFT>)
 KERNEL(step_pairs, step_rows)
-KERNEL(length_pairs, set_length)
-KERNEL(turn_pairs, set_turn)
-KERNEL(next_pairs, turn_direction)
 KERNEL(remainder_pairs, remainder_of_rows)
 KERNEL(step_all, step_coupled)
 KERNEL(measure_all, measure_coupled)

@@ -10,8 +10,6 @@ static constexpr int PAIR_NUMBERS = 9;
 // Numbers of a row's own resistance: force by velocity and torque by rotation, xx, xy, xz, yy, yz and zz each, and
 // the vector c of the coupling F = Omega x c, L = c x U.
 static constexpr int OWN_NUMBERS = 15;
-// Numbers of the lower triangle of a block.
-static constexpr int TRIANGLE = 21;
 // Resistances of single spheres: to translation, rotation and strain.
 static constexpr int RESISTANCES = 3;
 static constexpr int ROW_LANES = 8;
@@ -31,11 +29,13 @@ static __device__ double across(const double a[3], const double b[3], int axis)
 static __device__ double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 // Adds the load of a pair on the sphere of its row due to the motion of the other sphere.
-template <typename S> __device__ void add_load(const Task &task, long long entry, double load[SIX])
+template <typename S>
+__device__ void add_load(const Task &task, int set, long long entry, const double u[SIX], double load[SIX])
 {
     double n[PAIR_NUMBERS];
-    for (int k = 0; k < PAIR_NUMBERS; k++) n[k] = ((const S *)task.row_numbers)[k * task.row_entries + entry];
-    const double *u = task.direction + SIX * task.row_others[entry], *turn = u + 3;
+    const S *numbers = (const S *)task.near_numbers[set] + entry;
+    for (int k = 0; k < PAIR_NUMBERS; k++) n[k] = numbers[k * task.near_entries[set]];
+    const double *turn = u + 3;
     double along = dot(n, u) * n[4], spin = dot(n, turn) * n[6];
     for (int k = 0; k < 3; k++) {
         load[k] += n[3] * u[k] + along * n[k] + n[7] * across(turn, n, k);
@@ -44,9 +44,9 @@ template <typename S> __device__ void add_load(const Task &task, long long entry
 }
 
 // A component of the load on a sphere due to its own motion.
-static __device__ double own_load(const Task &task, int row, int component)
+static __device__ double own_load(const double *own, const double u[SIX], int component)
 {
-    const double *own = task.row_own + OWN_NUMBERS * row, *u = task.direction + SIX * row, *turn = u + 3;
+    const double *turn = u + 3;
     bool is_force = component < 3;
     int axis = is_force ? component : component - 3;
     const double *block = is_force ? own : own + 6, *moved = is_force ? u : turn;
@@ -58,119 +58,63 @@ static __device__ double own_load(const Task &task, int row, int component)
     return sum;
 }
 
-// Loads of near pairs in a direction, by eight threads a row, and sums by blocks of their products with the direction.
-// The loads are added to an image or replace it, with those of single spheres if they are asked for. In an iteration
-// that has ended nothing changes.
-template <typename S> __device__ void row_loads(const Task &task)
+// Motions of spheres, six numbers each: `u`, or `z + turn u`; with a turn of 0, u may be undefined.
+struct Motions {
+    const double *u, *z;
+    double turn;
+
+    __device__ void get(int row, double motion[SIX]) const
+    {
+        for (int k = 0; k < SIX; k++) {
+            long long at = (long long)SIX * row + k;
+            motion[k] = !z ? u[at] : turn == 0 ? z[at] : z[at] + turn * u[at];
+        }
+    }
+};
+
+// Adds the loads of the pairs of a row in a set, those of every eighth pair.
+template <typename S>
+__device__ void add_row(const Task &task, int set, int row, int lane, const Motions &motions, double load[SIX])
+{
+    if (!(task.pair_sets >> set & 1)) return;
+    double motion[SIX];
+    for (int entry = task.near_starts[set][row] + lane; entry < task.near_starts[set][row + 1]; entry += ROW_LANES) {
+        motions.get(task.near_others[set][entry], motion);
+        add_load<S>(task, set, entry, motion, load);
+    }
+}
+
+// Loads of near pairs in some motions, by eight threads a row, and sums by blocks of their products with the motions;
+// with those of single spheres if they are asked for. The motions are stored if there is a place for them.
+template <typename S> __device__ void store_loads(const Task &task, const Motions &motions)
 {
     SHARED(double, partial, SIX *SUM_THREADS);
-    if (task.state && task.state->is_active == 0) return;
     int thread = (int)threadIdx.x, lane = thread % ROW_LANES, first = thread - lane;
     int row = (int)(blockIdx.x * (SUM_THREADS / ROW_LANES)) + thread / ROW_LANES;
     bool is_there = row < task.particles;
     double load[SIX] = {0, 0, 0, 0, 0, 0}, product = 0;
-    int end = is_there ? task.row_starts[row + 1] : 0;
-    for (int entry = is_there ? task.row_starts[row] + lane : 0; entry < end; entry += ROW_LANES)
-        add_load<S>(task, entry, load);
+    if (is_there) add_row<double>(task, STIFF, row, lane, motions, load);
+    if (is_there) add_row<S>(task, SOFT, row, lane, motions, load);
     for (int k = 0; k < SIX; k++) partial[k * SUM_THREADS + thread] = load[k];
     __syncthreads();
     if (is_there && lane < SIX) {
-        double sum = own_load(task, row, lane), moved = task.direction[SIX * row + lane];
+        double motion[SIX], sum = 0;
+        motions.get(row, motion);
+        for (int set = 0; set < 2; set++)
+            if (task.pair_sets >> set & 1) sum += own_load(task.near_own[set] + OWN_NUMBERS * row, motion, lane);
         for (int other = 0; other < ROW_LANES; other++) sum += partial[lane * SUM_THREADS + first + other];
-        if (task.adds_single) sum += resistances_of(task, row)[lane < 3 ? 0 : 1] * moved;
-        if (task.adds_rows) sum += task.image[SIX * row + lane];
+        if (task.adds_single) sum += resistances_of(task, row)[lane < 3 ? 0 : 1] * motion[lane];
         task.image[SIX * row + lane] = sum;
-        product = sum * moved;
+        if (task.next_direction) task.next_direction[SIX * row + lane] = motion[lane];
+        product = sum * motion[lane];
     }
     store_sum(product, task.list_sums + blockIdx.x);
 }
 
-// Inner products of a residual r and a preconditioned residual z: `r z`, r times the former z, and the squares of an
-// error and of a size.
-struct Products {
-    double product, former, error, size;
-};
-
-// Sums of each over a block of threads.
-static __device__ void store_products(const Task &task, const Products &own)
+// The same for the motions of a direction.
+template <typename S> __device__ void row_loads(const Task &task)
 {
-    double *to = task.list_sums + blockIdx.x;
-    store_sum(own.product, to);
-    store_sum(own.former, to + task.list_size);
-    store_sum(own.error, to + 2 * task.list_size);
-    store_sum(own.size, to + 3 * task.list_size);
-}
-
-// A step of an iteration along a direction, if there is one, and the residual preconditioned by blocks.
-static __device__ void step_rows(const Task &task)
-{
-    if (task.direction && task.state->is_active == 0) return;
-    int row = thread_index();
-    Products sums = {0, 0, 0, 0};
-    if (row < task.particles) {
-        double *x = task.unknowns + SIX * row, *r = task.residual + SIX * row, *z = task.preconditioned + SIX * row;
-        const double *block = task.row_inverses + TRIANGLE * row;
-        for (int k = 0; task.direction && k < SIX; k++) {
-            x[k] += task.state->length * task.direction[SIX * row + k];
-            r[k] -= task.state->length * task.image[SIX * row + k];
-            sums.former += r[k] * z[k];
-        }
-        for (int k = 0; k < SIX; k++) {
-            double sum = 0, single = resistances_of(task, row)[k < 3 ? 0 : 1];
-            for (int m = 0; m < SIX; m++) {
-                int low = k < m ? k : m, high = k < m ? m : k;
-                sum += block[high * (high + 1) / 2 + low] * r[m];
-            }
-            z[k] = sum;
-            sums.product += r[k] * sum;
-            sums.error += r[k] * r[k] / single;
-            sums.size += x[k] * x[k] * single;
-        }
-    }
-    store_products(task, sums);
-}
-
-// Sum of the sums of all blocks in a list, by one block.
-static __device__ void add_list(const Task &task, int list)
-{
-    const double *sums = task.list_sums + list * task.list_size;
-    double own = 0;
-    for (long long block = threadIdx.x; block < task.list_size; block += SUM_THREADS) own += sums[block];
-    store_sum(own, task.totals + list);
-}
-
-// Length of the next step, from the product of a direction and its image, by one block.
-static __device__ void set_length(const Task &task)
-{
-    if (task.state->is_active == 0) return;
-    add_list(task, 0);
-    if (threadIdx.x > 0) return;
-    task.state->length = task.state->product / task.totals[0];
-    task.state->steps += 1;
-}
-
-// Part of the last direction in the next, and whether the iteration goes on, from the sums after a step, or without a
-// direction at the start; by one block.
-static __device__ void set_turn(const Task &task)
-{
-    if (task.direction && task.state->is_active == 0) return;
-    for (int list = 0; list < 4; list++) add_list(task, list);
-    if (threadIdx.x > 0) return;
-    PairState &state = *task.state;
-    Products now = {task.totals[0], task.totals[1], task.totals[2], task.totals[3]};
-    state.turn = task.direction ? (now.product - now.former) / state.product : 0;
-    state.product = now.product;
-    bool is_small = fabs(now.error) <= state.square * now.size || now.error == 0;
-    state.is_active = !is_small && now.product > 0 && now.product <= 1.7976931348623157e308;
-}
-
-// Next direction of an iteration; the first may be undefined.
-static __device__ void turn_direction(const Task &task)
-{
-    long long at = (long long)blockIdx.x * blockDim.x + threadIdx.x;
-    if (at >= (long long)SIX * task.particles) return;
-    double turn = task.state->turn, z = task.preconditioned[at];
-    task.image[at] = turn == 0 ? z : z + turn * task.image[at];
+    store_loads<S>(task, {task.direction, nullptr, 0});
 }
 
 // `image = residual - preconditioned - Z unknowns` with the resistance Z of single spheres; unknowns may be absent.

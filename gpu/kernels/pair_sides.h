@@ -3,8 +3,7 @@
 #pragma once
 #include "task.h"
 
-// Sets of near pairs, functions in their tables, and coefficients of the power series of each.
-static constexpr int STIFF = 0, SOFT = 1;
+// Functions in the tables of stiff and of soft pairs, and coefficients of the power series of each.
 static constexpr int FACTORS = 40, SIDES = 23;
 static constexpr int NODES = 8;
 

@@ -1,12 +1,22 @@
 // Arguments of all kernels.
 #pragma once
 
-// State of an iteration of conjugate gradients: product of residual and preconditioned residual, length of a step, part
-// of the last direction in the next, the square of the tolerance, and the number of steps. It is active until the error
-// is within the tolerance, or no step can reduce it.
+// State of an iteration of conjugate gradients: products of residual and preconditioned residual, and whether the
+// iteration goes on, each after the last step and after the one before it; the square of the tolerance, and the number
+// of steps. It goes on until the error is within the tolerance, or no step can reduce it.
 struct PairState {
-    double product, length, turn, square, steps, is_active;
+    double products[2], goes_on[2], square, steps;
 };
+
+// A sphere of a block of threads that preconditions: its row, or -1; the place of the first sphere of its group in the
+// block, and the number of spheres of the group; where the inverse of the group's matrix begins in the list of all.
+struct GroupMember {
+    int row, first, count, unused;
+    long long inverse;
+};
+
+// Sets of near pairs.
+static constexpr int STIFF = 0, SOFT = 1;
 
 struct NearKind;
 
@@ -48,17 +58,20 @@ struct Task {
     double *list_sums;
     // Sums of all blocks.
     double *totals;
-    // Near pairs by rows: where the pairs of a row begin, their other spheres, and nine lists of their numbers; of each
-    // row its own resistance and the block that preconditions it; resistances of single spheres by class of radius.
-    const int *row_starts, *row_others;
-    void *row_numbers;
-    double *row_own, *row_inverses;
+    // Sums of the blocks of the kernel before.
+    const double *block_sums;
+    // Groups of spheres that precondition, and the inverses of their matrices; resistances of single spheres by class
+    // of radius.
+    const GroupMember *members;
+    double *inverses;
     const double *resistances;
-    // Lubrication: pairs of classes, and their tables. Stiff and soft pairs by rows as they are found: where the pairs of
-    // a row begin, their other spheres, and packed steps to the periodic image.
+    // Lubrication: pairs of classes, and their tables. Stiff and soft pairs by rows: where the pairs of a row begin,
+    // their other spheres, packed steps to the periodic image, nine lists of numbers, and of each row its own resistance.
     const NearKind *near_kinds;
     const double *near_series;
     int *near_starts[2], *near_others[2], *near_steps[2];
+    void *near_numbers[2];
+    double *near_own[2];
     // Rows of other stiff pairs that the host gives, if there are any.
     const int *given_starts, *given_others;
     const double *given_numbers, *given_own;
@@ -68,6 +81,8 @@ struct Task {
     double *unknowns, *residual, *preconditioned;
     const double *direction;
     double *image, *stiff_loads, *stiff_residual;
+    // The direction of an iteration after the one that is given.
+    double *next_direction;
     const double *ambient;
     // State of an iteration that goes on by itself.
     PairState *state;
@@ -89,8 +104,10 @@ struct Task {
     long long list_size;
     // Axes along which the box does not repeat, a bit each.
     long long bounded_axes;
-    // Number of pairs of all rows, and of those that the host gives.
-    long long row_entries, given_entries;
+    // Number of sums of blocks of the kernel before.
+    long long block_count;
+    // Numbers of stiff and of soft pairs of all rows, and of those that the host gives.
+    long long near_entries[2], given_entries;
 
     int particles, class_count;
     int grid[3], bins[3], tiles[3];
@@ -103,8 +120,10 @@ struct Task {
     // Threads of a particle in the interpolation.
     int lanes;
     int is_rotated, scan_count;
-    // Whether loads of pairs are added to an image, and those of single spheres to loads.
-    int adds_rows, adds_single;
+    // Sets of near pairs, a bit each, and whether the loads of single spheres are added to theirs.
+    int pair_sets, adds_single;
+    // 0 and 1 in turn for the steps of an iteration.
+    int parity, unused;
     // Whether spheres that overlap are lubricated as at a gap equal to the overlap.
     int separates_overlaps;
 };

@@ -2,8 +2,9 @@
 
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{PARTICLE_THREADS, SplitFarField};
+use crate::groups::INVERSE_NUMBERS;
 use crate::lists::DeviceList;
-use crate::pair_rows::{OWN_NUMBERS, PairRows, RowAddresses, TRIANGLE};
+use crate::pair_rows::{OWN_NUMBERS, PairRows};
 use crate::tables::NumberFormat;
 use crate::task::KernelTask;
 
@@ -34,7 +35,7 @@ pub struct NearInFlow {
 }
 
 impl SplitFarField {
-    /// Finds the near pairs of the arranged particles, and assembles the rows of their resistance and the blocks of the
+    /// Finds the near pairs of the arranged particles, and assembles the rows of their resistance and the groups of the
     /// preconditioner.
     ///
     /// # Panics
@@ -53,12 +54,9 @@ impl SplitFarField {
     /// Copies the rows that the host gives.
     fn take_given(&mut self, given: Option<&PairRows>) -> Result<(), DeviceError> {
         let Self { device, buffers, task, .. } = self;
-        let places = &mut buffers.near.given;
-        let rows = given.map(|rows| RowAddresses::fill(places, device.as_mut(), rows)).transpose()?;
-        let RowAddresses { starts, others, numbers, own, pairs, .. } = rows.unwrap_or_default();
-        (task.given_starts, task.given_others, task.given_numbers, task.given_own) = (starts, others, numbers, own);
-        task.given_entries = pairs;
-        Ok(())
+        (task.given_starts, task.given_others, task.given_numbers, task.given_own) = (0, 0, 0, 0);
+        task.given_entries = 0;
+        given.map_or(Ok(()), |rows| task.give(&mut buffers.near.given, device.as_mut(), rows))
     }
 
     /// Counts the stiff and soft pairs of each row, then lists them. Returns their numbers.
@@ -87,20 +85,19 @@ impl SplitFarField {
         Ok(totals)
     }
 
-    /// Assembles the rows of pairs that are listed, and the blocks of the preconditioner.
+    /// Assembles the rows of pairs that are listed, and the groups of the preconditioner.
     fn assemble_rows(&mut self, [stiff, soft]: [usize; 2]) -> Result<(), DeviceError> {
         let (count, format) = (self.task.particles as usize, self.tables.numbers);
-        let Self { device, buffers, near, task, .. } = self;
+        let Self { device, buffers, task, .. } = self;
         let (on, places) = (device.as_mut(), &mut buffers.near);
         let [of_stiff, of_soft] = &mut places.sets;
-        near.stiff = RowAddresses::reserve(of_stiff, on, [count, stiff], NumberFormat::Double)?;
-        near.soft = RowAddresses::reserve(of_soft, on, [count, soft], format)?;
+        task.reserve_numbers(of_stiff, on, [0, stiff], NumberFormat::Double)?;
+        task.reserve_numbers(of_soft, on, [1, soft], format)?;
         task.in_flow = places.in_flow.reserve(on, size_of::<f64>() * IN_FLOW * count)?;
-        task.row_inverses = places.inverses.reserve(on, size_of::<f64>() * TRIANGLE * count)?;
-        let (stiff, soft) = (near.stiff, near.soft);
-        self.launch_assembly("assemble_stiff", &self.task.with_rows(&stiff))?;
-        self.launch_particles("invert_rows", &self.task.with_rows(&stiff))?;
-        self.launch_assembly(&format!("assemble_soft_{}", format.suffix()), &self.task.with_rows(&soft))
+        let task = self.task;
+        self.launch_assembly("assemble_stiff", &task)?;
+        self.launch_assembly(&format!("assemble_soft_{}", format.suffix()), &task)?;
+        self.form_groups(stiff)
     }
 
     fn launch_assembly(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
@@ -123,5 +120,5 @@ impl SplitFarField {
 }
 
 /// Bytes that the rows of a particle take besides those of its pairs: where rows of both kinds of pairs begin, own
-/// resistances, the preconditioner, loads and first moments in the background, and first moments by motions.
-pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (TRIANGLE + IN_FLOW + 5);
+/// resistances, inverses of groups, loads and first moments in the background, and first moments by motions.
+pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (INVERSE_NUMBERS + IN_FLOW + 5);

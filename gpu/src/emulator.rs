@@ -120,6 +120,15 @@ fn run(compiler: &str, options: &[&str], files: &[&Path]) -> Result<(), DeviceEr
     }
 }
 
+/// Bytes that a transform moves if it passes over its data once for each axis: between the field and the spectrum, and
+/// twice within the spectrum.
+fn moved_by(task: &TransformTask) -> u64 {
+    let [x, y, z] = task.points;
+    let value = if task.is_single { 4 } else { 8 };
+    let (field, spectrum) = (3 * value * x * y * z, 6 * value * (x / 2 + 1) * y * z);
+    (field + 5 * spectrum) as u64
+}
+
 /// Digest of the sources of the emulator and of options of the compiler.
 fn digest(options: &[&str]) -> Result<u64, DeviceError> {
     let entries = std::fs::read_dir(KERNELS).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -207,6 +216,7 @@ impl Device for Emulator {
         let flags = [usize::from(task.is_forward), usize::from(task.is_single)];
         let words = [flags[0], flags[1], x, y, z, task.field as usize, task.spectrum as usize];
         self.send(Order::Transform, &words)?;
+        *self.moved.entry("transform".to_owned()).or_default() += moved_by(task);
         self.receive_word().map(drop)
     }
 
@@ -266,5 +276,12 @@ mod tests {
             assert!((sum[17] - 51.0).abs() < 1e-12);
             assert_eq!(device.moved()["combine_f64"], 8 * 1000 * lists);
         }
+    }
+
+    /// Of two by three by four points, the spectrum has as many numbers as the field in each of three passes.
+    #[test]
+    fn transforms_pass_once_for_each_axis() {
+        let task = TransformTask { is_forward: true, is_single: true, points: [2, 3, 4], field: 0, spectrum: 0 };
+        assert_eq!(moved_by(&task), 3 * 4 * (24 + 5 * 2 * 24));
     }
 }

@@ -4,7 +4,7 @@ use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
 use crate::pair_rows::{NearBuffers, NearRows};
-use crate::repeated::Repeated;
+use crate::repeated::{RECORDINGS, Repeated};
 use crate::tables::{LatticeShape, NumberFormat, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
@@ -79,8 +79,8 @@ pub(crate) struct Buffers {
     pub(crate) records: Buffer,
     grid: [Buffer; 2],
     pub(crate) motions: [Buffer; 3],
-    /// Sums of blocks, of the vectors of an iteration and of one within it, and the sums of all blocks.
-    pub(crate) sums: [Buffer; 2],
+    /// Sums of blocks, of the vectors of an iteration and of the two kernels of one within it, and the sums of all.
+    pub(crate) sums: [Buffer; 3],
     pub(crate) totals: Buffer,
     /// State of an iteration for near pairs.
     pub(crate) state: Buffer,
@@ -94,7 +94,7 @@ pub struct SplitFarField {
     pub(crate) task: KernelTask,
     pub(crate) buffers: Buffers,
     pub(crate) near: NearRows,
-    pub(crate) repeated: [Repeated; 2],
+    pub(crate) repeated: [Repeated; RECORDINGS],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
     neighbours: usize,
@@ -141,7 +141,7 @@ impl SplitFarField {
         let [field, spectrum] = &mut buffers.grid;
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
-        let (near, repeated, spare) = (NearRows::default(), <[Repeated; 2]>::default(), Vec::new());
+        let (near, repeated, spare) = (NearRows::default(), <[Repeated; RECORDINGS]>::default(), Vec::new());
         let (neighbours, seconds) = (0, StageSeconds::default());
         Ok(Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds })
     }

@@ -2,6 +2,7 @@
 
 use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
+use crate::groups::member_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::NumberFormat;
 
@@ -46,8 +47,9 @@ impl NearSize {
         let pairs = self.stiff * pair(size_of::<f64>()) + self.soft * pair(self.numbers.size());
         // Unknowns, preconditioned residual and direction; residual and image of the direction; motions or loads of the
         // preconditioner; stresslets of the start and ambient motions; the result.
-        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 7 * 6 + 5 + 11 + RESULTS);
-        self.tables + pairs + (ROW_BYTES + vectors) as f64 * self.particles
+        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 8 * 6 + 5 + 11 + RESULTS);
+        let members = member_bytes(self.particles as usize) as f64;
+        self.tables + pairs + members + (ROW_BYTES + vectors) as f64 * self.particles
     }
 }
 

@@ -3,13 +3,13 @@
 use crate::device::DeviceError;
 use crate::far_field::SplitFarField;
 use crate::lists::DeviceList;
-use crate::pair_rows::{NearRows, PairSet, RowAddresses};
-use crate::repeated::PAIR_STEPS;
+use crate::pair_rows::PairSet;
+use crate::repeated::{PAIR_START, PAIR_STEPS};
 use crate::task::{DeviceAddress, KernelTask};
 use crate::vectors::SUM_THREADS;
 
-/// Steps of an iteration for near pairs after which the host looks at its state.
-const STEPS_AT_A_TIME: usize = 6;
+/// Steps of an iteration for near pairs after which the host looks at its state; an even number.
+const STEPS_AT_A_TIME: usize = 4;
 
 /// Threads of a row, as in `gpu/kernels/near.h`.
 const ROW_LANES: usize = 8;
@@ -23,10 +23,18 @@ pub struct RowVectors {
     pub residual: DeviceList,
     /// `z`
     pub preconditioned: DeviceList,
-    /// `p`
-    pub direction: DeviceList,
+    /// `p`, after steps of even and of odd numbers.
+    pub directions: [DeviceList; 2],
     /// `A p`
     pub image: DeviceList,
+}
+
+/// An iteration that runs on the device: its state, pairs and vectors.
+#[derive(Clone, Copy)]
+struct PairIteration {
+    state: DeviceAddress,
+    pairs: PairSet,
+    at: RowVectors,
 }
 
 /// Limits of an iteration for near pairs.
@@ -59,13 +67,6 @@ impl KernelTask {
         let Some(DeviceStep { length, direction, image }) = step else { return Self { direction: 0, ..self } };
         Self { x_factor: *length, direction: direction.address, image: image.address, ..self }
     }
-
-    /// The same with the rows of a set of pairs.
-    pub(crate) fn with_rows(self, rows: &RowAddresses) -> Self {
-        let &RowAddresses { starts, others, numbers, own, pairs, .. } = rows;
-        let of_pairs = Self { row_starts: starts, row_others: others, row_numbers: numbers, ..self };
-        Self { row_own: own, row_entries: pairs, ..of_pairs }
-    }
 }
 
 impl SplitFarField {
@@ -73,87 +74,90 @@ impl SplitFarField {
         (ROW_LANES * self.task.particles as usize).div_ceil(SUM_THREADS)
     }
 
-    /// Loads of near pairs in some motions, six numbers a particle; the sums of blocks of their products with the
-    /// motions are left at the address that is returned. With `single`, the loads of single spheres are added. In an
-    /// iteration that has ended, by its state, nothing changes.
-    fn launch_rows(
-        &mut self,
-        pairs: PairSet,
-        single: bool,
-        [motions, loads]: [&DeviceList; 2],
-        state: DeviceAddress,
-    ) -> Result<DeviceAddress, DeviceError> {
-        let blocks = self.row_blocks();
-        let list_sums = self.reserve_sums(1, blocks)?;
-        let NearRows { stiff, soft, .. } = self.near;
-        let sets = [(PairSet::Stiff, stiff), (PairSet::Soft, soft)];
-        let mut task = KernelTask { direction: motions.address, image: loads.address, list_sums, state, ..self.task };
-        task.adds_single = i32::from(single);
-        for (_, rows) in sets.into_iter().filter(|(set, _)| pairs == PairSet::All || pairs == *set) {
-            task = task.with_rows(&rows);
-            self.launch_vectors(&format!("row_loads_{}", rows.format.suffix()), blocks, &task)?;
-            (task.adds_rows, task.adds_single) = (1, 0);
-        }
-        Ok(list_sums)
-    }
-
     /// Loads of near pairs in some motions, six numbers a particle each.
     pub fn pair_loads(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<(), DeviceError> {
-        self.launch_rows(pairs, false, lists, 0).map(drop)
+        self.launch_rows(pairs, 0, lists)
     }
 
     /// Loads of near pairs and of single spheres in some motions.
     pub fn resisted(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<(), DeviceError> {
-        self.launch_rows(pairs, true, lists, 0).map(drop)
+        self.launch_rows(pairs, 1, lists)
+    }
+
+    fn launch_rows(
+        &mut self,
+        pairs: PairSet,
+        adds_single: i32,
+        [motions, loads]: [&DeviceList; 2],
+    ) -> Result<(), DeviceError> {
+        let blocks = self.row_blocks();
+        let list_sums = self.reserve_sums(1, blocks)?;
+        let (direction, image) = (motions.address, loads.address);
+        let task = KernelTask { direction, image, list_sums, pair_sets: pairs as i32, adds_single, ..self.task };
+        self.launch_vectors(&format!("row_loads_{}", self.tables.numbers.suffix()), blocks, &task)
     }
 
     /// Solves for motions of spheres that interact by near pairs alone, from some motions with a known residual, by
-    /// conjugate gradients that are preconditioned by blocks. The error is that of the motions of single spheres under
+    /// conjugate gradients that are preconditioned by groups. The error is that of the motions of single spheres under
     /// the residual, relative to the size of the motions, both weighted by the resistances. Steps run without the host,
     /// which looks from time to time whether the iteration has ended.
     pub fn solve_pairs(&mut self, pairs: PairSet, at: &RowVectors, limits: PairLimits) -> Result<(), DeviceError> {
         if self.blocks() == 0 {
             return Ok(());
         }
-        let mut state = [0.0, 0.0, 0.0, limits.tolerance * limits.tolerance, 0.0, 1.0];
+        let mut state = [0.0, 0.0, 1.0, 1.0, limits.tolerance * limits.tolerance, 0.0];
         let place = self.buffers.state.fill(self.device.as_mut(), bytemuck::cast_slice(&state))?;
-        self.finish_step(place, at, 0)?;
-        let addresses = [at.unknowns, at.residual, at.preconditioned, at.direction, at.image].map(|list| list.address);
-        let of_solve = [&addresses[..], &[pairs as u64]].concat();
+        let iteration = PairIteration { state: place, pairs, at: *at };
+        let [x, r, z, image] = [at.unknowns, at.residual, at.preconditioned, at.image].map(|list| list.address);
+        let of_solve = [x, r, z, image, at.directions[0].address, at.directions[1].address, pairs as u64];
+        self.repeat(PAIR_START, &of_solve, |field| {
+            field.step_pairs(&iteration, None)?;
+            field.turn_pairs(&iteration, 0)?;
+            field.steps_of_pairs(&iteration)
+        })?;
         loop {
             self.device.download(place, bytemuck::cast_slice_mut(&mut state))?;
-            let [.., steps, is_active] = state;
-            if is_active == 0.0 || steps >= limits.steps as f64 {
+            let [_, _, goes_on, _, _, steps] = state;
+            if goes_on == 0.0 || steps >= limits.steps as f64 {
                 return Ok(());
             }
-            let at = *at;
-            self.repeat(PAIR_STEPS, &of_solve, |field| {
-                (0..STEPS_AT_A_TIME).try_for_each(|_| field.step_pairs(place, pairs, &at))
-            })?;
+            self.repeat(PAIR_STEPS, &of_solve, |field| field.steps_of_pairs(&iteration))?;
         }
     }
 
-    /// A step of the iteration.
-    fn step_pairs(&mut self, state: DeviceAddress, pairs: PairSet, at: &RowVectors) -> Result<(), DeviceError> {
-        let list_sums = self.launch_rows(pairs, true, [&at.direction, &at.image], state)?;
-        let (list_size, totals) = (self.row_blocks() as i64, self.place_of_totals()?);
-        let task = KernelTask { list_sums, totals, state, list_size, ..self.task };
-        self.launch_vectors("length_pairs", 1, &task)?;
-        self.finish_step(state, at, at.direction.address)
+    /// Some steps of the iteration.
+    fn steps_of_pairs(&mut self, iteration: &PairIteration) -> Result<(), DeviceError> {
+        (0..STEPS_AT_A_TIME).try_for_each(|step| {
+            self.step_pairs(iteration, Some(step % 2))?;
+            self.turn_pairs(iteration, (step + 1) % 2)
+        })
     }
 
-    /// A step along a direction whose length is known, if there is one, and the next direction.
-    fn finish_step(&mut self, state: DeviceAddress, at: &RowVectors, direction: u64) -> Result<(), DeviceError> {
-        let blocks = self.blocks();
-        let (list_sums, totals) = (self.reserve_sums(1, 4 * blocks)?, self.place_of_totals()?);
+    /// A step along the direction of a parity, if there is one, with the products from which the next one follows.
+    fn step_pairs(&mut self, iteration: &PairIteration, parity: Option<usize>) -> Result<(), DeviceError> {
+        let PairIteration { state, at, .. } = *iteration;
+        let (blocks, of_rows) = (self.near.group_blocks, self.row_blocks());
+        let (list_sums, block_sums) = (self.reserve_sums(1, 4 * blocks)?, self.reserve_sums(2, of_rows)?);
         let (unknowns, residual, image) = (at.unknowns.address, at.residual.address, at.image.address);
-        let (preconditioned, list_size) = (at.preconditioned.address, blocks as i64);
-        let task = KernelTask { unknowns, residual, preconditioned, direction, image, ..self.task };
-        let task = KernelTask { list_sums, totals, state, list_size, ..task };
-        self.launch_vectors("step_pairs", blocks, &task)?;
-        self.launch_vectors("turn_pairs", 1, &task)?;
-        let task = KernelTask { image: at.direction.address, ..task };
-        self.launch_vectors("next_pairs", at.direction.count().div_ceil(SUM_THREADS), &task)
+        let direction = parity.map_or(0, |parity| at.directions[parity].address);
+        let (preconditioned, parity) = (at.preconditioned.address, parity.unwrap_or(0) as i32);
+        let task = KernelTask { unknowns, residual, preconditioned, direction, image, state, parity, ..self.task };
+        let (list_size, block_count) = (blocks as i64, of_rows as i64);
+        let task = KernelTask { list_sums, list_size, block_sums, block_count, ..task };
+        self.launch_vectors("step_pairs", blocks, &task)
+    }
+
+    /// The next direction, of a parity, and its image.
+    fn turn_pairs(&mut self, iteration: &PairIteration, parity: usize) -> Result<(), DeviceError> {
+        let &PairIteration { state, pairs, ref at } = iteration;
+        let (blocks, of_groups) = (self.row_blocks(), self.near.group_blocks);
+        let (list_sums, block_sums) = (self.reserve_sums(2, blocks)?, self.reserve_sums(1, 4 * of_groups)?);
+        let (preconditioned, image) = (at.preconditioned.address, at.image.address);
+        let (direction, next_direction) = (at.directions[1 - parity].address, at.directions[parity].address);
+        let (pair_sets, adds_single, parity, block_count) = (pairs as i32, 1, parity as i32, of_groups as i64);
+        let task = KernelTask { preconditioned, direction, next_direction, image, list_sums, ..self.task };
+        let task = KernelTask { state, pair_sets, adds_single, parity, block_sums, block_count, ..task };
+        self.launch_vectors(&format!("turn_pairs_{}", self.tables.numbers.suffix()), blocks, &task)
     }
 
     /// `to = loads - part`, minus the loads of single spheres in motions if there are any.

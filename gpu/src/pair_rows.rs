@@ -3,7 +3,7 @@
 use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError};
 use crate::tables::NumberFormat;
-use crate::task::DeviceAddress;
+use crate::task::KernelTask;
 
 /// Numbers of a pair: the axis; translation across it, and along it minus across; rotation in the same way; force by
 /// rotation of the other sphere, and torque by its translation.
@@ -12,9 +12,6 @@ pub const PAIR_NUMBERS: usize = 9;
 /// Numbers of the resistance of a sphere to its own motion: force by velocity and torque by rotation, each with the
 /// components xx, xy, xz, yy, yz and zz, and the vector `c` of the coupling `F = Omega x c`, `L = c x U`.
 pub const OWN_NUMBERS: usize = 15;
-
-/// Numbers of the lower triangle of a block of six, row by row.
-pub const TRIANGLE: usize = 21;
 
 /// Resistance of near pairs as a matrix with a row of blocks for each particle, in the order of the host.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,40 +26,26 @@ pub struct PairRows {
     pub own: Vec<f64>,
 }
 
-/// Selection of near pairs.
+/// Selection of near pairs: a bit for each set of `gpu/kernels/task.h`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairSet {
     /// Stiff pairs.
-    Stiff,
+    Stiff = 1,
     /// Soft pairs.
     Soft,
     /// Both.
     All,
 }
 
-/// Rows of a set of pairs.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct RowAddresses {
-    pub starts: DeviceAddress,
-    pub others: DeviceAddress,
-    pub numbers: DeviceAddress,
-    pub own: DeviceAddress,
-    pub pairs: i64,
-    pub format: NumberFormat,
-}
-
-impl Default for RowAddresses {
-    fn default() -> Self {
-        Self { starts: 0, others: 0, numbers: 0, own: 0, pairs: 0, format: NumberFormat::Double }
-    }
-}
-
-/// Rows of stiff and of soft pairs, and the distance up to which pairs are lubricated if their tables are there.
+/// Near pairs that are on the device.
 #[derive(Debug, Default)]
 pub(crate) struct NearRows {
-    pub stiff: RowAddresses,
-    pub soft: RowAddresses,
+    /// The distance up to which pairs are lubricated if their tables are there.
     pub reach: Option<f64>,
+    /// The least resistance of a single sphere to translation.
+    pub least_resistance: f64,
+    /// Blocks of threads that precondition.
+    pub group_blocks: usize,
 }
 
 /// Memory of the rows of a set of pairs.
@@ -90,38 +73,39 @@ pub(crate) struct NearBuffers {
     pub sets: [RowBuffers; 2],
     /// Rows that the host gives.
     pub given: RowBuffers,
+    pub members: Buffer,
     pub inverses: Buffer,
     pub in_flow: Buffer,
     pub moments: Buffer,
 }
 
-impl RowAddresses {
-    /// A copy of rows of the host.
-    pub fn fill(places: &mut RowBuffers, on: &mut dyn Device, rows: &PairRows) -> Result<Self, DeviceError> {
-        Ok(Self {
-            starts: places.starts.fill(on, bytemuck::cast_slice(&rows.starts))?,
-            others: places.others.fill(on, bytemuck::cast_slice(&rows.others))?,
-            numbers: places.numbers.fill(on, bytemuck::cast_slice(&rows.numbers))?,
-            own: places.own.fill(on, bytemuck::cast_slice(&rows.own))?,
-            pairs: rows.others.len() as i64,
-            format: NumberFormat::Double,
-        })
-    }
-
-    /// Room for the rows of some particles with this many pairs; the place where they begin is known.
-    pub fn reserve(
+impl KernelTask {
+    /// Copies the rows that the host gives.
+    pub(crate) fn give(
+        &mut self,
         places: &mut RowBuffers,
         on: &mut dyn Device,
-        [particles, pairs]: [usize; 2],
+        rows: &PairRows,
+    ) -> Result<(), DeviceError> {
+        self.given_starts = places.starts.fill(on, bytemuck::cast_slice(&rows.starts))?;
+        self.given_others = places.others.fill(on, bytemuck::cast_slice(&rows.others))?;
+        self.given_numbers = places.numbers.fill(on, bytemuck::cast_slice(&rows.numbers))?;
+        self.given_own = places.own.fill(on, bytemuck::cast_slice(&rows.own))?;
+        self.given_entries = rows.others.len() as i64;
+        Ok(())
+    }
+
+    /// Takes room for the numbers of this many pairs of a set.
+    pub(crate) fn reserve_numbers(
+        &mut self,
+        places: &mut RowBuffers,
+        on: &mut dyn Device,
+        [set, pairs]: [usize; 2],
         format: NumberFormat,
-    ) -> Result<Self, DeviceError> {
-        Ok(Self {
-            starts: places.starts.reserve(on, 4 * (particles + 1))?,
-            others: places.others.reserve(on, 4 * pairs)?,
-            numbers: places.numbers.reserve(on, PAIR_NUMBERS * pairs * format.size())?,
-            own: places.own.reserve(on, size_of::<f64>() * OWN_NUMBERS * particles)?,
-            pairs: pairs as i64,
-            format,
-        })
+    ) -> Result<(), DeviceError> {
+        self.near_numbers[set] = places.numbers.reserve(on, PAIR_NUMBERS * pairs * format.size())?;
+        self.near_own[set] = places.own.reserve(on, size_of::<f64>() * OWN_NUMBERS * self.particles as usize)?;
+        self.near_entries[set] = pairs as i64;
+        Ok(())
     }
 }

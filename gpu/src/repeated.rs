@@ -1,8 +1,12 @@
 //! Commands that are the same each time, run from a recording.
 
-/// Numbers of the recordings: of an evaluation, and of steps of an iteration for near pairs.
+/// Numbers of the recordings: of an evaluation, and of the first and further steps of an iteration for near pairs.
 pub(crate) const EVALUATION: usize = 0;
-pub(crate) const PAIR_STEPS: usize = 1;
+pub(crate) const PAIR_START: usize = 1;
+pub(crate) const PAIR_STEPS: usize = 2;
+
+/// Number of recordings.
+pub(crate) const RECORDINGS: usize = 3;
 
 /// Commands that run again and again with the same arguments.
 #[derive(Debug, Default, PartialEq, Eq)]

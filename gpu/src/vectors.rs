@@ -100,7 +100,7 @@ impl SplitFarField {
         Ok(sum)
     }
 
-    /// Place for this many sums of blocks, in one of two lists.
+    /// Place for this many sums of blocks, in one of three lists.
     pub(crate) fn reserve_sums(&mut self, list: usize, count: usize) -> Result<DeviceAddress, DeviceError> {
         self.buffers.sums[list].reserve(self.device.as_mut(), size_of::<f64>() * count)
     }

@@ -1,6 +1,6 @@
 //! Counts what a card does in a solve with lubrication, by an emulator that runs its kernels: copies, launches, and
-//! the memory that kernels read and write. A sector of 32 bytes counts once in a run of a kernel; transforms are left
-//! out.
+//! the memory that kernels read and write. A sector of 32 bytes counts once in a run of a kernel; transforms pass over
+//! their data once for each axis.
 //!
 //!     cargo run --package fcm-solve-hydrodynamics --example device_counts
 
@@ -8,65 +8,144 @@ use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vec
 use fcm::{
     Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, Plan, Precision, Problem, StressletSolver,
 };
-use gpu::{Counted, DeviceCounts, Emulator};
-use hydrodynamics::{CoupledSolver, Guess, ShortRange, SolveInput, StrainRate};
+use gpu::{Counted, Device, DeviceCounts, Emulator};
+use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, StrainRate};
 use lubrication::LubricationRange;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::f64::consts::PI;
 
-/// Number of spheres, volume fraction, strain of the box, and tolerance.
-const SPHERES: usize = 128;
-const FRACTION: f64 = 0.4;
+/// Strain of the box, tolerance, and strain between the steps of a run.
 const STRAIN: f64 = 0.3;
 const TOLERANCE: f64 = 1e-2;
+const STEP: f64 = 0.005;
+
+/// A suspension.
+struct CountedCase {
+    spheres: usize,
+    fraction: f64,
+}
+
+/// Steps on the host before the one that is counted, from which its start is extrapolated by a parabola.
+const PARABOLA: [f64; 3] = [1.0, -3.0, 3.0];
 
 /// Kernels by what they are for: the beginnings of their names.
 const GROUPS: [(&str, &[&str]); 5] = [
     ("order and lists of spheres", &["bin_", "scan_", "scatter_", "order_", "find_neighbours"]),
-    ("assembly of near pairs", &["find_near_", "assemble_", "invert_", "moments_"]),
+    ("assembly of near pairs", &["find_near_", "assemble_", "invert_groups", "moments_"]),
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
-    ("near pairs, and preconditioner", &["row_loads", "_pairs", "remainder_"]),
+    ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["combine_", "sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
 ];
 
-/// Spheres of two sizes in a sheared box.
-fn suspension() -> Result<(PeriodicBox, Particles), Box<dyn Error>> {
-    let radii: Vec<f64> = (0..SPHERES).map(|i| if i % 2 == 0 { 1.0 } else { 1.4 }).collect();
-    let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
-    let cell = PeriodicBox::sheared(Vector::splat((volume / FRACTION).cbrt()), STRAIN)?;
-    let positions = random_packing(&cell, &radii, 0.0, 1)?;
-    let mut particles = Particles::default();
-    for (id, (&position, &radius)) in positions.iter().zip(&radii).enumerate() {
-        particles.push(id as u64, position, radius, 0);
+impl CountedCase {
+    /// Spheres of two sizes in a sheared box.
+    fn suspension(&self) -> Result<(PeriodicBox, Particles), Box<dyn Error>> {
+        let radii: Vec<f64> = (0..self.spheres).map(|i| if i % 2 == 0 { 1.0 } else { 1.4 }).collect();
+        let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
+        let cell = PeriodicBox::sheared(Vector::splat((volume / self.fraction).cbrt()), STRAIN)?;
+        let positions = random_packing(&cell, &radii, 0.0, 1)?;
+        let mut particles = Particles::default();
+        for (id, (&position, &radius)) in positions.iter().zip(&radii).enumerate() {
+            particles.push(id as u64, position, radius, 0);
+        }
+        particles.wrap(&cell);
+        Ok((cell, particles))
     }
-    particles.wrap(&cell);
-    Ok((cell, particles))
+
+    fn plan(&self, cell: &PeriodicBox) -> Result<Plan, Box<dyn Error>> {
+        let (precision, method) = (Some(Precision::Single), Some(Method::Split));
+        Ok(Plan::choose(&Problem {
+            edges: cell.edges(),
+            boundaries: Boundaries::Periodic,
+            volume: cell.volume(),
+            shortest_vector: cell.edges().x,
+            smallest_edge_ratio: 1.0,
+            largest_strain: STRAIN,
+            largest_tilts: [0.0; 2],
+            radii: vec![(1.0, self.spheres.div_ceil(2)), (1.4, self.spheres / 2)],
+            viscosity: 1.0,
+            multipoles: Multipoles::Dipole,
+            rigid: true,
+            lubricated: true,
+            loading: Loading::Varied,
+            tolerance: TOLERANCE,
+            threads: 1,
+            ranks: 1,
+            costs: Costs::default(),
+            network: None,
+            fixed: Fixed { precision, method, ..Fixed::default() },
+        })?)
+    }
+
+    /// Prints what a device does for the spheres, and for a step of a run, with the start that it would have.
+    fn count(&self) -> Result<(), Box<dyn Error>> {
+        let (cell, mut particles) = self.suspension()?;
+        let plan = self.plan(&cell)?;
+        let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
+        let short_range = ShortRange { lubrication: Some(LubricationRange::default()), springs: None };
+        let loads = Loads::default();
+        let shear = SolveInput::new(&loads, StrainRate::uniform(Traceless([0.0, 0.5, 0.0, 0.0, 0.0])));
+        let (device, counts) = counted()?;
+        let far = StressletSolver::of(Mobility::on(device, &plan, &partition), &Comm::alone());
+        let mut on_card = CoupledSolver::of(far, &partition, short_range)?;
+        let stage = |title: &str, before: &DeviceCounts| {
+            println!("{title}");
+            self.print(&since(before, &counts.borrow()));
+        };
+        println!("{} spheres at {:.0}%, grid {:?} in f32", self.spheres, 100.0 * self.fraction, plan.grid);
+        on_card.solve(&cell, &particles, &shear, Guess::default())?;
+        let before = counts.borrow().clone();
+        let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
+        stage(&format!("a solve from rest, {} iterations", solution.iterations), &before);
+        let mut on_host = CoupledSolver::new(&plan, &partition, short_range)?;
+        let mut past = Vec::new();
+        for _ in PARABOLA {
+            let solution = on_host.solve(&cell, &particles, &shear, extrapolated(&past))?;
+            for (position, &velocity) in particles.positions.iter_mut().zip(&solution.motion.velocities) {
+                *position += velocity * STEP;
+            }
+            particles.wrap(&cell);
+            past.push(solution);
+        }
+        let before = counts.borrow().clone();
+        on_card.mobility().follow(&cell, &particles);
+        let solution = on_card.solve(&cell, &particles, &shear, extrapolated(&past))?;
+        stage(&format!("a step of a run, {} iterations", solution.iterations), &before);
+        let before = counts.borrow().clone();
+        on_card.mobility().apply(&solution.far, Output::All);
+        stage("an evaluation with loads and motions of the host", &before);
+        Ok(())
+    }
 }
 
-fn plan(cell: &PeriodicBox) -> Result<Plan, Box<dyn Error>> {
-    let (precision, method) = (Some(Precision::Single), Some(Method::Split));
-    Ok(Plan::choose(&Problem {
-        edges: cell.edges(),
-        boundaries: Boundaries::Periodic,
-        volume: cell.volume(),
-        shortest_vector: cell.edges().x,
-        smallest_edge_ratio: 1.0,
-        largest_strain: STRAIN,
-        largest_tilts: [0.0; 2],
-        radii: vec![(1.0, SPHERES / 2), (1.4, SPHERES / 2)],
-        viscosity: 1.0,
-        multipoles: Multipoles::Dipole,
-        rigid: true,
-        lubricated: true,
-        loading: Loading::Varied,
-        tolerance: TOLERANCE,
-        threads: 1,
-        ranks: 1,
-        costs: Costs::default(),
-        network: None,
-        fixed: Fixed { precision, method, ..Fixed::default() },
-    })?)
+/// An emulator that counts.
+fn counted() -> Result<(Box<dyn Device>, gpu::SharedCounts), Box<dyn Error>> {
+    let folder = std::env::current_exe()?.parent().ok_or("a program is in a folder")?.to_owned();
+    let program = Emulator::compile(&folder, &[Emulator::COUNTING])?;
+    let (device, counts) = Counted::new(Box::new(Emulator::start(&program, 1)?));
+    Ok((Box::new(device), counts))
+}
+
+/// Guess by the parabola through past solutions, or by the last one if they are fewer.
+fn extrapolated(past: &[Solution]) -> Guess {
+    let Some(last) = past.last() else { return Guess::default() };
+    let count = last.motion.velocities.len();
+    let factors = if past.len() < PARABOLA.len() { &[1.0][..] } else { &PARABOLA[..] };
+    let used = || past[past.len() - factors.len()..].iter().zip(factors);
+    let vectors = |of: fn(&Solution) -> &[Vector]| {
+        (0..count).map(|row| used().map(|(solution, &factor)| of(solution)[row] * factor).sum()).collect()
+    };
+    let moment = |row: usize| {
+        used().fold(Traceless::ZERO, |sum, (solution, &factor)| sum + solution.far.stresslets[row] * factor)
+    };
+    Guess {
+        stresslets_far: (0..count).map(moment).collect(),
+        induced_velocities: vectors(|solution| &solution.induced.velocities),
+        induced_angular_velocities: vectors(|solution| &solution.induced.angular_velocities),
+        velocities: vectors(|solution| &solution.motion.velocities),
+        angular_velocities: vectors(|solution| &solution.motion.angular_velocities),
+    }
 }
 
 /// Counts of all that came after others.
@@ -87,54 +166,29 @@ fn since(before: &DeviceCounts, after: &DeviceCounts) -> DeviceCounts {
     }
 }
 
-fn print(counts: &DeviceCounts) {
-    let each = |bytes: u64| (bytes as f64 / SPHERES as f64).round();
-    println!("  commands from the host                 {:>6}", counts.launches);
-    println!("  of these, replays of recordings        {:>6}", counts.replays);
-    for (group, names) in GROUPS {
-        let is_of = |kernel: &String| names.iter().any(|name| kernel.starts_with(name) || kernel.ends_with(name));
-        let of_group = |sums: &BTreeMap<String, u64>| {
-            sums.iter().filter(|(kernel, _)| is_of(kernel)).map(|(_, sum)| sum).sum::<u64>()
-        };
-        let (runs, moved) = (of_group(&counts.runs), each(of_group(&counts.moved)));
-        if runs > 0 {
-            println!("  {group:31} {runs:>5} runs {moved:>8} bytes a sphere of its memory");
+impl CountedCase {
+    fn print(&self, counts: &DeviceCounts) {
+        let each = |bytes: u64| (bytes as f64 / self.spheres as f64).round();
+        println!("  commands from the host                 {:>6}", counts.launches);
+        println!("  of these, replays of recordings        {:>6}", counts.replays);
+        for (group, names) in GROUPS {
+            let is_of = |kernel: &String| names.iter().any(|name| kernel.starts_with(name));
+            let of_group = |sums: &BTreeMap<String, u64>| {
+                sums.iter().filter(|(kernel, _)| is_of(kernel)).map(|(_, sum)| sum).sum::<u64>()
+            };
+            let (runs, moved) = (of_group(&counts.runs), each(of_group(&counts.moved)));
+            if runs > 0 {
+                println!("  {group:31} {runs:>5} runs {moved:>8} bytes a sphere of its memory");
+            }
         }
+        let (runs, moved) = (counts.runs.values().sum::<u64>(), each(counts.moved.values().sum()));
+        println!("  all                             {runs:>5} runs {moved:>8} bytes a sphere of its memory");
+        println!("  copies to the card    {:>5}, {:>5} bytes a sphere", counts.uploads[0], each(counts.uploads[1]));
+        println!("  copies from the card  {:>5}, {:>5} bytes a sphere", counts.downloads[0], each(counts.downloads[1]));
     }
-    println!("  copies to the card    {:>5}, {:>5} bytes a sphere", counts.uploads[0], each(counts.uploads[1]));
-    println!("  copies from the card  {:>5}, {:>5} bytes a sphere", counts.downloads[0], each(counts.downloads[1]));
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (cell, particles) = suspension()?;
-    let plan = plan(&cell)?;
-    let folder = std::env::current_exe()?.parent().ok_or("a program is in a folder")?.to_owned();
-    let (device, counts) =
-        Counted::new(Box::new(Emulator::start(&Emulator::compile(&folder, &[Emulator::COUNTING])?, 1)?));
-    let partition = Partition::new(&Comm::alone(), [plan.grid[1], plan.grid[2]]);
-    let far = StressletSolver::of(Mobility::on(Box::new(device), &plan, &partition), &Comm::alone());
-    let short_range = ShortRange { lubrication: Some(LubricationRange::default()), springs: None };
-    let mut solver = CoupledSolver::of(far, &partition, short_range)?;
-    let known = |counts: &gpu::SharedCounts| counts.borrow().clone();
-    let before = known(&counts);
-    solver.mobility().follow(&cell, &particles);
-    println!("{SPHERES} spheres at {:.0}%, grid {:?} in f32", 100.0 * FRACTION, plan.grid);
-    println!("order and lists of spheres that have moved");
-    print(&since(&before, &known(&counts)));
-    let loads = Loads::default();
-    let shear = SolveInput::new(&loads, StrainRate::uniform(Traceless([0.0, 0.5, 0.0, 0.0, 0.0])));
-    let before = known(&counts);
-    solver.solve(&cell, &particles, &shear, Guess::default())?;
-    let first = since(&before, &known(&counts)).uploads[1];
-    let before = known(&counts);
-    let solution = solver.solve(&cell, &particles, &shear, Guess::default())?;
-    let solve = since(&before, &known(&counts));
-    println!("tables of lubrication, once a run: {} kB", (first - solve.uploads[1]) / 1000);
-    println!("a solve with lubrication, {} iterations", solution.iterations);
-    print(&solve);
-    let before = known(&counts);
-    solver.mobility().apply(&solution.far, Output::All);
-    println!("an evaluation with loads and motions of the host");
-    print(&since(&before, &known(&counts)));
-    Ok(())
+    CountedCase { spheres: 128, fraction: 0.4 }.count()?;
+    CountedCase { spheres: 500, fraction: 0.2 }.count()
 }

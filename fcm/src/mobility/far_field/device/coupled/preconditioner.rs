@@ -11,12 +11,12 @@ const SHARPER: f64 = 1e-2;
 /// Largest number of steps of a solve.
 const MOST_STEPS: usize = 2000;
 
-/// The matrix `M_0^-1 + R` of single spheres and near pairs, six numbers a particle, preconditioned by its diagonal
-/// blocks.
+/// The matrix `M_0^-1 + R` of single spheres and near pairs, six numbers a particle, preconditioned by the
+/// matrices of groups.
 pub(super) struct ResidentPreconditioner {
     field: SharedField,
     preconditioned: ResidentVector,
-    direction: ResidentVector,
+    directions: [ResidentVector; 2],
     image: ResidentVector,
     tolerance: f64,
 }
@@ -37,8 +37,8 @@ pub(super) struct LoadedMotions {
 impl ResidentPreconditioner {
     /// For stiff pairs, with solves to a relative error.
     pub fn new(field: &SharedField, numbers: usize, tolerance: f64) -> Self {
-        let [preconditioned, direction, image] = [(); 3].map(|()| ResidentVector::wide(field, numbers));
-        Self { field: field.clone(), preconditioned, direction, image, tolerance }
+        let [preconditioned, even, odd, image] = [(); 4].map(|()| ResidentVector::wide(field, numbers));
+        Self { field: field.clone(), preconditioned, directions: [even, odd], image, tolerance }
     }
 
     /// Solves with stiff and soft pairs, to an error of `tolerance`, from motions that are given.
@@ -68,7 +68,7 @@ impl ResidentPreconditioner {
             unknowns: to.motions.list,
             residual: loads.residual.list,
             preconditioned: self.preconditioned.list,
-            direction: self.direction.list,
+            directions: self.directions.each_ref().map(|direction| direction.list),
             image: self.image.list,
         };
         let mut field = self.field.borrow_mut();
