@@ -1,12 +1,15 @@
 //! Solve with near pairs where the far field is evaluated.
 
 use crate::coupled_solver::lubricated_solve::{Found, LubricatedSolve, ScaledInput, ended};
-use crate::coupled_solver::{END, ROUGH, START};
+use crate::coupled_solver::{END, START};
 use crate::six_vector::{SixVector, SixVectors};
 use crate::system::SystemSolution;
 use crate::units::Scaled;
 use domain::Traceless;
 use fcm::{CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances, Limits, Motion, SolveError};
+
+/// Relative error of the preconditioner's inner solves: a device, whose steps are few, takes them four at a time.
+const SHARP: f64 = 1e-2;
 
 impl LubricatedSolve<'_> {
     /// The solve by the back end of the far field, if the near pairs are there.
@@ -37,7 +40,7 @@ impl LubricatedSolve<'_> {
             limits,
             tolerances: CoupledTolerances {
                 start: START * limits.tolerance,
-                preconditioner: ROUGH,
+                preconditioner: SHARP,
                 end: END * limits.tolerance,
             },
         });

@@ -120,7 +120,7 @@ fn a_tilted_box_has_the_solution_of_the_host() {
 /// Rows are where they are needed: a solve copies the positions, tables when it is the first, and some vectors.
 #[test]
 fn rows_are_not_copied() {
-    let suspension = Suspension::within(oblong, Precision::Single, 1e-2);
+    let suspension = Suspension::of(32, oblong, Precision::Single, 1e-2);
     let Suspension { cell, particles, .. } = &suspension;
     let (device, counts) = Counted::new(emulator(5));
     let mut solver = suspension.on(Box::new(device));

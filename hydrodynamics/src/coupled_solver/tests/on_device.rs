@@ -23,7 +23,12 @@ impl Suspension {
 
     /// In a box of some shape with the volume of a cube.
     pub(super) fn within(shape: impl Fn(f64) -> PeriodicBox, precision: Precision, iteration: f64) -> Self {
-        let radii: Vec<f64> = (0..16).map(|i| if i % 4 == 3 { 1.6 } else { 1.0 }).collect();
+        Self::of(16, shape, precision, iteration)
+    }
+
+    /// The same with any number of spheres.
+    pub(super) fn of(spheres: usize, shape: impl Fn(f64) -> PeriodicBox, precision: Precision, iteration: f64) -> Self {
+        let radii: Vec<f64> = (0..spheres).map(|i| if i % 4 == 3 { 1.6 } else { 1.0 }).collect();
         let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a * a * a).sum();
         let edge = (volume / 0.3).cbrt();
         let cell = shape(edge);
@@ -123,7 +128,7 @@ pub(super) fn relative(found: &[f64], exact: &[f64]) -> f64 {
     (difference / square(&mut exact.iter().copied())).sqrt()
 }
 
-/// Both solutions to the tolerance of the solve, in as many iterations: round-off changes the last steps.
+/// Both solutions to the tolerance of the solve, in no more iterations but for the last steps.
 #[test]
 #[ignore = "heavy"]
 fn solutions_are_those_of_the_host() {
@@ -139,14 +144,21 @@ fn solutions_in_unbounded_fluid_are_those_of_the_host() {
     let open = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(Boundaries::Open).unwrap();
     agree(&Suspension::within(open, Precision::Double, 1e-4), Precision::Double, 1e-4);
 }
+
+/// Errors of the device by solutions of the host to a smaller tolerance, as round-off allows.
 fn agree(suspension: &Suspension, precision: Precision, iteration: f64) {
-    let exact = suspension.solutions(suspension.on_host());
+    let Suspension { cell, particles, plan } = suspension;
+    let smaller = if precision == Precision::Double { 1e-2 } else { 0.1 };
+    let plan = Plan { iteration_tolerance: smaller * iteration, ..plan.clone() };
+    let fine = Suspension { cell: *cell, particles: particles.clone(), plan };
+    let exact = fine.solutions(fine.on_host());
+    let of_host = suspension.solutions(suspension.on_host());
     let found = suspension.solutions(suspension.on(emulator(11)));
-    for (found, exact) in found.iter().zip(&exact) {
-        assert!(found.iterations > 3 && found.iterations.abs_diff(exact.iterations) <= 2, "{}", found.iterations);
+    for ((found, of_host), exact) in found.iter().zip(&of_host).zip(&exact) {
+        assert!(found.iterations > 3 && found.iterations <= of_host.iterations + 2, "{}", found.iterations);
         for (kind, (found, exact)) in columns(found).iter().zip(&columns(exact)).enumerate() {
-            let difference = relative(found, exact);
-            assert!(difference < 3.0 * iteration, "{precision:?}, kind {kind}: {difference:e}");
+            let error = relative(found, exact);
+            assert!(error < 3.0 * iteration, "{precision:?}, kind {kind}: {error:e}");
         }
     }
 }
@@ -186,6 +198,9 @@ fn iterations_stay_on_the_device() {
     assert!(3 * commands < of_kernels, "{commands} commands for {of_kernels}");
     for (solution, counts) in [(&rough, &few), (&fine, &many)] {
         assert!(counts.replays > 2 * solution.iterations as u64 - 2, "{}", counts.replays);
+        // Groups of spheres near contact leave few steps to the iteration of the preconditioner.
+        let (steps, solves) = (counts.runs["step_pairs"], solution.iterations as u64 + 2);
+        assert!(steps < 10 * solves, "{steps} steps in {solves} solves");
         assert_eq!(counts.runs["solve_f32"], solution.iterations as u64 + 1);
         assert_eq!(counts.runs["coupled_image_f32"], solution.iterations as u64 + 1);
     }
@@ -224,7 +239,7 @@ fn memory_is_as_predicted() {
 /// Springs, traps, contacts and bonds that bend and twist are in the matrix of the device.
 #[test]
 fn springs_and_traps_are_in_the_rows() {
-    let suspension = Suspension::new(Precision::Double, 1e-6);
+    let suspension = Suspension::new(Precision::Double, 1e-7);
     let Suspension { cell, particles, .. } = &suspension;
     let resistance = |distance: f64, _: lubrication::PairKind| 3.0 * (3.0 - distance).max(0.0);
     let traps = particles.ids.iter().map(|id| 0.1 * (1 + id % 3) as f64).collect();
