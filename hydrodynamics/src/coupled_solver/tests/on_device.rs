@@ -128,7 +128,7 @@ pub(super) fn relative(found: &[f64], exact: &[f64]) -> f64 {
     (difference / square(&mut exact.iter().copied())).sqrt()
 }
 
-/// Both solutions have errors of some times the tolerance, and the device takes no more iterations but for the last steps.
+/// Both solutions have errors of some times the tolerance, in no more iterations but for the last steps.
 #[test]
 #[ignore = "heavy"]
 fn solutions_are_those_of_the_host() {
