@@ -3,7 +3,10 @@
 #define SHARED(type, name, count) __shared__ type name[count]
 #endif
 #include "assembly.h"
+#include "channel.h"
 #include "coupled.h"
+#include "images.h"
+#include "loads.h"
 #include "noise.h"
 #include "pairs.h"
 #include "spread.h"
@@ -25,12 +28,15 @@
     KERNEL(spread_3_##suffix, spread<T, 3>)               \
     KERNEL(solve_##suffix, solve<T>)                      \
     KERNEL(solve_open_##suffix, solve_open<T>)            \
+    KERNEL(mean_of_channel_##suffix, mean_of_channel<T>)  \
+    KERNEL(solve_channel_##suffix, solve_channel<T>)      \
     KERNEL(random_modes_##suffix, random_modes<T>)        \
     KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \
     KERNEL(interpolate_2_##suffix, interpolate<T, 2>)     \
     KERNEL(interpolate_3_##suffix, interpolate<T, 3>)     \
     KERNEL(pair_motions_##suffix, pair_motions<T>)        \
+    KERNEL(image_motions_##suffix, image_motions<T>)      \
     KERNEL(combine_##suffix, combine<T>)                  \
     KERNEL(weigh_##suffix, weigh<T>)                      \
     KERNEL(sum_products_##suffix, sum_products<T>)        \

@@ -3,7 +3,7 @@
 use crate::device::{DeviceError, TransformTask};
 use crate::far_field::{DeviceLoads, DeviceMotion, Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
 use crate::repeated::Repeated;
-use crate::tables::NumberFormat;
+use crate::tables::{GridSolve, NumberFormat};
 use crate::task::KernelTask;
 use std::time::Instant;
 
@@ -11,6 +11,9 @@ use std::time::Instant;
 const TILE_THREADS: usize = 64;
 const PAIR_LANES: usize = 8;
 const MODE_THREADS: usize = 256;
+const CHANNEL_COLUMNS: usize = 32;
+const CHANNEL_SLICES: usize = 4;
+const MEAN_THREADS: usize = 128;
 
 /// Parts of an evaluation, in their order.
 #[derive(Clone, Copy)]
@@ -69,8 +72,7 @@ impl SplitFarField {
             }
             EvaluationStage::Transform => {
                 self.transform(true)?;
-                let kernel = format!("{}_{suffix}", self.tables.solve());
-                self.launch(&kernel, self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+                self.solve()?;
                 self.transform(false)
             }
             EvaluationStage::Interpolate => {
@@ -79,7 +81,25 @@ impl SplitFarField {
             }
             EvaluationStage::Near => {
                 let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
-                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)
+                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)?;
+                self.add_images()
+            }
+        }
+    }
+
+    /// Multiplies modes by the Green's function.
+    fn solve(&mut self) -> Result<(), DeviceError> {
+        let (modes, suffix) = (self.tables.modes(), self.tables.numbers.suffix());
+        match &self.tables.solve {
+            GridSolve::Periodic => self.launch(&format!("solve_{suffix}"), modes.div_ceil(MODE_THREADS), MODE_THREADS),
+            GridSolve::Unbounded(_) => {
+                self.launch(&format!("solve_open_{suffix}"), modes.div_ceil(MODE_THREADS), MODE_THREADS)
+            }
+            GridSolve::Channel(_) => {
+                self.launch(&format!("mean_of_channel_{suffix}"), 1, MEAN_THREADS)?;
+                let columns = modes / self.tables.grid[2];
+                let (blocks, threads) = (columns.div_ceil(CHANNEL_COLUMNS), CHANNEL_COLUMNS * CHANNEL_SLICES);
+                self.launch(&format!("solve_channel_{suffix}"), blocks, threads)
             }
         }
     }

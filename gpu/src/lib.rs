@@ -14,6 +14,7 @@ mod device;
 mod emulator;
 mod evaluation;
 mod far_field;
+mod images;
 mod lists;
 mod memory;
 mod near;
@@ -31,10 +32,14 @@ pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use images::ImageLists;
 pub use lists::{DeviceList, MotionLists};
-pub use memory::{EvaluationBytes, EvaluationSize, NearSize};
+pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
 pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet, TRIANGLE};
-pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
+pub use tables::{
+    COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
+    WindowPolynomials,
+};
 pub use task::KernelTask;

@@ -1,7 +1,7 @@
 //! Near pairs of a solve.
 
 use crate::coupled_solver::{CoupledSolver, in_units};
-use crate::pairs::search::{Connections, NearPairs};
+use crate::pairs::search::{Connections, NearField, NearPairs};
 use crate::solution::SolveInput;
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
@@ -16,7 +16,7 @@ impl CoupledSolver {
         self.pairs_of_host(cell, own, acting, false)
     }
 
-    /// The same, or those by springs alone.
+    /// The same, or those by springs and walls alone.
     fn pairs_of_host(
         &mut self,
         cell: &PeriodicBox,
@@ -26,7 +26,8 @@ impl CoupledSolver {
     ) -> NearPairs {
         let (units, cell) = (self.units, &cell.scaled(1.0 / self.units.length));
         let SolveInput { strain_rate, springs, bodies, .. } = *acting;
-        let Some(field) = self.near.as_mut().filter(|_| !without_lubrication || springs.is_some()) else {
+        let is_near = |near: &&mut NearField| !without_lubrication || springs.is_some() || near.at_walls.is_some();
+        let Some(field) = self.near.as_mut().filter(is_near) else {
             return NearPairs::none(own, cell, &self.partition);
         };
         let resistance = springs.map(|springs| units::resistance(springs, &units));
