@@ -28,8 +28,9 @@
     KERNEL(spread_3_##suffix, spread<T, 3>)               \
     KERNEL(solve_##suffix, solve<T>)                      \
     KERNEL(solve_open_##suffix, solve_open<T>)            \
-    KERNEL(mean_of_channel_##suffix, mean_of_channel<T>)  \
-    KERNEL(solve_channel_##suffix, solve_channel<T>)      \
+    KERNEL(channel_mean_##suffix, channel_mean<T>)        \
+    KERNEL(channel_moments_##suffix, channel_moments<T>)  \
+    KERNEL(channel_flow_##suffix, channel_flow<T>)        \
     KERNEL(random_modes_##suffix, random_modes<T>)        \
     KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \

@@ -49,20 +49,15 @@ template <typename T> __device__ Mode<T> mode_at(const Task &task, int at)
     return mode;
 }
 
-// Replaces f by `factor (I - k k/k^2) f`.
-template <typename T> __device__ void across_mode(const Mode<T> &mode, T factor, Complex<T> f[3])
+// Stores a mode of a field, `factor (I - k k/k^2) f`.
+template <typename T> __device__ void store_across(const Task &task, int at, const Mode<T> &mode, T factor, Complex<T> f[3])
 {
     const T *k = mode.k;
     T re = (k[0] * f[0].re + k[1] * f[1].re + k[2] * f[2].re) * mode.inverse;
     T im = (k[0] * f[0].im + k[1] * f[1].im + k[2] * f[2].im) * mode.inverse;
-    for (int c = 0; c < 3; c++) f[c] = {factor * (f[c].re - k[c] * re), factor * (f[c].im - k[c] * im)};
-}
-
-// Stores a mode of a field, `factor (I - k k/k^2) f`.
-template <typename T> __device__ void store_across(const Task &task, int at, const Mode<T> &mode, T factor, Complex<T> f[3])
-{
-    across_mode<T>(mode, factor, f);
-    for (int c = 0; c < 3; c++) ((Complex<T> *)task.spectrum)[at + c * modes_of(task)] = f[c];
+    for (int c = 0; c < 3; c++)
+        ((Complex<T> *)task.spectrum)[at + c * modes_of(task)] = {factor * (f[c].re - k[c] * re),
+                                                                  factor * (f[c].im - k[c] * im)};
 }
 
 // Multiplies each mode by the Green's function.

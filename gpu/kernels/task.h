@@ -30,7 +30,7 @@ struct Task {
     const void *window, *smoothing, *levels;
     // Kernel of unbounded fluid by modes.
     const void *free_kernel;
-    // Walls and open faces: numbers of the columns of modes, of the planes, the matrix of the mean, and its amplitudes.
+    // Walls and open faces: numbers of the columns of modes, weights of the planes and matrix of the mean, amplitudes.
     const double *channel_columns, *channel_planes, *channel_mean;
     double *channel_amplitudes;
     // Images in walls: where those of a particle begin, source and twice the block, plus one if the block is for the two

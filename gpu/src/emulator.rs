@@ -205,7 +205,7 @@ impl Device for Emulator {
         }
         let [x, y, z] = task.points;
         let flags = [usize::from(task.is_forward), usize::from(task.is_single)];
-        let words = [flags[0], flags[1], x, y, z, task.field as usize, task.spectrum as usize];
+        let words = [flags[0], flags[1], task.part as usize, x, y, z, task.field as usize, task.spectrum as usize];
         self.send(Order::Transform, &words)?;
         self.receive_word().map(drop)
     }

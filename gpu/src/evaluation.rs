@@ -1,6 +1,6 @@
 //! Order of an evaluation: kernels of the split method on a device.
 
-use crate::device::{DeviceError, TransformTask};
+use crate::device::{DeviceError, TransformPart, TransformTask};
 use crate::far_field::{DeviceLoads, DeviceMotion, Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
 use crate::repeated::Repeated;
 use crate::tables::{GridSolve, NumberFormat};
@@ -70,11 +70,7 @@ impl SplitFarField {
                 let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
                 self.launch(&format!("spread_{}_{suffix}", orders.spread), tiles, TILE_THREADS)
             }
-            EvaluationStage::Transform => {
-                self.transform(true)?;
-                self.solve()?;
-                self.transform(false)
-            }
+            EvaluationStage::Transform => self.solve(),
             EvaluationStage::Interpolate => {
                 let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
                 self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)
@@ -87,27 +83,37 @@ impl SplitFarField {
         }
     }
 
-    /// Multiplies modes by the Green's function.
+    /// Velocities on the grid of the loads there.
     fn solve(&mut self) -> Result<(), DeviceError> {
-        let (modes, suffix) = (self.tables.modes(), self.tables.numbers.suffix());
         match &self.tables.solve {
-            GridSolve::Periodic => self.launch(&format!("solve_{suffix}"), modes.div_ceil(MODE_THREADS), MODE_THREADS),
-            GridSolve::Unbounded(_) => {
-                self.launch(&format!("solve_open_{suffix}"), modes.div_ceil(MODE_THREADS), MODE_THREADS)
-            }
+            GridSolve::Periodic => self.solve_between("solve", TransformPart::Whole),
+            GridSolve::Unbounded(_) => self.solve_between("solve_open", TransformPart::Whole),
             GridSolve::Channel(_) => {
-                self.launch(&format!("mean_of_channel_{suffix}"), 1, MEAN_THREADS)?;
-                let columns = modes / self.tables.grid[2];
+                self.transform(true, TransformPart::Planes)?;
+                let columns = self.tables.modes() / self.tables.grid[2];
                 let (blocks, threads) = (columns.div_ceil(CHANNEL_COLUMNS), CHANNEL_COLUMNS * CHANNEL_SLICES);
-                self.launch(&format!("solve_channel_{suffix}"), blocks, threads)
+                let suffix = self.tables.numbers.suffix();
+                self.launch(&format!("channel_mean_{suffix}"), 1, MEAN_THREADS)?;
+                self.launch(&format!("channel_moments_{suffix}"), blocks, threads)?;
+                self.solve_between("solve", TransformPart::AlongZ)?;
+                self.launch(&format!("channel_flow_{suffix}"), blocks, threads)?;
+                self.transform(false, TransformPart::Planes)
             }
         }
     }
 
-    fn transform(&mut self, is_forward: bool) -> Result<(), DeviceError> {
+    /// Multiplies modes by a Green's function between transforms.
+    fn solve_between(&mut self, kernel: &str, part: TransformPart) -> Result<(), DeviceError> {
+        self.transform(true, part)?;
+        let name = format!("{kernel}_{}", self.tables.numbers.suffix());
+        self.launch(&name, self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+        self.transform(false, part)
+    }
+
+    fn transform(&mut self, is_forward: bool, part: TransformPart) -> Result<(), DeviceError> {
         let is_single = self.tables.numbers == NumberFormat::Single;
-        let KernelTask { field, spectrum, .. } = self.task;
-        self.device.transform(&TransformTask { is_forward, is_single, points: self.tables.grid, field, spectrum })
+        let (KernelTask { field, spectrum, .. }, points) = (self.task, self.tables.grid);
+        self.device.transform(&TransformTask { is_forward, is_single, part, points, field, spectrum })
     }
 }
 
@@ -122,7 +128,7 @@ impl SplitFarField {
         let suffix = self.tables.numbers.suffix();
         self.task.noise_seed = seed;
         self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
-        self.transform(false)?;
+        self.transform(false, TransformPart::Whole)?;
         self.run(EvaluationStage::Interpolate, orders)?;
         self.run(EvaluationStage::Near, orders)?;
         self.copy_motion()

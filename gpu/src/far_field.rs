@@ -5,7 +5,7 @@ use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
 use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::Repeated;
-use crate::tables::{GridSolve, LatticeShape, NumberFormat, SplitTables, fixed_points};
+use crate::tables::{AMPLITUDES, GridSolve, LatticeShape, NumberFormat, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
 
@@ -325,9 +325,10 @@ impl SplitFarField {
             }
             GridSolve::Channel(channel) => {
                 task.channel_columns = first.fill(on, bytemuck::cast_slice(&channel.columns))?;
-                task.channel_planes = second.fill(on, bytemuck::cast_slice(&channel.planes()))?;
+                task.channel_planes = second.fill(on, bytemuck::cast_slice(&channel.mean_planes))?;
                 task.channel_mean = third.fill(on, bytemuck::cast_slice(&channel.mean_kernel))?;
-                task.channel_amplitudes = fourth.reserve(on, 6 * size_of::<f64>())?;
+                let columns = tables.modes() / tables.grid[2];
+                task.channel_amplitudes = fourth.reserve(on, (AMPLITUDES * columns + 6) * size_of::<f64>())?;
             }
         }
         Ok(())

@@ -29,7 +29,7 @@ pub use assembly::{IN_FLOW, NearInFlow, NearInput};
 pub use counted::{Counted, DeviceCounts, SharedCounts};
 pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, UNKNOWNS};
 pub use cuda::Cuda;
-pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
+pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
 pub use images::ImageLists;

@@ -3,7 +3,7 @@
 use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::pair_rows::PAIR_NUMBERS;
-use crate::tables::{COLUMN_NUMBERS, NumberFormat, PLANE_NUMBERS};
+use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
 
 /// Numbers on which the memory of an evaluation depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,7 +109,7 @@ impl EvaluationSize {
         let numbers = match self.solve {
             SolveKind::Periodic => 0,
             SolveKind::Unbounded => return (self.numbers.size() * 6 * (nx / 2) * (ny / 2 + 1) * (nz / 2 + 1)) as f64,
-            SolveKind::Channel => COLUMN_NUMBERS * (nx / 2 + 1) * ny + PLANE_NUMBERS * nz,
+            SolveKind::Channel => (COLUMN_NUMBERS + AMPLITUDES) * (nx / 2 + 1) * ny + 3 * nz,
         };
         (size_of::<f64>() * numbers) as f64 + if self.images > 0.0 { 4.0 * self.particles } else { 0.0 }
     }

@@ -1,7 +1,5 @@
 //! Tables of the split method, as a device takes them.
 
-use std::f64::consts::TAU;
-
 /// Precision of all values on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NumberFormat {
@@ -117,31 +115,9 @@ pub struct ChannelColumns {
     pub mean_kernel: [[f64; 3]; 3],
 }
 
-/// Numbers of a column, and of a plane, as in `gpu/kernels/channel.h`.
+/// Numbers of a column, and of its amplitudes, as in `gpu/kernels/channel.h`.
 pub const COLUMN_NUMBERS: usize = 3 + 36 + 3;
-pub(crate) const PLANE_NUMBERS: usize = 3 + 2 * 3;
-
-impl ChannelColumns {
-    /// Numbers of the planes: cosine, sine and 1 - cosine of the turn of a mode, and the transforms of the weights of
-    /// the mean at that mode.
-    pub(crate) fn planes(&self) -> Vec<f64> {
-        let count = self.mean_planes.len();
-        let turn = |steps: usize| TAU * (steps % count) as f64 / count as f64;
-        let of_mode = |mode: usize| {
-            let half = (0.5 * turn(mode)).sin();
-            let mut numbers = vec![turn(mode).cos(), turn(mode).sin(), 2.0 * half * half];
-            for function in 0..3 {
-                let sum = |part: fn(f64) -> f64| {
-                    let term = |(plane, weights): (usize, &[f64; 3])| weights[function] * part(turn(mode * plane));
-                    self.mean_planes.iter().enumerate().map(term).sum::<f64>()
-                };
-                numbers.extend([sum(f64::cos), sum(f64::sin)]);
-            }
-            numbers
-        };
-        (0..count).flat_map(of_mode).collect()
-    }
-}
+pub(crate) const AMPLITUDES: usize = 24;
 
 /// Shape of the box, and tables that depend on it.
 #[derive(Debug, Clone, PartialEq)]
