@@ -10,7 +10,7 @@ const IMAGE_LANES: usize = 8;
 /// Images that act on particles, by rows in the order of the host.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ImageLists {
-    /// Where the images of each row begin, and the end of the last.
+    /// First image of each row, and the end of the last one.
     pub starts: Vec<i32>,
     /// Row of the source, and twice the number of the block, plus one if the block is for the two in this order.
     pub images: Vec<[i32; 2]>,

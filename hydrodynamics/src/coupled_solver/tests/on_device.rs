@@ -91,11 +91,11 @@ impl Suspension {
 #[test]
 fn solutions_between_walls_are_those_of_the_host() {
     let walls = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
-    let suspension = Suspension::within(walls, Precision::Double, 1e-4);
+    let suspension = Suspension::within(walls, Precision::Double, 1e-6);
     let height = suspension.cell.edges().z;
     let at_wall = |(x, a): (&Vector, &f64)| x.z.min(height - x.z) < 1.3 * a;
     assert!(suspension.particles.positions.iter().zip(&suspension.particles.radii).any(at_wall));
-    agree(&suspension, Precision::Double, 1e-4);
+    agree(&suspension, Precision::Double, 1e-6);
 }
 
 /// Squirmers and a rigid body, whose solves iterate on the host.
@@ -121,7 +121,7 @@ fn squirmers_and_bodies_are_those_of_the_host() {
         let [found, exact] = [suspension.on(Box::new(device)), suspension.on_host()].map(solved);
         assert_eq!(found.iterations, exact.iterations);
         let counts = counts.borrow();
-        assert!(counts.runs["solve_f64"] > exact.iterations as u64 && !counts.runs.contains_key("coupled_loads_f64"));
+        assert!(counts.runs["solve_f64"] >= exact.iterations as u64 && !counts.runs.contains_key("coupled_loads_f64"));
         for (found, exact) in columns(&found).iter().zip(&columns(&exact)) {
             assert!(relative(found, exact) < 3e-6, "{:e}", relative(found, exact));
         }

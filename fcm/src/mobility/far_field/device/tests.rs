@@ -95,9 +95,9 @@ fn unbounded_fluid_is_that_of_the_host() {
 
 #[test]
 fn walls_and_layers_are_those_of_the_host() {
-    let count = cases();
-    agree(Precision::Double, &CHANNELS, 200..200 + count, &|seed| emulator(&[], seed));
-    agree(Precision::Single, &CHANNELS, 1200..1200 + count, &|seed| emulator(&[], seed));
+    let half = cases() / 2;
+    agree(Precision::Double, &CHANNELS, 200..200 + half, &|seed| emulator(&[], seed));
+    agree(Precision::Single, &CHANNELS, 1200..1200 + half, &|seed| emulator(&[], seed));
 }
 
 /// Spheres at a wall, some so few that not all wavenumbers of their images are on the grid: of themselves and of each
