@@ -1,7 +1,7 @@
 //! Near pairs of a solve.
 
 use crate::coupled_solver::{CoupledSolver, in_units};
-use crate::pairs::search::{Connections, NearField, NearPairs};
+use crate::pairs::search::{Connections, NearPairs};
 use crate::solution::SolveInput;
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
@@ -16,7 +16,7 @@ impl CoupledSolver {
         self.pairs_of_host(cell, own, acting, false)
     }
 
-    /// The same, or those by springs and walls alone.
+    /// The same, or those by springs alone.
     fn pairs_of_host(
         &mut self,
         cell: &PeriodicBox,
@@ -26,8 +26,7 @@ impl CoupledSolver {
     ) -> NearPairs {
         let (units, cell) = (self.units, &cell.scaled(1.0 / self.units.length));
         let SolveInput { strain_rate, springs, bodies, .. } = *acting;
-        let is_near = |near: &&mut NearField| !without_lubrication || springs.is_some() || near.at_walls.is_some();
-        let Some(field) = self.near.as_mut().filter(is_near) else {
+        let Some(field) = self.near.as_mut().filter(|_| !without_lubrication || springs.is_some()) else {
             return NearPairs::none(own, cell, &self.partition);
         };
         let resistance = springs.map(|springs| units::resistance(springs, &units));
@@ -78,9 +77,11 @@ impl CoupledSolver {
         near
     }
 
-    /// Whether the back end of the far field solves for the motions of free spheres together with near pairs.
+    /// Whether the back end of the far field solves for the motions of free spheres together with near pairs; the
+    /// lubrication at walls is on the host.
     fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
         let is_free = acting.bodies.is_none() && acting.squirming.is_none() && acting.strain_rate.is_uniform();
-        is_free && self.preconditioned && self.near.is_some() && self.far.mobility().coupled().is_some()
+        let is_between_pairs = self.near.as_ref().is_some_and(|near| near.at_walls.is_none());
+        is_free && self.preconditioned && is_between_pairs && self.far.mobility().coupled().is_some()
     }
 }

@@ -41,9 +41,7 @@ impl LubricatedSolve<'_> {
                 end: END * limits.tolerance,
             },
         });
-        let mut found = found(&solution);
-        self.near.add_moments_at_walls(&found.solved.motions, &mut found.by_motions);
-        Some(ended(&found.outcome, limits).map(|()| found))
+        Some(ended(&solution.outcome, limits).map(|()| found(&solution)))
     }
 }
 

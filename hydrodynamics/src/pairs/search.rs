@@ -259,13 +259,8 @@ impl NearPairs {
             stiff.add_moments(first / ROWS, &present, moments);
             soft.add_moments(first / ROWS, &present, moments);
         });
-        self.add_moments_at_walls(motions, &mut by_motions);
-        by_motions
-    }
-
-    /// Adds the first moments by motions of particles at walls.
-    pub fn add_moments_at_walls(&self, motions: &SixVectors, by_motions: &mut [Traceless]) {
         self.at_walls.iter().for_each(|at_wall| by_motions[at_wall.row] += at_wall.moment(motions));
+        by_motions
     }
 
     /// First moments in the ambient flow on particles at rest relative to it.
