@@ -84,21 +84,39 @@ static void transform_axis(Line &all, const int points[3], int axis, double sign
     }
 }
 
-// Three components from values on the grid to the half of their modes with m1 <= nx/2, and back. Neither has a factor.
-template <typename T> static void transform(bool is_forward, const int n[3], T *field, T *spectrum)
+// Parts of a transform, as in gpu/src/emulator.rs.
+enum Part { WHOLE, PLANES, ALONG_Z };
+
+// Modes of planes to modes, and back.
+template <typename T> static void transform_along_z(bool is_forward, const int n[3], T *spectrum)
 {
+    const int modes[3] = {n[0] / 2 + 1, n[1], n[2]};
+    int count = modes[0] * modes[1] * modes[2];
+    for (int c = 0; c < 3; c++, spectrum += 2 * count) {
+        Line all(count);
+        for (int at = 0; at < count; at++) all.re[at] = spectrum[2 * at], all.im[at] = spectrum[2 * at + 1];
+        transform_axis(all, modes, 2, is_forward ? -1 : 1);
+        for (int at = 0; at < count; at++) spectrum[2 * at] = (T)all.re[at], spectrum[2 * at + 1] = (T)all.im[at];
+    }
+}
+
+// Three components from values on the grid to the half of their modes with m1 <= nx/2, and back, or to the modes of each
+// plane. Neither has a factor.
+template <typename T> static void transform(bool is_forward, Part part, const int n[3], T *field, T *spectrum)
+{
+    if (part == ALONG_Z) return transform_along_z(is_forward, n, spectrum);
     int columns = n[0] / 2 + 1, count = n[0] * n[1] * n[2];
     for (int c = 0; c < 3; c++, field += count, spectrum += 2 * columns * n[1] * n[2]) {
         Line all(count);
         for (int at = 0; at < count; at++) {
             int x = at % n[0], y = at / n[0] % n[1], z = at / (n[0] * n[1]);
             bool is_conjugate = x >= columns;
-            if (is_conjugate) x = n[0] - x, y = (n[1] - y) % n[1], z = (n[2] - z) % n[2];
+            if (is_conjugate) x = n[0] - x, y = (n[1] - y) % n[1], z = part == WHOLE ? (n[2] - z) % n[2] : z;
             const T *mode = spectrum + 2 * ((z * n[1] + y) * columns + x);
             all.re[at] = is_forward ? field[at] : mode[0];
             all.im[at] = is_forward ? 0 : is_conjugate ? -mode[1] : mode[1];
         }
-        for (int axis = 0; axis < 3; axis++) transform_axis(all, n, axis, is_forward ? -1 : 1);
+        for (int axis = 0; axis < (part == WHOLE ? 3 : 2); axis++) transform_axis(all, n, axis, is_forward ? -1 : 1);
         for (int at = 0; at < count; at++) {
             int x = at % n[0], y = at / n[0] % n[1], z = at / (n[0] * n[1]);
             T *mode = spectrum + 2 * ((z * n[1] + y) * columns + x);
@@ -111,11 +129,12 @@ template <typename T> static void transform(bool is_forward, const int n[3], T *
 static void transform()
 {
     bool is_forward = read_word(), is_single = read_word();
+    Part part = (Part)read_word();
     int points[3];
     for (int axis = 0; axis < 3; axis++) points[axis] = (int)read_word();
     void *field = (void *)read_word(), *spectrum = (void *)read_word();
-    if (is_single) transform(is_forward, points, (float *)field, (float *)spectrum);
-    else transform(is_forward, points, (double *)field, (double *)spectrum);
+    if (is_single) transform(is_forward, part, points, (float *)field, (float *)spectrum);
+    else transform(is_forward, part, points, (double *)field, (double *)spectrum);
     reply_word(0);
 }
 

@@ -3,7 +3,10 @@
 #define SHARED(type, name, count) __shared__ type name[count]
 #endif
 #include "assembly.h"
+#include "channel.h"
 #include "coupled.h"
+#include "images.h"
+#include "loads.h"
 #include "noise.h"
 #include "pair_steps.h"
 #include "pairs.h"
@@ -26,12 +29,16 @@
     KERNEL(spread_3_##suffix, spread<T, 3>)               \
     KERNEL(solve_##suffix, solve<T>)                      \
     KERNEL(solve_open_##suffix, solve_open<T>)            \
+    KERNEL(channel_mean_##suffix, channel_mean<T>)        \
+    KERNEL(channel_moments_##suffix, channel_moments<T>)  \
+    KERNEL(channel_flow_##suffix, channel_flow<T>)        \
     KERNEL(random_modes_##suffix, random_modes<T>)        \
     KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \
     KERNEL(interpolate_2_##suffix, interpolate<T, 2>)     \
     KERNEL(interpolate_3_##suffix, interpolate<T, 3>)     \
     KERNEL(pair_motions_##suffix, pair_motions<T>)        \
+    KERNEL(image_motions_##suffix, image_motions<T>)      \
     KERNEL(combine_##suffix, combine<T>)                  \
     KERNEL(weigh_##suffix, weigh<T>)                      \
     KERNEL(sum_products_##suffix, sum_products<T>)        \

@@ -81,17 +81,21 @@ template <typename T> __device__ void rotate(const Task &task, T motion[MOTION])
         }
 }
 
-template <typename T> __device__ void store_motion(const Task &task, int row, const T motion[MOTION])
+// Stores the motion of a particle, or adds it to what is there.
+template <typename T, bool ADDS> __device__ void store_motion(const Task &task, int row, const T motion[MOTION])
 {
-    const T *d = motion + 3;
+    const T *d = motion + 3, third = (d[0] + d[4] + d[8]) / 3;
     if (task.velocities)
-        for (int a = 0; a < 3; a++) ((T *)task.velocities)[3 * row + a] = motion[a];
+        for (int a = 0; a < 3; a++) {
+            T *to = (T *)task.velocities + 3 * row + a;
+            *to = ADDS ? *to + motion[a] : motion[a];
+        }
     if (!task.strain_rates) return;
+    const T of_turn[3] = {(d[7] - d[5]) / 2, (d[2] - d[6]) / 2, (d[3] - d[1]) / 2};
+    const T of_strain[5] = {d[0] - third, (d[1] + d[3]) / 2, (d[2] + d[6]) / 2, d[4] - third, (d[5] + d[7]) / 2};
     T *turn = (T *)task.angular_velocities + 3 * row, *strain = (T *)task.strain_rates + 5 * row;
-    turn[0] = (d[7] - d[5]) / 2, turn[1] = (d[2] - d[6]) / 2, turn[2] = (d[3] - d[1]) / 2;
-    T third = (d[0] + d[4] + d[8]) / 3;
-    strain[0] = d[0] - third, strain[1] = (d[1] + d[3]) / 2, strain[2] = (d[2] + d[6]) / 2;
-    strain[3] = d[4] - third, strain[4] = (d[5] + d[7]) / 2;
+    for (int a = 0; a < 3; a++) turn[a] = ADDS ? turn[a] + of_turn[a] : of_turn[a];
+    for (int k = 0; k < 5; k++) strain[k] = ADDS ? strain[k] + of_strain[k] : of_strain[k];
 }
 
 // Motions of the particles: the sums over neighbours, and what the grid contributes.
@@ -123,5 +127,5 @@ template <typename T> __device__ void pair_motions(const Task &task)
     }
     add_own<T>(task, target, motion);
     if (task.is_rotated) rotate<T>(task, motion);
-    store_motion<T>(task, task.rows[target], motion);
+    store_motion<T, false>(task, task.rows[target], motion);
 }

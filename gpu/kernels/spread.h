@@ -2,45 +2,6 @@
 #pragma once
 #include "window.h"
 
-// Force and dipole of each particle along the axes of the box.
-template <typename T> __device__ void gather_loads(const Task &task)
-{
-    int place = thread_index();
-    if (place >= task.particles) return;
-    int row = task.rows[place];
-    T force[3] = {0, 0, 0}, dipole[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-    if (task.forces)
-        for (int c = 0; c < 3; c++) force[c] = ((const T *)task.forces)[3 * row + c];
-    if (task.stresslets) {
-        const T *s = (const T *)task.stresslets + 5 * row;
-        dipole[0][0] = s[0], dipole[0][1] = dipole[1][0] = s[1], dipole[0][2] = dipole[2][0] = s[2];
-        dipole[1][1] = s[3], dipole[1][2] = dipole[2][1] = s[4], dipole[2][2] = -s[0] - s[3];
-    }
-    if (task.torques) {
-        const T *torque = (const T *)task.torques + 3 * row;
-        T x = torque[0] / 2, y = torque[1] / 2, z = torque[2] / 2;
-        dipole[0][1] += z, dipole[0][2] -= y, dipole[1][2] += x;
-        dipole[1][0] -= z, dipole[2][0] += y, dipole[2][1] -= x;
-    }
-    T *record = (T *)task.records + 12 * place;
-    for (int a = 0; a < 3; a++) {
-        if (!task.is_rotated) {
-            record[a] = force[a];
-            for (int b = 0; b < 3; b++) record[3 + 3 * a + b] = dipole[a][b];
-            continue;
-        }
-        record[a] = 0;
-        for (int c = 0; c < 3; c++) record[a] += (T)task.axes[3 * c + a] * force[c];
-        for (int b = 0; b < 3; b++) {
-            T sum = 0;
-            for (int c = 0; c < 3; c++)
-                for (int d = 0; d < 3; d++)
-                    sum += (T)task.axes[3 * c + a] * dipole[c][d] * (T)task.axes[3 * d + b];
-            record[3 + 3 * a + b] = sum;
-        }
-    }
-}
-
 // Adds a derivative of a load to the coefficients, and those of its Laplacian as far as the order goes.
 template <typename T, int ORDER>
 __device__ void add_derivative(T *coefficients, int n, int m, int l, T load, const T *smoothing)

@@ -40,6 +40,13 @@ struct Task {
     const void *window, *smoothing, *levels;
     // Kernel of unbounded fluid by modes.
     const void *free_kernel;
+    // Walls and open faces: numbers of the columns of modes, weights of the planes and matrix of the mean, amplitudes.
+    const double *channel_columns, *channel_planes, *channel_mean;
+    double *channel_amplitudes;
+    // Images in walls: where those of a particle begin, source and twice the block, plus one if the block is for the two
+    // in this order; blocks.
+    const int *image_starts, *images;
+    const void *image_blocks;
     // Pair functions: all tables, and for each pair of classes where its table begins, its intervals per square of
     // the distance, and its number of intervals; functions at distance 0 by class.
     const void *tables, *isolated;

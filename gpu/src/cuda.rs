@@ -1,7 +1,8 @@
 //! A card, by libraries that are opened when a scene asks for it.
 
-use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
+use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 use crate::task::{DeviceAddress, KernelTask};
+use cudarc::cufft::result::CufftError;
 use cudarc::cufft::sys::{cufftHandle, cufftType};
 use cudarc::cufft::{CudaFft, result as cufft};
 use cudarc::driver::result::device;
@@ -38,7 +39,40 @@ pub struct Cuda {
 struct TransformKind {
     is_forward: bool,
     is_single: bool,
+    part: TransformPart,
     points: [usize; 3],
+}
+
+impl TransformKind {
+    /// Kind of a transform along z: both directions have one plan.
+    fn along_z(is_single: bool, points: [usize; 3]) -> Self {
+        Self { is_forward: true, is_single, part: TransformPart::AlongZ, points }
+    }
+
+    /// A plan of three components, which are one after the other; of one component along z.
+    fn plan(&self, stream: Arc<CudaStream>) -> Result<CudaFft, CufftError> {
+        let [x, y, z] = self.points.map(|n| n as i32);
+        let columns = x / 2 + 1;
+        if self.part == TransformPart::AlongZ {
+            let kind = if self.is_single { cufftType::CUFFT_C2C } else { cufftType::CUFFT_Z2Z };
+            let (line, stride) = ([z], columns * y);
+            return CudaFft::plan_many(&line, Some(&line), stride, 1, Some(&line), stride, 1, kind, stride, stream);
+        }
+        let all = [z, y, x];
+        let of_modes = [z, y, columns];
+        let (axes, batch) = if self.part == TransformPart::Planes { (1, 3 * z) } else { (0, 3) };
+        let (points, modes) = (&all[axes..], &of_modes[axes..]);
+        let (field, spectrum): (i32, i32) = (points.iter().product(), modes.iter().product());
+        let kind = match (self.is_forward, self.is_single) {
+            (true, true) => cufftType::CUFFT_R2C,
+            (true, false) => cufftType::CUFFT_D2Z,
+            (false, true) => cufftType::CUFFT_C2R,
+            (false, false) => cufftType::CUFFT_Z2D,
+        };
+        let ((from, from_size), (to, to_size)) =
+            if self.is_forward { ((points, field), (modes, spectrum)) } else { ((modes, spectrum), (points, field)) };
+        CudaFft::plan_many(points, Some(from), 1, from_size, Some(to), 1, to_size, kind, batch, stream)
+    }
 }
 
 fn failed(error: impl std::fmt::Display) -> DeviceError {
@@ -127,29 +161,42 @@ impl Cuda {
         Ok(&self.functions[kernel])
     }
 
-    /// Plan of a transform of three components, which are one after the other.
+    /// Plan of a transform.
     fn transform_plan(&mut self, kind: TransformKind) -> Result<cufftHandle, DeviceError> {
         if let Some((_, plan)) = self.transforms.iter().find(|(other, _)| *other == kind) {
             return Ok(plan.handle());
         }
-        let [x, y, z] = kind.points.map(|n| n as i32);
-        let (points, modes) = ([z, y, x], [z, y, x / 2 + 1]);
-        let (field, spectrum) = (x * y * z, (x / 2 + 1) * y * z);
-        let transform = match (kind.is_forward, kind.is_single) {
-            (true, true) => cufftType::CUFFT_R2C,
-            (true, false) => cufftType::CUFFT_D2Z,
-            (false, true) => cufftType::CUFFT_C2R,
-            (false, false) => cufftType::CUFFT_Z2D,
-        };
-        let ((from, from_size), (to, to_size)) =
-            if kind.is_forward { ((points, field), (modes, spectrum)) } else { ((modes, spectrum), (points, field)) };
-        let stream = self.stream.clone();
-        let plan = CudaFft::plan_many(&points, Some(&from), 1, from_size, Some(&to), 1, to_size, transform, 3, stream);
-        let plan = plan.map_err(|error| DeviceError(format!("cuFFT: {error:?}")))?;
+        let plan = kind.plan(self.stream.clone()).map_err(of_cufft)?;
         let handle = plan.handle();
         self.transforms.push((kind, plan));
         Ok(handle)
     }
+
+    /// Transforms the modes of planes of three components along z.
+    fn transform_along_z(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
+        let &TransformTask { is_forward, is_single, points, spectrum, .. } = task;
+        let plan = self.transform_plan(TransformKind::along_z(is_single, points))?;
+        // CUFFT_FORWARD and CUFFT_INVERSE.
+        let direction = if is_forward { -1 } else { 1 };
+        let bytes = (points[0] / 2 + 1) * points[1] * points[2] * if is_single { 8 } else { 16 };
+        for component in 0..3 {
+            let at = spectrum + (component * bytes) as u64;
+            // SAFETY: the list has the size of the plan.
+            let done = unsafe {
+                if is_single {
+                    cufft::exec_c2c(plan, at as *mut _, at as *mut _, direction)
+                } else {
+                    cufft::exec_z2z(plan, at as *mut _, at as *mut _, direction)
+                }
+            };
+            done.map_err(of_cufft)?;
+        }
+        Ok(())
+    }
+}
+
+fn of_cufft(error: CufftError) -> DeviceError {
+    DeviceError(format!("cuFFT: {error:?}"))
 }
 
 impl Device for Cuda {
@@ -204,8 +251,11 @@ impl Device for Cuda {
     }
 
     fn transform(&mut self, task: &TransformTask) -> Result<(), DeviceError> {
-        let &TransformTask { is_forward, is_single, points, field, spectrum } = task;
-        let plan = self.transform_plan(TransformKind { is_forward, is_single, points })?;
+        let &TransformTask { is_forward, is_single, part, points, field, spectrum } = task;
+        if part == TransformPart::AlongZ {
+            return self.transform_along_z(task);
+        }
+        let plan = self.transform_plan(TransformKind { is_forward, is_single, part, points })?;
         // SAFETY: both lists have the sizes of the plan.
         let done = unsafe {
             match (is_forward, is_single) {
@@ -215,7 +265,7 @@ impl Device for Cuda {
                 (false, false) => cufft::exec_z2d(plan, spectrum as *mut _, field as *mut _),
             }
         };
-        done.map_err(|error| DeviceError(format!("cuFFT: {error:?}")))
+        done.map_err(of_cufft)
     }
 
     fn begin_recording(&mut self) -> Result<bool, DeviceError> {

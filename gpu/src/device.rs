@@ -30,6 +30,17 @@ pub struct KernelLaunch<'a> {
     pub threads: usize,
 }
 
+/// Part of a Fourier transform.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TransformPart {
+    /// Along all axes.
+    Whole,
+    /// Along x and y, to the modes of each plane.
+    Planes,
+    /// Along z, of the modes of planes, in place.
+    AlongZ,
+}
+
 /// Fourier transform of three components on a grid, without a factor, to the modes `m1 <= nx/2` or back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TransformTask {
@@ -37,9 +48,11 @@ pub struct TransformTask {
     pub is_forward: bool,
     /// In `f32`.
     pub is_single: bool,
+    /// Part of the transform.
+    pub part: TransformPart,
     /// Points along x, y and z; x is the fastest.
     pub points: [usize; 3],
-    /// Address of the values on the grid.
+    /// Address of the values on the grid, which a part along z does not use.
     pub field: u64,
     /// Address of the modes. A transform back overwrites them.
     pub spectrum: u64,

@@ -1,6 +1,6 @@
 //! A device without hardware: the kernels, compiled for the host.
 
-use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
+use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 use crate::task::{DeviceAddress, KernelTask};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::DirEntry;
@@ -120,13 +120,18 @@ fn run(compiler: &str, options: &[&str], files: &[&Path]) -> Result<(), DeviceEr
     }
 }
 
-/// Bytes that a transform moves if it passes over its data once for each axis: between the field and the spectrum, and
-/// twice within the spectrum.
+/// Bytes that a transform moves if it passes over its data once for each axis: along x between the field and the
+/// spectrum, along y and z within the spectrum.
 fn moved_by(task: &TransformTask) -> u64 {
     let [x, y, z] = task.points;
     let value = if task.is_single { 4 } else { 8 };
     let (field, spectrum) = (3 * value * x * y * z, 6 * value * (x / 2 + 1) * y * z);
-    (field + 5 * spectrum) as u64
+    let bytes = match task.part {
+        TransformPart::Whole => field + 5 * spectrum,
+        TransformPart::Planes => field + 3 * spectrum,
+        TransformPart::AlongZ => 2 * spectrum,
+    };
+    bytes as u64
 }
 
 /// Digest of the sources of the emulator and of options of the compiler.
@@ -214,7 +219,7 @@ impl Device for Emulator {
         }
         let [x, y, z] = task.points;
         let flags = [usize::from(task.is_forward), usize::from(task.is_single)];
-        let words = [flags[0], flags[1], x, y, z, task.field as usize, task.spectrum as usize];
+        let words = [flags[0], flags[1], task.part as usize, x, y, z, task.field as usize, task.spectrum as usize];
         self.send(Order::Transform, &words)?;
         *self.moved.entry("transform".to_owned()).or_default() += moved_by(task);
         self.receive_word().map(drop)
@@ -281,7 +286,12 @@ mod tests {
     /// Of two by three by four points, the spectrum has as many numbers as the field in each of three passes.
     #[test]
     fn transforms_pass_once_for_each_axis() {
-        let task = TransformTask { is_forward: true, is_single: true, points: [2, 3, 4], field: 0, spectrum: 0 };
-        assert_eq!(moved_by(&task), 3 * 4 * (24 + 5 * 2 * 24));
+        let moved = |part| {
+            let (field, spectrum) = (0, 0);
+            moved_by(&TransformTask { is_forward: true, is_single: true, part, points: [2, 3, 4], field, spectrum })
+        };
+        let [whole, planes, along_z] = [TransformPart::Whole, TransformPart::Planes, TransformPart::AlongZ].map(moved);
+        assert_eq!(whole, 3 * 4 * (24 + 5 * 2 * 24));
+        assert_eq!(planes + along_z, whole);
     }
 }

@@ -1,9 +1,9 @@
 //! Order of an evaluation: kernels of the split method on a device.
 
-use crate::device::{DeviceError, TransformTask};
+use crate::device::{DeviceError, TransformPart, TransformTask};
 use crate::far_field::{DeviceLoads, DeviceMotion, Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
 use crate::repeated::Repeated;
-use crate::tables::NumberFormat;
+use crate::tables::{GridSolve, NumberFormat};
 use crate::task::KernelTask;
 use std::time::Instant;
 
@@ -11,6 +11,9 @@ use std::time::Instant;
 const TILE_THREADS: usize = 64;
 const PAIR_LANES: usize = 8;
 const MODE_THREADS: usize = 256;
+const CHANNEL_COLUMNS: usize = 32;
+const CHANNEL_SLICES: usize = 4;
+const MEAN_THREADS: usize = 128;
 
 /// Parts of an evaluation, in their order.
 #[derive(Clone, Copy)]
@@ -67,27 +70,50 @@ impl SplitFarField {
                 let tiles = self.task.tiles.iter().map(|&n| n as usize).product();
                 self.launch(&format!("spread_{}_{suffix}", orders.spread), tiles, TILE_THREADS)
             }
-            EvaluationStage::Transform => {
-                self.transform(true)?;
-                let kernel = format!("{}_{suffix}", self.tables.solve());
-                self.launch(&kernel, self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
-                self.transform(false)
-            }
+            EvaluationStage::Transform => self.solve(),
             EvaluationStage::Interpolate => {
                 let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
                 self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)
             }
             EvaluationStage::Near => {
                 let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
-                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)
+                self.launch(&format!("pair_motions_{suffix}"), blocks, PARTICLE_THREADS)?;
+                self.add_images()
             }
         }
     }
 
-    fn transform(&mut self, is_forward: bool) -> Result<(), DeviceError> {
+    /// Velocities on the grid of the loads there.
+    fn solve(&mut self) -> Result<(), DeviceError> {
+        match &self.tables.solve {
+            GridSolve::Periodic => self.solve_between("solve", TransformPart::Whole),
+            GridSolve::Unbounded(_) => self.solve_between("solve_open", TransformPart::Whole),
+            GridSolve::Channel(_) => {
+                self.transform(true, TransformPart::Planes)?;
+                let columns = self.tables.modes() / self.tables.grid[2];
+                let (blocks, threads) = (columns.div_ceil(CHANNEL_COLUMNS), CHANNEL_COLUMNS * CHANNEL_SLICES);
+                let suffix = self.tables.numbers.suffix();
+                self.launch(&format!("channel_mean_{suffix}"), 1, MEAN_THREADS)?;
+                self.launch(&format!("channel_moments_{suffix}"), blocks, threads)?;
+                self.solve_between("solve", TransformPart::AlongZ)?;
+                self.launch(&format!("channel_flow_{suffix}"), blocks, threads)?;
+                self.transform(false, TransformPart::Planes)
+            }
+        }
+    }
+
+    /// Multiplies modes by a Green's function between transforms.
+    fn solve_between(&mut self, kernel: &str, part: TransformPart) -> Result<(), DeviceError> {
+        self.transform(true, part)?;
+        let name = format!("{kernel}_{}", self.tables.numbers.suffix());
+        self.launch(&name, self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
+        self.transform(false, part)
+    }
+
+    fn transform(&mut self, is_forward: bool, part: TransformPart) -> Result<(), DeviceError> {
         let is_single = self.tables.numbers == NumberFormat::Single;
-        let KernelTask { field, spectrum, .. } = self.task;
-        self.device.transform(&TransformTask { is_forward, is_single, points: self.tables.grid, field, spectrum })
+        let (KernelTask { field, spectrum, .. }, points) = (self.task, self.tables.grid);
+        self.device.transform(&TransformTask { is_forward, is_single, part, points, field, spectrum })
     }
 }
 
@@ -102,7 +128,7 @@ impl SplitFarField {
         let suffix = self.tables.numbers.suffix();
         self.task.noise_seed = seed;
         self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
-        self.transform(false)?;
+        self.transform(false, TransformPart::Whole)?;
         self.run(EvaluationStage::Interpolate, orders)?;
         self.run(EvaluationStage::Near, orders)?;
         self.copy_motion()

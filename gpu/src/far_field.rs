@@ -5,7 +5,7 @@ use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
 use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::{RECORDINGS, Repeated};
-use crate::tables::{LatticeShape, NumberFormat, SplitTables, fixed_points};
+use crate::tables::{AMPLITUDES, GridSolve, LatticeShape, NumberFormat, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
 
@@ -68,7 +68,9 @@ pub struct StageSeconds {
 /// Lists on the device.
 #[derive(Default)]
 pub(crate) struct Buffers {
-    tables: [Buffer; 7],
+    tables: [Buffer; 6],
+    pub(crate) of_solve: [Buffer; 4],
+    pub(crate) images: [Buffer; 3],
     of_box: [Buffer; 2],
     particles: [Buffer; 8],
     bins: [Buffer; 2],
@@ -130,20 +132,21 @@ impl SplitFarField {
         let starts: Vec<i32> = (0..sizes.len()).map(|pair| sizes[..pair].iter().sum()).collect();
         let pairs = tables.pairs.iter().flat_map(|table| table.coefficients.iter().flatten().flatten().copied());
         let per_square: Vec<f64> = tables.pairs.iter().map(|table| table.per_square).collect();
-        let [of_window, of_pairs, of_isolated, of_squares, of_starts, of_sizes, of_space] = &mut buffers.tables;
+        let [of_window, of_pairs, of_isolated, of_squares, of_starts, of_sizes] = &mut buffers.tables;
         task.window = of_window.fill(on, &numbers.bytes_of(window.into_iter()))?;
         task.tables = of_pairs.fill(on, &numbers.bytes_of(pairs))?;
         task.isolated = of_isolated.fill(on, &numbers.bytes_of(tables.isolated.iter().flatten().copied()))?;
         task.intervals_per_square = of_squares.fill(on, bytemuck::cast_slice(&per_square))?;
         task.table_starts = of_starts.fill(on, &ints(&starts))?;
         task.table_sizes = of_sizes.fill(on, &ints(&sizes))?;
-        task.free_kernel = of_space.fill(on, &numbers.bytes_of(tables.free_kernel.iter().copied()))?;
         let [field, spectrum] = &mut buffers.grid;
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
         let (near, repeated, spare) = (NearRows::default(), <[Repeated; RECORDINGS]>::default(), Vec::new());
         let (neighbours, seconds) = (0, StageSeconds::default());
-        Ok(Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds })
+        let mut field = Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds };
+        field.copy_solve()?;
+        Ok(field)
     }
 
     /// Seconds spent so far.
@@ -309,6 +312,26 @@ impl SplitFarField {
         let motion = self.copy_motion()?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         Ok(motion)
+    }
+
+    /// Copies the tables of the solve on the grid.
+    fn copy_solve(&mut self) -> Result<(), DeviceError> {
+        let Self { device, tables, task, buffers, .. } = self;
+        let ([first, second, third, fourth], on) = (&mut buffers.of_solve, device.as_mut());
+        match &tables.solve {
+            GridSolve::Periodic => {}
+            GridSolve::Unbounded(kernel) => {
+                task.free_kernel = first.fill(on, &tables.numbers.bytes_of(kernel.iter().copied()))?;
+            }
+            GridSolve::Channel(channel) => {
+                task.channel_columns = first.fill(on, bytemuck::cast_slice(&channel.columns))?;
+                task.channel_planes = second.fill(on, bytemuck::cast_slice(&channel.mean_planes))?;
+                task.channel_mean = third.fill(on, bytemuck::cast_slice(&channel.mean_kernel))?;
+                let columns = tables.modes() / tables.grid[2];
+                task.channel_amplitudes = fourth.reserve(on, (AMPLITUDES * columns + 6) * size_of::<f64>())?;
+            }
+        }
+        Ok(())
     }
 
     pub(crate) fn copy_loads(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<(), DeviceError> {

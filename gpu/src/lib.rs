@@ -15,6 +15,7 @@ mod emulator;
 mod evaluation;
 mod far_field;
 mod groups;
+mod images;
 mod lists;
 mod memory;
 mod near;
@@ -29,13 +30,17 @@ pub use assembly::{IN_FLOW, NearInFlow, NearInput};
 pub use counted::{Counted, DeviceCounts, SharedCounts};
 pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, UNKNOWNS};
 pub use cuda::Cuda;
-pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformTask};
+pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use images::ImageLists;
 pub use lists::{DeviceList, MotionLists};
-pub use memory::{EvaluationBytes, EvaluationSize, NearSize};
+pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
 pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
-pub use tables::{DevicePairTable, LatticeShape, NumberFormat, SplitTables, WindowPolynomials};
+pub use tables::{
+    COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
+    WindowPolynomials,
+};
 pub use task::KernelTask;

@@ -4,7 +4,7 @@ use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::groups::member_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
-use crate::tables::NumberFormat;
+use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
 
 /// Numbers on which the memory of an evaluation depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,8 +21,21 @@ pub struct EvaluationSize {
     pub neighbours: f64,
     /// Number of intervals of all tables of pair functions.
     pub intervals: f64,
-    /// Whether the fluid is unbounded, for which there is a kernel by modes.
-    pub is_open: bool,
+    /// Solve on the grid.
+    pub solve: SolveKind,
+    /// Number of images in walls of all particles.
+    pub images: f64,
+}
+
+/// Kind of a solve on the grid, see [`crate::GridSolve`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SolveKind {
+    /// In a periodic box.
+    Periodic,
+    /// In unbounded fluid.
+    Unbounded,
+    /// With walls or open faces across z.
+    Channel,
 }
 
 /// Numbers on which the memory of a solve with near pairs depends, besides that of evaluations.
@@ -83,12 +96,23 @@ impl EvaluationSize {
         // Positions in two orders, loads as given and as records, interpolated values, motions; five lists of integers,
         // and the starts of the neighbours.
         let particle = f64::from(8 * 3) + value * f64::from(3 + 11 + 12 + 12 + 11) + 4.0 * 6.0;
-        let octant = (self.grid[0] / 2) as f64 * ((self.grid[1] / 2 + 1) * (self.grid[2] / 2 + 1)) as f64;
-        let kernel = if self.is_open { 6.0 * value * octant } else { 0.0 };
-        let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes + kernel;
+        // Each block of images serves two particles.
+        let images = (72.0 * value + 8.0) * self.images;
+        let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes + self.solve_bytes() + images;
         let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
         // The motion and that of a step; unknowns, residual, preconditioned residual, direction and its image.
         let vectors = value * f64::from(2 * 11 + 5 * 5) * self.particles;
         EvaluationBytes { lists, vectors, transforms: 2.0 * spectrum }
+    }
+
+    /// Bytes of the tables of the solve.
+    fn solve_bytes(&self) -> f64 {
+        let [nx, ny, nz] = self.grid;
+        let numbers = match self.solve {
+            SolveKind::Periodic => 0,
+            SolveKind::Unbounded => return (self.numbers.size() * 6 * (nx / 2) * (ny / 2 + 1) * (nz / 2 + 1)) as f64,
+            SolveKind::Channel => (COLUMN_NUMBERS + AMPLITUDES) * (nx / 2 + 1) * ny + 3 * nz,
+        };
+        (size_of::<f64>() * numbers) as f64 + if self.images > 0.0 { 4.0 * self.particles } else { 0.0 }
     }
 }

@@ -87,11 +87,37 @@ pub struct SplitTables {
     pub widening: f64,
     /// Axes along which the box repeats.
     pub is_periodic: [bool; 3],
-    /// Kernel of unbounded fluid, with the volume of a grid point, if no axis is periodic: entries xx, xy, xz, yy, yz
-    /// and zz of a tensor, each by modes `[m3][m2][m1]` with `m1 < nx/2`, `m2 <= ny/2` and `m3 <= nz/2`; otherwise
-    /// empty.
-    pub free_kernel: Vec<f64>,
+    /// Solve on the grid.
+    pub solve: GridSolve,
 }
+
+/// Solve on the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GridSolve {
+    /// By the Green's function of a periodic box.
+    Periodic,
+    /// By a kernel of unbounded fluid, with the volume of a grid point: entries xx, xy, xz, yy, yz and zz of a tensor,
+    /// each by modes `[m3][m2][m1]` with `m1 < nx/2`, `m2 <= ny/2` and `m3 <= nz/2`.
+    Unbounded(Vec<f64>),
+    /// As in a periodic box, and by the flow of walls or open faces across z.
+    Channel(ChannelColumns),
+}
+
+/// Numbers of the flow of walls or open faces, with the volume of a grid point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelColumns {
+    /// Numbers of the columns of modes, each by `[m2][m1]` with `m1 <= nx/2`: decay from plane to plane, 0 without an
+    /// update, direction of the wavevector, and both matrices.
+    pub columns: Vec<f64>,
+    /// Weights of the planes for the three functions of the mean.
+    pub mean_planes: Vec<[f64; 3]>,
+    /// Matrix of the mean.
+    pub mean_kernel: [[f64; 3]; 3],
+}
+
+/// Numbers of a column, and of its amplitudes, as in `gpu/kernels/channel.h`.
+pub const COLUMN_NUMBERS: usize = 3 + 36 + 3;
+pub(crate) const AMPLITUDES: usize = 24;
 
 /// Shape of the box, and tables that depend on it.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,11 +145,6 @@ impl SplitTables {
     /// The axes along which the box does not repeat, a bit each.
     pub(crate) fn bounded_axes(&self) -> i64 {
         (0..3).filter(|&axis| !self.is_periodic[axis]).map(|axis| 1 << axis).sum()
-    }
-
-    /// Name of the kernel that solves by modes, without its precision.
-    pub(crate) fn solve(&self) -> &'static str {
-        if self.free_kernel.is_empty() { "solve" } else { "solve_open" }
     }
 
     /// Number of grid points.

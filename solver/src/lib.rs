@@ -33,7 +33,7 @@ mod shared;
 mod stokes;
 mod transform;
 
-pub use channel::{Channel, ChannelFaces, ChannelWeights, across_walls};
+pub use channel::{Channel, ChannelFaces, ChannelTables, ChannelWeights, ColumnKernel, across_walls};
 pub use divergence::divergence;
 pub use field::{Field, Physical, Spectral, Tile};
 pub use flow::{BackgroundFlow, FlowError};

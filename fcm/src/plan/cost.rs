@@ -65,7 +65,9 @@ pub(crate) fn seconds(plan: &Plan, particles: usize, strain: f64, ranks: usize) 
         return gridless.seconds(plan, particles);
     }
     if plan.device == ComputeDevice::Gpu {
-        return CardClass::present().seconds(&work_on_card(plan, particles));
+        let on_card = CardClass::present().seconds(&work_on_card(plan, particles));
+        // Images in walls are made on the host.
+        return Costs { pairs: on_card.pairs + particles as f64 * plan.images(particles as f64) * IMAGE, ..on_card };
     }
     let single = plan.precision == Precision::Single;
     let points = grid_points(plan);

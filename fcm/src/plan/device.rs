@@ -8,7 +8,7 @@ use crate::plan::method::Method;
 use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
 use domain::{Boundaries, readable_bytes};
-use gpu::{DeviceInfo, EvaluationSize, NearSize, NumberFormat};
+use gpu::{DeviceInfo, EvaluationSize, NearSize, NumberFormat, SolveKind};
 
 /// Largest number of radii of which a device has tables for all pairs.
 const MOST_RADII: usize = 32;
@@ -117,9 +117,6 @@ impl Problem {
         if let Some(method) = self.fixed.method.filter(|&method| method != Method::Split) {
             return Err(refused(&format!("hydrodynamics.method is \"{}\", which a GPU does not have", method.name())));
         }
-        if !matches!(self.boundaries, Boundaries::Periodic | Boundaries::Open) {
-            return Err(refused("the box has walls, or is a layer, and a GPU has periodic and unbounded fluid alone"));
-        }
         if self.is_reduced() {
             return Err(refused("the box is more than sixteen times as long as it is wide across the flow"));
         }
@@ -177,7 +174,12 @@ impl Plan {
             classes: self.radii.len() as f64,
             neighbours: particles * neighbours,
             intervals: self.table_intervals().unwrap_or_default() as f64,
-            is_open: self.boundaries == Boundaries::Open,
+            solve: match self.boundaries {
+                Boundaries::Periodic => SolveKind::Periodic,
+                Boundaries::Open => SolveKind::Unbounded,
+                _ => SolveKind::Channel,
+            },
+            images: self.images(particles) * particles,
         }
     }
 }

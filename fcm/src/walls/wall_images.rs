@@ -8,6 +8,7 @@ use crate::plan::bounded::NEAREST_WALL;
 use crate::walls::wall_kernel::{SourceAtWall, WallKernel, WallLoad, WallMobilityBlock};
 use domain::parallel::MeasuredLoop;
 use domain::{Neighbours, PeriodicBox, Tensor, Vector};
+use gpu::ImageLists;
 use rayon::prelude::*;
 use simd::vectorised;
 use std::f64::consts::PI;
@@ -181,6 +182,18 @@ impl WallImages {
         };
         first.par_iter().map(block).measured().collect_into_vec(&mut blocks);
         (self.lists, self.blocks) = (lists, blocks);
+    }
+
+    /// The images of the arranged particles, for a device.
+    pub fn lists(&self) -> ImageLists {
+        let mut lists = ImageLists { starts: vec![0], ..ImageLists::default() };
+        for list in &self.lists {
+            let packed = |image: &ImagePair| (2 * image.block + usize::from(image.is_forward)) as i32;
+            lists.images.extend(list.iter().map(|image| [image.row as i32, packed(image)]));
+            lists.starts.push(lists.images.len() as i32);
+        }
+        lists.blocks = self.blocks.iter().map(WallMobilityBlock::entries).collect();
+        lists
     }
 
     fn class(&self, class: u32) -> &SphereClass {

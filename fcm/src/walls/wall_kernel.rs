@@ -245,6 +245,11 @@ fn is_turned(entry: usize) -> bool {
 }
 
 impl WallMobilityBlock {
+    /// The matrix by rows, gradients and dipoles column by column.
+    pub fn entries(&self) -> [[f64; ENTRIES]; ENTRIES] {
+        self.0
+    }
+
     /// The same for a wall above both.
     #[must_use]
     pub fn reflected(mut self) -> Self {

@@ -77,9 +77,11 @@ impl CoupledSolver {
         near
     }
 
-    /// Whether the back end of the far field solves for the motions of free spheres together with near pairs.
+    /// Whether the back end of the far field solves for the motions of free spheres together with near pairs; the
+    /// lubrication at walls is on the host.
     fn solves_on_device(&mut self, acting: &SolveInput) -> bool {
         let is_free = acting.bodies.is_none() && acting.squirming.is_none() && acting.strain_rate.is_uniform();
-        is_free && self.preconditioned && self.near.is_some() && self.far.mobility().coupled().is_some()
+        let is_between_pairs = self.near.as_ref().is_some_and(|near| near.at_walls.is_none());
+        is_free && self.preconditioned && is_between_pairs && self.far.mobility().coupled().is_some()
     }
 }

@@ -7,8 +7,8 @@ use crate::{Grid, Real};
 
 /// Weights of the planes for 1, `z` and `z^2`, and the kernel between them. There is no flow across the plane.
 pub(crate) struct Mean {
-    planes: Vec<[f64; 3]>,
-    kernel: [[f64; 3]; 3],
+    pub planes: Vec<[f64; 3]>,
+    pub kernel: [[f64; 3]; 3],
 }
 
 impl Mean {

@@ -8,10 +8,12 @@
 //! the sums into amplitudes, and the corresponding flow is added to the velocities when the columns have been
 //! transformed back.
 
+mod column;
 mod kernel;
 mod mean;
 mod update;
 
+pub use column::{ChannelTables, ColumnKernel};
 pub(crate) use kernel::Faces;
 pub use kernel::across_walls;
 pub(crate) use update::Update;
@@ -76,8 +78,7 @@ impl<T: Real> Channel<T> {
         P: Fn(f64, f64) -> f64,
         A: Fn(f64) -> [f64; 2],
     {
-        let [nx, ny, _] = grid.points();
-        let scale = grid.spacing().z / (viscosity * (nx * ny) as f64);
+        let scale = column::scale(grid, viscosity);
         let layout = Layout::new::<T>(3, grid.points(), place, 0);
         let has_mean = layout.blocks.start == 0 && layout.modes.start == 0 && !layout.blocks.is_empty();
         Self {

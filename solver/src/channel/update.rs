@@ -1,7 +1,8 @@
 //! Channel update of the grid's columns with a wavevector in the plane.
 
-use super::kernel::{ChannelKernel, FUNCTIONS};
-use super::{ChannelFaces, ChannelWeights, Faces};
+use super::column::{ACROSS, ALONG, ColumnKernel};
+use super::kernel::FUNCTIONS;
+use super::{ChannelFaces, ChannelWeights};
 use crate::fourier::StridedPointer;
 use crate::layout::Layout;
 use crate::{Grid, Real};
@@ -15,14 +16,7 @@ const LANES: usize = 8;
 
 type GroupLanes = [f64; LANES];
 
-/// Number of entries of a symmetric matrix for the functions of two components, and for a third that has half of
-/// them.
-const ALONG: usize = FUNCTIONS * (2 * FUNCTIONS + 1);
-const ACROSS: usize = 3;
-
-/// A group of neighbouring columns. In the index `i` of a plane, counted from either end of the grid, the functions
-/// are `s^i` and `i s^i`, `s = exp(-k h)`; the matrices include the conversion to functions of the distance from the
-/// walls.
+/// A group of neighbouring columns, with the numbers of [`ColumnKernel`].
 struct ColumnGroup {
     /// Number of planes from either end beyond which the functions are negligible; 0 if there is no update.
     planes: usize,
@@ -211,28 +205,17 @@ impl ColumnGroup {
             along: [[0.0; LANES]; ALONG],
             across: [[0.0; LANES]; ACROSS],
         };
-        let [nx, _, nz] = grid.points();
+        let nz = grid.points()[2] as f64;
         // Planes beyond the walls, where the exponentials grow.
-        let beyond = nz as f64 - faces.height / grid.spacing().z;
+        let beyond = nz - faces.height / grid.spacing().z;
         for lane in 0..LANES {
-            let wavevector = grid.wavevector([first + lane, mode, 0]);
-            let k = wavevector.x.hypot(wavevector.y);
-            let is_nyquist = first + lane >= nx / 2 || grid.is_nyquist(1, [first + lane, mode, 0]);
-            if k == 0.0 || k > weights.highest || is_nyquist {
-                continue;
-            }
-            let decay = k * grid.spacing().z;
-            let planes = (negligible_exponent::<T>() / decay + beyond).ceil().min(nz as f64);
+            let Some(column) = ColumnKernel::new(grid, [first + lane, mode], faces, scale, weights) else { continue };
+            let planes = (negligible_exponent::<T>() / column.decay + beyond).ceil().min(nz);
             group.planes = group.planes.max(planes as usize);
-            group.step[lane] = (-decay).exp();
-            (group.direction[0][lane], group.direction[1][lane]) = (wavevector.x / k, wavevector.y / k);
-            let kernel = kernel_of_planes(grid, faces, k, weights);
-            let factor = scale * (weights.plane)(wavevector.x, wavevector.y);
-            for (p, q) in (0..2 * FUNCTIONS).flat_map(|p| (0..=p).map(move |q| (p, q))) {
-                group.along[p * (p + 1) / 2 + q][lane] = factor * kernel.along[p][q];
-            }
-            for (entry, (p, q)) in [(0, 0), (1, 0), (1, 1)].into_iter().enumerate() {
-                group.across[entry][lane] = factor * kernel.across[p][q];
+            group.step[lane] = (-column.decay).exp();
+            let mut of_lane = group.direction.iter_mut().chain(&mut group.along).chain(&mut group.across);
+            for value in column.direction.iter().chain(&column.along).chain(&column.across) {
+                of_lane.next().expect("as many numbers")[lane] = *value;
             }
         }
         group
@@ -301,39 +284,4 @@ fn indices() -> impl Iterator<Item = (usize, usize, usize)> {
 /// Exponent beyond which an exponential is below round-off.
 fn negligible_exponent<T: Real>() -> f64 {
     4.0 - T::EPSILON.ln()
-}
-
-/// Kernel in the functions `s^i` and `i s^i` of the planes' indices from either end.
-///
-/// The sum over planes of the window times `exp(-k z)/Phi`, where `Phi` is its transform at `i k`, is `exp(-k z)` at
-/// the particle; with `(k z + k Phi'/Phi) exp(-k z)/Phi` it is `k z exp(-k z)`, which `1 + c/2 lap` turns into
-/// `(k z - c k^2) exp(-k z)`.
-fn kernel_of_planes<P, A: Fn(f64) -> [f64; 2]>(
-    grid: &Grid,
-    faces: &ChannelFaces,
-    k: f64,
-    weights: &ChannelWeights<P, A>,
-) -> ChannelKernel {
-    let (spacing, period) = (grid.spacing().z, grid.cell().edges().z);
-    let last = faces.first + (grid.points()[2] - 1) as f64 * spacing;
-    let kernel = Faces { walls: faces.walls, height: faces.height, period }.kernel(k);
-    let [transform, growth] = (weights.axis)(k);
-    let level = |distance: f64| ((-k * distance).exp() / transform, k * distance + growth - weights.smoothing * k * k);
-    let ends = [level(faces.first), level(faces.height - last)];
-    // The functions are these rows times s^i and i s^i.
-    let rows = |p: usize| {
-        let (scale, level) = ends[p / 2];
-        if p.is_multiple_of(2) { [scale, 0.0] } else { [scale * level, scale * k * spacing] }
-    };
-    let mut of_planes = ChannelKernel { along: [[0.0; 2 * FUNCTIONS]; 2 * FUNCTIONS], across: [[0.0; 2]; 2] };
-    for (p, q) in (0..2 * FUNCTIONS).flat_map(|p| (0..2 * FUNCTIONS).map(move |q| (p, q))) {
-        let [of_p, of_q] = [p, q].map(|p| rows(p % FUNCTIONS));
-        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            of_planes.along[p - p % 2 + i][q - q % 2 + j] += of_p[i] * kernel.along[p][q] * of_q[j];
-        }
-    }
-    for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-        of_planes.across[p][q] = ends[p].0 * kernel.across[p][q] * ends[q].0;
-    }
-    of_planes
 }

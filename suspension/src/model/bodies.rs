@@ -2,7 +2,6 @@
 
 use super::{BrownianScheme, Flow, Integrator, MultipoleOrder, Orientation, Parameters, Species, Start};
 use domain::{BodySphere, Number, ParameterError, Quaternion, Vector, sphere};
-use fcm::ComputeDevice;
 use hydrodynamics::GivenMotion;
 use hydrodynamics::lengths::check_radius;
 use lubrication::LubricationRange;
@@ -272,7 +271,6 @@ fn check_methods(p: &Parameters) -> Result<(), ParameterError> {
     let refusals = [
         (is_straight, "flow.lees_edwards", "is false"),
         (p.hydrodynamics.multipoles == MultipoleOrder::Monopole, "hydrodynamics.multipoles", "is \"monopole\""),
-        (p.hydrodynamics.device == ComputeDevice::Gpu, "hydrodynamics.device", "is \"gpu\""),
         (p.integrator == two_evaluations, "time.brownian", "is \"random-finite-difference\""),
         (p.flow.keeps_flux(), "flow.mean_velocity", "is set"),
         (p.repulsion.is_some_and(|repulsion| repulsion.calibrate), "repulsion.calibrate", "is true"),

@@ -2,7 +2,6 @@
 
 use super::{BrownianScheme, Integrator, MultipoleOrder, Parameters, Species};
 use domain::{Number, ParameterError, Vector};
-use fcm::ComputeDevice;
 use std::f64::consts::PI;
 
 /// Swimming of the spheres of a species, squirmers along the axis `p` of their orientation: their surface moves
@@ -176,7 +175,6 @@ fn of_swimmers(p: &Parameters) -> Vec<Refusal> {
 fn of_slip(p: &Parameters) -> Vec<Refusal> {
     let is_calibrated = p.repulsion.is_some_and(|repulsion| repulsion.calibrate);
     vec![
-        refusal(p.hydrodynamics.device == ComputeDevice::Gpu, "hydrodynamics.device", "is \"gpu\""),
         refusal(p.flow.keeps_flux(), "flow.mean_velocity", "is set"),
         refusal(is_calibrated, "repulsion.calibrate", "is true"),
     ]

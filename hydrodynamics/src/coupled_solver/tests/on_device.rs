@@ -2,6 +2,7 @@
 
 use super::device_pairs::lubrication_of;
 use super::*;
+use crate::bodies::RigidBodies;
 use crate::springs::{BondSprings, ContactSprings, TetherResistance};
 use domain::{Boundaries, Random};
 use fcm::{Method, Mobility, StressletSolver};
@@ -88,6 +89,47 @@ impl Suspension {
         let settling = SolveInput { ambient: &ambient, ..acting(&loads, Traceless::ZERO) };
         let guess = Guess { stresslets_far: first.far.stresslets.clone(), ..Guess::induced_by(&first.motion) };
         [first, solver.solve(&self.cell, &self.particles, &settling, guess).unwrap()]
+    }
+}
+
+/// With lubrication at walls the iteration is on the host.
+#[test]
+fn solutions_between_walls_are_those_of_the_host() {
+    let walls = |edge| PeriodicBox::new(Vector::splat(edge)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
+    let suspension = Suspension::within(walls, Precision::Double, 1e-6);
+    let height = suspension.cell.edges().z;
+    let at_wall = |(x, a): (&Vector, &f64)| x.z.min(height - x.z) < 1.3 * a;
+    assert!(suspension.particles.positions.iter().zip(&suspension.particles.radii).any(at_wall));
+    agree(&suspension, Precision::Double, 1e-6);
+}
+
+/// Squirmers and a rigid body, whose solves iterate on the host.
+#[test]
+#[ignore = "heavy"]
+fn squirmers_and_bodies_are_those_of_the_host() {
+    let suspension = Suspension::new(Precision::Double, 1e-6);
+    let Suspension { cell, particles, .. } = &suspension;
+    let count = particles.len();
+    let squirming = Squirming { first: vec![Vector::new(0.3, -0.8, 0.5); count], second: vec![Traceless::ZERO; count] };
+    let centre = 0.5 * (particles.positions[0] + particles.positions[1]);
+    let is_member = |row: usize| row < 2;
+    let of: Vec<Option<u32>> = (0..count).map(|row| is_member(row).then_some(0)).collect();
+    let arm = |row: usize| if is_member(row) { particles.positions[row] - centre } else { Vector::ZERO };
+    let rigid = RigidBodies::new(&Comm::alone(), &of, &(0..count).map(arm).collect::<Vec<_>>());
+    let none = Loads::default();
+    let shear = acting(&none, Traceless([0.0, 0.5, 0.0, 0.0, 0.0]));
+    let swimming = SolveInput { squirming: Some(&squirming), ..shear };
+    let of_bodies = SolveInput { bodies: Some(&rigid), ..shear };
+    for input in [swimming, of_bodies] {
+        let solved = |mut solver: CoupledSolver| solver.solve(cell, particles, &input, Guess::default()).unwrap();
+        let (device, counts) = Counted::new(emulator(13));
+        let [found, exact] = [suspension.on(Box::new(device)), suspension.on_host()].map(solved);
+        assert_eq!(found.iterations, exact.iterations);
+        let counts = counts.borrow();
+        assert!(counts.runs["solve_f64"] >= exact.iterations as u64 && !counts.runs.contains_key("coupled_loads_f64"));
+        for (found, exact) in columns(&found).iter().zip(&columns(&exact)) {
+            assert!(relative(found, exact) < 3e-6, "{:e}", relative(found, exact));
+        }
     }
 }
 

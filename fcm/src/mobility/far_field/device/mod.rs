@@ -5,6 +5,7 @@
 //! host, by the same plan.
 
 mod coupled;
+mod images;
 mod random_motions;
 mod rigid;
 mod tables;
@@ -19,11 +20,12 @@ use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
-use domain::parallel::equal;
+use domain::parallel::{equal, mapped};
 use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
 use gpu::{
     Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, SplitFarField,
 };
+use images::{HostImages, PlacedClasses};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -37,6 +39,8 @@ pub(crate) struct DeviceFarField {
     units: Units,
     tables: PlanTables,
     split: SharedField,
+    /// Images in walls, if there are any.
+    images: Option<HostImages>,
     particles: Particles,
     cell: PeriodicBox,
     /// The lattice of the grid on the device, in internal units.
@@ -83,6 +87,7 @@ impl DeviceFarField {
             units,
             tables,
             split: Rc::new(RefCell::new(split)),
+            images: HostImages::new(&own, partition),
             particles: Particles::default(),
             cell: plan.cell(),
             arranged: None,
@@ -151,7 +156,8 @@ impl DeviceFarField {
 impl FarField for DeviceFarField {
     fn arrange(&mut self, cell: &PeriodicBox, particles: &Particles) {
         let inverse = 1.0 / self.units.length;
-        let frame = self.tables.frame(&cell.scaled(inverse));
+        let own = cell.scaled(inverse);
+        let frame = self.tables.frame(&own);
         if self.arranged != Some(frame.lattice) {
             succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
             self.arranged = Some(frame.lattice);
@@ -160,6 +166,11 @@ impl FarField for DeviceFarField {
         let fractions: Vec<f64> = particles.positions.iter().flat_map(fraction).collect();
         let classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
         succeeded(self.split.borrow_mut().arrange(&fractions, &classes));
+        if let Some(images) = &mut self.images {
+            let positions = mapped(&particles.positions, |&x| x * inverse);
+            let present = PlacedClasses { positions: &positions, classes: &classes };
+            succeeded(self.split.borrow_mut().set_images(&images.of(&own, particles, present)));
+        }
         (self.cell, self.particles) = (*cell, particles.clone());
         if let Some((_, is_arranged)) = &mut self.host {
             *is_arranged = false;

@@ -8,8 +8,11 @@ use crate::plan::Plan;
 use crate::plan::problem::Precision;
 use domain::parallel::mapped;
 use domain::{Boundaries, PeriodicBox, Vector};
-use gpu::{DevicePairTable, LatticeShape, NumberFormat, Orders, SplitTables, WindowPolynomials};
-use solver::{Grid, Real, Stokes};
+use gpu::{
+    COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, Orders, SplitTables,
+    WindowPolynomials,
+};
+use solver::{ChannelTables, ColumnKernel, Grid, Real, Stokes};
 
 /// Functions of a plan of the split method, in internal units.
 pub(super) struct PlanTables {
@@ -58,15 +61,19 @@ impl PlanTables {
         GridFrame { lattice: *self.grid.cell(), first: cell.origin() + self.first_point }
     }
 
-    /// Kernel of unbounded fluid by modes, with the volume of a grid point; empty in other boxes.
-    fn free_kernel<T: Real>(&self, plan: &Plan) -> Vec<f64> {
-        if self.boundaries != Boundaries::Open {
-            return Vec::new();
+    /// Solve on the grid, with the volume by which the host's interpolation multiplies.
+    fn solve<T: Real>(&self, plan: &Plan) -> GridSolve {
+        let Self { grid, window, common, .. } = self;
+        match self.boundaries {
+            Boundaries::Periodic => GridSolve::Periodic,
+            Boundaries::Open => {
+                let stokes: Stokes<T> = operator::split(plan, grid, *window, *common);
+                let kernel = stokes.open_space().expect("a kernel of unbounded fluid").by_modes();
+                let volume = operator::interpolated_volume(plan, grid);
+                GridSolve::Unbounded(mapped(&kernel, |&value| value.to_f64() * volume))
+            }
+            _ => GridSolve::Channel(channel_columns(operator::channel_tables(plan, grid, *window, *common), grid)),
         }
-        let stokes: Stokes<T> = operator::split(plan, &self.grid, self.window, self.common);
-        let kernel = stokes.open_space().expect("a kernel of unbounded fluid").by_modes();
-        let volume = operator::interpolated_volume(plan, &self.grid);
-        mapped(&kernel, |&value| value.to_f64() * volume)
     }
 
     /// Tables that do not depend on the shape of the box.
@@ -102,7 +109,7 @@ impl PlanTables {
             gaussian: self.common.width * self.common.width,
             widening: 0.5 * self.common.increment,
             is_periodic: [0, 1, 2].map(|axis| self.boundaries.is_periodic(axis)),
-            free_kernel: self.free_kernel::<T>(plan),
+            solve: self.solve::<T>(plan),
         }
     }
 
@@ -134,4 +141,18 @@ impl PlanTables {
         let spread = self.lattice.order(forces, dipoles);
         Orders { spread, interpolate: self.lattice.order(velocities, gradients), velocities, gradients }
     }
+}
+
+/// Numbers of the columns of modes, each number by columns.
+fn channel_columns(tables: ChannelTables, grid: &Grid) -> ChannelColumns {
+    let [half, modes] = [grid.points()[0] / 2, grid.points()[1]];
+    let mut columns = vec![0.0; COLUMN_NUMBERS * (half + 1) * modes];
+    for (at, column) in tables.columns.iter().enumerate() {
+        let Some(ColumnKernel { decay, direction, along, across }) = column else { continue };
+        let numbers = std::iter::once(decay).chain(direction).chain(along).chain(across);
+        for (number, &value) in numbers.enumerate() {
+            columns[(number * modes + at / half) * (half + 1) + at % half] = value;
+        }
+    }
+    ChannelColumns { columns, mean_planes: tables.mean_planes, mean_kernel: tables.mean_kernel }
 }

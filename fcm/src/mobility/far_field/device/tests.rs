@@ -8,7 +8,7 @@ use crate::plan::method::Split;
 use crate::plan::problem::{Multipoles, Precision};
 use crate::rigid::stresslet_solver::{RigidInput, StressletSolver};
 use case::{Case, PERIODIC, Shape, alone};
-use domain::Comm;
+use domain::{Boundaries, Comm};
 use gpu::Emulator;
 
 /// The emulator, compiled once beside the tests; with the options of `EMULATOR_FLAGS` too, see `scripts/kernels`.
@@ -18,6 +18,11 @@ fn emulator(options: &[&str], seed: u64) -> Box<dyn Device> {
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     Box::new(Emulator::start(&Emulator::compile(&folder, options).unwrap(), seed).unwrap())
 }
+
+/// Unbounded fluid, and boxes with walls or open faces across z.
+const OPEN: Shape = Shape::Bounded(Boundaries::Open);
+const CHANNELS: [Shape; 3] =
+    [Shape::Bounded(Boundaries::Walls), Shape::Bounded(Boundaries::Wall), Shape::Bounded(Boundaries::OpenAlongZ)];
 
 /// Numbers of a motion by kind.
 fn columns(motion: &Motion) -> [Vec<f64>; 3] {
@@ -84,15 +89,43 @@ fn single_precision_agrees_with_the_host_to_its_round_off() {
 #[test]
 fn unbounded_fluid_is_that_of_the_host() {
     let half = cases() / 2;
-    agree(Precision::Double, &[Shape::Open], 100..100 + half, &|seed| emulator(&[], seed));
-    agree(Precision::Single, &[Shape::Open], 1100..1100 + half, &|seed| emulator(&[], seed));
+    agree(Precision::Double, &[OPEN], 100..100 + half, &|seed| emulator(&[], seed));
+    agree(Precision::Single, &[OPEN], 1100..1100 + half, &|seed| emulator(&[], seed));
+}
+
+#[test]
+fn walls_and_layers_are_those_of_the_host() {
+    let half = cases() / 2;
+    agree(Precision::Double, &CHANNELS, 200..200 + half, &|seed| emulator(&[], seed));
+    agree(Precision::Single, &CHANNELS, 1200..1200 + half, &|seed| emulator(&[], seed));
+}
+
+/// Spheres at a wall, some so few that not all wavenumbers of their images are on the grid: of themselves and of each
+/// other.
+#[test]
+fn images_in_walls_are_those_of_the_host() {
+    let mut of_others = 0;
+    for seed in 70..78 {
+        let case = Case::random(seed, CHANNELS[seed as usize % 2], 1.5).with_fraction_of_edges(Vector::splat(0.4));
+        let plan = case.plan(Precision::Double);
+        let (mut device, mut host) = (case.on_device(&plan, emulator(&[], seed)), case.on_host(&plan));
+        let lists = device.images.as_ref().unwrap().images.lists();
+        for row in 0..case.particles.len() {
+            let of_row = &lists.images[lists.starts[row] as usize..lists.starts[row + 1] as usize];
+            of_others += of_row.iter().filter(|image| image[0] as usize != row).count();
+        }
+        let [found, exact] = [device.apply(&case.loads, Output::All), host.apply(&case.loads, Output::All)];
+        for (found, exact) in columns(&found).iter().zip(columns(&exact)) {
+            assert!(relative(found, &exact) < 1e-11, "{:e}", relative(found, &exact));
+        }
+    }
+    assert!(of_others > 10, "{of_others}");
 }
 
 /// Shuffled threads and blocks.
 #[test]
 fn any_order_of_threads_gives_the_same_bits() {
-    let cases =
-        [(Shape::Sheared, Precision::Single), (Shape::Tilted, Precision::Double), (Shape::Open, Precision::Single)];
+    let cases = [(Shape::Sheared, Precision::Single), (Shape::Tilted, Precision::Double), (OPEN, Precision::Single)];
     for (shape, precision) in cases {
         let case = Case::random(31, shape, 1.7);
         let plan = case.plan(precision);
@@ -111,7 +144,8 @@ fn kernels_stay_within_their_memory() {
         (Shape::Upright, Precision::Single),
         (Shape::Sheared, Precision::Double),
         (Shape::Tilted, Precision::Double),
-        (Shape::Open, Precision::Single),
+        (OPEN, Precision::Single),
+        (CHANNELS[0], Precision::Double),
     ];
     for (seed, (shape, precision)) in (40..).zip(cases) {
         let case = Case::random(seed, shape, 2.0);
@@ -153,7 +187,7 @@ fn a_device_follows_changes_of_box_and_particles() {
 /// period of the grid.
 #[test]
 fn few_spheres_in_unbounded_fluid_have_no_images() {
-    let case = Case::random(51, Shape::Open, 1.0).with_extent(Vector::new(-3.0, 5.0, 0.5), Vector::splat(2.5));
+    let case = Case::random(51, OPEN, 1.0).with_extent(Vector::new(-3.0, 5.0, 0.5), Vector::splat(2.5));
     let rows: Vec<usize> = (0..3).collect();
     let case = Case { particles: case.particles.selected(&rows), loads: case.loads_of(&rows), ..case };
     let usual = case.plan(Precision::Double);
@@ -211,8 +245,7 @@ fn stresslets_are_those_of_the_host() {
 #[test]
 #[ignore = "heavy"]
 fn memory_is_as_predicted() {
-    let cases =
-        [(Shape::Sheared, Precision::Single), (Shape::Sheared, Precision::Double), (Shape::Open, Precision::Single)];
+    let cases = [(Shape::Sheared, Precision::Single), (Shape::Sheared, Precision::Double), (OPEN, Precision::Single)];
     for (seed, (shape, precision)) in (33..).zip(cases) {
         let case = Case::random(seed, shape, 1.5);
         let plan = case.plan(precision);
@@ -235,7 +268,8 @@ fn noise_is_that_of_the_host() {
         (60, Shape::Upright, Precision::Single, 1e-4),
         (61, Shape::Sheared, Precision::Double, 1e-10),
         (62, Shape::Tilted, Precision::Double, 1e-10),
-        (63, Shape::Open, Precision::Double, 1e-10),
+        (63, OPEN, Precision::Double, 1e-10),
+        (64, CHANNELS[1], Precision::Double, 1e-10),
     ] {
         let case = Case::random(seed, shape, 1.3);
         let of_dipoles = case.plan(precision);
@@ -265,7 +299,8 @@ fn a_card_agrees_with_the_host_or_is_not_there() {
             let card = |_| -> Box<dyn Device> { Box::new(Cuda::open().unwrap()) };
             agree(Precision::Double, &PERIODIC, 0..cases(), &card);
             agree(Precision::Single, &PERIODIC, 1000..1000 + cases(), &card);
-            agree(Precision::Single, &[Shape::Open], 1100..1100 + cases() / 2, &card);
+            agree(Precision::Single, &[OPEN], 1100..1100 + cases() / 2, &card);
+            agree(Precision::Single, &CHANNELS, 1200..1200 + cases(), &card);
         }
         Err(reason) => assert_eq!(Cuda::check(), Err(reason)),
     }

@@ -5,7 +5,7 @@ use crate::grid::window::KaiserBessel;
 use crate::plan::Plan;
 use crate::plan::method::Method;
 use domain::{Boundaries, Partition, PeriodicBox, Vector, power_of_two};
-use solver::{Channel, ChannelFaces, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
+use solver::{Channel, ChannelFaces, ChannelTables, ChannelWeights, Grid, Multiplier, OpenSpace, Real, Stokes};
 
 /// Wavenumbers in units of the inverse width beyond which the Gaussian factor along a sheared lattice direction loses
 /// precision or underflows: it is `exp(-684)`, and `f64` ends at `exp(-708)`.
@@ -75,22 +75,46 @@ fn channel<T: Real>(
     window: KaiserBessel,
     common: Common,
 ) -> Channel<T> {
+    let weights = channel_weights(plan, grid, window, common);
+    Channel::new(grid, partition.place(), &channel_faces(plan), plan.viscosity, &weights)
+}
+
+/// The same as numbers of columns, with the volume by which interpolation multiplies.
+pub(in crate::mobility::far_field) fn channel_tables(
+    plan: &Plan,
+    grid: &Grid,
+    window: KaiserBessel,
+    common: Common,
+) -> ChannelTables {
+    let weights = channel_weights(plan, grid, window, common);
+    ChannelTables::new(grid, &channel_faces(plan), plan.viscosity / interpolated_volume(plan, grid), &weights)
+}
+
+fn channel_faces(plan: &Plan) -> ChannelFaces {
+    ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z }
+}
+
+/// Weights of a force on the grid in the flow of walls.
+fn channel_weights(
+    plan: &Plan,
+    grid: &Grid,
+    window: KaiserBessel,
+    common: Common,
+) -> ChannelWeights<impl Fn(f64, f64) -> f64 + use<>, impl Fn(f64) -> [f64; 2] + use<>> {
     let spacing = grid.spacing();
     let unit = unit_volume(plan, grid) / (spacing.x * spacing.y * spacing.z);
     let cut = plan.wavenumber_split();
-    let plane = |k1: f64, k2: f64| {
+    let plane = move |k1: f64, k2: f64| {
         let window = window.transform(k1 * spacing.x) * window.transform(k2 * spacing.y);
         cut.grid_fraction(k1.hypot(k2)) * (unit / window).powi(2)
     };
-    let faces = ChannelFaces { walls: plan.boundaries.walls(), height: plan.edges.z, first: plan.first_point().z };
-    let weights = ChannelWeights {
+    ChannelWeights {
         plane,
-        axis: |k: f64| window.growth(k * spacing.z),
+        axis: move |k: f64| window.growth(k * spacing.z),
         second_moment: window.second_moment() * spacing.z * spacing.z,
         smoothing: common.width * common.width - common.increment,
         highest: cut.grid_cutoff,
-    };
-    Channel::new(grid, partition.place(), &faces, plan.viscosity, &weights)
+    }
 }
 
 /// Volume of a grid point by which interpolation multiplies.

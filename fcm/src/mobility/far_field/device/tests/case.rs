@@ -37,8 +37,8 @@ pub(super) enum Shape {
     Upright,
     Sheared,
     Tilted,
-    /// Unbounded fluid.
-    Open,
+    /// Not periodic along z, or along all axes.
+    Bounded(Boundaries),
 }
 
 /// Shapes of a periodic box.
@@ -70,12 +70,17 @@ impl Case {
             Shape::Upright => PeriodicBox::new(edges),
             Shape::Sheared => PeriodicBox::sheared(edges, strain),
             Shape::Tilted => PeriodicBox::of_lattice(lattice.map(|vector| turn * vector)),
-            Shape::Open => PeriodicBox::new(edges).and_then(|cell| cell.with_boundaries(Boundaries::Open)),
+            Shape::Bounded(boundaries) => PeriodicBox::new(edges).and_then(|cell| cell.with_boundaries(boundaries)),
         };
         let cell = cell.unwrap();
         let mut particles = Particles::default();
         for (id, &radius) in chosen.iter().enumerate() {
-            let coordinates = std::array::from_fn(|axis| numbers.between(0.0, edges[axis]));
+            let walls = if cell.is_periodic(2) { 0 } else { cell.boundaries().walls() };
+            let [low, high] = [1, 2].map(|number| if walls >= number { 0.86 * radius } else { 0.0 });
+            let coordinates = std::array::from_fn(|axis| match axis {
+                2 => numbers.between(low, edges[axis] - high),
+                _ => numbers.between(0.0, edges[axis]),
+            });
             particles.push(id as u64, cell.position(Vector::from_array(coordinates)), radius, 0);
         }
         let loads = loads_of(&mut numbers, &chosen);
@@ -88,6 +93,15 @@ impl Case {
         let (scale, cell) = (edges / self.cell.edges(), self.cell.with_extent(origin, edges).unwrap());
         self.particles.positions.iter_mut().for_each(|x| *x = origin + *x * scale);
         self.cell = cell;
+        self
+    }
+
+    /// The same with spheres in a part of the box that begins at its origin, at most as near a wall as before.
+    pub fn with_fraction_of_edges(mut self, fraction: Vector) -> Self {
+        for (position, &radius) in self.particles.positions.iter_mut().zip(&self.particles.radii) {
+            *position *= fraction;
+            position.z = position.z.max(0.86 * radius);
+        }
         self
     }
 
