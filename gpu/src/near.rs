@@ -143,7 +143,7 @@ impl SplitFarField {
         let (preconditioned, parity) = (at.preconditioned.address, parity.unwrap_or(0) as i32);
         let task = KernelTask { unknowns, residual, preconditioned, direction, image, state, parity, ..self.task };
         let (list_size, block_count) = (blocks as i64, of_rows as i64);
-        let task = KernelTask { list_sums, list_size, block_sums, block_count, ..task };
+        let task = KernelTask { list_sums, block_sums, list_size, block_count, ..task };
         self.launch_vectors("step_pairs", blocks, &task)
     }
 
@@ -155,8 +155,8 @@ impl SplitFarField {
         let (preconditioned, image) = (at.preconditioned.address, at.image.address);
         let (direction, next_direction) = (at.directions[1 - parity].address, at.directions[parity].address);
         let (pair_sets, adds_single, parity, block_count) = (pairs as i32, 1, parity as i32, of_groups as i64);
-        let task = KernelTask { preconditioned, direction, next_direction, image, list_sums, ..self.task };
-        let task = KernelTask { state, pair_sets, adds_single, parity, block_sums, block_count, ..task };
+        let task = KernelTask { list_sums, preconditioned, direction, image, next_direction, ..self.task };
+        let task = KernelTask { block_sums, state, block_count, pair_sets, adds_single, parity, ..task };
         self.launch_vectors(&format!("turn_pairs_{}", self.tables.numbers.suffix()), blocks, &task)
     }
 
