@@ -250,7 +250,7 @@ fn ranks_agree_on_bodies() {
     }
 }
 
-/// A body of one sphere is a free sphere.
+/// A body of one sphere is a free sphere. The preconditioner of free spheres couples those that are pressed together.
 #[test]
 fn bodies_of_single_spheres_are_free() {
     let (plan, particles) = cluster();
@@ -262,7 +262,7 @@ fn bodies_of_single_spheres_are_free() {
     let free = bodies.solver();
     let free =
         { free }.solve(&bodies.plan.cell(), &bodies.particles, &acting(&loads, strain), Guess::default()).unwrap();
-    assert_eq!(together.iterations, free.iterations);
+    assert!(free.iterations <= together.iterations, "{} {}", free.iterations, together.iterations);
     for (a, b) in together.motion.velocities.iter().zip(&free.motion.velocities) {
         assert!((*a - *b).length() < 1e-8, "{a} {b}");
     }
