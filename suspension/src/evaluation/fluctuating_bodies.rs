@@ -13,7 +13,7 @@
 //! `G = 1`, the last term vanishes, except near walls. For bodies `kT div (M G^T)` is added to the motions of the
 //! fluid, as a random finite difference: with normal numbers `W` for each body, `M G^T W` at positions displaced by `W`
 //! both ways. It contains that of the images of their spheres in walls; free spheres have the divergence of their own.
-//! Where components of the motion of a body are given, `K`, `G`, `W` and the displacements have the others alone.
+//! `K`, `G`, `W` and the displacements leave out given components of the motions of bodies.
 
 use super::fluctuating::Noise;
 use super::{Dynamics, StageTime};
