@@ -80,63 +80,70 @@ pub trait System {
     }
 }
 
-/// A system as the iteration sees it: a [`System`], or one that takes whole steps in the memory of a device.
+/// A system as the iteration sees it: a [`System`], or one that iterates in the memory of a device.
 pub trait SteppedSystem {
     /// Type of the unknowns.
-    type Unknowns: Linear;
+    type Unknowns;
 
     /// Type of the residual.
     type Residual;
 
-    /// See [`System::curvature`].
-    fn curvature(&mut self, direction: &Self::Unknowns) -> (Self::Residual, f64);
-
-    /// See [`System::turn`].
-    fn turn(&mut self, direction: &mut Self::Unknowns, factor: f64, z: &Self::Unknowns) -> (Self::Residual, f64) {
-        direction.scale_add(factor, z);
-        self.curvature(direction)
-    }
-
-    /// See [`System::on_step`].
-    fn on_step(&mut self, length: f64);
-
     /// See [`System::refine_preconditioner`].
     fn refine_preconditioner(&mut self) -> bool;
 
-    /// See [`System::step_and_measure`].
-    fn step_and_measure(
+    /// Preconditions the residual and measures it, see [`System::step_and_measure`].
+    fn measure(&mut self, at: Iterate<Self::Unknowns, Self::Residual>) -> InnerProducts;
+
+    /// Takes the step to the minimum along the next direction, and measures the new residual. The next direction takes
+    /// the place of the last one, which is `None` at first. Collective.
+    fn advance(
         &mut self,
+        comm: &Comm,
         at: Iterate<Self::Unknowns, Self::Residual>,
-        step: Option<Step<Self::Unknowns, Self::Residual>>,
+        direction: &mut Option<Self::Unknowns>,
+        turn: Turn,
     ) -> InnerProducts;
+}
+
+/// Numbers by which the next direction, `z + factor p`, and the step along it follow from the last ones.
+#[derive(Debug, Clone, Copy)]
+pub struct Turn {
+    /// Part of the last direction `p`; without one it does not matter.
+    pub factor: f64,
+    /// `r . z` over all ranks.
+    pub product: f64,
 }
 
 impl<S: System> SteppedSystem for S {
     type Unknowns = S::Unknowns;
     type Residual = S::Residual;
 
-    fn curvature(&mut self, direction: &S::Unknowns) -> (S::Residual, f64) {
-        System::curvature(self, direction)
-    }
-
-    fn turn(&mut self, direction: &mut S::Unknowns, factor: f64, z: &S::Unknowns) -> (S::Residual, f64) {
-        System::turn(self, direction, factor, z)
-    }
-
-    fn on_step(&mut self, length: f64) {
-        System::on_step(self, length);
-    }
-
     fn refine_preconditioner(&mut self) -> bool {
         System::refine_preconditioner(self)
     }
 
-    fn step_and_measure(
+    fn measure(&mut self, at: Iterate<S::Unknowns, S::Residual>) -> InnerProducts {
+        self.step_and_measure(at, None)
+    }
+
+    fn advance(
         &mut self,
+        comm: &Comm,
         at: Iterate<S::Unknowns, S::Residual>,
-        step: Option<Step<S::Unknowns, S::Residual>>,
+        direction: &mut Option<S::Unknowns>,
+        turn: Turn,
     ) -> InnerProducts {
-        System::step_and_measure(self, at, step)
+        let (image, curvature) = match direction {
+            Some(direction) => self.turn(direction, turn.factor, at.z),
+            None => self.curvature(direction.insert(at.z.clone())),
+        };
+        let mut sum = [curvature];
+        comm.sum(&mut sum);
+        // The residual is orthogonal to the former direction, so this step reaches the minimum along the new one.
+        let length = turn.product / sum[0];
+        self.on_step(length);
+        let step = direction.as_ref().map(|direction| Step { length, direction, image });
+        self.step_and_measure(at, step)
     }
 }
 
@@ -231,28 +238,18 @@ pub fn conjugate_gradients<S: SteppedSystem>(
     limits: Limits<'_>,
 ) -> IterationOutcome {
     let small = |at: &InnerProducts| at.error.abs() <= limits.tolerance * limits.tolerance * at.size || at.error == 0.0;
-    let (mut at, mut asked) = step_and_measure(comm, system, iterate.reborrow(), None, limits.interrupt);
     let ends = |at: &InnerProducts, iterations: usize, asked: bool| {
         small(at) || iterations >= limits.iterations || !at.product.is_finite() || at.product <= 0.0 || asked
     };
-    let mut iterations = 0;
-    if !ends(&at, iterations, asked) {
-        let mut direction = iterate.z.clone();
-        let (mut image, mut curvature) = system.curvature(&direction);
-        loop {
-            iterations += 1;
-            let mut sum = [curvature];
-            comm.sum(&mut sum);
-            // The residual is orthogonal to the former direction, so this step reaches the minimum along the new one.
-            let (length, before) = (at.product / sum[0], at.product);
-            system.on_step(length);
-            let step = Step { length, direction: &direction, image };
-            (at, asked) = step_and_measure(comm, system, iterate.reborrow(), Some(step), limits.interrupt);
-            if ends(&at, iterations, asked) {
-                break;
-            }
-            (image, curvature) = system.turn(&mut direction, (at.product - at.former) / before, iterate.z);
-        }
+    let own = system.measure(iterate.reborrow());
+    let (mut at, mut asked) = settled(comm, system, iterate.reborrow(), own, limits.interrupt);
+    let (mut iterations, mut direction, mut factor) = (0, None, 0.0);
+    while !ends(&at, iterations, asked) {
+        iterations += 1;
+        let before = at.product;
+        let own = system.advance(comm, iterate.reborrow(), &mut direction, Turn { factor, product: before });
+        (at, asked) = settled(comm, system, iterate.reborrow(), own, limits.interrupt);
+        factor = (at.product - at.former) / before;
     }
     // NaN stays NaN, whatever it is divided by.
     let residual = if at.error == 0.0 { 0.0 } else { (at.error / at.size).abs().sqrt() };
@@ -260,18 +257,17 @@ pub fn conjugate_gradients<S: SteppedSystem>(
     IterationOutcome { iterations, residual, converged, interrupted: !converged && asked }
 }
 
-/// [`System::step_and_measure`], with the preconditioner made more exact until `r . z` is positive. Returns the sums
-/// over all ranks, and whether any rank is asked to stop. Collective.
-fn step_and_measure<S: SteppedSystem>(
+/// Sums of all ranks, after the preconditioner was made more exact until `r . z` is positive, and whether any rank is
+/// asked to stop. Collective.
+fn settled<S: SteppedSystem>(
     comm: &Comm,
     system: &mut S,
     mut iterate: Iterate<S::Unknowns, S::Residual>,
-    mut step: Option<Step<S::Unknowns, S::Residual>>,
+    mut own: InnerProducts,
     interrupt: &Interrupt,
 ) -> (InnerProducts, bool) {
     let mut of_step = None;
     loop {
-        let own = system.step_and_measure(iterate.reborrow(), step.take());
         let asked = f64::from(u8::from(interrupt.is_requested()));
         let mut sums = [own.product, own.former, own.error, own.size, asked];
         comm.sum(&mut sums);
@@ -280,6 +276,7 @@ fn step_and_measure<S: SteppedSystem>(
         if product >= 0.0 || product.is_nan() || !system.refine_preconditioner() {
             return (InnerProducts { product, former, error, size }, asked > 0.0);
         }
+        own = system.measure(iterate.reborrow());
     }
 }
 

@@ -27,7 +27,7 @@ static __device__ NearPair near_pair(const Task &task, int row, int other, int p
     double scale = (pair.kind->is_larger != 0 ? 1 : -1) / pair.distance;
     for (int axis = 0; axis < 3; axis++) z[axis] = x[axis] * scale;
     for (int a = 0; a < 3; a++) {
-        const double *turned = task.axes + 3 * a;
+        const double *turned = task.numbers->axes + 3 * a;
         pair.axis[a] = task.is_rotated ? turned[0] * z[0] + turned[1] * z[1] + turned[2] * z[2] : z[a];
     }
     return pair;
@@ -88,7 +88,7 @@ __device__ void store_pair(const Task &task, int entry, const double z[3], const
     const double numbers[PAIR_NUMBERS] = {
         z[0], z[1], z[2], row.ya[1], row.xa[1] - row.ya[1], row.yc[1], row.xc[1] - row.yc[1], row.yb[1], row.yb_other};
     S *list = (S *)task.near_numbers[SET] + entry;
-    for (int k = 0; k < PAIR_NUMBERS; k++) list[k * task.near_entries[SET]] = (S)numbers[k];
+    for (int k = 0; k < PAIR_NUMBERS; k++) list[k * task.numbers->near_entries[SET]] = (S)numbers[k];
 }
 
 // Adds the resistance of a sphere to its own motion by a pair.
@@ -115,7 +115,7 @@ static __device__ void add_tensor(double stretch, const double s[3], const doubl
 // Adds the loads and the first moment of a sphere at rest in the background by a pair.
 static __device__ void add_in_flow(const Task &task, const SphereRow &row, const double z[3], double sums[IN_FLOW])
 {
-    const double *e = task.background;
+    const double *e = task.numbers->background;
     const double rows[3][3] = {{e[0], e[1], e[2]}, {e[1], e[3], e[4]}, {e[2], e[4], -e[0] - e[3]}};
     double cross[3], shear[3];
     for (int i = 0; i < 3; i++) cross[i] = dot(rows[i], z);
@@ -135,7 +135,7 @@ static __device__ void copy_given(const Task &task, int given, int entry)
     double *list = (double *)task.near_numbers[STIFF] + entry;
     task.near_others[STIFF][entry] = task.given_others[given];
     for (int k = 0; k < PAIR_NUMBERS; k++)
-        list[k * task.near_entries[STIFF]] = task.given_numbers[k * task.given_entries + given];
+        list[k * task.numbers->near_entries[STIFF]] = task.given_numbers[k * task.numbers->given_entries + given];
 }
 
 // Rows of a set of pairs with eight threads each: numbers of the pairs, and by row the resistance of the sphere to its

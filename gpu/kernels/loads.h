@@ -27,6 +27,7 @@ template <typename T> __device__ void gather_loads(const Task &task)
 {
     int place = thread_index();
     if (place >= task.particles) return;
+    const double *axes = task.numbers->axes;
     T load[12];
     load_of<T>(task, task.rows[place], load);
     const T *force = load, *dipole = load + 3;
@@ -38,12 +39,12 @@ template <typename T> __device__ void gather_loads(const Task &task)
             continue;
         }
         record[a] = 0;
-        for (int c = 0; c < 3; c++) record[a] += (T)task.axes[3 * c + a] * force[c];
+        for (int c = 0; c < 3; c++) record[a] += (T)axes[3 * c + a] * force[c];
         for (int b = 0; b < 3; b++) {
             T sum = 0;
             for (int c = 0; c < 3; c++)
                 for (int d = 0; d < 3; d++)
-                    sum += (T)task.axes[3 * c + a] * dipole[3 * c + d] * (T)task.axes[3 * d + b];
+                    sum += (T)axes[3 * c + a] * dipole[3 * c + d] * (T)axes[3 * d + b];
             record[3 + 3 * a + b] = sum;
         }
     }

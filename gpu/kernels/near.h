@@ -34,7 +34,7 @@ __device__ void add_load(const Task &task, int set, long long entry, const doubl
 {
     double n[PAIR_NUMBERS];
     const S *numbers = (const S *)task.near_numbers[set] + entry;
-    for (int k = 0; k < PAIR_NUMBERS; k++) n[k] = numbers[k * task.near_entries[set]];
+    for (int k = 0; k < PAIR_NUMBERS; k++) n[k] = numbers[k * task.numbers->near_entries[set]];
     const double *turn = u + 3;
     double along = dot(n, u) * n[4], spin = dot(n, turn) * n[6];
     for (int k = 0; k < 3; k++) {

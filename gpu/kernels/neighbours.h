@@ -27,11 +27,12 @@ __device__ T difference(typename Precision<T>::Fixed own, typename Precision<T>:
 template <typename T, typename Fixed>
 __device__ void separation_of(const Task &task, const Fixed *own, const Fixed *other, const int steps[3], T x[3])
 {
+    const Numbers &box = *task.numbers;
     T along[3];
     for (int axis = 0; axis < 3; axis++)
-        along[axis] = difference<T>(own[axis], other[axis], steps[axis]) * (T)task.edges[axis];
-    x[0] = along[0] + (T)task.strain * along[1] + (T)task.tilt_x * along[2];
-    x[1] = along[1] + (T)task.tilt_y * along[2];
+        along[axis] = difference<T>(own[axis], other[axis], steps[axis]) * (T)box.edges[axis];
+    x[0] = along[0] + (T)box.strain * along[1] + (T)box.tilt_x * along[2];
+    x[1] = along[1] + (T)box.tilt_y * along[2];
     x[2] = along[2];
 }
 

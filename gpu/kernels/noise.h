@@ -40,7 +40,7 @@ template <typename T> __device__ void random_modes(const Task &task)
     unsigned long long name = 0;
     for (int axis = 0; axis < 3; axis++)
         name = name << 21 | (unsigned long long)((is_opposite ? -order[axis] : order[axis]) + (1 << 20));
-    Random random(task.noise_seed, name);
+    Random random(task.numbers->noise_seed, name);
     Complex<T> numbers[3];
     for (int c = 0; c < 3; c++) {
         double re = sqrt(0.5) * random.next(), im = sqrt(0.5) * random.next();

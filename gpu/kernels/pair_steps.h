@@ -8,29 +8,10 @@
 // error and of a size.
 static constexpr int PRODUCTS = 4;
 
-// Sum of the sums of all blocks in a list, for all threads of a block, with the same bits in each.
-static __device__ double sum_of_list(const Task &task, int list)
-{
-    SHARED(double, sums, SUM_THREADS);
-    const double *of_blocks = task.block_sums + list * task.block_count;
-    int thread = (int)threadIdx.x;
-    double own = 0;
-    for (long long block = thread; block < task.block_count; block += SUM_THREADS) own += of_blocks[block];
-    sums[thread] = own;
-    __syncthreads();
-    for (int half = SUM_THREADS / 2; half > 0; half /= 2) {
-        if (thread < half) sums[thread] += sums[thread + half];
-        __syncthreads();
-    }
-    own = sums[0];
-    __syncthreads();
-    return own;
-}
-
 // Part of the last direction in the next one, and whether the iteration goes on, which the first block notes.
 static __device__ bool begin_turn(const Task &task, double *turn)
 {
-    PairState &state = *task.state;
+    PairState &state = task.state->pairs;
     bool is_first = blockIdx.x == 0 && threadIdx.x == 0, goes_on = state.goes_on[1 - task.parity] != 0;
     if (goes_on) {
         double now[PRODUCTS], before = state.products[1 - task.parity];
@@ -72,8 +53,8 @@ static __device__ double preconditioned(const Task &task, const GroupMember &mem
 static __device__ void step_rows(const Task &task)
 {
     SHARED(double, residual, SUM_THREADS);
-    if (task.direction && task.state->goes_on[task.parity] == 0) return;
-    double length = task.direction ? task.state->products[task.parity] / sum_of_list(task, 0) : 0;
+    if (task.direction && task.state->pairs.goes_on[task.parity] == 0) return;
+    double length = task.direction ? task.state->pairs.products[task.parity] / sum_of_list(task, 0) : 0;
     int thread = (int)threadIdx.x, slot = thread / SIX, component = thread % SIX;
     GroupMember member = {-1, 0, 0, 0, 0};
     if (slot < BLOCK_MEMBERS) member = task.members[(long long)blockIdx.x * BLOCK_MEMBERS + slot];
@@ -95,5 +76,5 @@ static __device__ void step_rows(const Task &task)
         sums[0] = r * z, sums[2] = r * r / single, sums[3] = x * x * single;
     }
     store_products(task, sums);
-    if (task.direction && blockIdx.x == 0 && thread == 0) task.state->steps += 1;
+    if (task.direction && blockIdx.x == 0 && thread == 0) task.state->pairs.steps += 1;
 }

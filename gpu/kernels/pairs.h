@@ -54,12 +54,13 @@ template <typename T> __device__ void add_own(const Task &task, int place, T mot
     const T *record = (const T *)task.records + 12 * place, *g = record + 3;
     const T *alone = (const T *)task.isolated + 2 * task.sorted_classes[place];
     const T *grid = (const T *)task.interpolated + MOTION * place;
+    const Numbers &box = *task.numbers;
     T viscosity = (T)task.inverse_viscosity;
     for (int a = 0; a < 3; a++) {
         motion[a] = (motion[a] - 2 * alone[0] * record[a]) * viscosity + grid[a];
-        T x = grid[3 + a] * (T)task.inverse_spacing[0], y = grid[6 + a] * (T)task.inverse_spacing[1];
-        T z = grid[9 + a] * (T)task.inverse_spacing[2];
-        T gradient[3] = {x, y - (T)task.strain * x, z - (T)task.tilt_y * y - (T)task.tilt_across * x};
+        T x = grid[3 + a] * (T)box.inverse_spacing[0], y = grid[6 + a] * (T)box.inverse_spacing[1];
+        T z = grid[9 + a] * (T)box.inverse_spacing[2];
+        T gradient[3] = {x, y - (T)box.strain * x, z - (T)box.tilt_y * y - (T)box.tilt_across * x};
         for (int d = 0; d < 3; d++) {
             T own = alone[1] * (g[3 * d + a] - 4 * g[3 * a + d]);
             motion[3 + 3 * a + d] = (motion[3 + 3 * a + d] + own) * viscosity - gradient[d];
@@ -70,14 +71,15 @@ template <typename T> __device__ void add_own(const Task &task, int place, T mot
 // Motion along the axes of space from that along the axes of the box.
 template <typename T> __device__ void rotate(const Task &task, T motion[MOTION])
 {
+    const double *axes = task.numbers->axes;
     T from[MOTION];
     for (int i = 0; i < MOTION; i++) from[i] = motion[i], motion[i] = 0;
     for (int a = 0; a < 3; a++)
         for (int c = 0; c < 3; c++) {
-            motion[a] += (T)task.axes[3 * a + c] * from[c];
+            motion[a] += (T)axes[3 * a + c] * from[c];
             for (int b = 0; b < 3; b++)
                 for (int d = 0; d < 3; d++)
-                    motion[3 + 3 * a + b] += (T)task.axes[3 * a + c] * from[3 + 3 * c + d] * (T)task.axes[3 * b + d];
+                    motion[3 + 3 * a + b] += (T)axes[3 * a + c] * from[3 + 3 * c + d] * (T)axes[3 * b + d];
         }
 }
 

@@ -27,6 +27,7 @@ template <typename T> struct Mode {
 
 template <typename T> __device__ Mode<T> mode_at(const Task &task, int at)
 {
+    const Numbers &box = *task.numbers;
     const T *levels = (const T *)task.levels;
     T level = 0;
     Mode<T> mode;
@@ -35,17 +36,17 @@ template <typename T> __device__ Mode<T> mode_at(const Task &task, int at)
         int order = signed_mode(task, at, axis), place = order < 0 && axis > 0 ? order + task.grid[axis] : abs(order);
         level += levels[place];
         levels += axis == 0 ? task.grid[0] / 2 + 1 : task.grid[axis];
-        mode.k[axis] = (T)(6.283185307179586 * order / task.edges[axis]);
+        mode.k[axis] = (T)(6.283185307179586 * order / box.edges[axis]);
         is_zero = is_zero || 2 * abs(order) == task.grid[axis];
     }
     T *k = mode.k;
-    k[2] -= (T)task.tilt_y * k[1] + (T)task.tilt_across * k[0];
-    k[1] -= (T)task.strain * k[0];
+    k[2] -= (T)box.tilt_y * k[1] + (T)box.tilt_across * k[0];
+    k[1] -= (T)box.strain * k[0];
     T square = k[0] * k[0] + k[1] * k[1] + k[2] * k[2];
     T bracket = 1 + (T)task.widening * square;
     T gaussian = is_zero ? (T)0 : exponential(level - (T)task.gaussian * square);
     mode.inverse = is_zero ? (T)0 : 1 / square;
-    mode.factor = (T)task.solve_factor * gaussian * bracket * bracket * mode.inverse;
+    mode.factor = (T)box.solve_factor * gaussian * bracket * bracket * mode.inverse;
     return mode;
 }
 

@@ -23,9 +23,10 @@ __device__ void load_coefficients(const Task &task, int place, int component, T 
     add_derivative<T, ORDER>(coefficients, 0, 0, 0, record[component], smoothing_of<T>(task, place, 0));
     if (ORDER > 0) {
         const T *g = record + 3 + 3 * component, *smoothing = smoothing_of<T>(task, place, 1);
-        T x = (g[0] - (T)task.strain * g[1] - (T)task.tilt_across * g[2]) * (T)task.inverse_spacing[0];
-        T y = (g[1] - (T)task.tilt_y * g[2]) * (T)task.inverse_spacing[1];
-        T z = g[2] * (T)task.inverse_spacing[2];
+        const Numbers &box = *task.numbers;
+        T x = (g[0] - (T)box.strain * g[1] - (T)box.tilt_across * g[2]) * (T)box.inverse_spacing[0];
+        T y = (g[1] - (T)box.tilt_y * g[2]) * (T)box.inverse_spacing[1];
+        T z = g[2] * (T)box.inverse_spacing[2];
         add_derivative<T, ORDER>(coefficients, 1, 0, 0, x, smoothing);
         add_derivative<T, ORDER>(coefficients, 0, 1, 0, y, smoothing);
         add_derivative<T, ORDER>(coefficients, 0, 0, 1, z, smoothing);

@@ -8,6 +8,35 @@ struct PairState {
     double products[2], goes_on[2], square, steps;
 };
 
+// State of the solve with near pairs. The host sets what comes before the sums: the part of the last direction in the
+// next one, the product of residual and preconditioned residual before a step, and that of an iteration within it.
+struct SolveState {
+    double turn, product;
+    PairState pairs;
+    double sums[5];
+};
+
+// Numbers that change from step to step or from solve to solve. They are in the memory of the device, so commands that
+// were recorded use the present ones. gpu/src/numbers.rs has the same fields in the same order.
+struct Numbers {
+    double edges[3];
+    double inverse_spacing[3];
+    // Strain s and tilts t and r of the lattice, and t - s r.
+    double strain, tilt_x, tilt_y, tilt_across;
+    // Axes of the box by rows.
+    double axes[9];
+    double solve_factor;
+    // Rate of strain of the background.
+    double background[5];
+    // From the units of a solve to those of the far field: of forces, and of torques and stresslets; and back: of
+    // velocities, and of gradients.
+    double force, torque, velocity, rate;
+    // Seed of a random field.
+    unsigned long long noise_seed;
+    // Numbers of stiff and of soft pairs of all rows, and of those that the host gives.
+    long long near_entries[2], given_entries;
+};
+
 // A sphere of a block of threads that preconditions: its row, or -1; the place of the first sphere of its group in the
 // block, and the number of spheres of the group; where the inverse of the group's matrix begins in the list of all.
 struct GroupMember {
@@ -36,6 +65,8 @@ struct Task {
     void *records;
     // Neighbours of each particle: place and packed steps to the periodic image.
     int *neighbour_starts, *neighbours;
+    // Numbers of neighbours, of stiff and of soft pairs.
+    int *counts;
     // Polynomials of the window, coefficients of the Laplacian by class, logarithms of the multiplier by axis.
     const void *window, *smoothing, *levels;
     // Kernel of unbounded fluid by modes.
@@ -91,30 +122,18 @@ struct Task {
     // The direction of an iteration after the one that is given.
     double *next_direction;
     const double *ambient;
-    // State of an iteration that goes on by itself.
-    PairState *state;
+    SolveState *state;
+    const Numbers *numbers;
 
-    double edges[3];
-    double inverse_spacing[3];
-    // Strain s and tilts t and r of the lattice, and t - s r.
-    double strain, tilt_x, tilt_y, tilt_across;
-    // Axes of the box by rows.
-    double axes[9];
     double cutoff_square, inverse_viscosity;
-    // Multiplier of the solve: factor, square of the Gaussian's width, coefficient of k^2 in the bracket.
-    double solve_factor, gaussian, widening;
+    // Multiplier of the solve: square of the Gaussian's width, coefficient of k^2 in the bracket.
+    double gaussian, widening;
     double x_factor, y_factor;
-    // Rate of strain of the background, and the sign of an image.
-    double background[5], image_sign;
-    // Seed of a random field.
-    unsigned long long noise_seed;
     long long list_size;
     // Axes along which the box does not repeat, a bit each.
     long long bounded_axes;
     // Number of sums of blocks of the kernel before.
     long long block_count;
-    // Numbers of stiff and of soft pairs of all rows, and of those that the host gives.
-    long long near_entries[2], given_entries;
 
     int particles, class_count;
     int grid[3], bins[3], tiles[3];
@@ -130,7 +149,9 @@ struct Task {
     // Sets of near pairs, a bit each, and whether the loads of single spheres are added to theirs.
     int pair_sets, adds_single;
     // 0 and 1 in turn for the steps of an iteration.
-    int parity, unused;
+    int parity;
+    // Whether an image is that of known loads and motions, of which minus the residual is asked for.
+    int is_residual;
     // Whether spheres that overlap are lubricated as at a gap equal to the overlap.
     int separates_overlaps;
 };

@@ -41,6 +41,25 @@ static __device__ void store_sum(double own, double *sum)
     if (thread == 0) *sum = sums[0];
 }
 
+// Sum of the sums of all blocks in a list, for all threads of a block, with the same bits in each.
+static __device__ double sum_of_list(const Task &task, int list)
+{
+    SHARED(double, sums, SUM_THREADS);
+    const double *of_blocks = task.block_sums + list * task.block_count;
+    int thread = (int)threadIdx.x;
+    double own = 0;
+    for (long long block = thread; block < task.block_count; block += SUM_THREADS) own += of_blocks[block];
+    sums[thread] = own;
+    __syncthreads();
+    for (int half = SUM_THREADS / 2; half > 0; half /= 2) {
+        if (thread < half) sums[thread] += sums[thread + half];
+        __syncthreads();
+    }
+    own = sums[0];
+    __syncthreads();
+    return own;
+}
+
 // Contraction of two symmetric matrices without a trace.
 static __device__ double contracted(const double *x, const double *y)
 {

@@ -4,16 +4,14 @@ use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{PARTICLE_THREADS, SplitFarField};
 use crate::groups::INVERSE_NUMBERS;
 use crate::lists::DeviceList;
-use crate::pair_rows::{OWN_NUMBERS, PairRows};
+use crate::numbers::KernelNumbers;
+use crate::pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, ROW_LANES};
+use crate::repeated::CommandList;
 use crate::tables::NumberFormat;
-use crate::task::KernelTask;
+use crate::task::{DeviceAddress, KernelTask};
 
-/// Threads of a block and of a row, as in `gpu/kernels/assembly.h`.
+/// Threads of a block, as in `gpu/kernels/assembly.h`.
 const ASSEMBLY_THREADS: usize = 128;
-const ROW_LANES: usize = 8;
-
-/// Numbers of a particle in [`NearInFlow::values`]: a load, and a first moment.
-pub const IN_FLOW: usize = 6 + 5;
 
 /// Input of an assembly.
 #[derive(Debug, Clone, Copy)]
@@ -43,11 +41,15 @@ impl SplitFarField {
     pub fn assemble_near(&mut self, input: &NearInput) -> Result<NearInFlow, DeviceError> {
         let reach = self.near.reach.expect("the tables of near pairs are on the device");
         self.task.near_reach = self.bins_within(reach);
-        self.task.background = input.background;
         self.take_given(input.given)?;
-        let pairs = self.list_near()?;
-        self.assemble_rows(pairs)?;
-        let values = self.download(self.task.in_flow, IN_FLOW * self.task.particles as usize, NumberFormat::Double)?;
+        let pairs = self.count_near()?;
+        self.reserve_rows(pairs)?;
+        let given_entries = input.given.map_or(0, |rows| rows.others.len() as i64);
+        let near_entries = pairs.map(|count| count as i64);
+        let background = input.background;
+        self.set_numbers(KernelNumbers { background, near_entries, given_entries, ..self.numbers })?;
+        self.assemble_rows()?;
+        let values = self.form_groups(pairs[0])?;
         Ok(NearInFlow { pairs, values })
     }
 
@@ -55,13 +57,12 @@ impl SplitFarField {
     fn take_given(&mut self, given: Option<&PairRows>) -> Result<(), DeviceError> {
         let Self { device, buffers, task, .. } = self;
         (task.given_starts, task.given_others, task.given_numbers, task.given_own) = (0, 0, 0, 0);
-        task.given_entries = 0;
         given.map_or(Ok(()), |rows| task.give(&mut buffers.near.given, device.as_mut(), rows))
     }
 
-    /// Counts the stiff and soft pairs of each row, then lists them. Returns their numbers.
-    fn list_near(&mut self) -> Result<[usize; 2], DeviceError> {
-        let (count, mut totals) = (self.task.particles as usize, [0_usize; 2]);
+    /// Counts the stiff and soft pairs of each row. Returns their numbers.
+    fn count_near(&mut self) -> Result<[usize; 2], DeviceError> {
+        let count = self.task.particles as usize;
         for set in 0..2 {
             let on = self.device.as_mut();
             let starts = self.buffers.near.sets[set].starts.reserve(on, 4 * (count + 1))?;
@@ -69,35 +70,38 @@ impl SplitFarField {
             self.task.near_starts[set] = starts;
         }
         self.task.near_others = [0; 2];
-        self.run_over_particles("find_near", PARTICLE_THREADS)?;
-        for set in 0..2 {
-            let mut sum = [0_i32];
-            let address = self.scan(self.task.near_starts[set], count + 1, 0)?;
-            self.device.download(address, bytemuck::cast_slice_mut(&mut sum))?;
-            totals[set] = sum[0] as usize;
-        }
-        for (set, &pairs) in totals.iter().enumerate() {
-            let (on, places) = (self.device.as_mut(), &mut self.buffers.near.sets[set]);
-            self.task.near_others[set] = places.others.reserve(on, 4 * pairs)?;
-            self.task.near_steps[set] = places.steps.reserve(on, 4 * pairs)?;
-        }
-        self.run_over_particles("find_near", PARTICLE_THREADS)?;
-        Ok(totals)
+        self.repeat(CommandList::CountPairs, &[], |field| {
+            field.run_over_particles("find_near", PARTICLE_THREADS)?;
+            (0..2).try_for_each(|set| field.scan(field.task.near_starts[set], count + 1, Some(1 + set)))
+        })?;
+        self.counts(1)
     }
 
-    /// Assembles the rows of pairs that are listed, and the groups of the preconditioner.
-    fn assemble_rows(&mut self, [stiff, soft]: [usize; 2]) -> Result<(), DeviceError> {
-        let (count, format) = (self.task.particles as usize, self.tables.numbers);
+    /// Takes room for this many stiff and soft pairs.
+    fn reserve_rows(&mut self, pairs: [usize; 2]) -> Result<(), DeviceError> {
+        let (count, formats) = (self.task.particles as usize, [NumberFormat::Double, self.tables.numbers]);
         let Self { device, buffers, task, .. } = self;
         let (on, places) = (device.as_mut(), &mut buffers.near);
-        let [of_stiff, of_soft] = &mut places.sets;
-        task.reserve_numbers(of_stiff, on, [0, stiff], NumberFormat::Double)?;
-        task.reserve_numbers(of_soft, on, [1, soft], format)?;
+        for (set, rows) in places.sets.iter_mut().enumerate() {
+            let numbers = PAIR_NUMBERS * pairs[set] * formats[set].size();
+            task.near_others[set] = rows.others.reserve(on, 4 * pairs[set])?;
+            task.near_steps[set] = rows.steps.reserve(on, 4 * pairs[set])?;
+            task.near_numbers[set] = rows.numbers.reserve(on, numbers)?;
+            task.near_own[set] = rows.own.reserve(on, size_of::<f64>() * OWN_NUMBERS * count)?;
+        }
         task.in_flow = places.in_flow.reserve(on, size_of::<f64>() * IN_FLOW * count)?;
-        let task = self.task;
-        self.launch_assembly("assemble_stiff", &task)?;
-        self.launch_assembly(&format!("assemble_soft_{}", format.suffix()), &task)?;
-        self.form_groups(stiff)
+        Ok(())
+    }
+
+    /// Lists pairs, and assembles their rows.
+    fn assemble_rows(&mut self) -> Result<(), DeviceError> {
+        let soft = format!("assemble_soft_{}", self.tables.numbers.suffix());
+        self.repeat(CommandList::Assemble, &[], |field| {
+            let task = field.task;
+            field.run_over_particles("find_near", PARTICLE_THREADS)?;
+            field.launch_assembly("assemble_stiff", &task)?;
+            field.launch_assembly(&soft, &task)
+        })
     }
 
     fn launch_assembly(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
@@ -108,17 +112,23 @@ impl SplitFarField {
         self.device.launch(&KernelLaunch { kernel, blocks, threads: ASSEMBLY_THREADS }, task)
     }
 
-    /// First moments of lubrication by motions of six numbers a particle: five numbers each.
-    pub(crate) fn near_moments(&mut self, motions: &DeviceList) -> Result<Vec<f64>, DeviceError> {
-        let numbers = 5 * self.task.particles as usize;
-        let image = self.buffers.near.moments.reserve(self.device.as_mut(), size_of::<f64>() * numbers)?;
+    /// Place of the first moments of lubrication, five numbers a particle.
+    pub(crate) fn place_of_moments(&mut self) -> Result<DeviceAddress, DeviceError> {
+        let bytes = size_of::<f64>() * MOMENTS * self.task.particles as usize;
+        self.buffers.near.moments.reserve(self.device.as_mut(), bytes)
+    }
+
+    /// First moments of lubrication by motions of six numbers a particle.
+    pub(crate) fn launch_moments(&mut self, motions: &DeviceList, image: DeviceAddress) -> Result<(), DeviceError> {
         let task = KernelTask { direction: motions.address, image, ..self.task };
         self.launch_assembly("moments_stiff", &task)?;
-        self.launch_assembly("moments_soft", &task)?;
-        self.download(image, numbers, NumberFormat::Double)
+        self.launch_assembly("moments_soft", &task)
     }
 }
 
+/// Numbers of the first moment of a particle.
+pub(crate) const MOMENTS: usize = 5;
+
 /// Bytes that the rows of a particle take besides those of its pairs: where rows of both kinds of pairs begin, own
 /// resistances, inverses of groups, loads and first moments in the background, and first moments by motions.
-pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (INVERSE_NUMBERS + IN_FLOW + 5);
+pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (INVERSE_NUMBERS + IN_FLOW + MOMENTS);

@@ -3,6 +3,9 @@
 use crate::device::{Device, DeviceError};
 use crate::task::DeviceAddress;
 
+/// Part of the memory of a list that it takes in addition when it grows: one over this.
+const SPARE: usize = 8;
+
 /// A list in the memory of a device.
 #[derive(Debug, Default)]
 pub(crate) struct Buffer {
@@ -11,17 +14,24 @@ pub(crate) struct Buffer {
 }
 
 impl Buffer {
-    /// Address of memory for this many bytes. It holds what it did unless it had to grow.
+    /// Address of memory for this many bytes. It holds what it did unless it had to grow. Memory that grows takes some
+    /// more, so that it keeps its address while a number of pairs fluctuates.
     pub fn reserve(&mut self, device: &mut dyn Device, bytes: usize) -> Result<DeviceAddress, DeviceError> {
         if bytes > self.bytes || self.address == 0 {
+            let more = if self.bytes > 1 { bytes / SPARE } else { 0 };
             if self.address != 0 {
                 device.release(self.address);
                 self.address = 0;
             }
-            let bytes = bytes.max(1);
+            let bytes = (bytes + more).max(1);
             (self.address, self.bytes) = (device.allocate(bytes)?, bytes);
         }
         Ok(self.address)
+    }
+
+    /// Address of the memory; 0 if there is none.
+    pub fn address(&self) -> DeviceAddress {
+        self.address
     }
 
     /// Address of a copy of these bytes.

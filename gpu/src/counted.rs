@@ -17,8 +17,10 @@ pub struct DeviceCounts {
     pub replays: u64,
     /// Copies to the device, and their bytes.
     pub uploads: [u64; 2],
-    /// Copies from the device, for each of which the host waits, and their bytes.
+    /// Copies from the device, and their bytes.
     pub downloads: [u64; 2],
+    /// Times that the host waited for the device.
+    pub waits: u64,
     /// Bytes of its memory that each kernel has read and written, see [`Device::moved`].
     pub moved: BTreeMap<String, u64>,
     /// Bytes of the memory that is allocated at present, and the most at any time.
@@ -86,10 +88,12 @@ impl Device for Counted {
         self.device.upload(address, bytes)
     }
 
-    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
-        let [copies, copied] = &mut self.counts.borrow_mut().downloads;
-        (*copies, *copied) = (*copies + 1, *copied + bytes.len() as u64);
-        self.device.download(address, bytes)
+    fn download_all(&mut self, parts: &mut [(DeviceAddress, &mut [u8])]) -> Result<(), DeviceError> {
+        let counts = &mut *self.counts.borrow_mut();
+        let ([copies, copied], all) = (&mut counts.downloads, parts.iter().map(|(_, bytes)| bytes.len() as u64));
+        (*copies, *copied) = (*copies + parts.len() as u64, *copied + all.sum::<u64>());
+        counts.waits += 1;
+        self.device.download_all(parts)
     }
 
     fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {
@@ -128,6 +132,7 @@ impl Device for Counted {
     }
 
     fn finish(&mut self) -> Result<(), DeviceError> {
+        self.counts.borrow_mut().waits += 1;
         self.device.finish()
     }
 }

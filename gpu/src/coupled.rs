@@ -1,11 +1,13 @@
 //! Vectors of the coupled solve of near pairs and far field on a device, see `gpu/kernels/coupled.h`.
 
+use crate::assembly::MOMENTS;
 use crate::device::DeviceError;
 use crate::far_field::{Orders, SplitFarField};
 use crate::lists::DeviceList;
-use crate::near::{DeviceStep, ProductSums};
+use crate::near::{Around, PairLimits, PairSolve, PairVectors};
+use crate::numbers::{COUPLED_SUMS, KernelNumbers, SolveSettings};
 use crate::pair_rows::PairSet;
-use crate::repeated::EVALUATION;
+use crate::repeated::CommandList;
 use crate::task::KernelTask;
 
 /// Numbers of a particle in the unknowns: minus its motion in the loads of stiff pairs, these loads, the same of soft
@@ -41,27 +43,54 @@ pub struct CoupledVectors {
     pub residual: DeviceList,
     /// `z`
     pub preconditioned: DeviceList,
-    /// Loads by which single spheres resist the residual of stiff pairs, and the same as the residual from which the
-    /// preconditioner's own iteration starts at rest.
-    pub stiff_loads: [DeviceList; 2],
+    /// Vectors of the preconditioner, of which given loads and residual are loads by which single spheres resist the
+    /// residual of stiff pairs.
+    pub stiff: PairVectors,
 }
 
-/// Known loads, six numbers a particle, and ambient motions of the fluid, eleven numbers a particle, if there are any,
-/// in a background with a rate of strain.
+/// A direction `p` of the iteration, and its image `A p`.
+#[derive(Debug, Clone, Copy)]
+pub struct CoupledDirection {
+    /// `p`
+    pub direction: DeviceList,
+    /// `A p`
+    pub image: DeviceList,
+    /// Part of the last direction in the next one, `z + turn p`. Without one, the last direction may be undefined.
+    pub turn: f64,
+    /// `r z` before the step.
+    pub product: f64,
+}
+
+/// Motions, six numbers a particle, the loads of near pairs in them, and minus the stresslets, from which a solve
+/// starts.
+#[derive(Debug, Clone, Copy)]
+pub struct StartInput {
+    /// Motions.
+    pub motions: DeviceList,
+    /// Loads.
+    pub loads: DeviceList,
+    /// Minus the stresslets.
+    pub moments: DeviceList,
+}
+
+/// Inner products after a step: `r z`, `r` times the `z` before the step, and the squares of the error and of the sizes
+/// of the unknowns and of `z`. The error is that of motions of single spheres under the loads, the size that of motions
+/// and stresslets, weighted by the resistances.
+pub type CoupledSums = [f64; COUPLED_SUMS];
+
+/// Known loads, six numbers a particle, and ambient motions of the fluid, eleven numbers a particle, if there are any.
 #[derive(Debug, Clone, Copy)]
 pub struct KnownInput {
     /// Loads.
     pub loads: DeviceList,
     /// Motions.
     pub ambient: Option<DeviceList>,
-    /// Components xx, xy, xz, yy and yz.
-    pub background: [f64; 5],
 }
 
 impl SplitFarField {
-    /// Prepares a solve: places of its loads and motions of the far field.
-    pub fn begin_coupled(&mut self, background: [f64; 5]) -> Result<(), DeviceError> {
-        let Self { device, tables, task, buffers, repeated, .. } = self;
+    /// Prepares a solve: places of its loads and motions of the far field, and factors of their units.
+    pub fn begin_coupled(&mut self, background: [f64; 5], factors: &LoadFactors) -> Result<(), DeviceError> {
+        let Self { device, tables, task, buffers, .. } = self;
         let (on, value, count) = (device.as_mut(), tables.numbers.size(), task.particles as usize);
         let [forces, torques, stresslets] = &mut buffers.loads;
         task.forces = forces.reserve(on, 3 * count * value)?;
@@ -71,122 +100,161 @@ impl SplitFarField {
         task.velocities = velocities.reserve(on, 3 * count * value)?;
         task.angular_velocities = turns.reserve(on, 3 * count * value)?;
         task.strain_rates = strains.reserve(on, 5 * count * value)?;
-        task.background = background;
-        *repeated = Default::default();
-        Ok(())
+        let &LoadFactors { force, torque, velocity, rate } = factors;
+        self.set_numbers(KernelNumbers { background, force, torque, velocity, rate, ..self.numbers })
     }
 
     /// Runs a kernel with a thread a particle.
-    pub(crate) fn launch_particles(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
+    fn launch_particles(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
         self.launch_vectors(kernel, self.blocks(), task)
     }
 
-    /// Unknowns of some motions and of the loads of near pairs in them, whose stresslets are there already.
-    pub fn start_unknowns(
-        &mut self,
-        [motions, loads]: [&DeviceList; 2],
-        unknowns: &DeviceList,
-    ) -> Result<(), DeviceError> {
-        let (direction, image, unknowns) = (motions.address, loads.address, unknowns.address);
-        self.launch_particles("start_all", &KernelTask { unknowns, direction, image, ..self.task })
-    }
-
-    /// Residual of unknowns, with known loads and motions.
-    pub fn start_residual(
+    /// Unknowns and residual of a start, with known loads and motions.
+    pub fn start_coupled(
         &mut self,
         [unknowns, residual]: [&DeviceList; 2],
+        start: &StartInput,
         known: &KnownInput,
-        factors: &LoadFactors,
+        orders: &Orders,
+    ) -> Result<(), DeviceError> {
+        let ambient = known.ambient.map_or(0, |list| list.address);
+        let [motions, loads, moments] = [start.motions, start.loads, start.moments].map(|list| list.address);
+        let [unknowns, image, given] = [unknowns.address, residual.address, known.loads.address];
+        let (suffix, orders) = (self.tables.numbers.suffix(), *orders);
+        self.repeat(CommandList::Residual, &[motions, loads, moments, unknowns, image, given, ambient], |field| {
+            let task = KernelTask { unknowns, direction: motions, image: loads, list_x: moments, ..field.task };
+            field.launch_particles("start_all", &task)?;
+            let task = KernelTask { direction: unknowns, ambient: given, ..field.task };
+            field.launch_particles(&format!("coupled_loads_{suffix}"), &task)?;
+            field.evaluate_in_order(&orders)?;
+            let (list_sums, is_residual) = (field.sums(0), 1);
+            let task = KernelTask { direction: unknowns, image, ambient, list_sums, is_residual, ..field.task };
+            field.launch_particles(&format!("coupled_image_{suffix}"), &task)
+        })
+    }
+
+    /// Preconditions the residual, and measures it.
+    pub fn measure_coupled(&mut self, at: &CoupledVectors, limits: PairLimits) -> Result<CoupledSums, DeviceError> {
+        let settings = SolveSettings::new(limits.tolerance);
+        self.step_within(at, settings, limits, CommandList::Measure, |field| field.launch_step(at, None))
+    }
+
+    /// An iteration: the next direction and its image, the step along it, and the preconditioned residual with its
+    /// measures.
+    pub fn iterate_coupled(
+        &mut self,
+        at: &CoupledVectors,
+        along: &CoupledDirection,
+        limits: PairLimits,
+        orders: &Orders,
+    ) -> Result<CoupledSums, DeviceError> {
+        let &CoupledDirection { turn, product, .. } = along;
+        let settings = SolveSettings { turn, product, ..SolveSettings::new(limits.tolerance) };
+        let orders = *orders;
+        self.step_within(at, settings, limits, CommandList::Iteration, |field| {
+            field.launch_turn(at, along, &orders)?;
+            field.launch_step(at, Some(along))
+        })
+    }
+
+    /// Takes a step by some commands, and preconditions and measures the residual.
+    fn step_within(
+        &mut self,
+        at: &CoupledVectors,
+        settings: SolveSettings,
+        limits: PairLimits,
+        recording: CommandList,
+        step: impl Fn(&mut Self) -> Result<(), DeviceError>,
+    ) -> Result<CoupledSums, DeviceError> {
+        let solve = self.stiff_solve(at);
+        let &PairSolve { motions, loads, vectors: PairVectors { given, residual, .. }, .. } = &solve;
+        let around = Around {
+            before: step,
+            after: |field: &mut Self| {
+                field.remainder([&given, &residual], Some(&motions), &loads)?;
+                field.launch_measure(at)
+            },
+            recordings: [recording, CommandList::MoreSteps],
+            addresses: vec![at.unknowns.address, at.residual.address],
+        };
+        Ok(self.solve_within(&solve, &around, settings, limits)?.sums)
+    }
+
+    /// Solves the preconditioner's system to a smaller error.
+    pub fn refine_coupled(&mut self, at: &CoupledVectors, limits: PairLimits) -> Result<(), DeviceError> {
+        let solve = self.stiff_solve(at);
+        self.continue_pairs(&solve, limits)
+    }
+
+    /// The solve of the preconditioner, whose motions and loads are parts of the preconditioned residual.
+    fn stiff_solve(&self, at: &CoupledVectors) -> PairSolve {
+        let numbers = 6 * self.task.particles as usize;
+        let [motions, loads] = [0, 1].map(|part| at.preconditioned.part(part * numbers, numbers));
+        PairSolve { pairs: PairSet::Stiff, motions, loads, vectors: at.stiff }
+    }
+
+    /// The next direction and its image, with their product.
+    fn launch_turn(
+        &mut self,
+        at: &CoupledVectors,
+        along: &CoupledDirection,
         orders: &Orders,
     ) -> Result<(), DeviceError> {
         let suffix = self.tables.numbers.suffix();
-        let direction = unknowns.address;
-        let (x_factor, y_factor) = (factors.force, factors.torque);
-        let task = KernelTask { direction, ambient: known.loads.address, x_factor, y_factor, ..self.task };
+        let (direction, preconditioned) = (along.direction.address, at.preconditioned.address);
+        let task = KernelTask { direction, next_direction: direction, preconditioned, ..self.task };
         self.launch_particles(&format!("coupled_loads_{suffix}"), &task)?;
         self.evaluate_in_order(orders)?;
-        let (x_factor, y_factor) = (factors.velocity, factors.rate);
-        let ambient = known.ambient.map_or(0, |list| list.address);
-        let list_sums = self.reserve_sums(0, 4 * self.blocks())?;
-        let task = KernelTask { direction, ambient, x_factor, y_factor, image_sign: -1.0, list_sums, ..self.task };
-        let task = KernelTask { image: residual.address, ..task };
+        let (image, list_sums) = (along.image.address, self.sums(0));
+        let task = KernelTask { direction, image, list_sums, ..self.task };
         self.launch_particles(&format!("coupled_image_{suffix}"), &task)
     }
 
-    /// Image of a direction, and the product of both.
-    pub fn curvature(
-        &mut self,
-        [direction, image]: [&DeviceList; 2],
-        factors: &LoadFactors,
-        orders: &Orders,
-    ) -> Result<f64, DeviceError> {
-        if self.blocks() == 0 {
-            return Ok(0.0);
-        }
-        let addresses = [direction.address, image.address];
-        let (factors, orders) = (*factors, *orders);
-        self.repeat(EVALUATION, &addresses, |field| field.apply_coupled(addresses, &factors, &orders))?;
-        let [product] = self.totals()?;
-        Ok(product)
-    }
-
-    /// Kernels of [`Self::curvature`], on lists at two addresses.
-    fn apply_coupled(
-        &mut self,
-        [direction, image]: [u64; 2],
-        factors: &LoadFactors,
-        orders: &Orders,
-    ) -> Result<(), DeviceError> {
-        let suffix = self.tables.numbers.suffix();
-        let (x_factor, y_factor) = (factors.force, factors.torque);
-        let task = KernelTask { direction, x_factor, y_factor, ..self.task };
-        self.launch_particles(&format!("coupled_loads_{suffix}"), &task)?;
-        self.evaluate_in_order(orders)?;
-        let (x_factor, y_factor) = (factors.velocity, factors.rate);
-        let blocks = self.blocks();
-        let list_sums = self.reserve_sums(0, 4 * blocks)?;
-        let task = KernelTask { list_sums, direction, image, x_factor, y_factor, ..self.task };
-        let task = KernelTask { image_sign: 1.0, background: [0.0; 5], ..task };
-        self.launch_particles(&format!("coupled_image_{suffix}"), &task)?;
-        self.launch_sums(list_sums, blocks, 1)
-    }
-
-    /// Takes a step, if there is one, and preconditions the residual except that of stiff pairs.
-    pub fn step_coupled(&mut self, at: &CoupledVectors, step: Option<&DeviceStep>) -> Result<(), DeviceError> {
-        let task = self.coupled_task(at)?;
-        self.launch_particles("step_all", &task.with_step(step))?;
+    /// The step along a direction, if there is one, and the preconditioned residual except that of stiff pairs.
+    fn launch_step(&mut self, at: &CoupledVectors, along: Option<&CoupledDirection>) -> Result<(), DeviceError> {
+        let [direction, image] = along.map_or([0; 2], |along| [along.direction.address, along.image.address]);
+        let task = KernelTask { direction, image, ..self.coupled_task(at) };
+        self.launch_particles("step_all", &task)?;
         let motions = 6 * self.task.particles as usize;
         let soft = at.residual.part(motions, motions);
-        self.pair_loads(PairSet::Soft, [&soft, &at.preconditioned.part(3 * motions, motions)])
+        self.launch_rows(PairSet::Soft, false, [&soft, &at.preconditioned.part(3 * motions, motions)])
     }
 
-    /// Inner products after [`Self::step_coupled`] and the preconditioning of the residual of stiff pairs. The error is
-    /// that of motions of single spheres under the loads, the size that of motions and stresslets, weighted by the
-    /// resistances.
-    pub fn measure_coupled(&mut self, at: &CoupledVectors) -> Result<ProductSums, DeviceError> {
-        let task = self.coupled_task(at)?;
+    /// Sums after a step and the preconditioning of the residual of stiff pairs.
+    fn launch_measure(&mut self, at: &CoupledVectors) -> Result<(), DeviceError> {
+        let (task, totals) = (self.coupled_task(at), self.sums_of_state());
         self.launch_particles("measure_all", &task)?;
-        self.sum_up(task.list_sums, self.blocks())
+        self.launch_sums(task.list_sums, self.blocks(), COUPLED_SUMS, totals)
     }
 
-    fn coupled_task(&mut self, at: &CoupledVectors) -> Result<KernelTask, DeviceError> {
-        let blocks = self.blocks();
-        let list_sums = self.reserve_sums(0, 4 * blocks)?;
-        let [stiff_loads, stiff_residual] = at.stiff_loads.map(|list| list.address);
+    fn coupled_task(&self, at: &CoupledVectors) -> KernelTask {
+        let PairVectors { given, residual, .. } = at.stiff;
+        let (stiff_loads, stiff_residual) = (given.address, residual.address);
         let (unknowns, residual) = (at.unknowns.address, at.residual.address);
-        let preconditioned = at.preconditioned.address;
+        let (preconditioned, list_sums, blocks) = (at.preconditioned.address, self.sums(0), self.blocks() as i64);
         let task = KernelTask { unknowns, residual, preconditioned, stiff_loads, stiff_residual, ..self.task };
-        Ok(KernelTask { list_sums, list_size: blocks as i64, ..task })
+        KernelTask { list_sums, list_size: blocks, block_sums: list_sums, block_count: blocks, ..task }
     }
 
-    /// Motions, loads on the far field, minus the stresslets, rates of strain besides the background's, and first
-    /// moments of lubrication by the motions: lists of six, six, five, five and five numbers a particle.
+    /// Result after the preconditioned residual as a last correction: motions, loads on the far field, minus the
+    /// stresslets, rates of strain besides the background's, and first moments of lubrication by the motions: lists of
+    /// six, six, five, five and five numbers a particle.
     pub fn coupled_result(&mut self, at: &CoupledVectors) -> Result<Vec<f64>, DeviceError> {
-        let result = self.wide_list(RESULTS * self.task.particles as usize)?;
-        let task = KernelTask { image: result.address, ..self.coupled_task(at)? };
-        self.launch_particles("gather_all", &task)?;
-        let mut values = self.values_of(&result)?;
-        values.extend(self.near_moments(&result.part(0, 6 * self.task.particles as usize))?);
+        let count = self.task.particles as usize;
+        let result = self.wide_list(RESULTS * count)?;
+        let (image, moments) = (result.address, self.place_of_moments()?);
+        let [unknowns, residual, z] = [at.unknowns, at.residual, at.preconditioned].map(|list| list.address);
+        self.repeat(CommandList::Result, &[unknowns, residual, z, image, moments], |field| {
+            let task = KernelTask { image, ..field.coupled_task(at) };
+            field.launch_particles("gather_all", &task)?;
+            field.launch_moments(&result.part(0, 6 * count), moments)
+        })?;
+        let mut values = vec![0.0_f64; (RESULTS + MOMENTS) * count];
+        let (of_result, of_moments) = values.split_at_mut(RESULTS * count);
+        self.device.download_all(&mut [
+            (image, bytemuck::cast_slice_mut(of_result)),
+            (moments, bytemuck::cast_slice_mut(of_moments)),
+        ])?;
         self.release(&result);
         Ok(values)
     }

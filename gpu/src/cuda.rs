@@ -5,11 +5,11 @@ use crate::task::{DeviceAddress, KernelTask};
 use cudarc::cufft::result::CufftError;
 use cudarc::cufft::sys::{cufftHandle, cufftType};
 use cudarc::cufft::{CudaFft, result as cufft};
-use cudarc::driver::result::device;
+use cudarc::driver::result::{device, memcpy_dtoh_async};
 use cudarc::driver::sys::{CUdevice_attribute, CUgraphInstantiate_flags, CUstreamCaptureMode};
 use cudarc::driver::{
     CudaContext, CudaFunction, CudaGraph, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError,
-    LaunchConfig, PushKernelArg,
+    LaunchConfig, PinnedHostSlice, PushKernelArg,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -32,6 +32,8 @@ pub struct Cuda {
     memory: HashMap<DeviceAddress, CudaSlice<u8>>,
     transforms: Vec<(TransformKind, CudaFft)>,
     recordings: HashMap<usize, CudaGraph>,
+    /// Memory of the host that the card writes to.
+    staging: Option<PinnedHostSlice<u8>>,
 }
 
 /// Values on which a plan of a transform depends.
@@ -146,7 +148,8 @@ impl Cuda {
         let module = context.load_module(PTX.into()).map_err(failed)?;
         let stream = context.new_stream().map_err(failed)?;
         let (functions, memory) = (HashMap::new(), HashMap::new());
-        Ok(Self { context, stream, module, functions, memory, transforms: Vec::new(), recordings: HashMap::new() })
+        let (transforms, recordings, staging) = (Vec::new(), HashMap::new(), None);
+        Ok(Self { context, stream, module, functions, memory, transforms, recordings, staging })
     }
 
     fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
@@ -159,6 +162,23 @@ impl Cuda {
             self.functions.insert(kernel.to_owned(), function);
         }
         Ok(&self.functions[kernel])
+    }
+
+    /// Copies parts of memory, of this many bytes together, to the staging memory one after the other, and waits.
+    fn copy_to_staging(&mut self, parts: &[(DeviceAddress, &mut [u8])], bytes: usize) -> Result<(), DriverError> {
+        if self.staging.as_ref().is_none_or(|staging| staging.len() < bytes) {
+            // SAFETY: what is read is copied there before.
+            self.staging = Some(unsafe { self.context.alloc_pinned_with_flags(bytes.max(1), 0) }?);
+        }
+        let Some(staging) = &mut self.staging else { return Ok(()) };
+        let mut rest = staging.as_mut_slice()?;
+        for (address, bytes) in parts.iter().filter(|(_, bytes)| !bytes.is_empty()) {
+            let (to, after) = rest.split_at_mut(bytes.len());
+            // SAFETY: both memories have these bytes, and the staging memory is not used before the stream has ended.
+            unsafe { memcpy_dtoh_async(to, *address, self.stream.cu_stream()) }?;
+            rest = after;
+        }
+        self.stream.synchronize()
     }
 
     /// Plan of a transform.
@@ -233,10 +253,17 @@ impl Device for Cuda {
         stream.memcpy_htod(bytes, &mut self.memory(address).slice_mut(..bytes.len())).map_err(failed)
     }
 
-    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
-        let stream = self.stream.clone();
-        stream.memcpy_dtoh(&self.memory(address).slice(..bytes.len()), bytes).map_err(failed)?;
-        self.finish()
+    fn download_all(&mut self, parts: &mut [(DeviceAddress, &mut [u8])]) -> Result<(), DeviceError> {
+        let bytes = parts.iter().map(|(_, bytes)| bytes.len()).sum();
+        self.copy_to_staging(parts, bytes).map_err(failed)?;
+        let mut staged =
+            self.staging.as_mut().map_or(Ok(&mut [][..]), PinnedHostSlice::as_mut_slice).map_err(failed)?;
+        for (_, bytes) in parts {
+            let (own, rest) = staged.split_at_mut(bytes.len());
+            bytes.copy_from_slice(own);
+            staged = rest;
+        }
+        Ok(())
     }
 
     fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {

@@ -76,8 +76,13 @@ pub trait Device {
     /// Copies bytes to the start of memory.
     fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError>;
 
-    /// Copies bytes from the start of memory, after all commands before.
-    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError>;
+    /// Copies bytes from addresses within memory, after all commands before. The host waits once for all of them.
+    fn download_all(&mut self, parts: &mut [(DeviceAddress, &mut [u8])]) -> Result<(), DeviceError>;
+
+    /// Copies bytes from an address within memory, after all commands before.
+    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
+        self.download_all(&mut [(address, bytes)])
+    }
 
     /// Runs a kernel.
     fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError>;

@@ -192,9 +192,11 @@ impl Device for Emulator {
         self.send_bytes(bytes)
     }
 
-    fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
-        self.send(Order::Download, &[address as usize, bytes.len()])?;
-        self.receive(bytes)
+    fn download_all(&mut self, parts: &mut [(DeviceAddress, &mut [u8])]) -> Result<(), DeviceError> {
+        parts.iter_mut().try_for_each(|(address, bytes)| {
+            self.send(Order::Download, &[*address as usize, bytes.len()])?;
+            self.receive(bytes)
+        })
     }
 
     fn launch(&mut self, launch: &KernelLaunch, task: &KernelTask) -> Result<(), DeviceError> {

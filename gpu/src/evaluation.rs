@@ -2,7 +2,7 @@
 
 use crate::device::{DeviceError, TransformPart, TransformTask};
 use crate::far_field::{DeviceLoads, DeviceMotion, Orders, PARTICLE_THREADS, SplitFarField, StageSeconds};
-use crate::repeated::Repeated;
+use crate::numbers::KernelNumbers;
 use crate::tables::{GridSolve, NumberFormat};
 use crate::task::KernelTask;
 use std::time::Instant;
@@ -126,7 +126,7 @@ impl SplitFarField {
         self.reserve_records()?;
         self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
         let suffix = self.tables.numbers.suffix();
-        self.task.noise_seed = seed;
+        self.set_numbers(KernelNumbers { noise_seed: seed, ..self.numbers })?;
         self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
         self.transform(false, TransformPart::Whole)?;
         self.run(EvaluationStage::Interpolate, orders)?;
@@ -143,55 +143,5 @@ impl SplitFarField {
         self.device.zero(self.task.interpolated, bytes)?;
         self.run(EvaluationStage::Near, orders)?;
         self.copy_motion()
-    }
-}
-
-impl SplitFarField {
-    /// Runs commands that belong to addresses, by which they are known: as they are at first, then from a recording
-    /// with this number.
-    pub(crate) fn repeat(
-        &mut self,
-        number: usize,
-        addresses: &[u64],
-        commands: impl Fn(&mut Self) -> Result<(), DeviceError>,
-    ) -> Result<(), DeviceError> {
-        let known = std::mem::take(&mut self.repeated[number]);
-        self.repeated[number] = match known {
-            Repeated::Recorded(of) if of == addresses => {
-                self.device.replay(number)?;
-                Repeated::Recorded(of)
-            }
-            Repeated::Tried(of) if of == addresses => {
-                if self.record(number, &commands)? {
-                    self.device.replay(number)?;
-                    Repeated::Recorded(of)
-                } else {
-                    commands(self)?;
-                    Repeated::Plain(of)
-                }
-            }
-            Repeated::Plain(of) if of == addresses => {
-                commands(self)?;
-                Repeated::Plain(of)
-            }
-            _ => {
-                commands(self)?;
-                Repeated::Tried(addresses.to_vec())
-            }
-        };
-        Ok(())
-    }
-
-    /// Records commands. Returns whether the device has kept them.
-    fn record(
-        &mut self,
-        number: usize,
-        commands: &impl Fn(&mut Self) -> Result<(), DeviceError>,
-    ) -> Result<bool, DeviceError> {
-        if !self.device.begin_recording()? {
-            return Ok(false);
-        }
-        let is_recorded = commands(self).is_ok();
-        Ok(self.device.end_recording(number)? && is_recorded)
     }
 }

@@ -3,8 +3,9 @@
 use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
+use crate::numbers::{KernelNumbers, NumberBuffers};
 use crate::pair_rows::{NearBuffers, NearRows};
-use crate::repeated::{RECORDINGS, Repeated};
+use crate::repeated::{COMMAND_LISTS, CommandList, Repeated};
 use crate::tables::{AMPLITUDES, GridSolve, LatticeShape, NumberFormat, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
@@ -12,7 +13,10 @@ use std::time::Instant;
 /// Points of a bin and of a tile along an axis; threads of blocks; as in `gpu/kernels`.
 const BIN: usize = 4;
 const TILE: usize = 8;
-const SCAN: usize = 256;
+
+/// Numbers that scans leave: of neighbours, and of stiff and of soft pairs.
+const COUNTS: usize = 3;
+
 pub(crate) const PARTICLE_THREADS: usize = 128;
 
 /// Loads in the order of the particles, three or five numbers each; an empty list stands for none.
@@ -53,13 +57,13 @@ pub struct Orders {
 /// Seconds spent in the parts of evaluations.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct StageSeconds {
-    /// Sorting, and spreading.
+    /// Spreading.
     pub spread: f64,
     /// Transforms and the solve.
     pub transform: f64,
     /// Interpolation.
     pub interpolate: f64,
-    /// Search for neighbours, and pair corrections.
+    /// Order of the particles, search for neighbours, and pair corrections.
     pub near: f64,
     /// Copies to and from the device.
     pub copies: f64,
@@ -74,19 +78,27 @@ pub(crate) struct Buffers {
     of_box: [Buffer; 2],
     particles: [Buffer; 8],
     bins: [Buffer; 2],
-    scans: [Buffer; 4],
+    pub(crate) scans: [Buffer; 4],
     neighbour_starts: Buffer,
     neighbours: Buffer,
     pub(crate) loads: [Buffer; 3],
     pub(crate) records: Buffer,
     grid: [Buffer; 2],
     pub(crate) motions: [Buffer; 3],
+    /// Numbers of neighbours, of stiff and of soft pairs.
+    counts: Buffer,
     /// Sums of blocks, of the vectors of an iteration and of the two kernels of one within it, and the sums of all.
     pub(crate) sums: [Buffer; 3],
     pub(crate) totals: Buffer,
-    /// State of an iteration for near pairs.
-    pub(crate) state: Buffer,
+    numbers: NumberBuffers,
     pub(crate) near: NearBuffers,
+}
+
+impl Buffers {
+    /// Addresses of what kernels leave to the kernels after them.
+    pub(crate) fn scratch(&self) -> impl Iterator<Item = DeviceAddress> {
+        self.scans.iter().chain(&self.sums).map(Buffer::address)
+    }
 }
 
 /// Far field of particles by the split method on a device.
@@ -94,9 +106,11 @@ pub struct SplitFarField {
     pub(crate) device: Box<dyn Device>,
     pub(crate) tables: SplitTables,
     pub(crate) task: KernelTask,
+    /// Numbers on the device.
+    pub(crate) numbers: KernelNumbers,
     pub(crate) buffers: Buffers,
     pub(crate) near: NearRows,
-    pub(crate) repeated: [Repeated; RECORDINGS],
+    pub(crate) repeated: [Repeated; COMMAND_LISTS],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
     neighbours: usize,
@@ -142,9 +156,11 @@ impl SplitFarField {
         let [field, spectrum] = &mut buffers.grid;
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
-        let (near, repeated, spare) = (NearRows::default(), <[Repeated; RECORDINGS]>::default(), Vec::new());
-        let (neighbours, seconds) = (0, StageSeconds::default());
-        let mut field = Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds };
+        [task.numbers, task.state] = buffers.numbers.reserve(on)?;
+        task.totals = buffers.totals.reserve(on, size_of::<f64>())?;
+        let (near, repeated, spare) = (NearRows::default(), <[Repeated; COMMAND_LISTS]>::default(), Vec::new());
+        let (numbers, neighbours, seconds) = (KernelNumbers::default(), 0, StageSeconds::default());
+        let mut field = Self { device, tables, task, numbers, buffers, near, repeated, spare, neighbours, seconds };
         field.copy_solve()?;
         Ok(field)
     }
@@ -167,26 +183,33 @@ impl SplitFarField {
     /// Sets the shape of the box.
     pub fn set_box(&mut self, shape: &LatticeShape) -> Result<(), DeviceError> {
         let Self { device, tables, task, buffers, .. } = self;
-        let (numbers, on) = (tables.numbers, device.as_mut());
+        let (format, on) = (tables.numbers, device.as_mut());
         let spacing: [f64; 3] = std::array::from_fn(|axis| shape.edges[axis] / tables.grid[axis] as f64);
         let ([t, r], s) = (shape.tilts, shape.strain);
-        task.edges = shape.edges;
-        task.inverse_spacing = spacing.map(f64::recip);
-        (task.strain, task.tilt_x, task.tilt_y, task.tilt_across) = (s, t, r, t - s * r);
         task.is_rotated = i32::from(shape.axes.is_some());
-        task.axes = shape.axes.unwrap_or_default();
-        task.solve_factor = 1.0 / (tables.viscosity * shape.edges.iter().product::<f64>());
+        let numbers = KernelNumbers {
+            edges: shape.edges,
+            inverse_spacing: spacing.map(f64::recip),
+            strain: s,
+            tilt_x: t,
+            tilt_y: r,
+            tilt_across: t - s * r,
+            axes: shape.axes.unwrap_or_default(),
+            solve_factor: 1.0 / (tables.viscosity * shape.edges.iter().product::<f64>()),
+            ..self.numbers
+        };
         let smoothing = shape.smoothing.iter().flatten().flatten().copied();
         let [of_smoothing, of_levels] = &mut buffers.of_box;
-        task.smoothing = of_smoothing.fill(on, &numbers.bytes_of(smoothing))?;
-        task.levels = of_levels.fill(on, &numbers.bytes_of(shape.levels.iter().flatten().copied()))?;
+        task.smoothing = of_smoothing.fill(on, &format.bytes_of(smoothing))?;
+        task.levels = of_levels.fill(on, &format.bytes_of(shape.levels.iter().flatten().copied()))?;
+        self.set_numbers(numbers)?;
         self.task.reach = self.bins_within(self.tables.cutoff);
         Ok(())
     }
 
     /// Number of bins to either side of a bin in which particles within a distance are.
     pub(crate) fn bins_within(&self, distance: f64) -> [i32; 3] {
-        let &KernelTask { strain, tilt_y, tilt_across, inverse_spacing, .. } = &self.task;
+        let KernelNumbers { strain, tilt_y, tilt_across, inverse_spacing, .. } = self.numbers;
         let stretch = [(1.0 + strain * strain + tilt_across.powi(2)).sqrt(), (1.0 + tilt_y * tilt_y).sqrt(), 1.0];
         std::array::from_fn(|axis| {
             let points = distance * stretch[axis] * inverse_spacing[axis];
@@ -204,16 +227,10 @@ impl SplitFarField {
             self.release_spare();
         }
         self.task.particles = classes.len() as i32;
-        self.repeated = Default::default();
         self.place(fractions, classes)?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        self.sort()?;
-        self.device.finish()?;
-        self.seconds.spread += clock.elapsed().as_secs_f64();
-        let clock = Instant::now();
         self.list_neighbours()?;
-        self.device.finish()?;
         self.seconds.near += clock.elapsed().as_secs_f64();
         Ok(())
     }
@@ -222,6 +239,9 @@ impl SplitFarField {
     fn place(&mut self, fractions: &[f64], classes: &[u32]) -> Result<(), DeviceError> {
         let Self { device, tables, task, buffers, .. } = self;
         let (numbers, count, on) = (tables.numbers, classes.len(), device.as_mut());
+        // Recordings of the order do not depend on what was evaluated before.
+        [task.forces, task.torques, task.stresslets] = [0; 3];
+        [task.velocities, task.angular_velocities, task.strain_rates] = [0; 3];
         let [positions, of_classes, keys, unsorted, rows, sorted, sorted_classes, interpolated] =
             &mut buffers.particles;
         task.positions = positions.fill(on, &fixed_points(fractions))?;
@@ -237,52 +257,35 @@ impl SplitFarField {
         task.bin_starts = starts.reserve(on, 4 * (bins + 1))?;
         task.bin_cursors = cursors.reserve(on, 4 * bins)?;
         on.zero(task.bin_starts, 4 * (bins + 1))?;
-        on.zero(task.bin_cursors, 4 * bins)
+        on.zero(task.bin_cursors, 4 * bins)?;
+        task.neighbour_starts = buffers.neighbour_starts.reserve(on, 4 * (count + 1))?;
+        on.zero(task.neighbour_starts, 4 * (count + 1))?;
+        task.counts = buffers.counts.reserve(on, 4 * COUNTS)?;
+        self.reserve_sums(count)
     }
 
     /// Sorts the particles by bin.
     fn sort(&mut self) -> Result<(), DeviceError> {
         let bins: usize = self.task.bins.iter().map(|&n| n as usize).product();
         self.run_over_particles("bin_particles", PARTICLE_THREADS)?;
-        self.scan(self.task.bin_starts, bins + 1, 0)?;
+        self.scan(self.task.bin_starts, bins + 1, None)?;
         self.launch("scatter_particles", self.particle_blocks(1, PARTICLE_THREADS), PARTICLE_THREADS)?;
         self.run_over_particles("order_particles", PARTICLE_THREADS)
     }
 
-    /// Counts the neighbours of each particle, then lists them.
+    /// Sorts the particles, counts the neighbours of each, then lists them.
     fn list_neighbours(&mut self) -> Result<(), DeviceError> {
         let count = self.task.particles as usize;
-        let on = self.device.as_mut();
-        self.task.neighbour_starts = self.buffers.neighbour_starts.reserve(on, 4 * (count + 1))?;
-        on.zero(self.task.neighbour_starts, 4 * (count + 1))?;
         self.task.neighbours = 0;
-        self.run_over_particles("find_neighbours", PARTICLE_THREADS)?;
-        let mut sum = [0_i32];
-        let address = self.scan(self.task.neighbour_starts, count + 1, 0)?;
-        self.device.download(address, bytemuck::cast_slice_mut(&mut sum))?;
-        self.neighbours = sum[0] as usize;
+        self.repeat(CommandList::Order, &[], |field| {
+            field.sort()?;
+            field.run_over_particles("find_neighbours", PARTICLE_THREADS)?;
+            field.scan(field.task.neighbour_starts, count + 1, Some(0))
+        })?;
+        let [found] = self.counts(0)?;
+        self.neighbours = found;
         self.task.neighbours = self.buffers.neighbours.reserve(self.device.as_mut(), 8 * self.neighbours)?;
         self.run_over_particles("find_neighbours", PARTICLE_THREADS)
-    }
-
-    /// Replaces a list of counts by the sums of those before each; `level` is that of the recursion. Returns the place
-    /// of the sum of all.
-    pub(crate) fn scan(
-        &mut self,
-        list: DeviceAddress,
-        count: usize,
-        level: usize,
-    ) -> Result<DeviceAddress, DeviceError> {
-        let blocks = count.div_ceil(SCAN);
-        let totals = self.buffers.scans[level].reserve(self.device.as_mut(), 4 * blocks)?;
-        let task = KernelTask { scanned: list, scan_totals: totals, scan_count: count as i32, ..self.task };
-        self.device.launch(&KernelLaunch { kernel: "scan_blocks", blocks, threads: SCAN }, &task)?;
-        if blocks == 1 {
-            return Ok(totals);
-        }
-        let sum = self.scan(totals, blocks, level + 1)?;
-        self.device.launch(&KernelLaunch { kernel: "scan_add", blocks, threads: SCAN }, &task)?;
-        Ok(sum)
     }
 
     /// Blocks that have some threads for each particle.

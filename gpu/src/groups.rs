@@ -2,8 +2,7 @@
 
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::SplitFarField;
-use crate::pair_rows::PAIR_NUMBERS;
-use crate::tables::NumberFormat;
+use crate::pair_rows::{IN_FLOW, PAIR_NUMBERS};
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of spheres of a group.
@@ -37,9 +36,15 @@ struct GroupMember {
 /// No sphere.
 const NOBODY: GroupMember = GroupMember { row: -1, first: 0, count: 0, unused: 0, inverse: 0 };
 
-/// Bytes of the members of the blocks for some particles, of which all but the last are filled but for a group.
+/// Blocks of threads that precondition some particles, however they form groups: all but the last are filled but for a
+/// group.
+pub(crate) fn group_blocks(particles: usize) -> usize {
+    particles.div_ceil(BLOCK_MEMBERS + 1 - GROUP)
+}
+
+/// Bytes of the members of the blocks.
 pub(crate) fn member_bytes(particles: usize) -> usize {
-    size_of::<GroupMember>() * BLOCK_MEMBERS * particles.div_ceil(BLOCK_MEMBERS + 1 - GROUP)
+    size_of::<GroupMember>() * BLOCK_MEMBERS * group_blocks(particles)
 }
 
 /// Stiff pairs by rows: where those of a row begin, their other spheres, and their strengths over that of a single
@@ -95,7 +100,7 @@ impl StiffPairs<'_> {
     }
 }
 
-/// Members of whole blocks, groups in the order of their first rows.
+/// Members of all blocks, groups in the order of their first rows.
 fn members(pairs: &StiffPairs) -> Vec<GroupMember> {
     let mut joined = pairs.joined();
     let (mut members, mut numbers) = (Vec::new(), 0_usize);
@@ -116,34 +121,38 @@ fn members(pairs: &StiffPairs) -> Vec<GroupMember> {
         members[places[root]].row = row as i32;
         places[root] += 1;
     }
-    members.resize(members.len().next_multiple_of(BLOCK_MEMBERS), NOBODY);
+    members.resize(BLOCK_MEMBERS * group_blocks(places.len()), NOBODY);
     members
 }
 
 impl SplitFarField {
-    /// Forms groups by the stiff pairs that are assembled, and inverts their matrices.
-    pub(crate) fn form_groups(&mut self, pairs: usize) -> Result<(), DeviceError> {
+    /// Forms groups by the stiff pairs that are assembled, and inverts their matrices. Returns the loads and first
+    /// moments in the background.
+    pub(crate) fn form_groups(&mut self, pairs: usize) -> Result<Vec<f64>, DeviceError> {
         let (count, task) = (self.task.particles as usize, self.task);
         let [mut starts, mut others] = [vec![0_i32; count + 1], vec![0_i32; pairs]];
-        self.device.download(task.near_starts[0], bytemuck::cast_slice_mut(&mut starts))?;
-        if pairs > 0 {
-            self.device.download(task.near_others[0], bytemuck::cast_slice_mut(&mut others))?;
-        }
+        let (mut translations, mut in_flow) = (vec![0.0; 2 * pairs], vec![0.0; IN_FLOW * count]);
         // Translation across the axis, and along it minus across, are the fourth and the fifth of the lists of numbers.
         const { assert!(PAIR_NUMBERS == 9) };
         let across = task.near_numbers[0] + (3 * pairs * size_of::<f64>()) as u64;
-        let translations = self.download(across, 2 * pairs, NumberFormat::Double)?;
+        self.device.download_all(&mut [
+            (task.near_starts[0], bytemuck::cast_slice_mut(&mut starts)),
+            (task.near_others[0], bytemuck::cast_slice_mut(&mut others)),
+            (across, bytemuck::cast_slice_mut(&mut translations)),
+            (task.in_flow, bytemuck::cast_slice_mut(&mut in_flow)),
+        ])?;
         let (across, besides) = translations.split_at(pairs);
         let single = self.near.least_resistance;
-        let strengths: Vec<f64> = across.iter().zip(besides).map(|(a, b)| (a + b) / single).collect();
+        let strengths: Vec<f64> = across.iter().zip(besides).map(|(a, b): (&f64, &f64)| (a + b) / single).collect();
         let members = members(&StiffPairs { starts: &starts, others: &others, strengths: &strengths });
         let (on, places) = (self.device.as_mut(), &mut self.buffers.near);
-        places.members.reserve(on, member_bytes(count))?;
         self.task.members = places.members.fill(on, bytemuck::cast_slice(&members))?;
         self.task.inverses = places.inverses.reserve(on, size_of::<f64>() * INVERSE_NUMBERS * count)?;
-        self.near.group_blocks = members.len() / BLOCK_MEMBERS;
         let launch = KernelLaunch { kernel: "invert_groups", blocks: members.len(), threads: INVERT_THREADS };
-        if members.is_empty() { Ok(()) } else { self.device.launch(&launch, &self.task) }
+        if !members.is_empty() {
+            self.device.launch(&launch, &self.task)?;
+        }
+        Ok(in_flow)
     }
 }
 
@@ -202,7 +211,7 @@ mod tests {
         let members = members_of(500, &chain);
         let mut rows: Vec<i32> = groups(&members).concat();
         assert!(groups(&members).iter().all(|group| group.len() <= 7) && members.len() > 500);
-        assert!(size_of_val(&members[..]) <= member_bytes(500));
+        assert_eq!(size_of_val(&members[..]), member_bytes(500));
         rows.sort_unstable();
         assert_eq!(rows, (0..500).collect::<Vec<_>>());
     }

@@ -20,15 +20,21 @@ mod lists;
 mod memory;
 mod near;
 mod near_tables;
+mod numbers;
 mod pair_rows;
+mod present;
 mod repeated;
+mod replay;
+mod scans;
 mod tables;
 mod task;
 mod vectors;
 
-pub use assembly::{IN_FLOW, NearInFlow, NearInput};
+pub use assembly::{NearInFlow, NearInput};
 pub use counted::{Counted, DeviceCounts, SharedCounts};
-pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, UNKNOWNS};
+pub use coupled::{
+    CoupledDirection, CoupledSums, CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, StartInput, UNKNOWNS,
+};
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use emulator::Emulator;
@@ -36,9 +42,9 @@ pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSecon
 pub use images::ImageLists;
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
-pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
+pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
-pub use pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
+pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
 pub use tables::{
     COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
     WindowPolynomials,

@@ -58,9 +58,10 @@ impl NearSize {
     pub fn bytes(&self) -> f64 {
         let pair = |value: usize| (PAIR_NUMBERS * value + 2 * 4) as f64;
         let pairs = self.stiff * pair(size_of::<f64>()) + self.soft * pair(self.numbers.size());
-        // Unknowns, preconditioned residual and direction; residual and image of the direction; motions or loads of the
-        // preconditioner; stresslets of the start and ambient motions; the result.
-        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 8 * 6 + 5 + 11 + RESULTS);
+        // Unknowns, preconditioned residual and direction; residual and image of the direction; six vectors of the
+        // preconditioner, motions and loads of the start, and known loads; stresslets of the start and ambient motions;
+        // the result.
+        let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 9 * 6 + 5 + 11 + RESULTS);
         let members = member_bytes(self.particles as usize) as f64;
         self.tables + pairs + members + (ROW_BYTES + vectors) as f64 * self.particles
     }

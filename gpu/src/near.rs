@@ -2,23 +2,24 @@
 
 use crate::device::DeviceError;
 use crate::far_field::SplitFarField;
+use crate::groups::group_blocks;
 use crate::lists::DeviceList;
-use crate::pair_rows::PairSet;
-use crate::repeated::{PAIR_START, PAIR_STEPS};
+use crate::numbers::{SolveSettings, SolveState};
+use crate::pair_rows::{PairSet, ROW_LANES};
+use crate::repeated::CommandList;
 use crate::task::{DeviceAddress, KernelTask};
 use crate::vectors::SUM_THREADS;
 
-/// Steps of an iteration for near pairs after which the host looks at its state; an even number.
+/// Steps of an iteration for near pairs after which the host looks at its state, and the most to which the first ones
+/// grow if solves take more; even numbers.
 const STEPS_AT_A_TIME: usize = 4;
+const MOST_AT_A_TIME: usize = 12;
 
-/// Threads of a row, as in `gpu/kernels/near.h`.
-const ROW_LANES: usize = 8;
-
-/// Vectors of an iteration, six numbers of each particle.
+/// Vectors of a solve for near pairs besides its unknowns, six numbers of each particle.
 #[derive(Debug, Clone, Copy)]
-pub struct RowVectors {
-    /// `x`
-    pub unknowns: DeviceList,
+pub struct PairVectors {
+    /// Given loads.
+    pub given: DeviceList,
     /// `r`
     pub residual: DeviceList,
     /// `z`
@@ -29,12 +30,17 @@ pub struct RowVectors {
     pub image: DeviceList,
 }
 
-/// An iteration that runs on the device: its state, pairs and vectors.
-#[derive(Clone, Copy)]
-struct PairIteration {
-    state: DeviceAddress,
-    pairs: PairSet,
-    at: RowVectors,
+/// A solve for motions of spheres that interact by near pairs alone.
+#[derive(Debug, Clone, Copy)]
+pub struct PairSolve {
+    /// The pairs.
+    pub pairs: PairSet,
+    /// Motions, and the loads of the pairs in them.
+    pub motions: DeviceList,
+    /// See [`Self::motions`].
+    pub loads: DeviceList,
+    /// Other vectors.
+    pub vectors: PairVectors,
 }
 
 /// Limits of an iteration for near pairs.
@@ -46,27 +52,23 @@ pub struct PairLimits {
     pub steps: usize,
 }
 
-/// A step of an iteration: `x += length p` and `r -= length A p`.
-#[derive(Debug, Clone, Copy)]
-pub struct DeviceStep {
-    /// Its length.
-    pub length: f64,
-    /// `p`
-    pub direction: DeviceList,
-    /// `A p`
-    pub image: DeviceList,
+impl PairSolve {
+    /// Addresses of all vectors, and the set of pairs.
+    fn key(&self) -> impl Iterator<Item = u64> {
+        let PairVectors { given, residual, preconditioned, directions: [even, odd], image } = self.vectors;
+        let lists = [self.motions, self.loads, given, residual, preconditioned, even, odd, image];
+        lists.into_iter().map(|list| list.address).chain([self.pairs as u64])
+    }
 }
 
-/// Inner products of an iteration: `r z`, `r` times the `z` before a step, and the squares of an error and of the size
-/// of the unknowns.
-pub type ProductSums = [f64; 4];
-
-impl KernelTask {
-    /// The same with the vectors of a step, if there is one.
-    pub(crate) fn with_step(self, step: Option<&DeviceStep>) -> Self {
-        let Some(DeviceStep { length, direction, image }) = step else { return Self { direction: 0, ..self } };
-        Self { x_factor: *length, direction: direction.address, image: image.address, ..self }
-    }
+/// Commands of [`SplitFarField::solve_within`] around an iteration for near pairs, which depend on addresses.
+pub(crate) struct Around<B, A> {
+    /// Commands before the iteration, and after its steps.
+    pub before: B,
+    pub after: A,
+    /// Recordings of all, and of further steps with what comes after them.
+    pub recordings: [CommandList; 2],
+    pub addresses: Vec<DeviceAddress>,
 }
 
 impl SplitFarField {
@@ -74,94 +76,125 @@ impl SplitFarField {
         (ROW_LANES * self.task.particles as usize).div_ceil(SUM_THREADS)
     }
 
-    /// Loads of near pairs in some motions, six numbers a particle each.
-    pub fn pair_loads(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<(), DeviceError> {
-        self.launch_rows(pairs, 0, lists)
-    }
-
-    /// Loads of near pairs and of single spheres in some motions.
-    pub fn resisted(&mut self, pairs: PairSet, lists: [&DeviceList; 2]) -> Result<(), DeviceError> {
-        self.launch_rows(pairs, 1, lists)
-    }
-
-    fn launch_rows(
+    /// Loads of near pairs in some motions, six numbers a particle each; with those of single spheres if they are asked
+    /// for.
+    pub(crate) fn launch_rows(
         &mut self,
         pairs: PairSet,
-        adds_single: i32,
+        adds_single: bool,
         [motions, loads]: [&DeviceList; 2],
     ) -> Result<(), DeviceError> {
-        let blocks = self.row_blocks();
-        let list_sums = self.reserve_sums(1, blocks)?;
-        let (direction, image) = (motions.address, loads.address);
-        let task = KernelTask { direction, image, list_sums, pair_sets: pairs as i32, adds_single, ..self.task };
-        self.launch_vectors(&format!("row_loads_{}", self.tables.numbers.suffix()), blocks, &task)
+        let (direction, image, list_sums) = (motions.address, loads.address, self.sums(1));
+        let (pair_sets, adds_single) = (pairs as i32, i32::from(adds_single));
+        let task = KernelTask { direction, image, list_sums, pair_sets, adds_single, ..self.task };
+        self.launch_vectors(&format!("row_loads_{}", self.tables.numbers.suffix()), self.row_blocks(), &task)
     }
 
-    /// Solves for motions of spheres that interact by near pairs alone, from some motions with a known residual, by
-    /// conjugate gradients that are preconditioned by groups. The error is that of the motions of single spheres under
-    /// the residual, relative to the size of the motions, both weighted by the resistances. Steps run without the host,
-    /// which looks from time to time whether the iteration has ended.
-    pub fn solve_pairs(&mut self, pairs: PairSet, at: &RowVectors, limits: PairLimits) -> Result<(), DeviceError> {
+    /// Solves from the motions that are there, by conjugate gradients that are preconditioned by groups. The error is
+    /// that of the motions of single spheres under the residual, relative to the size of the motions, both weighted by
+    /// the resistances. Steps run without the host, which looks from time to time whether the iteration has ended.
+    pub fn solve_pairs(&mut self, solve: &PairSolve, limits: PairLimits) -> Result<(), DeviceError> {
+        let &PairSolve { pairs, motions, loads, vectors: PairVectors { given, residual, image, .. } } = solve;
+        let around = Around {
+            before: |field: &mut Self| {
+                field.launch_rows(pairs, true, [&motions, &image])?;
+                field.remainder([&given, &image], None, &residual)
+            },
+            after: |field: &mut Self| field.remainder([&given, &residual], Some(&motions), &loads),
+            recordings: [CommandList::AllPairs, CommandList::MoreOfAllPairs],
+            addresses: Vec::new(),
+        };
+        self.solve_within(solve, &around, SolveSettings::new(limits.tolerance), limits).map(drop)
+    }
+
+    /// Continues an earlier solve whose loads are there.
+    pub fn continue_pairs(&mut self, solve: &PairSolve, limits: PairLimits) -> Result<(), DeviceError> {
+        let &PairSolve { motions, loads, vectors: PairVectors { given, residual, .. }, .. } = solve;
+        let around = Around {
+            before: |field: &mut Self| field.remainder([&given, &loads], Some(&motions), &residual),
+            after: |field: &mut Self| field.remainder([&given, &residual], Some(&motions), &loads),
+            recordings: [CommandList::LastPairs, CommandList::MoreOfLastPairs],
+            addresses: Vec::new(),
+        };
+        self.solve_within(solve, &around, SolveSettings::new(limits.tolerance), limits).map(drop)
+    }
+
+    /// Runs commands after which motions have a residual, solves from there, and runs commands that follow. Returns the
+    /// state after these.
+    pub(crate) fn solve_within(
+        &mut self,
+        solve: &PairSolve,
+        around: &Around<impl Fn(&mut Self) -> Result<(), DeviceError>, impl Fn(&mut Self) -> Result<(), DeviceError>>,
+        settings: SolveSettings,
+        limits: PairLimits,
+    ) -> Result<SolveState, DeviceError> {
         if self.blocks() == 0 {
-            return Ok(());
+            return Ok(SolveState::default());
         }
-        let mut state = [0.0, 0.0, 1.0, 1.0, limits.tolerance * limits.tolerance, 0.0];
-        let place = self.buffers.state.fill(self.device.as_mut(), bytemuck::cast_slice(&state))?;
-        let iteration = PairIteration { state: place, pairs, at: *at };
-        let [x, r, z, image] = [at.unknowns, at.residual, at.preconditioned, at.image].map(|list| list.address);
-        let of_solve = [x, r, z, image, at.directions[0].address, at.directions[1].address, pairs as u64];
-        self.repeat(PAIR_START, &of_solve, |field| {
-            field.step_pairs(&iteration, None)?;
-            field.turn_pairs(&iteration, 0)?;
-            field.steps_of_pairs(&iteration)
+        let addresses: Vec<_> = solve.key().chain(around.addresses.iter().copied()).collect();
+        let ([first, more], place) = (around.recordings, around.recordings[0] as usize);
+        let steps_at_first = STEPS_AT_A_TIME + self.near.more_steps[place];
+        let of_first: Vec<_> = addresses.iter().copied().chain([steps_at_first as u64]).collect();
+        self.set_state(&settings)?;
+        self.repeat(first, &of_first, |field| {
+            (around.before)(field)?;
+            field.step_pairs(solve, None)?;
+            field.turn_pairs(solve, 0)?;
+            field.steps_of_pairs(solve, steps_at_first)?;
+            (around.after)(field)
         })?;
         loop {
-            self.device.download(place, bytemuck::cast_slice_mut(&mut state))?;
-            let [_, _, goes_on, _, _, steps] = state;
+            let state = self.state()?;
+            let SolveSettings { goes_on: [goes_on, _], steps, .. } = state.settings;
             if goes_on == 0.0 || steps >= limits.steps as f64 {
-                return Ok(());
+                let needed = (steps as usize).next_multiple_of(2).clamp(steps_at_first, MOST_AT_A_TIME);
+                self.near.more_steps[place] = needed - STEPS_AT_A_TIME;
+                return Ok(state);
             }
-            self.repeat(PAIR_STEPS, &of_solve, |field| field.steps_of_pairs(&iteration))?;
+            self.repeat(more, &addresses, |field| {
+                field.steps_of_pairs(solve, STEPS_AT_A_TIME)?;
+                (around.after)(field)
+            })?;
         }
     }
 
     /// Some steps of the iteration.
-    fn steps_of_pairs(&mut self, iteration: &PairIteration) -> Result<(), DeviceError> {
-        (0..STEPS_AT_A_TIME).try_for_each(|step| {
-            self.step_pairs(iteration, Some(step % 2))?;
-            self.turn_pairs(iteration, (step + 1) % 2)
+    fn steps_of_pairs(&mut self, solve: &PairSolve, steps: usize) -> Result<(), DeviceError> {
+        (0..steps).try_for_each(|step| {
+            self.step_pairs(solve, Some(step % 2))?;
+            self.turn_pairs(solve, (step + 1) % 2)
         })
     }
 
     /// A step along the direction of a parity, if there is one, with the products from which the next one follows.
-    fn step_pairs(&mut self, iteration: &PairIteration, parity: Option<usize>) -> Result<(), DeviceError> {
-        let PairIteration { state, at, .. } = *iteration;
-        let (blocks, of_rows) = (self.near.group_blocks, self.row_blocks());
-        let (list_sums, block_sums) = (self.reserve_sums(1, 4 * blocks)?, self.reserve_sums(2, of_rows)?);
-        let (unknowns, residual, image) = (at.unknowns.address, at.residual.address, at.image.address);
-        let direction = parity.map_or(0, |parity| at.directions[parity].address);
-        let (preconditioned, parity) = (at.preconditioned.address, parity.unwrap_or(0) as i32);
-        let task = KernelTask { unknowns, residual, preconditioned, direction, image, state, parity, ..self.task };
+    fn step_pairs(&mut self, solve: &PairSolve, parity: Option<usize>) -> Result<(), DeviceError> {
+        let PairVectors { residual, preconditioned, directions, image, .. } = solve.vectors;
+        let (blocks, of_rows) = (group_blocks(self.task.particles as usize), self.row_blocks());
+        let (list_sums, block_sums) = (self.sums(1), self.sums(2));
+        let [unknowns, residual, image] = [solve.motions, residual, image].map(|list| list.address);
+        let direction = parity.map_or(0, |parity| directions[parity].address);
+        let (preconditioned, parity) = (preconditioned.address, parity.unwrap_or(0) as i32);
+        let task = KernelTask { unknowns, residual, preconditioned, direction, image, parity, ..self.task };
         let (list_size, block_count) = (blocks as i64, of_rows as i64);
         let task = KernelTask { list_sums, block_sums, list_size, block_count, ..task };
         self.launch_vectors("step_pairs", blocks, &task)
     }
 
     /// The next direction, of a parity, and its image.
-    fn turn_pairs(&mut self, iteration: &PairIteration, parity: usize) -> Result<(), DeviceError> {
-        let &PairIteration { state, pairs, ref at } = iteration;
-        let (blocks, of_groups) = (self.row_blocks(), self.near.group_blocks);
-        let (list_sums, block_sums) = (self.reserve_sums(2, blocks)?, self.reserve_sums(1, 4 * of_groups)?);
-        let (preconditioned, image) = (at.preconditioned.address, at.image.address);
-        let (direction, next_direction) = (at.directions[1 - parity].address, at.directions[parity].address);
-        let (pair_sets, adds_single, parity, block_count) = (pairs as i32, 1, parity as i32, of_groups as i64);
+    fn turn_pairs(&mut self, solve: &PairSolve, parity: usize) -> Result<(), DeviceError> {
+        let PairVectors { preconditioned, directions, image, .. } = solve.vectors;
+        let (block_count, list_sums, block_sums) =
+            (group_blocks(self.task.particles as usize) as i64, self.sums(2), self.sums(1));
+        let (preconditioned, image) = (preconditioned.address, image.address);
+        let (direction, next_direction) = (directions[1 - parity].address, directions[parity].address);
+        let (pair_sets, adds_single, parity) = (solve.pairs as i32, 1, parity as i32);
         let task = KernelTask { list_sums, preconditioned, direction, image, next_direction, ..self.task };
-        let task = KernelTask { block_sums, state, block_count, pair_sets, adds_single, parity, ..task };
-        self.launch_vectors(&format!("turn_pairs_{}", self.tables.numbers.suffix()), blocks, &task)
+        let task = KernelTask { block_sums, block_count, pair_sets, adds_single, parity, ..task };
+        self.launch_vectors(&format!("turn_pairs_{}", self.tables.numbers.suffix()), self.row_blocks(), &task)
     }
 
     /// `to = loads - part`, minus the loads of single spheres in motions if there are any.
-    pub fn remainder(
+    pub(crate) fn remainder(
         &mut self,
         [loads, part]: [&DeviceList; 2],
         motions: Option<&DeviceList>,

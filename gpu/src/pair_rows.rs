@@ -2,7 +2,7 @@
 
 use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError};
-use crate::tables::NumberFormat;
+use crate::repeated::COMMAND_LISTS;
 use crate::task::KernelTask;
 
 /// Numbers of a pair: the axis; translation across it, and along it minus across; rotation in the same way; force by
@@ -12,6 +12,15 @@ pub const PAIR_NUMBERS: usize = 9;
 /// Numbers of the resistance of a sphere to its own motion: force by velocity and torque by rotation, each with the
 /// components xx, xy, xz, yy, yz and zz, and the vector `c` of the coupling `F = Omega x c`, `L = c x U`.
 pub const OWN_NUMBERS: usize = 15;
+
+/// Threads of a row, as in `gpu/kernels/near.h`.
+pub(crate) const ROW_LANES: usize = 8;
+
+/// Sums of a step, as in `gpu/kernels/pair_steps.h`.
+pub(crate) const PAIR_SUMS: usize = 4;
+
+/// Numbers of a particle in [`crate::NearInFlow::values`]: a load, and a first moment.
+pub const IN_FLOW: usize = 6 + 5;
 
 /// Resistance of near pairs as a matrix with a row of blocks for each particle, in the order of the host.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -44,8 +53,8 @@ pub(crate) struct NearRows {
     pub reach: Option<f64>,
     /// The least resistance of a single sphere to translation.
     pub least_resistance: f64,
-    /// Blocks of threads that precondition.
-    pub group_blocks: usize,
+    /// Steps that each list of commands takes of an iteration, besides the first ones.
+    pub more_steps: [usize; COMMAND_LISTS],
 }
 
 /// Memory of the rows of a set of pairs.
@@ -91,21 +100,6 @@ impl KernelTask {
         self.given_others = places.others.fill(on, bytemuck::cast_slice(&rows.others))?;
         self.given_numbers = places.numbers.fill(on, bytemuck::cast_slice(&rows.numbers))?;
         self.given_own = places.own.fill(on, bytemuck::cast_slice(&rows.own))?;
-        self.given_entries = rows.others.len() as i64;
-        Ok(())
-    }
-
-    /// Takes room for the numbers of this many pairs of a set.
-    pub(crate) fn reserve_numbers(
-        &mut self,
-        places: &mut RowBuffers,
-        on: &mut dyn Device,
-        [set, pairs]: [usize; 2],
-        format: NumberFormat,
-    ) -> Result<(), DeviceError> {
-        self.near_numbers[set] = places.numbers.reserve(on, PAIR_NUMBERS * pairs * format.size())?;
-        self.near_own[set] = places.own.reserve(on, size_of::<f64>() * OWN_NUMBERS * self.particles as usize)?;
-        self.near_entries[set] = pairs as i64;
         Ok(())
     }
 }

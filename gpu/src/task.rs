@@ -6,7 +6,7 @@ use bytemuck::{Pod, Zeroable};
 pub(crate) type DeviceAddress = u64;
 
 /// Arguments of all kernels, with the fields of `gpu/kernels/task.h`, which explains them, in the same order.
-#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct KernelTask {
     pub(crate) positions: DeviceAddress,
@@ -24,6 +24,7 @@ pub struct KernelTask {
     pub(crate) records: DeviceAddress,
     pub(crate) neighbour_starts: DeviceAddress,
     pub(crate) neighbours: DeviceAddress,
+    pub(crate) counts: DeviceAddress,
     pub(crate) window: DeviceAddress,
     pub(crate) smoothing: DeviceAddress,
     pub(crate) levels: DeviceAddress,
@@ -79,28 +80,16 @@ pub struct KernelTask {
     pub(crate) next_direction: DeviceAddress,
     pub(crate) ambient: DeviceAddress,
     pub(crate) state: DeviceAddress,
-    pub(crate) edges: [f64; 3],
-    pub(crate) inverse_spacing: [f64; 3],
-    pub(crate) strain: f64,
-    pub(crate) tilt_x: f64,
-    pub(crate) tilt_y: f64,
-    pub(crate) tilt_across: f64,
-    pub(crate) axes: [f64; 9],
+    pub(crate) numbers: DeviceAddress,
     pub(crate) cutoff_square: f64,
     pub(crate) inverse_viscosity: f64,
-    pub(crate) solve_factor: f64,
     pub(crate) gaussian: f64,
     pub(crate) widening: f64,
     pub(crate) x_factor: f64,
     pub(crate) y_factor: f64,
-    pub(crate) background: [f64; 5],
-    pub(crate) image_sign: f64,
-    pub(crate) noise_seed: u64,
     pub(crate) list_size: i64,
     pub(crate) bounded_axes: i64,
     pub(crate) block_count: i64,
-    pub(crate) near_entries: [i64; 2],
-    pub(crate) given_entries: i64,
     pub(crate) particles: i32,
     pub(crate) class_count: i32,
     pub(crate) grid: [i32; 3],
@@ -117,6 +106,6 @@ pub struct KernelTask {
     pub(crate) pair_sets: i32,
     pub(crate) adds_single: i32,
     pub(crate) parity: i32,
-    pub(crate) unused: i32,
+    pub(crate) is_residual: i32,
     pub(crate) separates_overlaps: i32,
 }

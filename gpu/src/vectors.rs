@@ -2,16 +2,16 @@
 
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{Orders, SplitFarField};
+use crate::groups::group_blocks;
 use crate::lists::{DeviceList, MotionLists};
-use crate::repeated::EVALUATION;
+use crate::numbers::COUPLED_SUMS;
+use crate::pair_rows::{PAIR_SUMS, ROW_LANES};
+use crate::repeated::CommandList;
 use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 
 /// Threads of a block, as in `gpu/kernels/vectors.h`.
 pub(crate) const SUM_THREADS: usize = 256;
-
-/// Largest number of sums at a time.
-const MOST_SUMS: usize = 4;
 
 impl SplitFarField {
     /// A list of this many values in the precision of the grid, which are undefined.
@@ -31,7 +31,9 @@ impl SplitFarField {
 
     fn list_in(&mut self, numbers: NumberFormat, count: usize) -> Result<DeviceList, DeviceError> {
         let is_like = |list: &DeviceList| list.count == count && list.numbers == numbers;
-        if let Some(place) = self.spare.iter().position(is_like) {
+        let like = self.spare.iter().enumerate().filter(|(_, list)| is_like(list));
+        // The first one, so that the same requests get the same memory, and recordings remain valid.
+        if let Some((place, _)) = like.min_by_key(|(_, list)| list.address) {
             return Ok(self.spare.swap_remove(place));
         }
         let address = self.device.allocate(count * numbers.size())?;
@@ -92,52 +94,46 @@ impl SplitFarField {
         if blocks == 0 {
             return Ok(0.0);
         }
-        let list_sums = self.reserve_sums(0, blocks)?;
+        let list_sums = self.sums(0);
         let list_weights = weights.map_or(0, |list| list.address);
         let task = KernelTask { list_x: x.address, list_y: y.address, list_weights, list_sums, ..self.task };
         self.launch_vectors(&format!("sum_products_{}", self.tables.numbers.suffix()), blocks, &task)?;
-        let [sum] = self.sum_up(list_sums, blocks)?;
-        Ok(sum)
+        self.sum_up(list_sums, blocks)
     }
 
-    /// Place for this many sums of blocks, in one of three lists.
-    pub(crate) fn reserve_sums(&mut self, list: usize, count: usize) -> Result<DeviceAddress, DeviceError> {
-        self.buffers.sums[list].reserve(self.device.as_mut(), size_of::<f64>() * count)
+    /// Takes room for the sums of all blocks of kernels that work on this many particles.
+    pub(crate) fn reserve_sums(&mut self, particles: usize) -> Result<(), DeviceError> {
+        let [blocks, of_rows] = [1, ROW_LANES].map(|lanes| (lanes * particles).div_ceil(SUM_THREADS));
+        let lists = [COUPLED_SUMS * blocks, of_rows.max(PAIR_SUMS * group_blocks(particles)), of_rows];
+        for (buffer, count) in self.buffers.sums.iter_mut().zip(lists) {
+            buffer.reserve(self.device.as_mut(), size_of::<f64>() * count)?;
+        }
+        Ok(())
     }
 
-    /// Sums of some lists of the sums of blocks, one after the other.
-    pub(crate) fn sum_up<const N: usize>(
-        &mut self,
-        list_sums: DeviceAddress,
-        blocks: usize,
-    ) -> Result<[f64; N], DeviceError> {
-        self.launch_sums(list_sums, blocks, N)?;
-        self.totals()
+    /// Place of the sums of blocks, in one of three lists.
+    pub(crate) fn sums(&self, list: usize) -> DeviceAddress {
+        self.buffers.sums[list].address()
     }
 
-    /// Place of the sums of all blocks.
-    pub(crate) fn place_of_totals(&mut self) -> Result<DeviceAddress, DeviceError> {
-        self.buffers.totals.reserve(self.device.as_mut(), size_of::<f64>() * MOST_SUMS)
+    /// Sum of a list of the sums of blocks.
+    fn sum_up(&mut self, list_sums: DeviceAddress, blocks: usize) -> Result<f64, DeviceError> {
+        self.launch_sums(list_sums, blocks, 1, self.task.totals)?;
+        let mut sum = [0.0_f64];
+        self.device.download(self.task.totals, bytemuck::cast_slice_mut(&mut sum))?;
+        Ok(sum[0])
     }
 
-    /// Adds up the sums of blocks.
+    /// Adds up the sums of blocks in lists one after the other, to sums at an address.
     pub(crate) fn launch_sums(
         &mut self,
         list_sums: DeviceAddress,
         blocks: usize,
         lists: usize,
+        totals: DeviceAddress,
     ) -> Result<(), DeviceError> {
-        let totals = self.place_of_totals()?;
         let task = KernelTask { list_sums, totals, list_size: blocks as i64, ..self.task };
         self.launch_vectors("sum_up", lists, &task)
-    }
-
-    /// The last sums.
-    pub(crate) fn totals<const N: usize>(&mut self) -> Result<[f64; N], DeviceError> {
-        let totals = self.place_of_totals()?;
-        let mut sums = [0.0_f64; N];
-        self.device.download(totals, bytemuck::cast_slice_mut(&mut sums))?;
-        Ok(sums)
     }
 
     /// Motions that stresslets cause, without a copy to the host.
@@ -153,7 +149,7 @@ impl SplitFarField {
         self.task.strain_rates = strains.address;
         let addresses = [stresslets.address, velocities.address, turns.address, strains.address];
         let orders = *orders;
-        self.repeat(EVALUATION, &addresses, |field| field.evaluate_in_order(&orders))
+        self.repeat(CommandList::Evaluation, &addresses, |field| field.evaluate_in_order(&orders))
     }
 
     pub(crate) fn blocks(&self) -> usize {

@@ -15,8 +15,9 @@ use std::collections::BTreeMap;
 use std::error::Error;
 use std::f64::consts::PI;
 
-/// Strain of the box, tolerance, and strain between the steps of a run.
+/// Strain of the box at the start and at most, tolerance, and strain between the steps of a run.
 const STRAIN: f64 = 0.3;
+const LARGEST_STRAIN: f64 = 0.4;
 const TOLERANCE: f64 = 1e-2;
 const STEP: f64 = 0.005;
 
@@ -26,8 +27,11 @@ struct CountedCase {
     fraction: f64,
 }
 
-/// Steps on the host before the one that is counted, from which its start is extrapolated by a parabola.
+/// Factors of past solutions in the start of a step, which is extrapolated by a parabola.
 const PARABOLA: [f64; 3] = [1.0, -3.0, 3.0];
+
+/// Steps of a run before the one that is counted: the past of its start, and some in which commands are recorded.
+const STEPS_BEFORE: usize = 6;
 
 /// Kernels by what they are for: the beginnings of their names.
 const GROUPS: [(&str, &[&str]); 5] = [
@@ -39,11 +43,19 @@ const GROUPS: [(&str, &[&str]); 5] = [
 ];
 
 impl CountedCase {
+    fn radii(&self) -> Vec<f64> {
+        (0..self.spheres).map(|i| if i % 2 == 0 { 1.0 } else { 1.4 }).collect()
+    }
+
+    /// The box at a strain.
+    fn cell(&self, strain: f64) -> Result<PeriodicBox, Box<dyn Error>> {
+        let volume: f64 = self.radii().iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
+        Ok(PeriodicBox::sheared(Vector::splat((volume / self.fraction).cbrt()), strain)?)
+    }
+
     /// Spheres of two sizes in a sheared box.
     fn suspension(&self) -> Result<(PeriodicBox, Particles), Box<dyn Error>> {
-        let radii: Vec<f64> = (0..self.spheres).map(|i| if i % 2 == 0 { 1.0 } else { 1.4 }).collect();
-        let volume: f64 = radii.iter().map(|a| 4.0 / 3.0 * PI * a.powi(3)).sum();
-        let cell = PeriodicBox::sheared(Vector::splat((volume / self.fraction).cbrt()), STRAIN)?;
+        let (radii, cell) = (self.radii(), self.cell(STRAIN)?);
         let positions = random_packing(&cell, &radii, 0.0, 1)?;
         let mut particles = Particles::default();
         for (id, (&position, &radius)) in positions.iter().zip(&radii).enumerate() {
@@ -61,7 +73,7 @@ impl CountedCase {
             volume: cell.volume(),
             shortest_vector: cell.edges().x,
             smallest_edge_ratio: 1.0,
-            largest_strain: STRAIN,
+            largest_strain: LARGEST_STRAIN,
             largest_tilts: [0.0; 2],
             radii: vec![(1.0, self.spheres.div_ceil(2)), (1.4, self.spheres / 2)],
             viscosity: 1.0,
@@ -98,18 +110,17 @@ impl CountedCase {
         let before = counts.borrow().clone();
         let solution = on_card.solve(&cell, &particles, &shear, Guess::default())?;
         stage(&format!("a solve from rest, {} iterations", solution.iterations), &before);
-        let mut on_host = CoupledSolver::new(&plan, &partition, short_range)?;
-        let mut past = Vec::new();
-        for _ in PARABOLA {
-            let solution = on_host.solve(&cell, &particles, &shear, extrapolated(&past))?;
+        let (mut cell, mut past) = (cell, Vec::new());
+        for step in 1..=STEPS_BEFORE {
+            let solution = on_card.solve(&cell, &particles, &shear, extrapolated(&past))?;
             for (position, &velocity) in particles.positions.iter_mut().zip(&solution.motion.velocities) {
-                *position += velocity * STEP;
+                *position += (velocity + Vector::X * position.y) * STEP;
             }
+            cell = self.cell(STRAIN + step as f64 * STEP)?;
             particles.wrap(&cell);
             past.push(solution);
         }
         let before = counts.borrow().clone();
-        on_card.mobility().follow(&cell, &particles);
         let solution = on_card.solve(&cell, &particles, &shear, extrapolated(&past))?;
         stage(&format!("a step of a run, {} iterations", solution.iterations), &before);
         let before = counts.borrow().clone();
@@ -162,6 +173,7 @@ fn since(before: &DeviceCounts, after: &DeviceCounts) -> DeviceCounts {
         replays: after.replays - before.replays,
         uploads: less(after.uploads, before.uploads),
         downloads: less(after.downloads, before.downloads),
+        waits: after.waits - before.waits,
         memory: after.memory,
     }
 }
@@ -185,6 +197,7 @@ impl CountedCase {
         println!("  all                             {runs:>5} runs {moved:>8} bytes a sphere of its memory");
         println!("  copies to the card    {:>5}, {:>5} bytes a sphere", counts.uploads[0], each(counts.uploads[1]));
         println!("  copies from the card  {:>5}, {:>5} bytes a sphere", counts.downloads[0], each(counts.downloads[1]));
+        println!("  waits of the host     {:>5}", counts.waits);
     }
 }
 

@@ -279,7 +279,7 @@ impl CoupledFarField for DeviceFarField {
             velocity: own.velocity() / given.velocity(),
             rate: own.rate() / given.rate(),
         };
-        let solution = coupled::solve(&self.split, problem, factors, &self.tables.orders([true; 2], [true; 2]));
+        let solution = coupled::solve(&self.split, problem, &factors, &self.tables.orders([true; 2], [true; 2]));
         self.note_evaluations(1 + solution.outcome.iterations as u64);
         solution
     }

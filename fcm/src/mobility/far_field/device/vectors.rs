@@ -9,23 +9,17 @@ use std::rc::Rc;
 /// A far field that vectors share, in whose memory they are.
 pub(super) type SharedField = Rc<RefCell<SplitFarField>>;
 
-/// Memory of a vector, which is released with the last of those that share it.
-struct ResidentMemory {
+/// A vector in the memory of a device, which is released with it. A clone has memory of its own.
+pub(super) struct ResidentVector {
     field: SharedField,
-    list: DeviceList,
+    /// Place of its values.
+    pub list: DeviceList,
 }
 
-impl Drop for ResidentMemory {
+impl Drop for ResidentVector {
     fn drop(&mut self) {
         self.field.borrow_mut().release(&self.list);
     }
-}
-
-/// A vector in the memory of a device. A clone has memory of its own.
-pub(super) struct ResidentVector {
-    memory: Rc<ResidentMemory>,
-    /// Place of its values.
-    pub list: DeviceList,
 }
 
 impl ResidentVector {
@@ -52,22 +46,12 @@ impl ResidentVector {
     }
 
     fn at(field: &SharedField, list: DeviceList) -> Self {
-        Self { memory: Rc::new(ResidentMemory { field: field.clone(), list }), list }
+        Self { field: field.clone(), list }
     }
 
     fn filled(self, values: &[f64]) -> Self {
-        succeeded(self.memory.field.borrow_mut().fill(&self.list, values));
+        succeeded(self.field.borrow_mut().fill(&self.list, values));
         self
-    }
-
-    /// Some of the values, in the same memory.
-    pub fn part(&self, first: usize, count: usize) -> Self {
-        Self { memory: Rc::clone(&self.memory), list: self.list.part(first, count) }
-    }
-
-    /// The same vector in the same memory.
-    pub fn shared(&self) -> Self {
-        self.part(0, self.count())
     }
 
     /// Number of values.
@@ -77,19 +61,19 @@ impl ResidentVector {
 
     /// The values.
     pub fn values(&self) -> Vec<f64> {
-        succeeded(self.memory.field.borrow_mut().values_of(&self.list))
+        succeeded(self.field.borrow_mut().values_of(&self.list))
     }
 
     /// `self = x_factor x + y_factor self`.
     pub fn combine(&mut self, factors: [f64; 2], x: &Self) {
-        succeeded(self.memory.field.borrow_mut().combine(factors, &x.list, &self.list));
+        succeeded(self.field.borrow_mut().combine(factors, &x.list, &self.list));
     }
 }
 
 impl Clone for ResidentVector {
     fn clone(&self) -> Self {
-        let list = succeeded(self.memory.field.borrow_mut().list_like(&self.list));
-        let mut copy = Self::at(&self.memory.field, list);
+        let list = succeeded(self.field.borrow_mut().list_like(&self.list));
+        let mut copy = Self::at(&self.field, list);
         copy.combine([1.0, 0.0], self);
         copy
     }

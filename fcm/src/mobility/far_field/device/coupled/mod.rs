@@ -7,10 +7,14 @@ mod preconditioner;
 
 use super::succeeded;
 use super::vectors::{ResidentVector, SharedField};
-use crate::conjugate_gradients::{InnerProducts, Iterate, Linear, Step, SteppedSystem, conjugate_gradients};
+use crate::conjugate_gradients::{InnerProducts, Iterate, SteppedSystem, Turn, conjugate_gradients};
 use crate::mobility::coupled::{CoupledProblem, CoupledSolution};
-use gpu::{CoupledVectors, DeviceStep, KnownInput, LoadFactors, Orders, ProductSums, RESIDUALS, UNKNOWNS};
-use preconditioner::{LoadedMotions, ResidentLoads, ResidentPreconditioner};
+use domain::Comm;
+use gpu::{
+    CoupledDirection, CoupledSums, CoupledVectors, KnownInput, LoadFactors, Orders, PairSet, PairSolve, RESIDUALS,
+    StartInput, UNKNOWNS,
+};
+use preconditioner::ResidentPreconditioner;
 
 /// Numbers of a motion or load, and of a stresslet.
 const SIX: usize = 6;
@@ -20,41 +24,36 @@ const FIVE: usize = 5;
 struct ResidentSystem<'a> {
     field: SharedField,
     matrix: ResidentPreconditioner,
-    /// Loads of single spheres in the residual of stiff pairs.
-    stiff: ResidentLoads,
     image: ResidentVector,
-    factors: LoadFactors,
     orders: &'a Orders,
     count: usize,
+    /// The last sums.
+    sums: CoupledSums,
 }
 
 /// Solves a problem; factors are those to the units of the far field.
 pub(super) fn solve(
     field: &SharedField,
     problem: &CoupledProblem,
-    factors: LoadFactors,
+    factors: &LoadFactors,
     orders: &Orders,
 ) -> CoupledSolution {
     let count = problem.loads.len() / SIX;
-    succeeded(field.borrow_mut().begin_coupled(problem.background));
+    succeeded(field.borrow_mut().begin_coupled(problem.background, factors));
     let mut system = ResidentSystem {
         field: field.clone(),
-        matrix: ResidentPreconditioner::new(field, SIX * count, problem.tolerances.preconditioner),
-        stiff: ResidentLoads {
-            given: ResidentVector::wide_of(field, &problem.start.loads),
-            residual: ResidentVector::wide(field, SIX * count),
-        },
+        matrix: ResidentPreconditioner::new(field, &problem.start.loads, problem.tolerances.preconditioner),
         image: ResidentVector::wide(field, RESIDUALS * count),
-        factors,
         orders,
         count,
+        sums: CoupledSums::default(),
     };
-    let mut x = system.start(problem);
-    let mut residual = system.start_residual(problem, &x);
-    let mut z = ResidentVector::wide(field, UNKNOWNS * count);
+    let [mut x, mut z] = [(); 2].map(|()| ResidentVector::wide(field, UNKNOWNS * count));
+    let mut residual = ResidentVector::wide(field, RESIDUALS * count);
+    system.start(problem, [&x, &residual]);
     let iterate = Iterate { x: &mut x, residual: &mut residual, z: &mut z };
     let outcome = conjugate_gradients(problem.comm, &mut system, iterate, problem.limits);
-    let values = system.finish(&mut x, &residual, &z, problem.tolerances.end);
+    let values = system.finish(&system.vectors([&x, &residual, &z]), problem.tolerances.end);
     let (motions, rest) = values.split_at(SIX * count);
     let (loads, rest) = rest.split_at(SIX * count);
     let (moments, rest) = rest.split_at(FIVE * count);
@@ -64,77 +63,49 @@ pub(super) fn solve(
     CoupledSolution { motions, loads, moments, strain_rates, first_moments, outcome }
 }
 
-/// Inner products by name.
-fn named([product, former, error, size]: ProductSums) -> InnerProducts {
-    InnerProducts { product, former, error, size }
-}
-
-/// A step by its places.
-fn placed(step: &Step<ResidentVector, ResidentVector>) -> DeviceStep {
-    DeviceStep { length: step.length, direction: step.direction.list, image: step.image.list }
-}
-
 impl ResidentSystem<'_> {
-    /// Unknowns from which the iteration starts: the motions that near pairs have under the loads of the start.
-    fn start(&self, problem: &CoupledProblem) -> ResidentVector {
-        let numbers = SIX * self.count;
-        let motions = ResidentVector::wide_of(&self.field, &problem.start.motions);
-        let moved = LoadedMotions { motions, loads: ResidentVector::wide(&self.field, numbers) };
-        self.matrix.solve_with_all(&self.stiff, &moved, problem.tolerances.start);
-        let x = ResidentVector::wide(&self.field, UNKNOWNS * self.count);
-        x.part(4 * numbers, FIVE * self.count)
-            .combine([1.0, 0.0], &ResidentVector::wide_of(&self.field, &problem.start.moments));
-        let lists = [&moved.motions.list, &moved.loads.list];
-        succeeded(self.field.borrow_mut().start_unknowns(lists, &x.list));
-        x
-    }
-
-    /// Residual of the start.
-    fn start_residual(&self, problem: &CoupledProblem, x: &ResidentVector) -> ResidentVector {
-        let residual = ResidentVector::wide(&self.field, RESIDUALS * self.count);
-        let loads = ResidentVector::wide_of(&self.field, problem.loads);
+    /// Unknowns and residual from which the iteration starts: the motions that near pairs have under the loads of the
+    /// start.
+    fn start(&self, problem: &CoupledProblem, [x, residual]: [&ResidentVector; 2]) {
+        let field = &self.field;
+        let motions = ResidentVector::wide_of(field, &problem.start.motions);
+        let near_loads = ResidentVector::wide(field, SIX * self.count);
+        let (of_motions, of_loads) = (motions.list, near_loads.list);
+        let vectors = self.matrix.vectors();
+        let solve = PairSolve { pairs: PairSet::All, motions: of_motions, loads: of_loads, vectors };
+        let limits = ResidentPreconditioner::limits_of(problem.tolerances.start);
+        succeeded(field.borrow_mut().solve_pairs(&solve, limits));
+        let moments = ResidentVector::wide_of(field, &problem.start.moments);
+        let start = StartInput { motions: of_motions, loads: of_loads, moments: moments.list };
+        let loads = ResidentVector::wide_of(field, problem.loads);
         let given = Some(&problem.ambient).filter(|list| !list.is_empty());
-        let ambient = given.map(|values| ResidentVector::wide_of(&self.field, values));
-        let ambient_list = ambient.as_ref().map(|vector| vector.list);
-        let known = KnownInput { loads: loads.list, ambient: ambient_list, background: problem.background };
+        let ambient = given.map(|values| ResidentVector::wide_of(field, values));
+        let known = KnownInput { loads: loads.list, ambient: ambient.as_ref().map(|vector| vector.list) };
         let lists = [&x.list, &residual.list];
-        succeeded(self.field.borrow_mut().start_residual(lists, &known, &self.factors, self.orders));
-        residual
-    }
-
-    /// Motions and loads of stiff pairs within unknowns.
-    fn of_stiff(&self, unknowns: &ResidentVector) -> LoadedMotions {
-        let numbers = SIX * self.count;
-        LoadedMotions { motions: unknowns.part(0, numbers), loads: unknowns.part(numbers, numbers) }
+        succeeded(field.borrow_mut().start_coupled(lists, &start, &known, self.orders));
     }
 
     fn vectors(&self, [x, residual, z]: [&ResidentVector; 3]) -> CoupledVectors {
         let (unknowns, residual, preconditioned) = (x.list, residual.list, z.list);
-        let stiff_loads = [self.stiff.given.list, self.stiff.residual.list];
-        CoupledVectors { unknowns, residual, preconditioned, stiff_loads }
+        CoupledVectors { unknowns, residual, preconditioned, stiff: self.matrix.vectors() }
     }
 
-    fn measured(&self, vectors: [&ResidentVector; 3]) -> InnerProducts {
-        let at = self.vectors(vectors);
-        named(succeeded(self.field.borrow_mut().measure_coupled(&at)))
+    /// Notes the sums of a step.
+    fn noted(&mut self, sums: CoupledSums) -> InnerProducts {
+        self.sums = sums;
+        let [product, former, error, size, _] = sums;
+        InnerProducts { product, former, error, size }
     }
 
     /// Result after a last correction, the preconditioned residual, which is refined to an error of `tolerance` in the
     /// near field.
-    fn finish(
-        &mut self,
-        x: &mut ResidentVector,
-        residual: &ResidentVector,
-        z: &ResidentVector,
-        tolerance: f64,
-    ) -> Vec<f64> {
-        let [of_x, of_z] = [&*x, z].map(|vector| self.measured([vector, residual, z]).size);
+    fn finish(&mut self, at: &CoupledVectors, tolerance: f64) -> Vec<f64> {
+        let [.., of_x, of_z] = self.sums;
+        let mut field = self.field.borrow_mut();
         if self.matrix.tighten_to(tolerance * (of_x / of_z).sqrt()) {
-            self.matrix.continue_solve(&self.stiff, &self.of_stiff(z));
+            succeeded(field.refine_coupled(at, self.matrix.limits()));
         }
-        x.add(1.0, z);
-        let at = self.vectors([x, residual, z]);
-        succeeded(self.field.borrow_mut().coupled_result(&at))
+        succeeded(field.coupled_result(at))
     }
 }
 
@@ -142,26 +113,30 @@ impl SteppedSystem for ResidentSystem<'_> {
     type Unknowns = ResidentVector;
     type Residual = ResidentVector;
 
-    fn curvature(&mut self, direction: &ResidentVector) -> (ResidentVector, f64) {
-        let lists = [&direction.list, &self.image.list];
-        let product = self.field.borrow_mut().curvature(lists, &self.factors, self.orders);
-        (self.image.shared(), succeeded(product))
-    }
-
-    fn on_step(&mut self, _: f64) {}
-
     fn refine_preconditioner(&mut self) -> bool {
         self.matrix.refine()
     }
 
-    fn step_and_measure(
+    fn measure(&mut self, at: Iterate<ResidentVector, ResidentVector>) -> InnerProducts {
+        let at = self.vectors([at.x, at.residual, at.z]);
+        let sums = succeeded(self.field.borrow_mut().measure_coupled(&at, self.matrix.limits()));
+        self.noted(sums)
+    }
+
+    fn advance(
         &mut self,
-        Iterate { x, residual, z }: Iterate<ResidentVector, ResidentVector>,
-        step: Option<Step<ResidentVector, ResidentVector>>,
+        _: &Comm,
+        at: Iterate<ResidentVector, ResidentVector>,
+        direction: &mut Option<ResidentVector>,
+        turn: Turn,
     ) -> InnerProducts {
-        let at = self.vectors([x, residual, z]);
-        succeeded(self.field.borrow_mut().step_coupled(&at, step.as_ref().map(placed).as_ref()));
-        self.matrix.solve(&self.stiff, &self.of_stiff(z));
-        self.measured([x, residual, z])
+        let numbers = UNKNOWNS * self.count;
+        let direction = direction.get_or_insert_with(|| ResidentVector::wide(&self.field, numbers)).list;
+        let Turn { factor, product } = turn;
+        let along = CoupledDirection { direction, image: self.image.list, turn: factor, product };
+        let at = self.vectors([at.x, at.residual, at.z]);
+        let limits = self.matrix.limits();
+        let sums = succeeded(self.field.borrow_mut().iterate_coupled(&at, &along, limits, self.orders));
+        self.noted(sums)
     }
 }

@@ -1,0 +1,34 @@
+//! Numbers and state of a device at present.
+
+use crate::device::DeviceError;
+use crate::far_field::SplitFarField;
+use crate::numbers::{KernelNumbers, SolveSettings, SolveState};
+use crate::task::DeviceAddress;
+
+impl SplitFarField {
+    /// Copies numbers to the device unless they are there.
+    pub(crate) fn set_numbers(&mut self, numbers: KernelNumbers) -> Result<(), DeviceError> {
+        if self.numbers != numbers {
+            self.device.upload(self.task.numbers, bytemuck::bytes_of(&numbers))?;
+            self.numbers = numbers;
+        }
+        Ok(())
+    }
+
+    /// Sets what the host sets of the state of a solve.
+    pub(crate) fn set_state(&mut self, settings: &SolveSettings) -> Result<(), DeviceError> {
+        self.device.upload(self.task.state, bytemuck::bytes_of(settings))
+    }
+
+    /// The present state of a solve.
+    pub(crate) fn state(&mut self) -> Result<SolveState, DeviceError> {
+        let mut state = SolveState::default();
+        self.device.download(self.task.state, bytemuck::bytes_of_mut(&mut state))?;
+        Ok(state)
+    }
+
+    /// Address of the sums of the state.
+    pub(crate) fn sums_of_state(&self) -> DeviceAddress {
+        self.task.state + size_of::<SolveSettings>() as u64
+    }
+}
