@@ -47,7 +47,7 @@ impl SplitFarField {
         let given_entries = input.given.map_or(0, |rows| rows.others.len() as i64);
         let near_entries = pairs.map(|count| count as i64);
         let background = input.background;
-        self.set_numbers(KernelNumbers { background, near_entries, given_entries, ..self.numbers })?;
+        self.set_numbers(&KernelNumbers { background, near_entries, given_entries, ..self.numbers })?;
         self.assemble_rows()?;
         let values = self.form_groups(pairs[0])?;
         Ok(NearInFlow { pairs, values })

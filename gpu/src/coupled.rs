@@ -101,7 +101,7 @@ impl SplitFarField {
         task.angular_velocities = turns.reserve(on, 3 * count * value)?;
         task.strain_rates = strains.reserve(on, 5 * count * value)?;
         let &LoadFactors { force, torque, velocity, rate } = factors;
-        self.set_numbers(KernelNumbers { background, force, torque, velocity, rate, ..self.numbers })
+        self.set_numbers(&KernelNumbers { background, force, torque, velocity, rate, ..self.numbers })
     }
 
     /// Runs a kernel with a thread a particle.
@@ -206,7 +206,7 @@ impl SplitFarField {
         self.launch_particles(&format!("coupled_loads_{suffix}"), &task)?;
         self.evaluate_in_order(orders)?;
         let (image, list_sums) = (along.image.address, self.sums(0));
-        let task = KernelTask { direction, image, list_sums, ..self.task };
+        let task = KernelTask { list_sums, direction, image, ..self.task };
         self.launch_particles(&format!("coupled_image_{suffix}"), &task)
     }
 

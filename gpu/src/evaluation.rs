@@ -126,7 +126,7 @@ impl SplitFarField {
         self.reserve_records()?;
         self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
         let suffix = self.tables.numbers.suffix();
-        self.set_numbers(KernelNumbers { noise_seed: seed, ..self.numbers })?;
+        self.set_numbers(&KernelNumbers { noise_seed: seed, ..self.numbers })?;
         self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
         self.transform(false, TransformPart::Whole)?;
         self.run(EvaluationStage::Interpolate, orders)?;

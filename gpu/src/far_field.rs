@@ -202,7 +202,7 @@ impl SplitFarField {
         let [of_smoothing, of_levels] = &mut buffers.of_box;
         task.smoothing = of_smoothing.fill(on, &format.bytes_of(smoothing))?;
         task.levels = of_levels.fill(on, &format.bytes_of(shape.levels.iter().flatten().copied()))?;
-        self.set_numbers(numbers)?;
+        self.set_numbers(&numbers)?;
         self.task.reach = self.bins_within(self.tables.cutoff);
         Ok(())
     }

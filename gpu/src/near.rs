@@ -86,7 +86,7 @@ impl SplitFarField {
     ) -> Result<(), DeviceError> {
         let (direction, image, list_sums) = (motions.address, loads.address, self.sums(1));
         let (pair_sets, adds_single) = (pairs as i32, i32::from(adds_single));
-        let task = KernelTask { direction, image, list_sums, pair_sets, adds_single, ..self.task };
+        let task = KernelTask { list_sums, direction, image, pair_sets, adds_single, ..self.task };
         self.launch_vectors(&format!("row_loads_{}", self.tables.numbers.suffix()), self.row_blocks(), &task)
     }
 

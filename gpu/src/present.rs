@@ -7,10 +7,10 @@ use crate::task::DeviceAddress;
 
 impl SplitFarField {
     /// Copies numbers to the device unless they are there.
-    pub(crate) fn set_numbers(&mut self, numbers: KernelNumbers) -> Result<(), DeviceError> {
-        if self.numbers != numbers {
-            self.device.upload(self.task.numbers, bytemuck::bytes_of(&numbers))?;
-            self.numbers = numbers;
+    pub(crate) fn set_numbers(&mut self, numbers: &KernelNumbers) -> Result<(), DeviceError> {
+        if self.numbers != *numbers {
+            self.device.upload(self.task.numbers, bytemuck::bytes_of(numbers))?;
+            self.numbers = *numbers;
         }
         Ok(())
     }
