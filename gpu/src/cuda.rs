@@ -8,10 +8,10 @@ use cudarc::cufft::{CudaFft, result as cufft};
 use cudarc::driver::result::device;
 use cudarc::driver::sys::{CUdevice_attribute, CUgraphInstantiate_flags, CUstreamCaptureMode};
 use cudarc::driver::{
-    CudaContext, CudaFunction, CudaGraph, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError,
-    LaunchConfig, PushKernelArg,
+    CudaContext, CudaFunction, CudaGraph, CudaModule, CudaSlice, CudaStream, CudaViewMut, DevicePtr, DeviceRepr,
+    DriverError, LaunchConfig, PushKernelArg,
 };
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Kernels as PTX, made by `scripts/kernels`.
@@ -29,7 +29,7 @@ pub struct Cuda {
     stream: Arc<CudaStream>,
     module: Arc<CudaModule>,
     functions: HashMap<String, CudaFunction>,
-    memory: HashMap<DeviceAddress, CudaSlice<u8>>,
+    memory: BTreeMap<DeviceAddress, CudaSlice<u8>>,
     transforms: Vec<(TransformKind, CudaFft)>,
     recordings: HashMap<usize, CudaGraph>,
 }
@@ -79,8 +79,8 @@ fn failed(error: impl std::fmt::Display) -> DeviceError {
     DeviceError(format!("the GPU: {error}"))
 }
 
-fn capability_of_first() -> Result<[i32; 2], DriverError> {
-    let card = device::get(0)?;
+fn capability_of(number: usize) -> Result<[i32; 2], DriverError> {
+    let card = device::get(number as i32)?;
     let of = |attribute| {
         // SAFETY: the card is one that the driver named.
         unsafe { device::get_attribute(card, attribute) }
@@ -105,7 +105,8 @@ fn check_capability(found: [i32; 2]) -> Result<(), DeviceError> {
 fn info_of(context: &CudaContext) -> Result<DeviceInfo, DeviceError> {
     let (free, total) = context.mem_get_info().map_err(failed)?;
     let name = context.name().map_err(failed)?;
-    Ok(DeviceInfo { name, total_bytes: total as f64, free_bytes: free as f64 })
+    let identity = context.uuid().map_err(failed)?.bytes.map(|byte| byte as u8);
+    Ok(DeviceInfo { name, identity, total_bytes: total as f64, free_bytes: free as f64 })
 }
 
 impl Cuda {
@@ -121,7 +122,7 @@ impl Cuda {
             return Err(DeviceError("this machine has no cuFFT (libcufft.so)".to_owned()));
         }
         match CudaContext::device_count() {
-            Ok(count) if count > 0 => check_capability(capability_of_first().map_err(failed)?),
+            Ok(count) if count > 0 => check_capability(capability_of(0).map_err(failed)?),
             Ok(_) => Err(DeviceError("the CUDA driver finds no GPU".to_owned())),
             Err(error) => Err(DeviceError(format!("the CUDA driver finds no GPU: {error}"))),
         }
@@ -130,27 +131,37 @@ impl Cuda {
     /// Compute capability of the first card.
     pub fn capability() -> Result<[i32; 2], DeviceError> {
         Self::check()?;
-        capability_of_first().map_err(failed)
+        capability_of(0).map_err(failed)
     }
 
-    /// Properties of the first card.
-    pub fn first() -> Result<DeviceInfo, DeviceError> {
+    /// Number of cards of this machine that the process may use, at least one.
+    pub fn count() -> Result<usize, DeviceError> {
         Self::check()?;
-        info_of(&*CudaContext::new(0).map_err(failed)?)
+        CudaContext::device_count().map(|count| count as usize).map_err(failed)
     }
 
-    /// Opens the first card.
-    pub fn open() -> Result<Self, DeviceError> {
+    /// Properties of a card by its number.
+    pub fn properties(number: usize) -> Result<DeviceInfo, DeviceError> {
         Self::check()?;
-        let context = CudaContext::new(0).map_err(failed)?;
+        info_of(&*CudaContext::new(number).map_err(failed)?)
+    }
+
+    /// Opens a card by its number.
+    pub fn open(number: usize) -> Result<Self, DeviceError> {
+        Self::check()?;
+        check_capability(capability_of(number).map_err(failed)?)?;
+        let context = CudaContext::new(number).map_err(failed)?;
         let module = context.load_module(PTX.into()).map_err(failed)?;
         let stream = context.new_stream().map_err(failed)?;
-        let (functions, memory) = (HashMap::new(), HashMap::new());
+        let (functions, memory) = (HashMap::new(), BTreeMap::new());
         Ok(Self { context, stream, module, functions, memory, transforms: Vec::new(), recordings: HashMap::new() })
     }
 
-    fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
-        self.memory.get_mut(&address).expect("memory that was allocated")
+    /// Bytes from an address within memory that was allocated.
+    fn memory(&mut self, address: DeviceAddress, bytes: usize) -> CudaViewMut<'_, u8> {
+        let (start, memory) = self.memory.range_mut(..=address).next_back().expect("memory that was allocated");
+        let first = (address - start) as usize;
+        memory.slice_mut(first..first + bytes)
     }
 
     fn function(&mut self, kernel: &str) -> Result<&CudaFunction, DeviceError> {
@@ -222,7 +233,7 @@ impl Device for Cuda {
             return Ok(());
         }
         let stream = self.stream.clone();
-        stream.memset_zeros(&mut self.memory(address).slice_mut(..bytes)).map_err(failed)
+        stream.memset_zeros(&mut self.memory(address, bytes)).map_err(failed)
     }
 
     fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError> {
@@ -230,12 +241,12 @@ impl Device for Cuda {
             return Ok(());
         }
         let stream = self.stream.clone();
-        stream.memcpy_htod(bytes, &mut self.memory(address).slice_mut(..bytes.len())).map_err(failed)
+        stream.memcpy_htod(bytes, &mut self.memory(address, bytes.len())).map_err(failed)
     }
 
     fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError> {
         let stream = self.stream.clone();
-        stream.memcpy_dtoh(&self.memory(address).slice(..bytes.len()), bytes).map_err(failed)?;
+        stream.memcpy_dtoh(&self.memory(address, bytes.len()), bytes).map_err(failed)?;
         self.finish()
     }
 
@@ -306,7 +317,7 @@ mod tests {
     /// With a card: its memory. Without one: the reason that a scene is refused with.
     #[test]
     fn a_card_has_memory_or_is_not_there() {
-        match Cuda::first() {
+        match Cuda::properties(0) {
             Ok(card) => assert!(card.free_bytes > 0.0 && card.free_bytes <= card.total_bytes, "{card:?}"),
             Err(reason) => assert_eq!(Cuda::check(), Err(reason)),
         }

@@ -13,6 +13,8 @@ pub struct DeviceError(pub String);
 pub struct DeviceInfo {
     /// Name.
     pub name: String,
+    /// Number that no other card has.
+    pub identity: [u8; 16],
     /// Bytes of its memory.
     pub total_bytes: f64,
     /// Bytes that are free.
@@ -70,13 +72,13 @@ pub trait Device {
     /// Releases memory.
     fn release(&mut self, address: DeviceAddress);
 
-    /// Sets the first bytes of memory to zero.
+    /// Sets bytes to zero, from an address within memory.
     fn zero(&mut self, address: DeviceAddress, bytes: usize) -> Result<(), DeviceError>;
 
-    /// Copies bytes to the start of memory.
+    /// Copies bytes to an address within memory.
     fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError>;
 
-    /// Copies bytes from the start of memory, after all commands before.
+    /// Copies bytes from an address within memory, after all commands before.
     fn download(&mut self, address: DeviceAddress, bytes: &mut [u8]) -> Result<(), DeviceError>;
 
     /// Runs a kernel.

@@ -7,6 +7,7 @@
 
 mod assembly;
 mod buffers;
+mod copies;
 mod counted;
 mod coupled;
 mod cuda;
@@ -22,6 +23,7 @@ mod near;
 mod near_tables;
 mod pair_rows;
 mod repeated;
+mod share;
 mod tables;
 mod task;
 mod vectors;
@@ -32,13 +34,14 @@ pub use coupled::{CoupledVectors, KnownInput, LoadFactors, RESIDUALS, RESULTS, U
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use emulator::Emulator;
-pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
 pub use images::ImageLists;
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
 pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
+pub use share::{GridShare, Peers, StencilSums};
 pub use tables::{
     COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
     WindowPolynomials,

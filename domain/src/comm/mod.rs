@@ -213,7 +213,7 @@ impl Comm {
 
     /// The ranks of this group on the same machine.
     #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
-    pub(crate) fn machine(&self) -> Self {
+    pub fn machine(&self) -> Self {
         match &self.backend {
             Backend::Alone => Self::alone(),
             Backend::Threads(rank) => self.split(rank.machine()),
