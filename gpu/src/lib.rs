@@ -14,6 +14,7 @@ mod cuda;
 mod device;
 mod emulator;
 mod evaluation;
+mod exchange;
 mod far_field;
 mod groups;
 mod images;

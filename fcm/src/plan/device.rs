@@ -70,7 +70,7 @@ pub struct NearPairCounts {
 /// Ranks whose cards are asked for.
 #[derive(Clone, Copy)]
 pub enum CardRanks<'a> {
-    /// Those that are present.
+    /// Ranks that are present.
     Present(&'a Comm),
     /// This many ranks on this machine.
     Asked(usize),
