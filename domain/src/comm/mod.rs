@@ -212,6 +212,7 @@ impl Comm {
     }
 
     /// The ranks of this group on the same machine.
+    #[must_use]
     #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
     pub fn machine(&self) -> Self {
         match &self.backend {

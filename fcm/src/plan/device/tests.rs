@@ -130,5 +130,7 @@ fn cards_share_the_memory_of_the_grid() {
     };
     let value = if plan.precision == Precision::Single { 4.0 } else { 8.0 };
     let (field, spectrum) = (3.0 * value * 128.0_f64.powi(3), 6.0 * value * 65.0 * 128.0 * 128.0);
-    assert_eq!(bytes(1) - bytes(2), field + spectrum - 2.0 * (0.5 * spectrum));
+    // The memory of the field has as much as that of the spectrum, which is more, for the exchange.
+    let saved = field + spectrum - 2.0 * (0.5 * spectrum);
+    assert!((bytes(1) - bytes(2) - saved).abs() < 1.0, "{} bytes", bytes(1) - bytes(2));
 }
