@@ -17,8 +17,10 @@ static constexpr int MEAN_THREADS = 128;
 static constexpr int WALL_SUMS = 24;
 static constexpr int ALONG_WALLS = 36;
 
-// Number of columns, and the place of a mode of a plane.
-static __device__ int columns_of(const Task &task) { return (task.grid[0] / 2 + 1) * task.grid[1]; }
+// Number of columns, whether one is that of the mean, and the place of a mode of a plane.
+static __device__ int columns_of(const Task &task) { return (task.grid[0] / 2 + 1) * task.modes; }
+
+static __device__ bool is_mean(const Task &task, int column) { return column == 0 && task.first_mode == 0; }
 
 template <typename T> __device__ Complex<T> *mode_of_plane(const Task &task, int component, int plane, int column)
 {
@@ -136,7 +138,7 @@ template <typename T> __device__ void channel_flow(const Task &task)
     double decay = task.channel_columns[column], amplitudes[WALL_SUMS], weights[4];
     const double *mean = task.channel_amplitudes + WALL_SUMS * columns;
     for (int k = 0; k < WALL_SUMS; k++) amplitudes[k] = decay > 0 ? task.channel_amplitudes[k * columns + column] : 0;
-    for (int plane = slice; (decay > 0 || column == 0) && plane < planes; plane += CHANNEL_SLICES) {
+    for (int plane = slice; (decay > 0 || is_mean(task, column)) && plane < planes; plane += CHANNEL_SLICES) {
         column_weights(decay, plane, planes, weights);
         for (int c = 0; c < 3; c++) {
             Complex<T> *velocity = mode_of_plane<T>(task, c, plane, column);
@@ -145,7 +147,8 @@ template <typename T> __device__ void channel_flow(const Task &task)
                 re += weights[place] * amplitudes[6 * place + 2 * c];
                 im += weights[place] * amplitudes[6 * place + 2 * c + 1];
             }
-            for (int p = 0; column == 0 && c < 2 && p < 3; p++) re += task.channel_planes[3 * plane + p] * mean[3 * c + p];
+            for (int p = 0; is_mean(task, column) && c < 2 && p < 3; p++)
+                re += task.channel_planes[3 * plane + p] * mean[3 * c + p];
             *velocity = {(T)re, (T)im};
         }
     }

@@ -5,6 +5,7 @@
 #include "assembly.h"
 #include "channel.h"
 #include "coupled.h"
+#include "exchange.h"
 #include "images.h"
 #include "loads.h"
 #include "noise.h"
@@ -33,6 +34,10 @@
     KERNEL(channel_moments_##suffix, channel_moments<T>)  \
     KERNEL(channel_flow_##suffix, channel_flow<T>)        \
     KERNEL(random_modes_##suffix, random_modes<T>)        \
+    KERNEL(pack_planes_##suffix, pack<T, PLANE>)          \
+    KERNEL(unpack_planes_##suffix, unpack<T, PLANE>)      \
+    KERNEL(pack_columns_##suffix, pack<T, COLUMN>)        \
+    KERNEL(unpack_columns_##suffix, unpack<T, COLUMN>)    \
     KERNEL(interpolate_0_##suffix, interpolate<T, 0>)     \
     KERNEL(interpolate_1_##suffix, interpolate<T, 1>)     \
     KERNEL(interpolate_2_##suffix, interpolate<T, 2>)     \

@@ -31,7 +31,7 @@ template <typename T> __device__ void image_motions(const Task &task)
     SHARED(T, partial, MOTION *IMAGE_THREADS);
     int thread = (int)threadIdx.x, lane = thread % IMAGE_LANES;
     int row = (int)blockIdx.x * (IMAGE_THREADS / IMAGE_LANES) + thread / IMAGE_LANES;
-    bool is_there = row < task.particles;
+    bool is_there = row < task.owned;
     T sums[MOTION], load[MOTION];
     for (int i = 0; i < MOTION; i++) sums[i] = 0;
     int end = is_there ? task.image_starts[row + 1] : 0;

@@ -20,7 +20,8 @@ __device__ T smoothed(const T *x, const T sums[][3], int n, int m, int l, int co
     return total;
 }
 
-// Sums over a column of a stencil, the points of equal x, by pairs of derivatives along y and z.
+// Sums over a column of a stencil, the points of equal x in the planes that this device has, by pairs of derivatives
+// along y and z.
 template <typename T, int ORDER>
 __device__ void column_sums(const Task &task, const int first[3], int x, const T *y, const T *z, T sums[][3])
 {
@@ -29,15 +30,16 @@ __device__ void column_sums(const Task &task, const int first[3], int x, const T
     for (int pair = 0; pair < pairs_of(ORDER); pair++)
         for (int c = 0; c < 3; c++) sums[pair][c] = 0;
     for (int dz = 0; dz < task.points; dz++) {
+        int at = wrapped(first[2] + dz - task.first_plane, task.grid[2]);
+        if (at >= task.planes) continue;
         T of_plane[ORDER + 1][3];
         for (int m = 0; m <= ORDER; m++)
             for (int c = 0; c < 3; c++) of_plane[m][c] = 0;
         for (int dy = 0; dy < task.points; dy++) {
-            const T *value = field + (long long)wrapped(first[1] + dy, task.grid[1]) * task.grid[0]
-                             + wrapped(first[2] + dz, task.grid[2]) * plane;
+            const T *value = field + (long long)wrapped(first[1] + dy, task.grid[1]) * task.grid[0] + at * plane;
             for (int c = 0; c < 3; c++)
                 for (int m = 0; m <= ORDER; m++)
-                    of_plane[m][c] += y[m * MOST_POINTS + dy] * value[c * plane * task.grid[2]];
+                    of_plane[m][c] += y[m * MOST_POINTS + dy] * value[c * plane * task.planes];
         }
         int pair = 0;
         for (int m = 0; m <= ORDER; m++)

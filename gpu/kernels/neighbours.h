@@ -76,12 +76,18 @@ __device__ void visit_around(const Task &task, int target, const int reach[3], c
             }
 }
 
+// Whether a particle in the order of bins is one whose motion is wanted.
+static __device__ bool is_owned(const Task &task, int place)
+{
+    return place < task.particles && (task.owned == task.particles || task.rows[place] < task.owned);
+}
+
 // Finds the neighbours of each particle in the order of bins: first, without a list, their numbers; then the list. Both
 // are one kernel, so that the same pairs are within the cutoff whatever the compiler makes of the arithmetic.
 template <typename T> __device__ void find_neighbours(const Task &task)
 {
     int target = thread_index(), found = 0;
-    if (target >= task.particles) return;
+    if (!is_owned(task, target)) return;
     int *list = task.neighbours ? task.neighbours + 2 * task.neighbour_starts[target] : nullptr;
     auto visit = [&](int source, const int steps[3]) {
         T x[3];

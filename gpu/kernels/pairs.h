@@ -106,7 +106,7 @@ template <typename T> __device__ void pair_motions(const Task &task)
     SHARED(T, partial, MOTION *PAIR_THREADS);
     int thread = (int)threadIdx.x, lane = thread % PAIR_LANES, group = thread / PAIR_LANES;
     int target = (int)blockIdx.x * (PAIR_THREADS / PAIR_LANES) + group;
-    bool is_there = target < task.particles;
+    bool is_there = is_owned(task, target);
     T sums[MOTION];
     for (int i = 0; i < MOTION; i++) sums[i] = 0;
     int end = is_there ? task.neighbour_starts[target + 1] : 0;

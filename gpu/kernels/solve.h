@@ -5,17 +5,17 @@
 static __device__ float exponential(float x) { return expf(x); }
 static __device__ double exponential(double x) { return exp(x); }
 
-// Number of modes of a component.
+// Number of modes of a component, in whole columns along z.
 static __device__ long long modes_of(const Task &task)
 {
-    return (long long)(task.grid[0] / 2 + 1) * task.grid[1] * task.grid[2];
+    return (long long)(task.grid[0] / 2 + 1) * task.modes * task.grid[2];
 }
 
 // Signed index along an axis of a mode by its place.
 static __device__ int signed_mode(const Task &task, int at, int axis)
 {
-    int columns = task.grid[0] / 2 + 1, rows = task.grid[1];
-    int mode = axis == 0 ? at % columns : axis == 1 ? at / columns % rows : at / (columns * rows);
+    int columns = task.grid[0] / 2 + 1, rows = task.modes;
+    int mode = axis == 0 ? at % columns : axis == 1 ? task.first_mode + at / columns % rows : at / (columns * rows);
     return 2 * mode < task.grid[axis] ? mode : mode - task.grid[axis];
 }
 
@@ -31,7 +31,7 @@ template <typename T> __device__ Mode<T> mode_at(const Task &task, int at)
     const T *levels = (const T *)task.levels;
     T level = 0;
     Mode<T> mode;
-    bool is_zero = at == 0;
+    bool is_zero = at == 0 && task.first_mode == 0;
     for (int axis = 0; axis < 3; axis++) {
         int order = signed_mode(task, at, axis), place = order < 0 && axis > 0 ? order + task.grid[axis] : abs(order);
         level += levels[place];

@@ -147,7 +147,7 @@ template <typename T, int ORDER> __device__ void spread(const Task &task)
     int thread = (int)threadIdx.x, tile = (int)blockIdx.x, origin[3];
     origin[0] = tile % task.tiles[0] * TILE;
     origin[1] = tile / task.tiles[0] % task.tiles[1] * TILE;
-    origin[2] = tile / (task.tiles[0] * task.tiles[1]) * TILE;
+    origin[2] = task.first_plane + tile / (task.tiles[0] * task.tiles[1]) * TILE;
     if (thread < 3) counts[thread] = bins_of_tile(task, thread, origin[thread], axis_bins + thread * AXIS_BINS);
     __syncthreads();
     TileBins bins = {starts, before, counts[0] * counts[1] * counts[2]};
@@ -177,10 +177,10 @@ template <typename T, int ORDER> __device__ void spread(const Task &task)
         }
         __syncthreads();
     }
-    int y = origin[1] + row_y, z = origin[2] + row_z;
-    if (y >= task.grid[1] || z >= task.grid[2]) return;
+    int y = origin[1] + row_y, z = origin[2] - task.first_plane + row_z;
+    if (y >= task.grid[1] || z >= task.planes) return;
     long long plane = (long long)task.grid[0] * task.grid[1], row = z * plane + (long long)y * task.grid[0] + origin[0];
     for (int c = 0; c < 3; c++)
         for (int q = 0; q < TILE && origin[0] + q < task.grid[0]; q++)
-            ((T *)task.field)[c * plane * task.grid[2] + row + q] = sums[c][q];
+            ((T *)task.field)[c * plane * task.planes + row + q] = sums[c][q];
 }

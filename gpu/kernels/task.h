@@ -85,6 +85,8 @@ struct Task {
     const int *table_starts, *table_sizes;
     // Values on the grid, [component][z][y][x], their transform, and sums of the interpolation by particle.
     void *field, *spectrum, *interpolated;
+    // Where the part of each line of the grid along y, and along z, begins that a device has, and its lines.
+    const int *parts[2];
     // Motions in the order of the host.
     void *velocities, *angular_velocities, *strain_rates;
     // List that is summed up, and sums of its blocks.
@@ -130,13 +132,14 @@ struct Task {
     double gaussian, widening;
     double x_factor, y_factor;
     long long list_size;
-    // Axes along which the box does not repeat, a bit each.
-    long long bounded_axes;
     // Number of sums of blocks of the kernel before.
     long long block_count;
 
-    int particles, class_count;
+    // Particles; the first of them in the order of the host have motions, the others are those of other devices.
+    int particles, owned, class_count;
     int grid[3], bins[3], tiles[3];
+    // Planes along z of the values that this device has, and modes along y of columns along z: the first, and how many.
+    int first_plane, planes, first_mode, modes;
     // Bins in which neighbours of a bin's particles are, to either side.
     int reach[3];
     // The same of near pairs.
@@ -146,6 +149,8 @@ struct Task {
     // Threads of a particle in the interpolation.
     int lanes;
     int is_rotated, scan_count;
+    // Axes along which the box does not repeat, a bit each.
+    int bounded_axes;
     // Sets of near pairs, a bit each, and whether the loads of single spheres are added to theirs.
     int pair_sets, adds_single;
     // 0 and 1 in turn for the steps of an iteration.

@@ -8,10 +8,10 @@ use cudarc::cufft::{CudaFft, result as cufft};
 use cudarc::driver::result::{device, memcpy_dtoh_async};
 use cudarc::driver::sys::{CUdevice_attribute, CUgraphInstantiate_flags, CUstreamCaptureMode};
 use cudarc::driver::{
-    CudaContext, CudaFunction, CudaGraph, CudaModule, CudaSlice, CudaStream, DevicePtr, DeviceRepr, DriverError,
-    LaunchConfig, PinnedHostSlice, PushKernelArg,
+    CudaContext, CudaFunction, CudaGraph, CudaModule, CudaSlice, CudaStream, CudaViewMut, DevicePtr, DeviceRepr,
+    DriverError, LaunchConfig, PinnedHostSlice, PushKernelArg,
 };
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// Kernels as PTX, made by `scripts/kernels`.
@@ -29,7 +29,7 @@ pub struct Cuda {
     stream: Arc<CudaStream>,
     module: Arc<CudaModule>,
     functions: HashMap<String, CudaFunction>,
-    memory: HashMap<DeviceAddress, CudaSlice<u8>>,
+    memory: BTreeMap<DeviceAddress, CudaSlice<u8>>,
     transforms: Vec<(TransformKind, CudaFft)>,
     recordings: HashMap<usize, CudaGraph>,
     /// Memory of the host that the card writes to.
@@ -81,8 +81,8 @@ fn failed(error: impl std::fmt::Display) -> DeviceError {
     DeviceError(format!("the GPU: {error}"))
 }
 
-fn capability_of_first() -> Result<[i32; 2], DriverError> {
-    let card = device::get(0)?;
+fn capability_of(number: usize) -> Result<[i32; 2], DriverError> {
+    let card = device::get(number as i32)?;
     let of = |attribute| {
         // SAFETY: the card is one that the driver named.
         unsafe { device::get_attribute(card, attribute) }
@@ -107,7 +107,8 @@ fn check_capability(found: [i32; 2]) -> Result<(), DeviceError> {
 fn info_of(context: &CudaContext) -> Result<DeviceInfo, DeviceError> {
     let (free, total) = context.mem_get_info().map_err(failed)?;
     let name = context.name().map_err(failed)?;
-    Ok(DeviceInfo { name, total_bytes: total as f64, free_bytes: free as f64 })
+    let identity = context.uuid().map_err(failed)?.bytes.map(|byte| byte as u8);
+    Ok(DeviceInfo { name, identity, total_bytes: total as f64, free_bytes: free as f64 })
 }
 
 impl Cuda {
@@ -123,7 +124,7 @@ impl Cuda {
             return Err(DeviceError("this machine has no cuFFT (libcufft.so)".to_owned()));
         }
         match CudaContext::device_count() {
-            Ok(count) if count > 0 => check_capability(capability_of_first().map_err(failed)?),
+            Ok(count) if count > 0 => check_capability(capability_of(0).map_err(failed)?),
             Ok(_) => Err(DeviceError("the CUDA driver finds no GPU".to_owned())),
             Err(error) => Err(DeviceError(format!("the CUDA driver finds no GPU: {error}"))),
         }
@@ -132,28 +133,38 @@ impl Cuda {
     /// Compute capability of the first card.
     pub fn capability() -> Result<[i32; 2], DeviceError> {
         Self::check()?;
-        capability_of_first().map_err(failed)
+        capability_of(0).map_err(failed)
     }
 
-    /// Properties of the first card.
-    pub fn first() -> Result<DeviceInfo, DeviceError> {
+    /// Number of cards of this machine that the process may use, at least one.
+    pub fn count() -> Result<usize, DeviceError> {
         Self::check()?;
-        info_of(&*CudaContext::new(0).map_err(failed)?)
+        CudaContext::device_count().map(|count| count as usize).map_err(failed)
     }
 
-    /// Opens the first card.
-    pub fn open() -> Result<Self, DeviceError> {
+    /// Properties of a card by its number.
+    pub fn properties(number: usize) -> Result<DeviceInfo, DeviceError> {
         Self::check()?;
-        let context = CudaContext::new(0).map_err(failed)?;
+        info_of(&*CudaContext::new(number).map_err(failed)?)
+    }
+
+    /// Opens a card by its number.
+    pub fn open(number: usize) -> Result<Self, DeviceError> {
+        Self::check()?;
+        check_capability(capability_of(number).map_err(failed)?)?;
+        let context = CudaContext::new(number).map_err(failed)?;
         let module = context.load_module(PTX.into()).map_err(failed)?;
         let stream = context.new_stream().map_err(failed)?;
-        let (functions, memory) = (HashMap::new(), HashMap::new());
+        let (functions, memory) = (HashMap::new(), BTreeMap::new());
         let (transforms, recordings, staging) = (Vec::new(), HashMap::new(), None);
         Ok(Self { context, stream, module, functions, memory, transforms, recordings, staging })
     }
 
-    fn memory(&mut self, address: DeviceAddress) -> &mut CudaSlice<u8> {
-        self.memory.get_mut(&address).expect("memory that was allocated")
+    /// Bytes from an address within memory that was allocated.
+    fn memory(&mut self, address: DeviceAddress, bytes: usize) -> CudaViewMut<'_, u8> {
+        let (start, memory) = self.memory.range_mut(..=address).next_back().expect("memory that was allocated");
+        let first = (address - start) as usize;
+        memory.slice_mut(first..first + bytes)
     }
 
     fn function(&mut self, kernel: &str) -> Result<&CudaFunction, DeviceError> {
@@ -242,7 +253,7 @@ impl Device for Cuda {
             return Ok(());
         }
         let stream = self.stream.clone();
-        stream.memset_zeros(&mut self.memory(address).slice_mut(..bytes)).map_err(failed)
+        stream.memset_zeros(&mut self.memory(address, bytes)).map_err(failed)
     }
 
     fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError> {
@@ -250,7 +261,7 @@ impl Device for Cuda {
             return Ok(());
         }
         let stream = self.stream.clone();
-        stream.memcpy_htod(bytes, &mut self.memory(address).slice_mut(..bytes.len())).map_err(failed)
+        stream.memcpy_htod(bytes, &mut self.memory(address, bytes.len())).map_err(failed)
     }
 
     fn download_all(&mut self, parts: &mut [(DeviceAddress, &mut [u8])]) -> Result<(), DeviceError> {
@@ -333,7 +344,7 @@ mod tests {
     /// With a card: its memory. Without one: the reason that a scene is refused with.
     #[test]
     fn a_card_has_memory_or_is_not_there() {
-        match Cuda::first() {
+        match Cuda::properties(0) {
             Ok(card) => assert!(card.free_bytes > 0.0 && card.free_bytes <= card.total_bytes, "{card:?}"),
             Err(reason) => assert_eq!(Cuda::check(), Err(reason)),
         }

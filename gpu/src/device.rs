@@ -13,6 +13,8 @@ pub struct DeviceError(pub String);
 pub struct DeviceInfo {
     /// Name.
     pub name: String,
+    /// Number that no other card has.
+    pub identity: [u8; 16],
     /// Bytes of its memory.
     pub total_bytes: f64,
     /// Bytes that are free.
@@ -70,10 +72,10 @@ pub trait Device {
     /// Releases memory.
     fn release(&mut self, address: DeviceAddress);
 
-    /// Sets the first bytes of memory to zero.
+    /// Sets bytes to zero, from an address within memory.
     fn zero(&mut self, address: DeviceAddress, bytes: usize) -> Result<(), DeviceError>;
 
-    /// Copies bytes to the start of memory.
+    /// Copies bytes to an address within memory.
     fn upload(&mut self, address: DeviceAddress, bytes: &[u8]) -> Result<(), DeviceError>;
 
     /// Copies bytes from addresses within memory, after all commands before. The host waits once for all of them.

@@ -167,7 +167,12 @@ impl Drop for Emulator {
 impl Device for Emulator {
     fn info(&self) -> Result<DeviceInfo, DeviceError> {
         let taken: f64 = self.memory.values().map(|&bytes| bytes as f64).sum();
-        Ok(DeviceInfo { name: "emulator".to_owned(), total_bytes: MEMORY, free_bytes: MEMORY - taken })
+        Ok(DeviceInfo {
+            name: "emulator".to_owned(),
+            identity: [0; 16],
+            total_bytes: MEMORY,
+            free_bytes: MEMORY - taken,
+        })
     }
 
     fn allocate(&mut self, bytes: usize) -> Result<DeviceAddress, DeviceError> {

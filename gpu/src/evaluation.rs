@@ -10,7 +10,7 @@ use std::time::Instant;
 /// Threads of blocks and of a particle, as in `gpu/kernels`.
 const TILE_THREADS: usize = 64;
 const PAIR_LANES: usize = 8;
-const MODE_THREADS: usize = 256;
+pub(crate) const MODE_THREADS: usize = 256;
 const CHANNEL_COLUMNS: usize = 32;
 const CHANNEL_SLICES: usize = 4;
 const MEAN_THREADS: usize = 128;
@@ -73,7 +73,8 @@ impl SplitFarField {
             EvaluationStage::Transform => self.solve(),
             EvaluationStage::Interpolate => {
                 let blocks = self.particle_blocks(self.task.lanes as usize, PARTICLE_THREADS);
-                self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)
+                self.launch(&format!("interpolate_{}_{suffix}", orders.interpolate), blocks, PARTICLE_THREADS)?;
+                self.collect_sums()
             }
             EvaluationStage::Near => {
                 let blocks = self.particle_blocks(PAIR_LANES, PARTICLE_THREADS);
@@ -85,21 +86,24 @@ impl SplitFarField {
 
     /// Velocities on the grid of the loads there.
     fn solve(&mut self) -> Result<(), DeviceError> {
-        match &self.tables.solve {
-            GridSolve::Periodic => self.solve_between("solve", TransformPart::Whole),
-            GridSolve::Unbounded(_) => self.solve_between("solve_open", TransformPart::Whole),
-            GridSolve::Channel(_) => {
-                self.transform(true, TransformPart::Planes)?;
-                let columns = self.tables.modes() / self.tables.grid[2];
-                let (blocks, threads) = (columns.div_ceil(CHANNEL_COLUMNS), CHANNEL_COLUMNS * CHANNEL_SLICES);
-                let suffix = self.tables.numbers.suffix();
-                self.launch(&format!("channel_mean_{suffix}"), 1, MEAN_THREADS)?;
-                self.launch(&format!("channel_moments_{suffix}"), blocks, threads)?;
-                self.solve_between("solve", TransformPart::AlongZ)?;
-                self.launch(&format!("channel_flow_{suffix}"), blocks, threads)?;
-                self.transform(false, TransformPart::Planes)
-            }
+        let kernel = if matches!(self.tables.solve, GridSolve::Unbounded(_)) { "solve_open" } else { "solve" };
+        let is_channel = matches!(self.tables.solve, GridSolve::Channel(_));
+        if self.tables.share.is_whole() && !is_channel {
+            return self.solve_between(kernel, TransformPart::Whole);
         }
+        self.columns_from_grid()?;
+        if !is_channel {
+            self.solve_between(kernel, TransformPart::AlongZ)?;
+            return self.grid_from_columns();
+        }
+        let (blocks, threads) = (self.tables.columns().div_ceil(CHANNEL_COLUMNS), CHANNEL_COLUMNS * CHANNEL_SLICES);
+        let suffix = self.tables.numbers.suffix();
+        let has_mean = self.tables.share.own_modes().contains(&0);
+        self.launch(&format!("channel_mean_{suffix}"), usize::from(has_mean), MEAN_THREADS)?;
+        self.launch(&format!("channel_moments_{suffix}"), blocks, threads)?;
+        self.solve_between(kernel, TransformPart::AlongZ)?;
+        self.launch(&format!("channel_flow_{suffix}"), blocks, threads)?;
+        self.grid_from_columns()
     }
 
     /// Multiplies modes by a Green's function between transforms.
@@ -110,9 +114,26 @@ impl SplitFarField {
         self.transform(false, part)
     }
 
-    fn transform(&mut self, is_forward: bool, part: TransformPart) -> Result<(), DeviceError> {
+    /// Values on the grid from its modes.
+    fn grid_from_modes(&mut self) -> Result<(), DeviceError> {
+        if self.tables.share.is_whole() {
+            return self.transform(false, TransformPart::Whole);
+        }
+        self.transform(false, TransformPart::AlongZ)?;
+        self.grid_from_columns()
+    }
+
+    pub(crate) fn transform(&mut self, is_forward: bool, part: TransformPart) -> Result<(), DeviceError> {
         let is_single = self.tables.numbers == NumberFormat::Single;
-        let (KernelTask { field, spectrum, .. }, points) = (self.task, self.tables.grid);
+        let (KernelTask { field, spectrum, .. }, [x, y, z]) = (self.task, self.tables.grid);
+        let points = match part {
+            TransformPart::Whole => [x, y, z],
+            TransformPart::Planes => [x, y, self.tables.share.own_planes().len()],
+            TransformPart::AlongZ => [x, self.tables.share.own_modes().len(), z],
+        };
+        if points.contains(&0) {
+            return Ok(());
+        }
         self.device.transform(&TransformTask { is_forward, is_single, part, points, field, spectrum })
     }
 }
@@ -128,7 +149,7 @@ impl SplitFarField {
         let suffix = self.tables.numbers.suffix();
         self.set_numbers(&KernelNumbers { noise_seed: seed, ..self.numbers })?;
         self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
-        self.transform(false, TransformPart::Whole)?;
+        self.grid_from_modes()?;
         self.run(EvaluationStage::Interpolate, orders)?;
         self.run(EvaluationStage::Near, orders)?;
         self.copy_motion()

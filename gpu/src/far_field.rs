@@ -6,8 +6,10 @@ use crate::lists::DeviceList;
 use crate::numbers::{KernelNumbers, NumberBuffers};
 use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::{COMMAND_LISTS, CommandList, Repeated};
-use crate::tables::{AMPLITUDES, GridSolve, LatticeShape, NumberFormat, SplitTables, fixed_points};
+use crate::share::{Peers, parts_of_lines};
+use crate::tables::{LatticeShape, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
+use std::rc::Rc;
 use std::time::Instant;
 
 /// Points of a bin and of a tile along an axis; threads of blocks; as in `gpu/kernels`.
@@ -28,6 +30,17 @@ pub struct DeviceLoads<'a> {
     pub torques: &'a [f64],
     /// Stresslets, as their components xx, xy, xz, yy and yz.
     pub stresslets: &'a [f64],
+}
+
+/// Particles that are present on a device.
+#[derive(Debug, Clone, Copy)]
+pub struct PlacedParticles<'a> {
+    /// Lattice coordinates as fractions of the edges, three each.
+    pub fractions: &'a [f64],
+    /// Classes of radius.
+    pub classes: &'a [u32],
+    /// Number of those at the start whose motions are wanted; the others are those of other devices.
+    pub owned: usize,
 }
 
 /// Motions in the order of the particles; lists that were not asked for are empty.
@@ -73,6 +86,7 @@ pub struct StageSeconds {
 #[derive(Default)]
 pub(crate) struct Buffers {
     tables: [Buffer; 6],
+    parts: [Buffer; 2],
     pub(crate) of_solve: [Buffer; 4],
     pub(crate) images: [Buffer; 3],
     of_box: [Buffer; 2],
@@ -113,8 +127,35 @@ pub struct SplitFarField {
     pub(crate) repeated: [Repeated; COMMAND_LISTS],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
+    /// Other devices that share the grid, if there are any, and the rows of the particles in the order of bins for the
+    /// exchange with them.
+    pub(crate) peers: Option<Rc<dyn Peers>>,
+    pub(crate) host_rows: Vec<i32>,
     neighbours: usize,
     pub(crate) seconds: StageSeconds,
+}
+
+/// Arguments that hold for all particles and boxes.
+fn task_of(tables: &SplitTables) -> KernelTask {
+    let (planes, modes) = (tables.share.own_planes(), tables.share.own_modes());
+    KernelTask {
+        class_count: tables.classes() as i32,
+        grid: tables.grid.map(|n| n as i32),
+        bins: tables.grid.map(|n| n.div_ceil(BIN) as i32),
+        tiles: [tables.grid[0], tables.grid[1], planes.len()].map(|n| n.div_ceil(TILE) as i32),
+        first_plane: planes.start as i32,
+        planes: planes.len() as i32,
+        first_mode: modes.start as i32,
+        modes: modes.len() as i32,
+        points: tables.points as i32,
+        lanes: if tables.points <= 8 { 8 } else { 16 },
+        cutoff_square: tables.cutoff * tables.cutoff,
+        inverse_viscosity: 1.0 / tables.viscosity,
+        gaussian: tables.gaussian,
+        widening: tables.widening,
+        bounded_axes: tables.bounded_axes(),
+        ..KernelTask::default()
+    }
 }
 
 impl SplitFarField {
@@ -122,20 +163,7 @@ impl SplitFarField {
     pub fn new(mut device: Box<dyn Device>, tables: SplitTables) -> Result<Self, DeviceError> {
         let (mut buffers, numbers, on) = (Buffers::default(), tables.numbers, device.as_mut());
         let ints = |values: &[i32]| bytemuck::cast_slice::<i32, u8>(values).to_vec();
-        let mut task = KernelTask {
-            class_count: tables.classes() as i32,
-            grid: tables.grid.map(|n| n as i32),
-            bins: tables.grid.map(|n| n.div_ceil(BIN) as i32),
-            tiles: tables.grid.map(|n| n.div_ceil(TILE) as i32),
-            points: tables.points as i32,
-            lanes: if tables.points <= 8 { 8 } else { 16 },
-            cutoff_square: tables.cutoff * tables.cutoff,
-            inverse_viscosity: 1.0 / tables.viscosity,
-            gaussian: tables.gaussian,
-            widening: tables.widening,
-            bounded_axes: tables.bounded_axes(),
-            ..KernelTask::default()
-        };
+        let mut task = task_of(&tables);
         let mut window = Vec::new();
         for (derivative, series) in tables.window.iter().enumerate() {
             task.window_starts[derivative] = window.len() as i32;
@@ -154,13 +182,30 @@ impl SplitFarField {
         task.table_starts = of_starts.fill(on, &ints(&starts))?;
         task.table_sizes = of_sizes.fill(on, &ints(&sizes))?;
         let [field, spectrum] = &mut buffers.grid;
-        task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
-        task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
+        let [of_field, of_spectrum] = tables.values();
+        task.field = field.reserve(on, of_field * numbers.size())?;
+        task.spectrum = spectrum.reserve(on, of_spectrum * numbers.size())?;
+        if !tables.share.is_whole() {
+            for (axis, parts) in [&tables.share.modes, &tables.share.planes].into_iter().enumerate() {
+                task.parts[axis] = buffers.parts[axis].fill(on, &ints(&parts_of_lines(parts)))?;
+            }
+        }
         [task.numbers, task.state] = buffers.numbers.reserve(on)?;
         task.totals = buffers.totals.reserve(on, size_of::<f64>())?;
-        let (near, repeated, spare) = (NearRows::default(), <[Repeated; COMMAND_LISTS]>::default(), Vec::new());
-        let (numbers, neighbours, seconds) = (KernelNumbers::default(), 0, StageSeconds::default());
-        let mut field = Self { device, tables, task, numbers, buffers, near, repeated, spare, neighbours, seconds };
+        let mut field = Self {
+            device,
+            tables,
+            task,
+            numbers: KernelNumbers::default(),
+            buffers,
+            near: NearRows::default(),
+            repeated: Default::default(),
+            spare: Vec::new(),
+            peers: None,
+            host_rows: Vec::new(),
+            neighbours: 0,
+            seconds: StageSeconds::default(),
+        };
         field.copy_solve()?;
         Ok(field)
     }
@@ -219,18 +264,28 @@ impl SplitFarField {
         })
     }
 
-    /// Sets the particles: lattice coordinates as fractions of the edges, three each, and classes of radius. Sorts
-    /// them, and finds their neighbours.
-    pub fn arrange(&mut self, fractions: &[f64], classes: &[u32]) -> Result<(), DeviceError> {
+    /// Sets the other devices that share the grid, for the particles that are set next.
+    pub fn set_peers(&mut self, peers: Rc<dyn Peers>) {
+        self.peers = Some(peers);
+    }
+
+    /// Sets the particles. Sorts them, and finds the neighbours of those whose motions are wanted.
+    pub fn arrange(&mut self, particles: &PlacedParticles) -> Result<(), DeviceError> {
+        let &PlacedParticles { fractions, classes, owned } = particles;
         let clock = Instant::now();
         if self.task.particles as usize != classes.len() {
             self.release_spare();
         }
         self.task.particles = classes.len() as i32;
+        self.task.owned = owned as i32;
         self.place(fractions, classes)?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
         self.list_neighbours()?;
+        if self.peers.is_some() && !classes.is_empty() {
+            self.host_rows.resize(classes.len(), 0);
+            self.device.download(self.task.rows, bytemuck::cast_slice_mut(&mut self.host_rows))?;
+        }
         self.seconds.near += clock.elapsed().as_secs_f64();
         Ok(())
     }
@@ -315,68 +370,5 @@ impl SplitFarField {
         let motion = self.copy_motion()?;
         self.seconds.copies += clock.elapsed().as_secs_f64();
         Ok(motion)
-    }
-
-    /// Copies the tables of the solve on the grid.
-    fn copy_solve(&mut self) -> Result<(), DeviceError> {
-        let Self { device, tables, task, buffers, .. } = self;
-        let ([first, second, third, fourth], on) = (&mut buffers.of_solve, device.as_mut());
-        match &tables.solve {
-            GridSolve::Periodic => {}
-            GridSolve::Unbounded(kernel) => {
-                task.free_kernel = first.fill(on, &tables.numbers.bytes_of(kernel.iter().copied()))?;
-            }
-            GridSolve::Channel(channel) => {
-                task.channel_columns = first.fill(on, bytemuck::cast_slice(&channel.columns))?;
-                task.channel_planes = second.fill(on, bytemuck::cast_slice(&channel.mean_planes))?;
-                task.channel_mean = third.fill(on, bytemuck::cast_slice(&channel.mean_kernel))?;
-                let columns = tables.modes() / tables.grid[2];
-                task.channel_amplitudes = fourth.reserve(on, (AMPLITUDES * columns + 6) * size_of::<f64>())?;
-            }
-        }
-        Ok(())
-    }
-
-    pub(crate) fn copy_loads(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<(), DeviceError> {
-        let Self { device, tables, task, buffers, .. } = self;
-        let (numbers, count, on) = (tables.numbers, task.particles as usize, device.as_mut());
-        let addresses = [&mut task.forces, &mut task.torques, &mut task.stresslets];
-        let lists = [loads.forces, loads.torques, loads.stresslets];
-        for ((address, list), buffer) in addresses.into_iter().zip(lists).zip(&mut buffers.loads) {
-            *address = if list.is_empty() { 0 } else { buffer.fill(on, &numbers.bytes_of(list.iter().copied()))? };
-        }
-        let [velocities, turns, strains] = &mut buffers.motions;
-        task.velocities = if orders.velocities { velocities.reserve(on, 3 * count * numbers.size())? } else { 0 };
-        task.angular_velocities = if orders.gradients { turns.reserve(on, 3 * count * numbers.size())? } else { 0 };
-        task.strain_rates = if orders.gradients { strains.reserve(on, 5 * count * numbers.size())? } else { 0 };
-        Ok(())
-    }
-
-    pub(crate) fn copy_motion(&mut self) -> Result<DeviceMotion, DeviceError> {
-        let KernelTask { velocities, angular_velocities, strain_rates, .. } = self.task;
-        Ok(DeviceMotion {
-            velocities: self.values(velocities, 3)?,
-            angular_velocities: self.values(angular_velocities, 3)?,
-            strain_rates: self.values(strain_rates, 5)?,
-        })
-    }
-
-    /// Values of each particle at an address; none at 0.
-    fn values(&mut self, address: u64, each: usize) -> Result<Vec<f64>, DeviceError> {
-        let count = if address == 0 { 0 } else { each * self.task.particles as usize };
-        self.download(address, count, self.tables.numbers)
-    }
-
-    pub(crate) fn download(
-        &mut self,
-        address: u64,
-        count: usize,
-        numbers: NumberFormat,
-    ) -> Result<Vec<f64>, DeviceError> {
-        let mut bytes = vec![0; count * numbers.size()];
-        if count > 0 {
-            self.device.download(address, &mut bytes)?;
-        }
-        Ok(numbers.values_of(&bytes))
     }
 }

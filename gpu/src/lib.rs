@@ -7,12 +7,14 @@
 
 mod assembly;
 mod buffers;
+mod copies;
 mod counted;
 mod coupled;
 mod cuda;
 mod device;
 mod emulator;
 mod evaluation;
+mod exchange;
 mod far_field;
 mod groups;
 mod images;
@@ -26,6 +28,7 @@ mod present;
 mod repeated;
 mod replay;
 mod scans;
+mod share;
 mod tables;
 mod task;
 mod vectors;
@@ -38,13 +41,14 @@ pub use coupled::{
 pub use cuda::Cuda;
 pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, TransformTask};
 pub use emulator::Emulator;
-pub use far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField, StageSeconds};
+pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
 pub use images::ImageLists;
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
 pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
+pub use share::{GridShare, Peers, StencilSums};
 pub use tables::{
     COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
     WindowPolynomials,

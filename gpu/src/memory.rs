@@ -13,7 +13,9 @@ pub struct EvaluationSize {
     pub numbers: NumberFormat,
     /// Grid points along each edge.
     pub grid: [usize; 3],
-    /// Number of particles.
+    /// Number of devices that share the grid.
+    pub devices: usize,
+    /// Number of particles that are present on one of them.
     pub particles: f64,
     /// Number of classes of radius.
     pub classes: f64,
@@ -72,7 +74,7 @@ impl NearSize {
 pub struct EvaluationBytes {
     /// Lists that the kernels use.
     pub lists: f64,
-    /// Vectors of the iteration for the stresslets of rigid spheres.
+    /// Vectors of the iteration for the stresslets of rigid spheres, which several devices leave to the host.
     pub vectors: f64,
     /// Work areas of the transforms. cuFFT takes as much as the transformed data, or less, where all factors of the
     /// numbers of points are small.
@@ -90,9 +92,13 @@ impl EvaluationSize {
     /// Bytes of an evaluation with all kinds of loads and motions, as [`crate::SplitFarField`] reserves them.
     pub fn bytes(&self) -> EvaluationBytes {
         let value = self.numbers.size() as f64;
-        let [nx, ny, nz] = self.grid.map(|n| n as f64);
-        let spectrum = 6.0 * value * ((self.grid[0] / 2 + 1) as f64 * ny * nz);
-        let field = 3.0 * value * nx * ny * nz;
+        let [nx, ny, nz] = self.grid;
+        // Of planes, and of columns along z.
+        let [of_planes, of_columns] = [ny * nz.div_ceil(self.devices), ny.div_ceil(self.devices) * nz];
+        let spectrum = 6.0 * value * ((nx / 2 + 1) * of_planes.max(of_columns)) as f64;
+        let on_grid = 3.0 * value * (nx * of_planes) as f64;
+        // The memory of the field has the modes that devices exchange, too.
+        let field = if self.devices > 1 { on_grid.max(spectrum) } else { on_grid };
         let bins: f64 = self.grid.iter().map(|&n| n.div_ceil(4) as f64).product();
         // Positions in two orders, loads as given and as records, interpolated values, motions; five lists of integers,
         // and the starts of the neighbours.
@@ -102,7 +108,7 @@ impl EvaluationSize {
         let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes + self.solve_bytes() + images;
         let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
         // The motion and that of a step; unknowns, residual, preconditioned residual, direction and its image.
-        let vectors = value * f64::from(2 * 11 + 5 * 5) * self.particles;
+        let vectors = if self.devices > 1 { 0.0 } else { value * f64::from(2 * 11 + 5 * 5) * self.particles };
         EvaluationBytes { lists, vectors, transforms: 2.0 * spectrum }
     }
 
@@ -112,7 +118,7 @@ impl EvaluationSize {
         let numbers = match self.solve {
             SolveKind::Periodic => 0,
             SolveKind::Unbounded => return (self.numbers.size() * 6 * (nx / 2) * (ny / 2 + 1) * (nz / 2 + 1)) as f64,
-            SolveKind::Channel => (COLUMN_NUMBERS + AMPLITUDES) * (nx / 2 + 1) * ny + 3 * nz,
+            SolveKind::Channel => (COLUMN_NUMBERS + AMPLITUDES) * (nx / 2 + 1) * ny.div_ceil(self.devices) + 3 * nz,
         };
         (size_of::<f64>() * numbers) as f64 + if self.images > 0.0 { 4.0 * self.particles } else { 0.0 }
     }

@@ -1,5 +1,9 @@
 //! Tables of the split method, as a device takes them.
 
+use crate::share::GridShare;
+use std::borrow::Cow;
+use std::ops::Range;
+
 /// Precision of all values on a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NumberFormat {
@@ -69,6 +73,8 @@ pub struct SplitTables {
     pub numbers: NumberFormat,
     /// Grid points along each edge.
     pub grid: [usize; 3],
+    /// Part of the grid that the device has.
+    pub share: GridShare,
     /// Points of the window.
     pub points: usize,
     /// The window and its first three derivatives.
@@ -115,6 +121,18 @@ pub struct ChannelColumns {
     pub mean_kernel: [[f64; 3]; 3],
 }
 
+impl ChannelColumns {
+    /// The same numbers of the columns with some modes along y.
+    pub(crate) fn columns_of(&self, [x, y, _]: [usize; 3], modes: &Range<usize>) -> Cow<'_, [f64]> {
+        if modes.len() == y {
+            return Cow::Borrowed(&self.columns);
+        }
+        let row = x / 2 + 1;
+        let of_number = |all: &[f64]| all[row * modes.start..row * modes.end].to_vec();
+        self.columns.chunks(row * y).flat_map(of_number).collect()
+    }
+}
+
 /// Numbers of a column, and of its amplitudes, as in `gpu/kernels/channel.h`.
 pub const COLUMN_NUMBERS: usize = 3 + 36 + 3;
 pub(crate) const AMPLITUDES: usize = 24;
@@ -147,13 +165,31 @@ impl SplitTables {
         (0..3).filter(|&axis| !self.is_periodic[axis]).map(|axis| 1 << axis).sum()
     }
 
-    /// Number of grid points.
+    /// Number of grid points of the device.
     pub(crate) fn count(&self) -> usize {
-        self.grid.iter().product()
+        self.grid[0] * self.grid[1] * self.share.own_planes().len()
     }
 
-    /// Number of modes of a component.
+    /// Number of columns of modes along z of the device.
+    pub(crate) fn columns(&self) -> usize {
+        (self.grid[0] / 2 + 1) * self.share.own_modes().len()
+    }
+
+    /// Number of modes of a component in these columns.
     pub(crate) fn modes(&self) -> usize {
-        (self.grid[0] / 2 + 1) * self.grid[1] * self.grid[2]
+        self.columns() * self.grid[2]
+    }
+
+    /// Number of modes of a component in the planes of the device.
+    pub(crate) fn modes_of_planes(&self) -> usize {
+        (self.grid[0] / 2 + 1) * self.grid[1] * self.share.own_planes().len()
+    }
+
+    /// Numbers of values of the field and of the spectrum. The modes that devices exchange are in the memory of the
+    /// field.
+    pub(crate) fn values(&self) -> [usize; 2] {
+        let spectrum = 6 * self.modes().max(self.modes_of_planes());
+        let field = 3 * self.count();
+        [if self.share.is_whole() { field } else { field.max(spectrum) }, spectrum]
     }
 }

@@ -6,7 +6,7 @@ use crate::pairs::matrix::lanes::LANES;
 use crate::pairs::matrix::sparse::{LaneGroup, MomentGroup, Padded};
 use crate::six_vector::SixVector;
 use domain::{Bytes, ExpectedCounts, Halo, MemoryNeed, Particles, Process, Traceless, Vector, VerletList};
-use fcm::{CardMemory, Footprint, NearPairCounts, PlanError, Precision};
+use fcm::{CardMemory, CardRanks, Footprint, NearPairCounts, PlanError, Precision};
 use lubrication::{LubricationRange, PairForce};
 
 /// Parallel layout: number of ranks and of threads per rank.
@@ -59,17 +59,18 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
 }
 
 /// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one; none if the plan is
-/// for the host.
+/// for the host. Collective.
 pub fn card(
     far: &Footprint,
     expected: &ExpectedCounts,
     range: Option<LubricationRange>,
+    ranks: CardRanks,
 ) -> Result<Option<CardMemory>, PlanError> {
     let near = |range| NearPairCounts {
         tables: PairForce::series_bytes(far.radii(), range, STIFF),
         ..pair_counts(expected, range)
     };
-    far.card(range.map(near))
+    far.card(range.map(near), ranks)
 }
 
 /// Mean numbers of near pairs of a particle.

@@ -212,8 +212,9 @@ impl Comm {
     }
 
     /// The ranks of this group on the same machine.
+    #[must_use]
     #[cfg_attr(not(feature = "mpi"), expect(unreachable_code, reason = "no processes without MPI"))]
-    pub(crate) fn machine(&self) -> Self {
+    pub fn machine(&self) -> Self {
         match &self.backend {
             Backend::Alone => Self::alone(),
             Backend::Threads(rank) => self.split(rank.machine()),

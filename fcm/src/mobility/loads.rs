@@ -2,7 +2,7 @@
 
 use crate::plan::problem::Multipoles;
 use domain::parallel::FusedLoops;
-use domain::{Tensor, Traceless, Vector};
+use domain::{Comm, Tensor, Traceless, Vector};
 
 /// Loads that the particles apply to the fluid, one entry per particle; an empty list stands for zeros and costs
 /// nothing.
@@ -26,6 +26,18 @@ impl Loads {
         loops.greatest(&mut stresslets, &self.stresslets, |s| s.0.into_iter().map(f64::abs).fold(0.0, f64::max));
         loops.run();
         forces.max(torques.max(stresslets) / length)
+    }
+
+    /// Whether there are forces, torques and stresslets on any rank, and the largest of the sizes that ranks pass. A
+    /// rank without particles has empty lists. Collective.
+    pub(crate) fn kinds_on_ranks(&self, size: f64, comm: &Comm) -> ([bool; 3], f64) {
+        let [forced, twisted, strained] =
+            [!self.forces.is_empty(), !self.torques.is_empty(), !self.stresslets.is_empty()]
+                .map(|some| f64::from(u8::from(some)));
+        let mut all = [forced, twisted, strained, size];
+        comm.max(&mut all);
+        let [kinds @ .., largest] = all;
+        (kinds.map(|kind| kind > 0.0), largest)
     }
 }
 

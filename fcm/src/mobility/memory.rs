@@ -6,7 +6,7 @@ use crate::grid::stencil::Stencil;
 use crate::pairs::moment_correction::MomentCorrection;
 use crate::pairs::pair_correction::{PairCorrection, RECORD};
 use crate::pairs::table::{PairFunctions, PairTable};
-use crate::plan::device::{CardMemory, ComputeDevice, NearPairCounts};
+use crate::plan::device::{CardCounts, CardMemory, CardRanks, ComputeDevice, NearPairCounts};
 use crate::plan::method::{GridlessBytes, RankParticles};
 use crate::plan::problem::{Multipoles, Precision};
 use crate::plan::{Plan, PlanError};
@@ -54,17 +54,18 @@ impl<'a> Footprint<'a> {
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
     }
 
-    /// Memory that a solve takes of a card, with near pairs if there are any, if the plan is for one.
-    pub fn card(&self, near: Option<NearPairCounts>) -> Result<Option<CardMemory>, PlanError> {
-        let neighbours = self.expected.neighbours(self.plan.cutoff());
-        match self.plan.device {
-            ComputeDevice::Cpu => Ok(None),
-            ComputeDevice::Gpu => {
-                let size = self.plan.size_on_card(self.expected.total(), neighbours);
-                let near = near.map_or(0.0, |pairs| self.plan.near_bytes(self.expected.total(), pairs));
-                CardMemory::of_first(size.bytes().total() + near).map(Some)
-            }
+    /// Memory that a solve takes of a card, with near pairs if there are any, if the plan is for one. Several ranks
+    /// have them on the host. Collective.
+    pub fn card(&self, near: Option<NearPairCounts>, ranks: CardRanks) -> Result<Option<CardMemory>, PlanError> {
+        if self.plan.device == ComputeDevice::Cpu {
+            return Ok(None);
         }
+        let neighbours = self.expected.neighbours(self.plan.cutoff());
+        let (owned, ranks_with_card) = (self.expected.owned(), self.place.table()[1]);
+        let counts = CardCounts { owned, present: self.present(), ranks: ranks_with_card };
+        let near = near.filter(|_| ranks_with_card == 1).map_or(0.0, |pairs| self.plan.near_bytes(owned, pairs));
+        let size = self.plan.size_on_card(counts, neighbours);
+        CardMemory::of(size.bytes().total() + near, ranks).map(Some)
     }
 
     /// Memory of a method without a grid.

@@ -6,7 +6,7 @@ use crate::plan::Plan;
 use crate::plan::method::Split;
 use crate::plan::problem::{Multipoles, Problem};
 use crate::plan::wavenumber_split::{SplitInput, WavenumberSplit};
-use domain::{Boundaries, Number, PeriodicBox, Vector};
+use domain::{Boundaries, Number, PeriodicBox, Units, Vector};
 
 /// Least distance of a sphere's centre from a wall, in radii: below about 0.8 the mobility is not positive definite.
 pub const NEAREST_WALL: f64 = 0.85;
@@ -166,5 +166,17 @@ impl Plan {
     pub(crate) fn mismatch(&self) -> [f64; 2] {
         let (first, end) = (self.first_point(), self.first_point() + self.period - self.edges);
         [1, 2].map(|axis| first[axis].abs().max(end[axis].abs()))
+    }
+
+    /// Distance along y and z by which stencils extend beyond a rank's share of a box, both in some units.
+    pub(crate) fn stencil_reach(&self, cell: &PeriodicBox, units: &Units) -> [f64; 2] {
+        let half = 0.5 * self.support.support as f64;
+        if cell.boundaries() == Boundaries::Periodic {
+            let edges = cell.edges();
+            return [edges.y / self.grid[1] as f64, edges.z / self.grid[2] as f64].map(|h| half * h);
+        }
+        let own = self.in_units(units);
+        let (spacing, mismatch) = (own.spacing(), own.mismatch());
+        [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
     }
 }

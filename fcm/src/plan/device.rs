@@ -7,8 +7,8 @@ use crate::pairs::table::{PairFunctions, PairTable};
 use crate::plan::method::Method;
 use crate::plan::problem::{Precision, Problem};
 use crate::plan::{Plan, PlanError};
-use domain::{Boundaries, readable_bytes};
-use gpu::{DeviceInfo, EvaluationSize, NearSize, NumberFormat, SolveKind};
+use domain::{Boundaries, Comm, Place, readable_bytes};
+use gpu::{DeviceError, DeviceInfo, EvaluationSize, NearSize, NumberFormat, SolveKind};
 
 /// Largest number of radii of which a device has tables for all pairs.
 const MOST_RADII: usize = 32;
@@ -44,14 +44,16 @@ impl ComputeDevice {
     pub(crate) fn allows(self, method: Method) -> bool {
         self == Self::Cpu || method == Method::Split
     }
+}
 
-    /// Refuses more ranks than the device serves.
-    pub fn check_ranks(self, ranks: usize) -> Result<(), PlanError> {
-        if self == Self::Gpu && ranks > 1 {
-            return Err(refused(&format!("there are {ranks} ranks, and a GPU serves one")));
-        }
-        Ok(())
-    }
+/// Numbers on which the memory of a rank's card depends.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CardCounts {
+    /// Particles of the rank, and with those of other ranks that reach into its slab.
+    pub owned: f64,
+    pub present: f64,
+    /// Ranks with a card each.
+    pub ranks: usize,
 }
 
 /// Mean numbers of near pairs of a particle, and the tables of their lubrication.
@@ -65,36 +67,88 @@ pub struct NearPairCounts {
     pub tables: f64,
 }
 
+/// Ranks whose cards are asked for.
+#[derive(Clone, Copy)]
+pub enum CardRanks<'a> {
+    /// Ranks that are present.
+    Present(&'a Comm),
+    /// This many ranks on this machine.
+    Asked(usize),
+}
+
+impl CardRanks<'_> {
+    /// Number of ranks.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Present(comm) => comm.size(),
+            Self::Asked(count) => *count,
+        }
+    }
+}
+
+/// Number of the card of this rank: the ranks on a machine take its cards in turn. Collective.
+pub(crate) fn number_of_card(comm: &Comm) -> Result<usize, DeviceError> {
+    let place = comm.machine().rank();
+    gpu::Cuda::count().map(|cards| place % cards)
+}
+
 /// Memory that evaluations take of a card.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CardMemory {
     /// The card.
     pub card: DeviceInfo,
-    /// Bytes that evaluations take.
+    /// Bytes that evaluations take for each rank.
     pub bytes: f64,
+    /// Number of ranks.
+    pub ranks: usize,
+    /// Number of those that share the card.
+    pub on_card: usize,
 }
 
 impl CardMemory {
-    /// Memory of the first card; the error if there is none.
-    pub(crate) fn of_first(bytes: f64) -> Result<Self, PlanError> {
-        let card = gpu::Cuda::first().map_err(|error| refused(&error.0))?;
-        Ok(Self { card, bytes })
+    /// Memory of the card of this rank, or of the first if ranks are not present; the error if there is none.
+    /// Collective.
+    pub(crate) fn of(bytes: f64, ranks: CardRanks) -> Result<Self, PlanError> {
+        let (card, on_card) = match ranks {
+            CardRanks::Present(comm) => {
+                let card = number_of_card(comm).and_then(gpu::Cuda::properties);
+                // Also from ranks without a card, for which the others would wait.
+                let own = card.as_ref().map_or([0; 16], |card| card.identity);
+                let all = comm.all_gather(&[own]);
+                (card, all.iter().filter(|&&identity| identity == own).count())
+            }
+            CardRanks::Asked(count) => {
+                let on_card = gpu::Cuda::count().map_or(count, |cards| count.div_ceil(cards));
+                (gpu::Cuda::properties(0), on_card)
+            }
+        };
+        let card = card.map_err(|error| refused(&error.0))?;
+        Ok(Self { card, bytes, ranks: ranks.count(), on_card })
     }
 
     /// Refuses evaluations that take more than is free.
     pub fn check(&self) -> Result<(), PlanError> {
-        if self.bytes <= self.card.free_bytes {
+        let bytes = self.bytes * self.on_card as f64;
+        if bytes <= self.card.free_bytes {
             return Ok(());
         }
-        let [needed, free, total] = [self.bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
-        let name = &self.card.name;
-        Err(refused(&format!("the solve takes {needed} of the card, and {name} has {free} free of {total}")))
+        let [needed, free, total] = [bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
+        let (name, on_card) = (&self.card.name, self.on_card);
+        let of_ranks = if on_card > 1 { format!(" of {on_card} ranks") } else { String::new() };
+        Err(refused(&format!("the solve takes {needed} of the card{of_ranks}, and {name} has {free} free of {total}")))
     }
 
     /// Card and memory in words.
     pub fn describe(&self) -> String {
         let [needed, free, total] = [self.bytes, self.card.free_bytes, self.card.total_bytes].map(readable_bytes);
-        format!("{}, {free} free of {total}; the solve takes about {needed}", self.card.name)
+        let card = format!("{}, {free} free of {total}", self.card.name);
+        match (self.ranks, self.on_card) {
+            (1, _) => format!("{card}; the solve takes about {needed}"),
+            (ranks, 1) => format!("{card}; {ranks} ranks have a card each, of which the solve takes about {needed}"),
+            (ranks, on_card) => {
+                format!("{card}; {on_card} of {ranks} ranks share it, and the solve takes about {needed} for each")
+            }
+        }
     }
 }
 
@@ -120,7 +174,6 @@ impl Problem {
         if self.is_reduced() {
             return Err(refused("the box is more than sixteen times as long as it is wide across the flow"));
         }
-        self.fixed.device.check_ranks(self.ranks)?;
         let radii = self.summed_up().radii.len();
         if radii > MOST_RADII {
             let reason = format!("there are {radii} different radii, and a GPU has tables for {MOST_RADII}");
@@ -143,6 +196,16 @@ impl Problem {
 }
 
 impl Plan {
+    /// Refuses more ranks than a device serves: they divide the grid along z alone.
+    pub fn check_ranks(&self, ranks: usize) -> Result<(), PlanError> {
+        let [_, ny, nz] = self.grid;
+        if self.device == ComputeDevice::Cpu || Place::of(ranks, 0, [ny, nz]).table()[0] == 1 {
+            return Ok(());
+        }
+        let most = (1..ranks).rev().find(|&fewer| Place::of(fewer, 0, [ny, nz]).table()[0] == 1).unwrap_or(1);
+        Err(refused(&format!("there are {ranks} ranks, and {most} GPUs at most share a grid of {nz} planes")))
+    }
+
     /// Number of intervals of all tables of the pair functions; `None` if one of them has too many.
     fn table_intervals(&self) -> Option<usize> {
         let own = self.in_units(&self.units());
@@ -166,11 +229,13 @@ impl Plan {
     }
 
     /// Size of evaluations on a card, for particles with some neighbours within the cutoff each.
-    pub(crate) fn size_on_card(&self, particles: f64, neighbours: f64) -> EvaluationSize {
+    pub(crate) fn size_on_card(&self, counts: CardCounts, neighbours: f64) -> EvaluationSize {
+        let CardCounts { owned: particles, present, ranks } = counts;
         EvaluationSize {
             numbers: self.numbers(),
             grid: self.grid,
-            particles,
+            devices: ranks,
+            particles: present,
             classes: self.radii.len() as f64,
             neighbours: particles * neighbours,
             intervals: self.table_intervals().unwrap_or_default() as f64,
@@ -179,7 +244,7 @@ impl Plan {
                 Boundaries::Open => SolveKind::Unbounded,
                 _ => SolveKind::Channel,
             },
-            images: self.images(particles) * particles,
+            images: self.images(particles * ranks as f64) * particles,
         }
     }
 }

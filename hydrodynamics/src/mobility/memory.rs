@@ -2,7 +2,7 @@
 
 use crate::memory::{self, Ranks, of_peak, solve_bytes, table_bytes};
 use domain::{Bytes, Comm, ExpectedCounts, Failure, Particles, Place};
-use fcm::{Footprint, Plan, PlanError};
+use fcm::{CardRanks, Footprint, Plan, PlanError};
 use lubrication::LubricationRange;
 
 /// A single evaluation.
@@ -32,11 +32,12 @@ impl SingleEvaluation<'_> {
 
     /// Refuses an evaluation for which the device does not have the memory, or that has more ranks than it serves.
     fn check_card(&self, comm: &Comm) -> Result<(), PlanError> {
-        self.plan.device.check_ranks(comm.size())?;
-        let place = Place::of(1, 0, [self.plan.grid[1], self.plan.grid[2]]);
+        self.plan.check_ranks(comm.size())?;
+        // The last rank has no fewer planes than any other.
+        let place = Place::of(comm.size(), comm.size() - 1, [self.plan.grid[1], self.plan.grid[2]]);
         let expected = self.expected(&place);
         let far = Footprint::new(self.plan, &place, 1, &expected);
-        let card = memory::card(&far, &expected, self.lubrication)?;
+        let card = memory::card(&far, &expected, self.lubrication, CardRanks::Present(comm))?;
         card.map_or(Ok(()), |card| card.check())
     }
 

@@ -11,7 +11,7 @@ use crate::model::{Bodies, Contacts, Flow, Model, MomentKind, Species, Swimming}
 use crate::start::memory;
 use crate::start::plan::{dipole_plans, problem_in};
 use domain::{AxisRotation, Boundaries, Comm, GivenPositions, MemoryNeed, Number, PeriodicBox, readable_bytes, sphere};
-use fcm::{CardMemory, ComputeDevice, Plan, Precision, Problem, Split};
+use fcm::{CardMemory, CardRanks, ComputeDevice, Plan, Precision, Problem, Split};
 use hydrodynamics::memory::Ranks;
 use serde_json::{Value, json};
 use simulation::Outline;
@@ -61,7 +61,7 @@ pub fn outline(
             (Planned { radii: setup.radii, plan: setup.plan }, Some(gap), relaxed)
         }
     };
-    planned.plan.device.check_ranks(asked.ranks.count)?;
+    planned.plan.check_ranks(asked.ranks.count)?;
     let cell = if follows(model.cell.boundaries()) { planned.plan.cell() } else { model.cell };
     let mut others = Plan::ranked(&problem_in(&cell, model, &planned.radii))?;
     others.retain(|plan| *plan != planned.plan);
@@ -79,7 +79,8 @@ pub fn outline(
     let memory = MemoryForecast::of(model, &planned, asked);
     let refusal = asked.are_present.then(|| planned.check_memory(model, comm).err()).flatten();
     let outline = outline.refusal(refusal.map(|failure| failure.to_string()));
-    let outline = with_card(memory.add_to(outline), memory::card(model, &planned.radii, &planned.plan)?);
+    let card = memory::card(model, &planned.radii, &planned.plan, CardRanks::Asked(asked.ranks.count))?;
+    let outline = with_card(memory.add_to(outline), card);
     let outline = with_cost(outline, &planned.plan, model.turn, &others);
     let outline = with_network(outline, model, &planned, asked);
     let outline = beside_periodic(outline, model, &cell, &planned, asked.ranks);
@@ -254,7 +255,13 @@ fn with_card(outline: Outline, card: Option<CardMemory>) -> Outline {
         (memory.bytes.ceil(), [memory.card.total_bytes, memory.card.free_bytes].map(|bytes| bytes as u64));
     outline.line("card", memory.describe()).value(
         "card",
-        json!({ "name": memory.card.name, "bytes": total, "free_bytes": free, "expected_bytes": of_run as u64 }),
+        json!({
+            "name": memory.card.name,
+            "bytes": total,
+            "free_bytes": free,
+            "expected_bytes": of_run as u64,
+            "ranks_on_card": memory.on_card,
+        }),
     )
 }
 

@@ -25,7 +25,7 @@ use crate::start::plan::dipole_plans;
 use domain::{
     Bytes, ExpectedCounts, MemoryNeed, Particles, Place, Process, Traceless, Vector, packing_bytes, readable_bytes,
 };
-use fcm::{CardMemory, Footprint, Plan, PlanError};
+use fcm::{CardMemory, CardRanks, Footprint, Plan, PlanError};
 use hydrodynamics::brownian::{AMBIENT_NUMBERS, RANDOM_NUMBERS};
 use hydrodynamics::memory::{Ranks, of_peak, solve_bytes, table_bytes};
 use lubrication::LubricationRange;
@@ -44,13 +44,15 @@ pub fn needs(model: &Model, radii: &Radii, plan: &Plan, ranks: Ranks) -> Vec<Mem
     (0..ranks.count).map(|rank| need(model, radii, plan, ranks, rank)).collect()
 }
 
-/// Memory that a run takes of a card, if its plan is for one.
-pub fn card(model: &Model, radii: &Radii, plan: &Plan) -> Result<Option<CardMemory>, PlanError> {
-    let place = Place::of(1, 0, [plan.grid[1], plan.grid[2]]);
+/// Memory that a run takes of a card, if its plan is for one. Collective.
+pub fn card(model: &Model, radii: &Radii, plan: &Plan, ranks: CardRanks) -> Result<Option<CardMemory>, PlanError> {
+    plan.check_ranks(ranks.count())?;
+    // The last rank has no fewer planes than any other.
+    let place = Place::of(ranks.count(), ranks.count() - 1, [plan.grid[1], plan.grid[2]]);
     let expected = &ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, &place, 1, expected);
     let share = Share { model, far, expected, threads: 1, rank_of: (0, 1), dipoles: &[] };
-    hydrodynamics::memory::card(&share.far, expected, share.near_field())
+    hydrodynamics::memory::card(&share.far, expected, share.near_field(), ranks)
 }
 
 /// Peak memory of one rank of a run.

@@ -16,7 +16,7 @@ use crate::start::orientations;
 use crate::start::placement;
 use crate::start::plan::{plan, plan_in, problem_in};
 use domain::{Boundaries, Comm, DomainView, Failure, GivenPositions, Particles, PeriodicBox};
-use fcm::PlanError;
+use fcm::{CardRanks, PlanError};
 use hydrodynamics::lengths::check_lubricated;
 use hydrodynamics::memory::Ranks;
 use simulation::Clock;
@@ -153,8 +153,7 @@ impl Planned {
     }
 
     fn check_device(&self, model: &Model, comm: &Comm) -> Result<(), PlanError> {
-        self.plan.device.check_ranks(comm.size())?;
-        memory::card(model, &self.radii, &self.plan)?.map_or(Ok(()), |card| card.check())
+        memory::card(model, &self.radii, &self.plan, CardRanks::Present(comm))?.map_or(Ok(()), |card| card.check())
     }
 
     /// Refuses a run for which the present ranks or their device do not have the memory, or whose device serves fewer
@@ -172,21 +171,29 @@ impl Planned {
 mod tests {
     use super::*;
     use crate::model::{Parameters, Species};
-    use domain::Vector;
+    use domain::{Place, Vector};
     use fcm::ComputeDevice;
 
+    /// Ranks take cards in turn, so that two need no more than one; without a card, both say so.
     #[test]
-    fn a_card_serves_one_rank() {
+    fn ranks_share_cards() {
         let cell = PeriodicBox::new(Vector::splat(20.0)).unwrap();
         let model = Model::new(Parameters::new(cell, 1.0, vec![Species::new("a", 1.0, 9)], 0.1, 1)).unwrap();
         let mut planned = Planned::of_model(&model).unwrap().unwrap();
         planned.plan.device = ComputeDevice::Gpu;
         let refusals = |ranks| Comm::threads(ranks, |comm| planned.check_memory(&model, &comm).map_err(|e| e.message));
-        // Without a card, the reason is another.
-        let alone = refusals(1).remove(0).err().unwrap_or_default();
-        assert!(alone.is_empty() || alone.contains("hydrodynamics.device") && !alone.contains("ranks"), "{alone}");
-        for refusal in refusals(2) {
-            assert!(refusal.unwrap_err().contains("hydrodynamics.device is \"gpu\", but there are 2 ranks"));
+        let expected = ComputeDevice::Gpu.check_present().err();
+        for refusal in [1, 2].into_iter().flat_map(refusals) {
+            match (&expected, refusal) {
+                (None, refusal) => assert_eq!(refusal.err(), None),
+                (Some(reason), Err(found)) => assert!(found.contains(reason), "{found}"),
+                (Some(reason), Ok(())) => panic!("not refused, although {reason}"),
+            }
+        }
+        let [y, z] = [planned.plan.grid[1], planned.plan.grid[2]];
+        let ranks = (1..99).find(|&ranks| Place::of(ranks, 0, [y, z]).table()[0] > 1).unwrap();
+        for refusal in refusals(ranks) {
+            assert!(refusal.unwrap_err().contains(&format!("there are {ranks} ranks, and ")));
         }
     }
 }

@@ -64,8 +64,13 @@ impl Suspension {
     }
 
     pub(super) fn on(&self, device: Box<dyn Device>) -> CoupledSolver {
-        let far = StressletSolver::of(Mobility::on(device, &self.plan, &self.partition()), &Comm::alone());
-        CoupledSolver::of(far, &self.partition(), lubricated_at(Some(LubricationRange::default()))).unwrap()
+        self.on_rank(device, &self.partition())
+    }
+
+    /// The same on a rank of several, each of which has a device.
+    pub(super) fn on_rank(&self, device: Box<dyn Device>, partition: &Partition) -> CoupledSolver {
+        let far = StressletSolver::of(Mobility::on(device, &self.plan, partition), partition.comm());
+        CoupledSolver::of(far, partition, lubricated_at(Some(LubricationRange::default()))).unwrap()
     }
 
     /// Solutions in shear, then of settling spheres with random torques in ambient motions, from the first as a guess.

@@ -3,7 +3,7 @@
 use crate::pairs::pair_correction::LoadedParticles;
 use crate::plan::Plan;
 use crate::walls::wall_images::WallImages;
-use domain::{LocalAndGhosts, Particles, Partition, PeriodicBox, Vector, VerletList};
+use domain::{LocalAndGhosts, Partition, PeriodicBox, Vector, VerletList};
 use gpu::ImageLists;
 
 /// Images of a plan, in internal units.
@@ -19,20 +19,20 @@ impl HostImages {
         Some(Self { images, lists: VerletList::new(plan.cutoff(), partition) })
     }
 
-    /// Images of particles at some positions in a box, in internal units.
-    pub fn of(&mut self, cell: &PeriodicBox, particles: &Particles, present: PlacedClasses) -> ImageLists {
-        let PlacedClasses { positions, classes } = present;
-        let owned = positions.len();
-        self.lists.update(cell, &LocalAndGhosts { owned, ids: &particles.ids, positions });
+    /// Images that act on the first of the particles present in a box, in internal units.
+    pub fn of(&mut self, cell: &PeriodicBox, present: PlacedClasses, owned: usize) -> ImageLists {
+        let PlacedClasses { ids, positions, classes } = present;
+        self.lists.update(cell, &LocalAndGhosts { owned, ids, positions });
         let placed = LoadedParticles { cell, positions, classes, forces: &[], dipoles: &[] };
         self.images.arrange(&placed, self.lists.neighbours(), owned);
         self.images.lists()
     }
 }
 
-/// Positions and classes of radius.
+/// Ids, positions and classes of radius.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedClasses<'a> {
+    pub ids: &'a [u64],
     pub positions: &'a [Vector],
     pub classes: &'a [u32],
 }

@@ -1,11 +1,14 @@
 //! Far field by the split method on a device.
 //!
-//! Loads and motions pass through the host in each evaluation, except in the solve for the stresslets of rigid spheres.
+//! Loads and motions pass through the host in each evaluation, except in solves of a single rank. On several ranks each
+//! has a device with a slab of the grid and the particles that reach into it; ranks exchange modes and sums through the
+//! host.
 //! The flow of degenerate quadrupoles, which a solve needs once, and that at points of the fluid are evaluated on the
 //! host, by the same plan.
 
 mod coupled;
 mod images;
+mod present;
 mod random_motions;
 mod rigid;
 mod tables;
@@ -20,12 +23,15 @@ use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
 use crate::plan::Plan;
+use crate::plan::device::number_of_card;
 use domain::parallel::{equal, mapped};
-use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
+use domain::{Halo, Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
 use gpu::{
-    Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, SplitFarField,
+    Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, PlacedParticles,
+    SplitFarField,
 };
 use images::{HostImages, PlacedClasses};
+use present::{PresentLoads, RankPeers, grid_share};
 use rigid::{ResidentProblem, ResidentSolution};
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -42,6 +48,8 @@ pub(crate) struct DeviceFarField {
     /// Images in walls, if there are any.
     images: Option<HostImages>,
     particles: Particles,
+    /// Copies of other ranks' particles.
+    halo: Rc<Halo>,
     cell: PeriodicBox,
     /// The lattice of the grid on the device, in internal units.
     arranged: Option<PeriodicBox>,
@@ -66,21 +74,18 @@ fn scaled<const N: usize>(columns: impl Iterator<Item = [f64; N]>, factor: f64) 
 }
 
 impl DeviceFarField {
-    /// Opens the card of this machine.
+    /// Opens the card of this rank.
     pub fn new(plan: &Plan, partition: &Partition) -> Self {
-        Self::on(Box::new(succeeded(Cuda::open())), plan, partition)
+        let number = succeeded(number_of_card(partition.comm()));
+        Self::on(Box::new(succeeded(Cuda::open(number))), plan, partition)
     }
 
-    /// On any device.
-    ///
-    /// # Panics
-    /// On more than one rank.
+    /// On any device, of which each rank has one.
     pub fn on(device: Box<dyn Device>, plan: &Plan, partition: &Partition) -> Self {
-        assert_eq!(partition.comm().size(), 1, "a device serves one rank");
         let units = plan.units();
         let own = plan.in_units(&units);
         let tables = PlanTables::new(&own);
-        let split = succeeded(SplitFarField::new(device, tables.split(&own)));
+        let split = succeeded(SplitFarField::new(device, tables.split(&own, grid_share(&own, partition))));
         Self {
             plan: plan.clone(),
             partition: partition.clone(),
@@ -89,6 +94,7 @@ impl DeviceFarField {
             split: Rc::new(RefCell::new(split)),
             images: HostImages::new(&own, partition),
             particles: Particles::default(),
+            halo: Rc::new(present::halo(plan, &units, partition, &own.cell(), &[])),
             cell: plan.cell(),
             arranged: None,
             host: None,
@@ -106,6 +112,16 @@ impl DeviceFarField {
             *is_arranged = true;
         }
         host
+    }
+
+    /// Loads of the particles present in internal units. Collective.
+    fn present(&self, loads: &Loads, kinds: [bool; 3]) -> PresentLoads {
+        PresentLoads::new(loads, [self.units.force, self.units.torque()], kinds, &self.halo)
+    }
+
+    /// The back end itself, if one rank solves on its device: ranks with a device each solve together on the host.
+    fn alone(&mut self) -> Option<&mut Self> {
+        self.halo.is_alone().then_some(self)
     }
 
     /// Viscosity in internal units.
@@ -162,15 +178,24 @@ impl FarField for DeviceFarField {
             succeeded(self.split.borrow_mut().set_box(&self.tables.in_box(&frame.lattice)));
             self.arranged = Some(frame.lattice);
         }
-        let fraction = |&x: &Vector| frame.fractions(x * inverse).to_array();
-        let fractions: Vec<f64> = particles.positions.iter().flat_map(fraction).collect();
-        let classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
-        succeeded(self.split.borrow_mut().arrange(&fractions, &classes));
-        if let Some(images) = &mut self.images {
-            let positions = mapped(&particles.positions, |&x| x * inverse);
-            let present = PlacedClasses { positions: &positions, classes: &classes };
-            succeeded(self.split.borrow_mut().set_images(&images.of(&own, particles, present)));
+        let mut positions = mapped(&particles.positions, |&x| x * inverse);
+        let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, &own, &positions));
+        halo.extend(&mut positions);
+        halo.extend(&mut classes);
+        if !halo.is_alone() {
+            let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
+            self.split.borrow_mut().set_peers(Rc::new(peers));
         }
+        let fractions: Vec<f64> = positions.iter().flat_map(|&x| frame.fractions(x).to_array()).collect();
+        let placed = PlacedParticles { fractions: &fractions, classes: &classes, owned: halo.owned() };
+        succeeded(self.split.borrow_mut().arrange(&placed));
+        if let Some(images) = &mut self.images {
+            let present =
+                PlacedClasses { ids: &halo.extended(&particles.ids), positions: &positions, classes: &classes };
+            succeeded(self.split.borrow_mut().set_images(&images.of(&own, present, halo.owned())));
+        }
+        self.halo = halo;
         (self.cell, self.particles) = (*cell, particles.clone());
         if let Some((_, is_arranged)) = &mut self.host {
             *is_arranged = false;
@@ -186,16 +211,14 @@ impl FarField for DeviceFarField {
     }
 
     fn apply(&mut self, loads: &Loads, output: Output) -> Motion {
-        self.units = self.units.with_force(loads.largest(self.units.length));
-        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
-        let forces = scaled(loads.forces.iter().map(Vector::to_array), of_force);
-        let torques = scaled(loads.torques.iter().map(Vector::to_array), of_dipole);
-        let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), of_dipole);
-        let dipoles = !torques.is_empty() || !stresslets.is_empty();
+        let (kinds, largest) = loads.kinds_on_ranks(loads.largest(self.units.length), self.partition.comm());
+        self.units = self.units.with_force(largest);
+        let [forced, twisted, strained] = kinds;
+        let dipoles = twisted || strained;
         let wanted = [output != Output::Gradients, output != Output::Velocities];
-        let orders = self.tables.orders([!forces.is_empty(), dipoles], wanted);
-        let loads = DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets };
-        let motion = succeeded(self.split.borrow_mut().apply(&loads, &orders));
+        let orders = self.tables.orders([forced, dipoles], wanted);
+        let present = self.present(loads, kinds);
+        let motion = succeeded(self.split.borrow_mut().apply(&present.lists(), &orders));
         self.work.evaluations += 1;
         self.work.transforms += 1;
         self.work.particles_spread += self.particles.len() as u64;
@@ -207,11 +230,11 @@ impl FarField for DeviceFarField {
     }
 
     fn rigid(&mut self) -> Option<&mut dyn RigidFarField> {
-        Some(self)
+        self.alone().map(|own| own as &mut dyn RigidFarField)
     }
 
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
-        Some(self)
+        self.alone().map(|own| own as &mut dyn CoupledFarField)
     }
 
     fn apply_with_quadrupoles(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> Motion {
@@ -237,14 +260,12 @@ impl RigidFarField for DeviceFarField {
         let own_radii = self.plan.radii.iter().map(|radius| radius / self.units.length);
         let resistances: Vec<f64> = own_radii.map(|a| sphere::strain_resistance(self.viscosity(), a)).collect();
         self.units = self.units.with_force(self.largest_of(problem));
-        let [of_force, of_dipole] = [self.units.force, self.units.torque()].map(|unit| 1.0 / unit);
-        let forces = scaled(loads.forces.iter().map(Vector::to_array), of_force);
-        let torques = scaled(loads.torques.iter().map(Vector::to_array), of_dipole);
-        let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), of_dipole);
+        let kinds = [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()];
+        let present = self.present(loads, kinds);
         let own_rates = scaled(strain_rates.iter().map(|e| e.0), 1.0 / self.units.rate());
-        let orders = [!forces.is_empty(), false].map(|has_forces| self.tables.orders([has_forces, true], [true, true]));
+        let orders = [kinds[0], false].map(|has_forces| self.tables.orders([has_forces, true], [true, true]));
         let resident = ResidentProblem {
-            loads: DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets },
+            loads: present.lists(),
             strain_rates: &own_rates,
             resistances: &resistances,
             orders,

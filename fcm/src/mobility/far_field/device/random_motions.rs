@@ -1,13 +1,14 @@
 //! Random motions on a device.
 
-use super::{DeviceFarField, scaled, succeeded};
+use super::present::PresentLoads;
+use super::{DeviceFarField, succeeded};
 use crate::mobility::far_field::FarField;
 use crate::mobility::loads::{Loads, Motion};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::noise_root::{Scales, of_motion, root_by_loads, root_of_whole, sum_in_units};
 use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Vector};
-use gpu::{DeviceLoads, DeviceMotion};
+use gpu::DeviceMotion;
 
 impl DeviceFarField {
     /// Random motions as of [`crate::mobility::FarField::noise`], by the random numbers of the host. In a periodic box
@@ -27,11 +28,8 @@ impl DeviceFarField {
         let own = self.plan.in_units(&self.units);
         let scales = Scales::new(&own.radii, own.viscosity, &classes);
         let near = |loads: &Loads| {
-            let forces = scaled(loads.forces.iter().map(Vector::to_array), 1.0);
-            let torques = scaled(loads.torques.iter().map(Vector::to_array), 1.0);
-            let stresslets = scaled(loads.stresslets.iter().map(|s| s.0), 1.0);
-            let loads = DeviceLoads { forces: &forces, torques: &torques, stresslets: &stresslets };
-            as_it_is(&succeeded(self.split.borrow_mut().pair_corrections(&loads, &orders)))
+            let present = PresentLoads::new(loads, [1.0; 2], [true, has_dipoles, has_dipoles], &self.halo);
+            as_it_is(&succeeded(self.split.borrow_mut().pair_corrections(&present.lists(), &orders)))
         };
         let (near, drawn) = root_by_loads(self.partition.comm(), &scales, draw, multipoles, near);
         let of_field = of_motion(&as_it_is(&field), has_dipoles).into_iter();

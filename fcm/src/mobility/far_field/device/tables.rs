@@ -9,8 +9,8 @@ use crate::plan::problem::Precision;
 use domain::parallel::mapped;
 use domain::{Boundaries, PeriodicBox, Vector};
 use gpu::{
-    COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, Orders, SplitTables,
-    WindowPolynomials,
+    COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridShare, GridSolve, LatticeShape, NumberFormat, Orders,
+    SplitTables, WindowPolynomials,
 };
 use solver::{ChannelTables, ColumnKernel, Grid, Real, Stokes};
 
@@ -76,15 +76,15 @@ impl PlanTables {
         }
     }
 
-    /// Tables that do not depend on the shape of the box.
-    pub fn split(&self, plan: &Plan) -> SplitTables {
+    /// Tables that do not depend on the shape of the box, for a device that has a part of the grid.
+    pub fn split(&self, plan: &Plan, share: GridShare) -> SplitTables {
         match plan.precision {
-            Precision::Single => self.split_in::<f32>(plan, NumberFormat::Single),
-            Precision::Double => self.split_in::<f64>(plan, NumberFormat::Double),
+            Precision::Single => self.split_in::<f32>(plan, NumberFormat::Single, share),
+            Precision::Double => self.split_in::<f64>(plan, NumberFormat::Double, share),
         }
     }
 
-    fn split_in<T: Real>(&self, plan: &Plan, numbers: NumberFormat) -> SplitTables {
+    fn split_in<T: Real>(&self, plan: &Plan, numbers: NumberFormat, share: GridShare) -> SplitTables {
         let (cutoff, tolerance) = (plan.cutoff(), plan.table_tolerance());
         let all = || self.envelopes.iter().flat_map(|&i| self.envelopes.iter().map(move |&j| [i, j]));
         let pairs = all().map(|[i, j]| {
@@ -100,6 +100,7 @@ impl PlanTables {
         SplitTables {
             numbers,
             grid: plan.grid,
+            share,
             points: self.window.points(),
             window: pieces.series().map(WindowPolynomials),
             pairs: pairs.collect(),

@@ -1,9 +1,11 @@
 //! The kernels, run by an emulator on the host, against the far field of the host.
 
 mod case;
+mod ranks;
 
 use super::*;
 use crate::mobility::Mobility;
+use crate::plan::device::CardCounts;
 use crate::plan::method::Split;
 use crate::plan::problem::{Multipoles, Precision};
 use crate::rigid::stresslet_solver::{RigidInput, StressletSolver};
@@ -253,7 +255,9 @@ fn memory_is_as_predicted() {
         device.apply(&case.loads, Output::All);
         let card = device.split.borrow().device().unwrap();
         let count = case.particles.len() as f64;
-        let expected = plan.size_on_card(count, device.split.borrow().neighbours() as f64 / count).bytes().lists;
+        let counts = CardCounts { owned: count, present: count, ranks: 1 };
+        let neighbours = device.split.borrow().neighbours() as f64 / count;
+        let expected = plan.size_on_card(counts, neighbours).bytes().lists;
         let found = card.total_bytes - card.free_bytes;
         // The forecast leaves out the window and the tables along the axes.
         let of_tables = 16e3;
@@ -294,9 +298,9 @@ fn noise_is_that_of_the_host() {
 /// With a card: parity. Without one: a reason.
 #[test]
 fn a_card_agrees_with_the_host_or_is_not_there() {
-    match Cuda::open() {
+    match Cuda::open(0) {
         Ok(_) => {
-            let card = |_| -> Box<dyn Device> { Box::new(Cuda::open().unwrap()) };
+            let card = |_| -> Box<dyn Device> { Box::new(Cuda::open(0).unwrap()) };
             agree(Precision::Double, &PERIODIC, 0..cases(), &card);
             agree(Precision::Single, &PERIODIC, 1000..1000 + cases(), &card);
             agree(Precision::Single, &[OPEN], 1100..1100 + cases() / 2, &card);

@@ -20,9 +20,7 @@ use crate::plan::Plan;
 use crate::plan::problem::Precision;
 use crate::walls::wall_images::WallImages;
 use domain::parallel::{FusedLoops, all_rows, greatest, stage};
-use domain::{
-    Boundaries, Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList,
-};
+use domain::{Halo, LocalAndGhosts, Particles, Partition, PeriodicBox, Tensor, Traceless, Units, Vector, VerletList};
 pub(crate) use moments::MomentFarField;
 use solver::Real;
 use spectral_grid::{FlowGrid, GridLoads, GridPart, SpectralGrid};
@@ -96,32 +94,14 @@ impl<G: GridPart + ?Sized> GridFarField<G> {
         }
     }
 
-    /// Distance along y and z by which stencils extend beyond a rank's share of the box.
-    fn reach(&self, cell: &PeriodicBox) -> [f64; 2] {
-        let half = 0.5 * self.plan.support.support as f64;
-        let grid = &self.plan.grid;
-        if cell.boundaries() == Boundaries::Periodic {
-            let edges = cell.edges();
-            return [edges.y / grid[1] as f64, edges.z / grid[2] as f64].map(|h| half * h);
-        }
-        let own = self.plan.in_units(&self.units);
-        let (spacing, mismatch) = (own.spacing(), own.mismatch());
-        [half * spacing.y + mismatch[0], half * spacing.z + mismatch[1]]
-    }
-
     /// Whether there are forces, torques and stresslets on any rank; sets the unit of force by the largest of them
     /// and of degenerate quadrupoles. Collective.
     fn kinds_of(&mut self, loads: &Loads, quadrupoles: &[Vector]) -> [bool; 3] {
-        // A rank without particles has empty lists, but takes part in the exchange.
-        let [forced, twisted, strained] =
-            [!loads.forces.is_empty(), !loads.torques.is_empty(), !loads.stresslets.is_empty()]
-                .map(|some| f64::from(u8::from(some)));
         let of_quadrupoles = greatest(quadrupoles, |h| h.abs().max_element()) / self.units.length.powi(2);
-        let mut all = [forced, twisted, strained, loads.largest(self.units.length).max(of_quadrupoles)];
-        self.partition.comm().max(&mut all);
-        let [forced, twisted, strained, largest] = all;
+        let own = loads.largest(self.units.length).max(of_quadrupoles);
+        let (kinds, largest) = loads.kinds_on_ranks(own, self.partition.comm());
         self.units = self.units.with_force(largest);
-        [forced, twisted, strained].map(|kind| kind > 0.0)
+        kinds
     }
 
     /// Forces and dipoles of all particles present, in internal units.
@@ -195,7 +175,7 @@ impl<G: GridPart + ?Sized> GridFarField<G> {
         loops.run();
         let owned = present.len();
         let cutoff = self.near.as_ref().map_or(0.0, |near| near.cutoff());
-        let reach = self.reach(cell).map(|stencil| stencil.max(cutoff));
+        let reach = plan.stencil_reach(cell, &self.units).map(|stencil| stencil.max(cutoff));
         let halo = Halo::plan(&self.partition, cell, &present, reach);
         halo.extend(&mut present);
         halo.extend(&mut classes);
