@@ -11,11 +11,12 @@
 //! ```
 
 use crate::envelope::Envelope;
+use crate::grid::totals::Totals;
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles};
 use crate::pairs::pair_functions::GaussianPotential;
 use crate::pairs::table::{PairTable, PairValues, TabulatedFunctions};
-use domain::parallel::{MeasuredLoop, change_rows};
-use domain::{Neighbour, Neighbours, Tensor, Vector};
+use domain::parallel::MeasuredLoop;
+use domain::{Neighbours, NeighboursOf, Tensor, Vector};
 use rayon::prelude::*;
 use simd::{SimdVector, VectorKernel};
 use solver::Real;
@@ -36,33 +37,61 @@ pub(crate) struct MomentCorrection {
     table: Option<PairTable<f64>>,
 }
 
-/// A moment at a distance `x` from a target, and `psi_1`, `psi_2` and `psi_3` there.
-struct NearMoment {
-    x: Vector,
-    moment: Vector,
-    psi: [f64; 3],
+/// Number of pairs whose fields are computed at a time, one per lane.
+const LANES: usize = <f64 as Real>::LANES;
+
+/// Moments at distances `x` from a target, and `psi_1`, `psi_2` and `psi_3` there.
+struct PackedMoments {
+    x: [[f64; LANES]; 3],
+    moments: [[f64; LANES]; 3],
+    psi: [[f64; LANES]; 3],
 }
 
-impl NearMoment {
+/// The same in vectors, with the products that fields and gradients have in common.
+struct NearMoments<V> {
+    x: [V; 3],
+    moment: [V; 3],
+    psi1: V,
+    /// `psi_2 x.m`
+    along: V,
+    /// `psi_2 m` and `psi_2 m + psi_3 x (x.m)`
+    turned: [V; 3],
+    bent: [V; 3],
+}
+
+impl<V: SimdVector<f64>> NearMoments<V> {
     #[inline(always)]
-    fn field(&self) -> Vector {
-        let Self { x, moment, psi: [psi1, psi2, _] } = *self;
-        moment * psi1 + x * (psi2 * x.dot(moment))
+    fn of(packed: &PackedMoments) -> Self {
+        let [x, moment, [psi1, psi2, psi3]]: [[V; 3]; 3] =
+            [vectors(&packed.x), vectors(&packed.moments), vectors(&packed.psi)];
+        let product = x[0].mul_add(moment[0], x[1].mul_add(moment[1], x[2].mul(moment[2])));
+        let (mut turned, mut bent, excess) = (moment, moment, product.mul(psi3));
+        for c in 0..3 {
+            turned[c] = moment[c].mul(psi2);
+            bent[c] = x[c].mul_add(excess, turned[c]);
+        }
+        Self { x, moment, psi1, along: product.mul(psi2), turned, bent }
     }
 
-    /// Gradient of the field; column `c` is the derivative along `c`.
+    /// Component of the field.
     #[inline(always)]
-    fn gradient(&self) -> Tensor {
-        let Self { x, moment, psi: [_, psi2, psi3] } = *self;
-        let along = x.dot(moment);
-        let mut columns = [Vector::ZERO; 3];
-        for c in 0..3 {
-            columns[c] = (moment * x[c] + x * moment[c]) * psi2 + x * (psi3 * x[c] * along);
-            columns[c][c] += psi2 * along;
-        }
-        let [first, second, third] = columns;
-        Tensor::from_cols(first, second, third)
+    fn field(&self, a: usize) -> V {
+        self.moment[a].mul_add(self.psi1, self.x[a].mul(self.along))
     }
+
+    /// Derivative of a component of the field along `c`.
+    #[inline(always)]
+    fn gradient(&self, a: usize, c: usize) -> V {
+        let sum = self.x[a].mul_add(self.bent[c], self.turned[a].mul(self.x[c]));
+        if a == c { sum.add(self.along) } else { sum }
+    }
+}
+
+#[inline(always)]
+fn vectors<V: SimdVector<f64>>([a, b, c]: &[[f64; LANES]; 3]) -> [V; 3] {
+    const { assert!(V::LANES == LANES) };
+    // SAFETY: each list holds a whole vector.
+    unsafe { [V::load(a.as_ptr()), V::load(b.as_ptr()), V::load(c.as_ptr())] }
 }
 
 impl TabulatedFunctions for GaussianPotential {
@@ -95,60 +124,142 @@ impl MomentCorrection {
         PairTable::<f64>::bytes(&GaussianPotential::new(width), cutoff, tolerance).unwrap_or(0.0)
     }
 
-    /// `psi_1`, `psi_2` and `psi_3` of a pair of classes.
+    /// `psi_1`, `psi_2` and `psi_3` of the common Gaussian.
     #[inline(always)]
-    fn functions(&self, [i, j]: [u32; 2], square: f64) -> [f64; 3] {
+    fn of_common(&self, square: f64) -> [f64; 3] {
         // A closure would be compiled for any processor, without its vectors.
         let [first, second, third, ..] =
             if let Some(table) = &self.table { table.evaluate(square) } else { self.wide.derivative(square, 0) };
-        let nearest = NEAREST * (self.radii[i as usize] + self.radii[j as usize]);
-        let inverse = 1.0 / square.max(nearest * nearest);
-        let point = -inverse * inverse.sqrt() / (4.0 * PI);
-        [point - first, -3.0 * point * inverse - second, 15.0 * point * inverse * inverse - third]
+        [first, second, third]
     }
 
-    /// The moment of a neighbour of a particle.
+    /// Packs the moments of at most as many neighbours of a particle as there are lanes.
     #[inline(always)]
-    fn near_moment(&self, present: &LoadedParticles, row: usize, neighbour: Neighbour) -> NearMoment {
-        let j = neighbour.row as usize;
-        let mut x = present.positions[row] - present.positions[j];
-        if neighbour.steps != [0; 3] {
-            x -= present.cell.lattice(neighbour.steps.map(i32::from));
+    fn pack(&self, present: &LoadedParticles, row: usize, near: NeighboursOf) -> PackedMoments {
+        let zero = [[0.0; LANES]; 3];
+        let (mut packed, mut squares) = (PackedMoments { x: zero, moments: zero, psi: zero }, [1.0; LANES]);
+        for (lane, neighbour) in near.iter().enumerate() {
+            let j = neighbour.row as usize;
+            let mut x = present.positions[row] - present.positions[j];
+            if neighbour.steps != [0; 3] {
+                x -= present.cell.lattice(neighbour.steps.map(i32::from));
+            }
+            let (square, moment) = (x.length_squared(), present.forces[j]);
+            let of_common = self.of_common(square);
+            let [own, other] = [row, j].map(|row| self.radii[present.classes[row] as usize]);
+            let nearest = NEAREST * (own + other);
+            squares[lane] = square.max(nearest * nearest);
+            for k in 0..3 {
+                (packed.x[k][lane], packed.moments[k][lane], packed.psi[k][lane]) = (x[k], moment[k], of_common[k]);
+            }
         }
-        let psi = self.functions([present.classes[row], present.classes[j]], x.length_squared());
-        NearMoment { x, moment: present.forces[j], psi }
+        for lane in 0..LANES {
+            let inverse = 1.0 / squares[lane];
+            let mut of_point = -inverse * inverse.sqrt() / (4.0 * PI);
+            for (psi, factor) in packed.psi.iter_mut().zip([-3.0, -5.0, 1.0]) {
+                psi[lane] = of_point - psi[lane];
+                of_point *= inverse * factor;
+            }
+        }
+        packed
     }
 }
 
 /// Particles whose lists one thread processes at a time.
 const BATCH: usize = 64;
 
-/// A batch of particles from row `first` on, whose fields are added to `motions`.
+/// A batch of particles from row `first` on.
+#[derive(Clone, Copy)]
 struct MomentBatch<'a> {
     near: &'a MomentCorrection,
     present: &'a LoadedParticles<'a>,
     neighbours: &'a Neighbours,
-    gradients: bool,
     first: usize,
+}
+
+impl MomentBatch<'_> {
+    /// Sums over the near moments of a row, which a function adds group by group.
+    #[inline(always)]
+    fn sums<V: SimdVector<f64>>(
+        &self,
+        offset: usize,
+        totals: &mut Totals<f64>,
+        add: impl Fn(&mut [V; 12], &NearMoments<V>),
+    ) -> [f64; 12] {
+        let (row, mut sums) = (self.first + offset, [V::splat(0.0); 12]);
+        for near in self.neighbours.of(row).chunks(LANES) {
+            add(&mut sums, &NearMoments::of(&self.near.pack(self.present, row, near)));
+        }
+        totals.of(&sums)
+    }
+}
+
+/// Adds the fields of a batch, and their gradients if requested.
+struct MomentFields<'a> {
+    batch: MomentBatch<'a>,
+    gradients: bool,
     motions: &'a mut [(Vector, Tensor)],
 }
 
-impl VectorKernel<f64> for MomentBatch<'_> {
+impl VectorKernel<f64> for MomentFields<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: SimdVector<f64>>(self) {
-        let Self { near, present, neighbours, gradients, first, motions } = self;
-        for (offset, motion) in motions.iter_mut().enumerate() {
+        let (mut totals, MomentBatch { near, present, first, .. }) = (Totals::default(), self.batch);
+        for (offset, motion) in self.motions.iter_mut().enumerate() {
+            let sums = self.batch.sums::<V>(
+                offset,
+                &mut totals,
+                #[inline(always)]
+                |sums, near| {
+                    for a in 0..3 {
+                        sums[a] = sums[a].add(near.field(a));
+                        for c in 0..if self.gradients { 3 } else { 0 } {
+                            sums[3 + 3 * c + a] = sums[3 + 3 * c + a].add(near.gradient(a, c));
+                        }
+                    }
+                },
+            );
+            let [x, y, z, gradient @ ..] = sums;
             let row = first + offset;
-            motion.0 += present.forces[row] * near.own[present.classes[row] as usize];
-            for neighbour in neighbours.of(row).iter() {
-                let other = near.near_moment(present, row, neighbour);
-                motion.0 += other.field();
-                if gradients {
-                    motion.1 += other.gradient();
-                }
-            }
+            motion.0 += present.forces[row] * near.own[present.classes[row] as usize] + Vector::new(x, y, z);
+            motion.1 += Tensor::from_cols_array(&gradient);
+        }
+    }
+}
+
+/// Adds the first moments of a batch.
+struct FirstMoments<'a> {
+    batch: MomentBatch<'a>,
+    sums: &'a mut [Tensor],
+}
+
+impl VectorKernel<f64> for FirstMoments<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: SimdVector<f64>>(self) {
+        let (mut totals, MomentBatch { present, first, .. }) = (Totals::default(), self.batch);
+        for (offset, sum) in self.sums.iter_mut().enumerate() {
+            let half = present.forces[first + offset] * -0.5;
+            let [_, _, _, moments @ ..] = self.batch.sums::<V>(
+                offset,
+                &mut totals,
+                #[inline(always)]
+                |sums, near| {
+                    for a in 0..3 {
+                        let mut force = V::splat(0.0);
+                        for c in 0..3 {
+                            force = near.gradient(a, c).mul_add(V::splat(half[c]), force);
+                        }
+                        for b in 0..3 {
+                            sums[3 + 3 * b + a] = force.mul_add(near.x[b], sums[3 + 3 * b + a]);
+                        }
+                    }
+                },
+            );
+            *sum += Tensor::from_cols_array(&moments);
         }
     }
 }
@@ -170,8 +281,8 @@ impl DynPairCorrection for MomentCorrection {
         }
         let bytes = 2 * size_of_val(motions) + size_of_val(present.forces) + 4 * neighbours.count();
         motions.par_chunks_mut(BATCH).enumerate().moving(bytes).for_each(|(batch, motions)| {
-            let first = batch * BATCH;
-            f64::dispatch(MomentBatch { near: self, present, neighbours, gradients, first, motions });
+            let batch = MomentBatch { near: self, present, neighbours, first: batch * BATCH };
+            f64::dispatch(MomentFields { batch, gradients, motions });
         });
     }
 
@@ -179,13 +290,9 @@ impl DynPairCorrection for MomentCorrection {
         if present.forces.is_empty() {
             return;
         }
-        change_rows(sums, |row, sum| {
-            let moment = present.forces[row];
-            for neighbour in neighbours.of(row).iter() {
-                let near = self.near_moment(present, row, neighbour);
-                let (x, half) = (near.x, near.gradient() * moment * -0.5);
-                *sum += Tensor::from_cols(half * x.x, half * x.y, half * x.z);
-            }
+        sums.par_chunks_mut(BATCH).enumerate().measured().for_each(|(batch, sums)| {
+            let batch = MomentBatch { near: self, present, neighbours, first: batch * BATCH };
+            f64::dispatch(FirstMoments { batch, sums });
         });
     }
 }

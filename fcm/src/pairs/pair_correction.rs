@@ -196,10 +196,10 @@ impl<T: Real> TargetBatch<'_, T> {
             }
             group.clear::<V>(near.len());
             group.transpose::<V>();
-            if self.gradients {
-                group.add_all(&mut sums);
-            } else {
-                group.add_velocity(&mut sums);
+            match (self.gradients, self.present.dipoles.is_empty()) {
+                (false, _) => group.add_velocity(&mut sums),
+                (true, true) => group.add_by_forces(&mut sums),
+                (true, false) => group.add_all(&mut sums),
             }
         }
         totals.of(&sums)
@@ -306,6 +306,26 @@ impl<T: Real> PairGroup<T> {
         let across = along.mul(f[1]);
         for a in 0..3 {
             sums[a] = force[a].mul_add(level, x[a].mul_add(across, sums[a]));
+        }
+    }
+
+    /// [`Self::add_all`] without dipoles.
+    #[inline(always)]
+    fn add_by_forces<V: Lanes<T>>(&self, sums: &mut [V; 12]) {
+        self.add_velocity(sums);
+        let (x, force, f) = (self.x::<V>(), self.force::<V>(), self.functions::<V>());
+        let (square, along) = (dot(x, x), dot(x, force));
+        let (level, across, trace) = (less(square, f[5], 4.0, f[4]), along.mul(f[5]), along.mul(f[4]));
+        let (mut left, mut right) = (x, x);
+        for a in 0..3 {
+            left[a] = x[a].mul_add(across, force[a].mul(level));
+            right[a] = force[a].mul(f[4]);
+        }
+        for a in 0..3 {
+            for d in 0..3 {
+                let sum = left[a].mul_add(x[d], x[a].mul_add(right[d], sums[3 + 3 * a + d]));
+                sums[3 + 3 * a + d] = if a == d { sum.add(trace) } else { sum };
+            }
         }
     }
 

@@ -1,7 +1,8 @@
 //! Table of the moments of near pairs that dipoles alone leave out.
 
 use super::{PairMoments, PolarisablePair, dipole_moments, exact_moments};
-use crate::chebyshev::Chebyshev;
+use crate::chebyshev::{Chebyshev, Powers};
+use crate::factor_table::relative;
 use std::array::from_fn;
 
 /// Smallest gap of the table over the mean radius; below it moments go on along their tangent.
@@ -13,19 +14,25 @@ const REACH: f64 = 2.0;
 
 /// Factor by which consecutive intervals of gaps grow, and points in each.
 const GROWTH: f64 = 4.0;
-const NODES: usize = 8;
+const NODES: usize = 10;
+
+/// Count of the tabulated functions: the moments of both spheres along and across the line of centres, and their
+/// slopes.
+const FUNCTIONS: usize = 8;
 
 /// Moments of a pair of spheres in a uniform field by the exact solution minus those by dipoles, as functions
 /// of the distance. A linear function is subtracted so that values and slopes vanish at the reach.
+///
+/// In each interval of gaps, with the geometric mean `m` of its ends, they are interpolated in `(h - m) / (h + m)`, as
+/// resistances are: it is nearly half the logarithm of `h / m`, and as smooth, but computed without a logarithm.
 #[derive(Debug, Clone)]
 pub struct PolarisedPairTable {
-    /// Sum of the radii; smallest gap, and its logarithm.
+    /// Sum of the radii; smallest gap, the unit of gaps of the intervals.
     sum: f64,
     nearest: f64,
-    nearest_log: f64,
     reach: f64,
-    /// Series of the values and of the slopes in the logarithm of the gap.
-    pieces: Vec<Chebyshev<8, NODES>>,
+    /// Series of the values, and of the slopes by the logarithm of the gap.
+    pieces: Vec<Powers<FUNCTIONS, NODES>>,
     /// Values and slopes at the reach.
     at_reach: [[f64; 4]; 2],
 }
@@ -44,18 +51,13 @@ impl PolarisedPairTable {
     pub fn new(pair: &PolarisablePair) -> Self {
         let sum = pair.radii[0] + pair.radii[1];
         let (nearest, reach) = (0.5 * NEAREST * sum, REACH * sum);
-        let count = ((reach - sum) / nearest).log(GROWTH).ceil() as usize;
-        let difference = |log: f64| {
-            let distance = sum + log.exp();
+        let difference = |gap: f64| {
+            let distance = sum + gap * nearest;
             let PairMoments { along, across } = exact_moments(pair, distance).minus(&dipole_moments(pair, distance));
             [along[0], along[1], across[0], across[1]]
         };
-        let piece = |k: usize| {
-            let [from, to] = [0, 1].map(|end| (nearest * GROWTH.powi((k + end) as i32)).ln());
-            with_slopes(from, to, difference)
-        };
-        let pieces = (0..count).map(piece).collect();
-        let table = Self { sum, nearest, nearest_log: nearest.ln(), reach, pieces, at_reach: [[0.0; 4]; 2] };
+        let pieces = (0..=piece_of((reach - sum) / nearest)).map(|k| series(mean_of(k), difference)).collect();
+        let table = Self { sum, nearest, reach, pieces, at_reach: [[0.0; 4]; 2] };
         Self { at_reach: table.of_gap(reach - sum), ..table }
     }
 
@@ -65,6 +67,7 @@ impl PolarisedPairTable {
     }
 
     /// The difference at a distance of the centres; `None` beyond the reach.
+    #[inline(always)]
     pub fn at(&self, distance: f64) -> Option<PairPolarisation> {
         let beyond = distance - self.reach;
         if beyond >= 0.0 {
@@ -78,24 +81,40 @@ impl PolarisedPairTable {
     }
 
     /// Values and slopes of the series at a gap.
+    #[inline(always)]
     fn of_gap(&self, gap: f64) -> [[f64; 4]; 2] {
         let inside = gap.max(self.nearest);
-        let log = inside.ln();
-        let piece = (((log - self.nearest_log) / GROWTH.ln()) as usize).min(self.pieces.len() - 1);
-        let found = self.pieces[piece].at(log);
+        let over_nearest = inside / self.nearest;
+        let piece = piece_of(over_nearest).min(self.pieces.len() - 1);
+        let mut found = [0.0; FUNCTIONS];
+        self.pieces[piece].write::<f64, FUNCTIONS>(relative(over_nearest, mean_of(piece)), &mut found);
         let (values, slopes): ([f64; 4], [f64; 4]) = (from_fn(|k| found[k]), from_fn(|k| found[4 + k] / inside));
         [from_fn(|k| values[k] + slopes[k] * (gap - inside)), slopes]
     }
 }
 
-/// Series of functions on an interval, and of their derivatives.
-fn with_slopes(from: f64, to: f64, functions: impl Fn(f64) -> [f64; 4]) -> Chebyshev<8, NODES> {
-    let nodes = Chebyshev::<4, NODES>::nodes(from, to);
-    let values = Chebyshev::through(from, to, &nodes.map(functions));
+/// Interval of a gap over the smallest one, by the binary exponent.
+#[inline(always)]
+fn piece_of(gap: f64) -> usize {
+    (gap.to_bits() >> 52).saturating_sub(1023) as usize / 2
+}
+
+/// Geometric mean of the ends of an interval, over the smallest gap.
+#[inline(always)]
+fn mean_of(piece: usize) -> f64 {
+    2.0 * (1_u64 << (2 * piece)) as f64
+}
+
+/// Series of functions of the gap and of their derivatives by its logarithm, `(1 - u^2) / 2` times those by the
+/// variable `u` of interpolation, in an interval with a given mean.
+fn series(mean: f64, functions: impl Fn(f64) -> [f64; 4]) -> Powers<FUNCTIONS, NODES> {
+    let edge = relative(GROWTH.sqrt(), 1.0);
+    let nodes = Chebyshev::<4, NODES>::nodes(-edge, edge);
+    let values = Chebyshev::through(-edge, edge, &nodes.map(|u| functions(mean * (1.0 + u) / (1.0 - u))));
     let slopes = values.derivative();
-    let both = nodes.map(|x| {
-        let (values, slopes) = (values.at(x), slopes.at(x));
-        from_fn(|k| if k < 4 { values[k] } else { slopes[k - 4] })
+    let both = nodes.map(|u| {
+        let (values, slopes) = (values.at(u), slopes.at(u));
+        from_fn(|k| if k < 4 { values[k] } else { 0.5 * (1.0 - u * u) * slopes[k - 4] })
     });
-    Chebyshev::through(from, to, &both)
+    Powers::from(&Chebyshev::through(-edge, edge, &both))
 }

@@ -2,8 +2,10 @@
 
 use crate::model::SphereMoment;
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
+use domain::parallel::in_blocks;
 use domain::{Tensor, Vector};
-use lubrication::{PolarisablePair, PolarisedPairTable};
+use lubrication::{PairPolarisation, PolarisablePair, PolarisedPairTable};
+use simd::vectorised;
 
 /// Polarisation of near pairs by the exact solution for two spheres minus that by dipoles. With its polarisabilities
 /// `A` along the line of centres and `B` across it, the sums of those of both spheres, a pair adds to the energy, over
@@ -23,6 +25,9 @@ pub struct NearPolarisation {
     tables: Vec<Option<PolarisedPairTable>>,
 }
 
+/// Number of pairs that one thread polarises at a time.
+const PAIRS: usize = 256;
+
 /// Additional force and moments of a pair, over the constant of the field.
 #[derive(Debug, Clone, Copy, Default)]
 struct PolarisedPair {
@@ -33,6 +38,7 @@ struct PolarisedPair {
 }
 
 impl PolarisedPair {
+    #[inline(always)]
     fn scaled(self, factor: f64) -> Self {
         let moments = self.moments.map(|moment| moment * factor);
         Self { force: self.force * factor, moments, ..self }
@@ -67,19 +73,27 @@ impl NearPolarisation {
     pub fn in_field<'a>(&self, near: &'a PairsWithHalo, species: &[u32], field: Vector) -> PolarisedPairs<'a> {
         let unsaturated: Vec<f64> =
             self.species.iter().map(|(moment, radius)| moment.unsaturated(*radius, field)).collect();
-        let of_pair = |pair, [i, j]: [u32; 2]| {
-            let species = [i as usize, j as usize];
-            self.of_pair(pair, species, field).scaled(species.iter().map(|&s| unsaturated[s]).product())
+        let separated = near.with_values(species, |pair, species| (pair, species));
+        let of_block = |first: usize, pairs: &mut [PolarisedPair]| {
+            vectorised(
+                #[inline(always)]
+                || {
+                    for (pair, &(separated, [i, j])) in pairs.iter_mut().zip(&separated[first..]) {
+                        let [i, j] = [i as usize, j as usize];
+                        *pair = self.of_pair(separated, [i, j], field).scaled(unsaturated[i] * unsaturated[j]);
+                    }
+                },
+            );
         };
-        let pairs = near.with_values(species, of_pair);
+        let pairs = in_blocks(separated.len(), PAIRS, of_block).0;
         PolarisedPairs { near, pairs }
     }
 
+    #[inline(always)]
     fn of_pair(&self, pair: SeparatedPair, [i, j]: [usize; 2], field: Vector) -> PolarisedPair {
         let (separation, distance) = (pair.separation, pair.separation.length());
-        let found = self.tables[i * self.species.len() + j].as_ref().and_then(|table| table.at(distance));
-        let Some(polarisation) = found else { return PolarisedPair::default() };
-        let (moments, slopes) = (polarisation.moments, polarisation.slopes);
+        let Some(table) = &self.tables[i * self.species.len() + j] else { return PolarisedPair::default() };
+        let Some(PairPolarisation { moments, slopes }) = table.at(distance) else { return PolarisedPair::default() };
         let axis = separation / distance;
         let along = axis.dot(field);
         let across = field - axis * along;
