@@ -5,6 +5,7 @@ use crate::far_field::{PARTICLE_THREADS, SplitFarField};
 use crate::groups::INVERSE_NUMBERS;
 use crate::lists::DeviceList;
 use crate::pair_rows::{OWN_NUMBERS, PairRows};
+use crate::surface_laws::SurfaceLaws;
 use crate::tables::NumberFormat;
 use crate::task::KernelTask;
 
@@ -22,6 +23,8 @@ pub struct NearInput<'a> {
     pub background: [f64; 5],
     /// Rows of other stiff pairs, and other resistances to own motions.
     pub given: Option<&'a PairRows>,
+    /// Forces between surfaces that are added to the loads, if there are any.
+    pub surface: Option<&'a SurfaceLaws>,
 }
 
 /// Near pairs that were found, and their loads on spheres at rest in the background.
@@ -30,7 +33,8 @@ pub struct NearInFlow {
     /// Number of stiff and of soft pairs of all particles, each of which counts for both of its particles, with those
     /// that were given.
     pub pairs: [usize; 2],
-    /// Load of each particle on the fluid and its first moment, [`IN_FLOW`] numbers each.
+    /// Load of each particle on the fluid, with forces between surfaces, and its first moment: [`IN_FLOW`] numbers
+    /// each.
     pub values: Vec<f64>,
 }
 
@@ -47,6 +51,9 @@ impl SplitFarField {
         self.take_given(input.given)?;
         let pairs = self.list_near()?;
         self.assemble_rows(pairs)?;
+        if let Some(laws) = input.surface {
+            self.add_surface_forces(laws, [self.task.in_flow, IN_FLOW as u64])?;
+        }
         let values = self.download(self.task.in_flow, IN_FLOW * self.task.particles as usize, NumberFormat::Double)?;
         Ok(NearInFlow { pairs, values })
     }

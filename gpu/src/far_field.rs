@@ -5,6 +5,7 @@ use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
 use crate::lists::DeviceList;
 use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::{RECORDINGS, Repeated};
+use crate::surface_laws::SurfaceLaws;
 use crate::tables::{AMPLITUDES, GridSolve, LatticeShape, NumberFormat, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::time::Instant;
@@ -87,6 +88,7 @@ pub(crate) struct Buffers {
     /// State of an iteration for near pairs.
     pub(crate) state: Buffer,
     pub(crate) near: NearBuffers,
+    pub(crate) surface_laws: Buffer,
 }
 
 /// Far field of particles by the split method on a device.
@@ -96,6 +98,8 @@ pub struct SplitFarField {
     pub(crate) task: KernelTask,
     pub(crate) buffers: Buffers,
     pub(crate) near: NearRows,
+    /// Laws of forces between surfaces that are there.
+    pub(crate) surface_laws: Option<SurfaceLaws>,
     pub(crate) repeated: [Repeated; RECORDINGS],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
@@ -143,8 +147,9 @@ impl SplitFarField {
         task.field = field.reserve(on, 3 * tables.count() * numbers.size())?;
         task.spectrum = spectrum.reserve(on, 6 * tables.modes() * numbers.size())?;
         let (near, repeated, spare) = (NearRows::default(), <[Repeated; RECORDINGS]>::default(), Vec::new());
-        let (neighbours, seconds) = (0, StageSeconds::default());
-        let mut field = Self { device, tables, task, buffers, near, repeated, spare, neighbours, seconds };
+        let (neighbours, seconds, surface_laws) = (0, StageSeconds::default(), None);
+        let mut field =
+            Self { device, tables, task, buffers, near, surface_laws, repeated, spare, neighbours, seconds };
         field.copy_solve()?;
         Ok(field)
     }

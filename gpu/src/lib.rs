@@ -22,6 +22,8 @@ mod near;
 mod near_tables;
 mod pair_rows;
 mod repeated;
+mod surface;
+mod surface_laws;
 mod tables;
 mod task;
 mod vectors;
@@ -39,6 +41,7 @@ pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
 pub use near::{DeviceStep, PairLimits, ProductSums, RowVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_rows::{OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
+pub use surface_laws::{SurfaceKind, SurfaceLaws, SurfacePair};
 pub use tables::{
     COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
     WindowPolynomials,

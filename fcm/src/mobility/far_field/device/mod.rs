@@ -15,7 +15,7 @@ mod vectors;
 
 use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
 use crate::mobility::far_field::grid::GridFarField;
-use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution};
+use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution, SurfaceFarField};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
@@ -23,7 +23,8 @@ use crate::plan::Plan;
 use domain::parallel::{equal, mapped};
 use domain::{Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
 use gpu::{
-    Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, SplitFarField,
+    Cuda, Device, DeviceError, DeviceLoads, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables,
+    SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
 use rigid::{ResidentProblem, ResidentSolution};
@@ -210,6 +211,10 @@ impl FarField for DeviceFarField {
         Some(self)
     }
 
+    fn surface(&mut self) -> Option<&mut dyn SurfaceFarField> {
+        Some(self)
+    }
+
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         Some(self)
     }
@@ -255,6 +260,13 @@ impl RigidFarField for DeviceFarField {
         self.note_evaluations(1 + outcome.iterations as u64);
         let stresslets = stresslets.as_chunks().0.iter().map(|&s| Traceless(s) * self.units.torque()).collect();
         RigidSolution { motion: self.motion(&motion), stresslets, outcome }
+    }
+}
+
+impl SurfaceFarField for DeviceFarField {
+    fn forces(&mut self, laws: &SurfaceLaws) -> Vec<Vector> {
+        let forces = succeeded(self.split.borrow_mut().surface_forces(laws));
+        mapped(forces.as_chunks().0, |&force| Vector::from_array(force))
     }
 }
 
