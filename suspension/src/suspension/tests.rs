@@ -1,7 +1,7 @@
 //! Runs whose far field and forces between surfaces an emulator of a card computes, against those of the host.
 
 use super::Suspension;
-use crate::model::{Adaptive, Contacts, Flow, Hydrodynamics, Integrator, Model, Parameters, Repulsion, Species};
+use crate::model::{Adaptive, Flow, Hydrodynamics, Integrator, Model, Parameters, Repulsion, Species};
 use domain::{Comm, PeriodicBox, Vector};
 use fcm::Method;
 use gpu::{Counted, Device, Emulator, SharedCounts};
@@ -41,11 +41,10 @@ fn settling() -> Model {
     })
 }
 
-/// Rough spheres in shear, with lubrication and repulsion.
+/// Spheres in shear, with lubrication and repulsion.
 fn sheared() -> Model {
     model([12, 8], |parameters| {
         parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
-        parameters.contacts = Some(Contacts::new(0.5));
         parameters.hydrodynamics.lubrication = true;
         parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.2), ..Repulsion::new(20.0) });
     })
