@@ -65,7 +65,7 @@ pub use conjugate_gradients::{
 };
 pub use dipoles::{DipoleError, DipoleField, DipoleProblem, DipoleSolution, Magnetisation};
 pub use envelope::{Envelope, Quadrupole};
-pub use gpu::{NearInFlow, NearInput, NearKind, NearTables, PairRows};
+pub use gpu::{NearInFlow, NearInput, NearKind, NearTables, PairRows, SurfaceKind, SurfaceLaws, SurfacePair};
 pub use grid::stencil::Support;
 pub use mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution, CoupledStart, CoupledTolerances};
 pub use mobility::loads::{Loads, Motion, Output};
@@ -73,7 +73,7 @@ pub use mobility::memory::Footprint;
 pub use mobility::noise::{DrawDiagnostics, LanczosLimits, Stream, square_root_times};
 pub use mobility::rank_one::Constraint;
 pub use mobility::work::{Seconds, Work};
-pub use mobility::{Flow, Mobility};
+pub use mobility::{Flow, Mobility, SurfaceFarField};
 #[doc(hidden)]
 pub use plan::accuracy;
 pub use plan::bounded::{NEAREST_WALL, OutsideError, check_inside};

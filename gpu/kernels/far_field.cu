@@ -12,6 +12,7 @@
 #include "pair_steps.h"
 #include "pairs.h"
 #include "spread.h"
+#include "surface.h"
 #include "vectors.h"
 
 #ifndef KERNEL
@@ -51,6 +52,7 @@
     KERNEL(turn_pairs_##suffix, turn_rows<T>)             \
     KERNEL(find_near_##suffix, find_near<T>)              \
     KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
+    KERNEL(surface_forces_##suffix, surface_forces<T>)    \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
     KERNEL(coupled_image_##suffix, coupled_image<T>)
 

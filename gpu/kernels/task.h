@@ -48,6 +48,7 @@ struct GroupMember {
 static constexpr int STIFF = 0, SOFT = 1;
 
 struct NearKind;
+struct SurfacePair;
 
 // gpu/src/task.rs has the same fields in the same order. Lists without a type hold values of the precision of the
 // grid, sorted positions unsigned integers of the same size.
@@ -115,6 +116,8 @@ struct Task {
     // Rows of other stiff pairs that the host gives, if there are any.
     const int *given_starts, *given_others;
     const double *given_numbers, *given_own;
+    // Laws of forces between surfaces by pairs of classes, as many for each pair as there are forces.
+    const SurfacePair *surface_laws;
     // Loads and first moments of spheres at rest in the background, six and five numbers each.
     double *in_flow;
     // Vectors of the solve with near pairs; those of stiff pairs alone; known loads or motions of the fluid.
@@ -144,6 +147,8 @@ struct Task {
     int reach[3];
     // The same of near pairs.
     int near_reach[3];
+    // The same of forces between surfaces, and the number of these forces.
+    int surface_reach[3], surface_count;
     // Points of the window; of its derivatives, coefficients per point and their place in the list.
     int points, window_rows[4], window_starts[4];
     // Threads of a particle in the interpolation.

@@ -7,6 +7,7 @@ use crate::lists::DeviceList;
 use crate::numbers::KernelNumbers;
 use crate::pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, ROW_LANES};
 use crate::repeated::CommandList;
+use crate::surface_laws::SurfaceLaws;
 use crate::tables::NumberFormat;
 use crate::task::{DeviceAddress, KernelTask};
 
@@ -20,6 +21,8 @@ pub struct NearInput<'a> {
     pub background: [f64; 5],
     /// Rows of other stiff pairs, and other resistances to own motions.
     pub given: Option<&'a PairRows>,
+    /// Forces between surfaces that are added to the loads, if there are any.
+    pub surface: Option<&'a SurfaceLaws>,
 }
 
 /// Near pairs that were found, and their loads on spheres at rest in the background.
@@ -28,7 +31,8 @@ pub struct NearInFlow {
     /// Number of stiff and of soft pairs of all particles, each of which counts for both of its particles, with those
     /// that were given.
     pub pairs: [usize; 2],
-    /// Load of each particle on the fluid and its first moment, [`IN_FLOW`] numbers each.
+    /// Load of each particle on the fluid, with forces between surfaces, and its first moment: [`IN_FLOW`] numbers
+    /// each.
     pub values: Vec<f64>,
 }
 
@@ -49,6 +53,9 @@ impl SplitFarField {
         let background = input.background;
         self.set_numbers(&KernelNumbers { background, near_entries, given_entries, ..self.numbers })?;
         self.assemble_rows()?;
+        if let Some(laws) = input.surface {
+            self.add_surface_forces(laws, [self.task.in_flow, IN_FLOW as u64])?;
+        }
         let values = self.form_groups(pairs[0])?;
         Ok(NearInFlow { pairs, values })
     }

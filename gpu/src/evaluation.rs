@@ -56,7 +56,7 @@ impl SplitFarField {
         EvaluationStage::ALL.into_iter().try_for_each(|stage| self.run(stage, orders))
     }
 
-    fn reserve_records(&mut self) -> Result<(), DeviceError> {
+    pub(crate) fn reserve_records(&mut self) -> Result<(), DeviceError> {
         let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
         self.task.records = self.buffers.records.reserve(self.device.as_mut(), bytes)?;
         Ok(())

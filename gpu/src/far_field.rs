@@ -7,6 +7,7 @@ use crate::numbers::{KernelNumbers, NumberBuffers};
 use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::{COMMAND_LISTS, CommandList, Repeated};
 use crate::share::{Peers, parts_of_lines};
+use crate::surface_laws::SurfaceLaws;
 use crate::tables::{LatticeShape, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::rc::Rc;
@@ -106,6 +107,7 @@ pub(crate) struct Buffers {
     pub(crate) totals: Buffer,
     numbers: NumberBuffers,
     pub(crate) near: NearBuffers,
+    pub(crate) surface_laws: Buffer,
 }
 
 impl Buffers {
@@ -124,6 +126,8 @@ pub struct SplitFarField {
     pub(crate) numbers: KernelNumbers,
     pub(crate) buffers: Buffers,
     pub(crate) near: NearRows,
+    /// Laws of forces between surfaces that are there.
+    pub(crate) surface_laws: Option<SurfaceLaws>,
     pub(crate) repeated: [Repeated; COMMAND_LISTS],
     /// Lists that were released.
     pub(crate) spare: Vec<DeviceList>,
@@ -199,6 +203,7 @@ impl SplitFarField {
             numbers: KernelNumbers::default(),
             buffers,
             near: NearRows::default(),
+            surface_laws: None,
             repeated: Default::default(),
             spare: Vec::new(),
             peers: None,

@@ -29,6 +29,8 @@ mod repeated;
 mod replay;
 mod scans;
 mod share;
+mod surface;
+mod surface_laws;
 mod tables;
 mod task;
 mod vectors;
@@ -49,6 +51,7 @@ pub use near::{PairLimits, PairSolve, PairVectors};
 pub use near_tables::{NearKind, NearTables};
 pub use pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, PairSet};
 pub use share::{GridShare, Peers, StencilSums};
+pub use surface_laws::{SurfaceKind, SurfaceLaws, SurfacePair};
 pub use tables::{
     COLUMN_NUMBERS, ChannelColumns, DevicePairTable, GridSolve, LatticeShape, NumberFormat, SplitTables,
     WindowPolynomials,

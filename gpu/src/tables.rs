@@ -161,7 +161,7 @@ impl SplitTables {
     }
 
     /// The axes along which the box does not repeat, a bit each.
-    pub(crate) fn bounded_axes(&self) -> i64 {
+    pub(crate) fn bounded_axes(&self) -> i32 {
         (0..3).filter(|&axis| !self.is_periodic[axis]).map(|axis| 1 << axis).sum()
     }
 

@@ -21,6 +21,9 @@ pub struct SolveInput<'a> {
     pub ambient: &'a Motion,
     /// Slip of squirmers, if there are any, on all ranks or none.
     pub squirming: Option<&'a Squirming>,
+    /// Whether the forces between surfaces that the solver [has taken](crate::CoupledSolver::take_surface_forces) are
+    /// added to the loads.
+    pub surface_forces: bool,
     /// Whether the flux between two walls is kept at its value without particles, by an additional flow along x.
     pub constant_flux: bool,
 }
@@ -28,8 +31,16 @@ pub struct SolveInput<'a> {
 impl<'a> SolveInput<'a> {
     /// Loads on free spheres in a background flow, and nothing else.
     pub fn new(loads: &'a Loads, strain_rate: StrainRate) -> Self {
-        let (springs, bodies, squirming) = (None, None, None);
-        Self { loads, strain_rate, springs, bodies, ambient: &NO_AMBIENT, squirming, constant_flux: false }
+        Self {
+            loads,
+            strain_rate,
+            springs: None,
+            bodies: None,
+            ambient: &NO_AMBIENT,
+            squirming: None,
+            surface_forces: false,
+            constant_flux: false,
+        }
     }
 }
 

@@ -1,6 +1,8 @@
 //! A suspension of spheres in Stokes flow.
 
 mod measurements;
+#[cfg(test)]
+mod tests;
 mod user_forces;
 
 use crate::columns::VELOCITY;

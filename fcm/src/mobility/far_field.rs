@@ -16,6 +16,7 @@ use crate::plan::sample_points::SamplePoints;
 use dense::DenseFarField;
 use device::DeviceFarField;
 use domain::{Comm, Particles, Partition, PeriodicBox, Traceless, Vector};
+use gpu::SurfaceLaws;
 pub(crate) use grid::{GridFarField, MomentFarField};
 
 /// Far field of the particles of a rank, by one method on one device.
@@ -51,6 +52,11 @@ pub(crate) trait FarField {
         None
     }
 
+    /// The back end itself, if it adds up forces between surfaces.
+    fn surface(&mut self) -> Option<&mut dyn SurfaceFarField> {
+        None
+    }
+
     /// The back end itself, if it solves together with near pairs.
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         None
@@ -82,6 +88,12 @@ pub(crate) trait FarField {
 pub(crate) trait RigidFarField {
     /// Solves a problem for the arranged particles.
     fn solve(&mut self, problem: &RigidProblem) -> RigidSolution;
+}
+
+/// A far field that adds up forces between the surfaces of the arranged particles.
+pub trait SurfaceFarField {
+    /// Forces of all pairs on each particle, by laws in the units of length of the far field and in any unit of force.
+    fn forces(&mut self, laws: &SurfaceLaws) -> Vec<Vector>;
 }
 
 /// Problem of rigid spheres: the stresslets `-D` for which the rates of strain of all loads are minus those given.

@@ -16,6 +16,7 @@ use crate::plan::sample_points::SamplePoints;
 use crate::walls::wall_drift::WallDrift;
 use domain::parallel::change;
 use domain::{Particles, Partition, PeriodicBox, Vector};
+pub use far_field::SurfaceFarField;
 pub(crate) use far_field::{FarField, MomentFarField, RigidFarField, RigidProblem, RigidSolution};
 use far_field::{FlowAtPoints, of_plan};
 use loads::{Loads, Motion, Output};
@@ -123,6 +124,11 @@ impl Mobility {
     pub fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         let is_rigid = self.plan.multipoles == Multipoles::Dipole && self.constraint.is_none();
         if is_rigid { self.far.coupled() } else { None }
+    }
+
+    /// The far field, if it adds up forces between surfaces.
+    pub fn surface(&mut self) -> Option<&mut dyn SurfaceFarField> {
+        self.far.surface()
     }
 
     /// Random motions of the arranged particles with these ids, whose covariance is the mobility itself: velocities,

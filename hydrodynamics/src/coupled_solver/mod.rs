@@ -5,6 +5,7 @@ mod lubricated_solve;
 mod near_pairs;
 mod on_device;
 mod perturbed_solve;
+mod surface_forces;
 mod swimming;
 
 pub use perturbed_solve::DisplacedSpheres;
@@ -22,7 +23,9 @@ use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::parallel::{FusedLoops, change, mapped, stage};
 use domain::{DomainView, Interrupt, Particles, Partition, PeriodicBox, Units};
-use fcm::{DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver};
+use fcm::{
+    DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver, SurfaceLaws,
+};
 use lubricated_solve::{LubricatedSolve, SolveCase};
 use lubrication::{LubricationRange, PairForce, PairForceError, WallForce};
 use std::borrow::Cow;
@@ -34,6 +37,8 @@ pub struct CoupledSolver {
     far: StressletSolver,
     /// Near field, in units of length and viscosity that scale the particles and the fluid to about 1.
     near: Option<NearField>,
+    /// Forces between surfaces that the back end of the far field adds up.
+    surface_laws: Option<SurfaceLaws>,
     units: Units,
     preconditioned: bool,
     partition: Partition,
@@ -87,7 +92,8 @@ impl CoupledSolver {
             let lists = NearLists::new(reach, partition);
             NearField { lubrication, at_walls, lists, precision: plan.precision, radii }
         });
-        Ok(Self { far, near, units, preconditioned: true, partition: partition.clone() })
+        let partition = partition.clone();
+        Ok(Self { far, near, surface_laws: None, units, preconditioned: true, partition })
     }
 
     /// Switches the preconditioner of the solve with lubrication on (the default) or off, for comparison.
@@ -110,13 +116,17 @@ impl CoupledSolver {
 
     /// Continues with another plan for the same radii and fluid, and with the partition of its grid.
     pub fn replan(&mut self, plan: &Plan, partition: &Partition) {
-        let interrupt = self.far.interrupt().clone();
-        self.far = StressletSolver::new(plan, partition);
-        self.far.listen(interrupt);
+        self.set_far_field(StressletSolver::new(plan, partition));
         if let Some(near) = &mut self.near {
             near.lists = NearLists::new(near.lists.reach(), partition);
         }
         self.partition = partition.clone();
+    }
+
+    /// Continues with another far field of the same plan, such as one on a device.
+    pub fn set_far_field(&mut self, far: StressletSolver) {
+        let interrupt = std::mem::replace(&mut self.far, far).interrupt().clone();
+        self.far.listen(interrupt);
     }
 
     /// Mobility of the far field.
@@ -159,6 +169,8 @@ impl CoupledSolver {
             let near = self.pairs_of_solve(cell, [particles, &own], &acting);
             if bodies.is_some() || self.partition.comm().any(!near.is_empty()) {
                 let interrupt = self.far.interrupt().clone();
+                let added = if near.is_on_device() { None } else { self.with_surface_forces(cell, particles, &acting) };
+                let loads = added.as_ref().unwrap_or(loads);
                 let mobility = self.far.mobility();
                 if flux.is_none() {
                     mobility.follow(cell, particles);
@@ -182,6 +194,8 @@ impl CoupledSolver {
                 return Ok(solved);
             }
         }
+        let added = self.with_surface_forces(cell, particles, acting);
+        let loads = added.as_ref().unwrap_or(loads);
         let (background, guess) = (strain_rate.at_zero, &guess.stresslets_far);
         let mut solved =
             self.solve_far(cell, particles, &RigidInput { loads, ambient, background, guess, quadrupoles })?;

@@ -68,7 +68,8 @@ impl CoupledSolver {
             }
         };
         let given = (!near.is_empty()).then(|| near.rows());
-        let input = NearInput { background: acting.strain_rate.at_zero.0, given: given.as_ref() };
+        let surface = self.surface_laws.as_ref().filter(|_| acting.surface_forces);
+        let input = NearInput { background: acting.strain_rate.at_zero.0, given: given.as_ref(), surface };
         let mobility = self.far.mobility();
         mobility.follow(cell, particles);
         if let Some(far) = mobility.coupled() {

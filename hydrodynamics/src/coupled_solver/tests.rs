@@ -4,6 +4,7 @@ mod bodies;
 mod constant_flux;
 mod device_pairs;
 mod device_ranks;
+mod device_surface;
 mod on_device;
 mod springs;
 mod squeezed;

@@ -10,4 +10,5 @@ pub mod matrix;
 pub mod search;
 pub mod slip;
 pub mod squeezed;
+pub mod surface_laws;
 pub mod walls;

@@ -16,6 +16,7 @@ pub mod stage_time;
 mod stiffness_adaptation;
 pub mod stress;
 mod stress_controlled;
+mod surface_forces;
 mod swimming;
 mod tethered;
 pub mod velocity_field;
@@ -98,9 +99,9 @@ impl Dynamics {
         let springs = forces.implicit_range(setup.radii.largest()).filter(|_| is_implicit);
         let short_range = ShortRange { lubrication: range, springs };
         let hydrodynamics = CoupledSolver::new(&setup.plan, &setup.partition, short_range);
-        let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?;
-        let dynamics = Self {
-            hydrodynamics: hydrodynamics.preconditioned(chosen.preconditioner),
+        let hydrodynamics = hydrodynamics.map_err(StartError::Lubrication)?.preconditioned(chosen.preconditioner);
+        let mut dynamics = Self {
+            hydrodynamics,
             lubrication: range,
             warm_start: WarmStart::new(model.is_coupled()),
             forces: forces.with_fields(&setup.problem, setup.partition.comm())?,
@@ -119,6 +120,7 @@ impl Dynamics {
             partition: setup.partition,
             moving: setup.moving,
         };
+        dynamics.leave_surface_forces(&setup.particles);
         Ok((dynamics, setup.particles))
     }
 
@@ -248,7 +250,7 @@ impl Dynamics {
             angular_velocities,
             strain_rate,
         });
-        let near = self.forces.near(particles, self.domain());
+        let near = self.forces.near_in_solves(particles, self.domain());
         let acting = self.acting(particles, near.as_ref(), moment, prediction.as_ref(), motion)?;
         drop(near);
         let solved = self.solved(particles, &acting, &acting.ambient, guess, moment)?;
@@ -309,7 +311,8 @@ impl Dynamics {
         let (input, constant_flux) = (SolveInput::new(loads, self.moving.strain_rate()), self.moving.keeps_flux());
         let (bodies, squirming) = (self.bodies(particles), self.squirming(particles));
         let (springs, bodies, squirming) = (springs.as_ref(), bodies.as_ref(), squirming.as_ref());
-        let acting = SolveInput { springs, bodies, squirming, ambient, constant_flux, ..input };
+        let surface_forces = self.forces.surfaces_are_solved();
+        let acting = SolveInput { springs, bodies, squirming, ambient, surface_forces, constant_flux, ..input };
         let solved = self.hydrodynamics.solve(self.moving.cell(), particles, &acting, guess);
         let solved = solved.map_err(|source| self.unsolved(source, particles, moment.clock.step()))?;
         if let Some(flux) = self.moving.flux() {

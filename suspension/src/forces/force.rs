@@ -55,6 +55,11 @@ pub trait Force {
         None
     }
 
+    /// The same in the loads of solves, [`Self::add_loads`], to which others may add the forces of pairs.
+    fn range_in_solves(&self, largest_radius: f64) -> Option<f64> {
+        self.range(largest_radius)
+    }
+
     /// Contributions to the stress; none by default.
     fn stresses(&self) -> Vec<StressName> {
         Vec::new()

@@ -14,7 +14,7 @@ use crate::model::radii::Radii;
 use crate::neighbourhood::{NeighbourLists, PairsWithHalo};
 use domain::{Bytes, Comm, DomainView, ExpectedCounts, Particles, Partition, Tensor};
 use fcm::{Loads, PlanError, Problem};
-use lubrication::BarrierError;
+use lubrication::{BarrierError, SurfaceForce};
 use std::rc::Rc;
 
 /// Column that marks particles whose velocities include a registered force, by its name.
@@ -44,6 +44,8 @@ pub struct Forces {
     lists: Rc<NeighbourLists>,
     /// Longest range of forces; `None` if no force needs pairs.
     pair_range: Option<f64>,
+    /// The same for the loads of solves.
+    range_in_solves: Option<f64>,
     /// Distances up to which others need neighbours.
     shared: SharedRanges,
     /// Gap over the mean radius up to which spheres repel each other; 0 without repulsion.
@@ -76,6 +78,7 @@ impl Forces {
             registered: Vec::new(),
             lists: Rc::default(),
             pair_range: None,
+            range_in_solves: None,
             shared: SharedRanges::default(),
         })
     }
@@ -103,6 +106,20 @@ impl Forces {
     pub fn sharing(mut self, shared: SharedRanges) -> Self {
         self.shared = shared;
         self
+    }
+
+    /// Leaves the forces of pairs between surfaces to the solver, if there are any and `solver_takes` them.
+    pub fn leave_surfaces(&mut self, largest_radius: f64, solver_takes: impl FnOnce(&[SurfaceForce]) -> bool) {
+        let forces = self.surface.between_spheres();
+        if !forces.is_empty() && solver_takes(&forces) {
+            self.surface.leave_to_solver();
+            self.range_in_solves = self.longest_in_solves(largest_radius);
+        }
+    }
+
+    /// Whether the solver adds the forces of pairs between surfaces.
+    pub fn surfaces_are_solved(&self) -> bool {
+        self.surface.is_left_to_solver()
     }
 
     /// Registers a force of the user.
@@ -163,6 +180,7 @@ impl Forces {
     /// Makes lists for all ranges, with another partition of space as well.
     pub fn search(&mut self, largest_radius: f64, partition: &Partition) {
         self.pair_range = self.range(largest_radius);
+        self.range_in_solves = self.longest_in_solves(largest_radius);
         let contacts = self.contacts.as_ref().map(Contacts::reach);
         let ranges = [self.range_with_forces(), self.shared.others, contacts].into_iter().flatten();
         self.lists = Rc::new(NeighbourLists::new(ranges, partition));
@@ -181,6 +199,11 @@ impl Forces {
     /// Longest range of all forces; `None` if no force needs pairs.
     pub fn range(&self, largest_radius: f64) -> Option<f64> {
         self.all().filter_map(|force| force.range(largest_radius)).reduce(f64::max)
+    }
+
+    /// Longest range of forces in the loads of solves.
+    fn longest_in_solves(&self, largest_radius: f64) -> Option<f64> {
+        self.all().filter_map(|force| force.range_in_solves(largest_radius)).reduce(f64::max)
     }
 
     /// Distance up to which forces have implicit resistances; `None` if none has.
@@ -206,6 +229,11 @@ impl Forces {
     /// Pairs within the longest range, if a force needs pairs. Collective.
     pub fn near(&self, particles: &Particles, domain: DomainView) -> Option<PairsWithHalo> {
         self.pair_range.and_then(|_| self.shared_near(particles, domain))
+    }
+
+    /// The same, if a force needs pairs for the loads of solves. Collective.
+    pub fn near_in_solves(&self, particles: &Particles, domain: DomainView) -> Option<PairsWithHalo> {
+        self.range_in_solves.and_then(|_| self.shared_near(particles, domain))
     }
 
     /// Pairs within the longest range of forces and of those who need pairs at the positions of forces. Collective.

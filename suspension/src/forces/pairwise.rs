@@ -3,7 +3,7 @@
 use super::acting::{Acting, Configuration, Instant, Prediction};
 use super::force::{Force, StressName};
 use crate::neighbourhood::{PairsWithHalo, SeparatedPair};
-use domain::{Failure, Particles, PeriodicBox, Tensor, ToWall, Vector};
+use domain::{DomainView, Failure, Particles, PeriodicBox, Tensor, ToWall, Vector};
 use fcm::Loads;
 use lubrication::PairKind;
 use std::ops::AddAssign;
@@ -42,6 +42,8 @@ pub trait PairLaw: Send + Sync + 'static {
 pub struct PairwiseForce<L> {
     name: &'static str,
     laws: Arc<[L]>,
+    /// Whether the solver adds the forces of pairs to the loads of solves.
+    is_solved: bool,
 }
 
 impl<L: PairLaw> PairwiseForce<L> {
@@ -52,12 +54,22 @@ impl<L: PairLaw> PairwiseForce<L> {
 
     /// The force of several laws.
     pub fn of_laws(name: &'static str, laws: Vec<L>) -> Self {
-        Self { name, laws: laws.into() }
+        Self { name, laws: laws.into(), is_solved: false }
     }
 
     /// The laws.
     pub fn laws(&self) -> &[L] {
         &self.laws
+    }
+
+    /// Leaves the forces of pairs in the loads of solves to the solver; those at walls remain.
+    pub fn leave_to_solver(&mut self) {
+        self.is_solved = true;
+    }
+
+    /// Whether the forces of pairs are left to the solver.
+    pub fn is_left_to_solver(&self) -> bool {
+        self.is_solved
     }
 
     /// Distance up to which any law acts; `None` without laws.
@@ -69,12 +81,17 @@ impl<L: PairLaw> PairwiseForce<L> {
         self.laws.iter().map(|law| law.force(separation, between)).reduce(|sum, force| sum + force).unwrap_or_default()
     }
 
-    /// Adds the loads, with a prediction those of [`Self::predicted`].
+    /// Adds the loads of pairs and at walls, with a prediction those of [`predicted`] and [`predicted_at_wall`].
     fn add(&self, at: &Configuration, prediction: Option<&Prediction>, loads: &mut Loads) {
-        let Configuration { particles, domain, .. } = at;
-        let Some(near) = at.near.filter(|_| !self.laws.is_empty()) else { return };
-        loads.forces.resize(particles.len(), Vector::ZERO);
         let prediction = prediction.filter(|_| self.laws.iter().any(L::is_implicit));
+        if let Some(near) = at.near.filter(|_| !self.laws.is_empty()) {
+            self.add_of_pairs(near, prediction, loads);
+            self.add_at_walls(at, prediction, loads);
+        }
+    }
+
+    fn add_of_pairs(&self, near: &PairsWithHalo, prediction: Option<&Prediction>, loads: &mut Loads) {
+        loads.forces.resize(near.owned(), Vector::ZERO);
         let added = prediction.map(|prediction| predicted(&self.laws, near, prediction)).unwrap_or_default();
         let on_pair = |(k, pair): (usize, SeparatedPair)| {
             let force = self.force(pair.separation, pair.radii.into());
@@ -83,11 +100,19 @@ impl<L: PairLaw> PairwiseForce<L> {
         };
         let sums = near.summed(near.pairs().enumerate().map(on_pair));
         loads.forces.iter_mut().zip(sums).for_each(|(force, sum)| *force += sum);
+    }
+
+    fn add_at_walls(&self, at: &Configuration, prediction: Option<&Prediction>, loads: &mut Loads) {
+        let Configuration { particles, domain: DomainView { cell, .. }, .. } = at;
+        if cell.boundaries().walls() == 0 {
+            return;
+        }
+        loads.forces.resize(particles.len(), Vector::ZERO);
         let at_wall = |row, to: ToWall, radius| {
             let added = prediction.map(|prediction| predicted_at_wall(&self.laws, prediction, row, to, radius));
             self.force(to.axis * to.distance, PairKind::Wall(radius)) + added.unwrap_or_default()
         };
-        add_at_walls(&mut loads.forces, particles, domain.cell, at_wall);
+        add_at_walls(&mut loads.forces, particles, cell, at_wall);
     }
 }
 
@@ -103,6 +128,10 @@ impl<L: PairLaw> Force for PairwiseForce<L> {
     /// With a prediction, the decrease of implicit forces at the predicted velocities is added back, so that the force
     /// minus resistance times velocity is exact at the predicted velocities and approximate at others.
     fn add_loads(&mut self, at: &mut Instant, acting: &mut Acting) -> Result<(), Failure> {
+        if self.is_solved {
+            self.add_at_walls(&at.configuration(), None, &mut acting.loads);
+            return Ok(());
+        }
         self.add(&at.configuration(), at.prediction, &mut acting.loads);
         if let Some(prediction) = at.prediction.filter(|_| self.laws.iter().any(L::is_implicit)) {
             let (laws, time) = (self.laws.clone(), prediction.time);
@@ -113,6 +142,10 @@ impl<L: PairLaw> Force for PairwiseForce<L> {
 
     fn range(&self, largest_radius: f64) -> Option<f64> {
         self.reach([largest_radius; 2].into())
+    }
+
+    fn range_in_solves(&self, largest_radius: f64) -> Option<f64> {
+        self.range(largest_radius).filter(|_| !self.is_solved)
     }
 
     fn stresses(&self) -> Vec<StressName> {

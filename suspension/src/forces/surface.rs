@@ -48,6 +48,11 @@ impl SurfaceForces {
         Ok(Self::of_laws("surface", repulsion.into_iter().chain(attraction).collect()))
     }
 
+    /// Repulsion and attraction as the solver takes them.
+    pub fn between_spheres(&self) -> Vec<SurfaceForce> {
+        self.laws().iter().map(|law| law.force).collect()
+    }
+
     /// Gap over the mean radius up to which spheres of a model repel each other; 0 without repulsion.
     pub fn repulsion_range(&self, model: &Model) -> f64 {
         let smallest = model.species.iter().map(|s| s.radius).fold(f64::INFINITY, f64::min);

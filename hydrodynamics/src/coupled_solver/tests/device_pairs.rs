@@ -55,14 +55,15 @@ fn pairs_are_those_of_all_images() {
     let mobility = solver.far.mobility();
     mobility.follow(&suspension.cell, &suspension.particles);
     let far = mobility.coupled().unwrap();
-    let mut found = |given| far.assemble(&|| tables.clone(), &NearInput { background: [0.0; 5], given }).pairs;
+    let mut found =
+        |given| far.assemble(&|| tables.clone(), &NearInput { background: [0.0; 5], given, surface: None }).pairs;
     let [stiff, soft] = found(None);
     assert_eq!([stiff, soft], expected.map(|count| count as usize));
     assert_eq!(found(Some(&given)), [stiff + moved + 2, soft - moved]);
 }
 
 /// A box along other axes than those of space, and one whose edges differ.
-fn tilted(edge: f64) -> PeriodicBox {
+pub(super) fn tilted(edge: f64) -> PeriodicBox {
     let turn = Tensor::from_rotation_x(0.4) * Tensor::from_rotation_z(-0.9);
     let lattice = [Vector::X, Vector::new(0.2, 1.0, 0.0), Vector::new(-0.1, 0.25, 1.0)];
     PeriodicBox::of_lattice(lattice.map(|vector| turn * vector * edge)).unwrap()

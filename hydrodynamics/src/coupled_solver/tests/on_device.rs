@@ -55,7 +55,7 @@ impl Suspension {
         Self { cell, particles, plan }
     }
 
-    fn partition(&self) -> Partition {
+    pub(super) fn partition(&self) -> Partition {
         Partition::new(&Comm::alone(), [self.plan.grid[1], self.plan.grid[2]])
     }
 
@@ -153,7 +153,7 @@ pub(super) fn emulator(seed: u64) -> Box<dyn Device> {
 }
 
 /// Numbers of a solution by kind: motions, loads on the far field, and whole stresslets.
-fn columns(solution: &Solution) -> [Vec<f64>; 6] {
+pub(super) fn columns(solution: &Solution) -> [Vec<f64>; 6] {
     let vectors = |list: &[Vector]| list.iter().flat_map(Vector::to_array).collect();
     let tensors = |list: &[Traceless]| list.iter().flat_map(|tensor| tensor.0).collect();
     let Solution { motion, far, stresslets, .. } = solution;

@@ -18,7 +18,7 @@ mod vectors;
 
 use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
 use crate::mobility::far_field::grid::GridFarField;
-use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution};
+use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution, SurfaceFarField};
 use crate::mobility::loads::{Loads, Motion, Output};
 use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
 use crate::mobility::work::Work;
@@ -28,7 +28,7 @@ use domain::parallel::{equal, mapped};
 use domain::{Halo, Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
 use gpu::{
     Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, PlacedParticles,
-    SplitFarField,
+    SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
 use present::{PresentLoads, RankPeers, grid_share};
@@ -233,6 +233,10 @@ impl FarField for DeviceFarField {
         self.alone().map(|own| own as &mut dyn RigidFarField)
     }
 
+    fn surface(&mut self) -> Option<&mut dyn SurfaceFarField> {
+        Some(self)
+    }
+
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
         self.alone().map(|own| own as &mut dyn CoupledFarField)
     }
@@ -276,6 +280,13 @@ impl RigidFarField for DeviceFarField {
         self.note_evaluations(1 + outcome.iterations as u64);
         let stresslets = stresslets.as_chunks().0.iter().map(|&s| Traceless(s) * self.units.torque()).collect();
         RigidSolution { motion: self.motion(&motion), stresslets, outcome }
+    }
+}
+
+impl SurfaceFarField for DeviceFarField {
+    fn forces(&mut self, laws: &SurfaceLaws) -> Vec<Vector> {
+        let forces = succeeded(self.split.borrow_mut().surface_forces(laws));
+        mapped(forces.as_chunks().0, |&force| Vector::from_array(force))
     }
 }
 

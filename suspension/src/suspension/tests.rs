@@ -1,0 +1,121 @@
+//! Runs whose far field and forces between surfaces an emulator of a card computes, against those of the host.
+
+use super::Suspension;
+use crate::model::{Adaptive, Flow, Hydrodynamics, Integrator, Model, Parameters, Repulsion, Species};
+use domain::{Comm, PeriodicBox, Vector};
+use fcm::Method;
+use gpu::{Counted, Device, Emulator, SharedCounts};
+
+/// Steps, of which the first three are those of the Runge-Kutta method.
+const STEPS: u64 = 5;
+
+/// An emulator that counts, whose threads run in the order of a seed.
+fn emulator(seed: u64) -> (Box<dyn Device>, SharedCounts) {
+    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
+    let program = Emulator::compile(&folder, &[]).unwrap();
+    let (device, counts) = Counted::new(Box::new(Emulator::start(&program, seed).unwrap()));
+    (Box::new(device), counts)
+}
+
+fn model(species: [u64; 2], change: impl FnOnce(&mut Parameters)) -> Model {
+    let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+    let [small, large] = species;
+    let species = vec![Species::new("small", 1.0, small), Species::new("large", 1.4, large)];
+    let mut parameters = Parameters::new(cell, 1.0, species, 0.01, STEPS);
+    parameters.hydrodynamics = Hydrodynamics {
+        method: Some(Method::Split),
+        tolerance: 1e-2,
+        iteration_tolerance: Some(1e-5),
+        ..Hydrodynamics::default()
+    };
+    change(&mut parameters);
+    Model::new(parameters).unwrap()
+}
+
+/// Settling spheres, without lubrication.
+fn settling() -> Model {
+    model([12, 6], |parameters| {
+        parameters.gravity = Vector::new(0.0, 0.0, -4.0);
+        parameters.species.iter_mut().for_each(|species| species.density_difference = 1.0);
+        parameters.repulsion = Some(Repulsion { range: Some(0.4), ..Repulsion::new(30.0) });
+    })
+}
+
+/// Spheres in shear, with lubrication and repulsion.
+fn sheared() -> Model {
+    model([12, 8], |parameters| {
+        parameters.flow = Flow::Shear { rate: 1.0, lees_edwards: true };
+        parameters.hydrodynamics.lubrication = true;
+        parameters.repulsion = Some(Repulsion { radius_power: 2, range: Some(0.2), ..Repulsion::new(20.0) });
+    })
+}
+
+/// A run from the start of a model or from a later state.
+fn started(model: &Model, from: Option<&mut Suspension>) -> Suspension {
+    let alone = Comm::alone();
+    match from {
+        None => Suspension::start(model, &alone).unwrap(),
+        Some(suspension) => Suspension::resume(model, Some(suspension.state()), &alone).unwrap(),
+    }
+}
+
+/// The same with an emulator for the solves.
+fn on(mut suspension: Suspension, device: Box<dyn Device>) -> Suspension {
+    suspension.dynamics.evaluate_on(device, &suspension.particles);
+    suspension
+}
+
+fn advanced(mut suspension: Suspension, steps: u64) -> Suspension {
+    (0..steps).for_each(|_| suspension.step().unwrap());
+    suspension
+}
+
+/// Largest distance of the spheres of two runs from each other.
+fn distance(one: &Suspension, other: &Suspension) -> f64 {
+    let [a, b] = [one, other].map(|run| &run.particles().positions);
+    a.iter().zip(b).map(|(&a, &b)| one.cell().nearest_image(a - b).length()).fold(0.0, f64::max)
+}
+
+/// Spheres move as on the host, whose forces need no pairs any more; without repulsion they do not.
+#[test]
+fn spheres_move_as_on_the_host() {
+    for model in [settling(), sheared()] {
+        let start = started(&model, None);
+        let host = advanced(started(&model, None), STEPS);
+        let without = Model::new(Parameters { repulsion: None, ..(*model).clone() }).unwrap();
+        let free = advanced(started(&without, None), STEPS);
+        let (device, counts) = emulator(1);
+        let card = advanced(on(started(&model, None), device), STEPS);
+        let [moved, repelled, error] = [[&start, &host], [&free, &host], [&card, &host]].map(|[a, b]| distance(a, b));
+        assert!(repelled > 1e-2 * moved && error < 1e-4 * moved, "{moved:e}, {repelled:e}, {error:e}");
+        let near =
+            |run: &Suspension| run.dynamics.forces().near_in_solves(&run.particles, run.dynamics.domain()).is_some();
+        assert!(near(&host) && !near(&card));
+        // Four evaluations in each of the first three steps, and one in the others.
+        assert_eq!(counts.borrow().runs["surface_forces_f32"], 4 * 3 + STEPS - 3);
+    }
+}
+
+/// A run that is resumed on another card, whose threads run in another order, has the bits of one that is not; on the
+/// host it goes on with the same forces to round-off.
+#[test]
+fn a_resumed_run_has_the_same_bits() {
+    let model = sheared();
+    let on_card = |from, seed| on(started(&model, from), emulator(seed).0);
+    let (mut whole, mut part) = (advanced(on_card(None, 1), STEPS), advanced(on_card(None, 1), 2));
+    let mut resumed = advanced(on_card(Some(&mut part), 2), STEPS - 2);
+    assert_eq!(whole.state(), resumed.state());
+    let on_host = advanced(started(&model, Some(&mut part)), STEPS - 2);
+    assert!(distance(&whole, &on_host) < 1e-4 * distance(&whole, &started(&model, None)));
+}
+
+/// Implicit steps, whose resistances need the pairs, keep the forces on the host.
+#[test]
+fn implicit_steps_keep_their_pairs() {
+    let implicit = model([4, 2], |parameters| {
+        parameters.repulsion = Some(Repulsion::new(30.0));
+        parameters.integrator = Integrator::Implicit(Adaptive::default());
+    });
+    let run = on(started(&implicit, None), emulator(1).0);
+    assert!(run.dynamics.forces().near_in_solves(&run.particles, run.dynamics.domain()).is_some());
+}
