@@ -221,20 +221,24 @@ def contact():
     return "### Near contact", lines, good
 
 
+def critical_frequency(edge, places, chi, field):
+    """Frequency up to which two bonded spheres along x follow a rotating field: largest torque over resistance."""
+    distance = places[1][0] - places[0][0]
+    pulls = ["force = [0.0, -1.0, 0.0]", "force = [0.0, 1.0, 0.0]"]
+    unit = series(scene(edge, [(name, 1, more) for name, more in zip(("one", "other"), pulls)], places))
+    # Angular velocity over torque: that of the couple of two unit forces, the distance.
+    mobility = (unit["mean_velocity_y[other]"][0] - unit["mean_velocity_y[one]"][0]) / distance / distance
+    along, across = (4 * math.pi * multipole_moment(chi, distance, order) for order in (0, 1))
+    return 0.5 * field**2 * (along - across) * mobility
+
+
 def rotating(ratio, distance=2.05, chi=1.0, field=1.0):
     """Mean angular velocity of a bonded doublet over the critical one, for a field at `ratio` times the critical frequency."""
     edge = 40.0
     middle = np.full(3, edge / 2)
     places = [middle - [distance / 2, 0, 0], middle + [distance / 2, 0, 0]]
     bond = f"bonds = [{{ pairs = [[0, 1]], stiffness = 2000.0, length = {distance} }}]"
-    pulls = ["force = [0.0, -1.0, 0.0]", "force = [0.0, 1.0, 0.0]"]
-    species = [(name, 1, more) for name, more in zip(("one", "other"), pulls)]
-    unit = series(scene(edge, species, places))
-    # Angular velocity over torque: that of the couple of two unit forces, the distance.
-    mobility = (unit["mean_velocity_y[other]"][0] - unit["mean_velocity_y[one]"][0]) / distance / distance
-    along, across = (4 * math.pi * multipole_moment(chi, distance, order) for order in (0, 1))
-    largest = 0.5 * field**2 * (along - across)
-    critical = largest * mobility
+    critical = critical_frequency(edge, places, chi, field)
     frequency = ratio * critical
     periods, steps = 12, 1200
     species = [("one", 2, f"magnetic_susceptibility = {chi}")]

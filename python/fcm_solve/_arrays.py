@@ -20,6 +20,8 @@ _FOUND = {
 }
 # Larger whole numbers are rounded as float64.
 _EXACT = 2**53
+# The host's memory in DLPack.
+_HOST = (1, 0)
 
 
 def axes_of(orientations):
@@ -78,6 +80,7 @@ def numbers(name, value):
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
     _refuse_more_than_numbers(name, value)
+    value = _on_host(name, value)
     try:
         array = np.asarray(value)
     except ValueError as cause:
@@ -87,6 +90,32 @@ def numbers(name, value):
     if array.dtype.kind in "iu" and array.size > 0 and not -_EXACT <= array.min() <= array.max() <= _EXACT:
         raise InputError(f"{name} has whole numbers beyond 2^53, which would be rounded; make them float64 first")
     return np.asarray(array, dtype=np.float64)
+
+
+class _HostCopy:
+    """An array of another library that exports a copy in the host's memory."""
+
+    def __init__(self, array):
+        self._array = array
+
+    def __dlpack__(self, **_):
+        return self._array.__dlpack__(dl_device=_HOST)
+
+    def __dlpack_device__(self):
+        return _HOST
+
+
+def _on_host(name, value):
+    """An array that another library exports by DLPack as a numpy array: the same memory if it is the host's, otherwise
+    a copy by that library. Other values are unchanged."""
+    if isinstance(value, (np.ndarray, np.generic)) or not hasattr(value, "__dlpack_device__"):
+        return value
+    is_here = value.__dlpack_device__()[0] == _HOST[0]
+    try:
+        return np.from_dlpack(value if is_here else _HostCopy(value))
+    except (BufferError, RuntimeError, TypeError, ValueError) as cause:
+        place = "cannot be exported" if is_here else "is in the memory of a device, and its library does not copy it"
+        raise InputError(f"{name} {place} ({cause}); make it an array of numpy first") from cause
 
 
 def number(name, value):

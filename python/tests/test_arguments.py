@@ -52,6 +52,35 @@ def test_loads_that_are_no_real_numbers_are_refused_by_name(value, message):
         mobility().positions = value
 
 
+class Foreign:
+    """An array of another library, which exports it by DLPack alone."""
+
+    def __init__(self, array, device=1, copies=True):
+        self.array, self.device, self.copies = array, device, copies
+
+    def __dlpack_device__(self):
+        return (self.device, 0)
+
+    def __dlpack__(self, dl_device=None, **_):
+        if self.device != 1 and not (self.copies and dl_device == (1, 0)):
+            raise BufferError("no copies")
+        return self.array.__dlpack__()
+
+
+@pytest.mark.parametrize("device", [1, 2])
+def test_arrays_of_other_libraries_are_taken_and_motions_given_by_dlpack(device):
+    found = mobility()(forces=Foreign(FORCES, device)).velocities
+    assert np.array_equal(found, mobility()(forces=FORCES).velocities)
+    assert np.shares_memory(np.from_dlpack(found), found)
+
+
+def test_arrays_that_cannot_be_exported_are_refused_by_name():
+    with pytest.raises(fcm.InputError, match="^forces is in the memory of a device, .*no copies"):
+        mobility()(forces=Foreign(FORCES, device=2, copies=False))
+    with pytest.raises(fcm.InputError, match="^forces cannot be exported"):
+        mobility()(forces=Foreign(FORCES.astype(object)))
+
+
 @pytest.mark.parametrize("kind", [np.float32, np.float16, np.int8, np.uint64, np.int64, list])
 def test_real_numbers_of_any_kind_are_taken(kind):
     forces = np.array([[0, 0, 1], [1, 0, 0]])

@@ -137,6 +137,16 @@ impl Bodies {
             return fault(".positions", format!("has {} positions for a count of {}", places.len(), self.count));
         }
         self.check_orientation(section, p)?;
+        if p.start == Start::Given {
+            let message =
+                "is set, but bodies and filaments are where the file of particles.path has them; leave it out";
+            match (&self.positions, &self.orientation) {
+                (Some(_), _) => return fault(".positions", message.to_owned()),
+                (None, BodyOrientation::Aligned(_)) => return fault(".orientation", message.to_owned()),
+                (None, BodyOrientation::Each(_)) => return fault(".orientations", message.to_owned()),
+                (None, BodyOrientation::Random) => {}
+            }
+        }
         let key = |name: &str| format!("{section}.{name}");
         ParameterError::require_finite(&key("density_difference"), self.density_difference)?;
         ParameterError::require_finite_vector(&key("force"), axes.vector(self.force))?;
@@ -276,13 +286,8 @@ fn check_methods(p: &Parameters) -> Result<(), ParameterError> {
         (p.repulsion.is_some_and(|repulsion| repulsion.calibrate), "repulsion.calibrate", "is true"),
         (!p.bonds.is_empty(), "bonds", "is set"),
         (!p.traps.is_empty(), "traps", "is set"),
-        (!matches!(p.start, Start::Random { .. } | Start::Positions(_)), "particles.initial", "is another than these"),
     ];
     match refusals.into_iter().find(|(is_refused, ..)| *is_refused) {
-        Some((_, "particles.initial", _)) => {
-            let message = "can't be with [[bodies]], whose scenes start from \"random\" or \"positions\"";
-            Err(ParameterError::new("particles.initial", message))
-        }
         Some((_, key, words)) => {
             Err(ParameterError::new(key, format!("{words}, which can't be with [[bodies]] yet; leave one of them out")))
         }

@@ -1,14 +1,14 @@
-//! Flexible filaments: chains of bonded spheres that start as straight rods.
+//! Flexible filaments: chains of bonded spheres, which start as straight rods or from a file.
 
-use super::{Beam, Bodies, Bonds, MultipoleOrder, Parameters, RestShape, Species, Start, beam};
+use super::{Beam, Bodies, Bonds, MultipoleOrder, Parameters, RestShape, Species, beam};
 use domain::{BodyShape, EqualSpheres, ParameterError, Vector};
 
 /// Filaments of one kind. Their spheres are particles of a species of their own, which [`Parameters::with_filaments`]
 /// adds together with their bonds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filaments {
-    /// Name, and places and orientations at the start, when each is a straight rod along the third of its axes; and
-    /// loads, which the spheres share. Motions and torques are not given.
+    /// Name, and places and orientations at the start, when each is a straight rod along the third of its axes unless
+    /// its spheres come from a file; and loads, which the spheres share. Motions and torques are not given.
     pub rods: Bodies,
     /// Spring constant of the bonds along them: force over extension.
     pub stiffness: f64,
@@ -83,10 +83,6 @@ pub(super) fn check(p: &Parameters) -> Result<(), ParameterError> {
     }
     if !p.bodies.is_empty() {
         return Err(ParameterError::new("filaments[0]", "can't be with [[bodies]] yet; leave one of them out"));
-    }
-    if !matches!(p.start, Start::Random { .. } | Start::Positions(_)) {
-        let message = "can't be with [[filaments]], whose scenes start from \"random\" or \"positions\"";
-        return Err(ParameterError::new("particles.initial", message));
     }
     p.filaments.iter().enumerate().try_for_each(|(index, one)| one.check(index, p))
 }

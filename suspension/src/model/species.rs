@@ -166,12 +166,18 @@ impl Start {
                 Err(ParameterError::new("particles.minimum_gap", message))
             }
             Self::Positions(places) => check_places(places, p),
+            Self::Cloud { .. } | Self::Lattice(_) if !p.placed_together().is_empty() => {
+                let message = "can't be with [[bodies]] and [[filaments]], whose scenes start from \"random\", \
+                    \"positions\" or \"file\"";
+                Err(ParameterError::new("particles.initial", message))
+            }
             Self::Cloud { radius, minimum_gap } => {
                 ParameterError::require_positive("particles.radius", *radius)?;
                 Self::Random { minimum_gap: *minimum_gap }.check(p)?;
                 check_open(&p.cell)
             }
-            _ => self.check_counts(&p.species),
+            Self::Given if p.placed_together().is_empty() => Ok(()),
+            _ => check_counts(&p.species),
         }
     }
 
@@ -179,13 +185,15 @@ impl Start {
     pub fn ball(&self) -> Option<f64> {
         if let Self::Cloud { radius, .. } = *self { Some(radius) } else { None }
     }
+}
 
-    /// The number of spheres may be missing only if positions are provided later.
-    fn check_counts(&self, species: &[Species]) -> Result<(), ParameterError> {
-        let uncounted = species.iter().position(|s| s.count.is_none() && *self != Self::Given);
-        uncounted.map_or(Ok(()), |index| {
+/// Refuses species without a number of spheres.
+fn check_counts(species: &[Species]) -> Result<(), ParameterError> {
+    match species.iter().position(|species| species.count.is_none()) {
+        Some(index) => {
             Err(ParameterError::new(format!("species[{index}].count"), "is missing; say how many spheres there are"))
-        })
+        }
+        None => Ok(()),
     }
 }
 

@@ -5,7 +5,8 @@ use crate::columns::{ARM, BODY};
 use crate::error::PlacingError;
 use crate::model::{Bodies, BodyOrientation, Model, Start};
 use crate::rotation::orientations;
-use domain::{BodySphere, Number, Occupied, Particles, Quaternion, Random, Vector, sphere};
+use crate::start::given_bodies;
+use domain::{BodySphere, GivenPositions, Number, Occupied, Particles, Quaternion, Random, Vector, sphere};
 use std::cmp::Reverse;
 
 /// Added to the seed for the random numbers of scenes with bodies.
@@ -14,11 +15,14 @@ const STREAM: u64 = 0x626f_6469_6573_0000;
 /// Random positions, and orientations if they are random, that are tried for a body or a sphere.
 const TRIES: u64 = 20_000;
 
-/// All particles of a model with bodies or filaments, in the order of their ids: the spheres that belong to none,
-/// species by species, and then the bodies, kind by kind. Spheres of a filament have the orientation of the rod as
-/// which it starts.
-pub fn particles(model: &Model) -> Result<Particles, PlacingError> {
-    let objects = BodyPlacement::new(model).placed()?;
+/// All particles of a model with bodies or filaments, in the order of their ids: the spheres that belong to none, and
+/// then the bodies, kind by kind. Spheres of a filament have the orientation of the rod as which it starts, or that of
+/// the file.
+pub fn particles(model: &Model, placed: Option<GivenPositions>) -> Result<Particles, PlacingError> {
+    let objects = match model.start {
+        Start::Given => given_bodies::objects(model, placed.unwrap_or_default())?,
+        _ => BodyPlacement::new(model).placed()?,
+    };
     let mut particles = Particles::default();
     let (mut owners, mut arms, mut turns) = (Vec::new(), Vec::new(), Vec::new());
     let mut next_body = 0.0;
@@ -26,11 +30,10 @@ pub fn particles(model: &Model) -> Result<Particles, PlacingError> {
         let body = if object.is_body { next_body } else { -1.0 };
         next_body += f64::from(u8::from(object.is_body));
         for (member, &species) in object.members.iter().zip(&object.species) {
-            let place = object.centre + object.orientation.rotate(member.position);
-            particles.push(owners.len() as u64, place, member.radius, species);
+            particles.push(owners.len() as u64, object.place(member), member.radius, species);
             owners.push(body);
             arms.push(member.position);
-            turns.push(if object.is_body { object.orientation } else { Quaternion::NONE });
+            turns.push(object.orientation);
         }
     }
     if !model.bodies.is_empty() {
@@ -60,13 +63,14 @@ pub fn check(particles: &Particles, model: &Model) -> Result<(), String> {
 }
 
 /// A body, or a sphere that belongs to none.
-struct Object<'a> {
-    is_body: bool,
-    members: Vec<BodySphere>,
+pub(super) struct Object<'a> {
+    pub is_body: bool,
+    pub members: Vec<BodySphere>,
     /// Species of the members.
-    species: Vec<u32>,
-    centre: Vector,
-    orientation: Quaternion,
+    pub species: Vec<u32>,
+    pub centre: Vector,
+    /// None for spheres without bodies that have none at the start, or get it later.
+    pub orientation: Quaternion,
     /// Whether a random place comes with a random orientation.
     turns: bool,
     /// Name of the kind, if the position is random.
@@ -74,6 +78,23 @@ struct Object<'a> {
 }
 
 impl Object<'_> {
+    /// A sphere that belongs to no body.
+    pub(super) fn sphere(species: u32, radius: f64, centre: Vector, orientation: Quaternion) -> Self {
+        let members = vec![BodySphere { position: Vector::ZERO, radius }];
+        Self { is_body: false, members, species: vec![species], centre, orientation, turns: false, at_random: None }
+    }
+
+    /// A body of a kind.
+    pub(super) fn body(model: &Model, kind: usize, centre: Vector, orientation: Quaternion) -> Self {
+        let (members, species) = (model.placed_together()[kind].spheres.clone(), model.species_of_body(kind));
+        Self { is_body: true, members, species, centre, orientation, turns: false, at_random: None }
+    }
+
+    /// Position of a member.
+    pub(super) fn place(&self, member: &BodySphere) -> Vector {
+        self.centre + self.orientation.rotate(member.position)
+    }
+
     fn extent(&self) -> f64 {
         BodySphere::extent(&self.members)
     }
@@ -107,13 +128,8 @@ impl<'a> BodyPlacement<'a> {
             for _ in 0..kind.count.unwrap_or(0) {
                 let given = places.get(self.objects.len());
                 self.objects.push(Object {
-                    is_body: false,
-                    members: vec![BodySphere { position: Vector::ZERO, radius: kind.radius }],
-                    species: vec![number as u32],
-                    centre: given.copied().unwrap_or_default(),
-                    orientation: Quaternion::IDENTITY,
-                    turns: false,
                     at_random: given.is_none().then_some(kind.name.as_str()),
+                    ..Object::sphere(number as u32, kind.radius, given.copied().unwrap_or_default(), Quaternion::NONE)
                 });
             }
         }
@@ -121,7 +137,6 @@ impl<'a> BodyPlacement<'a> {
 
     fn add_bodies(&mut self, kind: usize, bodies: &'a Bodies) {
         let axes = self.model.user_axes();
-        let species = self.model.species_of_body(kind);
         for number in 0..bodies.count as usize {
             let given = bodies.positions.as_ref().map(|places| places[number]);
             let orientation = match &bodies.orientation {
@@ -130,13 +145,9 @@ impl<'a> BodyPlacement<'a> {
                 BodyOrientation::Each(list) => list[number].normalized(),
             };
             self.objects.push(Object {
-                is_body: true,
-                members: bodies.spheres.clone(),
-                species: species.clone(),
-                centre: given.unwrap_or_default(),
-                orientation: axes.orientation_in(orientation),
                 turns: bodies.orientation == BodyOrientation::Random,
                 at_random: given.is_none().then_some(bodies.name.as_str()),
+                ..Object::body(self.model, kind, given.unwrap_or_default(), axes.orientation_in(orientation))
             });
         }
     }
@@ -173,8 +184,7 @@ impl<'a> BodyPlacement<'a> {
             let object = &self.objects[index];
             filled += object.volume();
             for member in &object.members {
-                let place = object.centre + object.orientation.rotate(member.position);
-                occupied.insert(member.radius + half_gap, cell.wrap(place).0);
+                occupied.insert(member.radius + half_gap, cell.wrap(object.place(member)).0);
             }
         }
         Ok(self.objects)
@@ -229,7 +239,7 @@ mod tests {
         let walled = PeriodicBox::new(Vector::splat(12.0)).unwrap().with_boundaries(Boundaries::Walls).unwrap();
         for cell in [sheared, walled] {
             let model = model(cell, 30);
-            let particles = particles(&model).unwrap();
+            let particles = particles(&model, None).unwrap();
             assert_eq!(particles.len(), 132);
             let bodies = bodies::members(&particles);
             for i in 0..132 {
@@ -254,7 +264,7 @@ mod tests {
     #[test]
     fn a_box_that_is_too_full_is_refused_with_the_fraction_reached() {
         let cell = PeriodicBox::new(Vector::splat(10.0)).unwrap();
-        let error = particles(&model(cell, 200)).unwrap_err().to_string();
+        let error = particles(&model(cell, 200), None).unwrap_err().to_string();
         assert!(error.contains("\"rods\"") || error.contains("\"free\""), "{error}");
         assert!(error.contains("of 212 bodies, filaments and spheres are placed"), "{error}");
     }

@@ -1,6 +1,7 @@
 //! Start of a run: positions of a model, and its memory and plan.
 
 pub mod bodies;
+mod given_bodies;
 pub mod given_positions;
 mod lattice;
 pub mod memory;

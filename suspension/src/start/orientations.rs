@@ -31,31 +31,27 @@ pub fn start(particles: &mut Particles, model: &Model, comm: &Comm) {
     }
 }
 
-/// Whether orientations of spheres of these species are provided and needed. Refuses a list that is missing or of
+/// Whether spheres of these species need orientations, which are provided then. Refuses a list that is missing or of
 /// another length, and quaternions without direction.
 pub fn check_given(given: Option<&[Quaternion]>, species: &[u32], model: &Model) -> Result<bool, String> {
-    let is_given = |kind: u32| model.species[kind as usize].orientation == Some(Orientation::Given);
-    let Some(kind) = species.iter().copied().find(|&kind| is_given(kind)) else { return Ok(false) };
+    let of_kind = |kind: u32| model.species[kind as usize].orientation;
+    let needs = |kind: u32| matches!(of_kind(kind), Some(Orientation::Given | Orientation::OfBody));
+    let Some(kind) = species.iter().copied().find(|&kind| needs(kind)) else { return Ok(false) };
     let Some(given) = given else {
-        return Err(format!("has no orientations, but species[{kind}].orientation is \"file\"; take \"random\""));
+        return Err(match of_kind(kind) {
+            Some(Orientation::OfBody) => "has no orientations, which bodies and filaments need".to_owned(),
+            _ => format!("has no orientations, but species[{kind}].orientation is \"file\"; take \"random\""),
+        });
     };
     if given.len() != species.len() {
         return Err(format!("has {} positions, but {} orientations", species.len(), given.len()));
     }
     let is_none = |&(_, (given, kind)): &(usize, (&Quaternion, &u32))| {
-        is_given(*kind) && !(given.length() > 0.0 && given.length().is_finite())
+        needs(*kind) && !(given.length() > 0.0 && given.length().is_finite())
     };
     match given.iter().zip(species).enumerate().find(is_none) {
         Some((row, (none, _))) => Err(format!("has the orientation {:?} in row {row}, which is none", none.to_array())),
         None => Ok(true),
-    }
-}
-
-/// Stores orientations provided with the positions, in the axes of the user.
-pub fn store(particles: &mut Particles, given: &[Quaternion], model: &Model) {
-    let axes = model.user_axes();
-    for (own, given) in orientations(particles).iter_mut().zip(given) {
-        *own = axes.orientation_in(given.normalized());
     }
 }
 

@@ -2,10 +2,11 @@
 
 use crate::error::PlacingError;
 use crate::model::{Model, Species, Start};
+use crate::rotation;
 use crate::start::lattice::Sites;
 use crate::start::{bodies, orientations};
 use domain::{
-    Comm, Failure, GivenPositions, Particles, Partition, Random, block, random_cloud, random_packing,
+    Comm, Failure, GivenPositions, Particles, Partition, Quaternion, Random, block, random_cloud, random_packing,
     shared_random_packing,
 };
 use std::ops::Range;
@@ -20,7 +21,7 @@ pub fn particles(
     comm: &Comm,
 ) -> Result<Particles, Failure> {
     if !model.placed_together().is_empty() {
-        return comm.agree(if comm.is_first() { bodies::particles(model) } else { Ok(Particles::default()) });
+        return comm.agree(if comm.is_first() { bodies::particles(model, placed) } else { Ok(Particles::default()) });
     }
     let shared = partition.map(|partition| shared(model, partition)).transpose();
     if let Some(particles) = comm.agree(shared.map(Option::flatten))? {
@@ -75,9 +76,7 @@ fn ends(model: &Model) -> Vec<usize> {
 /// All positions of a model, of which the first rank makes or has all.
 fn on_first(model: &Model, placed: Option<GivenPositions>) -> Result<GivenPositions, PlacingError> {
     if model.start == Start::Given {
-        let placed = placed.unwrap_or_default();
-        let name = placed.name.clone();
-        return given(model, placed).map_err(|message| PlacingError::Given { name, message });
+        return given(model, placed.unwrap_or_default());
     }
     let radii = model.species.iter().flat_map(|kind| std::iter::repeat_n(kind.radius, count(kind)));
     let radii: Vec<f64> = radii.collect();
@@ -135,14 +134,19 @@ fn store(model: &Model, part: GivenPositions, first: usize) -> Particles {
     let ids = rows.map(|row| row as u64).collect();
     let mut particles = Particles { ids, ..Particles::numbered(part.positions, radii, species) };
     if let Some(given) = part.orientations {
-        orientations::store(&mut particles, &given, model);
+        rotation::orientations(&mut particles).copy_from_slice(&given);
     }
     particles
 }
 
-/// Positions from elsewhere in the axes of the model. Species and radii are those provided, or else follow from the
-/// model's counts.
-fn given(model: &Model, placed: GivenPositions) -> Result<GivenPositions, String> {
+/// Positions and orientations from elsewhere, in the axes of the model, with the species of all spheres: those provided,
+/// or else those of the model's counts. Orientations that no species needs are left out.
+pub fn given(model: &Model, placed: GivenPositions) -> Result<GivenPositions, PlacingError> {
+    let name = placed.name.clone();
+    checked(model, placed).map_err(|message| PlacingError::Given { name, message })
+}
+
+fn checked(model: &Model, placed: GivenPositions) -> Result<GivenPositions, String> {
     let count_here = placed.positions.len();
     let count_asked: usize = model.species.iter().map(count).sum();
     let is_told = placed.species.is_some() || model.species.len() == 1;
@@ -152,17 +156,18 @@ fn given(model: &Model, placed: GivenPositions) -> Result<GivenPositions, String
              make them fit"
         ));
     }
-    let species = match &placed.species {
+    let species = match placed.species {
         Some(species) => species,
-        None if is_told => &vec![0; count_here],
-        None => &counted_species(model, 0..count_here).collect(),
+        None if is_told => vec![0; count_here],
+        None => counted_species(model, 0..count_here).collect(),
     };
-    check_species(model, species)?;
-    let has_orientations = orientations::check_given(placed.orientations.as_deref(), species, model)?;
+    check_species(model, &species)?;
+    let has_orientations = orientations::check_given(placed.orientations.as_deref(), &species, model)?;
     let axes = model.user_axes();
     let positions = placed.positions.into_iter().map(|place| axes.place_in(place)).collect();
-    let orientations = placed.orientations.filter(|_| has_orientations);
-    Ok(GivenPositions { positions, orientations, ..placed })
+    let inside = |list: Vec<Quaternion>| list.into_iter().map(|q| axes.orientation_in(q.normalized())).collect();
+    let orientations = placed.orientations.filter(|_| has_orientations).map(inside);
+    Ok(GivenPositions { positions, species: Some(species), orientations, ..placed })
 }
 
 /// Checks that the species of provided spheres match those of the model.
