@@ -4,14 +4,14 @@ use super::bodies::Object;
 use super::placement;
 use crate::error::PlacingError;
 use crate::model::Model;
-use domain::{GivenPositions, Quaternion, Vector};
+use domain::{GivenPositions, Number, Quaternion, Vector};
 
 /// Largest distance of a sphere of the file from its place in its body, over its radius. Positions may be rounded.
 const MISPLACED: f64 = 1e-3;
 
-/// All spheres and bodies of a model in the order of their ids. A kind of bodies takes the spheres of its species in the
-/// order of the file, body by body. The first sphere of a body and the orientation in its row determine the place of the
-/// body, from which the others may differ by [`MISPLACED`]. Spheres of filaments are where the file has them.
+/// All spheres and bodies of a model in the order of their ids. A kind of bodies takes the spheres of its species in
+/// the order of the file, body by body. The first sphere of a body and the orientation in its row determine the place
+/// of the body, from which the others may differ by [`MISPLACED`]. Spheres of filaments are where the file has them.
 pub(super) fn objects(model: &Model, placed: GivenPositions) -> Result<Vec<Object<'_>>, PlacingError> {
     let name = placed.name.clone();
     let spheres = GivenSpheres::new(model, placement::given(model, placed)?);
@@ -72,11 +72,10 @@ impl<'a> GivenSpheres<'a> {
         for (member, &row) in body.members.iter().zip(rows) {
             let apart = self.model.cell.nearest_image(self.positions[row] - body.place(member)).length();
             if apart > MISPLACED * member.radius {
-                let name = &self.model.bodies[kind].name;
+                let (name, apart) = (&self.model.bodies[kind].name, Number(apart));
                 return Err(format!(
-                    "has a sphere in row {row} that is {:.3e} away from its place in body {number} of \"{name}\"; the \
-                     spheres of a body need to be in the order of [[bodies]], each with the orientation of the body",
-                    apart
+                    "has a sphere in row {row} that is {apart:.3} away from its place in body {number} of \"{name}\"; \
+                     the spheres of a body need to be in the order of [[bodies]], each with the orientation of the body"
                 ));
             }
         }
@@ -109,7 +108,7 @@ mod tests {
         Start::Random { minimum_gap: 0.02 }
     }
 
-    /// What a trajectory has of particles: positions inside of the box, with six digits.
+    /// Particles as in a trajectory: positions are inside of the box, and rounded here.
     fn written(particles: &mut Particles, model: &Model) -> GivenPositions {
         let rounded = |x: f64| (x * 1e4).round() * 1e-4;
         GivenPositions {

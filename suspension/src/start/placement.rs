@@ -139,8 +139,8 @@ fn store(model: &Model, part: GivenPositions, first: usize) -> Particles {
     particles
 }
 
-/// Positions and orientations from elsewhere, in the axes of the model, with the species of all spheres: those provided,
-/// or else those of the model's counts. Orientations that no species needs are left out.
+/// Positions and orientations from elsewhere, in the axes of the model, with the species of all spheres: those
+/// provided, or else those of the model's counts. Orientations that no species needs are left out.
 pub fn given(model: &Model, placed: GivenPositions) -> Result<GivenPositions, PlacingError> {
     let name = placed.name.clone();
     checked(model, placed).map_err(|message| PlacingError::Given { name, message })
