@@ -37,7 +37,12 @@ fn steps_on_ranks_are_those_of_the_host() {
     let sheared = |edge| PeriodicBox::sheared(Vector::splat(edge), 0.3).unwrap();
     let suspension = Suspension::of(12, sheared, Precision::Double, 1e-8);
     let start = &suspension.particles;
-    let on_device = |partition: &Partition| suspension.on_rank(emulator(partition.comm().rank() as u64), partition);
+    let on_device = |partition: &Partition| {
+        let mut solver = suspension.on_rank(emulator(partition.comm().rank() as u64), partition);
+        // Devices do not add up forces between the surfaces of their own spheres and those of others.
+        assert_eq!(solver.take_surface_forces(&[]), partition.comm().size() == 1);
+        solver
+    };
     let advanced_on = |from, on| advanced(&suspension, from, on, on_device);
     let displacements = |particles: &Particles| -> Vec<f64> {
         let pairs = particles.positions.iter().zip(&start.positions);

@@ -119,7 +119,8 @@ impl DeviceFarField {
         PresentLoads::new(loads, [self.units.force, self.units.torque()], kinds, &self.halo)
     }
 
-    /// The back end itself, if one rank solves on its device: ranks with a device each solve together on the host.
+    /// The back end itself, if one rank solves and adds up forces on its device: ranks with a device each do so together
+    /// on the host.
     fn alone(&mut self) -> Option<&mut Self> {
         self.halo.is_alone().then_some(self)
     }
@@ -234,7 +235,7 @@ impl FarField for DeviceFarField {
     }
 
     fn surface(&mut self) -> Option<&mut dyn SurfaceFarField> {
-        Some(self)
+        self.alone().map(|own| own as &mut dyn SurfaceFarField)
     }
 
     fn coupled(&mut self) -> Option<&mut dyn CoupledFarField> {
