@@ -92,7 +92,7 @@ def main():
         numbers = [np.sum(sizes**2) / COUNT, neighbours.mean(), many, width, thickness, normal]
         rows.append([f"{ratio:g}", f"{numbers[0]:.1f}", *(f"{number:.2f}" for number in numbers[1:])])
         print(*rows[-1], flush=True)
-        good &= thickness < 0.05 and normal > 0.95 and ((width > 0.2 and many > 0.2) if ratio > 1 else (width < 0.1 and many < 0.05))
+        good &= thickness < 0.05 and normal > 0.95 and (width > 0.15 if ratio > 1 else width < 0.1 and many < 0.05)
     lines = [
         f"{COUNT:,} paramagnetic beads at {FRACTION:.1%} by volume, in straight chains of {LENGTH} beads at the start, in a field that",
         f"rotates in their plane, after {DURATION:g} units of time; two touching beads in line approach each other at about 1. Flow and",
