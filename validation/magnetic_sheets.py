@@ -10,7 +10,7 @@ EDGE = (COUNT * 4 / 3 * np.pi / FRACTION) ** (1 / 3)
 SUSCEPTIBILITY, FIELD = 3.0, 4.0
 # Centres of neighbours in the chains at the start, and least distance of two chains.
 SPACING, APART = 2.1, 6.0
-DURATION = 400.0
+DURATION = 800.0
 # Frequencies over that up to which a doublet follows the field.
 RATIOS = (0.1, 0.5, 3.0, 10.0)
 # Neighbours are nearer than this: the gap at which the repulsion balances the mean attraction, and some more.
