@@ -57,15 +57,41 @@ fn far_diffusion(model: &Model, radii: &Radii) -> Option<String> {
 /// Brownian step over the relaxation time of a trap up to which the variance of trapped spheres is accurate to a tenth.
 const LONGEST_TETHERED: f64 = 0.2;
 
-/// Warns of explicit steps that are too long for the relaxation of bonds and traps.
+/// Number of substeps of an adaptive step by which tethers make it slow.
+const MOST_SUBSTEPS: f64 = 20.0;
+
+/// Warns of explicit steps that are too long for the relaxation of bonds and traps, and of adaptive ones that it divides.
 fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
+    let rate = tether_rate(model, radii);
+    let (step, time) = (Number(model.time_step), Number(1.0 / rate));
     let (limit, remedy) = match model.integrator {
         Integrator::AdamsBashforth { order } => {
             (AdamsBashforth::of_order(order).stable(), ", or time.integrator = \"implicit\"")
         }
         Integrator::Brownian(_) => (LONGEST_TETHERED, ""),
-        Integrator::Adaptive(_) | Integrator::Implicit(_) => return None,
+        Integrator::Adaptive(_) => {
+            let substeps = rate * model.time_step / AdamsBashforth::of_order(3).stable();
+            return (substeps > MOST_SUBSTEPS).then(|| {
+                format!(
+                    "[[bonds]] and [[traps]] as stiff as these relax within {time:.3}, which divides each step of \
+                     time.step = {step} into {:.0} substeps or more; take time.integrator = \"implicit\"",
+                    substeps.ceil()
+                )
+            });
+        }
+        Integrator::Implicit(_) => return None,
     };
+    (rate * model.time_step > limit * 1.001).then(|| {
+        format!(
+            "time.step = {step} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {time:.3}; \
+             take {:.3} or less{remedy}",
+            Number(limit / rate)
+        )
+    })
+}
+
+/// Fastest rate at which bonds and traps relax; 0 without.
+fn tether_rate(model: &Model, radii: &Radii) -> f64 {
     let most = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);
     let [bond, trap] = [
         most(&mut model.bonds.iter().map(|bonds| bonds.stiffness)),
@@ -74,16 +100,7 @@ fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
     // Both ends of each bond move: twice the rate of one sphere.
     let ends = 2.0 * model.most_bonds() as f64;
     let rate = (trap + ends * bond) / sphere::drag(model.viscosity, radii.smallest());
-    let rate = rate.max(bending_rate(model, radii));
-    (rate * model.time_step > limit * 1.001).then(|| {
-        format!(
-            "time.step = {} is long for [[bonds]] and [[traps]] as stiff as these, which relax within {:.3}; take \
-             {:.3} or less{remedy}",
-            Number(model.time_step),
-            Number(1.0 / rate),
-            Number(limit / rate)
-        )
-    })
+    rate.max(bending_rate(model, radii))
 }
 
 /// Warns of shear in a straight box, where the flow `u = rate y` jumps by `rate Ly` across the faces along y. The
@@ -146,6 +163,22 @@ mod tests {
                 let is_warned = said.iter().any(|s| s.contains("relax within 1; take 0.3 or less, or"));
                 assert_eq!(is_warned, warned, "{said:?}");
             }
+        }
+    }
+
+    /// A trap relaxes at the rate `k / (6 pi mu a)`, and adaptive steps are stable up to 6/11 of its inverse.
+    #[test]
+    fn adaptive_steps_that_stiff_traps_divide_are_warned_of() {
+        use crate::model::{Adaptive, Centres, Trapped, Traps};
+        let cell = PeriodicBox::new(Vector::splat(9.0)).unwrap();
+        for (substeps, warned) in [(19.0, false), (20.5, true)] {
+            let stiffness = 6.0 * PI * substeps * 6.0 / 11.0;
+            let traps = vec![Traps { of: Trapped::All, centres: Centres::AtStart, stiffness }];
+            let usual = Parameters::new(cell, 1.0, vec![Species::new("one", 1.0, 1)], 1.0, 1);
+            let integrator = Integrator::Adaptive(Adaptive::default());
+            let model = Model::new(Parameters { traps, integrator, ..usual }).unwrap();
+            let said = cautions(&model, &Radii::of_model(&model).unwrap());
+            assert_eq!(said.iter().any(|s| s.contains("into 21 substeps or more; take")), warned, "{said:?}");
         }
     }
 
