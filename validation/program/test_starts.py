@@ -101,6 +101,23 @@ class Starts(unittest.TestCase):
             np.testing.assert_array_equal(file["particles/all/position/value"][0], positions + 0.5)
             self.assertEqual(file["particles/all/box/strain/value"][0], 0.25)
 
+    def test_bodies_of_a_run_are_where_it_left_them(self):
+        rods = '[[bodies]]\nname = "rods"\nshape = "rod"\nspheres = 3\nradius = 0.4\ncount = 5'
+        first = self.scene("first")
+        first.write_text(first.read_text() + rods)
+        run(["run", first, "--out", self.out], ranks=2)
+        again = self.scene("again", particles=f'initial = "file"\npath = "{self.out}"')
+        again.write_text(again.read_text() + rods)
+        run(["run", again, "--out", self.folder / "again"], ranks=3)
+        with h5py.File(self.out / "trajectory.h5") as before, h5py.File(self.folder / "again" / "trajectory.h5") as after:
+            for name in ("position", "orientation"):
+                last, start = (f[f"particles/all/{name}/value"][at] for f, at in ((before, -1), (after, 0)))
+                np.testing.assert_allclose(start, last, atol=1e-13)
+            np.testing.assert_array_equal(after["particles/all/body"][:], before["particles/all/body"][:])
+        again.write_text(again.read_text().replace("spheres = 3", "spheres = 3\ngap = 0.01"))
+        said = run(["run", again, "--out", self.folder / "others"], expect=1)
+        self.assertIn('is 0.01 away from its place in body 0 of "rods"', said)
+
 
 if __name__ == "__main__":
     unittest.main()
