@@ -60,7 +60,8 @@ const LONGEST_TETHERED: f64 = 0.2;
 /// Number of substeps of an adaptive step by which tethers make it slow.
 const MOST_SUBSTEPS: f64 = 20.0;
 
-/// Warns of explicit steps that are too long for the relaxation of bonds and traps, and of adaptive ones that it divides.
+/// Warns of explicit steps that are too long for the relaxation of bonds and traps, and of adaptive ones that these
+/// divide into many.
 fn quick_tethers(model: &Model, radii: &Radii) -> Option<String> {
     let rate = tether_rate(model, radii);
     let (step, time) = (Number(model.time_step), Number(1.0 / rate));

@@ -119,8 +119,8 @@ impl DeviceFarField {
         PresentLoads::new(loads, [self.units.force, self.units.torque()], kinds, &self.halo)
     }
 
-    /// The back end itself, if one rank solves and adds up forces on its device: ranks with a device each do so together
-    /// on the host.
+    /// The back end itself, if one rank solves and adds up forces on its device: ranks with a device each do so
+    /// together on the host.
     fn alone(&mut self) -> Option<&mut Self> {
         self.halo.is_alone().then_some(self)
     }
