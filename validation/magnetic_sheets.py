@@ -95,13 +95,12 @@ def main():
         good &= thickness < 0.05 and normal > 0.95 and (width > 0.15 if ratio > 1 else width < 0.1 and many < 0.05)
     lines = [
         f"{COUNT:,} paramagnetic beads at {FRACTION:.1%} by volume, in straight chains of {LENGTH} beads at the start, in a field that",
-        f"rotates in their plane, after {DURATION:g} units of time; two touching beads in line approach each other at about 1. Flow and",
-        f"repulsion of forces alone. Frequencies are over that up to which two bonded beads at a distance of {SPACING:g} radii follow the",
-        f"field, {critical:.3f}. The mean size of a bead's cluster, the mean number of neighbours with centres nearer than {NEAR:g} radii, and",
+        f"rotates in their plane, after {DURATION:g} units of time, with the radius and the viscosity as units. Flow and repulsion of",
+        f"forces alone. Frequencies are over that up to which two bonded beads at a distance of {SPACING:g} radii follow the field,",
+        f"{critical:.3f}. The mean size of a bead's cluster, the mean number of neighbours with centres nearer than {NEAR:g} radii, and",
         f"the share of beads with more than two. For clusters of {LARGE} beads and more: width and thickness over length, by the radii of",
         "gyration, and the component of the thin axis along the axis of rotation. Below the critical frequency chains break into",
-        "shorter ones, which follow the field. Above it they collapse into sheets, one bead thick, in the plane of the field, as those of",
-        "Keaveny & Maxey (J. Comput. Phys. 227, 9554, 2008).",
+        "shorter ones. Above it they collapse into sheets, one bead thick, in the plane of the field.",
         "",
         *table(["frequency", "size", "neighbours", "more than two", "width", "thickness", "thin axis"], rows),
     ]

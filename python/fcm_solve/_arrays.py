@@ -107,10 +107,12 @@ class _HostCopy:
 
 def _on_host(name, value):
     """An array that another library exports by DLPack as a numpy array: the same memory if it is the host's, otherwise
-    a copy by that library. Other values are unchanged."""
-    if isinstance(value, (np.ndarray, np.generic)) or not hasattr(value, "__dlpack_device__"):
+    a copy by that library. Other values, and arrays of the host that numpy converts by itself, are unchanged."""
+    if not hasattr(value, "__dlpack_device__"):
         return value
     is_here = value.__dlpack_device__()[0] == _HOST[0]
+    if is_here and hasattr(value, "__array__"):
+        return value
     try:
         return np.from_dlpack(value if is_here else _HostCopy(value))
     except (BufferError, RuntimeError, TypeError, ValueError) as cause:

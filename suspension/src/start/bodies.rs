@@ -69,7 +69,7 @@ pub(super) struct Object<'a> {
     /// Species of the members.
     pub species: Vec<u32>,
     pub centre: Vector,
-    /// None for spheres without bodies that have none at the start, or get it later.
+    /// [`Quaternion::NONE`] for spheres that belong to no body, unless a file gives them one.
     pub orientation: Quaternion,
     /// Whether a random place comes with a random orientation.
     turns: bool,
