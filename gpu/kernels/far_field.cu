@@ -7,6 +7,7 @@
 #include "coupled.h"
 #include "exchange.h"
 #include "images.h"
+#include "krylov.h"
 #include "loads.h"
 #include "noise.h"
 #include "pair_steps.h"
@@ -54,7 +55,10 @@
     KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
     KERNEL(surface_forces_##suffix, surface_forces<T>)    \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
-    KERNEL(coupled_image_##suffix, coupled_image<T>)
+    KERNEL(coupled_image_##suffix, coupled_image<T>)      \
+    KERNEL(krylov_loads_##suffix, loads_of_vector<T>)     \
+    KERNEL(krylov_image_##suffix, image_of_vector<T>)     \
+    KERNEL(krylov_motions_##suffix, add_motions<T>)
 
 KERNEL(scatter_particles, scatter)
 KERNEL(scan_blocks, sum_blocks)
@@ -70,5 +74,11 @@ KERNEL(step_all, step_coupled)
 KERNEL(measure_all, measure_coupled)
 KERNEL(start_all, start_coupled)
 KERNEL(gather_all, gather_result)
+KERNEL(krylov_draw, draw_numbers)
+KERNEL(krylov_products_of_image, sum_products_with_basis<true>)
+KERNEL(krylov_products, sum_products_with_basis<false>)
+KERNEL(krylov_project, project<false>)
+KERNEL(krylov_project_again, project<true>)
+KERNEL(krylov_norm, sum_square)
 KERNELS(float, f32)
 KERNELS(double, f64)

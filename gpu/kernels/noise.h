@@ -19,11 +19,21 @@ struct Random {
     {
     }
 
-    // The next number of a uniform distribution with mean 0 and variance 1.
-    __device__ double next()
+    // The next number in [0, 1).
+    __device__ double next_uniform()
     {
         state += STRIDE;
-        return sqrt(12.0) * ((double)(mixed(state) >> 11) / 9007199254740992.0 - 0.5);
+        return (double)(mixed(state) >> 11) / 9007199254740992.0;
+    }
+
+    // The next number of a uniform distribution with mean 0 and variance 1.
+    __device__ double next() { return sqrt(12.0) * (next_uniform() - 0.5); }
+
+    // The next two numbers of a normal distribution with mean 0 and variance 1.
+    __device__ void next_normal(double pair[2])
+    {
+        double radius = sqrt(-2 * log(1 - next_uniform())), turn = 6.283185307179586 * next_uniform();
+        pair[0] = radius * cos(turn), pair[1] = radius * sin(turn);
     }
 };
 

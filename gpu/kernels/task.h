@@ -16,6 +16,17 @@ struct SolveState {
     double sums[5];
 };
 
+// Vectors of the basis of Lanczos' iteration at most.
+static constexpr int MOST_VECTORS = 100;
+
+// State of Lanczos' iteration: the last vector of the basis, the product of its image with it, and the square of the
+// norm of the remainder; products of the remainder with all vectors, or coordinates of the result; the vectors.
+struct KrylovState {
+    long long last;
+    double diagonal, square, products[MOST_VECTORS];
+    double *vectors[MOST_VECTORS];
+};
+
 // Numbers that change from step to step or from solve to solve. They are in the memory of the device, so commands that
 // were recorded use the present ones. gpu/src/numbers.rs has the same fields in the same order.
 struct Numbers {
@@ -31,7 +42,7 @@ struct Numbers {
     // From the units of a solve to those of the far field: of forces, and of torques and stresslets; and back: of
     // velocities, and of gradients.
     double force, torque, velocity, rate;
-    // Seed of a random field.
+    // Seed of random numbers of modes or particles.
     unsigned long long noise_seed;
     // Numbers of stiff and of soft pairs of all rows, and of those that the host gives.
     long long near_entries[2], given_entries;
@@ -90,6 +101,9 @@ struct Task {
     const int *parts[2];
     // Motions in the order of the host.
     void *velocities, *angular_velocities, *strain_rates;
+    // Random numbers of particles: their ids, and the iteration that takes the square root of a mobility.
+    const unsigned long long *ids;
+    KrylovState *krylov;
     // List that is summed up, and sums of its blocks.
     int *scanned, *scan_totals;
     // Vectors that are combined, weights of the classes of radius, and sums of blocks.

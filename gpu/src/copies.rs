@@ -29,32 +29,52 @@ impl SplitFarField {
 
     pub(crate) fn copy_loads(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<(), DeviceError> {
         let Self { device, tables, task, buffers, .. } = self;
-        let (numbers, count, on) = (tables.numbers, task.particles as usize, device.as_mut());
+        let (numbers, on) = (tables.numbers, device.as_mut());
         let addresses = [&mut task.forces, &mut task.torques, &mut task.stresslets];
         let lists = [loads.forces, loads.torques, loads.stresslets];
         for ((address, list), buffer) in addresses.into_iter().zip(lists).zip(&mut buffers.loads) {
             *address = if list.is_empty() { 0 } else { buffer.fill(on, &numbers.bytes_of(list.iter().copied()))? };
         }
-        let [velocities, turns, strains] = &mut buffers.motions;
-        task.velocities = if orders.velocities { velocities.reserve(on, 3 * count * numbers.size())? } else { 0 };
-        task.angular_velocities = if orders.gradients { turns.reserve(on, 3 * count * numbers.size())? } else { 0 };
-        task.strain_rates = if orders.gradients { strains.reserve(on, 5 * count * numbers.size())? } else { 0 };
+        self.place_motions([orders.velocities, orders.gradients])
+    }
+
+    /// Takes room for loads of all particles that kernels set: forces, and dipoles if there are any.
+    pub(crate) fn place_loads(&mut self, has_dipoles: bool) -> Result<(), DeviceError> {
+        let Self { device, tables, task, buffers, .. } = self;
+        let (values, on) = (task.particles as usize * tables.numbers.size(), device.as_mut());
+        let [forces, torques, stresslets] = &mut buffers.loads;
+        task.forces = forces.reserve(on, 3 * values)?;
+        task.torques = if has_dipoles { torques.reserve(on, 3 * values)? } else { 0 };
+        task.stresslets = if has_dipoles { stresslets.reserve(on, 5 * values)? } else { 0 };
         Ok(())
     }
 
-    pub(crate) fn copy_motion(&mut self) -> Result<DeviceMotion, DeviceError> {
-        let KernelTask { velocities, angular_velocities, strain_rates, .. } = self.task;
-        Ok(DeviceMotion {
-            velocities: self.values(velocities, 3)?,
-            angular_velocities: self.values(angular_velocities, 3)?,
-            strain_rates: self.values(strain_rates, 5)?,
-        })
+    /// Takes room for velocities and for gradients of all particles, if they are asked for.
+    pub(crate) fn place_motions(&mut self, [has_velocities, has_gradients]: [bool; 2]) -> Result<(), DeviceError> {
+        let Self { device, tables, task, buffers, .. } = self;
+        let (values, on) = (task.particles as usize * tables.numbers.size(), device.as_mut());
+        let [velocities, turns, strains] = &mut buffers.motions;
+        task.velocities = if has_velocities { velocities.reserve(on, 3 * values)? } else { 0 };
+        task.angular_velocities = if has_gradients { turns.reserve(on, 3 * values)? } else { 0 };
+        task.strain_rates = if has_gradients { strains.reserve(on, 5 * values)? } else { 0 };
+        Ok(())
     }
 
-    /// Values of each particle whose motion is wanted at an address; none at 0.
-    fn values(&mut self, address: u64, each: usize) -> Result<Vec<f64>, DeviceError> {
-        let count = if address == 0 { 0 } else { each * self.task.owned as usize };
-        self.download(address, count, self.tables.numbers)
+    /// Motions on the device, of the particles whose motions are wanted.
+    pub fn copy_motion(&mut self) -> Result<DeviceMotion, DeviceError> {
+        let KernelTask { velocities, angular_velocities, strain_rates, owned, .. } = self.task;
+        let numbers = self.tables.numbers;
+        let mut lists = [(velocities, 3), (angular_velocities, 3), (strain_rates, 5)].map(|(address, each)| {
+            let count = if address == 0 { 0 } else { each * owned as usize };
+            (address, vec![0; count * numbers.size()])
+        });
+        let filled = lists.iter_mut().filter(|(_, bytes)| !bytes.is_empty());
+        let mut parts: Vec<(u64, &mut [u8])> = filled.map(|(address, bytes)| (*address, &mut bytes[..])).collect();
+        if !parts.is_empty() {
+            self.device.download_all(&mut parts)?;
+        }
+        let [velocities, angular_velocities, strain_rates] = lists.map(|(_, bytes)| numbers.values_of(&bytes));
+        Ok(DeviceMotion { velocities, angular_velocities, strain_rates })
     }
 
     pub(crate) fn download(

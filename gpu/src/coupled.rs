@@ -90,22 +90,14 @@ pub struct KnownInput {
 impl SplitFarField {
     /// Prepares a solve: places of its loads and motions of the far field, and factors of their units.
     pub fn begin_coupled(&mut self, background: [f64; 5], factors: &LoadFactors) -> Result<(), DeviceError> {
-        let Self { device, tables, task, buffers, .. } = self;
-        let (on, value, count) = (device.as_mut(), tables.numbers.size(), task.particles as usize);
-        let [forces, torques, stresslets] = &mut buffers.loads;
-        task.forces = forces.reserve(on, 3 * count * value)?;
-        task.torques = torques.reserve(on, 3 * count * value)?;
-        task.stresslets = stresslets.reserve(on, 5 * count * value)?;
-        let [velocities, turns, strains] = &mut buffers.motions;
-        task.velocities = velocities.reserve(on, 3 * count * value)?;
-        task.angular_velocities = turns.reserve(on, 3 * count * value)?;
-        task.strain_rates = strains.reserve(on, 5 * count * value)?;
+        self.place_loads(true)?;
+        self.place_motions([true; 2])?;
         let &LoadFactors { force, torque, velocity, rate } = factors;
         self.set_numbers(&KernelNumbers { background, force, torque, velocity, rate, ..self.numbers })
     }
 
     /// Runs a kernel with a thread a particle.
-    fn launch_particles(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
+    pub(crate) fn launch_particles(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
         self.launch_vectors(kernel, self.blocks(), task)
     }
 

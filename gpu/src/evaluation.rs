@@ -141,8 +141,8 @@ impl SplitFarField {
 /// Parts of an evaluation by themselves.
 impl SplitFarField {
     /// Random motions whose covariance is the part on the grid, by a seed: velocities, and gradients if they are asked
-    /// for.
-    pub fn random_field(&mut self, seed: u64, orders: &Orders) -> Result<DeviceMotion, DeviceError> {
+    /// for. They are on the device, see [`Self::copy_motion`].
+    pub fn random_field(&mut self, seed: u64, orders: &Orders) -> Result<(), DeviceError> {
         self.copy_loads(&DeviceLoads::default(), orders)?;
         self.reserve_records()?;
         self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
@@ -151,18 +151,27 @@ impl SplitFarField {
         self.launch(&format!("random_modes_{suffix}"), self.tables.modes().div_ceil(MODE_THREADS), MODE_THREADS)?;
         self.grid_from_modes()?;
         self.run(EvaluationStage::Interpolate, orders)?;
-        self.run(EvaluationStage::Near, orders)?;
-        self.copy_motion()
+        self.run(EvaluationStage::Near, orders)
     }
 
     /// Motions that loads cause besides the part on the grid.
     pub fn pair_corrections(&mut self, loads: &DeviceLoads, orders: &Orders) -> Result<DeviceMotion, DeviceError> {
         self.copy_loads(loads, orders)?;
+        self.clear_grid()?;
+        self.correct_pairs(orders)?;
+        self.copy_motion()
+    }
+
+    /// Leaves motions on the grid at zero.
+    pub(crate) fn clear_grid(&mut self) -> Result<(), DeviceError> {
+        let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
+        self.device.zero(self.task.interpolated, bytes)
+    }
+
+    /// Adds motions by the pair corrections of the loads to those on the grid.
+    pub(crate) fn correct_pairs(&mut self, orders: &Orders) -> Result<(), DeviceError> {
         self.reserve_records()?;
         self.run_over_particles("gather_loads", PARTICLE_THREADS)?;
-        let bytes = 12 * self.task.particles as usize * self.tables.numbers.size();
-        self.device.zero(self.task.interpolated, bytes)?;
-        self.run(EvaluationStage::Near, orders)?;
-        self.copy_motion()
+        self.run(EvaluationStage::Near, orders)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::buffers::Buffer;
 use crate::device::{Device, DeviceError, DeviceInfo, KernelLaunch};
+use crate::krylov_state::KrylovBuffers;
 use crate::lists::DeviceList;
 use crate::numbers::{KernelNumbers, NumberBuffers};
 use crate::pair_rows::{NearBuffers, NearRows};
@@ -108,6 +109,7 @@ pub(crate) struct Buffers {
     numbers: NumberBuffers,
     pub(crate) near: NearBuffers,
     pub(crate) surface_laws: Buffer,
+    pub(crate) krylov: KrylovBuffers,
 }
 
 impl Buffers {

@@ -18,6 +18,8 @@ mod exchange;
 mod far_field;
 mod groups;
 mod images;
+mod krylov;
+mod krylov_state;
 mod lists;
 mod memory;
 mod near;
@@ -45,6 +47,8 @@ pub use device::{Device, DeviceError, DeviceInfo, KernelLaunch, TransformPart, T
 pub use emulator::Emulator;
 pub use far_field::{DeviceLoads, DeviceMotion, Orders, PlacedParticles, SplitFarField, StageSeconds};
 pub use images::ImageLists;
+pub use krylov::{KrylovOperator, ParticleDraw};
+pub use krylov_state::MOST_VECTORS;
 pub use lists::{DeviceList, MotionLists};
 pub use memory::{EvaluationBytes, EvaluationSize, NearSize, SolveKind};
 pub use near::{PairLimits, PairSolve, PairVectors};

@@ -3,6 +3,7 @@
 use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
 use crate::groups::member_bytes;
+use crate::krylov::krylov_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
 
@@ -27,6 +28,8 @@ pub struct EvaluationSize {
     pub solve: SolveKind,
     /// Number of images in walls of all particles.
     pub images: f64,
+    /// Vectors of the basis of the square roots by which random motions are drawn; 0 without such motions.
+    pub random_vectors: f64,
 }
 
 /// Kind of a solve on the grid, see [`crate::GridSolve`].
@@ -74,7 +77,8 @@ impl NearSize {
 pub struct EvaluationBytes {
     /// Lists that the kernels use.
     pub lists: f64,
-    /// Vectors of the iteration for the stresslets of rigid spheres, which several devices leave to the host.
+    /// Vectors of the iterations for the stresslets of rigid spheres and for random motions, which several devices
+    /// leave to the host.
     pub vectors: f64,
     /// Work areas of the transforms. cuFFT takes as much as the transformed data, or less, where all factors of the
     /// numbers of points are small.
@@ -108,7 +112,9 @@ impl EvaluationSize {
         let tables = 54.0 * value * self.intervals + 16.0 * self.classes * self.classes + self.solve_bytes() + images;
         let lists = spectrum + field + 8.0 * bins + particle * self.particles + 8.0 * self.neighbours + tables;
         // The motion and that of a step; unknowns, residual, preconditioned residual, direction and its image.
-        let vectors = if self.devices > 1 { 0.0 } else { value * f64::from(2 * 11 + 5 * 5) * self.particles };
+        let solve = value * f64::from(2 * 11 + 5 * 5);
+        let random = if self.random_vectors > 0.0 { krylov_bytes(self.random_vectors) } else { 0.0 };
+        let vectors = if self.devices > 1 { 0.0 } else { (solve + random) * self.particles };
         EvaluationBytes { lists, vectors, transforms: 2.0 * spectrum }
     }
 

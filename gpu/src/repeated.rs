@@ -13,6 +13,8 @@ pub(crate) enum CommandList {
     Assemble,
     /// An evaluation for stresslets.
     Evaluation,
+    /// A step of Lanczos' iteration.
+    Krylov,
     /// Solve with all near pairs from the start of a solve, and further steps.
     AllPairs,
     MoreOfAllPairs,

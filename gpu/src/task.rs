@@ -48,6 +48,8 @@ pub struct KernelTask {
     pub(crate) velocities: DeviceAddress,
     pub(crate) angular_velocities: DeviceAddress,
     pub(crate) strain_rates: DeviceAddress,
+    pub(crate) ids: DeviceAddress,
+    pub(crate) krylov: DeviceAddress,
     pub(crate) scanned: DeviceAddress,
     pub(crate) scan_totals: DeviceAddress,
     pub(crate) list_x: DeviceAddress,

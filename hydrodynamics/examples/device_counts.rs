@@ -1,12 +1,13 @@
-//! Counts what a card does in a solve with lubrication, by an emulator that runs its kernels: copies, launches, and
-//! the memory that kernels read and write. A sector of 32 bytes counts once in a run of a kernel; transforms pass over
-//! their data once for each axis.
+//! Counts what a card does in a solve with lubrication and in a draw of random motions, by an emulator that runs its
+//! kernels: copies, launches, and the memory that kernels read and write. A sector of 32 bytes counts once in a run of
+//! a kernel; transforms pass over their data once for each axis.
 //!
 //!     cargo run --package fcm-solve-hydrodynamics --example device_counts
 
 use domain::{Boundaries, Comm, Particles, Partition, PeriodicBox, Traceless, Vector, random_packing};
 use fcm::{
-    Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, Plan, Precision, Problem, StressletSolver,
+    Costs, Fixed, Loading, Loads, Method, Mobility, Multipoles, Output, Plan, Precision, Problem, Stream,
+    StressletSolver,
 };
 use gpu::{Counted, Device, DeviceCounts, Emulator};
 use hydrodynamics::{CoupledSolver, Guess, ShortRange, Solution, SolveInput, StrainRate};
@@ -34,12 +35,13 @@ const PARABOLA: [f64; 3] = [1.0, -3.0, 3.0];
 const STEPS_BEFORE: usize = 6;
 
 /// Kernels by what they are for: the beginnings of their names.
-const GROUPS: [(&str, &[&str]); 5] = [
+const GROUPS: [(&str, &[&str]); 6] = [
     ("order and lists of spheres", &["bin_", "scan_", "scatter_", "order_", "find_neighbours"]),
     ("assembly of near pairs", &["find_near_", "assemble_", "invert_groups", "moments_"]),
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["combine_", "sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
+    ("random motions", &["random_modes", "krylov_"]),
 ];
 
 impl CountedCase {
@@ -126,6 +128,12 @@ impl CountedCase {
         let before = counts.borrow().clone();
         on_card.mobility().apply(&solution.far, Output::All);
         stage("an evaluation with loads and motions of the host", &before);
+        // The first draws take memory and record commands.
+        let mut draw = |number: u64| on_card.noise(&cell, &particles, TOLERANCE, Stream::new(1, number)).1;
+        (0..2).for_each(|number| drop(draw(number)));
+        let before = counts.borrow().clone();
+        let drawn = draw(2);
+        stage(&format!("random motions of a Brownian step, {} iterations", drawn.iterations), &before);
         Ok(())
     }
 }

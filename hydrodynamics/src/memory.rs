@@ -58,19 +58,20 @@ pub fn solve_bytes(far: &Footprint, expected: &ExpectedCounts, range: Lubricatio
     lists.then(pairs.then(given).then(residual).then(unknowns).then(passes).freed())
 }
 
-/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one; none if the plan is
-/// for the host. Collective.
+/// Memory that a solve takes of a card, with lubrication at the gaps of a range if there is one, and a draw of random
+/// motions by square roots in a basis of some vectors; none if the plan is for the host. Collective.
 pub fn card(
     far: &Footprint,
     expected: &ExpectedCounts,
     range: Option<LubricationRange>,
+    random_vectors: f64,
     ranks: CardRanks,
 ) -> Result<Option<CardMemory>, PlanError> {
     let near = |range| NearPairCounts {
         tables: PairForce::series_bytes(far.radii(), range, STIFF),
         ..pair_counts(expected, range)
     };
-    far.card(range.map(near), ranks)
+    far.card(range.map(near), random_vectors, ranks)
 }
 
 /// Mean numbers of near pairs of a particle.

@@ -5,9 +5,10 @@ mod device;
 mod grid;
 
 use crate::conjugate_gradients::{IterationOutcome, Limits};
+use crate::lanczos::DrawDiagnostics;
 use crate::mobility::coupled::CoupledFarField;
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
+use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::ComputeDevice;

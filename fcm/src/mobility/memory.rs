@@ -12,6 +12,7 @@ use crate::plan::problem::{Multipoles, Precision};
 use crate::plan::{Plan, PlanError};
 use crate::walls::wall_images::WallImages;
 use domain::{Boundaries, Bytes, ExpectedCounts, Halo, Place, Tensor, Traceless, Vector, VerletList};
+use gpu::EvaluationSize;
 use solver::Real;
 
 /// Memory that the [`crate::Mobility`] of a plan takes on a rank, forecast without building it.
@@ -54,9 +55,14 @@ impl<'a> Footprint<'a> {
         grid.then(arrangement).then(stencils).then(self.neighbours()).then(images)
     }
 
-    /// Memory that a solve takes of a card, with near pairs if there are any, if the plan is for one. Several ranks
-    /// have them on the host. Collective.
-    pub fn card(&self, near: Option<NearPairCounts>, ranks: CardRanks) -> Result<Option<CardMemory>, PlanError> {
+    /// Memory that a solve takes of a card, with near pairs if there are any, if the plan is for one, and a draw of
+    /// random motions by square roots in a basis of some vectors. Several ranks have both on the host. Collective.
+    pub fn card(
+        &self,
+        near: Option<NearPairCounts>,
+        random_vectors: f64,
+        ranks: CardRanks,
+    ) -> Result<Option<CardMemory>, PlanError> {
         if self.plan.device == ComputeDevice::Cpu {
             return Ok(None);
         }
@@ -64,7 +70,7 @@ impl<'a> Footprint<'a> {
         let (owned, ranks_with_card) = (self.expected.owned(), self.place.table()[1]);
         let counts = CardCounts { owned, present: self.present(), ranks: ranks_with_card };
         let near = near.filter(|_| ranks_with_card == 1).map_or(0.0, |pairs| self.plan.near_bytes(owned, pairs));
-        let size = self.plan.size_on_card(counts, neighbours);
+        let size = EvaluationSize { random_vectors, ..self.plan.size_on_card(counts, neighbours) };
         CardMemory::of(size.bytes().total() + near, ranks).map(Some)
     }
 

@@ -9,6 +9,7 @@ mod noise_root;
 pub(crate) mod rank_one;
 pub(crate) mod work;
 
+use crate::lanczos::DrawDiagnostics;
 use crate::mobility::coupled::CoupledFarField;
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
@@ -20,7 +21,7 @@ pub use far_field::SurfaceFarField;
 pub(crate) use far_field::{FarField, MomentFarField, RigidFarField, RigidProblem, RigidSolution};
 use far_field::{FlowAtPoints, of_plan};
 use loads::{Loads, Motion, Output};
-use noise::{DrawDiagnostics, NoiseRequest, Stream};
+use noise::{NoiseRequest, Stream};
 use rank_one::Constraint;
 use work::Work;
 

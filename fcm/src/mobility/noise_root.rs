@@ -1,9 +1,8 @@
 //! Square roots of mobilities, applied to random numbers of particles.
 
+use crate::lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{
-    self, DrawDiagnostics, LanczosLimits, NoiseRequest, ParticleComponents, square_root_times,
-};
+use crate::mobility::noise::{self, NoiseRequest, ParticleComponents};
 use crate::plan::Plan;
 use crate::plan::problem::Multipoles;
 use domain::{Comm, Units, Vector, sphere};
@@ -47,7 +46,11 @@ pub(crate) fn sum_in_units(
         sum[components(multipoles)..].fill(0.0);
         sum
     });
-    let mut motion = noise::motion(sum);
+    in_units(noise::motion(sum), multipoles, units)
+}
+
+/// Random motions from units of length and viscosity.
+pub(crate) fn in_units(mut motion: Motion, multipoles: Multipoles, units: &Units) -> Motion {
     let [velocity, rate] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt().recip());
     motion.velocities.iter_mut().for_each(|v| *v *= velocity);
     motion.angular_velocities.iter_mut().for_each(|w| *w *= rate);
@@ -111,19 +114,24 @@ pub(crate) fn of_motion(motion: &Motion, has_dipoles: bool) -> Vec<ParticleCompo
     motion.velocities.iter().enumerate().map(components).collect()
 }
 
+/// Square roots of the mobilities of single spheres for forces, torques and stresslets, by class of radius.
+pub(crate) fn scales_of_classes(radii: &[f64], viscosity: f64) -> Vec<[f64; 3]> {
+    let of_one = |&a: &f64| {
+        let [force, torque, strain] =
+            [sphere::drag(1.0, a), sphere::rotational_drag(1.0, a), sphere::strain_resistance(1.0, a)];
+        [force, torque, strain].map(|resistance| (resistance * viscosity).sqrt().recip())
+    };
+    radii.iter().map(of_one).collect()
+}
+
 /// Square roots of the mobilities of single spheres, by which components are scaled to similar size.
 pub(crate) struct Scales(Vec<[f64; 3]>);
 
 impl Scales {
     /// For particles of some classes of radius.
     pub(crate) fn new(radii: &[f64], viscosity: f64, classes: &[u32]) -> Self {
-        let of_one = |&class: &u32| {
-            let a = radii[class as usize];
-            let [force, torque, strain] =
-                [sphere::drag(1.0, a), sphere::rotational_drag(1.0, a), sphere::strain_resistance(1.0, a)];
-            [force, torque, strain].map(|resistance| (resistance * viscosity).sqrt().recip())
-        };
-        Self(classes.iter().map(of_one).collect())
+        let of_classes = scales_of_classes(radii, viscosity);
+        Self(classes.iter().map(|&class| of_classes[class as usize]).collect())
     }
 
     /// Products of components and scales.

@@ -245,6 +245,7 @@ impl Plan {
                 _ => SolveKind::Channel,
             },
             images: self.images(particles * ranks as f64) * particles,
+            random_vectors: 0.0,
         }
     }
 }

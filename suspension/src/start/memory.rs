@@ -52,7 +52,7 @@ pub fn card(model: &Model, radii: &Radii, plan: &Plan, ranks: CardRanks) -> Resu
     let expected = &ExpectedCounts::new(plan.edges, radii.kinds(), &place);
     let far = Footprint::new(plan, &place, 1, expected);
     let share = Share { model, far, expected, threads: 1, rank_of: (0, 1), dipoles: &[] };
-    hydrodynamics::memory::card(&share.far, expected, share.near_field(), ranks)
+    hydrodynamics::memory::card(&share.far, expected, share.near_field(), share.random_vectors(), ranks)
 }
 
 /// Peak memory of one rank of a run.
@@ -287,6 +287,11 @@ impl Share<'_> {
         self.model.thermal_energy.is_some()
     }
 
+    /// Lanczos vectors of a draw.
+    fn random_vectors(&self) -> f64 {
+        if self.is_brownian() { VECTORS } else { 0.0 }
+    }
+
     fn is_implicit(&self) -> bool {
         matches!(self.model.integrator, Integrator::Implicit(_))
     }
@@ -303,8 +308,8 @@ impl Share<'_> {
             Some(range) => solve_bytes(&self.far, self.expected, range).or(self.far.solve()),
             None => self.far.solve(),
         };
-        let random = if self.is_brownian() { VECTORS * owned } else { 0.0 };
-        let solve = solve.or(Bytes::list::<[f64; AMBIENT_NUMBERS]>(random).freed());
+        let random = Bytes::list::<[f64; AMBIENT_NUMBERS]>(self.random_vectors() * owned);
+        let solve = solve.or(random.freed());
         let evaluation = Particles::migration_bytes(owned).freed().or(loads.then(guess).then(solve).freed());
         let [lists, approach] = self.approach();
         lists.then(evaluation.or(approach))

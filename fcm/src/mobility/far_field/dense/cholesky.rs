@@ -1,6 +1,6 @@
 //! Square root of the matrix.
 
-use crate::mobility::noise::product;
+use crate::lanczos::product;
 
 /// Replaces the lower triangle of a symmetric matrix by its Cholesky factor, row by row. A pivot that is not positive,
 /// as of spheres that overlap, becomes zero with its column; returns the weight of the negative pivots relative to

@@ -7,9 +7,10 @@ mod pair_sum;
 mod quadrupoles;
 mod wave_sum;
 
+use crate::lanczos::{DrawDiagnostics, product};
 use crate::mobility::far_field::FarField;
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{self, COMPONENTS, DrawDiagnostics, NoiseRequest, ParticleComponents};
+use crate::mobility::noise::{self, COMPONENTS, NoiseRequest, ParticleComponents};
 use crate::mobility::work::{Stopwatch, Work};
 use crate::plan::Plan;
 use domain::parallel::MeasuredLoop;
@@ -115,7 +116,7 @@ impl DenseFarField {
         let of_particle = |rows: &[f64]| {
             let mut components = ParticleComponents::default();
             for row in wanted.start..wanted.end.min(height) {
-                components[row] = noise::product(&rows[row * vector.len()..][..vector.len()], vector);
+                components[row] = product(&rows[row * vector.len()..][..vector.len()], vector);
             }
             components
         };

@@ -3,7 +3,7 @@
 use super::entries::{LocatedSphere, Shapes};
 use super::pair_sum::{UnitLoad, unit_loads};
 use crate::envelope::Common;
-use crate::mobility::noise::product;
+use crate::lanczos::product;
 use domain::parallel::MeasuredLoop;
 use domain::{PeriodicBox, Vector};
 use rayon::prelude::*;

@@ -16,11 +16,12 @@ mod tables;
 mod tests;
 mod vectors;
 
+use crate::lanczos::DrawDiagnostics;
 use crate::mobility::coupled::{CoupledFarField, CoupledProblem, CoupledSolution};
 use crate::mobility::far_field::grid::GridFarField;
 use crate::mobility::far_field::{FarField, FlowAtPoints, RigidFarField, RigidProblem, RigidSolution, SurfaceFarField};
 use crate::mobility::loads::{Loads, Motion, Output};
-use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
+use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::Work;
 use crate::plan::Plan;
 use crate::plan::device::number_of_card;
@@ -138,13 +139,13 @@ impl DeviceFarField {
         problem.loads.largest(self.units.length).max(resisted / self.units.length)
     }
 
-    /// Adds evaluations with all loads and motions to the work.
-    fn note_evaluations(&mut self, count: u64) {
+    /// Adds evaluations to the work, if there are dipoles in the loads and gradients of the motions.
+    fn note_evaluations(&mut self, count: u64, [has_dipoles, has_gradients]: [bool; 2]) {
         self.work.evaluations += count;
         self.work.transforms += count;
         self.work.particles_spread += count * self.particles.len() as u64;
-        self.work.dipole_spreads += count;
-        self.work.dipole_interpolations += count;
+        self.work.dipole_spreads += count * u64::from(has_dipoles);
+        self.work.dipole_interpolations += count * u64::from(has_gradients);
         self.work.neighbours += count * self.split.borrow().neighbours() as u64;
         self.note_seconds();
     }
@@ -220,13 +221,7 @@ impl FarField for DeviceFarField {
         let orders = self.tables.orders([forced, dipoles], wanted);
         let present = self.present(loads, kinds);
         let motion = succeeded(self.split.borrow_mut().apply(&present.lists(), &orders));
-        self.work.evaluations += 1;
-        self.work.transforms += 1;
-        self.work.particles_spread += self.particles.len() as u64;
-        self.work.dipole_spreads += u64::from(dipoles);
-        self.work.dipole_interpolations += u64::from(wanted[1]);
-        self.work.neighbours += self.split.borrow().neighbours() as u64;
-        self.note_seconds();
+        self.note_evaluations(1, [dipoles, wanted[1]]);
         self.motion(&motion)
     }
 
@@ -278,7 +273,7 @@ impl RigidFarField for DeviceFarField {
             limits: *limits,
         };
         let ResidentSolution { motion, stresslets, outcome } = rigid::solve(&self.split, &resident);
-        self.note_evaluations(1 + outcome.iterations as u64);
+        self.note_evaluations(1 + outcome.iterations as u64, [true; 2]);
         let stresslets = stresslets.as_chunks().0.iter().map(|&s| Traceless(s) * self.units.torque()).collect();
         RigidSolution { motion: self.motion(&motion), stresslets, outcome }
     }
@@ -313,7 +308,7 @@ impl CoupledFarField for DeviceFarField {
             rate: own.rate() / given.rate(),
         };
         let solution = coupled::solve(&self.split, problem, &factors, &self.tables.orders([true; 2], [true; 2]));
-        self.note_evaluations(1 + solution.outcome.iterations as u64);
+        self.note_evaluations(1 + solution.outcome.iterations as u64, [true; 2]);
         solution
     }
 }

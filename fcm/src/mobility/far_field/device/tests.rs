@@ -1,6 +1,7 @@
 //! The kernels, run by an emulator on the host, against the far field of the host.
 
 mod case;
+mod random_motions;
 mod ranks;
 
 use super::*;
@@ -262,36 +263,6 @@ fn memory_is_as_predicted() {
         // The forecast leaves out the window and the tables along the axes.
         let of_tables = 16e3;
         assert!((expected..expected + of_tables).contains(&found), "{found} bytes, {expected} expected");
-    }
-}
-
-/// Random motions by the same numbers, to round-off: the square root of the pair corrections takes as many steps.
-#[test]
-fn noise_is_that_of_the_host() {
-    for (seed, shape, precision, allowed) in [
-        (60, Shape::Upright, Precision::Single, 1e-4),
-        (61, Shape::Sheared, Precision::Double, 1e-10),
-        (62, Shape::Tilted, Precision::Double, 1e-10),
-        (63, OPEN, Precision::Double, 1e-10),
-        (64, CHANNELS[1], Precision::Double, 1e-10),
-    ] {
-        let case = Case::random(seed, shape, 1.3);
-        let of_dipoles = case.plan(precision);
-        let of_forces = Plan { multipoles: Multipoles::Monopole, ..of_dipoles.clone() };
-        for plan in [of_dipoles, of_forces] {
-            let (mut device, mut host) = (case.on_device(&plan, emulator(&[], seed)), case.on_host(&plan));
-            let stream = crate::mobility::noise::Stream::new(3, seed);
-            let draw = NoiseRequest { ids: &case.particles.ids, tolerance: 1e-3, stream };
-            let ((found, steps), (exact, expected)) = (device.noise(&draw), host.noise(&draw));
-            assert_eq!(steps.iterations, expected.iterations);
-            for (found, exact) in columns(&found).iter().zip(columns(&exact)) {
-                assert!(relative(found, &exact) < allowed, "{shape:?}: {:e}", relative(found, &exact));
-            }
-            let none = Loads::default();
-            let still = device.apply(&none, Output::Velocities);
-            assert_eq!(still.velocities, vec![Vector::ZERO; case.particles.len()], "the field is still there");
-            assert!(device.host.is_none());
-        }
     }
 }
 

@@ -1,11 +1,10 @@
 //! Random motions whose covariance is the mobility.
 
 use super::GridFarField;
+use crate::lanczos::{DrawDiagnostics, LanczosLimits, square_root_times};
 use crate::mobility::far_field::FarField;
 use crate::mobility::loads::{Motion, Output, dipole};
-use crate::mobility::noise::{
-    self, DrawDiagnostics, LanczosLimits, NoiseRequest, ParticleComponents, square_root_times,
-};
+use crate::mobility::noise::{self, NoiseRequest, ParticleComponents};
 use crate::mobility::noise_root::{MOST_ITERATIONS, Scales, numbers, root_of_whole, sum_in_units};
 use crate::plan::problem::Multipoles;
 use domain::{Boundaries, Tensor, Vector};

@@ -9,9 +9,10 @@ mod quadrupoles;
 mod spectral_grid;
 
 use crate::envelope::{Common, Envelope};
+use crate::lanczos::DrawDiagnostics;
 use crate::mobility::far_field::{FarField, FlowAtPoints};
 use crate::mobility::loads::{Loads, Motion, Output, angular_velocity, dipole};
-use crate::mobility::noise::{DrawDiagnostics, NoiseRequest};
+use crate::mobility::noise::NoiseRequest;
 use crate::mobility::work::{Stopwatch, Work};
 use crate::pairs::pair_correction::{DynPairCorrection, LoadedParticles, PairCorrection};
 use crate::pairs::radial_functions::Envelopes;
