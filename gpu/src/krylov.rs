@@ -6,7 +6,7 @@ use crate::far_field::{Orders, SplitFarField};
 use crate::krylov_state::{LOAD_COMPONENTS, MOST_VECTORS, SCALARS};
 use crate::numbers::KernelNumbers;
 use crate::repeated::CommandList;
-use crate::task::{DeviceAddress, KernelTask};
+use crate::task::KernelTask;
 use crate::vectors::SUM_THREADS;
 
 /// Bytes that an iteration with this many vectors takes for each particle: its id, the remainder and the vectors, and
@@ -148,9 +148,14 @@ impl SplitFarField {
 
     fn krylov_task(&self) -> KernelTask {
         let own = &self.buffers.krylov;
-        let of = |buffer: &Buffer| -> DeviceAddress { buffer.address() };
-        let (krylov, ids, list_weights) = (of(&own.state), of(&own.ids), of(&own.scales));
-        let (residual, list_sums, list_size) = (of(&own.remainder), of(&own.sums), self.blocks() as i64);
-        KernelTask { krylov, ids, list_weights, residual, list_sums, list_size, ..self.task }
+        KernelTask {
+            ids: own.ids.address(),
+            krylov: own.state.address(),
+            list_weights: own.scales.address(),
+            list_sums: own.sums.address(),
+            residual: own.remainder.address(),
+            list_size: self.blocks() as i64,
+            ..self.task
+        }
     }
 }

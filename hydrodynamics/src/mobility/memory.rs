@@ -37,7 +37,7 @@ impl SingleEvaluation<'_> {
         let place = Place::of(comm.size(), comm.size() - 1, [self.plan.grid[1], self.plan.grid[2]]);
         let expected = self.expected(&place);
         let far = Footprint::new(self.plan, &place, 1, &expected);
-        let card = memory::card(&far, &expected, self.lubrication, CardRanks::Present(comm))?;
+        let card = memory::card(&far, &expected, self.lubrication, 0.0, CardRanks::Present(comm))?;
         card.map_or(Ok(()), |card| card.check())
     }
 
