@@ -3,7 +3,9 @@
 use crate::device::DeviceError;
 use crate::far_field::{DeviceLoads, DeviceMotion, Orders, SplitFarField};
 use crate::tables::{AMPLITUDES, GridSolve, NumberFormat};
-use crate::task::KernelTask;
+use crate::task::{DeviceAddress, KernelTask};
+use bytemuck::Pod;
+use domain::parallel::mapped;
 
 impl SplitFarField {
     /// Copies the tables of the solve on the grid.
@@ -13,7 +15,7 @@ impl SplitFarField {
         match &tables.solve {
             GridSolve::Periodic => {}
             GridSolve::Unbounded(kernel) => {
-                task.free_kernel = first.fill(on, &tables.numbers.bytes_of(kernel.iter().copied()))?;
+                task.free_kernel = first.fill(on, &tables.numbers.bytes_of(kernel))?;
             }
             GridSolve::Channel(channel) => {
                 let columns = channel.columns_of(tables.grid, &tables.share.own_modes());
@@ -33,7 +35,7 @@ impl SplitFarField {
         let addresses = [&mut task.forces, &mut task.torques, &mut task.stresslets];
         let lists = [loads.forces, loads.torques, loads.stresslets];
         for ((address, list), buffer) in addresses.into_iter().zip(lists).zip(&mut buffers.loads) {
-            *address = if list.is_empty() { 0 } else { buffer.fill(on, &numbers.bytes_of(list.iter().copied()))? };
+            *address = if list.is_empty() { 0 } else { buffer.fill(on, &numbers.bytes_of(list))? };
         }
         self.place_motions([orders.velocities, orders.gradients])
     }
@@ -63,30 +65,49 @@ impl SplitFarField {
     /// Motions on the device, of the particles whose motions are wanted.
     pub fn copy_motion(&mut self) -> Result<DeviceMotion, DeviceError> {
         let KernelTask { velocities, angular_velocities, strain_rates, owned, .. } = self.task;
-        let numbers = self.tables.numbers;
-        let mut lists = [(velocities, 3), (angular_velocities, 3), (strain_rates, 5)].map(|(address, each)| {
-            let count = if address == 0 { 0 } else { each * owned as usize };
-            (address, vec![0; count * numbers.size()])
-        });
-        let filled = lists.iter_mut().filter(|(_, bytes)| !bytes.is_empty());
-        let mut parts: Vec<(u64, &mut [u8])> = filled.map(|(address, bytes)| (*address, &mut bytes[..])).collect();
-        if !parts.is_empty() {
-            self.device.download_all(&mut parts)?;
-        }
-        let [velocities, angular_velocities, strain_rates] = lists.map(|(_, bytes)| numbers.values_of(&bytes));
+        let lists = [(velocities, 3), (angular_velocities, 3), (strain_rates, 5)];
+        let placed = lists.map(|(address, each)| (address, if address == 0 { 0 } else { each * owned as usize }));
+        let [velocities, angular_velocities, strain_rates] = self.download_lists(placed, self.tables.numbers)?;
         Ok(DeviceMotion { velocities, angular_velocities, strain_rates })
     }
 
+    /// This many numbers at an address.
     pub(crate) fn download(
         &mut self,
-        address: u64,
+        address: DeviceAddress,
         count: usize,
         numbers: NumberFormat,
     ) -> Result<Vec<f64>, DeviceError> {
-        let mut bytes = vec![0; count * numbers.size()];
-        if count > 0 {
-            self.device.download(address, &mut bytes)?;
+        self.download_lists([(address, count)], numbers).map(|[values]| values)
+    }
+
+    /// Lists at addresses, by their numbers of values. The host waits once for all of them.
+    fn download_lists<const N: usize>(
+        &mut self,
+        lists: [(DeviceAddress, usize); N],
+        numbers: NumberFormat,
+    ) -> Result<[Vec<f64>; N], DeviceError> {
+        match numbers {
+            NumberFormat::Single => {
+                let lists = self.download_as::<f32, N>(lists)?;
+                Ok(lists.map(|values| mapped(&values, |&value| f64::from(value))))
+            }
+            NumberFormat::Double => self.download_as(lists),
         }
-        Ok(numbers.values_of(&bytes))
+    }
+
+    /// The same as values of a type.
+    fn download_as<T: Pod, const N: usize>(
+        &mut self,
+        lists: [(DeviceAddress, usize); N],
+    ) -> Result<[Vec<T>; N], DeviceError> {
+        let mut values = lists.map(|(_, count)| vec![T::zeroed(); count]);
+        let filled = lists.iter().zip(&mut values).filter(|(_, values)| !values.is_empty());
+        let mut parts: Vec<(DeviceAddress, &mut [u8])> =
+            filled.map(|(&(address, _), values)| (address, bytemuck::cast_slice_mut(values))).collect();
+        if !parts.is_empty() {
+            self.device.download_all(&mut parts)?;
+        }
+        Ok(values)
     }
 }

@@ -66,6 +66,6 @@ impl SplitFarField {
                 *sums = all.0;
             }
         }
-        self.device.upload(self.task.interpolated, &numbers.bytes_of(by_place.into_iter()))
+        self.device.upload(self.task.interpolated, &numbers.bytes_of(&by_place))
     }
 }

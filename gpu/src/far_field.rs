@@ -9,7 +9,7 @@ use crate::pair_rows::{NearBuffers, NearRows};
 use crate::repeated::{COMMAND_LISTS, CommandList, Repeated};
 use crate::share::{Peers, parts_of_lines};
 use crate::surface_laws::SurfaceLaws;
-use crate::tables::{LatticeShape, SplitTables, fixed_points};
+use crate::tables::{DevicePairTable, LatticeShape, SplitTables, fixed_points};
 use crate::task::{DeviceAddress, KernelTask};
 use std::rc::Rc;
 use std::time::Instant;
@@ -178,12 +178,12 @@ impl SplitFarField {
         }
         let sizes: Vec<i32> = tables.pairs.iter().map(|table| table.coefficients.len() as i32).collect();
         let starts: Vec<i32> = (0..sizes.len()).map(|pair| sizes[..pair].iter().sum()).collect();
-        let pairs = tables.pairs.iter().flat_map(|table| table.coefficients.iter().flatten().flatten().copied());
+        let pairs: Vec<f64> = tables.pairs.iter().flat_map(DevicePairTable::numbers).copied().collect();
         let per_square: Vec<f64> = tables.pairs.iter().map(|table| table.per_square).collect();
         let [of_window, of_pairs, of_isolated, of_squares, of_starts, of_sizes] = &mut buffers.tables;
-        task.window = of_window.fill(on, &numbers.bytes_of(window.into_iter()))?;
-        task.tables = of_pairs.fill(on, &numbers.bytes_of(pairs))?;
-        task.isolated = of_isolated.fill(on, &numbers.bytes_of(tables.isolated.iter().flatten().copied()))?;
+        task.window = of_window.fill(on, &numbers.bytes_of(&window))?;
+        task.tables = of_pairs.fill(on, &numbers.bytes_of(&pairs))?;
+        task.isolated = of_isolated.fill(on, &numbers.bytes_of(tables.isolated.as_flattened()))?;
         task.intervals_per_square = of_squares.fill(on, bytemuck::cast_slice(&per_square))?;
         task.table_starts = of_starts.fill(on, &ints(&starts))?;
         task.table_sizes = of_sizes.fill(on, &ints(&sizes))?;
@@ -250,10 +250,10 @@ impl SplitFarField {
             solve_factor: 1.0 / (tables.viscosity * shape.edges.iter().product::<f64>()),
             ..self.numbers
         };
-        let smoothing = shape.smoothing.iter().flatten().flatten().copied();
+        let smoothing = shape.smoothing.as_flattened().as_flattened();
         let [of_smoothing, of_levels] = &mut buffers.of_box;
         task.smoothing = of_smoothing.fill(on, &format.bytes_of(smoothing))?;
-        task.levels = of_levels.fill(on, &format.bytes_of(shape.levels.iter().flatten().copied()))?;
+        task.levels = of_levels.fill(on, &format.bytes_of(&shape.levels.concat()))?;
         self.set_numbers(&numbers)?;
         self.task.reach = self.bins_within(self.tables.cutoff);
         Ok(())

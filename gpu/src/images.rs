@@ -25,8 +25,7 @@ impl SplitFarField {
         let ([starts, images, blocks], on) = (&mut buffers.images, device.as_mut());
         task.image_starts = starts.fill(on, bytemuck::cast_slice(&lists.starts))?;
         task.images = images.fill(on, bytemuck::cast_slice(&lists.images))?;
-        let entries = lists.blocks.iter().flatten().flatten().copied();
-        task.image_blocks = blocks.fill(on, &tables.numbers.bytes_of(entries))?;
+        task.image_blocks = blocks.fill(on, &tables.numbers.bytes_of(lists.blocks.as_flattened().as_flattened()))?;
         Ok(())
     }
 

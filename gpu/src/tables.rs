@@ -1,6 +1,7 @@
 //! Tables of the split method, as a device takes them.
 
 use crate::share::GridShare;
+use domain::parallel::mapped;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -30,19 +31,11 @@ impl NumberFormat {
         }
     }
 
-    /// Values in this precision.
-    pub(crate) fn bytes_of(self, values: impl Iterator<Item = f64>) -> Vec<u8> {
+    /// Bytes of values in this precision.
+    pub(crate) fn bytes_of(self, values: &[f64]) -> Cow<'_, [u8]> {
         match self {
-            Self::Single => values.flat_map(|value| (value as f32).to_ne_bytes()).collect(),
-            Self::Double => values.flat_map(f64::to_ne_bytes).collect(),
-        }
-    }
-
-    /// Values from this precision.
-    pub(crate) fn values_of(self, bytes: &[u8]) -> Vec<f64> {
-        match self {
-            Self::Single => bytes.as_chunks().0.iter().map(|&value| f64::from(f32::from_ne_bytes(value))).collect(),
-            Self::Double => bytes.as_chunks().0.iter().map(|&value| f64::from_ne_bytes(value)).collect(),
+            Self::Single => mapped(values, |&value| (value as f32).to_ne_bytes()).into_flattened().into(),
+            Self::Double => bytemuck::cast_slice(values).into(),
         }
     }
 }
@@ -50,7 +43,7 @@ impl NumberFormat {
 /// Fractions of the box's edges in units of `2^-64`, as unsigned integers that are wrapped at one.
 pub(crate) fn fixed_points(fractions: &[f64]) -> Vec<u8> {
     let scaled = |fraction: f64| (((fraction - fraction.floor()) * 2_f64.powi(64)).round() as u128) as u64;
-    fractions.iter().flat_map(|&fraction| scaled(fraction).to_ne_bytes()).collect()
+    mapped(fractions, |&fraction| scaled(fraction).to_ne_bytes()).into_flattened()
 }
 
 /// Polynomials of a derivative of the window: coefficients from the highest power on, each a row of the points.
@@ -64,6 +57,13 @@ pub struct DevicePairTable {
     pub per_square: f64,
     /// Coefficients of an interval by power, of nine functions each.
     pub coefficients: Vec<[[f64; 9]; 6]>,
+}
+
+impl DevicePairTable {
+    /// Coefficients as a list.
+    pub(crate) fn numbers(&self) -> &[f64] {
+        self.coefficients.as_flattened().as_flattened()
+    }
 }
 
 /// Tables of a plan that do not depend on the shape of the box.
@@ -191,5 +191,28 @@ impl SplitTables {
         let spectrum = 6 * self.modes().max(self.modes_of_planes());
         let field = 3 * self.count();
         [if self.share.is_whole() { field } else { field.max(spectrum) }, spectrum]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Fractions are wrapped into the box, also those that are rounded to its end.
+    #[test]
+    fn fixed_points_are_wrapped() {
+        let points = fixed_points(&[0.25, -0.25, 3.5, 1.0, -1e-30]);
+        let points: Vec<u64> = points.as_chunks().0.iter().map(|&bytes| u64::from_ne_bytes(bytes)).collect();
+        assert_eq!(points, [1 << 62, 3 << 62, 1 << 63, 0, 0]);
+    }
+
+    /// Lists of any length have the same numbers as their values one by one, in both precisions.
+    #[test]
+    fn values_keep_their_order() {
+        let values: Vec<f64> = (0..100_001).map(|k| f64::from(k).sqrt()).collect();
+        let singles: Vec<u8> = values.iter().flat_map(|&value| (value as f32).to_ne_bytes()).collect();
+        let doubles: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        assert_eq!(*NumberFormat::Single.bytes_of(&values), singles[..]);
+        assert_eq!(*NumberFormat::Double.bytes_of(&values), doubles[..]);
     }
 }

@@ -42,7 +42,7 @@ impl SplitFarField {
 
     /// Copies values to the start of a list.
     pub fn fill(&mut self, list: &DeviceList, values: &[f64]) -> Result<(), DeviceError> {
-        self.device.upload(list.address, &list.numbers.bytes_of(values.iter().copied()))
+        self.device.upload(list.address, &list.numbers.bytes_of(values))
     }
 
     /// The values of a list.

@@ -160,13 +160,11 @@ impl DeviceFarField {
     /// The motions that were requested, in the plan's units.
     fn motion(&self, of_device: &DeviceMotion) -> Motion {
         let (velocity, rate) = (self.units.velocity(), self.units.rate());
-        let vectors = |values: &[f64], unit: f64| {
-            values.as_chunks().0.iter().map(|&v| Vector::from_array(v) * unit).collect::<Vec<_>>()
-        };
+        let vectors = |values: &[f64], unit: f64| mapped(values.as_chunks().0, |&v| Vector::from_array(v) * unit);
         Motion {
             velocities: vectors(&of_device.velocities, velocity),
             angular_velocities: vectors(&of_device.angular_velocities, rate),
-            strain_rates: of_device.strain_rates.as_chunks().0.iter().map(|&e| Traceless(e) * rate).collect(),
+            strain_rates: mapped(of_device.strain_rates.as_chunks().0, |&e| Traceless(e) * rate),
         }
     }
 }
@@ -181,7 +179,7 @@ impl FarField for DeviceFarField {
             self.arranged = Some(frame.lattice);
         }
         let mut positions = mapped(&particles.positions, |&x| x * inverse);
-        let mut classes: Vec<u32> = particles.radii.iter().map(|&a| self.plan.class_of(a)).collect();
+        let mut classes = mapped(&particles.radii, |&a| self.plan.class_of(a));
         let halo = Rc::new(present::halo(&self.plan, &self.units, &self.partition, &own, &positions));
         halo.extend(&mut positions);
         halo.extend(&mut classes);
@@ -189,8 +187,8 @@ impl FarField for DeviceFarField {
             let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
             self.split.borrow_mut().set_peers(Rc::new(peers));
         }
-        let fractions: Vec<f64> = positions.iter().flat_map(|&x| frame.fractions(x).to_array()).collect();
-        let placed = PlacedParticles { fractions: &fractions, classes: &classes, owned: halo.owned() };
+        let fractions = mapped(&positions, |&x| frame.fractions(x).to_array());
+        let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
         succeeded(self.split.borrow_mut().arrange(&placed));
         if let Some(images) = &mut self.images {
             let present =
