@@ -6,6 +6,7 @@
 #include "channel.h"
 #include "coupled.h"
 #include "exchange.h"
+#include "grouping.h"
 #include "images.h"
 #include "krylov.h"
 #include "loads.h"
@@ -65,6 +66,11 @@ KERNEL(scan_blocks, sum_blocks)
 KERNEL(scan_add, add_totals)
 KERNEL(sum_up, add_sums)
 KERNEL(assemble_stiff, assemble<double, STIFF>)
+KERNEL(begin_groups, start_groups)
+KERNEL(choose_groups, choose_group)
+KERNEL(join_groups, join_group)
+KERNEL(count_groups, count_group)
+KERNEL(place_groups, place_group)
 KERNEL(invert_groups, invert_group)
 KERNEL(moments_stiff, near_moments<STIFF>)
 KERNEL(moments_soft, near_moments<SOFT>)

@@ -3,10 +3,15 @@
 #pragma once
 #include "near.h"
 
-// Largest number of spheres of a group, and spheres of a block, as in gpu/src/groups.rs.
-static constexpr int GROUP = 8;
+// Spheres of a block, as in gpu/src/groups.rs.
 static constexpr int BLOCK_MEMBERS = 42;
 static constexpr int INVERT_THREADS = 64;
+
+// The inverse of the matrix of the group whose first member has a place in the list of all.
+static __device__ double *inverse_at(const Task &task, long long place)
+{
+    return task.inverses + SIX * SIX * GROUP * place;
+}
 
 // A row's resistance to its own motion by stiff pairs, with that of the single sphere, as six rows of a matrix.
 static __device__ void store_own(const Task &task, int row, double *matrix, int width)
@@ -79,5 +84,5 @@ static __device__ void invert_group(const Task &task)
     if (thread < group->count) store_rows(task, group, thread, matrix);
     __syncthreads();
     invert(matrix, width, column);
-    for (int k = thread; k < width * width; k += INVERT_THREADS) task.inverses[group->inverse + k] = matrix[k];
+    for (int k = thread; k < width * width; k += INVERT_THREADS) inverse_at(task, blockIdx.x)[k] = matrix[k];
 }

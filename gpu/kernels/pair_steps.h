@@ -43,7 +43,7 @@ static __device__ void store_products(const Task &task, const double own[PRODUCT
 static __device__ double preconditioned(const Task &task, const GroupMember &member, int place, const double *residual)
 {
     int width = SIX * member.count, component = place - SIX * member.first;
-    const double *column = task.inverses + member.inverse + component;
+    const double *column = inverse_at(task, (long long)blockIdx.x * BLOCK_MEMBERS + member.first) + component;
     double sum = 0;
     for (int k = 0; k < width; k++) sum += column[k * width] * residual[SIX * member.first + k];
     return sum;
@@ -56,7 +56,7 @@ static __device__ void step_rows(const Task &task)
     if (task.direction && task.state->pairs.goes_on[task.parity] == 0) return;
     double length = task.direction ? task.state->pairs.products[task.parity] / sum_of_list(task, 0) : 0;
     int thread = (int)threadIdx.x, slot = thread / SIX, component = thread % SIX;
-    GroupMember member = {-1, 0, 0, 0, 0};
+    GroupMember member = {-1, 0, 0};
     if (slot < BLOCK_MEMBERS) member = task.members[(long long)blockIdx.x * BLOCK_MEMBERS + slot];
     long long at = (long long)SIX * member.row + component;
     double sums[PRODUCTS] = {0, 0, 0, 0};

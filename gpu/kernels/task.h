@@ -49,10 +49,19 @@ struct Numbers {
 };
 
 // A sphere of a block of threads that preconditions: its row, or -1; the place of the first sphere of its group in the
-// block, and the number of spheres of the group; where the inverse of the group's matrix begins in the list of all.
+// block, and the number of spheres of the group.
 struct GroupMember {
-    int row, first, count, unused;
-    long long inverse;
+    int row;
+    short first, count;
+};
+
+// Largest number of spheres of a group, as in gpu/src/groups.rs.
+static constexpr int GROUP = 8;
+
+// Groups while they are formed, one for each row: the first row of the group that the row is in; if that is the row
+// itself, the number of spheres of the group, and otherwise 0; the group that it chooses to join, or -1; its rows.
+struct SphereGroup {
+    int root, count, choice, rows[GROUP];
 };
 
 // Sets of near pairs.
@@ -115,9 +124,11 @@ struct Task {
     double *totals;
     // Sums of the blocks of the kernel before.
     const double *block_sums;
-    // Groups of spheres that precondition, and the inverses of their matrices; resistances of single spheres by class
-    // of radius.
-    const GroupMember *members;
+    // Groups of spheres that precondition: as they are formed, lists of their numbers of spheres, and members of blocks;
+    // the inverses of their matrices; resistances of single spheres by class of radius.
+    SphereGroup *groups;
+    int *group_places;
+    GroupMember *members;
     double *inverses;
     const double *resistances;
     // Lubrication: pairs of classes, and their tables. Stiff and soft pairs by rows: where the pairs of a row begin,

@@ -2,7 +2,7 @@
 
 use crate::device::{DeviceError, KernelLaunch};
 use crate::far_field::{PARTICLE_THREADS, SplitFarField};
-use crate::groups::INVERSE_NUMBERS;
+use crate::groups::ROUNDS;
 use crate::lists::DeviceList;
 use crate::numbers::KernelNumbers;
 use crate::pair_rows::{IN_FLOW, OWN_NUMBERS, PAIR_NUMBERS, PairRows, ROW_LANES};
@@ -37,8 +37,8 @@ pub struct NearInFlow {
 }
 
 impl SplitFarField {
-    /// Finds the near pairs of the arranged particles, and assembles the rows of their resistance and the groups of the
-    /// preconditioner.
+    /// Finds the near pairs of the arranged particles, assembles the rows of their resistance, and forms the groups of
+    /// the preconditioner.
     ///
     /// # Panics
     /// Without [`Self::set_near_tables`].
@@ -48,6 +48,7 @@ impl SplitFarField {
         self.take_given(input.given)?;
         let pairs = self.count_near()?;
         self.reserve_rows(pairs)?;
+        self.reserve_groups()?;
         let given_entries = input.given.map_or(0, |rows| rows.others.len() as i64);
         let near_entries = pairs.map(|count| count as i64);
         let background = input.background;
@@ -56,8 +57,7 @@ impl SplitFarField {
         if let Some(laws) = input.surface {
             self.add_surface_forces(laws, [self.task.in_flow, IN_FLOW as u64])?;
         }
-        let values = self.form_groups(pairs[0])?;
-        Ok(NearInFlow { pairs, values })
+        Ok(NearInFlow { pairs, values: self.loads_in_flow()? })
     }
 
     /// Copies the rows that the host gives.
@@ -100,15 +100,22 @@ impl SplitFarField {
         Ok(())
     }
 
-    /// Lists pairs, and assembles their rows.
+    /// Lists pairs, assembles their rows, and forms groups.
     fn assemble_rows(&mut self) -> Result<(), DeviceError> {
         let soft = format!("assemble_soft_{}", self.tables.numbers.suffix());
         self.repeat(CommandList::Assemble, &[], |field| {
             let task = field.task;
             field.run_over_particles("find_near", PARTICLE_THREADS)?;
             field.launch_assembly("assemble_stiff", &task)?;
-            field.launch_assembly(&soft, &task)
+            field.launch_assembly(&soft, &task)?;
+            field.form_groups(ROUNDS)?;
+            field.invert_groups()
         })
+    }
+
+    /// Loads and first moments in the background.
+    fn loads_in_flow(&mut self) -> Result<Vec<f64>, DeviceError> {
+        self.download(self.task.in_flow, IN_FLOW * self.task.particles as usize, NumberFormat::Double)
     }
 
     fn launch_assembly(&mut self, kernel: &str, task: &KernelTask) -> Result<(), DeviceError> {
@@ -137,5 +144,5 @@ impl SplitFarField {
 pub(crate) const MOMENTS: usize = 5;
 
 /// Bytes that the rows of a particle take besides those of its pairs: where rows of both kinds of pairs begin, own
-/// resistances, inverses of groups, loads and first moments in the background, and first moments by motions.
-pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (INVERSE_NUMBERS + IN_FLOW + MOMENTS);
+/// resistances, loads and first moments in the background, and first moments by motions.
+pub(crate) const ROW_BYTES: usize = 2 * (4 + 8 * OWN_NUMBERS) + 8 * (IN_FLOW + MOMENTS);

@@ -54,9 +54,18 @@ impl Emulator {
     /// Option by which the memory that kernels read and write is counted, see `gpu/kernels/traffic.cc`.
     pub const COUNTING: &'static str = "-fsanitize=thread";
 
+    /// Starts the emulator in the folder of the present program, compiled with additional options and those of the
+    /// environment variable `EMULATOR_FLAGS`. Threads run in an order by a seed.
+    pub fn beside_program(options: &[&str], seed: u64) -> Result<Self, DeviceError> {
+        let more = std::env::var("EMULATOR_FLAGS").unwrap_or_default();
+        let options = [options, &more.split_whitespace().collect::<Vec<_>>()].concat();
+        let program = std::env::current_exe().map_err(|error| unreadable(&error))?;
+        Self::start(&Self::compile(program.parent().unwrap_or(Path::new("")), &options)?, seed)
+    }
+
     /// The emulator in a folder, compiled by the host's C++ compiler, `CXX` or g++, with additional options, unless the
     /// folder has one of the same sources and options. Returns the path of the program.
-    pub fn compile(folder: &Path, options: &[&str]) -> Result<PathBuf, DeviceError> {
+    fn compile(folder: &Path, options: &[&str]) -> Result<PathBuf, DeviceError> {
         static COMPILING: Mutex<()> = Mutex::new(());
         let _guard = COMPILING.lock().unwrap_or_else(PoisonError::into_inner);
         let program = folder.join(format!("emulator-{:016x}", digest(options)?));
@@ -79,7 +88,7 @@ impl Emulator {
     }
 
     /// Starts a program of [`Self::compile`], whose threads run in the order of this seed.
-    pub fn start(program: &Path, seed: u64) -> Result<Self, DeviceError> {
+    fn start(program: &Path, seed: u64) -> Result<Self, DeviceError> {
         let mut command = Command::new(program);
         command.arg(seed.to_string()).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn().map_err(|error| failed(&error))?;
@@ -271,10 +280,9 @@ mod tests {
     #[test]
     #[ignore = "heavy"]
     fn bytes_that_a_kernel_moves_are_counted() {
-        let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
         let count = 1000;
         for (options, lists) in [(&[Emulator::COUNTING][..], 3), (&[], 0)] {
-            let mut device = Emulator::start(&Emulator::compile(&folder, options).unwrap(), 3).unwrap();
+            let mut device = Emulator::beside_program(options, 3).unwrap();
             let [list_x, list_y] = [(); 2].map(|()| device.allocate(8 * count).unwrap());
             let numbers: Vec<f64> = (0..count).map(|i| i as f64).collect();
             for list in [list_x, list_y] {

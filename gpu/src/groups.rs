@@ -1,8 +1,9 @@
-//! Groups of spheres whose stiff pairs the preconditioner couples, see `gpu/kernels/groups.h`.
+//! Groups of spheres whose stiff pairs the preconditioner couples, see `gpu/kernels/grouping.h` and
+//! `gpu/kernels/groups.h`.
 
 use crate::device::{DeviceError, KernelLaunch};
-use crate::far_field::SplitFarField;
-use crate::pair_rows::{IN_FLOW, PAIR_NUMBERS};
+use crate::far_field::{PARTICLE_THREADS, SplitFarField};
+use crate::task::KernelTask;
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of spheres of a group.
@@ -11,208 +12,267 @@ const GROUP: usize = 8;
 /// Spheres of a block of threads that preconditions.
 const BLOCK_MEMBERS: usize = 42;
 
+/// Members of a block that is full of groups of a size, at least.
+const FULL_BLOCK: usize = 40;
+
 /// Threads of a block that inverts the matrix of a group.
 const INVERT_THREADS: usize = 64;
 
-/// Numbers of the inverses of the matrices of groups, at most, by particle: six rows of a matrix.
-pub(crate) const INVERSE_NUMBERS: usize = 36 * GROUP;
+/// Rounds in which groups join.
+pub(crate) const ROUNDS: usize = 8;
 
-/// Pairs are coupled if the force by the other sphere's velocity along the axis exceeds this power of two times the
-/// resistance of a single sphere; the strongest come first, and pairs within a factor of two in the order of rows.
-const WEAKEST: i32 = -1;
-const STRONGEST: i32 = 14;
+/// Numbers of the inverse of the matrix of a group, at most, by member: six rows of the matrix.
+const INVERSE_NUMBERS: usize = 36 * GROUP;
+
+/// Integers of a group while it is formed, as in `gpu/kernels/task.h`.
+const GROUP_INTEGERS: usize = 3 + GROUP;
 
 /// A sphere of a block, with the fields of `gpu/kernels/task.h` in the same order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 struct GroupMember {
     row: i32,
-    first: i32,
-    count: i32,
-    unused: i32,
-    inverse: i64,
+    first: i16,
+    count: i16,
 }
 
-/// No sphere.
-const NOBODY: GroupMember = GroupMember { row: -1, first: 0, count: 0, unused: 0, inverse: 0 };
-
-/// Blocks of threads that precondition some particles, however they form groups: all but the last are filled but for a
-/// group.
+/// Blocks of threads that precondition some particles, however they form groups. A block has groups of one size `c`, at
+/// most `m_c = 42 / c` of them, and all blocks but the last one of each size are full. So `n_c` groups of size `c` take
+/// `ceil(n_c / m_c)` blocks, of which the full ones have 40 members at least.
 pub(crate) fn group_blocks(particles: usize) -> usize {
-    particles.div_ceil(BLOCK_MEMBERS + 1 - GROUP)
+    (particles.div_ceil(FULL_BLOCK) + GROUP - 1).min(particles)
 }
 
-/// Bytes of the members of the blocks.
-pub(crate) fn member_bytes(particles: usize) -> usize {
-    size_of::<GroupMember>() * BLOCK_MEMBERS * group_blocks(particles)
+/// Places of members in the blocks.
+fn member_places(particles: usize) -> usize {
+    BLOCK_MEMBERS * group_blocks(particles)
 }
 
-/// Stiff pairs by rows: where those of a row begin, their other spheres, and their strengths over that of a single
-/// sphere.
-struct StiffPairs<'a> {
-    starts: &'a [i32],
-    others: &'a [i32],
-    strengths: &'a [f64],
+/// Bytes of the lists in which groups are formed: groups, and numbers of groups of each size.
+fn list_bytes(particles: usize) -> [usize; 2] {
+    [4 * GROUP_INTEGERS * particles, 4 * (GROUP * particles + 1)]
 }
 
-/// Groups as sets of rows: the parent of each row, of which that of a group is its first row, and numbers of rows.
-struct Joined {
-    parents: Vec<usize>,
-    counts: Vec<usize>,
-}
-
-impl Joined {
-    fn root(&mut self, mut row: usize) -> usize {
-        while self.parents[row] != row {
-            self.parents[row] = self.parents[self.parents[row]];
-            row = self.parents[row];
-        }
-        row
-    }
-
-    /// Joins the groups of two rows unless there would be too many rows.
-    fn join(&mut self, [a, b]: [usize; 2]) {
-        let (a, b) = (self.root(a), self.root(b));
-        let count = self.counts[a] + self.counts[b];
-        if a != b && count <= GROUP {
-            self.parents[a.max(b)] = a.min(b);
-            self.counts[a.min(b)] = count;
-        }
-    }
-}
-
-impl StiffPairs<'_> {
-    /// Groups of rows: each pair in the order of strength joins those of its spheres.
-    fn joined(&self) -> Joined {
-        let rows = self.starts.len() - 1;
-        let mut of_strength = vec![Vec::new(); (STRONGEST - WEAKEST + 1) as usize];
-        for (row, range) in self.starts.windows(2).enumerate() {
-            for pair in range[0] as usize..range[1] as usize {
-                let (other, power) = (self.others[pair] as usize, self.strengths[pair].abs().log2().floor());
-                if row < other && power >= f64::from(WEAKEST) {
-                    of_strength[(power as i32).min(STRONGEST).abs_diff(STRONGEST) as usize].push([row, other]);
-                }
-            }
-        }
-        let mut joined = Joined { parents: (0..rows).collect(), counts: vec![1; rows] };
-        of_strength.into_iter().flatten().for_each(|pair| joined.join(pair));
-        joined
-    }
-}
-
-/// Members of all blocks, groups in the order of their first rows.
-fn members(pairs: &StiffPairs) -> Vec<GroupMember> {
-    let mut joined = pairs.joined();
-    let (mut members, mut numbers) = (Vec::new(), 0_usize);
-    let mut places = vec![0; joined.parents.len()];
-    for row in 0..places.len() {
-        let root = joined.root(row);
-        if root == row {
-            let count = joined.counts[row];
-            if members.len() % BLOCK_MEMBERS + count > BLOCK_MEMBERS {
-                members.resize(members.len().next_multiple_of(BLOCK_MEMBERS), NOBODY);
-            }
-            let (place, inverse) = (members.len(), numbers as i64);
-            let first = (place % BLOCK_MEMBERS) as i32;
-            members.resize(place + count, GroupMember { row: -1, first, count: count as i32, unused: 0, inverse });
-            places[row] = place;
-            numbers += 36 * count * count;
-        }
-        members[places[root]].row = row as i32;
-        places[root] += 1;
-    }
-    members.resize(BLOCK_MEMBERS * group_blocks(places.len()), NOBODY);
-    members
+/// Bytes of the groups, of the members of blocks, and of the inverses of the matrices.
+pub(crate) fn group_bytes(particles: usize) -> usize {
+    let each = size_of::<GroupMember>() + size_of::<f64>() * INVERSE_NUMBERS;
+    list_bytes(particles).iter().sum::<usize>() + each * member_places(particles)
 }
 
 impl SplitFarField {
-    /// Forms groups by the stiff pairs that are assembled, and inverts their matrices. Returns the loads and first
-    /// moments in the background.
-    pub(crate) fn form_groups(&mut self, pairs: usize) -> Result<Vec<f64>, DeviceError> {
-        let (count, task) = (self.task.particles as usize, self.task);
-        let [mut starts, mut others] = [vec![0_i32; count + 1], vec![0_i32; pairs]];
-        let (mut translations, mut in_flow) = (vec![0.0; 2 * pairs], vec![0.0; IN_FLOW * count]);
-        // Translation across the axis, and along it minus across, are the fourth and the fifth of the lists of numbers.
-        const { assert!(PAIR_NUMBERS == 9) };
-        let across = task.near_numbers[0] + (3 * pairs * size_of::<f64>()) as u64;
-        self.device.download_all(&mut [
-            (task.near_starts[0], bytemuck::cast_slice_mut(&mut starts)),
-            (task.near_others[0], bytemuck::cast_slice_mut(&mut others)),
-            (across, bytemuck::cast_slice_mut(&mut translations)),
-            (task.in_flow, bytemuck::cast_slice_mut(&mut in_flow)),
-        ])?;
-        let (across, besides) = translations.split_at(pairs);
-        let single = self.near.least_resistance;
-        let strengths: Vec<f64> = across.iter().zip(besides).map(|(a, b): (&f64, &f64)| (a + b) / single).collect();
-        let members = members(&StiffPairs { starts: &starts, others: &others, strengths: &strengths });
-        let (on, places) = (self.device.as_mut(), &mut self.buffers.near);
-        self.task.members = places.members.fill(on, bytemuck::cast_slice(&members))?;
-        self.task.inverses = places.inverses.reserve(on, size_of::<f64>() * INVERSE_NUMBERS * count)?;
-        let launch = KernelLaunch { kernel: "invert_groups", blocks: members.len(), threads: INVERT_THREADS };
-        if !members.is_empty() {
-            self.device.launch(&launch, &self.task)?;
+    /// Takes room for the groups.
+    pub(crate) fn reserve_groups(&mut self) -> Result<(), DeviceError> {
+        let Self { device, buffers, task, .. } = self;
+        let (on, places, count) = (device.as_mut(), &mut buffers.near.groups, task.particles as usize);
+        let [groups, sizes] = list_bytes(count);
+        task.groups = places.groups.reserve(on, groups)?;
+        task.group_places = places.sizes.reserve(on, sizes)?;
+        task.members = places.members.reserve(on, size_of::<GroupMember>() * member_places(count))?;
+        task.inverses = places.inverses.reserve(on, size_of::<f64>() * INVERSE_NUMBERS * member_places(count))?;
+        Ok(())
+    }
+
+    /// Forms groups by the stiff pairs that are assembled, in some rounds, and gives each a place in a block. After
+    /// [`ROUNDS`], solves take as many steps as with all rounds.
+    pub(crate) fn form_groups(&mut self, rounds: usize) -> Result<(), DeviceError> {
+        let count = self.task.particles as usize;
+        if count == 0 {
+            return Ok(());
         }
-        Ok(in_flow)
+        let (blocks, threads, places) =
+            (self.particle_blocks(1, PARTICLE_THREADS), PARTICLE_THREADS, member_places(count));
+        let begin = KernelLaunch { kernel: "begin_groups", blocks: places.div_ceil(threads), threads };
+        self.device.launch(&begin, &KernelTask { list_size: places as i64, ..self.task })?;
+        for _ in 0..rounds {
+            self.launch("choose_groups", blocks, threads)?;
+            self.launch("join_groups", blocks, threads)?;
+        }
+        self.launch("count_groups", blocks, threads)?;
+        self.scan(self.task.group_places, GROUP * count + 1, None)?;
+        self.launch("place_groups", blocks, threads)
+    }
+
+    /// Inverts the matrices of groups.
+    pub(crate) fn invert_groups(&mut self) -> Result<(), DeviceError> {
+        self.launch("invert_groups", member_places(self.task.particles as usize), INVERT_THREADS)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::emulator::Emulator;
+    use crate::near_tables::NearTables;
+    use crate::numbers::KernelNumbers;
+    use crate::pair_rows::PAIR_NUMBERS;
+    use crate::share::GridShare;
+    use crate::tables::{GridSolve, NumberFormat, SplitTables, WindowPolynomials};
 
-    /// Rows of pairs with their strengths, each of which counts for both rows.
-    fn members_of(rows: usize, pairs: &[(usize, usize, f64)]) -> Vec<GroupMember> {
-        let (mut starts, mut others, mut strengths) = (vec![0], Vec::new(), Vec::new());
+    /// Stiff pairs: both rows, and the force on one by the other's velocity along the axis.
+    type Pairs = [(usize, usize, f64)];
+
+    /// A far field without particles, whose threads run in an order by a seed.
+    fn far_field(seed: u64) -> SplitFarField {
+        let device = Emulator::beside_program(&[], seed).unwrap();
+        let grid = [4; 3];
+        let tables = SplitTables {
+            numbers: NumberFormat::Double,
+            grid,
+            share: GridShare::whole(grid),
+            points: 4,
+            window: std::array::from_fn(|_| WindowPolynomials(vec![0.0; 4])),
+            pairs: Vec::new(),
+            isolated: Vec::new(),
+            cutoff: 1.0,
+            viscosity: 1.0,
+            gaussian: 1.0,
+            widening: 0.0,
+            is_periodic: [true; 3],
+            solve: GridSolve::Periodic,
+        };
+        SplitFarField::new(Box::new(device), tables).unwrap()
+    }
+
+    fn uploaded(field: &mut SplitFarField, bytes: &[u8]) -> u64 {
+        let address = field.device.allocate(bytes.len()).unwrap();
+        field.device.upload(address, bytes).unwrap();
+        address
+    }
+
+    /// Members of the blocks of some rows with the resistance 1, by pairs each of which counts for both rows.
+    fn members_of(rows: usize, pairs: &Pairs, rounds: usize, seed: u64) -> Vec<GroupMember> {
+        let (mut starts, mut others, mut forces) = (vec![0], Vec::new(), Vec::new());
         for row in 0..rows {
-            for &(a, b, strength) in pairs.iter().filter(|&&(a, b, _)| a == row || b == row) {
+            for &(a, b, force) in pairs.iter().filter(|&&(a, b, _)| a == row || b == row) {
                 others.push((a + b - row) as i32);
-                strengths.push(-strength);
+                forces.push(-force);
             }
             starts.push(others.len() as i32);
         }
-        members(&StiffPairs { starts: &starts, others: &others, strengths: &strengths })
+        let mut numbers = vec![0.0; PAIR_NUMBERS * forces.len()];
+        for (entry, force) in forces.iter().enumerate() {
+            numbers[3 * forces.len() + entry] = 0.25 * force;
+            numbers[4 * forces.len() + entry] = 0.75 * force;
+        }
+        let mut field = far_field(seed);
+        field.set_near_tables(&NearTables { resistances: vec![[1.0; 3]], ..NearTables::default() }).unwrap();
+        let near_entries = [forces.len() as i64, 0];
+        field.set_numbers(&KernelNumbers { near_entries, ..KernelNumbers::default() }).unwrap();
+        field.task.particles = rows as i32;
+        field.task.classes = uploaded(&mut field, bytemuck::cast_slice(&vec![0_i32; rows]));
+        field.task.near_starts[0] = uploaded(&mut field, bytemuck::cast_slice(&starts));
+        field.task.near_others[0] = uploaded(&mut field, bytemuck::cast_slice(&others));
+        field.task.near_numbers[0] = uploaded(&mut field, bytemuck::cast_slice(&numbers));
+        field.reserve_groups().unwrap();
+        field.form_groups(rounds).unwrap();
+        let mut members = vec![GroupMember::zeroed(); member_places(rows)];
+        field.device.download(field.task.members, bytemuck::cast_slice_mut(&mut members)).unwrap();
+        members
     }
 
+    /// Groups in the order of their first rows, each of which is within a block.
     fn groups(members: &[GroupMember]) -> Vec<Vec<i32>> {
-        let (mut groups, mut numbers): (Vec<Vec<i32>>, i64) = (Vec::new(), 0);
-        for (place, member) in members.iter().enumerate().filter(|(_, member)| member.row >= 0) {
-            if member.first as usize == place % BLOCK_MEMBERS {
-                groups.push(Vec::new());
-                assert_eq!(member.inverse, numbers);
-                numbers += i64::from(36 * member.count * member.count);
+        let mut groups = Vec::new();
+        for block in members.chunks(BLOCK_MEMBERS) {
+            let is_first = |(place, member): &(usize, &GroupMember)| member.row >= 0 && member.first as usize == *place;
+            for (first, GroupMember { count, .. }) in block.iter().enumerate().filter(is_first) {
+                let group = &block[first..first + *count as usize];
+                assert!(group.iter().all(|member| (member.first as usize, member.count) == (first, *count)));
+                let mut rows: Vec<i32> = group.iter().map(|member| member.row).collect();
+                rows.sort_unstable();
+                groups.push(rows);
             }
-            groups.last_mut().unwrap().push(member.row);
-            assert!(member.first as usize + member.count as usize <= BLOCK_MEMBERS);
         }
+        groups.sort_unstable();
+        assert_eq!(groups.concat().len(), members.iter().filter(|member| member.row >= 0).count());
         groups
     }
 
     /// Strong pairs join, weak ones and images of a sphere itself do not.
     #[test]
     fn strong_pairs_form_groups() {
-        let found = members_of(6, &[(1, 4, 3.0), (4, 5, 0.1), (0, 5, 0.7), (2, 2, 50.0)]);
+        let found = members_of(6, &[(1, 4, 3.0), (4, 5, 0.1), (0, 5, 0.7), (2, 2, 50.0)], ROUNDS, 1);
         assert_eq!(groups(&found), [vec![0, 5], vec![1, 4], vec![2], vec![3]]);
-        assert_eq!(found.len(), BLOCK_MEMBERS);
     }
 
     /// A chain is cut where it is weakest, into groups of at most eight.
     #[test]
     fn a_chain_is_cut_at_weak_pairs() {
         let chain: Vec<_> = (0..15).map(|k| (k, k + 1, if k == 4 || k == 11 { 1.5 } else { 20.0 })).collect();
-        let found = groups(&members_of(16, &chain));
+        let found = groups(&members_of(16, &chain, ROUNDS, 2));
         let expected: [Vec<i32>; 3] = [(0..5).collect(), (5..12).collect(), (12..16).collect()];
         assert_eq!(found, expected);
     }
 
-    /// Every row is in one group, which is within a block; there are as many blocks as predicted at most.
+    /// Numbers between 0 and 1.
+    fn random_numbers(mut state: u64) -> impl FnMut() -> f64 {
+        move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 33) as f64 / 2_f64.powi(31)
+        }
+    }
+
+    /// Pairs of random rows, with forces of all sizes.
+    fn random_pairs(rows: usize, count: usize, seed: u64) -> Vec<(usize, usize, f64)> {
+        let mut number = random_numbers(seed);
+        let mut row = |_| ((number() * rows as f64) as usize, number());
+        (0..count)
+            .map(|k| (row(k), row(k)))
+            .map(|((a, force), (b, _))| (a, b, 2_f64.powf(14.0 * force - 3.0)))
+            .collect()
+    }
+
+    /// Order of pairs of the same strength, as in `gpu/kernels/grouping.h`.
+    fn mixed(number: u32) -> u32 {
+        let number = (number ^ number >> 16).wrapping_mul(0x85eb_ca6b);
+        let number = (number ^ number >> 13).wrapping_mul(0xc2b2_ae35);
+        number ^ number >> 16
+    }
+
+    /// Groups by pairs one after the other, the strongest first, each of which joins the groups of its rows.
+    fn joined_in_order(rows: usize, pairs: &Pairs) -> Vec<Vec<i32>> {
+        let rank = |&(a, b, force): &(usize, usize, f64)| {
+            let level = (force * force).log2().floor().min(30.0) as i32;
+            (level, mixed(a.min(b) as u32 ^ mixed(a.max(b) as u32)))
+        };
+        let mut pairs: Vec<_> = pairs.iter().filter(|&&(_, _, force)| force >= 0.5).collect();
+        pairs.sort_by_key(|&pair| std::cmp::Reverse(rank(pair)));
+        let mut groups: Vec<Vec<i32>> = (0..rows as i32).map(|row| vec![row]).collect();
+        for &&(a, b, _) in &pairs {
+            let [a, b] = [a, b].map(|row| groups.iter().position(|group| group.contains(&(row as i32))).unwrap());
+            if a != b && groups[a].len() + groups[b].len() <= GROUP {
+                let joined = std::mem::take(&mut groups[b]);
+                groups[a].extend(joined);
+            }
+        }
+        groups.retain(|group| !group.is_empty());
+        for group in &mut groups {
+            group.sort_unstable();
+        }
+        groups.sort_unstable();
+        groups
+    }
+
+    /// Rounds of mutual choice form the groups of one pair after the other, whatever the order of threads.
     #[test]
-    fn groups_do_not_cross_blocks() {
-        let chain: Vec<_> = (0..499).filter(|k| k % 7 != 6).map(|k| (k, k + 1, 10.0)).collect();
-        let members = members_of(500, &chain);
-        let mut rows: Vec<i32> = groups(&members).concat();
-        assert!(groups(&members).iter().all(|group| group.len() <= 7) && members.len() > 500);
-        assert_eq!(size_of_val(&members[..]), member_bytes(500));
-        rows.sort_unstable();
-        assert_eq!(rows, (0..500).collect::<Vec<_>>());
+    fn groups_are_those_of_the_strongest_pairs_first() {
+        for (rows, count) in [(1, 0), (40, 20), (300, 150), (300, 400), (301, 1200)] {
+            let pairs = random_pairs(rows, count, rows as u64 + count as u64);
+            let found = members_of(rows, &pairs, 24, 3);
+            assert_eq!(groups(&found), joined_in_order(rows, &pairs), "{rows} rows, {count} pairs");
+            assert_eq!(found, members_of(rows, &pairs, 24, 4));
+        }
+    }
+
+    /// There are at most as many blocks as predicted, for groups of which one is alone in a block of each size.
+    #[test]
+    fn blocks_of_groups_are_bounded() {
+        for (full, sizes) in (0..40).flat_map(|full| (1..1 << GROUP).map(move |sizes: usize| (full, sizes))) {
+            let sizes = (1..=GROUP).filter(|size| sizes >> (size - 1) & 1 == 1);
+            let (particles, blocks) = sizes.fold((0, 0), |(particles, blocks), size| {
+                (particles + size * (full * (BLOCK_MEMBERS / size) + 1), blocks + full + 1)
+            });
+            assert!(blocks <= group_blocks(particles), "{particles} particles in {blocks} blocks");
+        }
     }
 }

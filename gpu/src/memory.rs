@@ -2,7 +2,7 @@
 
 use crate::assembly::ROW_BYTES;
 use crate::coupled::{RESIDUALS, RESULTS, UNKNOWNS};
-use crate::groups::member_bytes;
+use crate::groups::group_bytes;
 use crate::krylov::krylov_bytes;
 use crate::pair_rows::PAIR_NUMBERS;
 use crate::tables::{AMPLITUDES, COLUMN_NUMBERS, NumberFormat};
@@ -67,8 +67,8 @@ impl NearSize {
         // preconditioner, motions and loads of the start, and known loads; stresslets of the start and ambient motions;
         // the result.
         let vectors = 8 * (3 * UNKNOWNS + 2 * RESIDUALS + 9 * 6 + 5 + 11 + RESULTS);
-        let members = member_bytes(self.particles as usize) as f64;
-        self.tables + pairs + members + (ROW_BYTES + vectors) as f64 * self.particles
+        let groups = group_bytes(self.particles as usize) as f64;
+        self.tables + pairs + groups + (ROW_BYTES + vectors) as f64 * self.particles
     }
 }
 

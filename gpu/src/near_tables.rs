@@ -61,7 +61,6 @@ impl SplitFarField {
         task.resistances = places.resistances.fill(on, bytemuck::cast_slice(tables.resistances.as_flattened()))?;
         task.separates_overlaps = i32::from(tables.separates_overlaps);
         near.reach = Some(tables.reach);
-        near.least_resistance = tables.resistances.iter().map(|of_class| of_class[0]).fold(f64::MAX, f64::min);
         Ok(())
     }
 

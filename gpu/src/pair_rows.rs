@@ -51,8 +51,6 @@ pub enum PairSet {
 pub(crate) struct NearRows {
     /// The distance up to which pairs are lubricated if their tables are there.
     pub reach: Option<f64>,
-    /// The least resistance of a single sphere to translation.
-    pub least_resistance: f64,
     /// Steps that each list of commands takes of an iteration, besides the first ones.
     pub more_steps: [usize; COMMAND_LISTS],
 }
@@ -75,6 +73,15 @@ pub(crate) struct TableBuffers {
     pub resistances: Buffer,
 }
 
+/// Memory of the groups of the preconditioner.
+#[derive(Default)]
+pub(crate) struct GroupBuffers {
+    pub groups: Buffer,
+    pub sizes: Buffer,
+    pub members: Buffer,
+    pub inverses: Buffer,
+}
+
 /// Memory of the near field.
 #[derive(Default)]
 pub(crate) struct NearBuffers {
@@ -82,8 +89,7 @@ pub(crate) struct NearBuffers {
     pub sets: [RowBuffers; 2],
     /// Rows that the host gives.
     pub given: RowBuffers,
-    pub members: Buffer,
-    pub inverses: Buffer,
+    pub groups: GroupBuffers,
     pub in_flow: Buffer,
     pub moments: Buffer,
 }

@@ -58,6 +58,8 @@ pub struct KernelTask {
     pub(crate) list_sums: DeviceAddress,
     pub(crate) totals: DeviceAddress,
     pub(crate) block_sums: DeviceAddress,
+    pub(crate) groups: DeviceAddress,
+    pub(crate) group_places: DeviceAddress,
     pub(crate) members: DeviceAddress,
     pub(crate) inverses: DeviceAddress,
     pub(crate) resistances: DeviceAddress,

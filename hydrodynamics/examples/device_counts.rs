@@ -35,9 +35,10 @@ const PARABOLA: [f64; 3] = [1.0, -3.0, 3.0];
 const STEPS_BEFORE: usize = 6;
 
 /// Kernels by what they are for: the beginnings of their names.
-const GROUPS: [(&str, &[&str]); 6] = [
+const GROUPS: [(&str, &[&str]); 7] = [
     ("order and lists of spheres", &["bin_", "scan_", "scatter_", "order_", "find_neighbours"]),
-    ("assembly of near pairs", &["find_near_", "assemble_", "invert_groups", "moments_"]),
+    ("assembly of near pairs", &["find_near_", "assemble_", "moments_"]),
+    ("groups of the preconditioner", &["begin_", "choose_", "join_", "count_", "place_", "invert_"]),
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["combine_", "sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
@@ -140,9 +141,7 @@ impl CountedCase {
 
 /// An emulator that counts.
 fn counted() -> Result<(Box<dyn Device>, gpu::SharedCounts), Box<dyn Error>> {
-    let folder = std::env::current_exe()?.parent().ok_or("a program is in a folder")?.to_owned();
-    let program = Emulator::compile(&folder, &[Emulator::COUNTING])?;
-    let (device, counts) = Counted::new(Box::new(Emulator::start(&program, 1)?));
+    let (device, counts) = Counted::new(Box::new(Emulator::beside_program(&[Emulator::COUNTING], 1)?));
     Ok((Box::new(device), counts))
 }
 

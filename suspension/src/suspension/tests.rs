@@ -11,9 +11,7 @@ const STEPS: u64 = 5;
 
 /// An emulator that counts, whose threads run in the order of a seed.
 fn emulator(seed: u64) -> (Box<dyn Device>, SharedCounts) {
-    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
-    let program = Emulator::compile(&folder, &[]).unwrap();
-    let (device, counts) = Counted::new(Box::new(Emulator::start(&program, seed).unwrap()));
+    let (device, counts) = Counted::new(Box::new(Emulator::beside_program(&[], seed).unwrap()));
     (Box::new(device), counts)
 }
 

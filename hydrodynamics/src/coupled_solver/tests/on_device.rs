@@ -146,10 +146,7 @@ fn around(cell: &PeriodicBox, positions: &[Vector]) -> PeriodicBox {
 }
 
 pub(super) fn emulator(seed: u64) -> Box<dyn Device> {
-    let options = std::env::var("EMULATOR_FLAGS").unwrap_or_default();
-    let options: Vec<&str> = options.split_whitespace().collect();
-    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
-    Box::new(Emulator::start(&Emulator::compile(&folder, &options).unwrap(), seed).unwrap())
+    Box::new(Emulator::beside_program(&[], seed).unwrap())
 }
 
 /// Numbers of a solution by kind: motions, loads on the far field, and whole stresslets.

@@ -14,12 +14,9 @@ use case::{Case, PERIODIC, Shape, alone};
 use domain::{Boundaries, Comm};
 use gpu::Emulator;
 
-/// The emulator, compiled once beside the tests; with the options of `EMULATOR_FLAGS` too, see `scripts/kernels`.
+/// The emulator, compiled once beside the tests.
 fn emulator(options: &[&str], seed: u64) -> Box<dyn Device> {
-    let more = std::env::var("EMULATOR_FLAGS").unwrap_or_default();
-    let options: &[&str] = &[options, &more.split_whitespace().collect::<Vec<_>>()].concat();
-    let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
-    Box::new(Emulator::start(&Emulator::compile(&folder, options).unwrap(), seed).unwrap())
+    Box::new(Emulator::beside_program(options, seed).unwrap())
 }
 
 /// Unbounded fluid, and boxes with walls or open faces across z.
