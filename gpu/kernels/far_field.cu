@@ -11,6 +11,7 @@
 #include "krylov.h"
 #include "loads.h"
 #include "noise.h"
+#include "pair_noise.h"
 #include "pair_steps.h"
 #include "pairs.h"
 #include "spread.h"
@@ -55,6 +56,7 @@
     KERNEL(find_near_##suffix, find_near<T>)              \
     KERNEL(assemble_soft_##suffix, assemble<T, SOFT>)     \
     KERNEL(surface_forces_##suffix, surface_forces<T>)    \
+    KERNEL(random_loads_##suffix, random_loads<T>)        \
     KERNEL(coupled_loads_##suffix, coupled_loads<T>)      \
     KERNEL(coupled_image_##suffix, coupled_image<T>)      \
     KERNEL(krylov_loads_##suffix, loads_of_vector<T>)     \

@@ -19,12 +19,14 @@ struct Random {
     {
     }
 
-    // The next number in [0, 1).
-    __device__ double next_uniform()
+    __device__ unsigned long long next_bits()
     {
         state += STRIDE;
-        return (double)(mixed(state) >> 11) / 9007199254740992.0;
+        return mixed(state);
     }
+
+    // The next number in [0, 1).
+    __device__ double next_uniform() { return (double)(next_bits() >> 11) / 9007199254740992.0; }
 
     // The next number of a uniform distribution with mean 0 and variance 1.
     __device__ double next() { return sqrt(12.0) * (next_uniform() - 0.5); }

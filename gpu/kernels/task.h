@@ -110,9 +110,11 @@ struct Task {
     const int *parts[2];
     // Motions in the order of the host.
     void *velocities, *angular_velocities, *strain_rates;
-    // Random numbers of particles: their ids, and the iteration that takes the square root of a mobility.
+    // Random numbers: ids of particles, the iteration that takes the square root of a mobility, and the steps that
+    // particles have made across the faces of the box.
     const unsigned long long *ids;
     KrylovState *krylov;
+    const int *periods;
     // List that is summed up, and sums of its blocks.
     int *scanned, *scan_totals;
     // Vectors that are combined, weights of the classes of radius, and sums of blocks.

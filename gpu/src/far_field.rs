@@ -110,6 +110,8 @@ pub(crate) struct Buffers {
     pub(crate) near: NearBuffers,
     pub(crate) surface_laws: Buffer,
     pub(crate) krylov: KrylovBuffers,
+    /// Ids of particles, and their steps across the faces of the box.
+    pub(crate) names: [Buffer; 2],
 }
 
 impl Buffers {

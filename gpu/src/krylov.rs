@@ -49,7 +49,7 @@ impl SplitFarField {
         own.count = 0;
         let state = own.state.reserve(on, size_of::<u64>() * (SCALARS + 2 * MOST_VECTORS))?;
         on.upload(state, bytemuck::bytes_of(&-1_i64))?;
-        own.ids.fill(on, bytemuck::cast_slice(draw.ids))?;
+        self.buffers.names[0].fill(on, bytemuck::cast_slice(draw.ids))?;
         own.scales.fill(on, bytemuck::cast_slice(draw.scales.as_flattened()))?;
         own.remainder.reserve(on, bytes)?;
         own.sums.reserve(on, size_of::<f64>() * MOST_VECTORS * blocks)?;
@@ -149,7 +149,7 @@ impl SplitFarField {
     fn krylov_task(&self) -> KernelTask {
         let own = &self.buffers.krylov;
         KernelTask {
-            ids: own.ids.address(),
+            ids: self.buffers.names[0].address(),
             krylov: own.state.address(),
             list_weights: own.scales.address(),
             list_sums: own.sums.address(),

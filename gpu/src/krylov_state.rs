@@ -15,7 +15,6 @@ pub(crate) const SCALARS: usize = 3;
 #[derive(Default)]
 pub(crate) struct KrylovBuffers {
     pub state: Buffer,
-    pub ids: Buffer,
     pub scales: Buffer,
     pub remainder: Buffer,
     /// Sums of blocks.

@@ -42,8 +42,17 @@ impl NumberFormat {
 
 /// Fractions of the box's edges in units of `2^-64`, as unsigned integers that are wrapped at one.
 pub(crate) fn fixed_points(fractions: &[f64]) -> Vec<u8> {
-    let scaled = |fraction: f64| (((fraction - fraction.floor()) * 2_f64.powi(64)).round() as u128) as u64;
-    mapped(fractions, |&fraction| scaled(fraction).to_ne_bytes()).into_flattened()
+    mapped(fractions, |&fraction| (scaled(fraction) as u64).to_ne_bytes()).into_flattened()
+}
+
+/// Whole edges that [`fixed_points`] leaves out of fractions.
+pub(crate) fn periods_of(fractions: &[f64]) -> impl Iterator<Item = i32> {
+    fractions.iter().map(|&fraction| fraction.floor() as i32 + (scaled(fraction) >> 64) as i32)
+}
+
+/// Part of a fraction beyond whole edges, up to `2^64`, where it is rounded to one.
+fn scaled(fraction: f64) -> u128 {
+    ((fraction - fraction.floor()) * 2_f64.powi(64)).round() as u128
 }
 
 /// Polynomials of a derivative of the window: coefficients from the highest power on, each a row of the points.

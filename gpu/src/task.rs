@@ -50,6 +50,7 @@ pub struct KernelTask {
     pub(crate) strain_rates: DeviceAddress,
     pub(crate) ids: DeviceAddress,
     pub(crate) krylov: DeviceAddress,
+    pub(crate) periods: DeviceAddress,
     pub(crate) scanned: DeviceAddress,
     pub(crate) scan_totals: DeviceAddress,
     pub(crate) list_x: DeviceAddress,

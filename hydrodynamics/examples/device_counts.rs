@@ -42,7 +42,7 @@ const GROUPS: [(&str, &[&str]); 7] = [
     ("far field", &["gather_loads", "spread_", "transform", "solve_", "interpolate_", "pair_motions"]),
     ("near pairs, and preconditioner", &["row_loads", "step_pairs", "turn_pairs", "remainder_"]),
     ("vectors and sums", &["combine_", "sum_", "step_all", "measure_", "start_", "gather_all", "coupled_"]),
-    ("random motions", &["random_modes", "krylov_"]),
+    ("random motions and loads", &["random_", "krylov_"]),
 ];
 
 impl CountedCase {
@@ -130,11 +130,15 @@ impl CountedCase {
         on_card.mobility().apply(&solution.far, Output::All);
         stage("an evaluation with loads and motions of the host", &before);
         // The first draws take memory and record commands.
-        let mut draw = |number: u64| on_card.noise(&cell, &particles, TOLERANCE, Stream::new(1, number)).1.iterations;
+        let mut draw = |number: u64| {
+            let stream = Stream::new(1, number);
+            on_card.pair_noise(&cell, &particles, None, stream);
+            on_card.noise(&cell, &particles, TOLERANCE, stream).1.iterations
+        };
         (0..2).for_each(|number| assert!(draw(number) > 0));
         let before = counts.borrow().clone();
         let iterations = draw(2);
-        stage(&format!("random motions of a Brownian step, {iterations} iterations"), &before);
+        stage(&format!("random motions and loads of a Brownian step, {iterations} iterations"), &before);
         Ok(())
     }
 }

@@ -15,16 +15,16 @@ use simd::{SimdVector as Width, VectorKernel};
 use solver::Real;
 
 /// Keys of the random streams for pairs and for spheres at walls.
-const OF_PAIR: u64 = 3;
+pub const OF_PAIR: u64 = 3;
 const OF_WALL: u64 = 4;
 
 /// Number of rows that a thread processes at a time.
 const BATCH: usize = 64;
 
-/// Random forces and torques `B zeta` on a rank's particles, with `B` the factor of the lubrication resistance `B B^T`
-/// and `zeta` one standard normal number per mode of each pair. The numbers are keyed by the ids and the periodic image
-/// of a pair, so that all ranks draw the same. Collective.
-pub fn loads(
+/// Random forces and torques of pairs `B zeta` on a rank's particles, with `B` the factor of the lubrication resistance
+/// `B B^T` and `zeta` one standard normal number per mode of each pair. The numbers are keyed by the ids and the
+/// periodic image of a pair, so that all ranks draw the same. Collective.
+pub fn loads_of_pairs(
     field: &mut NearField,
     particles: &Particles,
     bodies: Option<&RigidBodies>,
@@ -64,9 +64,6 @@ pub fn loads(
     for (row, [force, torque]) in parts.into_iter().flatten() {
         sums[row][0] += force;
         sums[row][1] += torque;
-    }
-    if let Some(force) = &field.at_walls {
-        add_at_walls(&mut sums, force, particles, cell, stream);
     }
     let of = |k: usize| sums.iter().map(|sum| sum[k]).collect();
     Loads { forces: of(0), torques: of(1), stresslets: Vec::new() }
@@ -130,23 +127,17 @@ impl VectorKernel<f64> for NoisePairs<'_> {
     }
 }
 
-/// Adds the random loads due to walls.
-fn add_at_walls(
-    sums: &mut [[Vector; 2]],
-    force: &WallForce,
-    particles: &Particles,
-    cell: &PeriodicBox,
-    stream: Stream,
-) {
-    for (row, sum) in sums.iter_mut().enumerate() {
+/// Adds the random loads due to walls, one of each particle.
+pub fn add_at_walls(loads: &mut Loads, force: &WallForce, particles: &Particles, cell: &PeriodicBox, stream: Stream) {
+    for (row, (total_force, total_torque)) in loads.forces.iter_mut().zip(&mut loads.torques).enumerate() {
         for to in cell.to_walls(particles.positions[row]) {
             let Some(factor) = force.factor(to.axis, to.distance, particles.radii[row]) else { continue };
             let mut random = stream.of(OF_WALL, 2 * particles.ids[row] + to.wall as u64);
             let mut modes = [0.0; WallFactor::MODES];
             modes.chunks_exact_mut(2).for_each(|pair| pair.copy_from_slice(&random.normal()));
             let loads = factor.loads(&modes);
-            sum[0] += loads.force;
-            sum[1] += loads.torque;
+            *total_force += loads.force;
+            *total_torque += loads.torque;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Solve of the far field together with near pairs, where the far field is evaluated.
 
 use crate::conjugate_gradients::{IterationOutcome, Limits};
-use domain::{Comm, Units};
+use domain::{Comm, Particles, Units};
 use gpu::{NearInFlow, NearInput, NearTables};
 
 /// A far field that finds near pairs, assembles their resistance, and solves for motions and stresslets of rigid
@@ -10,6 +10,11 @@ pub trait CoupledFarField {
     /// Finds the near pairs of the arranged particles and assembles their resistance, by tables that are made once.
     /// All numbers are in the units of the far field, except for a force.
     fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> NearInFlow;
+
+    /// Random forces and torques, six numbers a particle, whose covariance is the resistance of the near pairs of the
+    /// arranged particles, by tables that are made once, as in [`Self::assemble`]. The seed is that of the numbers of
+    /// pairs, which depend on the ids of the particles and their steps across the faces of the box.
+    fn random_loads(&mut self, tables: &dyn Fn() -> NearTables, particles: &Particles, seed: u64) -> Vec<f64>;
 
     /// Solves a problem for the arranged particles, which have stresslets, with the near pairs that were assembled
     /// last.

@@ -127,6 +127,11 @@ impl Mobility {
         if is_rigid { self.far.coupled() } else { None }
     }
 
+    /// The far field, if it finds near pairs and draws their random loads, which have no flow of [`Self::constrain`].
+    pub fn near_pairs(&mut self) -> Option<&mut dyn CoupledFarField> {
+        self.far.coupled()
+    }
+
     /// The far field, if it adds up forces between surfaces.
     pub fn surface(&mut self) -> Option<&mut dyn SurfaceFarField> {
         self.far.surface()

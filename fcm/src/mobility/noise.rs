@@ -35,7 +35,8 @@ impl Stream {
         Random::new(self.seed_of(kind), name)
     }
 
-    fn seed_of(self, kind: u64) -> u64 {
+    /// Seed of the numbers of a kind.
+    pub fn seed_of(self, kind: u64) -> u64 {
         self.seed ^ kind.wrapping_mul(0xa076_1d64_78bd_642f)
     }
 

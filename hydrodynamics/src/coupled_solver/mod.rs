@@ -5,14 +5,13 @@ mod lubricated_solve;
 mod near_pairs;
 mod on_device;
 mod perturbed_solve;
+mod random_loads;
 mod surface_forces;
 mod swimming;
 
 pub use perturbed_solve::DisplacedSpheres;
 
 use crate::ambient::StrainRate;
-use crate::bodies::RigidBodies;
-use crate::noise;
 use crate::pairs::lists::NearLists;
 use crate::pairs::lubrication::PairLubrication;
 use crate::pairs::search::NearField;
@@ -22,7 +21,7 @@ use crate::system::single;
 use crate::units::{self, Scaled};
 use constant_flux::ConstantFlux;
 use domain::parallel::{FusedLoops, change, mapped, stage};
-use domain::{DomainView, Interrupt, Particles, Partition, PeriodicBox, Units};
+use domain::{Interrupt, Particles, Partition, PeriodicBox, Units};
 use fcm::{
     DrawDiagnostics, Loads, Mobility, Motion, Plan, RigidInput, SolveError, Stream, StressletSolver, SurfaceLaws,
 };
@@ -241,31 +240,6 @@ impl CoupledSolver {
     pub fn add_divergence(&mut self, cell: &PeriodicBox, particles: &Particles, times: f64, motion: &mut Motion) {
         if let Some(divergence) = self.far.mobility().divergence_at_walls(cell, particles) {
             motion.add(times, &divergence);
-        }
-    }
-
-    /// Random forces and torques whose covariance is the lubrication resistance of free spheres and of those of bodies;
-    /// empty without lubrication. Collective.
-    pub fn pair_noise(
-        &mut self,
-        cell: &PeriodicBox,
-        particles: &Particles,
-        bodies: Option<&RigidBodies>,
-        stream: Stream,
-    ) -> Loads {
-        let Some(field) = self.near.as_mut().filter(|field| field.lubrication.is_some()) else {
-            return Loads::default();
-        };
-        let (units, own) = (self.units, units::particles(particles, &self.units));
-        let view = DomainView { cell: &cell.scaled(1.0 / units.length), partition: &self.partition };
-        let bodies = bodies.map(|bodies| bodies.in_units(&units));
-        let loads = noise::loads(field, &own, bodies.as_ref(), view, stream);
-        // Square roots of the units of translational and rotational resistance.
-        let [force, torque] = [units.length, units.length.powi(3)].map(|size| (size * units.viscosity).sqrt());
-        Loads {
-            forces: mapped(&loads.forces, |&f| f * force),
-            torques: mapped(&loads.torques, |&t| t * torque),
-            stresslets: Vec::new(),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Near pairs of a solve.
 
 use crate::coupled_solver::{CoupledSolver, in_units};
-use crate::pairs::search::{Connections, NearPairs};
+use crate::pairs::search::{Connections, NearField, NearPairs};
 use crate::solution::SolveInput;
 use crate::springs::Springs;
 use crate::system::SingleSpheres;
@@ -57,16 +57,7 @@ impl CoupledSolver {
         let mut near = self.pairs_of_host(cell, own, acting, true);
         let plan = self.far.mobility().plan();
         let (viscosity, radii) = (plan.viscosity / self.units.viscosity, in_units(&plan.radii, self.units.length));
-        let lubrication = self.near.as_ref().and_then(|near| near.lubrication.as_ref());
-        let tables = || {
-            let SingleSpheres { motion, strain } = SingleSpheres::new(viscosity, &radii);
-            let alone = motion.iter().zip(&strain).map(|(motion, &strain)| [motion.0[0], motion.0[3], strain]);
-            let resistances = alone.collect();
-            match lubrication {
-                Some(lubrication) => lubrication.tables(viscosity, resistances),
-                None => NearTables { resistances, ..NearTables::default() },
-            }
-        };
+        let tables = || near_tables(self.near.as_ref(), viscosity, &radii);
         let given = (!near.is_empty()).then(|| near.rows());
         let surface = self.surface_laws.as_ref().filter(|_| acting.surface_forces);
         let input = NearInput { background: acting.strain_rate.at_zero.0, given: given.as_ref(), surface };
@@ -84,5 +75,17 @@ impl CoupledSolver {
         let is_free = acting.bodies.is_none() && acting.squirming.is_none() && acting.strain_rate.is_uniform();
         let is_between_pairs = self.near.as_ref().is_some_and(|near| near.at_walls.is_none());
         is_free && self.preconditioned && is_between_pairs && self.far.mobility().coupled().is_some()
+    }
+}
+
+/// Tables of the lubrication of a near field between spheres of some radii, if it has lubrication, and their single
+/// resistances.
+pub(super) fn near_tables(near: Option<&NearField>, viscosity: f64, radii: &[f64]) -> NearTables {
+    let SingleSpheres { motion, strain } = SingleSpheres::new(viscosity, radii);
+    let alone = motion.iter().zip(&strain).map(|(motion, &strain)| [motion.0[0], motion.0[3], strain]);
+    let resistances = alone.collect();
+    match near.and_then(|near| near.lubrication.as_ref()) {
+        Some(lubrication) => lubrication.tables(viscosity, resistances),
+        None => NearTables { resistances, ..NearTables::default() },
     }
 }

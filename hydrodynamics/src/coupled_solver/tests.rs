@@ -2,6 +2,7 @@
 
 mod bodies;
 mod constant_flux;
+mod device_noise;
 mod device_pairs;
 mod device_ranks;
 mod device_surface;
@@ -20,7 +21,7 @@ use crate::six_vector::SixVectors;
 use crate::solution::NO_AMBIENT;
 use crate::springs::Springs;
 use crate::squirming::Squirming;
-use domain::{Comm, Traceless, Vector, random_packing};
+use domain::{Comm, DomainView, Traceless, Vector, random_packing};
 use fcm::{Costs, Fixed, Loading, Multipoles, Output, Precision, Problem};
 use lubrication::{PairMotion, SlipForce};
 use std::f64::consts::PI;

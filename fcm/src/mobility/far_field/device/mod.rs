@@ -28,7 +28,7 @@ use crate::plan::device::number_of_card;
 use domain::parallel::{equal, mapped};
 use domain::{Halo, Particles, Partition, PeriodicBox, Traceless, Units, Vector, sphere};
 use gpu::{
-    Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, PlacedParticles,
+    Cuda, Device, DeviceError, DeviceMotion, LoadFactors, NearInFlow, NearInput, NearTables, PairDraw, PlacedParticles,
     SplitFarField, SurfaceLaws,
 };
 use images::{HostImages, PlacedClasses};
@@ -126,6 +126,16 @@ impl DeviceFarField {
         self.halo.is_alone().then_some(self)
     }
 
+    /// Copies the tables of near pairs to the device, unless they are there.
+    fn copy_near_tables(&mut self, tables: &dyn Fn() -> NearTables) {
+        let mut split = self.split.borrow_mut();
+        if !split.has_near_tables() {
+            let tables = tables();
+            succeeded(split.set_near_tables(&tables));
+            self.largest_resistance = tables.resistances.iter().flatten().copied().fold(0.0, f64::max);
+        }
+    }
+
     /// Viscosity in internal units.
     fn viscosity(&self) -> f64 {
         self.plan.viscosity / self.units.viscosity
@@ -187,7 +197,7 @@ impl FarField for DeviceFarField {
             let peers = RankPeers { comm: self.partition.comm().clone(), halo: Rc::clone(&halo) };
             self.split.borrow_mut().set_peers(Rc::new(peers));
         }
-        let fractions = mapped(&positions, |&x| frame.fractions(x).to_array());
+        let fractions = frame.all_fractions(&positions);
         let placed = PlacedParticles { fractions: fractions.as_flattened(), classes: &classes, owned: halo.owned() };
         succeeded(self.split.borrow_mut().arrange(&placed));
         if let Some(images) = &mut self.images {
@@ -286,13 +296,18 @@ impl SurfaceFarField for DeviceFarField {
 
 impl CoupledFarField for DeviceFarField {
     fn assemble(&mut self, tables: &dyn Fn() -> NearTables, input: &NearInput) -> NearInFlow {
-        let mut split = self.split.borrow_mut();
-        if !split.has_near_tables() {
-            let tables = tables();
-            succeeded(split.set_near_tables(&tables));
-            self.largest_resistance = tables.resistances.iter().flatten().copied().fold(0.0, f64::max);
-        }
-        succeeded(split.assemble_near(input))
+        self.copy_near_tables(tables);
+        succeeded(self.split.borrow_mut().assemble_near(input))
+    }
+
+    fn random_loads(&mut self, tables: &dyn Fn() -> NearTables, particles: &Particles, seed: u64) -> Vec<f64> {
+        self.copy_near_tables(tables);
+        let inverse = 1.0 / self.units.length;
+        let frame = self.tables.frame(&self.cell.scaled(inverse));
+        let fractions = frame.all_fractions(&mapped(&particles.positions, |&x| x * inverse));
+        let (ids, fractions, steps) = (&particles.ids[..], fractions.as_flattened(), &particles.steps[..]);
+        let draw = PairDraw { ids, fractions, steps, seed };
+        succeeded(self.split.borrow_mut().random_pair_loads(&draw))
     }
 
     fn solve(&mut self, problem: &CoupledProblem) -> CoupledSolution {

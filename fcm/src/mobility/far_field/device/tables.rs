@@ -33,9 +33,10 @@ pub(super) struct GridFrame {
 }
 
 impl GridFrame {
-    /// Lattice coordinates of a position as fractions of the edges.
-    pub fn fractions(&self, position: Vector) -> Vector {
-        self.lattice.lattice_coordinates(position - self.first) / self.lattice.edges()
+    /// Lattice coordinates of positions as fractions of the edges.
+    pub fn all_fractions(&self, positions: &[Vector]) -> Vec<[f64; 3]> {
+        let of_one = |position| self.lattice.lattice_coordinates(position - self.first) / self.lattice.edges();
+        mapped(positions, |&position| of_one(position).to_array())
     }
 }
 
